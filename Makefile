@@ -1,0 +1,40 @@
+# Every target works as the first command in a fresh clone: each makes the environment it needs.
+PYTHON ?= python3
+BIN := .venv/bin
+STAMP := .venv/.installed
+export OPENBLAS_NUM_THREADS ?= 1
+
+.PHONY: setup check test demo serve bench sync-client lock
+
+$(STAMP): pyproject.toml requirements.lock
+	$(PYTHON) -m venv .venv
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check -r requirements.lock
+	$(BIN)/python -m pip install --quiet --disable-pip-version-check --no-deps --editable .
+	@touch $@
+
+setup: $(STAMP) ## make .venv with everything
+
+check: setup ## format, lint, types, floors
+	$(BIN)/ruff format --check .
+	$(BIN)/ruff check .
+	$(BIN)/mypy
+	$(BIN)/lint-imports
+
+test: setup ## the whole test suite, with branch coverage
+	$(BIN)/python -m pytest -n 2 --cov --cov-report=term
+
+demo: setup ## chapter 5 of the thesis and a diagnosis, through HTTP
+	$(BIN)/modallab demo
+
+serve: setup ## the service on http://127.0.0.1:8000
+	$(BIN)/modallab serve
+
+bench: setup ## speed as ratios against a limit or a peer of the same run
+	$(BIN)/python -m benchmarks
+
+sync-client: setup ## write the synchronous client from the asynchronous one
+	$(BIN)/python client/unasync.py
+
+lock: setup ## renew requirements.lock
+	$(BIN)/python -m pip install --quiet uv
+	$(BIN)/uv pip compile --quiet --universal --no-header --no-annotate --extra dev --python-version 3.11 pyproject.toml -o requirements.lock

@@ -1,0 +1,1 @@
+"""What every floor shares: types of a response, errors, families of parts, fitted numbers."""

@@ -1,0 +1,50 @@
+"""Read-only arrays of a checked shape, as every domain type holds them."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from modallab.core.errors import InvalidInputError
+
+FloatArray = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+IntArray = NDArray[np.int64]
+BoolArray = NDArray[np.bool_]
+
+
+def frozen(values: ArrayLike, dtype: type, shape: Sequence[int | None], *, name: str = "array") -> NDArray[Any]:
+    """Return a read-only copy of `values`, its shape checked.
+
+    Parameters
+    ----------
+    values
+        Anything numpy reads as an array.
+    dtype
+        Element type of the copy.
+    shape
+        Expected shape; None where any length will do.
+    name
+        What the array is called in the error.
+
+    Raises
+    ------
+    InvalidInputError
+        If the shape differs or a value is not finite.
+    """
+    array = np.array(values, dtype=dtype)
+    fits = array.ndim == len(shape) and all(
+        want is None or got == want for got, want in zip(array.shape, shape, strict=True)
+    )
+    if not fits:
+        raise InvalidInputError(
+            f"{name} has the wrong shape", field=name, value=str(array.shape), allowed=str(tuple(shape))
+        )
+    if array.dtype.kind in "fc" and not np.isfinite(array).all():
+        first = np.argwhere(~np.isfinite(array))[0]
+        raise InvalidInputError(
+            f"{name} holds a value that is not finite", field=name, index=str(tuple(int(i) for i in first))
+        )
+    array.flags.writeable = False
+    return array

@@ -1,0 +1,56 @@
+"""Frequency responses on one axis."""
+
+from dataclasses import dataclass, replace
+from enum import StrEnum
+
+import numpy as np
+
+from modallab.core.arrays import ComplexArray, FloatArray, frozen
+from modallab.core.dof import Dof
+from modallab.core.errors import InvalidInputError
+
+
+class FrfKind(StrEnum):
+    """Motion per force; each is the time derivative of the one before."""
+
+    RECEPTANCE = "receptance"  # m/N
+    MOBILITY = "mobility"  # m/(s N)
+    INERTANCE = "inertance"  # m/(s^2 N)
+
+
+@dataclass(frozen=True, eq=False)
+class FrfSet:
+    """Frequency responses on one axis; time convention exp(+i omega t)."""
+
+    freq: FloatArray  # (n_freq,) Hz, rising, not negative
+    values: ComplexArray  # (n_freq, n_out, n_in), unit of `kind`
+    outputs: tuple[Dof, ...]
+    inputs: tuple[Dof, ...]
+    kind: FrfKind
+
+    def __post_init__(self) -> None:
+        shape = (len(self.freq), len(self.outputs), len(self.inputs))
+        object.__setattr__(self, "freq", frozen(self.freq, float, shape[:1], name="freq"))
+        object.__setattr__(self, "values", frozen(self.values, complex, shape, name="values"))
+        if shape[0] == 0 or self.freq[0] < 0 or (np.diff(self.freq) <= 0).any():
+            raise InvalidInputError("the frequency axis must rise from 0 Hz or above", field="freq")
+
+    def to(self, kind: FrfKind) -> "FrfSet":
+        """Return the same responses as another kind: one factor i omega a step.
+
+        Raises
+        ------
+        InvalidInputError
+            If the line at 0 Hz would have to be integrated: drop it with `between` first.
+        """
+        order = list(FrfKind)
+        steps = order.index(kind) - order.index(self.kind)
+        if steps < 0 and self.freq[0] == 0:
+            raise InvalidInputError(f"{self.kind} at 0 Hz has no {kind}", field="freq", value=0.0)
+        factor = (2j * np.pi * self.freq) ** steps
+        return replace(self, values=self.values * factor[:, None, None], kind=kind)
+
+    def between(self, lower: float, upper: float) -> "FrfSet":
+        """Return the lines with lower < f <= upper, Hz."""
+        keep = (self.freq > lower) & (self.freq <= upper)
+        return replace(self, freq=self.freq[keep], values=self.values[keep])

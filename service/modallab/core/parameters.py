@@ -1,0 +1,44 @@
+"""Numbers that may be fitted: unit, bounds and meaning said once, where the number is declared."""
+
+from dataclasses import dataclass, field, fields
+from typing import Any
+
+from modallab.core.errors import InvalidInputError
+
+
+@dataclass(frozen=True)
+class ParameterSpec:
+    """What a fitted number means; `absent` is the value at which it has no effect."""
+
+    unit: str
+    lower: float
+    upper: float
+    absent: float
+    doc: str
+
+
+def parameter(
+    default: float, *, unit: str, lower: float, upper: float, doc: str, absent: float = 0.0
+) -> Any:
+    """Declare a dataclass field that may be fitted; unit and bounds live here only."""
+    return field(default=default, metadata={"spec": ParameterSpec(unit, lower, upper, absent, doc)})
+
+
+class Parameterised:
+    """Mix-in for frozen dataclasses with `parameter` fields."""
+
+    @classmethod
+    def specs(cls) -> dict[str, ParameterSpec]:
+        """Return the specification of every fitted number by name."""
+        return {f.name: f.metadata["spec"] for f in fields(cls) if "spec" in f.metadata}  # type: ignore[arg-type]
+
+    def __post_init__(self) -> None:
+        for name, spec in self.specs().items():
+            value = getattr(self, name)
+            if not spec.lower <= value <= spec.upper:  # NaN fails too
+                raise InvalidInputError(
+                    f"{name} is out of bounds",
+                    field=name,
+                    value=value,
+                    allowed=f"{spec.lower} to {spec.upper} {spec.unit}",
+                )

@@ -1,0 +1,1 @@
+"""Finite elements: structures, their assembly and their dynamics."""
