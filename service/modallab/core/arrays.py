@@ -14,7 +14,9 @@ IntArray = NDArray[np.int64]
 BoolArray = NDArray[np.bool_]
 
 
-def frozen(values: ArrayLike, dtype: type, shape: Sequence[int | None], *, name: str = "array") -> NDArray[Any]:
+def frozen(
+    values: ArrayLike, dtype: type, shape: Sequence[int | None], *, name: str = "array"
+) -> NDArray[Any]:
     """Return a read-only copy of `values`, its shape checked.
 
     Parameters
@@ -33,7 +35,7 @@ def frozen(values: ArrayLike, dtype: type, shape: Sequence[int | None], *, name:
     InvalidInputError
         If the shape differs or a value is not finite.
     """
-    array = np.array(values, dtype=dtype)
+    array: NDArray[Any] = np.array(values, dtype=dtype)
     fits = array.ndim == len(shape) and all(
         want is None or got == want for got, want in zip(array.shape, shape, strict=True)
     )

@@ -17,9 +17,7 @@ class ParameterSpec:
     doc: str
 
 
-def parameter(
-    default: float, *, unit: str, lower: float, upper: float, doc: str, absent: float = 0.0
-) -> Any:
+def parameter(default: float, *, unit: str, lower: float, upper: float, doc: str, absent: float = 0.0) -> Any:
     """Declare a dataclass field that may be fitted; unit and bounds live here only."""
     return field(default=default, metadata={"spec": ParameterSpec(unit, lower, upper, absent, doc)})
 

@@ -1,0 +1,38 @@
+"""Where an effect acts, and an effect as plain data."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+
+from modallab.core.dof import Dof
+
+
+@dataclass(frozen=True)
+class Members:
+    """Members of a structure by number."""
+
+    numbers: tuple[int, ...]
+
+    def __str__(self) -> str:
+        return "members " + ", ".join(map(str, self.numbers))
+
+
+@dataclass(frozen=True)
+class Channels:
+    """Response channels, named by the DoF each one measures."""
+
+    dofs: tuple[Dof, ...]
+
+    def __str__(self) -> str:
+        return "channels " + ", ".join(map(str, self.dofs))
+
+
+Place = Dof | Members | Channels | None  # None: everywhere
+
+
+@dataclass(frozen=True)
+class EffectSpec:
+    """An effect as a log book or a request names it; `rig.effect.build` gives it its physics."""
+
+    kind: str
+    at: Place = None
+    parameters: Mapping[str, float] = field(default_factory=dict)

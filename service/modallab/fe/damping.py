@@ -1,0 +1,52 @@
+"""Damping laws of a structure."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from modallab.core.errors import InvalidInputError
+
+
+def _not_negative(name: str, *values: float) -> None:
+    for value in values:
+        if not (np.isfinite(value) and value >= 0):
+            raise InvalidInputError(f"{name} must not be negative", field=name, value=value, allowed=">= 0")
+
+
+@dataclass(frozen=True)
+class StructuralDamping:
+    """Hysteretic: D = a M + b K, so that eta_r = a / lambda_r + b."""
+
+    stiffness_coefficient: float = 0.0  # b
+    mass_coefficient: float = 0.0  # a, rad^2/s^2
+
+    def __post_init__(self) -> None:
+        _not_negative("stiffness_coefficient", self.stiffness_coefficient)
+        _not_negative("mass_coefficient", self.mass_coefficient)
+
+
+@dataclass(frozen=True)
+class ViscousDamping:
+    """C = a M + b K."""
+
+    stiffness_coefficient: float = 0.0  # b, s
+    mass_coefficient: float = 0.0  # a, 1/s
+
+    def __post_init__(self) -> None:
+        _not_negative("stiffness_coefficient", self.stiffness_coefficient)
+        _not_negative("mass_coefficient", self.mass_coefficient)
+
+
+@dataclass(frozen=True)
+class ModalDamping:
+    """Loss factors of the elastic modes in rising order; the last one holds for all above."""
+
+    loss_factors: tuple[float, ...]  # eta_r; of a damping ratio zeta: 2 zeta
+
+    def __post_init__(self) -> None:
+        if not self.loss_factors:
+            raise InvalidInputError("modal damping needs a loss factor", field="loss_factors")
+        _not_negative("loss_factors", *self.loss_factors)
+
+
+Damping = StructuralDamping | ViscousDamping | ModalDamping

@@ -1,0 +1,32 @@
+"""What an element is: a pure function of a member that returns its matrices, part by part."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+
+from modallab.core.arrays import FloatArray
+from modallab.core.registry import Family
+
+
+@dataclass(frozen=True)
+class Bar:
+    """A straight member of constant section, in its own axes."""
+
+    length: float  # m
+    area: float  # m^2
+    second_moment: float  # m^4
+    modulus: float  # N/m^2
+    density: float  # kg/m^3
+
+
+@dataclass(frozen=True)
+class ElementParts:
+    """Matrices of one element in its own axes, each (6, 6): DoFs (u, v, theta) at each end.
+
+    Every part can be corrected by a coefficient of its own.
+    """
+
+    mass: FloatArray  # kg, kg m, kg m^2
+    stiffness: Mapping[str, FloatArray]  # "axial", "bending": N/m, N, N m
+
+
+ELEMENTS: Family[Callable[[Bar], ElementParts]] = Family("element")

@@ -1,0 +1,198 @@
+"""Modes of mass, stiffness and damping, and the receptance they add up to."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import eig, eigh
+from scipy.sparse import csc_array
+from scipy.sparse.linalg import LinearOperator, eigsh, splu
+
+from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.core.errors import InvalidInputError
+
+COUPLED = 1e-9  # off-diagonal modal damping, relative to the diagonal, above which modes turn complex
+
+
+@dataclass(frozen=True, eq=False)
+class ModalBasis:
+    """Mass-normalised modes (phi^T M phi = 1, plain transpose), rigid-body modes first.
+
+    `eigenvalues` hold structural damping; viscous damping stands beside them, as it depends on
+    frequency. Where modes above `frequency_max` were left out, `flexibility` gives what they add,
+    as a constant.
+    """
+
+    eigenvalues: ComplexArray  # (m,) omega_r^2 (1 + i eta_r), rad^2/s^2
+    shapes: FloatArray | ComplexArray  # (n, m), 1/sqrt(kg)
+    n_rigid_body: int
+    viscous: FloatArray | None = None  # (m, m) Phi^T C Phi, 1/s
+    frequency_max: float = np.inf  # Hz
+    flexibility: Callable[[FloatArray, FloatArray], FloatArray] | None = None
+
+    def elastic(self, count: int | None = None) -> "ModalBasis":
+        """Return the first `count` elastic modes alone; damping between modes is left out."""
+        if count is not None and count < 1:
+            raise InvalidInputError("at least one mode", field="count", value=count, allowed=">= 1")
+        stop = None if count is None else self.n_rigid_body + count
+        keep = slice(self.n_rigid_body, stop)
+        viscous = None if self.viscous is None else self.viscous[keep, keep]
+        return ModalBasis(self.eigenvalues[keep], self.shapes[:, keep], 0, viscous, self.frequency_max)
+
+    @property
+    def frequencies(self) -> FloatArray:
+        """(m,) Hz, sqrt(Re lambda) / 2 pi."""
+        return np.asarray(np.sqrt(np.maximum(self.eigenvalues.real, 0.0)) / (2 * np.pi))
+
+    @property
+    def loss_factors(self) -> FloatArray:
+        """(m,) Im lambda / Re lambda, with 2 zeta of viscous damping added; 0 for rigid-body modes."""
+        square = self.eigenvalues.real
+        lost = self.eigenvalues.imag.copy()
+        if self.viscous is not None:
+            lost += np.sqrt(np.maximum(square, 0.0)) * np.diag(self.viscous)
+        return np.divide(lost, square, out=np.zeros_like(lost), where=square > 0)
+
+    def at(self, omega: FloatArray) -> "ModalResponse":
+        """Return the modes' response at `omega` (n_freq,) rad/s, above zero."""
+        return ModalResponse(self, omega)
+
+
+class ModalResponse:
+    """Modes answering at fixed frequencies; their denominators are formed once."""
+
+    def __init__(self, basis: ModalBasis, omega: FloatArray) -> None:
+        self.basis, self.omega = basis, omega
+        direct = basis.eigenvalues - (omega**2)[:, None]
+        c = basis.viscous
+        self._inverse: ComplexArray | None = None
+        if c is not None:
+            loss = np.diag(c)
+            direct = direct + 1j * omega[:, None] * loss
+            coupling = c - np.diag(loss)
+            if np.abs(coupling).max(initial=0.0) > COUPLED * np.abs(loss).max():
+                full = 1j * omega[:, None, None] * coupling + direct[:, :, None] * np.eye(len(loss))
+                self._inverse = np.asarray(np.linalg.inv(full), complex)
+        self._d = 1.0 / direct  # (n_freq, m)
+
+    def receptance(self, left: FloatArray, right: FloatArray) -> ComplexArray:
+        """Return left^T alpha right, (n_freq, n_left, n_right), m/N, for columns (n, .)."""
+        phi_l, phi_r = left.T @ self.basis.shapes, right.T @ self.basis.shapes
+        coupled = self._inverse
+        alpha = self._sum(phi_l, phi_r) if coupled is None else phi_l @ coupled @ phi_r.T
+        if self.basis.flexibility is not None:
+            alpha = alpha + self.basis.flexibility(left, right)
+        return alpha
+
+    def _sum(self, phi_l: FloatArray | ComplexArray, phi_r: FloatArray | ComplexArray) -> ComplexArray:
+        shape = (len(self.omega), len(phi_l), len(phi_r))
+        constants = (phi_l[:, None, :] * phi_r[None, :, :]).reshape(-1, phi_l.shape[1])
+        if np.iscomplexobj(constants):
+            return np.asarray(self._d @ constants.T).reshape(shape)
+        # One real product of interleaved parts: at 80 to 90 % of a plain matrix product, against
+        # 7 % for the complex sum written as an einsum.
+        parts = np.ascontiguousarray(self._d).view(float).reshape(len(self.omega), -1, 2)
+        rows = parts.swapaxes(1, 2).reshape(2 * len(self.omega), -1)
+        summed = (rows @ constants.T).reshape(len(self.omega), 2, -1)
+        return (summed[:, 0] + 1j * summed[:, 1]).reshape(shape)
+
+
+def rigid_body_modes(mass: csc_array, stiffness: csc_array, candidates: FloatArray | None) -> FloatArray:
+    """Return the mass-normalised motions (n, n_rigid) among the candidates that strain nothing."""
+    n = mass.shape[0]
+    if candidates is None or candidates.shape[1] == 0:
+        return np.zeros((n, 0))
+    values, turn = eigh(candidates.T @ (mass @ candidates))
+    heavy = values > 1e-12 * values[-1]
+    shapes = candidates @ (turn[:, heavy] / np.sqrt(values[heavy]))
+    energy, turn = eigh(shapes.T @ (stiffness @ shapes))
+    # What rounding leaves of an exact zero: entries of K of this size cancelled in the product.
+    rounding = 1e3 * np.finfo(float).eps * abs(stiffness).max() * (shapes**2).sum(axis=0).max()
+    return np.asarray(shapes @ turn[:, energy < rounding])
+
+
+def modal_basis(
+    mass: csc_array,
+    stiffness: csc_array,
+    damping: csc_array | None,
+    viscous: csc_array | None,
+    rigid: FloatArray | None,
+    *,
+    frequency_max: float = np.inf,
+) -> ModalBasis:
+    """Return the modes of a system up to `frequency_max`, Hz; all of them if that is infinite.
+
+    Parameters
+    ----------
+    mass, stiffness, damping, viscous
+        (n, n) kg, N/m, N/m (structural), N s/m.
+    rigid
+        (n, n_rigid) motions of the geometry that strain no member.
+    """
+    bodies = rigid_body_modes(mass, stiffness, rigid)
+    flexibility = None
+    if np.isinf(frequency_max):
+        squares, shapes = eigh(stiffness.toarray(), mass.toarray())
+        n_rigid = bodies.shape[1]
+        shapes = np.hstack([bodies, shapes[:, n_rigid:]])
+        squares = np.concatenate([np.zeros(n_rigid), squares[n_rigid:]])
+    else:
+        squares, shapes, flexibility = _lowest(mass, stiffness, bodies, (2 * np.pi * frequency_max) ** 2)
+    eigenvalues, shapes = _damped(squares, shapes, damping)
+    c = None if viscous is None else np.asarray((shapes.T @ (viscous @ shapes)).real)
+    return ModalBasis(eigenvalues, shapes, bodies.shape[1], c, frequency_max, flexibility)
+
+
+def _damped(
+    squares: FloatArray, shapes: FloatArray, damping: csc_array | None
+) -> tuple[ComplexArray, FloatArray | ComplexArray]:
+    """Return eigenvalues and shapes with structural damping, complex only where it couples modes."""
+    if damping is None:
+        return squares.astype(complex), shapes
+    modal = shapes.T @ (damping @ shapes)
+    loss = np.diag(modal)
+    scale = np.sqrt(np.outer(loss, loss)) + np.finfo(float).tiny
+    coupled = np.abs(modal - np.diag(loss)) > COUPLED * np.maximum(scale, loss.max() * 1e-9)
+    if not coupled.any():
+        return squares + 1j * loss, shapes
+    values, vectors = eig(np.diag(squares).astype(complex) + 1j * modal)
+    order = np.argsort(values.real)
+    values, vectors = values[order], vectors[:, order]
+    vectors = vectors / np.sqrt((vectors**2).sum(axis=0))
+    largest = vectors[np.abs(vectors).argmax(axis=0), np.arange(len(values))]
+    vectors = vectors * np.where(largest.real < 0, -1.0, 1.0)
+    return values, shapes @ vectors
+
+
+def _lowest(
+    mass: csc_array, stiffness: csc_array, bodies: FloatArray, highest: float
+) -> tuple[FloatArray, FloatArray, Callable[[FloatArray, FloatArray], FloatArray]]:
+    """Return modes below `highest`, rad^2/s^2, of a large system, and the flexibility of the rest."""
+    n = mass.shape[0]
+    # Factorising K + s M instead of K keeps a free structure regular; s near the first elastic
+    # eigenvalues keeps the low modes well apart.
+    shift = max(1e-3 * highest, 1.0)
+    factor = splu(
+        csc_array(stiffness + shift * mass),
+        permc_spec="MMD_AT_PLUS_A",
+        options={"SymmetricMode": True},
+    )
+    inverse = LinearOperator((n, n), matvec=factor.solve, dtype=float)
+    count = min(n - 1, 20 + bodies.shape[1])
+    while True:
+        start = np.ones(n)  # eigsh draws a random start otherwise: the same input, the same modes
+        squares, shapes = eigsh(stiffness, count, mass, sigma=-shift, OPinv=inverse, v0=start)
+        if squares.max() > highest or count == n - 1:
+            break
+        count = min(n - 1, 2 * count)
+    order = np.argsort(squares)[bodies.shape[1] :]
+    squares, shapes = squares[order], shapes[:, order]
+    keep = squares <= highest
+    squares = np.concatenate([np.zeros(bodies.shape[1]), squares[keep]])
+    shapes = np.hstack([bodies, shapes[:, keep]])
+
+    def flexibility(left: FloatArray, right: FloatArray) -> FloatArray:
+        counted = (left.T @ shapes / (squares + shift)) @ (right.T @ shapes).T
+        return np.asarray(left.T @ factor.solve(np.ascontiguousarray(right)) - counted)
+
+    return squares, shapes, flexibility

@@ -1,0 +1,223 @@
+"""The matrices of a structure, and what is attached to it without touching them."""
+
+from dataclasses import dataclass, field, replace
+from functools import cached_property
+
+import numpy as np
+from scipy.sparse import csc_array
+
+from modallab.core.arrays import ComplexArray, FloatArray, IntArray, frozen
+from modallab.core.dof import Dof
+from modallab.core.errors import InvalidInputError, UnknownDofError
+from modallab.fe.damping import Damping, StructuralDamping, ViscousDamping
+from modallab.fe.modes import ModalBasis, modal_basis
+
+SMALL = 250  # DoFs below which a dense eigen-solution is the faster one
+
+
+@dataclass(frozen=True, eq=False)
+class Attachment:
+    """A small system that hangs on some motions of the structure: q = columns^T x.
+
+    Its matrices are (r, r); it adds `columns Z columns^T` to the dynamic stiffness, with
+    Z = k + i d + i omega c - omega^2 m.
+    """
+
+    columns: FloatArray  # (n, r)
+    mass: FloatArray | None = None
+    stiffness: FloatArray | None = None
+    damping: FloatArray | None = None  # structural
+    viscous: FloatArray | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "columns", frozen(self.columns, float, (None, None), name="columns"))
+        r = self.columns.shape[1]
+        for name in ("mass", "stiffness", "damping", "viscous"):
+            value = getattr(self, name)
+            if value is not None:
+                object.__setattr__(self, name, frozen(value, float, (r, r), name=name))
+
+    def dynamic_stiffness(self, omega: FloatArray) -> ComplexArray:
+        """Return Z, (n_freq, r, r), N/m, at `omega` (n_freq,) rad/s."""
+        r = self.columns.shape[1]
+        w = omega[:, None, None]
+        z = np.zeros((len(omega), r, r), complex)
+        if self.mass is not None:
+            z -= w**2 * self.mass
+        if self.stiffness is not None:
+            z += self.stiffness
+        if self.damping is not None:
+            z += 1j * self.damping
+        if self.viscous is not None:
+            z += 1j * w * self.viscous
+        return z
+
+
+@dataclass(frozen=True, eq=False)
+class MemberTable:
+    """The matrices of each member as they stand in a system, and the damping law they follow."""
+
+    numbers: tuple[int, ...]
+    rows: IntArray  # (n_members, 6), -1 where a DoF is held
+    mass: FloatArray  # (n_members, 6, 6)
+    axial: FloatArray
+    bending: FloatArray
+    loss_factor: FloatArray  # (n_members,)
+    law: Damping
+
+    def position(self, number: int) -> int:
+        """Return the place of a member in the table."""
+        try:
+            return self.numbers.index(number)
+        except ValueError:
+            raise InvalidInputError(f"there is no member {number}", field="members", value=number) from None
+
+
+@dataclass(frozen=True, eq=False)
+class DynamicSystem:
+    """Mass, stiffness and damping of a structure with its DoFs, and what is attached to it.
+
+    The matrices are never changed: masses, springs and corrected members are attachments, so that
+    modes are solved for once and every loaded variant follows by the Woodbury identity.
+    """
+
+    mass: csc_array  # (n, n) kg
+    stiffness: csc_array  # (n, n) N/m
+    dofs: tuple[Dof, ...]
+    damping: csc_array | None = None  # (n, n) N/m, structural: K + iD
+    viscous: csc_array | None = None  # (n, n) N s/m
+    rigid: FloatArray | None = None  # (n, n_rigid) motions that strain no member
+    members: MemberTable | None = None
+    attachments: tuple[Attachment, ...] = ()
+    _shared: dict[str, object] = field(default_factory=dict, repr=False)  # solved once for all variants
+
+    @cached_property
+    def _index(self) -> dict[Dof, int]:
+        return {dof: i for i, dof in enumerate(self.dofs)}
+
+    def index(self, dof: Dof) -> int:
+        """Return the row of a DoF.
+
+        Raises
+        ------
+        UnknownDofError
+            If the system has no such DoF.
+        """
+        try:
+            return self._index[dof.point]
+        except KeyError:
+            here = ", ".join(str(d) for d in self.dofs if d.node == dof.node)
+            raise UnknownDofError(
+                f"the structure has no degree of freedom {dof}",
+                field="dof",
+                value=str(dof),
+                allowed=here or f"nodes {self.dofs[0].node} to {self.dofs[-1].node}",
+            ) from None
+
+    def selection(self, dofs: tuple[Dof, ...]) -> FloatArray:
+        """Return the (n, n_dof) columns that pick DoFs, with their signs."""
+        columns = np.zeros((len(self.dofs), len(dofs)))
+        columns[[self.index(d) for d in dofs], np.arange(len(dofs))] = [d.sign for d in dofs]
+        return columns
+
+    def attach(self, attachment: Attachment) -> "DynamicSystem":
+        """Return the system with one more attachment."""
+        return replace(self, attachments=(*self.attachments, attachment))
+
+    def add_mass(self, node: int, mass: float) -> "DynamicSystem":
+        """Return the system with a mass, kg, that moves with every translation of a node."""
+        moved = tuple(d for d in self.dofs if d.node == node and d.translational)
+        if not moved:
+            raise UnknownDofError(f"node {node} has no translation to carry a mass", field="node", value=node)
+        return self.attach(Attachment(self.selection(moved), mass=mass * np.eye(len(moved))))
+
+    def add_spring(self, dof: Dof, stiffness: float) -> "DynamicSystem":
+        """Return the system with a spring, N/m (N m for a rotation), from a DoF to the ground."""
+        return self.attach(Attachment(self.selection((dof,)), stiffness=np.array([[stiffness]])))
+
+    def change_member(
+        self, number: int, *, mass: float = 0.0, axial: float = 0.0, bending: float = 0.0
+    ) -> "DynamicSystem":
+        """Return the system with a member's parts changed by these fractions of themselves.
+
+        Its damping follows the law of the structure, as it would in an assembly with the new factors.
+        """
+        table = self.members
+        if table is None:
+            raise InvalidInputError("the system does not know its members", field="members", value=number)
+        e = table.position(number)
+        kept = np.flatnonzero(table.rows[e] >= 0)
+        columns = np.zeros((len(self.dofs), len(kept)))
+        columns[table.rows[e][kept], np.arange(len(kept))] = 1.0
+        block = np.ix_(kept, kept)
+        dm = mass * table.mass[e][block]
+        dk = axial * table.axial[e][block] + bending * table.bending[e][block]
+        damping, viscous = table.loss_factor[e] * dk, None
+        if isinstance(table.law, StructuralDamping):
+            damping = damping + table.law.mass_coefficient * dm
+        elif isinstance(table.law, ViscousDamping):
+            viscous = table.law.mass_coefficient * dm + table.law.stiffness_coefficient * dk
+        return self.attach(Attachment(columns, mass=dm, stiffness=dk, damping=damping, viscous=viscous))
+
+    def folded(self) -> "DynamicSystem":
+        """Return the same system with every attachment added into the matrices."""
+        out: dict[str, csc_array | None] = {}
+        for name in ("mass", "stiffness", "damping", "viscous"):
+            total: csc_array | None = getattr(self, name)
+            for a in self.attachments:
+                small = getattr(a, name)
+                if small is not None and small.any():
+                    extra = csc_array(a.columns @ small @ a.columns.T)
+                    total = extra if total is None else csc_array(total + extra)
+            out[name] = total
+        return DynamicSystem(**out, dofs=self.dofs, rigid=self.rigid, members=self.members)  # type: ignore[arg-type]
+
+    @property
+    def stacked(self) -> FloatArray:
+        """(n, R): the columns of all attachments side by side."""
+        return np.hstack([np.zeros((len(self.dofs), 0)), *(a.columns for a in self.attachments)])
+
+    def attached_stiffness(self, omega: FloatArray) -> ComplexArray:
+        """Return the dynamic stiffness of all attachments, (n_freq, R, R), block by block."""
+        sizes = [a.columns.shape[1] for a in self.attachments]
+        z = np.zeros((len(omega), sum(sizes), sum(sizes)), complex)
+        start = 0
+        for attachment, size in zip(self.attachments, sizes, strict=True):
+            z[:, start : start + size, start : start + size] = attachment.dynamic_stiffness(omega)
+            start += size
+        return z
+
+    def base_modes(self, frequency_max: float) -> ModalBasis:
+        """Return modes of the matrices alone, attachments left out: all of them below `SMALL` DoFs,
+        else those up to twice `frequency_max`, Hz; solved once for all variants of the system."""
+        known = self._shared.get("basis")
+        if isinstance(known, ModalBasis) and known.frequency_max >= frequency_max:
+            return known
+        basis = modal_basis(
+            self.mass,
+            self.stiffness,
+            self.damping,
+            self.viscous,
+            self.rigid,
+            frequency_max=np.inf if len(self.dofs) < SMALL else 2 * frequency_max,
+        )
+        self._shared["basis"] = basis
+        return basis
+
+    def modes(self, frequency_max: float = 0.0) -> ModalBasis:
+        """Return modes of the system with all its attachments; see `base_modes` for how many."""
+        system = self.folded() if self.attachments else self
+        return system.base_modes(frequency_max)
+
+
+def modal_damping(system: DynamicSystem, loss_factors: tuple[float, ...]) -> Attachment:
+    """Return the structural damping that gives the elastic modes these loss factors in rising order.
+
+    The last one holds for every mode above. D = M Phi diag(eta_r lambda_r) Phi^T M, which leaves the
+    modes as they are.
+    """
+    basis = system.base_modes(frequency_max=1e3).elastic()
+    squares = basis.eigenvalues.real
+    etas = np.full(len(squares), loss_factors[-1])
+    etas[: len(loss_factors)] = loss_factors[: len(squares)]
+    return Attachment(system.mass @ basis.shapes.real, damping=np.diag(etas * squares))
