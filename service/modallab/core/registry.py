@@ -11,11 +11,20 @@ T = TypeVar("T")
 
 
 class Family(Mapping[str, T]):
-    """A named set of interchangeable parts, read like a dict; each file adds one."""
+    """A named set of interchangeable parts, read like a dict; each file adds one.
 
-    def __init__(self, name: str) -> None:
+    The members' folder is imported when the family is first read, so that a family is whole
+    whoever asks, and a floor need not know the folder above it that holds the members.
+    """
+
+    def __init__(self, name: str, home: str) -> None:
         self.name = name
+        self._home = home
         self._members: dict[str, T] = {}
+
+    def _known(self) -> dict[str, T]:
+        importlib.import_module(self._home)
+        return self._members
 
     def register(self, kind: str) -> Callable[[T], T]:
         """Return a decorator that adds its target under `kind`."""
@@ -29,20 +38,21 @@ class Family(Mapping[str, T]):
         return add
 
     def __getitem__(self, kind: str) -> T:
-        if kind not in self._members:
+        members = self._known()
+        if kind not in members:
             raise InvalidInputError(
                 f"no {self.name} called {kind!r}", field=self.name, value=kind, allowed=", ".join(self)
             )
-        return self._members[kind]
+        return members[kind]
 
     def __contains__(self, kind: object) -> bool:
-        return kind in self._members
+        return kind in self._known()
 
     def __iter__(self) -> Iterator[str]:
-        return iter(sorted(self._members))
+        return iter(sorted(self._known()))
 
     def __len__(self) -> int:
-        return len(self._members)
+        return len(self._known())
 
 
 def discover(package: str, path: Iterable[str]) -> None:

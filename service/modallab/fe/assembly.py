@@ -1,7 +1,5 @@
 """Structure and coefficients to matrices, by a sparsity pattern that is found once."""
 
-import modallab.fe.elements  # noqa: F401  (its files register themselves)
-
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
@@ -96,7 +94,7 @@ class Assembly:
         """Return the (n, n) sum of element matrices (n_members, 6, 6), plus a diagonal (n,)."""
         data = np.bincount(self._place, weights=parts[self._kept], minlength=len(self._indices))
         if diagonal is not None:
-            data[self._diagonal] += diagonal
+            data[self._diagonal] = data[self._diagonal] + diagonal
         n = len(self.structure.dofs)
         return csc_array((data, self._indices, self._indptr), shape=(n, n))
 

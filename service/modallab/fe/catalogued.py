@@ -5,4 +5,4 @@ from collections.abc import Callable
 from modallab.core.registry import Family
 from modallab.fe.structure import Structure
 
-STRUCTURES: Family[Callable[[], Structure]] = Family("structure")
+STRUCTURES: Family[Callable[[], Structure]] = Family("structure", home="modallab.fe.catalogue")

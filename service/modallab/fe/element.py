@@ -29,4 +29,4 @@ class ElementParts:
     stiffness: Mapping[str, FloatArray]  # "axial", "bending": N/m, N, N m
 
 
-ELEMENTS: Family[Callable[[Bar], ElementParts]] = Family("element")
+ELEMENTS: Family[Callable[[Bar], ElementParts]] = Family("element", home="modallab.fe.elements")

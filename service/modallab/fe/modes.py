@@ -88,13 +88,15 @@ class ModalResponse:
         shape = (len(self.omega), len(phi_l), len(phi_r))
         constants = (phi_l[:, None, :] * phi_r[None, :, :]).reshape(-1, phi_l.shape[1])
         if np.iscomplexobj(constants):
-            return np.asarray(self._d @ constants.T).reshape(shape)
+            product: ComplexArray = self._d @ constants.T
+            return product.reshape(shape)
         # One real product of interleaved parts: at 80 to 90 % of a plain matrix product, against
         # 7 % for the complex sum written as an einsum.
         parts = np.ascontiguousarray(self._d).view(float).reshape(len(self.omega), -1, 2)
         rows = parts.swapaxes(1, 2).reshape(2 * len(self.omega), -1)
         summed = (rows @ constants.T).reshape(len(self.omega), 2, -1)
-        return (summed[:, 0] + 1j * summed[:, 1]).reshape(shape)
+        alpha: ComplexArray = summed[:, 0] + 1j * summed[:, 1]
+        return alpha.reshape(shape)
 
 
 def rigid_body_modes(mass: csc_array, stiffness: csc_array, candidates: FloatArray | None) -> FloatArray:
