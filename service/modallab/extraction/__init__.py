@@ -1,0 +1,1 @@
+"""Modes out of frequency responses: bands, single-mode fits, one consistent set."""

@@ -1,0 +1,138 @@
+"""Circle-fit: the Nyquist plot of one mode is a circle run through at a known rate."""
+
+import numpy as np
+
+from modallab.core.arrays import BoolArray, ComplexArray, FloatArray
+from modallab.extraction.lines import Lines, conclude, scale
+from modallab.extraction.method import EXTRACTION_METHODS, ModeFits
+
+TINY = 1e-100
+ROUNDS = 4  # Gauss-Newton steps of the circle: quadratic from an algebraic start
+
+
+@EXTRACTION_METHODS.register("circle_fit")
+def circle_fit(freq: FloatArray, frf: ComplexArray, weight: FloatArray) -> ModeFits:
+    """Circle through the lines, resonance where they run fastest, damping from every pair of them.
+
+    With theta the angle from resonance, `tan(theta/2) = (1 - (omega/omega_r)^2)/eta`. Resonance is where
+    d(theta)/d(omega^2) is greatest; each pair a above, b below it gives
+    `eta = (omega_a^2 - omega_b^2) / (omega_r^2 (tan|theta_a/2| + tan|theta_b/2|))`, and
+    `A = 2 i eta omega_r^2 (z_res - centre)`. The residual is the displacement of the circle from the origin.
+    `quality` holds the variation of radius and damping, both in %.
+
+    Parameters
+    ----------
+    freq, frf, weight
+        As `ExtractionMethod`.
+
+    References
+    ----------
+    Kennedy, C. C. and Pancu, C. D. P. (1947), Journal of the Aeronautical Sciences 14, 603-625;
+    Ewins, D. J. (1984), Modal Testing, section 4.3.
+    """
+    lines = scale(freq, frf, weight)
+    centre, radius = _circle(lines)
+    spoke = lines.z - centre[:, None]
+    at, resonance, running = _resonance(lines, spoke, radius)
+    half_tan = _half_tan(spoke / np.exp(1j * resonance)[:, None])
+    width, variation = _damping_pairs(lines, at, half_tan)
+    eigenvalue = at + 1j * np.where(running, width, -width)
+    to_resonance = radius * np.exp(1j * resonance)
+    left = np.abs(spoke) / radius[:, None] - 1
+    spread = np.sqrt((lines.weight * left**2).sum(axis=1) / lines.weight.sum(axis=1))
+    quality = {"radius_variation": 100 * spread, "damping_variation": 100 * variation}
+    return conclude(lines, eigenvalue, 2j * width * to_resonance, centre - to_resonance, quality)
+
+
+def _circle(lines: Lines) -> tuple[ComplexArray, FloatArray]:
+    """Return centre and radius, (n_fits,): least squares on |z - c|^2 = R^2, then on the distances."""
+    w = lines.weight / lines.weight.sum(axis=1, keepdims=True)
+    mean = (w * lines.z).sum(axis=1)
+    z = lines.z - mean[:, None]
+    square = np.abs(z) ** 2
+    # normal equations of 2 Re(conj(c) z) + k = |z|^2 about the mean of z, where k separates
+    xx, yy = (w * z.real**2).sum(axis=1), (w * z.imag**2).sum(axis=1)
+    xy = (w * z.real * z.imag).sum(axis=1)
+    px, py = (w * z.real * square).sum(axis=1), (w * z.imag * square).sum(axis=1)
+    determinant = _not_zero(xx * yy - xy**2)
+    centre = ((yy * px - xy * py) + 1j * (xx * py - xy * px)) / (2 * determinant)
+    radius = np.sqrt(xx + yy + np.abs(centre) ** 2)
+    for _ in range(ROUNDS):
+        centre, radius = _geometric_step(z, w, centre, radius)
+    return centre + mean, radius
+
+
+def _geometric_step(
+    z: ComplexArray, w: FloatArray, centre: ComplexArray, radius: FloatArray
+) -> tuple[ComplexArray, FloatArray]:
+    """Return centre and radius after one Gauss-Newton step on the distances from the circle."""
+    spoke = z - centre[:, None]
+    length = np.abs(spoke)
+    unit = spoke / _not_zero(length)
+    u = unit - (w * unit).sum(axis=1, keepdims=True)
+    distance = length - radius[:, None]
+    off = (w * distance).sum(axis=1)
+    xx, yy = (w * u.real**2).sum(axis=1), (w * u.imag**2).sum(axis=1)
+    xy = (w * u.real * u.imag).sum(axis=1)
+    px, py = (w * u.real * distance).sum(axis=1), (w * u.imag * distance).sum(axis=1)
+    determinant = _not_zero(xx * yy - xy**2)
+    step = ((yy * px - xy * py) + 1j * (xx * py - xy * px)) / determinant
+    # a step beyond the radius means that the lines hardly show a circle: stay near
+    step *= np.minimum(1, radius / _not_zero(np.abs(step)))
+    centre = centre + step
+    return centre, (w * np.abs(z - centre[:, None])).sum(axis=1)
+
+
+def _resonance(
+    lines: Lines, spoke: ComplexArray, radius: FloatArray
+) -> tuple[FloatArray, FloatArray, BoolArray]:
+    """Return where the sweep is fastest, the angle there, and whether it runs clockwise as damping asks.
+
+    One mode maps the line x onto the circle by `tan(angle/2) = (a x + b)/(c x + d)` for any origin of the
+    angle. The four numbers are the weakest direction of the weighted lines; the sweep rate
+    `2 (ad - bc)/((ax + b)^2 + (cx + d)^2)` is greatest where its denominator is least.
+    """
+    half_angle = np.angle(spoke) / 2
+    cosine, sine = np.cos(half_angle), np.sin(half_angle)
+    rows = np.stack([-cosine * lines.x, -cosine, sine * lines.x, sine], axis=2)
+    weight = lines.weight
+    for _ in range(2):  # the denominator scales each row's error, and is known only after one fit
+        _, vectors = np.linalg.eigh(np.einsum("fl,fli,flj->fij", weight, rows, rows))
+        a, b, c, d = vectors[:, :, 0].T
+        sweep = (a[:, None] * lines.x + b[:, None]) ** 2 + (c[:, None] * lines.x + d[:, None]) ** 2
+        weight = lines.weight / _not_zero(sweep)
+    at = -(a * b + c * d) / _not_zero(a**2 + c**2)
+    resonance = 2 * np.arctan2(a * at + b, c * at + d)
+    return at, resonance, a * d < b * c
+
+
+def _damping_pairs(
+    lines: Lines, at: FloatArray, half_tan: FloatArray
+) -> tuple[FloatArray, FloatArray]:
+    """Return eta omega_r^2 on the scale of x, mean over all pairs, and its relative standard deviation."""
+    away = lines.x - at[:, None]
+    # an error e of an angle moves tan(theta/2) by e (1 + tan^2)/2
+    noise = (1 + half_tan**2) ** 2 / np.where(lines.weight > 0, lines.weight, 1.0)
+    above = (lines.weight > 0) & (away > 0)
+    below = (lines.weight > 0) & (away < 0)
+    pairs = above[:, :, None] & below[:, None, :]
+    tangents = np.where(pairs, half_tan[:, :, None] + half_tan[:, None, :], 1.0)
+    width = np.where(pairs, away[:, :, None] - away[:, None, :], 0.0) / _not_zero(tangents)
+    trust = np.where(pairs, (tangents / _not_zero(width)) ** 2, 0.0)
+    trust = trust / (noise[:, :, None] + noise[:, None, :])
+    total = _not_zero(trust.sum(axis=(1, 2)))
+    mean = (trust * width).sum(axis=(1, 2)) / total
+    square = (trust * (width - mean[:, None, None]) ** 2).sum(axis=(1, 2)) / total
+    return mean, np.sqrt(square) / _not_zero(mean)
+
+
+def _half_tan(turned: ComplexArray) -> FloatArray:
+    """Return tan|theta/2| of the angle of complex numbers, without a branch."""
+    size = np.abs(turned)
+    values: FloatArray = np.abs(turned.imag) / _not_zero(size + turned.real)
+    return values
+
+
+def _not_zero(values: FloatArray) -> FloatArray:
+    """Return the values, zeros replaced by the smallest number that can be divided by."""
+    return np.where(np.abs(values) < TINY, TINY, values)
