@@ -1,0 +1,71 @@
+"""Diagnoses: what a model lacks to explain a measurement."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from modallab_client import _wire, _wire_findings
+from modallab_client._async.jobs import AsyncJob
+from modallab_client._async.transport import AsyncTransport
+from modallab_client.findings import Diagnosis, DiagnosisCurves
+
+
+class AsyncDiagnoses:
+    """Diagnoses on the service."""
+
+    def __init__(self, transport: AsyncTransport) -> None:
+        self._transport = transport
+
+    async def start(
+        self,
+        structure_id: str,
+        measurement_id: str,
+        *,
+        suspects: str | Sequence[str] = "all",
+        hold_out: Mapping[str, Any] | None = None,
+        tolerances: Mapping[str, float] | None = None,
+        follow_ups: Sequence[Mapping[str, Any]] | None = None,
+        act: bool | None = None,
+        max_effects: int | None = None,
+        seed: int = 0,
+    ) -> AsyncJob[Diagnosis]:
+        """Start the search for what the model lacks; `result` of the job gives the diagnosis.
+
+        Parameters
+        ----------
+        structure_id, measurement_id
+            The model, and the measurement it shall explain.
+        suspects
+            `all`, or kinds of `lab.catalog.effects()`.
+        hold_out
+            FRFs kept out of every fit: `fraction`, and `dofs`, which need not have been measured.
+        tolerances
+            What may differ a little and is no missing effect, one standard deviation by name.
+        follow_ups
+            Further tests: `[{"measurement_id", "changed": {"level_factor": 3.0}}]`.
+        act
+            Run the proposed next test where the rig is ours.
+        max_effects
+            Effects added at most.
+        seed
+            The same seed gives the same diagnosis.
+        """
+        body = {"structure_id": structure_id, "measurement_id": measurement_id, "suspects": suspects}
+        more = _wire.body(hold_out=hold_out, tolerances=tolerances, follow_ups=follow_ups)
+        how = _wire.body(act=act, max_effects=max_effects, seed=seed)
+        job = await self._transport.request("POST", "/v1/diagnoses", json={**body, **more, **how})
+        return AsyncJob(job["id"], self._transport, self.get)
+
+    async def get(self, diagnosis_id: str) -> Diagnosis:
+        """Return a finished diagnosis."""
+        reply = await self._transport.request("GET", f"/v1/diagnoses/{diagnosis_id}")
+        return _wire.read(_wire_findings.diagnosis, reply)
+
+    async def curves(self, diagnosis_id: str) -> DiagnosisCurves:
+        """Return the FRFs measured, and predicted before and after what was added."""
+        arrays = await self._transport.npz(f"/v1/diagnoses/{diagnosis_id}/arrays")
+        return _wire.read(_wire_findings.diagnosis_curves, arrays)
+
+    async def report(self, diagnosis_id: str) -> str:
+        """Return the report, one self-contained HTML page."""
+        content: bytes = await self._transport.request("GET", f"/v1/diagnoses/{diagnosis_id}/report")
+        return content.decode()

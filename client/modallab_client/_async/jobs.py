@@ -1,0 +1,111 @@
+"""Long work on the service: wait for it, follow it, cancel it."""
+
+import math
+import time
+from collections.abc import AsyncGenerator, Awaitable, Callable
+from dataclasses import dataclass, field
+from typing import Generic, TypeVar
+
+from modallab_client import _wire
+from modallab_client._async.transport import AsyncTransport
+from modallab_client._waiting import async_closing, async_sleep
+from modallab_client.errors import JobTimeoutError, UnexpectedReplyError, UnreachableError
+from modallab_client.models import JobStatus
+
+T = TypeVar("T")
+
+OnProgress = Callable[[float, str], object]
+
+SILENCE = 30.0  # s without an event after which the connection is taken for broken
+ABSENCE = 60.0  # s a service that went away is waited for: it takes its jobs up again when it is back
+PAUSES = (0.05, 0.1, 0.2, 0.5, 1.0)  # s between two looks where the stream keeps breaking
+
+
+class AsyncJobs:
+    """All the work on the service, of whatever kind."""
+
+    def __init__(self, transport: AsyncTransport) -> None:
+        self._transport = transport
+
+    async def get(self, job_id: str) -> JobStatus:
+        """Return where a job stands."""
+        return _wire.read(_wire.job_status, await self._transport.request("GET", f"/v1/jobs/{job_id}"))
+
+    async def cancel(self, job_id: str) -> None:
+        """Ask a job to stop."""
+        await self._transport.request("DELETE", f"/v1/jobs/{job_id}")
+
+
+@dataclass(frozen=True)
+class AsyncJob(Generic[T]):
+    """Work under way on the service; `result` waits for it."""
+
+    id: str
+    _transport: AsyncTransport = field(repr=False)
+    _fetch: Callable[[str], Awaitable[T]] = field(repr=False)
+
+    async def status(self) -> JobStatus:
+        """Return where the job stands."""
+        return await AsyncJobs(self._transport).get(self.id)
+
+    async def cancel(self) -> None:
+        """Ask the job to stop; `result` then raises `JobFailedError` with code `cancelled`."""
+        await AsyncJobs(self._transport).cancel(self.id)
+
+    async def result(self, on_progress: OnProgress | None = None, timeout: float | None = None) -> T:
+        """Wait, report progress, and return the finished thing.
+
+        Parameters
+        ----------
+        on_progress
+            Called with the fraction done, 0 to 1, and a message, whenever one of them changes.
+        timeout
+            Longest wait in s; the job goes on after it.
+
+        Raises
+        ------
+        JobFailedError
+            If the work failed or was cancelled, with the service's own code, detail and context.
+        JobTimeoutError
+            If the time is over.
+        """
+        ends = math.inf if timeout is None else time.monotonic() + timeout
+        told: tuple[float, str] | None = None
+        async with async_closing(self._statuses(ends)) as statuses:
+            async for status in statuses:
+                news = (status.fraction, status.message)
+                if on_progress is not None and news != told:
+                    on_progress(*news)
+                told = news
+                if status.finished:
+                    return await self._outcome(status)
+                if time.monotonic() >= ends:
+                    break
+        raise JobTimeoutError(f"job {self.id} is not finished after {timeout:g} s", context={"job": self.id})
+
+    async def _statuses(self, ends: float) -> AsyncGenerator[JobStatus]:
+        """Yield the job's states: from the event stream, and by asking wherever that breaks."""
+        heard, breaks = time.monotonic(), 0
+        while True:
+            patience = max(0.01, min(SILENCE, ends - time.monotonic()))
+            events = self._transport.events(f"/v1/jobs/{self.id}/events", patience=patience)
+            async with async_closing(events) as stream:
+                async for event in stream:
+                    heard = time.monotonic()
+                    if "state" in event:  # and not a mere sign of life
+                        yield _wire.read(_wire.job_status, {"id": self.id, **event})
+            try:
+                yield await self.status()
+                heard = time.monotonic()
+            except UnreachableError:
+                if time.monotonic() > min(heard + ABSENCE, ends):
+                    raise
+            await async_sleep(PAUSES[min(breaks, len(PAUSES) - 1)])
+            breaks += 1
+
+    async def _outcome(self, status: JobStatus) -> T:
+        if status.state != "succeeded":
+            raise _wire.job_failure(status)
+        if status.result_id is None:
+            raise UnexpectedReplyError(f"job {self.id} succeeded without a result")
+        return await self._fetch(status.result_id)

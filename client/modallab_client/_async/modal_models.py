@@ -1,0 +1,80 @@
+"""Modal models: extracted from a measurement, or brought from elsewhere."""
+
+from collections.abc import Sequence
+
+from numpy.typing import ArrayLike
+
+from modallab_client import _wire
+from modallab_client._async.jobs import AsyncJob
+from modallab_client._async.transport import AsyncTransport
+from modallab_client.models import ModalModel
+
+
+class AsyncModalModels:
+    """Modal models on the service."""
+
+    def __init__(self, transport: AsyncTransport) -> None:
+        self._transport = transport
+
+    async def start(
+        self,
+        measurement_id: str,
+        *,
+        method: str = "dobson",
+        bands: str | Sequence[Sequence[float]] = "auto",
+        n_modes: int | None = None,
+    ) -> AsyncJob[ModalModel]:
+        """Start the extraction of modes; `result` of the job gives the modal model.
+
+        Parameters
+        ----------
+        measurement_id
+            The measurement.
+        method
+            One of `lab.catalog.extraction_methods()`.
+        bands
+            `auto`, or one (lower, upper) in Hz for each mode.
+        n_modes
+            Modes wanted; left out: as many as show.
+        """
+        body = _wire.body(measurement_id=measurement_id, method=method, bands=bands, n_modes=n_modes)
+        job = await self._transport.request("POST", "/v1/modal-models", json=body)
+        return AsyncJob(job["id"], self._transport, self.get)
+
+    async def get(self, modal_model_id: str) -> ModalModel:
+        """Return a modal model with its shapes."""
+        about = await self._transport.request("GET", f"/v1/modal-models/{modal_model_id}")
+        arrays = await self._transport.npz(f"/v1/modal-models/{modal_model_id}/arrays")
+        return _wire.read(_wire.modal_model, about, arrays)
+
+    async def import_(
+        self,
+        *,
+        frequencies: Sequence[float],
+        loss_factors: Sequence[float],
+        shapes: ArrayLike,
+        dofs: Sequence[str],
+    ) -> ModalModel:
+        """Return a modal model from known modes.
+
+        Parameters
+        ----------
+        frequencies, loss_factors
+            (n_modes,), Hz and -.
+        shapes
+            (n_dof, n_modes), complex or real, 1/sqrt(kg).
+        dofs
+            (n_dof,), the DoFs of the shapes.
+        """
+        body = {
+            "frequencies": [float(f) for f in frequencies],
+            "loss_factors": [float(eta) for eta in loss_factors],
+            "shapes": _wire.pairs(shapes),
+            "dofs": list(dofs),
+        }
+        reply = await self._transport.request("POST", "/v1/modal-models/import", json=body)
+        return await self.get(reply["id"])
+
+    async def delete(self, modal_model_id: str) -> None:
+        """Remove a modal model."""
+        await self._transport.request("DELETE", f"/v1/modal-models/{modal_model_id}")

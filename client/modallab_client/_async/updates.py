@@ -1,0 +1,63 @@
+"""Updates: a model brought closer to a test."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from modallab_client import _wire, _wire_findings
+from modallab_client._async.jobs import AsyncJob
+from modallab_client._async.transport import AsyncTransport
+from modallab_client.findings import Update
+
+
+class AsyncUpdates:
+    """Updates on the service."""
+
+    def __init__(self, transport: AsyncTransport) -> None:
+        self._transport = transport
+
+    async def start(
+        self,
+        structure_id: str,
+        modal_model_id: str,
+        *,
+        method: str = "inverse_eigensensitivity",
+        macros: str | Sequence[Sequence[int]] | None = None,
+        parts: Sequence[str] | None = None,
+        lower: float | None = None,
+        upper: float | None = None,
+        max_iterations: int | None = None,
+        parameterisation: Mapping[str, Any] | None = None,
+        options: Mapping[str, Any] | None = None,
+    ) -> AsyncJob[Update]:
+        """Start an update of the structure to the modes; `result` of the job gives it.
+
+        Parameters
+        ----------
+        structure_id, modal_model_id
+            The model, and the modes it shall have.
+        method
+            One of `lab.catalog.updating_methods()`.
+        macros
+            `auto`, or the member lists of the macro elements.
+        parts
+            Of mass, stiffness, axial, bending, damping.
+        lower, upper
+            Bounds of every coefficient, 1 = no change.
+        max_iterations
+            Of each stage.
+        parameterisation, options
+            The same and more as the JSON has it; the keywords above go into them.
+        """
+        chosen = dict(parameterisation or {}) | _wire.body(
+            macros=macros, parts=parts, lower=lower, upper=upper
+        )
+        tuned = dict(options or {}) | _wire.body(max_iterations=max_iterations)
+        body = {"structure_id": structure_id, "modal_model_id": modal_model_id, "method": method}
+        rest = _wire.body(parameterisation=chosen or None, options=tuned or None)
+        job = await self._transport.request("POST", "/v1/updates", json={**body, **rest})
+        return AsyncJob(job["id"], self._transport, self.get)
+
+    async def get(self, update_id: str) -> Update:
+        """Return a finished update."""
+        reply = await self._transport.request("GET", f"/v1/updates/{update_id}")
+        return _wire.read(_wire_findings.update, reply)

@@ -1,0 +1,109 @@
+"""Results draw themselves; matplotlib is needed only here, and only when something is drawn."""
+
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from modallab_client.errors import MissingExtraError
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+    from modallab_client.findings import Correlation, Diagnosis, DiagnosisCurves, Update
+    from modallab_client.models import Measurement, ModalModel
+
+UNITS = {"receptance": "m/N", "mobility": "m/(s N)", "inertance": "m/(s² N)"}
+MANY = 12  # curves beyond which a legend hides more than it tells
+
+
+def _pyplot() -> Any:
+    try:
+        from matplotlib import pyplot
+    except ImportError as error:
+        raise MissingExtraError("drawing needs matplotlib: pip install 'modallab[plot]'") from error
+    return pyplot
+
+
+def measurement(test: "Measurement") -> "tuple[Axes, Axes]":
+    """Draw |H| of every FRF over the coherence; return both axes."""
+    rows = {"height_ratios": [3, 1]}
+    _, (upper, lower) = _pyplot().subplots(2, 1, sharex=True, gridspec_kw=rows, layout="constrained")
+    magnitude = np.abs(test.values)
+    for i, output in enumerate(test.outputs):
+        for j, drive in enumerate(test.inputs):
+            # zeros, such as inertance at 0 Hz, have no logarithm: leave them out of the curve
+            curve = np.where(magnitude[:, i, j] > 0, magnitude[:, i, j], np.nan)
+            upper.semilogy(test.freq, curve, label=f"{output} / {drive}", linewidth=0.9)
+    upper.set_ylabel(f"|{test.kind}|, {UNITS.get(test.kind, '')}")
+    if len(upper.lines) <= MANY:
+        upper.legend(fontsize="x-small", ncols=2)
+    if test.coherence is not None:
+        lower.plot(test.freq, test.coherence.reshape(len(test.freq), -1), linewidth=0.7)
+    lower.set(ylim=(0, 1.05), ylabel="coherence", xlabel="frequency, Hz")
+    return upper, lower
+
+
+def modal_model(model: "ModalModel") -> "Axes":
+    """Draw loss factor over frequency with standard deviations; return the axes."""
+    _, axes = _pyplot().subplots(layout="constrained")
+    across = [m.frequency_spread.sd if m.frequency_spread else 0.0 for m in model.modes]
+    up = [m.loss_factor_spread.sd if m.loss_factor_spread else 0.0 for m in model.modes]
+    axes.errorbar(model.frequencies, model.loss_factors, xerr=across, yerr=up, fmt="o", capsize=3)
+    for number, (x, y) in enumerate(zip(model.frequencies, model.loss_factors, strict=True), 1):
+        axes.annotate(str(number), (x, y), textcoords="offset points", xytext=(5, 5))
+    axes.set(xlabel="frequency, Hz", ylabel="loss factor")
+    axes.set_ylim(bottom=0)
+    return axes  # type: ignore[no-any-return]
+
+
+def mac(correlation: "Correlation") -> "Axes":
+    """Draw the MAC matrix; return the axes."""
+    figure, axes = _pyplot().subplots(layout="constrained")
+    n_measured, n_model = correlation.mac.shape
+    span = (0.5, n_model + 0.5, n_measured + 0.5, 0.5)  # modes are counted from 1
+    image = axes.imshow(correlation.mac, vmin=0, vmax=1, cmap="Blues", extent=span)
+    figure.colorbar(image, label="MAC")
+    axes.set(xlabel="mode of the model", ylabel="measured mode")
+    return axes  # type: ignore[no-any-return]
+
+
+def update(result: "Update") -> "Axes":
+    """Draw the coefficients by member with their standard errors; return the axes."""
+    _, axes = _pyplot().subplots(layout="constrained")
+    width = 0.8 / max(1, len(result.coefficients))
+    for i, (part, members) in enumerate(result.coefficients.items()):
+        errors = [result.standard_errors.get(part, {}).get(member, 0.0) for member in members]
+        places = [member + i * width for member in members]
+        axes.bar(places, list(members.values()), width=width, yerr=errors, label=part)
+    axes.axhline(1.0, color="grey", linewidth=0.8)
+    axes.set(xlabel="member", ylabel="coefficient (1 = no change)")
+    axes.legend()
+    return axes  # type: ignore[no-any-return]
+
+
+def diagnosis(found: "Diagnosis") -> "Axes":
+    """Draw the gap by step; return the axes."""
+    _, axes = _pyplot().subplots(layout="constrained")
+    steps = found.steps
+    names = ["as given", *(f"+ {step.effect.kind}" for step in steps)]
+    gaps = [steps[0].gap_before, *(s.gap_after for s in steps)] if steps else [found.remaining_gap]
+    axes.plot(range(len(gaps)), gaps, "o-", label="all FRFs")
+    if steps and steps[0].held_out_gap_before is not None:
+        held_out = [steps[0].held_out_gap_before, *(s.held_out_gap_after for s in steps)]
+        axes.plot(range(len(held_out)), held_out, "s--", label="held out")
+    axes.axhline(1.0, color="grey", linewidth=0.8, label="only random error left")
+    axes.set(yscale="log", ylabel="gap", title=found.verdict)
+    axes.set_xticks(range(len(names)), names)
+    axes.legend()
+    return axes  # type: ignore[no-any-return]
+
+
+def curves(found: "DiagnosisCurves", output: str) -> "Axes":
+    """Draw one response of a diagnosis to its first input; return the axes."""
+    _, axes = _pyplot().subplots(layout="constrained")
+    i = found.outputs.index(output)
+    for name, values in (("measured", found.measured), ("before", found.before), ("after", found.after)):
+        axes.semilogy(found.freq, np.abs(values[:, i, 0]), label=name, linewidth=0.9)
+    axes.set(xlabel="frequency, Hz", ylabel=f"|H| {output} / {found.inputs[0]}")
+    axes.legend()
+    return axes  # type: ignore[no-any-return]

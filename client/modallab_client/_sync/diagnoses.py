@@ -1,0 +1,71 @@
+"""Diagnoses: what a model lacks to explain a measurement."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from modallab_client import _wire, _wire_findings
+from modallab_client._sync.jobs import Job
+from modallab_client._sync.transport import Transport
+from modallab_client.findings import Diagnosis, DiagnosisCurves
+
+
+class Diagnoses:
+    """Diagnoses on the service."""
+
+    def __init__(self, transport: Transport) -> None:
+        self._transport = transport
+
+    def start(
+        self,
+        structure_id: str,
+        measurement_id: str,
+        *,
+        suspects: str | Sequence[str] = "all",
+        hold_out: Mapping[str, Any] | None = None,
+        tolerances: Mapping[str, float] | None = None,
+        follow_ups: Sequence[Mapping[str, Any]] | None = None,
+        act: bool | None = None,
+        max_effects: int | None = None,
+        seed: int = 0,
+    ) -> Job[Diagnosis]:
+        """Start the search for what the model lacks; `result` of the job gives the diagnosis.
+
+        Parameters
+        ----------
+        structure_id, measurement_id
+            The model, and the measurement it shall explain.
+        suspects
+            `all`, or kinds of `lab.catalog.effects()`.
+        hold_out
+            FRFs kept out of every fit: `fraction`, and `dofs`, which need not have been measured.
+        tolerances
+            What may differ a little and is no missing effect, one standard deviation by name.
+        follow_ups
+            Further tests: `[{"measurement_id", "changed": {"level_factor": 3.0}}]`.
+        act
+            Run the proposed next test where the rig is ours.
+        max_effects
+            Effects added at most.
+        seed
+            The same seed gives the same diagnosis.
+        """
+        body = {"structure_id": structure_id, "measurement_id": measurement_id, "suspects": suspects}
+        more = _wire.body(hold_out=hold_out, tolerances=tolerances, follow_ups=follow_ups)
+        how = _wire.body(act=act, max_effects=max_effects, seed=seed)
+        job = self._transport.request("POST", "/v1/diagnoses", json={**body, **more, **how})
+        return Job(job["id"], self._transport, self.get)
+
+    def get(self, diagnosis_id: str) -> Diagnosis:
+        """Return a finished diagnosis."""
+        reply = self._transport.request("GET", f"/v1/diagnoses/{diagnosis_id}")
+        return _wire.read(_wire_findings.diagnosis, reply)
+
+    def curves(self, diagnosis_id: str) -> DiagnosisCurves:
+        """Return the FRFs measured, and predicted before and after what was added."""
+        arrays = self._transport.npz(f"/v1/diagnoses/{diagnosis_id}/arrays")
+        return _wire.read(_wire_findings.diagnosis_curves, arrays)
+
+    def report(self, diagnosis_id: str) -> str:
+        """Return the report, one self-contained HTML page."""
+        content: bytes = self._transport.request("GET", f"/v1/diagnoses/{diagnosis_id}/report")
+        return content.decode()

@@ -1,0 +1,109 @@
+"""Measurements: made on the virtual rig, or brought from elsewhere."""
+
+from collections.abc import Mapping, Sequence
+from pathlib import Path
+from typing import Any
+
+from numpy.typing import ArrayLike
+
+from modallab_client import _wire
+from modallab_client._sync.jobs import Job
+from modallab_client._sync.transport import Transport
+from modallab_client.models import Measurement, MeasurementSummary
+
+Given = Mapping[str, Any]
+
+
+class Measurements:
+    """Measurements on the service."""
+
+    def __init__(self, transport: Transport) -> None:
+        self._transport = transport
+
+    def start(
+        self,
+        structure_id: str,
+        rig_id: str,
+        *,
+        effects: Sequence[Given] = (),
+        route: str = "sampled",
+        seed: int = 0,
+    ) -> Job[Measurement]:
+        """Start a virtual test; `result` of the job gives the measurement.
+
+        Parameters
+        ----------
+        structure_id, rig_id
+            What is tested, and with what.
+        effects
+            Imperfections beside those of the rig: `[{"kind", "at", "parameters"}]`.
+        route
+            `expected` spectra, `drawn` round them, or `sampled` time records.
+        seed
+            The same seed gives the same measurement.
+        """
+        body = {"structure_id": structure_id, "rig_id": rig_id, "effects": list(effects)}
+        job = self._transport.request("POST", "/v1/measurements", json={**body, "route": route, "seed": seed})
+        return Job(job["id"], self._transport, self.get)
+
+    def upload(self, file: str | Path | bytes, rig_id: str) -> Measurement:
+        """Return a measurement from a universal file (dataset 58) or npz file, by path or as bytes."""
+        content = file if isinstance(file, bytes) else Path(file).read_bytes()
+        name = "measurement" if isinstance(file, bytes) else Path(file).name
+        reply = self._transport.request(
+            "POST", "/v1/measurements/import", files={"file": (name, content)}, data={"rig_id": rig_id}
+        )
+        return self.get(reply["id"])
+
+    def import_npz(
+        self,
+        rig_id: str,
+        *,
+        freq: ArrayLike,
+        values: ArrayLike,
+        outputs: Sequence[str],
+        inputs: Sequence[str],
+        kind: str,
+        coherence: ArrayLike | None = None,
+        averages: float | None = None,
+        force_spectrum: ArrayLike | None = None,
+        response_spectrum: ArrayLike | None = None,
+    ) -> Measurement:
+        """Return a measurement from arrays, named and shaped as those of a `Measurement`."""
+        axes = {"freq": freq, "outputs": list(outputs), "inputs": list(inputs), "kind": kind}
+        spectra = {"force_spectrum": force_spectrum, "response_spectrum": response_spectrum}
+        content = _wire.npz(values=values, coherence=coherence, averages=averages, **axes, **spectra)
+        return self.upload(content, rig_id)
+
+    def get(self, measurement_id: str) -> Measurement:
+        """Return a measurement with its arrays."""
+        about = self._transport.request("GET", f"/v1/measurements/{measurement_id}")
+        arrays = self._transport.npz(f"/v1/measurements/{measurement_id}/arrays")
+        return _wire.read(_wire.measurement, about, arrays)
+
+    def list(self) -> tuple[MeasurementSummary, ...]:
+        """Return the stored measurements without their arrays."""
+        reply = self._transport.request("GET", "/v1/measurements")
+        return tuple(_wire.read(_wire.measurement_summary, one) for one in _wire.items(reply))
+
+    def delete(self, measurement_id: str) -> None:
+        """Remove a measurement."""
+        self._transport.request("DELETE", f"/v1/measurements/{measurement_id}")
+
+    def curves(self, measurement_id: str, points: int = 800) -> Mapping[str, Any]:
+        """Return the FRFs thinned for a plot, as the service's JSON."""
+        path = f"/v1/measurements/{measurement_id}/curves"
+        reply: Mapping[str, Any] = self._transport.request("GET", path, params={"points": points})
+        return reply
+
+    def truth(self, measurement_id: str) -> Mapping[str, Any]:
+        """Return what the measurement was made with, as the service's JSON; for its owner only."""
+        path = f"/v1/measurements/{measurement_id}/truth"
+        reply: Mapping[str, Any] = self._transport.request("GET", path)
+        return reply
+
+    def universal_file(self, measurement_id: str) -> bytes:
+        """Return the FRFs as a universal file (dataset 58)."""
+        path = f"/v1/measurements/{measurement_id}/frf.uff"
+        content: bytes = self._transport.request("GET", path)
+        return content

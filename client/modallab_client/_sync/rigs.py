@@ -1,0 +1,64 @@
+"""Rigs: the log book of a test."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from modallab_client import _wire
+from modallab_client._sync.transport import Transport
+from modallab_client.models import Rig
+
+Given = Mapping[str, Any]
+
+
+class Rigs:
+    """Rigs on the service."""
+
+    def __init__(self, transport: Transport) -> None:
+        self._transport = transport
+
+    def create(
+        self,
+        *,
+        responses: Sequence[str],
+        drive: str | None = None,
+        drives: Sequence[str] | None = None,
+        exciter: Given | None = None,
+        stinger: Given | None = None,
+        force_transducer: Given | None = None,
+        accelerometers: Given | Sequence[Given] | None = None,
+        suspension: Given | None = None,
+        analyser: Given | None = None,
+        noise: Given | None = None,
+        effects: Sequence[Given] | None = None,
+    ) -> Rig:
+        """Return a new rig; parts left out are ideal: no mass, no noise.
+
+        Parameters
+        ----------
+        responses
+            DoFs of the accelerometers.
+        drive, drives
+            DoF of the exciter; a roving hammer has several.
+        exciter, stinger, force_transducer, accelerometers, suspension
+            Data sheets of the hardware, `exciter={"kind": "shaker", "armature_mass": 0.02}`.
+        analyser
+            `frequency_max`, `n_lines`, `window`, `averages`, `overlap`, `estimator`, `excitation`.
+        noise
+            Noise-to-signal ratios `force` and `response`.
+        effects
+            What has no field here: `[{"kind", "at", "parameters"}]`.
+        """
+        test = _wire.body(responses=responses, drive=drive, drives=drives, analyser=analyser, noise=noise)
+        hardware = _wire.body(exciter=exciter, stinger=stinger, force_transducer=force_transducer)
+        rest = _wire.body(accelerometers=accelerometers, suspension=suspension, effects=effects)
+        body = test | hardware | rest
+        return _wire.read(_wire.rig, self._transport.request("POST", "/v1/rigs", json=body))
+
+    def get(self, rig_id: str) -> Mapping[str, Any]:
+        """Return a rig as it was declared."""
+        reply: Mapping[str, Any] = self._transport.request("GET", f"/v1/rigs/{rig_id}")
+        return reply
+
+    def delete(self, rig_id: str) -> None:
+        """Remove a rig."""
+        self._transport.request("DELETE", f"/v1/rigs/{rig_id}")

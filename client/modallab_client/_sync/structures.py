@@ -1,0 +1,175 @@
+"""Structures: made, changed, and their modes."""
+
+from collections.abc import Mapping, Sequence
+from typing import Any
+
+from modallab_client import _wire
+from modallab_client._sync.modal_models import ModalModels
+from modallab_client._sync.transport import Transport
+from modallab_client.models import ModalModel, ModeShapes, Structure, StructureModes
+
+Given = Mapping[str, Any]
+
+
+class Structures:
+    """Structures on the service; none is ever changed in place."""
+
+    def __init__(self, transport: Transport) -> None:
+        self._transport = transport
+
+    def create(self, **body: Any) -> Structure:
+        """Return a new structure; the keywords are the JSON's names, `kind` among them."""
+        return _wire.read(_wire.structure, self._transport.request("POST", "/v1/structures", json=body))
+
+    def beam(
+        self,
+        *,
+        length: float,
+        n_elements: int,
+        section: Given,
+        material: Given,
+        damping: Given | None = None,
+        theory: str | None = None,
+        supports: Sequence[Given] | None = None,
+        effects: Sequence[Given] | None = None,
+    ) -> Structure:
+        """Return a new straight beam along X, its nodes 1 to n + 1 with DoFs Y and RZ.
+
+        Parameters
+        ----------
+        length
+            m.
+        n_elements
+            Elements of equal length.
+        section
+            `area` in m^2 and `second_moment` in m^4.
+        material
+            `modulus` in N/m^2 and `density` in kg/m^3.
+        damping
+            `law` and its coefficients; left out: none.
+        theory
+            `bernoulli_euler` (the default) or `timoshenko`.
+        supports
+            `[{"node": 1, "directions": ["Y", "RZ"]}]`; left out: free.
+        effects
+            What has no field here: `[{"kind", "at", "parameters"}]`.
+        """
+        shape = _wire.body(length=length, n_elements=n_elements, section=section, material=material)
+        rest = _wire.body(damping=damping, theory=theory, supports=supports, effects=effects)
+        return self.create(kind="beam", **shape, **rest)
+
+    def frame(
+        self,
+        *,
+        nodes: Mapping[str, Sequence[float]],
+        sections: Mapping[str, Given],
+        materials: Mapping[str, Given],
+        members: Sequence[Given],
+        damping: Given | None = None,
+        theory: str | None = None,
+        supports: Sequence[Given] | None = None,
+        effects: Sequence[Given] | None = None,
+    ) -> Structure:
+        """Return a new frame of members between nodes; a plane frame lies in X, Y.
+
+        Parameters
+        ----------
+        nodes
+            Coordinates in m by node number, `{"1": [0.0, 0.0]}`.
+        sections, materials
+            By name; fields as of a beam.
+        members
+            `[{"number": 1, "nodes": [1, 2], "section": "bar", "material": "alloy"}]`.
+        damping, theory, supports, effects
+            As of a beam.
+        """
+        shape = _wire.body(nodes=nodes, sections=sections, materials=materials, members=members)
+        rest = _wire.body(damping=damping, theory=theory, supports=supports, effects=effects)
+        return self.create(kind="frame", **shape, **rest)
+
+    def catalogue(self, name: str) -> Structure:
+        """Return a new structure from the catalogue; `lab.catalog.structures()` lists the names."""
+        return self.create(kind="catalogue", name=name)
+
+    def change(
+        self,
+        structure_id: str,
+        changes: Sequence[Given] = (),
+        *,
+        members: Sequence[int] | None = None,
+        node: int | None = None,
+        dof: str | None = None,
+        property: str | None = None,
+        factor: float | None = None,
+        value: float | None = None,
+    ) -> Structure:
+        """Return a new structure with something changed; several changes as a list, one by keywords.
+
+        Parameters
+        ----------
+        structure_id
+            The structure to start from; it stays as it is.
+        changes
+            `[{"members": [1, 2], "property": "density", "factor": 2.0}]`.
+        members, node, dof
+            Where the one change by keywords is made.
+        property
+            Of members: density, modulus, axial_stiffness, bending_stiffness, loss_factor; of a node:
+            mass; of a DoF: ground_stiffness.
+        factor, value
+            `factor` multiplies, `value` sets.
+        """
+        where = _wire.body(members=members, node=node, dof=dof)
+        one = where | _wire.body(property=property, factor=factor, value=value)
+        body = {"changes": [*changes, one] if one else list(changes)}
+        path = f"/v1/structures/{structure_id}/changes"
+        return _wire.read(_wire.structure, self._transport.request("POST", path, json=body))
+
+    def get(self, structure_id: str) -> Structure:
+        """Return a structure."""
+        path = f"/v1/structures/{structure_id}"
+        return _wire.read(_wire.structure, self._transport.request("GET", path))
+
+    def delete(self, structure_id: str) -> None:
+        """Remove a structure."""
+        self._transport.request("DELETE", f"/v1/structures/{structure_id}")
+
+    def modes(self, structure_id: str, count: int = 10) -> StructureModes:
+        """Return frequencies and loss factors of the first elastic modes."""
+        path = f"/v1/structures/{structure_id}/modes"
+        reply = self._transport.request("GET", path, params={"count": count})
+        return _wire.read(_wire.structure_modes, reply)
+
+    def mode_shapes(self, structure_id: str, count: int = 10) -> ModeShapes:
+        """Return the first elastic modes with their shapes."""
+        path = f"/v1/structures/{structure_id}/modes/arrays"
+        return _wire.read(_wire.mode_shapes, self._transport.npz(path, {"count": count}))
+
+    def synthetic_modes(
+        self,
+        structure_id: str,
+        *,
+        count: int = 10,
+        dofs: Sequence[str] | None = None,
+        noise: Given | None = None,
+        seed: int | None = None,
+    ) -> ModalModel:
+        """Return the structure's modes as a modal model, as if they had been measured.
+
+        Parameters
+        ----------
+        structure_id
+            The structure.
+        count
+            Elastic modes wanted.
+        dofs
+            DoFs of the shapes; left out: all.
+        noise
+            `{"eigenvalue": 0.005, "eigenvector": 0.05, "distribution": "uniform"}`, relative.
+        seed
+            Of the noise; the same seed gives the same numbers.
+        """
+        body = _wire.body(count=count, dofs=dofs, noise=noise, seed=seed)
+        path = f"/v1/structures/{structure_id}/synthetic-modes"
+        reply = self._transport.request("POST", path, json=body)
+        return ModalModels(self._transport).get(reply["id"])

@@ -1,0 +1,232 @@
+"""JSON and npz to results, and arguments to bodies; pure. Unknown fields of a reply are ignored."""
+
+import io
+import json
+from collections.abc import Callable, Mapping
+from typing import Any, TypeVar
+
+import numpy as np
+from numpy.typing import ArrayLike, NDArray
+
+from modallab_client import models
+from modallab_client.errors import BY_CODE, ClientError, JobFailedError, UnexpectedReplyError
+
+Json = Mapping[str, Any]
+Arrays = Mapping[str, NDArray[Any]]
+T = TypeVar("T")
+
+
+def body(**given: Any) -> dict[str, Any]:
+    """Return the fields that were given; None stands for the service's own default."""
+    return {name: value for name, value in given.items() if value is not None}
+
+
+def payload(content_type: str, content: bytes) -> Any:
+    """Return a reply's JSON, None where it is empty, or its bytes where it is not JSON."""
+    kind = content_type.partition(";")[0].strip().lower()
+    if not content and kind != "application/octet-stream":
+        return None
+    if kind != "application/json" and not kind.endswith("+json"):
+        return content
+    try:
+        return json.loads(content)
+    except ValueError as error:
+        raise UnexpectedReplyError("the reply says it is JSON, and is not") from error
+
+
+def problem(status: int, content_type: str, content: bytes) -> ClientError:
+    """Return the error that a refusing reply stands for."""
+    try:
+        document = payload(content_type, content)
+    except UnexpectedReplyError:
+        document = content
+    if not isinstance(document, Mapping) or "code" not in document:
+        # a proxy, or something that is no modallab service
+        text = content[:300].decode(errors="replace").strip()
+        return ClientError(text or f"the service answered {status}", code=f"http_{status}", status=status)
+    code = str(document["code"])
+    detail = str(document.get("detail") or document.get("title") or code)
+    context = document.get("context")
+    kind = BY_CODE.get(code, ClientError)
+    return kind(detail, code=code, context=context if isinstance(context, Mapping) else None, status=status)
+
+
+def job_failure(status: models.JobStatus) -> JobFailedError:
+    """Return the error of a job that did not succeed, in the service's own words."""
+    document = status.error or {}
+    fallback = {"cancelled": "the job was cancelled"}.get(status.state, f"job {status.id} failed")
+    return JobFailedError(
+        str(document.get("detail") or document.get("title") or status.message or fallback),
+        code=str(document.get("code") or ("cancelled" if status.state == "cancelled" else "job_failed")),
+        context=document.get("context"),
+        status=document.get("status"),
+    )
+
+
+def read(build: Callable[..., T], *parts: Any) -> T:
+    """Return a result built from parts of a reply.
+
+    Raises
+    ------
+    UnexpectedReplyError
+        If a field is missing or of another shape than the contract says.
+    """
+    try:
+        return build(*parts)
+    except (KeyError, TypeError, ValueError, AttributeError) as error:
+        what = f"{type(error).__name__}: {error}"
+        raise UnexpectedReplyError(
+            f"the service's reply could not be read as {build.__name__}, {what}"
+        ) from error
+
+
+def arrays(content: bytes) -> dict[str, NDArray[Any]]:
+    """Return the arrays of an npz file, read-only.
+
+    Raises
+    ------
+    UnexpectedReplyError
+        If it is no npz file.
+    """
+    try:
+        with np.load(io.BytesIO(content), allow_pickle=False) as archive:
+            return {name: _frozen(archive[name]) for name in archive.files}
+    except (ValueError, OSError, EOFError) as error:
+        raise UnexpectedReplyError("the reply is no npz file of plain arrays") from error
+
+
+def npz(**given: ArrayLike | None) -> bytes:
+    """Return an npz file of the arrays that were given."""
+    file = io.BytesIO()
+    named: dict[str, Any] = {name: np.asarray(value) for name, value in given.items() if value is not None}
+    np.savez(file, **named)
+    return file.getvalue()
+
+
+def pairs(values: ArrayLike) -> Any:
+    """Return complex numbers as JSON has them, [re, im] innermost."""
+    given = np.asarray(values, dtype=complex)
+    return np.stack([given.real, given.imag], axis=-1).tolist()
+
+
+def items(reply: Any) -> Any:
+    """Return the members of a list reply, bare or under `items`."""
+    return reply["items"] if isinstance(reply, Mapping) else reply
+
+
+def event(text: str) -> dict[str, Any]:
+    """Return the fields of one server-sent event."""
+    return dict(json.loads(text))
+
+
+def job_status(data: Json) -> models.JobStatus:
+    """Return a job's status."""
+    return models.JobStatus(
+        id=data["id"],
+        state=data["state"],
+        fraction=float(data.get("fraction") or 0.0),
+        message=data.get("message") or "",
+        result_id=data.get("result_id"),
+        error=data.get("error"),
+    )
+
+
+def structure(data: Json) -> models.Structure:
+    """Return a structure."""
+    return models.Structure(data["id"], data["n_nodes"], data["n_dofs"], data["members"])
+
+
+def structure_modes(data: Json) -> models.StructureModes:
+    """Return computed modes."""
+    return models.StructureModes(
+        floats(data["frequencies"]), floats(data["loss_factors"]), int(data["n_rigid_body"])
+    )
+
+
+def mode_shapes(given: Arrays) -> models.ModeShapes:
+    """Return computed modes with their shapes."""
+    return models.ModeShapes(given["frequencies"], given["shapes"], texts(given["dofs"]))
+
+
+def rig(data: Json) -> models.Rig:
+    """Return a rig."""
+    return models.Rig(data["id"])
+
+
+def measurement(data: Json, given: Arrays) -> models.Measurement:
+    """Return a measurement from its metadata and arrays."""
+    averages = given.get("averages")
+    return models.Measurement(
+        id=data["id"],
+        freq=given["freq"],
+        values=given["values"],
+        coherence=given.get("coherence"),
+        outputs=texts(given["outputs"]),
+        inputs=texts(given["inputs"]),
+        kind=str(given["kind"]),
+        averages=None if averages is None or not averages.size else float(averages.reshape(-1)[0]),
+        force_spectrum=given.get("force_spectrum"),
+        response_spectrum=given.get("response_spectrum"),
+        rig_id=data.get("rig_id"),
+    )
+
+
+def measurement_summary(data: Json) -> models.MeasurementSummary:
+    """Return a measurement's metadata."""
+    outputs, inputs = texts(data.get("outputs", ())), texts(data.get("inputs", ()))
+    return models.MeasurementSummary(data["id"], data.get("rig_id"), outputs, inputs, data.get("kind", ""))
+
+
+def modal_model(data: Json, given: Arrays) -> models.ModalModel:
+    """Return a modal model from its JSON and arrays."""
+    return models.ModalModel(
+        id=data["id"],
+        modes=tuple(_mode(one) for one in data["modes"]),
+        method=data.get("method") or "",
+        measurement_id=data.get("measurement_id"),
+        dofs=texts(given["dofs"]),
+        shapes=given["shapes"],
+        modal_constants=given.get("modal_constants"),
+    )
+
+
+def _mode(data: Json) -> models.Mode:
+    return models.Mode(
+        frequency=data["frequency"],
+        loss_factor=data["loss_factor"],
+        frequency_spread=_spread(data.get("frequency_spread")),
+        loss_factor_spread=_spread(data.get("loss_factor_spread")),
+        standard_errors=dict(data.get("standard_errors") or {}),
+        flags=texts(data.get("flags") or ()),
+    )
+
+
+def _spread(data: Json | None) -> models.Spread | None:
+    if not data:
+        return None
+    low, high, mean, sd = (_number(data[name]) for name in ("min", "max", "mean", "sd"))
+    return models.Spread(low, high, mean, sd, int(data["n"]))
+
+
+def catalogue_entry(data: Json) -> models.CatalogueEntry:
+    """Return one thing that can be chosen by name."""
+    return models.CatalogueEntry(data["kind"], data.get("summary") or "", data.get("parameters") or {})
+
+
+def floats(values: Any) -> NDArray[np.float64]:
+    """Return numbers as a read-only array; null, which JSON has for what is not finite, becomes NaN."""
+    return _frozen(np.array(values, dtype=float))
+
+
+def texts(values: Any) -> tuple[str, ...]:
+    """Return names as a tuple."""
+    return tuple(str(value) for value in values)
+
+
+def _number(value: float | None) -> float:
+    return float("nan") if value is None else float(value)
+
+
+def _frozen(array: NDArray[Any]) -> NDArray[Any]:
+    array.flags.writeable = False
+    return array

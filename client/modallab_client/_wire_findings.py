@@ -1,0 +1,122 @@
+"""JSON and npz to correlations, updates and diagnoses; pure."""
+
+from collections.abc import Mapping
+from typing import Any
+
+from modallab_client import findings
+from modallab_client._wire import Arrays, Json, floats, texts
+
+
+def correlation(data: Json) -> findings.Correlation:
+    """Return a correlation."""
+    return findings.Correlation(
+        mac=floats(data["mac"]),
+        pairs=tuple((int(measured), int(model)) for measured, model in data["pairs"]),
+        frequency_differences=floats(data["frequency_differences"]),
+        comac=floats(data["comac"]),
+        id=data.get("id"),
+    )
+
+
+def update(data: Json) -> findings.Update:
+    """Return an update."""
+    return findings.Update(
+        id=data["id"],
+        converged=bool(data["converged"]),
+        stopped_because=data["stopped_because"],
+        iterations=dict(data.get("iterations") or {}),
+        coefficients=_by_member(data["coefficients"]),
+        standard_errors=_by_member(data.get("standard_errors") or {}),
+        suspected={part: tuple(map(int, found)) for part, found in (data.get("suspected") or {}).items()},
+        frequencies=_curves(data.get("frequencies")),
+        mac=_curves(data.get("mac")),
+        rank=data.get("rank"),
+        condition_number=data.get("condition_number"),
+        structure_id=data.get("structure_id"),
+    )
+
+
+def _by_member(parts: Json) -> dict[str, dict[int, float]]:
+    return {
+        part: {
+            int(member): float("nan") if value is None else float(value) for member, value in found.items()
+        }
+        for part, found in parts.items()
+    }
+
+
+def _curves(data: Json | None) -> dict[str, Any]:
+    return {name: floats(values) for name, values in (data or {}).items() if values is not None}
+
+
+def diagnosis(data: Json) -> findings.Diagnosis:
+    """Return a diagnosis."""
+    following = data.get("next_test")
+    return findings.Diagnosis(
+        id=data["id"],
+        verdict=data["verdict"],
+        located=_located(data.get("located") or {}),
+        steps=tuple(_step(one) for one in data["steps"]),
+        remaining_gap=data.get("remaining_gap"),
+        gaps=dict(data.get("gaps") or {}),
+        next_test=_next_test(following) if following else None,
+        structure_id=data.get("structure_id"),
+        rig_id=data.get("rig_id"),
+    )
+
+
+def _located(data: Json) -> findings.Located:
+    return findings.Located(
+        bands=tuple((float(low), float(high)) for low, high in data.get("bands", ())),
+        dofs=texts(data.get("dofs", ())),
+        modes=tuple(map(int, data.get("modes", ()))),
+    )
+
+
+def _next_test(data: Json) -> findings.NextTest:
+    return findings.NextTest(data["why"], data.get("change") or {}, texts(data.get("separates") or ()))
+
+
+def _step(data: Json) -> findings.Step:
+    return findings.Step(
+        effect=_effect(data["effect"]),
+        probability=data.get("probability"),
+        gap_before=data["gap_before"],
+        gap_after=data["gap_after"],
+        held_out_gap_before=data.get("held_out_gap_before"),
+        held_out_gap_after=data.get("held_out_gap_after"),
+        rivals=tuple(_rival(one) for one in data.get("rivals") or ()),
+        rivals_alike=tuple(_rival(one) for one in data.get("rivals_alike") or ()),
+    )
+
+
+def _effect(data: Json) -> findings.FittedEffect:
+    parameters: Mapping[str, Json] = data.get("parameters") or {}
+    return findings.FittedEffect(
+        kind=data["kind"],
+        at=data.get("at"),
+        parameters={
+            name: findings.Parameter(one["value"], one.get("standard_error"), one.get("unit") or "")
+            for name, one in parameters.items()
+        },
+    )
+
+
+def _rival(data: Json) -> findings.Rival:
+    return findings.Rival(data["kind"], data.get("at"), data.get("probability"), data.get("gap_after"))
+
+
+def diagnosis_curves(given: Arrays) -> findings.DiagnosisCurves:
+    """Return the FRFs of a diagnosis."""
+    return findings.DiagnosisCurves(
+        freq=given["freq"],
+        measured=given["measured"],
+        before=given["before"],
+        after=given["after"],
+        random_error=given["random_error"],
+        held_out=given["held_out"],
+        outputs=texts(given["outputs"]),
+        inputs=texts(given["inputs"]),
+        predicted=given.get("predicted"),
+        predicted_outputs=texts(given.get("predicted_outputs", ())),
+    )

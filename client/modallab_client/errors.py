@@ -1,0 +1,168 @@
+"""What the client raises: one class for each kind of problem the service names.
+
+Catch `ClientError` for all of them. `code` is stable and meant for programs, `detail` for people;
+`context` names the field, its value and what is allowed wherever one input is to blame.
+"""
+
+from collections.abc import Mapping
+from typing import Any
+
+
+class ClientError(Exception):
+    """Base of every error of this package, and the class of problems it has no name for."""
+
+    code = "error"
+
+    def __init__(
+        self,
+        detail: str,
+        *,
+        code: str | None = None,
+        context: Mapping[str, Any] | None = None,
+        status: int | None = None,
+    ) -> None:
+        super().__init__(detail)
+        self.detail = detail
+        self.code = code if code is not None else type(self).code
+        self.context = dict(context or {})
+        self.status = status
+
+    def __str__(self) -> str:
+        if not self.context:
+            return self.detail
+        named = ", ".join(f"{name}={value!r}" for name, value in self.context.items())
+        return f"{self.detail} ({named})"
+
+
+class InvalidInputError(ClientError, ValueError):
+    """What was sent has no meaning: wrong shape, out of bounds, unknown name."""
+
+    code = "invalid_input"
+
+
+class UnknownDofError(InvalidInputError):
+    """A degree of freedom that the structure does not have."""
+
+    code = "unknown_dof"
+
+
+class StructureError(InvalidInputError):
+    """A structure that cannot be analysed: disconnected, wholly held, of negative section."""
+
+    code = "structure"
+
+
+class NotFoundError(ClientError, LookupError):
+    """Nothing is stored under that id."""
+
+    code = "not_found"
+
+
+class NoModeInBandError(ClientError):
+    """The band handed to an extraction method holds no resonance."""
+
+    code = "no_mode_in_band"
+
+
+class UnderdeterminedError(ClientError):
+    """Fewer equations than unknowns, or modes that pair with nothing."""
+
+    code = "underdetermined"
+
+
+class DivergedError(ClientError):
+    """An iteration left the region where its equations hold."""
+
+    code = "diverged"
+
+
+class CancelledError(ClientError):
+    """The work was asked to stop."""
+
+    code = "cancelled"
+
+
+class ConflictError(ClientError):
+    """The request does not fit the present state, such as cancelling finished work."""
+
+    code = "conflict"
+
+
+class TooLargeError(ClientError):
+    """More was sent, or asked for, than the service handles at once."""
+
+    code = "too_large"
+
+
+class BusyError(ClientError):
+    """The service's queue is full, and stayed full while the client waited."""
+
+    code = "busy"
+
+
+class UnauthorisedError(ClientError):
+    """The service wants an API key, or does not know the one it was given."""
+
+    code = "unauthorised"
+
+
+class ForbiddenError(ClientError):
+    """The API key does not allow this."""
+
+    code = "forbidden"
+
+
+class UnreachableError(ClientError, ConnectionError):
+    """No reply: no service at that address, or the connection broke."""
+
+    code = "unreachable"
+
+
+class UnexpectedReplyError(ClientError):
+    """A reply that this client cannot read: another version, or not a modallab service."""
+
+    code = "unexpected_reply"
+
+
+class JobFailedError(ClientError):
+    """Work on the service failed or was cancelled; code, detail and context are the service's own."""
+
+    code = "job_failed"
+
+
+class JobTimeoutError(ClientError, TimeoutError):
+    """The time allowed for waiting is over; the work goes on."""
+
+    code = "job_timeout"
+
+
+class ServiceStartError(ClientError):
+    """The embedded service did not start; the end of its log is in the message."""
+
+    code = "service_start"
+
+
+class MissingExtraError(ClientError, ImportError):
+    """Optional packages are not installed; the message holds the command that does it."""
+
+    code = "missing_extra"
+
+
+BY_CODE: dict[str, type[ClientError]] = {
+    kind.code: kind
+    for kind in (
+        InvalidInputError,
+        UnknownDofError,
+        StructureError,
+        NotFoundError,
+        NoModeInBandError,
+        UnderdeterminedError,
+        DivergedError,
+        CancelledError,
+        ConflictError,
+        TooLargeError,
+        BusyError,
+        UnauthorisedError,
+        ForbiddenError,
+    )
+}

@@ -1,0 +1,207 @@
+"""What the lab finds out: correlations, updated models, diagnoses."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import TYPE_CHECKING, Any
+
+from modallab_client import _plots, _tables
+from modallab_client.models import ComplexArray, FloatArray
+
+if TYPE_CHECKING:
+    import numpy as np
+    from matplotlib.axes import Axes
+    from numpy.typing import NDArray
+
+
+@dataclass(frozen=True, eq=False)
+class Correlation:
+    """How the modes of a test and of a model agree."""
+
+    mac: FloatArray  # (n_measured, n_model)
+    pairs: tuple[tuple[int, int], ...]  # (measured, model), counted from 1
+    frequency_differences: FloatArray  # (n_pairs,) relative to the measured
+    comac: FloatArray  # (n_dof,)
+    id: str | None = None
+
+    def plot(self) -> "Axes":
+        """Draw the MAC matrix; return the axes."""
+        return _plots.mac(self)
+
+
+@dataclass(frozen=True, eq=False)
+class Update:
+    """A model brought closer to a test; coefficients multiply an element's matrix, 1 = no change."""
+
+    id: str
+    converged: bool
+    stopped_because: str
+    iterations: Mapping[str, int]  # of location and updating
+    coefficients: Mapping[str, Mapping[int, float]]  # part -> member -> coefficient
+    standard_errors: Mapping[str, Mapping[int, float]]
+    suspected: Mapping[str, tuple[int, ...]]  # part -> members that location left over
+    frequencies: Mapping[str, FloatArray]  # measured, before, location, after; Hz
+    mac: Mapping[str, FloatArray]
+    rank: int | None
+    condition_number: float | None
+    structure_id: str | None  # the updated model
+
+    def table(self) -> str:
+        """Return the coefficients that moved, with their standard errors, as text."""
+        return _tables.text(*self._rows())
+
+    def _rows(self) -> _tables.Table:
+        rows = [
+            (part, str(member), f"{value:.4g}", _error(self.standard_errors.get(part, {}).get(member)))
+            for part, members in self.coefficients.items()
+            for member, value in members.items()
+        ]
+        return ("part", "member", "coefficient", "standard error"), rows
+
+    def plot(self) -> "Axes":
+        """Draw the coefficients by member; return the axes."""
+        return _plots.update(self)
+
+    def _repr_html_(self) -> str:
+        return _tables.html(*self._rows(), caption=f"Update {self.id}: {self.stopped_because}")
+
+
+def _error(value: float | None) -> str:
+    return "" if value is None else f"{value:.2g}"
+
+
+@dataclass(frozen=True)
+class Parameter:
+    """A fitted number of an effect."""
+
+    value: float
+    standard_error: float | None
+    unit: str
+
+
+@dataclass(frozen=True)
+class FittedEffect:
+    """An effect that was found: what, where, how much."""
+
+    kind: str
+    at: str | Mapping[str, Any] | None  # a DoF, {"members": [...]}, {"channels": [...]}, None: everywhere
+    parameters: Mapping[str, Parameter]
+
+    def __str__(self) -> str:
+        numbers = ", ".join(f"{name} {p.value:.4g} {p.unit}".strip() for name, p in self.parameters.items())
+        return (
+            f"{self.kind} at {place(self.at)}: {numbers}" if numbers else f"{self.kind} at {place(self.at)}"
+        )
+
+
+@dataclass(frozen=True)
+class Rival:
+    """Another explanation; without numbers it is one this measurement cannot tell apart."""
+
+    kind: str
+    at: str | Mapping[str, Any] | None
+    probability: float | None = None
+    gap_after: float | None = None
+
+
+@dataclass(frozen=True)
+class Step:
+    """One missing effect, added; gaps of 1 leave only random error."""
+
+    effect: FittedEffect
+    probability: float | None
+    gap_before: float
+    gap_after: float
+    held_out_gap_before: float | None
+    held_out_gap_after: float | None
+    rivals: tuple[Rival, ...] = ()
+    rivals_alike: tuple[Rival, ...] = ()
+
+
+@dataclass(frozen=True)
+class Located:
+    """Where prediction and measurement differ."""
+
+    bands: tuple[tuple[float, float], ...] = ()  # Hz
+    dofs: tuple[str, ...] = ()
+    modes: tuple[int, ...] = ()  # counted from 1
+
+
+@dataclass(frozen=True)
+class NextTest:
+    """The test that would tell more, and between what it decides."""
+
+    why: str
+    change: Mapping[str, Any]
+    separates: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
+class Diagnosis:
+    """What the model lacked, where, how sure, and what is left."""
+
+    id: str
+    verdict: str  # explained, nothing_missing, unexplained or ambiguous
+    located: Located
+    steps: tuple[Step, ...]
+    remaining_gap: float | None
+    gaps: Mapping[str, Any]  # frf, force, response; before and after
+    next_test: NextTest | None
+    structure_id: str | None  # the model with what was added
+    rig_id: str | None  # the rig with what was added
+
+    def table(self) -> str:
+        """Return effect, place, probability and gaps of each step as text."""
+        return _tables.text(*self._rows())
+
+    def _rows(self) -> _tables.Table:
+        head = ("step", "effect", "probability", "gap before", "gap after", "held out before", "after")
+        rows = []
+        for number, step in enumerate(self.steps, 1):
+            numbers = (step.probability, step.gap_before, step.gap_after)
+            held_out = (step.held_out_gap_before, step.held_out_gap_after)
+            cells = ("" if x is None else f"{x:.4g}" for x in (*numbers, *held_out))
+            rows.append((str(number), str(step.effect), *cells))
+        return head, rows
+
+    def plot(self) -> "Axes":
+        """Draw the gap by step, on all FRFs and on the held-out ones; return the axes.
+
+        Raises
+        ------
+        MissingExtraError
+            If matplotlib is not installed.
+        """
+        return _plots.diagnosis(self)
+
+    def _repr_html_(self) -> str:
+        left = "" if self.remaining_gap is None else f", remaining gap {self.remaining_gap:.3g}"
+        return _tables.html(*self._rows(), caption=f"Diagnosis {self.id}: {self.verdict}{left}")
+
+
+@dataclass(frozen=True, eq=False)
+class DiagnosisCurves:
+    """The FRFs of a diagnosis: measured, predicted before and after what was added."""
+
+    freq: FloatArray  # (n,) Hz
+    measured: ComplexArray  # (n, n_out, n_in)
+    before: ComplexArray
+    after: ComplexArray
+    random_error: FloatArray  # of |H|, relative
+    held_out: "NDArray[np.bool_]"  # (n_out,)
+    outputs: tuple[str, ...]
+    inputs: tuple[str, ...]
+    predicted: ComplexArray | None = None  # (n, n_pred, n_in) at DoFs that were not measured
+    predicted_outputs: tuple[str, ...] = ()
+
+    def plot(self, output: str | None = None) -> "Axes":
+        """Draw one response, by default the first: measured, before and after; return the axes."""
+        return _plots.curves(self, self.outputs[0] if output is None else output)
+
+
+def place(at: str | Mapping[str, Any] | None) -> str:
+    """Return in words where an effect sits."""
+    if at is None:
+        return "everywhere"
+    if isinstance(at, str):
+        return at
+    return "; ".join(f"{name} {', '.join(map(str, where))}" for name, where in at.items())

@@ -1,0 +1,231 @@
+"""What the lab gives back: frozen values, arrays as read-only numpy, SI units and Hz.
+
+Structures, rigs, measurements, modal models and jobs; what comes of comparing them is in `findings`.
+"""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab_client import _plots, _tables
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+
+FloatArray = NDArray[np.float64]
+ComplexArray = NDArray[np.complex128]
+
+FINISHED = ("succeeded", "failed", "cancelled")
+
+
+@dataclass(frozen=True)
+class JobStatus:
+    """Where work on the service stands."""
+
+    id: str
+    state: str  # queued, running, succeeded, failed or cancelled
+    fraction: float = 0.0  # 0 to 1
+    message: str = ""
+    result_id: str | None = None
+    error: Mapping[str, Any] | None = None  # a problem document, where the work failed
+
+    @property
+    def finished(self) -> bool:
+        """True when nothing more will happen."""
+        return self.state in FINISHED
+
+
+@dataclass(frozen=True)
+class Structure:
+    """A stored structure; it never changes, `structures.change` makes another."""
+
+    id: str
+    n_nodes: int
+    n_dofs: int
+    members: int
+
+
+@dataclass(frozen=True, eq=False)
+class StructureModes:
+    """The elastic modes of a structure, computed."""
+
+    frequencies: FloatArray  # (n_modes,) Hz
+    loss_factors: FloatArray  # (n_modes,)
+    n_rigid_body: int
+
+    def table(self) -> str:
+        """Return number, frequency and loss factor of each mode as text."""
+        return _tables.text(*self._rows())
+
+    def _rows(self) -> _tables.Table:
+        pairs = zip(self.frequencies, self.loss_factors, strict=True)
+        rows = [(str(i), f"{f:.4g}", f"{eta:.4g}") for i, (f, eta) in enumerate(pairs, 1)]
+        return ("mode", "frequency Hz", "loss factor"), rows
+
+    def _repr_html_(self) -> str:
+        return _tables.html(*self._rows(), caption=f"{self.n_rigid_body} rigid-body modes not listed")
+
+
+@dataclass(frozen=True, eq=False)
+class ModeShapes:
+    """The elastic modes of a structure with their mass-normalised shapes."""
+
+    frequencies: FloatArray  # (n_modes,) Hz
+    shapes: ComplexArray  # (n_dof, n_modes) 1/sqrt(kg)
+    dofs: tuple[str, ...]
+
+
+@dataclass(frozen=True)
+class Rig:
+    """A stored rig: the log book of a test."""
+
+    id: str
+
+
+@dataclass(frozen=True, eq=False)
+class Measurement:
+    """Measured FRFs with their coherence and spectra, and nothing of how they came about."""
+
+    id: str
+    freq: FloatArray  # (n,) Hz
+    values: ComplexArray  # (n, n_out, n_in), unit of `kind`
+    coherence: FloatArray | None  # (n, n_out), with a roving hammer (n, n_out, n_in)
+    outputs: tuple[str, ...]
+    inputs: tuple[str, ...]
+    kind: str  # receptance, mobility or inertance
+    averages: float | None
+    force_spectrum: FloatArray | None = field(default=None, repr=False)  # (n, n_out, n_in) N^2/Hz
+    response_spectrum: FloatArray | None = field(default=None, repr=False)  # as coherence, unit^2/Hz
+    rig_id: str | None = None
+
+    def __repr__(self) -> str:
+        n, n_out, n_in = self.values.shape
+        return (
+            f"Measurement({self.id!r}, {self.kind}, {n_out} outputs x {n_in} inputs, "
+            f"{n} lines from {self.freq[0]:g} to {self.freq[-1]:g} Hz)"
+        )
+
+    def plot(self) -> "tuple[Axes, Axes]":
+        """Draw the magnitude of every FRF, and the coherence below it; return both axes.
+
+        Raises
+        ------
+        MissingExtraError
+            If matplotlib is not installed.
+        """
+        return _plots.measurement(self)
+
+    def _repr_html_(self) -> str:
+        rows = [
+            ("kind", self.kind),
+            ("outputs", ", ".join(self.outputs)),
+            ("inputs", ", ".join(self.inputs)),
+            ("lines", f"{len(self.freq)} from {self.freq[0]:g} to {self.freq[-1]:g} Hz"),
+            ("averages", "unknown" if self.averages is None else f"{self.averages:g}"),
+        ]
+        if self.coherence is not None:
+            rows.append(("coherence, median", f"{np.median(self.coherence):.4f}"))
+        return _tables.html((), rows, caption=f"Measurement {self.id}")
+
+
+@dataclass(frozen=True)
+class MeasurementSummary:
+    """A stored measurement without its arrays."""
+
+    id: str
+    rig_id: str | None
+    outputs: tuple[str, ...]
+    inputs: tuple[str, ...]
+    kind: str
+
+
+@dataclass(frozen=True)
+class Spread:
+    """How one number scatters over the FRFs it was read from; `sd` with n - 1."""
+
+    min: float
+    max: float
+    mean: float
+    sd: float
+    n: int
+
+
+@dataclass(frozen=True)
+class Mode:
+    """One mode of a modal model."""
+
+    frequency: float  # Hz
+    loss_factor: float
+    frequency_spread: Spread | None
+    loss_factor_spread: Spread | None
+    standard_errors: Mapping[str, float]  # of frequency (Hz) and loss_factor
+    flags: tuple[str, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class ModalModel:
+    """Modes found in a measurement, in rising frequency."""
+
+    id: str
+    modes: tuple[Mode, ...]
+    method: str
+    measurement_id: str | None
+    dofs: tuple[str, ...]
+    shapes: ComplexArray = field(repr=False)  # (n_dof, n_modes) 1/sqrt(kg)
+    # (n_modes, n_out, n_in) or (n_modes, n_out), 1/kg; None for a model that was not extracted from FRFs
+    modal_constants: ComplexArray | None = field(repr=False, default=None)
+
+    @property
+    def frequencies(self) -> FloatArray:
+        """(n_modes,) Hz."""
+        return np.array([mode.frequency for mode in self.modes])
+
+    @property
+    def loss_factors(self) -> FloatArray:
+        """(n_modes,)."""
+        return np.array([mode.loss_factor for mode in self.modes])
+
+    def table(self) -> str:
+        """Return frequency and loss factor of each mode, and how they scatter over the FRFs, as text."""
+        return _tables.text(*self._rows())
+
+    def _rows(self) -> _tables.Table:
+        head = ("mode", "quantity", "value", "min", "max", "mean", "sd")
+        rows = []
+        for number, mode in enumerate(self.modes, 1):
+            frequency = _scatter(mode.frequency, mode.frequency_spread)
+            loss_factor = _scatter(mode.loss_factor, mode.loss_factor_spread)
+            rows.append((str(number), "frequency Hz", *frequency))
+            rows.append(("", "loss factor", *loss_factor))
+        return head, rows
+
+    def plot(self) -> "Axes":
+        """Draw loss factor over frequency, with the standard deviations over the FRFs; return the axes.
+
+        Raises
+        ------
+        MissingExtraError
+            If matplotlib is not installed.
+        """
+        return _plots.modal_model(self)
+
+    def _repr_html_(self) -> str:
+        return _tables.html(*self._rows(), caption=f"Modal model {self.id}, {self.method}")
+
+
+def _scatter(value: float, spread: Spread | None) -> tuple[str, ...]:
+    if spread is None:
+        return (f"{value:.5g}", "", "", "", "")
+    return tuple(f"{x:.5g}" for x in (value, spread.min, spread.max, spread.mean, spread.sd))
+
+
+@dataclass(frozen=True)
+class CatalogueEntry:
+    """One thing that can be chosen by name, with the numbers it takes."""
+
+    kind: str
+    summary: str
+    parameters: Mapping[str, Mapping[str, Any]]  # unit, lower, upper, default, doc of each
