@@ -1,0 +1,121 @@
+"""What a store offers: shelves of immutable things, each under an opaque id."""
+
+from collections.abc import Mapping
+from contextlib import AbstractContextManager
+from dataclasses import dataclass, field
+from typing import Any, Protocol, TypeVar
+
+from modallab.core.errors import ModalLabError
+from modallab.core.place import EffectSpec
+
+T = TypeVar("T")
+
+
+class InUseError(ModalLabError):
+    """Something else that is stored was made from this."""
+
+    code = "in_use"
+
+
+class StoredDataError(ModalLabError):
+    """What is stored cannot be read back: damaged, or written by another version."""
+
+    code = "stored_data"
+
+
+@dataclass(frozen=True)
+class Entry:
+    """What is known of a stored thing without reading it: enough to make it again."""
+
+    id: str
+    kind: str
+    owner: str
+    created: str  # ISO 8601, UTC
+    version: str  # of modallab that made it
+    inputs: Mapping[str, str] = field(default_factory=dict)  # what it was made from: role -> id
+    seed: int | None = None
+
+
+@dataclass(frozen=True)
+class Truth:
+    """How a measurement was made: kept apart from it, for its owner only."""
+
+    structure_id: str
+    effects: tuple[EffectSpec, ...]
+
+
+class Shelf(Protocol[T]):
+    """Things of one kind. Nothing is ever changed in place."""
+
+    def add(
+        self,
+        thing: T,
+        *,
+        owner: str,
+        inputs: Mapping[str, str] | None = None,
+        seed: int | None = None,
+        id: str | None = None,
+    ) -> str:
+        """Store a thing and return its id; under an `id` that is taken, nothing happens.
+
+        Work that may run twice passes the same `id` both times and stores once.
+        """
+        ...
+
+    def get(self, id: str) -> T:
+        """Return a thing; `NotFoundError` if there is none."""
+        ...
+
+    def entry(self, id: str) -> Entry:
+        """Return what is known of a thing; `NotFoundError` if there is none."""
+        ...
+
+    def list(self, *, owner: str, limit: int, after: str | None = None) -> list[Entry]:
+        """Return the newest entries of an owner, those older than `after`."""
+        ...
+
+    def npz(self, id: str) -> bytes:
+        """Return a thing's arrays as an uncompressed npz file, as they lie in the store."""
+        ...
+
+    def remove(self, id: str) -> None:
+        """Forget a thing; `InUseError` if another was made from it."""
+        ...
+
+    def check(self, id: str) -> None:
+        """Raise `NotFoundError` unless the thing is there."""
+        ...
+
+    def holds(self, id: str) -> bool:
+        """Tell whether the thing is there."""
+        ...
+
+
+class TruthShelf(Protocol):
+    """How measurements were made."""
+
+    def add(self, truth: Truth, *, measurement_id: str, owner: str) -> None:
+        """Store how a measurement was made, once."""
+        ...
+
+    def get(self, measurement_id: str, *, owner: str) -> Truth:
+        """Return how a measurement was made, to its owner; to others it is not found."""
+        ...
+
+
+class Store(Protocol):
+    """Everything that is kept."""
+
+    # Any: the shelf of a kind holds one domain type, which `codec.CODECS` names.
+    structures: Shelf[Any]
+    rigs: Shelf[Any]
+    measurements: Shelf[Any]
+    modal_models: Shelf[Any]
+    correlations: Shelf[Any]
+    updates: Shelf[Any]
+    diagnoses: Shelf[Any]
+    truths: TruthShelf
+
+    def together(self) -> "AbstractContextManager[Store]":
+        """Return a store whose additions are seen all at once when the block ends, or never."""
+        ...

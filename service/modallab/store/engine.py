@@ -1,0 +1,58 @@
+"""Database engines: SQLite beside the service, PostgreSQL when scaled."""
+
+import sqlite3
+from types import ModuleType
+from typing import Any
+
+import sqlalchemy as sa
+from sqlalchemy import event
+
+# The job engine needs SQLite 3.42; Debian 12's Python links 3.40.
+_OLDEST_SQLITE = (3, 42)
+
+
+def _sqlite_module() -> ModuleType:
+    if sqlite3.sqlite_version_info >= _OLDEST_SQLITE:
+        return sqlite3
+    import pysqlite3.dbapi2
+
+    module: ModuleType = pysqlite3.dbapi2
+    return module
+
+
+def make_engine(url: str, *, schema: str) -> sa.Engine:
+    """Return an engine for a database URL.
+
+    Parameters
+    ----------
+    url
+        `sqlite:///file` or `postgresql://user:password@host/database`.
+    schema
+        Schema to work in; SQLite has none and ignores it.
+    """
+    parsed = sa.make_url(url)
+    if parsed.get_backend_name() == "sqlite":
+        return _sqlite_engine(parsed)
+    return sa.create_engine(
+        parsed.set(drivername="postgresql+psycopg"),
+        connect_args={"options": f"-csearch_path={schema}"},
+        pool_pre_ping=True,
+        pool_size=10,
+        max_overflow=30,  # as many as the web server's threads
+    )
+
+
+def _sqlite_engine(url: sa.URL) -> sa.Engine:
+    engine = sa.create_engine(url, module=_sqlite_module(), pool_size=10, max_overflow=30)
+
+    @event.listens_for(engine, "connect")
+    def prepare(connection: Any, _record: Any) -> None:
+        # Writers queue up from their first statement on; a deferred transaction that turns
+        # into a writer fails at once with "database is locked".
+        connection.isolation_level = "IMMEDIATE"
+        connection.execute("PRAGMA busy_timeout=30000")
+        connection.execute("PRAGMA foreign_keys=ON")
+        connection.execute("PRAGMA journal_mode=WAL")
+        connection.execute("PRAGMA synchronous=NORMAL")
+
+    return engine

@@ -1,0 +1,182 @@
+"""The store over SQLAlchemy and array files."""
+
+import secrets
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import AbstractContextManager, contextmanager, nullcontext
+from datetime import UTC, datetime
+from typing import Any, Generic, TypeVar
+
+import sqlalchemy as sa
+from sqlalchemy.dialects import postgresql, sqlite
+from sqlalchemy.exc import IntegrityError
+
+import modallab
+from modallab.core.errors import NotFoundError
+from modallab.store.arrays import ArrayFiles
+from modallab.store.base import Entry, InUseError, Truth
+from modallab.store.codec import CODECS, Codec
+from modallab.store.npz import pack, unpack
+from modallab.store.plain import from_plain, to_plain
+from modallab.store.tables import LINKS, THINGS, TRUTHS
+
+T = TypeVar("T")
+Connect = Callable[[], AbstractContextManager[sa.Connection]]
+
+_ENTRY = [THINGS.c[name] for name in ("id", "kind", "owner", "created", "version", "inputs", "seed")]
+
+
+def new_id() -> str:
+    """Return an id that says nothing and cannot be guessed."""
+    return secrets.token_hex(12)
+
+
+def insert_once(connection: sa.Connection, table: sa.Table, row: Mapping[str, Any]) -> bool:
+    """Insert a row and tell whether it was not there before."""
+    dialect = postgresql if connection.dialect.name == "postgresql" else sqlite
+    # rowcount is -1 for some drivers; RETURNING says for certain whether a row went in.
+    first = next(iter(table.primary_key.columns))
+    statement = dialect.insert(table).values(**row).on_conflict_do_nothing().returning(first)
+    return connection.execute(statement).first() is not None
+
+
+class SqlShelf(Generic[T]):
+    """Things of one kind: metadata and body in a row, arrays in a file."""
+
+    def __init__(self, kind: str, codec: Codec[T], connect: Connect, files: ArrayFiles) -> None:
+        self._kind, self._codec, self._connect, self._files = kind, codec, connect, files
+
+    def add(
+        self,
+        thing: T,
+        *,
+        owner: str,
+        inputs: Mapping[str, str] | None = None,
+        seed: int | None = None,
+        id: str | None = None,
+    ) -> str:
+        """Store a thing and return its id; under an `id` that is taken, nothing happens."""
+        own_id = id or new_id()
+        if id is not None and self.holds(id):
+            return id
+        body, arrays = self._codec.take_apart(thing)
+        row = {
+            "id": own_id,
+            "kind": self._kind,
+            "owner": owner,
+            "created": datetime.now(UTC).isoformat(timespec="microseconds"),
+            "version": modallab.__version__,
+            "inputs": dict(inputs or {}),
+            "seed": seed,
+            "body": body,
+            "arrays_hash": self._files.put(own_id, pack(arrays)) if arrays else None,
+        }
+        with self._connect() as connection:
+            if insert_once(connection, THINGS, row):
+                self._link(connection, own_id, set(row["inputs"].values()))
+        return own_id
+
+    def _link(self, connection: sa.Connection, source: str, targets: set[str]) -> None:
+        try:
+            for target in sorted(targets):
+                connection.execute(LINKS.insert().values(source=source, target=target))
+        except IntegrityError:
+            raise NotFoundError(
+                f"what the {self._kind} was made from is no longer stored", value=", ".join(sorted(targets))
+            ) from None
+
+    def _row(self, id: str, *columns: sa.Column[Any]) -> sa.Row[Any]:
+        where = (THINGS.c.id == id) & (THINGS.c.kind == self._kind)
+        with self._connect() as connection:
+            row = connection.execute(sa.select(*columns).where(where)).first()
+        if row is None:
+            raise NotFoundError(f"there is no {self._kind} {id!r}", field=f"{self._kind}_id", value=id)
+        return row
+
+    def get(self, id: str) -> T:
+        """Return a thing."""
+        row = self._row(id, THINGS.c.body, THINGS.c.arrays_hash)
+        arrays = unpack(self._files.get(id, row.arrays_hash)) if row.arrays_hash else {}
+        return self._codec.put_together(row.body, arrays)
+
+    def entry(self, id: str) -> Entry:
+        """Return what is known of a thing."""
+        return Entry(**self._row(id, *_ENTRY)._mapping)
+
+    def list(self, *, owner: str, limit: int, after: str | None = None) -> list[Entry]:
+        """Return the newest entries of an owner, those older than `after`."""
+        age = sa.tuple_(THINGS.c.created, THINGS.c.id)
+        query = sa.select(*_ENTRY).where(THINGS.c.kind == self._kind, THINGS.c.owner == owner)
+        if after is not None:
+            query = query.where(age < sa.tuple_(*self._row(after, THINGS.c.created, THINGS.c.id)))
+        query = query.order_by(THINGS.c.created.desc(), THINGS.c.id.desc()).limit(limit)
+        with self._connect() as connection:
+            return [Entry(**row._mapping) for row in connection.execute(query)]
+
+    def npz(self, id: str) -> bytes:
+        """Return a thing's arrays as they lie in the store."""
+        digest = self._row(id, THINGS.c.arrays_hash).arrays_hash
+        return self._files.get(id, digest) if digest else pack({})
+
+    def remove(self, id: str) -> None:
+        """Forget a thing."""
+        digest = self._row(id, THINGS.c.arrays_hash).arrays_hash
+        try:
+            with self._connect() as connection:
+                connection.execute(THINGS.delete().where(THINGS.c.id == id))
+        except IntegrityError:
+            raise InUseError(f"the {self._kind} {id!r} is what something else was made from", value=id) from None
+        if digest:
+            self._files.remove(id, digest)
+
+    def check(self, id: str) -> None:
+        """Raise `NotFoundError` unless the thing is there."""
+        self._row(id, THINGS.c.id)
+
+    def holds(self, id: str) -> bool:
+        """Tell whether the thing is there."""
+        try:
+            self.check(id)
+        except NotFoundError:
+            return False
+        return True
+
+
+class SqlTruths:
+    """How measurements were made, in a table of their own."""
+
+    def __init__(self, connect: Connect) -> None:
+        self._connect = connect
+
+    def add(self, truth: Truth, *, measurement_id: str, owner: str) -> None:
+        """Store how a measurement was made, once."""
+        row = {"measurement_id": measurement_id, "structure_id": truth.structure_id, "owner": owner}
+        with self._connect() as connection:
+            insert_once(connection, TRUTHS, row | {"body": to_plain(truth)[0]})
+
+    def get(self, measurement_id: str, *, owner: str) -> Truth:
+        """Return how a measurement was made, to its owner."""
+        where = (TRUTHS.c.measurement_id == measurement_id) & (TRUTHS.c.owner == owner)
+        with self._connect() as connection:
+            row = connection.execute(sa.select(TRUTHS.c.body).where(where)).first()
+        if row is None:
+            raise NotFoundError(f"how measurement {measurement_id!r} was made is not known", value=measurement_id)
+        return from_plain(Truth, row.body, {})
+
+
+class SqlStore:
+    """Everything that is kept, in a database and a place for array files."""
+
+    def __init__(self, connect: Connect, files: ArrayFiles) -> None:
+        self._connect, self._files = connect, files
+        self.structures = self._shelf("structure")
+        self.modal_models = self._shelf("modal_model")
+        self.truths = SqlTruths(connect)
+
+    def _shelf(self, kind: str) -> SqlShelf[Any]:
+        return SqlShelf(kind, CODECS[kind], self._connect, self._files)
+
+    @contextmanager
+    def together(self) -> Iterator["SqlStore"]:
+        """Return a store whose additions are seen all at once when the block ends, or never."""
+        with self._connect() as connection:
+            yield SqlStore(lambda: nullcontext(connection), self._files)

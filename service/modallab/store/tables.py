@@ -1,0 +1,60 @@
+"""The tables. Change them only together with a new file in `migrations/versions`."""
+
+import sqlalchemy as sa
+
+METADATA = sa.MetaData(
+    naming_convention={
+        "ix": "ix_%(column_0_label)s",
+        "uq": "uq_%(table_name)s_%(column_0_name)s",
+        "fk": "fk_%(table_name)s_%(column_0_name)s",
+        "pk": "pk_%(table_name)s",
+    }
+)
+
+THINGS = sa.Table(
+    "things",
+    METADATA,
+    sa.Column("id", sa.String(64), primary_key=True),
+    sa.Column("kind", sa.String(32), nullable=False),
+    sa.Column("owner", sa.String(64), nullable=False),
+    sa.Column("created", sa.String(40), nullable=False),
+    sa.Column("version", sa.String(32), nullable=False),
+    sa.Column("inputs", sa.JSON, nullable=False),
+    sa.Column("seed", sa.BigInteger),
+    sa.Column("body", sa.JSON, nullable=False),
+    sa.Column("arrays_hash", sa.String(64)),  # SHA-256 of the array file, null without arrays
+    sa.Index("ix_things_shelf", "kind", "owner", "created", "id"),
+)
+
+# Which thing was made from which: what keeps an input from being removed.
+LINKS = sa.Table(
+    "links",
+    METADATA,
+    sa.Column("source", sa.ForeignKey("things.id", ondelete="CASCADE"), primary_key=True),
+    sa.Column("target", sa.ForeignKey("things.id"), primary_key=True, index=True),
+)
+
+# Apart from the measurements, so that nothing which reads one comes across its truth.
+TRUTHS = sa.Table(
+    "truths",
+    METADATA,
+    sa.Column("measurement_id", sa.ForeignKey("things.id", ondelete="CASCADE"), primary_key=True),
+    sa.Column("structure_id", sa.ForeignKey("things.id"), nullable=False, index=True),
+    sa.Column("owner", sa.String(64), nullable=False),
+    sa.Column("body", sa.JSON, nullable=False),
+)
+
+JOBS = sa.Table(
+    "jobs",
+    METADATA,
+    sa.Column("id", sa.String(64), primary_key=True),
+    sa.Column("owner", sa.String(64), nullable=False),
+    sa.Column("task", sa.String(64), nullable=False),
+    sa.Column("arguments", sa.JSON, nullable=False),
+    sa.Column("created", sa.String(40), nullable=False),
+    sa.Column("state", sa.String(16), nullable=False, index=True),
+    sa.Column("fraction", sa.Float, nullable=False),
+    sa.Column("message", sa.Text, nullable=False),
+    sa.Column("result_id", sa.String(64), nullable=False),  # fixed at submission
+    sa.Column("error", sa.JSON(none_as_null=True)),
+)
