@@ -1,0 +1,174 @@
+"""Changes of a structure: each makes a new structure, nothing is changed in place."""
+
+from collections.abc import Iterable
+from dataclasses import dataclass, replace
+from enum import StrEnum
+
+import numpy as np
+
+from modallab.core.dof import Dof
+from modallab.core.errors import InvalidInputError
+from modallab.fe.damping import StructuralDamping
+from modallab.fe.structure import GroundSpring, Member, PointMass, Structure
+
+
+class MemberProperty(StrEnum):
+    """What of a member can be changed."""
+
+    DENSITY = "density"  # the element's mass matrix, kg/m^3
+    MODULUS = "modulus"  # its whole stiffness matrix, N/m^2
+    AXIAL_STIFFNESS = "axial_stiffness"  # E A, N
+    BENDING_STIFFNESS = "bending_stiffness"  # E I, N m^2
+    LOSS_FACTOR = "loss_factor"  # eta of D = eta K
+
+
+@dataclass(frozen=True)
+class MemberChange:
+    """One property of some members: multiplied by `factor` or set to `value`, one of the two."""
+
+    members: tuple[int, ...]
+    property: MemberProperty
+    factor: float | None = None
+    value: float | None = None  # in the property's unit
+
+    def __post_init__(self) -> None:
+        if self.property not in tuple(MemberProperty):
+            raise InvalidInputError(
+                f"members have no property {self.property!r}",
+                field="property",
+                value=self.property,
+                allowed=", ".join(MemberProperty),
+            )
+        if not self.members:
+            raise InvalidInputError("a change names no member", field="members", value=0, allowed=">= 1")
+        if (self.factor is None) == (self.value is None):
+            raise InvalidInputError(
+                "a change multiplies by a factor or sets a value",
+                field="factor",
+                value="none given" if self.factor is None else "both given",
+                allowed="either factor or value",
+            )
+        for name, number in (("factor", self.factor), ("value", self.value)):
+            if number is not None:
+                _check(number, name, zero_allowed=self.property == MemberProperty.LOSS_FACTOR)
+
+    def of(self, now: float) -> float:
+        """Return what a number becomes: the value, or the factor times what it is."""
+        if self.value is not None:
+            return self.value
+        assert self.factor is not None
+        return self.factor * now
+
+
+@dataclass(frozen=True)
+class NodeMass:
+    """The mass that a node carries beside its members; 0 takes it away."""
+
+    node: int
+    mass: float  # kg
+
+    def __post_init__(self) -> None:
+        _check(self.mass, "value", zero_allowed=True)
+
+
+@dataclass(frozen=True)
+class GroundStiffness:
+    """The spring between a DoF and the ground; 0 takes it away."""
+
+    dof: Dof
+    stiffness: float  # N/m, or N m for a rotation
+
+    def __post_init__(self) -> None:
+        _check(self.stiffness, "value", zero_allowed=True)
+
+
+Change = MemberChange | NodeMass | GroundStiffness
+
+
+def _check(number: float, field: str, *, zero_allowed: bool) -> None:
+    if not np.isfinite(number) or number < 0 or (number == 0 and not zero_allowed):
+        allowed = ">= 0" if zero_allowed else "> 0"
+        raise InvalidInputError(f"{field} is out of bounds", field=field, value=number, allowed=allowed)
+
+
+def change(structure: Structure, changes: Iterable[Change]) -> Structure:
+    """Return a new structure with the changes made in their order.
+
+    Raises
+    ------
+    InvalidInputError
+        If a member, node or DoF is unknown, or a property cannot take the change.
+    """
+    for one in changes:
+        if isinstance(one, MemberChange):
+            structure = _with_members(structure, one)
+        elif isinstance(one, NodeMass):
+            structure = _with_mass(structure, one)
+        else:
+            structure = _with_spring(structure, one)
+    return structure
+
+
+def _with_members(structure: Structure, made: MemberChange) -> Structure:
+    for number in made.members:
+        structure.member(number)  # an unknown one is an error, not a change of nothing
+    members = tuple(
+        _changed(structure, member, made) if member.number in made.members else member
+        for member in structure.members
+    )
+    return replace(structure, members=members)
+
+
+def _changed(structure: Structure, member: Member, made: MemberChange) -> Member:
+    modulus, section = member.material.modulus, member.section
+
+    def moved(factor: float, nominal: float) -> float:
+        return made.of(factor) if made.value is None else made.value / nominal
+
+    match made.property:
+        case MemberProperty.DENSITY:
+            return replace(member, mass_factor=moved(member.mass_factor, member.material.density))
+        case MemberProperty.MODULUS:
+            axial, bending = moved(member.axial_factor, modulus), moved(member.bending_factor, modulus)
+            return replace(member, axial_factor=axial, bending_factor=bending)
+        case MemberProperty.AXIAL_STIFFNESS:
+            return replace(member, axial_factor=moved(member.axial_factor, modulus * section.area))
+        case MemberProperty.BENDING_STIFFNESS:
+            nominal = modulus * section.second_moment
+            return replace(member, bending_factor=moved(member.bending_factor, nominal))
+        case MemberProperty.LOSS_FACTOR:
+            return replace(member, loss_factor=_loss_factor(structure, member, made))
+
+
+def _loss_factor(structure: Structure, member: Member, made: MemberChange) -> float:
+    law, own = structure.damping, member.loss_factor
+    if own is None and isinstance(law, StructuralDamping):
+        own = law.stiffness_coefficient
+    if own is None and made.value is None:
+        raise InvalidInputError(
+            f"member {member.number} has no loss factor to multiply",
+            field="factor",
+            value=made.of(1.0),
+            allowed="a value: this damping law gives members no loss factor",
+        )
+    return made.of(own or 0.0)
+
+
+def _with_mass(structure: Structure, made: NodeMass) -> Structure:
+    if made.node not in structure.nodes:
+        raise InvalidInputError(
+            f"there is no node {made.node}",
+            field="node",
+            value=made.node,
+            allowed=f"{min(structure.nodes)} to {max(structure.nodes)}",
+        )
+    others = tuple(mass for mass in structure.masses if mass.node != made.node)
+    added = (PointMass(made.node, made.mass),) if made.mass else ()
+    return replace(structure, masses=others + added)
+
+
+def _with_spring(structure: Structure, made: GroundStiffness) -> Structure:
+    structure.index(made.dof)
+    others = tuple(spring for spring in structure.springs if spring.dof.point != made.dof.point)
+    added = (GroundSpring(made.dof.point, made.stiffness),) if made.stiffness else ()
+    return replace(structure, springs=others + added)
