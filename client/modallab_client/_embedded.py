@@ -9,7 +9,6 @@ import sys
 import tempfile
 import time
 import weakref
-from collections.abc import Callable
 from pathlib import Path
 from typing import IO
 
@@ -17,11 +16,10 @@ from modallab_client.errors import ConflictError, MissingExtraError, ServiceStar
 
 START_TIMEOUT = 60.0  # s, a cold start on a slow disk included
 STOP_TIMEOUT = 20.0  # s, more than the guardian grants the service
+NOTICE = 0.5  # s the guardian may take to notice that the service has died
 LOG_TAIL = 40  # lines of the log worth an error message
 NEEDED = ("modallab", "alembic", "dbos", "fastapi", "pydantic", "scipy", "sqlalchemy", "uvicorn")
 GUARDIAN = Path(__file__).with_name("_guardian.py")
-
-Command = Callable[[int, Path], list[str]]
 
 
 def require_service() -> None:
@@ -53,14 +51,14 @@ class ServiceProcess:
     interpreter, and also if this process is killed.
     """
 
-    def __init__(self, data: str | Path | None = None, *, command: Command = serve_command) -> None:
+    def __init__(self, data: str | Path | None = None) -> None:
         if os.name != "posix":
             raise ServiceStartError("embedded() needs Linux or macOS; elsewhere use ModalLab(url)")
         port = _free_port()
         temporary = tempfile.mkdtemp(prefix="modallab-") if data is None else ""
         folder = Path(temporary or data or "").resolve()
         folder.mkdir(parents=True, exist_ok=True)
-        arguments = command(port, folder)
+        arguments = serve_command(port, folder)
         self.url = f"http://127.0.0.1:{port}"
         self._log = folder / "service.log"
         with _lock(folder) as lock, self._log.open("wb") as log:
@@ -97,9 +95,11 @@ class ServiceProcess:
         UnreachableError
             If it has ended; the end of its log is in the message.
         """
-        code = self._process.poll()
-        if code is not None:
-            raise UnreachableError(f"the embedded service has ended with code {code}.\n{self.log_tail()}")
+        try:
+            code = self._process.wait(NOTICE)
+        except subprocess.TimeoutExpired:
+            return
+        raise UnreachableError(f"the embedded service has ended with code {code}.\n{self.log_tail()}")
 
     def log_tail(self) -> str:
         """Return the last lines the service wrote."""

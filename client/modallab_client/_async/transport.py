@@ -101,7 +101,7 @@ class AsyncTransport:
             except httpx.TransportError as error:
                 pause = _retry.pause_after_failure(method, attempt)
                 if pause is None:
-                    raise self._unreachable(error) from error
+                    raise await self._unreachable(error) from error
             await async_sleep(pause)
             attempt += 1
 
@@ -134,9 +134,9 @@ class AsyncTransport:
         except httpx.TransportError:
             return
 
-    def _unreachable(self, error: httpx.TransportError) -> UnreachableError:
+    async def _unreachable(self, error: httpx.TransportError) -> UnreachableError:
         if self._service is not None:
-            self._service.check_running()
+            await async_run(self._service.check_running)
         what = str(error) or type(error).__name__
         return UnreachableError(f"no reply from {self._base}: {what}", context={"url": self._base})
 

@@ -136,7 +136,7 @@ class Transport:
 
     def _unreachable(self, error: httpx.TransportError) -> UnreachableError:
         if self._service is not None:
-            self._service.check_running()
+            run(self._service.check_running)
         what = str(error) or type(error).__name__
         return UnreachableError(f"no reply from {self._base}: {what}", context={"url": self._base})
 

@@ -1,0 +1,189 @@
+"""Keywords in, typed results out, one resource after the other."""
+
+import io
+from pathlib import Path
+
+import httpx
+import numpy as np
+import pytest
+from tests.client.fake import DIAGNOSIS, MEASUREMENT, MODE, UPDATE, FakeService, events, npz
+
+from modallab_client import ModalLab
+from modallab_client.errors import UnexpectedReplyError
+
+STRUCTURE = {"id": "s1", "n_nodes": 21, "n_dofs": 42, "members": 20, "created_at": "later"}
+ACCEPTED = httpx.Response(202, json={"id": "j1", "state": "queued"})
+
+
+def finish(service: FakeService, result_id: str) -> None:
+    service.on(
+        "GET /v1/jobs/j1/events", events({"state": "succeeded", "fraction": 1, "result_id": result_id})
+    )
+
+
+def test_a_beam_is_sent_with_the_names_of_the_contract(lab: ModalLab, service: FakeService) -> None:
+    service.on("POST /v1/structures", STRUCTURE)
+    section, material = {"area": 5e-4, "second_moment": 4.1667e-9}, {"modulus": 2.09e11, "density": 7800.0}
+    beam = lab.structures.beam(length=1.5, n_elements=20, section=section, material=material)
+    assert (beam.id, beam.n_nodes, beam.n_dofs, beam.members) == ("s1", 21, 42, 20)
+    wanted = {"kind": "beam", "length": 1.5, "n_elements": 20, "section": section, "material": material}
+    assert service.body() == wanted, "what was left out is the service's to choose"
+    lab.structures.frame(nodes={"1": [0, 0]}, sections={}, materials={}, members=[], supports=[])
+    assert service.body()["kind"] == "frame"
+    assert service.body()["supports"] == []
+
+
+def test_one_change_goes_by_keywords_and_several_as_a_list(lab: ModalLab, service: FakeService) -> None:
+    service.on("POST /v1/structures/s1/changes", STRUCTURE)
+    lab.structures.change("s1", members=[7], property="modulus", factor=1.3)
+    assert service.body() == {"changes": [{"members": [7], "property": "modulus", "factor": 1.3}]}
+    several = [
+        {"node": 7, "property": "mass", "value": 0.05},
+        {"members": [1], "property": "density", "factor": 2},
+    ]
+    lab.structures.change("s1", changes=several)
+    assert service.body() == {"changes": several}
+
+
+def test_computed_modes_come_as_arrays(lab: ModalLab, service: FakeService) -> None:
+    modes = {"frequencies": [22.9, 63.2], "loss_factors": [0.0052, None], "n_rigid_body": 2}
+    service.on("GET /v1/structures/s1/modes", modes)
+    found = lab.structures.modes("s1", count=2)
+    assert service.requests[-1].url.query == b"count=2"
+    np.testing.assert_array_equal(found.frequencies, [22.9, 63.2])
+    assert np.isnan(found.loss_factors[1]), "null stands for a number that is none"
+    assert found.n_rigid_body == 2
+    assert "22.9" in found.table()
+    shapes = npz(frequencies=np.ones(2), shapes=np.ones((3, 2)), dofs=np.array(["1:+Y", "1:+RZ", "2:+Y"]))
+    service.on("GET /v1/structures/s1/modes/arrays", shapes)
+    assert lab.structures.mode_shapes("s1").dofs == ("1:+Y", "1:+RZ", "2:+Y")
+
+
+def test_a_measurement_is_frozen_and_its_arrays_read_only(lab: ModalLab, service: FakeService) -> None:
+    service.on("GET /v1/measurements/m1", {"id": "m1", "rig_id": "r1", "unheard_of": {}})
+    service.on("GET /v1/measurements/m1/arrays", npz(**MEASUREMENT, unheard_of=np.ones(2)))
+    test = lab.measurements.get("m1")
+    assert test.values.shape == (3, 2, 1)
+    assert test.outputs == ("1:+Y", "3:+Y")
+    assert (test.kind, test.averages, test.rig_id) == ("inertance", 100.0, "r1")
+    with pytest.raises(ValueError, match="read-only"):
+        test.values[0, 0, 0] = 0
+    with pytest.raises(AttributeError):
+        test.kind = "mobility"  # type: ignore[misc]
+
+
+def test_arrays_and_files_are_brought_in(lab: ModalLab, service: FakeService, tmp_path: Path) -> None:
+    service.on("POST /v1/measurements/import", {"id": "m1"})
+    service.on("GET /v1/measurements/m1", {"id": "m1"})
+    service.on("GET /v1/measurements/m1/arrays", npz(**MEASUREMENT))
+    lab.measurements.import_npz(
+        "r1", freq=[2.0], values=[[[1j]]], outputs=["1:+Y"], inputs=["1:+Y"], kind="receptance"
+    )
+    sent = service.requests[0].content
+    start = sent.index(b"PK\x03\x04")
+    with np.load(io.BytesIO(sent[start:])) as archive:
+        assert set(archive.files) == {"freq", "values", "outputs", "inputs", "kind"}
+        assert archive["values"][0, 0, 0] == 1j
+    (tmp_path / "frf.uff").write_bytes(b"    -1\n")
+    lab.measurements.upload(tmp_path / "frf.uff", "r1")
+    assert b'filename="frf.uff"' in service.requests[3].content
+
+
+def test_an_answer_that_is_no_npz_is_refused(lab: ModalLab, service: FakeService) -> None:
+    service.on("GET /v1/measurements/m1", {"id": "m1"})
+    page = httpx.Response(200, content=b"<html>", headers={"content-type": "text/html"})
+    service.on("GET /v1/measurements/m1/arrays", page)
+    with pytest.raises(UnexpectedReplyError, match="npz"):
+        lab.measurements.get("m1")
+
+
+def test_a_modal_model_tabulates_its_scatter(lab: ModalLab, service: FakeService) -> None:
+    service.on("POST /v1/modal-models", ACCEPTED)
+    finish(service, "mm1")
+    model = {"id": "mm1", "modes": [MODE, {**MODE, "frequency_spread": None}], "method": "dobson"}
+    service.on("GET /v1/modal-models/mm1", {**model, "measurement_id": "m1"})
+    service.on(
+        "GET /v1/modal-models/mm1/arrays", npz(shapes=np.ones((2, 2)), dofs=np.array(["1:+Y", "3:+Y"]))
+    )
+    modes = lab.modal_models.start("m1", method="dobson", bands=[(20, 26)], n_modes=1).result()
+    assert service.body(0) == {"measurement_id": "m1", "method": "dobson", "bands": [[20, 26]], "n_modes": 1}
+    assert modes.modes[0].frequency_spread is not None
+    assert modes.modes[0].frequency_spread.sd == 0.05
+    assert modes.dofs == ("1:+Y", "3:+Y")
+    head, first, *_ = modes.table().splitlines()
+    assert head.split() == ["mode", "quantity", "value", "min", "max", "mean", "sd"]
+    assert first.split() == ["1", "frequency", "Hz", "23.61", "23.5", "23.7", "23.61", "0.05"]
+
+
+def test_known_modes_are_brought_in_with_complex_pairs(lab: ModalLab, service: FakeService) -> None:
+    service.on("POST /v1/modal-models/import", {"id": "mm1"})
+    service.on("GET /v1/modal-models/mm1", {"id": "mm1", "modes": [MODE]})
+    service.on(
+        "GET /v1/modal-models/mm1/arrays", npz(shapes=np.ones((2, 1)), dofs=np.array(["1:+Y", "3:+Y"]))
+    )
+    lab.modal_models.import_(
+        frequencies=[23.6], loss_factors=[0.005], shapes=[[1j], [2.0 + 0j]], dofs=["1:+Y", "3:+Y"]
+    )
+    assert service.body(0)["shapes"] == [[[0.0, 1.0]], [[2.0, 0.0]]]
+
+
+def test_an_update_is_asked_by_keywords_and_read_by_member(lab: ModalLab, service: FakeService) -> None:
+    service.on("POST /v1/updates", ACCEPTED)
+    finish(service, "u1")
+    service.on("GET /v1/updates/u1", UPDATE)
+    update = lab.updates.start("s1", "mm1", macros=[[1, 2], [3]], parts=["mass"], max_iterations=30).result()
+    sent = service.body(0)
+    assert sent["parameterisation"] == {"macros": [[1, 2], [3]], "parts": ["mass"]}
+    assert sent["options"] == {"max_iterations": 30}
+    assert update.converged
+    assert update.coefficients["stiffness"][11] == 2.0
+    assert np.isnan(update.standard_errors["stiffness"][12])
+    assert update.suspected["mass"] == (1, 2)
+    np.testing.assert_array_equal(update.frequencies["measured"], [22.1, 61.0])
+    assert "1.99" in update.table()
+    lab.updates.start("s1", "mm1")
+    assert set(service.body()) == {"structure_id", "modal_model_id", "method"}
+
+
+def test_a_correlation_comes_at_once(lab: ModalLab, service: FakeService) -> None:
+    reply = {"mac": [[1.0, 0.1]], "pairs": [[1, 1]], "frequency_differences": [0.01], "comac": [0.9]}
+    service.on("POST /v1/correlations", reply)
+    found = lab.correlations.create("mm1", "s1")
+    assert found.mac.shape == (1, 2)
+    assert found.pairs == ((1, 1),)
+
+
+def test_a_diagnosis_reads_as_it_is_written_in_the_contract(lab: ModalLab, service: FakeService) -> None:
+    service.on("POST /v1/diagnoses", ACCEPTED)
+    finish(service, "d1")
+    service.on("GET /v1/diagnoses/d1", DIAGNOSIS)
+    found = lab.diagnoses.start("s1", "m1", hold_out={"fraction": 0.25}, max_effects=2).result()
+    assert service.body(0) == {
+        "structure_id": "s1",
+        "measurement_id": "m1",
+        "suspects": "all",
+        "hold_out": {"fraction": 0.25},
+        "max_effects": 2,
+        "seed": 0,
+    }
+    step = found.steps[0]
+    assert (found.verdict, step.effect.kind, step.effect.at) == ("explained", "extra_mass", "7:+Y")
+    mass = step.effect.parameters["mass"]
+    assert (mass.value, mass.standard_error, mass.unit) == (0.05, 0.0004, "kg")
+    assert (step.gap_before, step.gap_after) == (812.0, 1.04)
+    assert step.rivals[0].at == {"members": [3]}
+    assert step.rivals_alike[0].kind == "force_transducer_mass"
+    assert found.located.bands == ((22.0, 24.0),)
+    assert found.next_test is not None
+    assert found.next_test.separates == ("a", "b")
+    assert "extra_mass at 7:+Y: mass 0.05 kg" in found.table()
+
+
+def test_the_catalogue_lists_what_can_be_chosen(lab: ModalLab, service: FakeService) -> None:
+    entry = {"kind": "extra_mass", "summary": "s", "parameters": {"mass": {"unit": "kg", "lower": 0}}}
+    service.on("GET /v1/catalog/effects", httpx.Response(200, json=[entry]))
+    service.on(
+        "GET /v1/catalog/extraction-methods", httpx.Response(200, json={"items": [{"kind": "dobson"}]})
+    )
+    assert lab.catalog.effects()[0].parameters["mass"]["unit"] == "kg"
+    assert lab.catalog.extraction_methods()[0].kind == "dobson"
