@@ -4,7 +4,7 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.sparse import csc_array
+from scipy.sparse import coo_array, csc_array
 
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray, frozen
 from modallab.core.dof import Dof
@@ -158,6 +158,59 @@ class DynamicSystem:
         elif isinstance(table.law, ViscousDamping):
             viscous = table.law.mass_coefficient * dm + table.law.stiffness_coefficient * dk
         return self.attach(Attachment(columns, mass=dm, stiffness=dk, damping=damping, viscous=viscous))
+
+    def scaled(self, *, mass: float = 1.0, stiffness: float = 1.0) -> "DynamicSystem":
+        """Return the system with the mass or stiffness of every member multiplied.
+
+        Point masses and springs to ground stay as they are. Asked for again with the same numbers,
+        the same matrices come back, so that their modes are solved for once.
+        """
+        known = self._shared.get("scaled")
+        if not (isinstance(known, tuple) and known[0] == (mass, stiffness)):
+            known = ((mass, stiffness), self._scaled(mass - 1, stiffness - 1))
+            self._shared["scaled"] = known
+        matrices: DynamicSystem = known[1]
+        return replace(matrices, attachments=self.attachments)
+
+    def _scaled(self, mass: float, stiffness: float) -> "DynamicSystem":
+        table = self.members
+        if table is None:
+            raise InvalidInputError("the system does not know its members", field="members")
+        dm = mass * self._sum(table.mass)
+        k = table.axial + table.bending
+        dk = stiffness * self._sum(k)
+        damping, viscous = self.damping, self.viscous
+        if damping is not None:
+            damping = damping + stiffness * self._sum(table.loss_factor[:, None, None] * k)
+            if isinstance(table.law, StructuralDamping):
+                damping = damping + table.law.mass_coefficient * dm
+        if viscous is not None and isinstance(table.law, ViscousDamping):
+            viscous = viscous + table.law.mass_coefficient * dm + table.law.stiffness_coefficient * dk
+        members = replace(
+            table,
+            mass=table.mass * (1 + mass),
+            axial=table.axial * (1 + stiffness),
+            bending=table.bending * (1 + stiffness),
+        )
+        return DynamicSystem(
+            csc_array(self.mass + dm),
+            csc_array(self.stiffness + dk),
+            self.dofs,
+            damping,
+            viscous,
+            self.rigid,
+            members,
+        )
+
+    def _sum(self, parts: FloatArray) -> csc_array:
+        """Return the (n, n) sum of member matrices."""
+        assert self.members is not None
+        rows = self.members.rows
+        r = np.broadcast_to(rows[:, :, None], parts.shape)
+        c = np.broadcast_to(rows[:, None, :], parts.shape)
+        kept = (r >= 0) & (c >= 0)
+        n = len(self.dofs)
+        return csc_array(coo_array((parts[kept], (r[kept], c[kept])), shape=(n, n)))
 
     def folded(self) -> "DynamicSystem":
         """Return the same system with every attachment added into the matrices."""

@@ -1,0 +1,56 @@
+"""What disagrees between a measurement and its prediction, as numbers."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.core.dof import Dof
+
+
+@dataclass(frozen=True, eq=False)
+class Evidence:
+    """Residuals in units of their own random error, so that each has mean square 1 if nothing is missing.
+
+    Lines and channels on which nothing can be said hold 0 and are left out of `weight`.
+    """
+
+    freq: FloatArray  # (n_freq,) Hz
+    outputs: tuple[Dof, ...]
+    drive: Dof
+    frf: ComplexArray  # (n_freq, n_out) ln(H_measured / H_predicted) over its error
+    force: FloatArray | None  # (n_freq, n_out) ln of the force auto spectra's ratio over its error
+    response: FloatArray | None  # (n_freq, n_out) the same of the conditional response spectrum
+    coherence_drop: FloatArray  # (n_freq, n_out) predicted minus measured coherence
+    weight: FloatArray  # (n_freq, n_out) 1 where the FRF counts, else 0
+    mode_frequency: FloatArray  # (n_modes,) Hz, of the prediction
+    frequency_shift: FloatArray  # (n_modes,) measured over predicted, minus 1
+    response_amplitude: FloatArray  # (n_modes, n_out) |phi| of the prediction at the responses
+
+    @property
+    def gaps(self) -> dict[str, float]:
+        """Mean square of each part: 1 means only random error is left."""
+        parts = {"frf": self.frf, "force": self.force, "response": self.response}
+        count = max(self.weight.sum(), 1.0)
+        return {
+            name: float((np.abs(value) ** 2 * self.weight).sum() / count)
+            for name, value in parts.items()
+            if value is not None
+        }
+
+    @property
+    def gap(self) -> float:
+        """Mean square over all parts."""
+        return float(np.mean(list(self.gaps.values())))
+
+    @property
+    def by_channel(self) -> FloatArray:
+        """(n_out,) mean square of the FRF part by response."""
+        count = np.maximum(self.weight.sum(axis=0), 1.0)
+        return np.asarray((np.abs(self.frf) ** 2 * self.weight).sum(axis=0) / count)
+
+    @property
+    def by_line(self) -> FloatArray:
+        """(n_freq,) mean square of the FRF part by line."""
+        count = np.maximum(self.weight.sum(axis=1), 1.0)
+        return np.asarray((np.abs(self.frf) ** 2 * self.weight).sum(axis=1) / count)

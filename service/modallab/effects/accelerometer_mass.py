@@ -1,0 +1,49 @@
+"""Mass loading: an accelerometer is part of the structure it measures."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar, Self
+
+import numpy as np
+
+from modallab.core.dof import Dof
+from modallab.core.parameters import parameter
+from modallab.core.place import Place
+from modallab.correlation.evidence import Evidence
+from modallab.fe.system import DynamicSystem
+from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.setup import RigSetup, Shot
+
+
+@EFFECTS.register("accelerometer_mass")
+@dataclass(frozen=True)
+class AccelerometerMass(Effect):
+    """The accelerometers of a run add their mass where they sit; one that roves, in each run elsewhere.
+
+    At a DoF: one accelerometer that stays there in every run. 1992 thesis, section 5.4.1.
+    """
+
+    kind: ClassVar[str] = "accelerometer_mass"
+    summary: ClassVar[str] = "the accelerometer's mass lowers the natural frequencies"
+    stage: ClassVar[int] = 1
+    mass: float = parameter(0.02, unit="kg", lower=0.0, upper=0.5, doc="accelerometer with its stud")
+
+    def on_system(self, system: DynamicSystem, shot: Shot) -> DynamicSystem:
+        nodes = [self.at.node] if isinstance(self.at, Dof) else sorted({dof.node for dof in shot.outputs})
+        for node in nodes:
+            system = system.add_mass(node, self.mass)
+        return system
+
+    @classmethod
+    def from_setup(cls, setup: RigSetup) -> Sequence[Self]:
+        return [cls(mass=setup.accelerometers.mass)] if setup.accelerometers.mass > 0 else []
+
+    @classmethod
+    def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:
+        return (None,)
+
+    @classmethod
+    def signature(cls, evidence: Evidence) -> float:
+        """Frequencies fall, and the FRFs of different positions disagree on them."""
+        falls = float(np.clip(-np.sign(evidence.frequency_shift).mean(), 0.0, 1.0))
+        return 0.3 + 0.4 * falls

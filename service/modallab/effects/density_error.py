@@ -1,0 +1,44 @@
+"""Members that are heavier or lighter than the model has them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from modallab.core.parameters import parameter
+from modallab.core.place import Members, Place
+from modallab.correlation.evidence import Evidence
+from modallab.fe.system import DynamicSystem
+from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.setup import RigSetup, Shot
+
+
+@EFFECTS.register("density_error")
+@dataclass(frozen=True)
+class DensityError(Effect):
+    """The mass matrix of some members, or of all, is another multiple of the model's."""
+
+    kind: ClassVar[str] = "density_error"
+    summary: ClassVar[str] = "members heavier or lighter than modelled"
+    stage: ClassVar[int] = 1
+    factor: float = parameter(
+        1.5, unit="1", lower=0.05, upper=20.0, absent=1.0, doc="true density over the model's"
+    )
+
+    def on_system(self, system: DynamicSystem, shot: Shot) -> DynamicSystem:
+        if isinstance(self.at, Members):
+            for number in self.at.numbers:
+                system = system.change_member(number, mass=self.factor - 1)
+            return system
+        return system.scaled(mass=self.factor)
+
+    @classmethod
+    def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:
+        table = system.members
+        return (None, *(Members((number,)) for number in table.numbers)) if table else (None,)
+
+    @classmethod
+    def signature(cls, evidence: Evidence) -> float:
+        """Frequencies shift; a heavier member lowers them."""
+        return 0.5 + 0.3 * float(np.clip(-np.sign(evidence.frequency_shift).mean(), 0.0, 1.0))

@@ -1,0 +1,41 @@
+"""The shaker's armature takes force to move: the force drops out at resonances."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import ClassVar, Self
+
+import numpy as np
+
+from modallab.core.parameters import parameter
+from modallab.correlation.evidence import Evidence
+from modallab.rig.effect import EFFECTS, Drive, Effect
+from modallab.rig.setup import RigSetup
+
+
+@EFFECTS.register("exciter_armature")
+@dataclass(frozen=True)
+class ExciterArmature(Effect):
+    """P = F + m a: the armature moves with the drive point behind the force gauge [5.2, 5.3].
+
+    The FRF a/F stays as it is; the force spectrum notches at every resonance.
+    """
+
+    kind: ClassVar[str] = "exciter_armature"
+    summary: ClassVar[str] = "the armature's inertia takes the force at resonances"
+    stage: ClassVar[int] = 3
+    mass: float = parameter(0.02, unit="kg", lower=0.0, upper=5.0, doc="moving mass behind the force gauge")
+
+    def on_drive(self, drive: Drive) -> Drive:
+        return replace(drive, mass=drive.mass + self.mass)
+
+    @classmethod
+    def from_setup(cls, setup: RigSetup) -> Sequence[Self]:
+        gauge = setup.force_transducer
+        mass = setup.exciter.armature_mass + (gauge.mass_below if gauge.mass_cancelled else 0.0)
+        return [cls(mass=mass)] if mass > 0 else []
+
+    @classmethod
+    def signature(cls, evidence: Evidence) -> float:
+        """The force spectrum is off while the FRFs are right."""
+        gaps = evidence.gaps
+        return float(np.clip(1.0 - gaps["frf"] / gaps["force"], 0.0, 1.0)) if "force" in gaps else 0.1

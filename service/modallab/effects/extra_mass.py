@@ -1,0 +1,43 @@
+"""A mass on the structure that the model does not have."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from modallab.core.dof import Dof
+from modallab.core.errors import InvalidInputError
+from modallab.core.parameters import parameter
+from modallab.core.place import Place
+from modallab.correlation.evidence import Evidence
+from modallab.fe.system import DynamicSystem
+from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.setup import RigSetup, Shot
+
+
+@EFFECTS.register("extra_mass")
+@dataclass(frozen=True)
+class ExtraMass(Effect):
+    """A point mass at one node, in every run; it moves with every translation of the node."""
+
+    kind: ClassVar[str] = "extra_mass"
+    summary: ClassVar[str] = "a mass at one node that the model lacks"
+    stage: ClassVar[int] = 1
+    mass: float = parameter(0.05, unit="kg", lower=0.0, upper=10.0, doc="mass at the node")
+
+    def on_system(self, system: DynamicSystem, shot: Shot) -> DynamicSystem:
+        if not isinstance(self.at, Dof):
+            raise InvalidInputError("an extra mass sits at a DoF", field="at", value=str(self.at))
+        return system.add_mass(self.at.node, self.mass)
+
+    @classmethod
+    def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:
+        """Return one translation of every node."""
+        firsts = {dof.node: dof for dof in reversed(system.dofs) if dof.translational}
+        return tuple(firsts[node] for node in sorted(firsts))
+
+    @classmethod
+    def signature(cls, evidence: Evidence) -> float:
+        """Frequencies fall, most for modes that move most at one point."""
+        return 0.4 + 0.4 * float(np.clip(-np.sign(evidence.frequency_shift).mean(), 0.0, 1.0))

@@ -1,0 +1,37 @@
+"""Noise of the force channel."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import ClassVar, Self
+
+import numpy as np
+
+from modallab.core.parameters import parameter
+from modallab.correlation.evidence import Evidence
+from modallab.rig.effect import EFFECTS, Effect, NoiseLevels
+from modallab.rig.setup import RigSetup
+
+
+@EFFECTS.register("force_noise")
+@dataclass(frozen=True)
+class ForceNoise(Effect):
+    """White noise on the force signal; it biases H1 low where the force drops out [5.6]."""
+
+    kind: ClassVar[str] = "force_noise"
+    summary: ClassVar[str] = "white noise on the force channel"
+    stage: ClassVar[int] = 5
+    ratio: float = parameter(
+        1e-3, unit="1", lower=0.0, upper=1e3, doc="noise over the mean force spectrum of the band"
+    )
+
+    def on_noise(self, noise: NoiseLevels) -> NoiseLevels:
+        return replace(noise, force=noise.force + self.ratio)
+
+    @classmethod
+    def from_setup(cls, setup: RigSetup) -> Sequence[Self]:
+        return [cls(ratio=setup.noise.force)] if setup.noise.force > 0 else []
+
+    @classmethod
+    def signature(cls, evidence: Evidence) -> float:
+        """Coherence is lower than it should be."""
+        return float(np.clip(evidence.coherence_drop.mean() / 0.01, 0.0, 1.0))

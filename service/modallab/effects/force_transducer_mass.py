@@ -1,0 +1,37 @@
+"""The part of the force transducer below its sensing element moves with the structure."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar, Self
+
+import numpy as np
+
+from modallab.core.parameters import parameter
+from modallab.correlation.evidence import Evidence
+from modallab.fe.system import DynamicSystem
+from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.setup import RigSetup, Shot
+
+
+@EFFECTS.register("force_transducer_mass")
+@dataclass(frozen=True)
+class ForceTransducerMass(Effect):
+    """A mass at the drive point, in every run; 1992 thesis, section 5.4.1."""
+
+    kind: ClassVar[str] = "force_transducer_mass"
+    summary: ClassVar[str] = "mass below the force gauge that was not cancelled"
+    stage: ClassVar[int] = 1
+    mass: float = parameter(0.01, unit="kg", lower=0.0, upper=0.5, doc="mass below the sensing element")
+
+    def on_system(self, system: DynamicSystem, shot: Shot) -> DynamicSystem:
+        return system.add_mass(shot.drive.node, self.mass)
+
+    @classmethod
+    def from_setup(cls, setup: RigSetup) -> Sequence[Self]:
+        gauge = setup.force_transducer
+        return [cls(mass=gauge.mass_below)] if gauge.mass_below > 0 and not gauge.mass_cancelled else []
+
+    @classmethod
+    def signature(cls, evidence: Evidence) -> float:
+        """All frequencies fall alike in every FRF."""
+        return 0.3 + 0.4 * float(np.clip(-np.sign(evidence.frequency_shift).mean(), 0.0, 1.0))

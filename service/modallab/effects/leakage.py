@@ -1,0 +1,37 @@
+"""Power that does not repeat with the analyser's record leaks into neighbouring lines."""
+
+from dataclasses import dataclass, replace
+from typing import ClassVar
+
+import numpy as np
+
+from modallab.core.parameters import parameter
+from modallab.correlation.evidence import Evidence
+from modallab.rig.effect import EFFECTS, Effect, Source
+
+
+@EFFECTS.register("leakage")
+@dataclass(frozen=True)
+class Leakage(Effect):
+    """A share of the source's power is stationary random instead of periodic in the record.
+
+    A pure random excitation has it whole, a periodic one whose period is not kept has some of it.
+    The spectra are convolved with the window's line shape [5.11].
+    """
+
+    kind: ClassVar[str] = "leakage"
+    summary: ClassVar[str] = "part of the excitation does not repeat with the record"
+    stage: ClassVar[int] = 6
+    share: float = parameter(
+        0.1, unit="1", lower=0.0, upper=1.0, doc="share of the source's power that does not repeat"
+    )
+
+    def on_source(self, source: Source) -> Source:
+        return replace(source, continuous=1 - (1 - source.continuous) * (1 - self.share))
+
+    @classmethod
+    def signature(cls, evidence: Evidence) -> float:
+        """Coherence drops, at resonances most."""
+        near = np.argsort(evidence.by_line)[-len(evidence.freq) // 10 :]
+        drop = evidence.coherence_drop.mean(axis=1)
+        return float(np.clip(drop[near].mean() / (np.abs(drop).mean() + 1e-12) / 3, 0.0, 1.0))

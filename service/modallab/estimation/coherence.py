@@ -1,0 +1,33 @@
+"""Ordinary coherence, and the random errors that follow from it."""
+
+import numpy as np
+
+from modallab.core.arrays import FloatArray
+from modallab.estimation.spectra import CrossSpectra
+
+
+def coherence(spectra: CrossSpectra) -> FloatArray:
+    """Return the share of each response that the forces explain, (n_run, n_freq, n_out), 0 to 1.
+
+    Ordinary with one force, multiple with several: G_xf G_ff^-1 G_fx / G_xx; 1992 thesis, eq. [5.8].
+    """
+    explained = np.linalg.solve(spectra.ff, spectra.fx)
+    power = (spectra.fx.conj() * explained).sum(axis=2).real
+    safe = np.where(spectra.xx > 0, spectra.xx, 1.0)
+    return np.clip(np.where(spectra.xx > 0, power / safe, 0.0), 0.0, 1.0)
+
+
+def frf_error(coherence: FloatArray, averages: float) -> FloatArray:
+    """Return the normalised random error of |H|, also that of the phase in radians [5.16, 5.17].
+
+    sqrt((1 - g2) / (2 n_d g2)), g2 the coherence, shaped as it; first order in 1/n_d. The squared
+    relative error of the complex H is twice the square of this.
+    """
+    g2 = np.maximum(coherence, np.finfo(float).tiny)
+    return np.asarray(np.sqrt((1 - coherence) / (2 * averages * g2)))
+
+
+def coherence_error(coherence: FloatArray, averages: float) -> FloatArray:
+    """Return the normalised random error of the coherence, sqrt(2) (1 - g2)/sqrt(n_d g2) [5.18, 5.19]."""
+    g2 = np.maximum(coherence, np.finfo(float).tiny)
+    return np.asarray(np.sqrt(2) * (1 - coherence) / np.sqrt(averages * g2))

@@ -1,0 +1,11 @@
+"""What an estimator is: averaged spectra to FRFs."""
+
+from collections.abc import Callable
+
+from modallab.core.arrays import ComplexArray
+from modallab.core.registry import Family
+from modallab.estimation.spectra import CrossSpectra
+
+Estimator = Callable[[CrossSpectra], ComplexArray]  # (n_run, n_freq, n_out, n_in), response per N
+
+ESTIMATORS: Family[Estimator] = Family("estimator", home="modallab.estimation.estimators")

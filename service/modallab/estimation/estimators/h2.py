@@ -1,0 +1,24 @@
+"""H2: least squares on the force."""
+
+from modallab.core.arrays import ComplexArray
+from modallab.core.errors import InvalidInputError
+from modallab.estimation.estimator import ESTIMATORS
+from modallab.estimation.spectra import CrossSpectra
+
+
+@ESTIMATORS.register("h2")
+def h2(spectra: CrossSpectra) -> ComplexArray:
+    """Return H2 = G_xx / G_xf, (n_run, n_freq, n_out, 1), response unit per N; one force at a time.
+
+    Noise on a response signal biases it high, worst at antiresonances; 1992 thesis, eq. [5.7].
+
+    Raises
+    ------
+    InvalidInputError
+        If several forces act at once.
+    """
+    if spectra.ff.shape[-1] != 1:
+        raise InvalidInputError("H2 is defined for one force", field="estimator", value="h2", allowed="h1")
+    fx = spectra.fx[:, :, 0, :]
+    h: ComplexArray = spectra.xx / fx.conj()
+    return h[..., None]

@@ -1,0 +1,26 @@
+"""Averaged spectra of the runs of a test."""
+
+from dataclasses import dataclass
+
+from modallab.core.arrays import ComplexArray, FloatArray, frozen
+
+
+@dataclass(frozen=True, eq=False)
+class CrossSpectra:
+    """One-sided auto and cross spectra, run by run; G_fx = E[conj(F) X].
+
+    At 0 Hz, too, the density is twice the two-sided one, so that white noise is flat over all lines.
+    """
+
+    freq: FloatArray  # (n_freq,) Hz
+    ff: ComplexArray  # (n_run, n_freq, n_in, n_in) N^2/Hz
+    fx: ComplexArray  # (n_run, n_freq, n_in, n_out) N m/s^2/Hz
+    xx: FloatArray  # (n_run, n_freq, n_out) (m/s^2)^2/Hz
+    averages: float  # effective, independent
+
+    def __post_init__(self) -> None:
+        n_run, n_freq, n_in, n_out = self.fx.shape
+        object.__setattr__(self, "freq", frozen(self.freq, float, (n_freq,), name="freq"))
+        object.__setattr__(self, "ff", frozen(self.ff, complex, (n_run, n_freq, n_in, n_in), name="ff"))
+        object.__setattr__(self, "fx", frozen(self.fx, complex, self.fx.shape, name="fx"))
+        object.__setattr__(self, "xx", frozen(self.xx, float, (n_run, n_freq, n_out), name="xx"))

@@ -1,0 +1,105 @@
+"""A structure, a rig and effects put together: what each run's channels do at any frequency."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.fe.receptance import attached
+from modallab.fe.system import Attachment, DynamicSystem
+from modallab.rig.effect import EFFECTS, Drive, Effect, NoiseLevels, Source, build
+from modallab.rig.excitation import EXCITATIONS
+from modallab.rig.setup import RigSetup, Shot
+
+NEARLY_STILL = 1e-6  # of a line: 0 Hz is taken as a limit, where inertance stays finite
+
+
+@dataclass(frozen=True, eq=False)
+class ChannelResponse:
+    """What reaches the channels of every run for a unit force of the source."""
+
+    transmission: ComplexArray  # (n_run, n_freq) F/P
+    inertance: ComplexArray  # (n_run, n_freq, n_out) of the loaded structure, 1/kg
+
+
+@dataclass(frozen=True, eq=False)
+class Chain:
+    """The loaded structure of every run, and what stands before and behind it."""
+
+    setup: RigSetup
+    shots: tuple[Shot, ...]
+    systems: tuple[DynamicSystem, ...]  # one a run
+    drive: Drive
+    noise: NoiseLevels
+    source: Source
+
+    def respond(self, freq: FloatArray) -> ChannelResponse:
+        """Return transmission and inertance of every run at `freq` (n_freq,) Hz."""
+        omega = 2 * np.pi * np.maximum(freq, NEARLY_STILL * self.setup.analyser.spacing)
+        first = self.systems[0]
+        modes = first.base_modes(float(freq.max())).at(omega)
+        own = first.selection((self.setup.drive,))
+        transmission, inertance = [], []
+        for shot, system in zip(self.shots, self.systems, strict=True):
+            # Variants of one structure share its modes; an effect that rebuilt it brings its own.
+            answer = modes if system.mass is first.mass else system.base_modes(float(freq.max())).at(omega)
+            left = np.hstack([own, system.selection(shot.outputs)])
+            alpha = attached(answer, system, left, own)[:, :, 0]
+            accelerance = -(omega**2)[:, None] * alpha
+            transmission.append(self.drive.transmission(accelerance[:, 0]))
+            inertance.append(accelerance[:, 1:])
+        return ChannelResponse(np.array(transmission), np.array(inertance))
+
+    def poles(self) -> tuple[FloatArray, FloatArray]:
+        """Return frequency and half the half-power bandwidth, Hz, of every run's resonances.
+
+        Of structure and source moving together, as the spectra have them; (n_run, n_modes) each.
+        """
+        frequencies, widths = [], []
+        top = self.setup.analyser.frequency_max
+        for shot, system in zip(self.shots, self.systems, strict=True):
+            column = system.selection((shot.drive,))
+            whole = system.attach(Attachment(column, mass=np.array([[self.drive.mass]])))
+            modes = whole.modes(top)
+            frequencies.append(modes.frequencies)
+            widths.append(0.5 * modes.frequencies * modes.loss_factors)
+        return np.array(frequencies), np.array(widths)
+
+
+def all_effects(setup: RigSetup, added: Sequence[Effect]) -> list[Effect]:
+    """Return what the declared hardware implies, what the log book names, and `added`, in stage order."""
+    implied = [effect for cls in EFFECTS.values() for effect in cls.from_setup(setup)]
+    named = [build(spec) for spec in setup.effects]
+    return sorted([*implied, *named, *added], key=lambda effect: effect.stage)
+
+
+def chain(system: DynamicSystem, setup: RigSetup, added: Sequence[Effect] = ()) -> Chain:
+    """Return the measuring chain of a system on a rig.
+
+    Parameters
+    ----------
+    system
+        The structure, bare.
+    added
+        Effects beside those of the declared hardware.
+
+    Raises
+    ------
+    UnknownDofError
+        If the structure lacks a DoF that the rig drives or listens at.
+    """
+    effects = all_effects(setup, added)
+    for dof in (setup.drive, *setup.responses):
+        system.index(dof)
+    drive, noise = Drive(), NoiseLevels()
+    source = Source(EXCITATIONS[setup.analyser.excitation.kind].continuous)
+    for effect in effects:
+        drive, noise, source = effect.on_drive(drive), effect.on_noise(noise), effect.on_source(source)
+    systems = []
+    for shot in setup.shots:
+        loaded = system
+        for effect in effects:
+            loaded = effect.on_system(loaded, shot)
+        systems.append(loaded)
+    return Chain(setup, setup.shots, tuple(systems), drive, noise, source)

@@ -1,0 +1,127 @@
+"""What an effect is: one way in which a test departs from the ideal, with the number that says how far."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from typing import Any, ClassVar, Self
+
+import numpy as np
+
+from modallab.core.arrays import ComplexArray
+from modallab.core.errors import InvalidInputError
+from modallab.core.parameters import Parameterised
+from modallab.core.place import EffectSpec, Place
+from modallab.core.registry import Family
+from modallab.correlation.evidence import Evidence
+from modallab.fe.system import DynamicSystem
+from modallab.rig.setup import RigSetup, Shot
+
+
+@dataclass(frozen=True)
+class Drive:
+    """What stands between the source and the structure.
+
+    P = F + m a at the drive point, 1992 thesis eq. [5.2].
+    """
+
+    mass: float = 0.0  # kg, moved by the source behind the sensing element
+
+    def transmission(self, inertance: ComplexArray) -> ComplexArray:
+        """Return F/P = 1/(1 + m H), of the drive point's inertance H, 1/kg [5.3]."""
+        return np.asarray(1.0 / (1.0 + self.mass * inertance))
+
+
+@dataclass(frozen=True)
+class Source:
+    """How the source's power stands to the record; `continuous` of it does not repeat and leaks."""
+
+    continuous: float = 0.0
+
+
+@dataclass(frozen=True)
+class NoiseLevels:
+    """White noise of the channels as ratios to the mean noise-free spectrum of each over the band."""
+
+    force: float = 0.0
+    response: float = 0.0
+
+
+@dataclass(frozen=True)
+class Effect(Parameterised):
+    """Base of all effects: hooks that do nothing.
+
+    Hooks run in the order of `stage`; within a stage effects commute.
+    """
+
+    kind: ClassVar[str]
+    summary: ClassVar[str]
+    stage: ClassVar[int]
+    at: Place = None
+
+    def on_system(self, system: DynamicSystem, shot: Shot) -> DynamicSystem:
+        """Stage 1: return the structure with what the effect adds to it in this run."""
+        return system
+
+    def on_drive(self, drive: Drive) -> Drive:
+        """Stage 3: return what stands between source and structure."""
+        return drive
+
+    def on_noise(self, noise: NoiseLevels) -> NoiseLevels:
+        """Stage 5: return the channels' noise."""
+        return noise
+
+    def on_source(self, source: Source) -> Source:
+        """Stage 6: return how the excitation stands to the record."""
+        return source
+
+    @classmethod
+    def from_setup(cls, setup: RigSetup) -> Sequence[Self]:
+        """Return the effects of this kind that the declared hardware implies."""
+        return ()
+
+    @classmethod
+    def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:
+        """Return where in this test an effect of this kind could sit."""
+        return (None,)
+
+    @classmethod
+    def signature(cls, evidence: Evidence) -> float:
+        """Return a cheap suspicion, 0 to 1, from what disagrees; never a verdict."""
+        return 0.5
+
+    def with_parameters(self, values: dict[str, float]) -> Self:
+        """Return the same effect with other parameters."""
+        return replace(self, **values)  # type: ignore[arg-type]
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """The fitted numbers by name."""
+        return {name: float(getattr(self, name)) for name in self.specs()}
+
+    @property
+    def spec(self) -> EffectSpec:
+        """The effect as plain data."""
+        return EffectSpec(self.kind, self.at, self.parameters)
+
+
+EFFECTS: Family[type[Effect]] = Family("effect", home="modallab.effects")
+
+
+def build(spec: EffectSpec) -> Effect:
+    """Return the effect that plain data names.
+
+    Raises
+    ------
+    InvalidInputError
+        If the kind or a parameter is unknown, or a value out of bounds.
+    """
+    cls = EFFECTS[spec.kind]
+    for name in spec.parameters:
+        if name not in cls.specs():
+            raise InvalidInputError(
+                f"{spec.kind} has no parameter {name!r}",
+                field=f"effects.{spec.kind}",
+                value=name,
+                allowed=", ".join(cls.specs()) or "none",
+            )
+    values: dict[str, Any] = {name: float(value) for name, value in spec.parameters.items()}
+    return cls(at=spec.at, **values)

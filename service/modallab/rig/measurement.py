@@ -1,0 +1,42 @@
+"""What a test hands over: arrays, and the rig as its log book declares it. Nothing of the truth."""
+
+from dataclasses import dataclass
+
+from modallab.core.arrays import FloatArray, frozen
+from modallab.core.errors import InvalidInputError
+from modallab.core.frf import FrfSet
+from modallab.rig.setup import RigSetup
+
+
+@dataclass(frozen=True, eq=False)
+class Measurement:
+    """FRFs with coherence and auto spectra, and the rig as declared."""
+
+    frf: FrfSet  # responses (n_freq, n_out, 1)
+    coherence: FloatArray | None  # (n_freq, n_out) ordinary, 0 to 1
+    averages: float  # effective, independent
+    setup: RigSetup
+    force_spectrum: FloatArray | None = None  # (n_freq, n_out, 1) N^2/Hz, of the run of that response
+    response_spectrum: FloatArray | None = None  # (n_freq, n_out) (m/s^2)^2/Hz
+    seed: int | None = None
+    notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        shape = self.frf.values.shape
+        expected = {
+            "coherence": shape[:2],
+            "force_spectrum": shape,
+            "response_spectrum": shape[:2],
+        }
+        for name, wanted in expected.items():
+            value = getattr(self, name)
+            if value is not None:
+                object.__setattr__(self, name, frozen(value, float, wanted, name=name))
+        if self.coherence is not None and not (
+            (self.coherence >= 0).all() and (self.coherence <= 1 + 1e-9).all()
+        ):
+            raise InvalidInputError("coherence lies between 0 and 1", field="coherence")
+        if not self.averages >= 1:
+            raise InvalidInputError(
+                "a measurement needs an average", field="averages", value=self.averages, allowed=">= 1"
+            )
