@@ -64,14 +64,21 @@ def scale(freq: FloatArray, frf: ComplexArray, weight: FloatArray) -> Lines:
     )
 
 
-def weighted_line(x: FloatArray, y: ComplexArray, weight: FloatArray) -> tuple[ComplexArray, ComplexArray]:
-    """Return slope and intercept of y against x along the last axis, by weighted least squares."""
-    total = weight.sum(axis=-1, keepdims=True)
-    mean = (weight * x).sum(axis=-1, keepdims=True) / total
-    lever = weight * (x - mean)
-    slope = (lever * y).sum(axis=-1) / (lever * (x - mean)).sum(axis=-1)
-    intercept = (weight * y).sum(axis=-1) / total[..., 0] - slope * mean[..., 0]
-    return slope, intercept
+def weighted_line(
+    x: FloatArray, y: ComplexArray, weight: FloatArray
+) -> tuple[ComplexArray, ComplexArray, FloatArray]:
+    """Return slope, intercept and the slope's certainty (one over its variance) along the last axis.
+
+    Where the weights leave no line to draw, all three are zero.
+    """
+    total = weight.sum(axis=-1)
+    mean = (weight * x).sum(axis=-1) / np.where(total > 0, total, 1)
+    lever = weight * (x - mean[..., None])
+    sure = (lever * x).sum(axis=-1)
+    drawn = sure > 0
+    slope = np.where(drawn, (lever * y).sum(axis=-1) / np.where(drawn, sure, 1), 0)
+    intercept = (weight * y).sum(axis=-1) / np.where(total > 0, total, 1) - slope * mean
+    return slope, intercept, np.where(drawn, sure, 0.0)
 
 
 def leave_residual(lines: Lines, eigenvalue: ComplexArray, constant: ComplexArray) -> ComplexArray:

@@ -42,8 +42,8 @@ class ModeFit:
     def response(self, freq: FloatArray) -> ComplexArray:
         """Return the response of this mode with its residual, shaped as `freq`, Hz."""
         eigenvalue = (2 * np.pi * self.frequency) ** 2 * (1 + 1j * self.loss_factor)
-        values: ComplexArray = self.modal_constant / (eigenvalue - (2 * np.pi * freq) ** 2) + self.residual
-        return values
+        gap = eigenvalue - (2 * np.pi * freq) ** 2
+        return np.asarray(self.modal_constant / gap + self.residual, np.complex128)
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,7 +66,7 @@ class ModeFits:
     @property
     def found(self) -> BoolArray:
         """(n_fits,) True where there is a mode."""
-        return self.outcome == Outcome.FOUND
+        return np.asarray(self.outcome == Outcome.FOUND)
 
     def one(self, index: int) -> ModeFit:
         """Return one of the fits.
@@ -103,9 +103,7 @@ class ExtractionMethod(Protocol):
     def __call__(self, freq: FloatArray, frf: ComplexArray, weight: FloatArray) -> ModeFits: ...
 
 
-EXTRACTION_METHODS: Family[ExtractionMethod] = Family(
-    "extraction method", home="modallab.extraction.methods"
-)
+EXTRACTION_METHODS: Family[ExtractionMethod] = Family("extraction method", home="modallab.extraction.methods")
 
 
 def fit_mode(

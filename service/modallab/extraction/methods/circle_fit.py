@@ -33,7 +33,7 @@ def circle_fit(freq: FloatArray, frf: ComplexArray, weight: FloatArray) -> ModeF
     lines = scale(freq, frf, weight)
     centre, radius = _circle(lines)
     spoke = lines.z - centre[:, None]
-    at, resonance, running = _resonance(lines, spoke, radius)
+    at, resonance, running = _resonance(lines, spoke)
     half_tan = _half_tan(spoke / np.exp(1j * resonance)[:, None])
     width, variation = _damping_pairs(lines, at, half_tan)
     eigenvalue = at + 1j * np.where(running, width, -width)
@@ -71,7 +71,6 @@ def _geometric_step(
     unit = spoke / _not_zero(length)
     u = unit - (w * unit).sum(axis=1, keepdims=True)
     distance = length - radius[:, None]
-    off = (w * distance).sum(axis=1)
     xx, yy = (w * u.real**2).sum(axis=1), (w * u.imag**2).sum(axis=1)
     xy = (w * u.real * u.imag).sum(axis=1)
     px, py = (w * u.real * distance).sum(axis=1), (w * u.imag * distance).sum(axis=1)
@@ -83,32 +82,48 @@ def _geometric_step(
     return centre, (w * np.abs(z - centre[:, None])).sum(axis=1)
 
 
-def _resonance(
-    lines: Lines, spoke: ComplexArray, radius: FloatArray
-) -> tuple[FloatArray, FloatArray, BoolArray]:
+def _resonance(lines: Lines, spoke: ComplexArray) -> tuple[FloatArray, FloatArray, BoolArray]:
     """Return where the sweep is fastest, the angle there, and whether it runs clockwise as damping asks.
 
-    One mode maps the line x onto the circle by `tan(angle/2) = (a x + b)/(c x + d)` for any origin of the
-    angle. The four numbers are the weakest direction of the weighted lines; the sweep rate
-    `2 (ad - bc)/((ax + b)^2 + (cx + d)^2)` is greatest where its denominator is least.
+    One mode maps the line x onto the circle by `tan(angle/2) = (a x + b)/(c x + 1)`, with angles from the line
+    next to x = 0. That is linear in a, b, c; the sweep rate `2 (a - bc)/((ax + b)^2 + (cx + 1)^2)` is
+    greatest where its denominator is least.
     """
-    half_angle = np.angle(spoke) / 2
+    nearest = np.argmin(np.where(lines.weight > 0, np.abs(lines.x), np.inf), axis=1)
+    origin = spoke[np.arange(len(spoke)), nearest]
+    half_angle = np.angle(spoke * origin.conj()[:, None]) / 2
     cosine, sine = np.cos(half_angle), np.sin(half_angle)
-    rows = np.stack([-cosine * lines.x, -cosine, sine * lines.x, sine], axis=2)
+    columns = (cosine * lines.x, cosine, -sine * lines.x)
     weight = lines.weight
     for _ in range(2):  # the denominator scales each row's error, and is known only after one fit
-        _, vectors = np.linalg.eigh(np.einsum("fl,fli,flj->fij", weight, rows, rows))
-        a, b, c, d = vectors[:, :, 0].T
-        sweep = (a[:, None] * lines.x + b[:, None]) ** 2 + (c[:, None] * lines.x + d[:, None]) ** 2
+        a, b, c = _solve(columns, sine, weight)
+        sweep = (a[:, None] * lines.x + b[:, None]) ** 2 + (c[:, None] * lines.x + 1) ** 2
         weight = lines.weight / _not_zero(sweep)
-    at = -(a * b + c * d) / _not_zero(a**2 + c**2)
-    resonance = 2 * np.arctan2(a * at + b, c * at + d)
-    return at, resonance, a * d < b * c
+    at = -(a * b + c) / _not_zero(a**2 + c**2)
+    resonance = 2 * np.arctan2(a * at + b, c * at + 1) + np.angle(origin)
+    return at, resonance, a < b * c
 
 
-def _damping_pairs(
-    lines: Lines, at: FloatArray, half_tan: FloatArray
-) -> tuple[FloatArray, FloatArray]:
+def _solve(
+    columns: tuple[FloatArray, FloatArray, FloatArray], right: FloatArray, weight: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the weighted least-squares solution of each row's three unknowns, by cofactors."""
+    p, q, r = (weight * column for column in columns)
+    u, v, w = columns
+    pp, pq, pr = (p * u).sum(axis=1), (p * v).sum(axis=1), (p * w).sum(axis=1)
+    qq, qr, rr = (q * v).sum(axis=1), (q * w).sum(axis=1), (r * w).sum(axis=1)
+    f, g, h = (p * right).sum(axis=1), (q * right).sum(axis=1), (r * right).sum(axis=1)
+    ff, fg, fh = qq * rr - qr**2, pr * qr - pq * rr, pq * qr - pr * qq
+    gg, gh, hh = pp * rr - pr**2, pq * pr - pp * qr, pp * qq - pq**2
+    determinant = _not_zero(pp * ff + pq * fg + pr * fh)
+    return (
+        (ff * f + fg * g + fh * h) / determinant,
+        (fg * f + gg * g + gh * h) / determinant,
+        (fh * f + gh * g + hh * h) / determinant,
+    )
+
+
+def _damping_pairs(lines: Lines, at: FloatArray, half_tan: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return eta omega_r^2 on the scale of x, mean over all pairs, and its relative standard deviation."""
     away = lines.x - at[:, None]
     # an error e of an angle moves tan(theta/2) by e (1 + tan^2)/2

@@ -3,9 +3,10 @@
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
-from modallab.extraction.lines import Lines, conclude, leave_residual, scale, weighted_line
+from modallab.extraction.lines import conclude, leave_residual, scale, weighted_line
 from modallab.extraction.method import EXTRACTION_METHODS, ModeFits
 
+TINY = 1e-15  # of values of order one
 ROUNDS = 3  # the weights settle to three digits in two
 
 
@@ -28,28 +29,31 @@ def dobson(freq: FloatArray, frf: ComplexArray, weight: FloatArray) -> ModeFits:
     response data. Mechanical Systems and Signal Processing 1, 29-40. 1992 thesis, appendix F.
     """
     lines = scale(freq, frf, weight)
-    dx = lines.x[:, :, None] - lines.x[:, None, :]
+    x, used = lines.x, lines.weight > 0
+    noise = np.where(used, 1 / np.where(used, lines.weight, 1.0), np.inf)
+    dx = x[:, :, None] - x[:, None, :]
     dz = lines.z[:, :, None] - lines.z[:, None, :]
-    usable = (dx != 0) & (dz != 0) & (lines.weight[:, :, None] > 0) & (lines.weight[:, None, :] > 0)
-    delta = np.where(usable, dx, 0) / np.where(usable, dz, 1)
-    noise = 1 / np.where(lines.weight > 0, lines.weight, 1.0)
+    delta = dx / np.where(dz == 0, np.inf, dz)
     # an error n of a line moves Delta by Delta^2 n / dx
-    trust = np.where(usable, dx**2 / (noise[:, :, None] + noise[:, None, :]), 0.0)
+    trust = dx**2 / (noise[:, :, None] + noise[:, None, :])
     # the first round has only the noisy quotients to judge by; the later ones their fitted values
-    size = np.where(usable, np.abs(delta), 1.0)
-    for _ in range(ROUNDS):
-        eigenvalue, constant = _two_lines(lines, delta, trust / size**4)
-        gap = np.abs(eigenvalue[:, None] - lines.x)
-        size = gap[:, :, None] * gap[:, None, :] / np.abs(constant)[:, None, None]
+    size = np.where(delta == 0, 1.0, delta.real**2 + delta.imag**2)
+    first = np.where(delta == 0, 0.0, trust) / size**2
+    eigenvalue, constant = _two_lines(x, delta, first)
+    for _ in range(ROUNDS - 1):
+        flank = 1 / np.maximum(np.abs(eigenvalue[:, None] - x), TINY) ** 4
+        eigenvalue, constant = _two_lines(x, delta, trust * flank[:, :, None] * flank[:, None, :])
     return conclude(lines, eigenvalue, constant, leave_residual(lines, eigenvalue, constant))
 
 
-def _two_lines(lines: Lines, delta: ComplexArray, weight: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+def _two_lines(x: FloatArray, delta: ComplexArray, weight: FloatArray) -> tuple[ComplexArray, ComplexArray]:
     """Return eigenvalue and modal constant from the slopes, and the line on which these lie."""
-    slope, _ = weighted_line(lines.x[:, None, :], delta, weight)
-    total = weight.sum(axis=2, keepdims=True)
-    x = lines.x[:, None, :]
-    mean = (weight * x).sum(axis=2, keepdims=True) / total
-    sure = (weight * (x - mean) ** 2).sum(axis=2)
-    u, v = weighted_line(lines.x, slope, sure)
+    powers = np.stack([np.ones_like(x), x, x**2], axis=2)
+    total, mean, square = np.moveaxis(weight @ powers, 2, 0)
+    level, tilt = np.moveaxis((weight * delta) @ powers[:, :, :2], 2, 0)
+    total = np.where(total > 0, total, 1.0)
+    sure = np.maximum(square - mean**2 / total, 0.0)
+    slope = (tilt - level * mean / total) / np.where(sure > 0, sure, np.inf)
+    u, v, _ = weighted_line(x, slope, sure)
+    u = np.where(u == 0, TINY, u)
     return -v / u, 1 / u

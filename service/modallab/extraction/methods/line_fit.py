@@ -6,6 +6,8 @@ from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.extraction.lines import Lines, conclude, scale, weighted_line
 from modallab.extraction.method import EXTRACTION_METHODS, ModeFits
 
+TINY = 1e-100
+ROUNDING = 1e-15  # of values of order one
 ROUNDS = 4  # of the residual's weights; each wins two digits or more
 
 
@@ -29,11 +31,12 @@ def line_fit(freq: FloatArray, frf: ComplexArray, weight: FloatArray) -> ModeFit
     lines = scale(freq, frf, weight)
     residual = _residual(lines)
     mode = lines.z - residual[:, None]
-    mode = np.where(mode == 0, np.finfo(float).tiny, mode)
-    inverse, size = np.where(np.abs(mode) < 1e-15, 0, 1 / mode), np.abs(mode)
+    blank = np.abs(mode) < ROUNDING
+    inverse, size = 1 / np.where(blank, np.inf, mode), np.abs(mode)
     for _ in range(2):  # once with the noisy sizes, once with the fitted ones
         # an error n of a line moves its inverse by n/alpha^2
-        slope, intercept = weighted_line(lines.x, inverse, lines.weight * size**4)
+        slope, intercept, _ = weighted_line(lines.x, inverse, np.where(blank, 0, lines.weight) * size**4)
+        slope = np.where(slope == 0, ROUNDING, slope)
         size = 1 / np.abs(slope[:, None] * lines.x + intercept[:, None])
     return conclude(lines, -intercept / slope, -1 / slope, residual)
 
@@ -63,6 +66,7 @@ def _linear_fit(lines: Lines, weight: FloatArray) -> tuple[ComplexArray, Complex
 
     zx = dot(z, x)
     determinant = dot(z, z) * dot(x, x) - np.abs(zx) ** 2
+    determinant = np.where(determinant == 0, TINY, determinant)
     eigenvalue = (dot(x, x) * dot(z, y) - zx * dot(x, y)) / determinant
     residual = (dot(z, z) * dot(x, y) - zx.conj() * dot(z, y)) / determinant
     return eigenvalue, residual

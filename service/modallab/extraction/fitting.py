@@ -1,0 +1,167 @@
+"""Every mode in every FRF: fitted together, each freed of the others in turn."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray
+from modallab.extraction.leakage import Leakage
+from modallab.extraction.method import ExtractionMethod, ModeFits
+from modallab.extraction.screening import Screening, screen
+from modallab.extraction.windows import Windows
+
+ROUNDS = 4  # what neighbours leave after one subtraction is second order; the later ones settle it
+LEAKY_ROUNDS = 8  # the correction for leakage needs the mode that it corrects
+# Leaked lines err most where the response is highest, and in proportion to its square: with this much
+# at the peak the fit rests on the flanks, from where the correction converges for 0.1 line wide modes.
+LEAKED = 0.1
+TINY = 1e-12  # (rad/s)^2, below any line above 0 Hz
+
+
+@dataclass(frozen=True, eq=False)
+class Table:
+    """Modes by FRFs; every array (n_modes, n_frf). Errors are standard errors, widened by the misfit."""
+
+    frequency: FloatArray  # Hz
+    loss_factor: FloatArray
+    modal_constant: ComplexArray  # 1/kg, of receptance; at the other FRFs' eigenvalue where not good
+    frequency_error: FloatArray
+    loss_factor_error: FloatArray
+    modal_constant_error: FloatArray
+    screening: Screening
+
+
+@dataclass(frozen=True, eq=False)
+class Data:
+    """The lines of every fit, (n_modes, n_frf, n_lines), and how they were taken."""
+
+    freq: FloatArray  # Hz
+    receptance: ComplexArray  # m/N
+    weight: FloatArray  # one over E|error|^2, 0 for a line not used
+    spacing: float  # of the lines, Hz
+    leakage: Leakage | None
+
+    @property
+    def x(self) -> FloatArray:
+        """omega^2, (rad/s)^2."""
+        return (2 * np.pi * self.freq) ** 2
+
+
+def gather(
+    freq: FloatArray,
+    receptance: ComplexArray,
+    variance: FloatArray,
+    windows: Windows,
+    leakage: Leakage | None,
+) -> Data:
+    """Return the lines inside the windows; `freq` (n_freq,), the others (n_freq, n_frf)."""
+    column = np.arange(receptance.shape[1])[None, :, None]
+    values = receptance[windows.index, column]
+    noise = variance[windows.index, column]
+    if leakage is not None:
+        power = np.abs(values) ** 2 * windows.used
+        peak = power.max(axis=2, keepdims=True)
+        noise = noise + LEAKED**2 * power**2 / np.where(peak > 0, peak, 1.0)
+    usable = windows.used & np.isfinite(noise) & (noise > 0)
+    weight = np.where(usable, 1 / np.where(usable, noise, 1.0), 0.0)
+    spacing = float(np.median(np.diff(freq)))
+    return Data(freq[windows.index], values, weight, spacing, leakage)
+
+
+def fit_all(method: ExtractionMethod, data: Data) -> Table:
+    """Return every mode in every FRF.
+
+    One window at a time, a single mode and a constant are fitted; then the other modes are taken off every
+    window and the fits repeated. The constant stands for what lies outside the range: it is one in
+    inertance for rigid bodies, in receptance for higher modes, so both are tried and each mode keeps the
+    kind with the smaller misfit. As `-omega^2 A/(lambda - omega^2) = A - lambda A/(lambda - omega^2)`, a
+    mode is a mode and a constant in inertance too, with the modal constant `-lambda A`. An FRF that does
+    not show a mode has its modal constant from linear least squares at the eigenvalue of the others.
+    """
+    others = np.zeros_like(data.receptance)
+    undone = np.ones_like(data.receptance)
+    for _ in range(ROUNDS if data.leakage is None else LEAKY_ROUNDS):
+        target = data.receptance * undone - others
+        table, eigenvalue, rest = _fit_once(method, data, target)
+        others = _others(data, table.modal_constant, eigenvalue)
+        if data.leakage is not None:
+            inertance = -data.x * (rest + others) + table.modal_constant[:, :, None]
+            undone = data.leakage.undone(
+                data.freq, data.spacing, eigenvalue, -eigenvalue * table.modal_constant, inertance
+            )
+    return table
+
+
+def _fit_once(
+    method: ExtractionMethod, data: Data, target: ComplexArray
+) -> tuple[Table, ComplexArray, ComplexArray]:
+    """Return the fits, their eigenvalues (n_modes, n_frf), and the receptance beside each mode, as `data`."""
+    n_modes, n_frf, n_lines = data.freq.shape
+    frf = np.stack([target, -data.x * target])
+    weight = np.stack([data.weight, data.weight / np.maximum(data.x, TINY) ** 2])
+    rows = (2 * n_modes * n_frf, n_lines)
+    freq = np.broadcast_to(data.freq, frf.shape)
+    fits = method(freq.reshape(rows), frf.reshape(rows), weight.reshape(rows))
+    kind = _better_kind(np.where(fits.found, fits.misfit, np.inf).reshape(2, n_modes, n_frf))
+    pick = (kind[:, None] * n_modes + np.arange(n_modes)[:, None]) * n_frf + np.arange(n_frf)
+    return _complete(data, fits, pick, frf.reshape(rows)[pick], weight.reshape(rows)[pick], kind == 1)
+
+
+def _better_kind(misfit: FloatArray) -> IntArray:
+    """Return 0 or 1 a mode: which kind leaves the lower median misfit; `misfit` (2, n_modes, n_frf)."""
+    middle = np.sort(misfit, axis=2)[:, :, (misfit.shape[2] - 1) // 2]
+    better: IntArray = (middle[1] < middle[0]).astype(np.int64)
+    return better
+
+
+def _complete(
+    data: Data, fits: ModeFits, pick: IntArray, frf: ComplexArray, weight: FloatArray, inertance: BoolArray
+) -> tuple[Table, ComplexArray, ComplexArray]:
+    """Return what `_fit_once` does, from the fits picked, (n_modes, n_frf), and their lines."""
+    widened = np.sqrt(np.maximum(fits.misfit[pick], 1))
+    frequency, loss_factor = fits.frequency[pick], fits.loss_factor[pick]
+    errors = fits.frequency_error[pick] * widened, fits.loss_factor_error[pick] * widened
+    screening = screen(frequency, loss_factor, *errors, fits.found[pick])
+    good = screening.good
+    own = (2 * np.pi * frequency) ** 2 * (1 + 1j * loss_factor)
+    n_good = good.sum(axis=1, keepdims=True)
+    shared = (good * own).sum(axis=1, keepdims=True) / np.maximum(n_good, 1)
+    eigenvalue = np.where(good, own, np.where(n_good > 0, shared, 1j))
+    held, held_error = _held(data.x, frf, weight, eigenvalue)
+    constant = np.where(good, fits.modal_constant[pick], held) * (n_good > 0)
+    error = np.where(good, fits.modal_constant_error[pick] * widened, held_error)
+    mode = constant[:, :, None] / (eigenvalue[:, :, None] - data.x)
+    total = weight.sum(axis=2, keepdims=True)
+    residual = (weight * (frf - mode)).sum(axis=2, keepdims=True) / np.where(total > 0, total, 1)
+    # back from inertance: divide the response by -omega^2, the modal constant by -lambda
+    divisor = np.where(inertance[:, None], -eigenvalue, 1)
+    constant, error = constant / divisor, error / np.abs(divisor)
+    factor = np.where(inertance[:, None, None], -np.maximum(data.x, TINY), 1)
+    rest = (mode + residual) / factor - constant[:, :, None] / (eigenvalue[:, :, None] - data.x)
+    return Table(frequency, loss_factor, constant, *errors, error, screening), eigenvalue, rest
+
+
+def _held(
+    x: FloatArray, frf: ComplexArray, weight: FloatArray, eigenvalue: ComplexArray
+) -> tuple[ComplexArray, FloatArray]:
+    """Return the modal constant and its error, (n_modes, n_frf), with the eigenvalue held."""
+    shape = 1 / (eigenvalue[:, :, None] - x)
+    total = weight.sum(axis=2, keepdims=True)
+    share = weight / np.where(total > 0, total, 1)
+    shape = shape - (share * shape).sum(axis=2, keepdims=True)
+    flat = frf - (share * frf).sum(axis=2, keepdims=True)
+    power = (weight * np.abs(shape) ** 2).sum(axis=2)
+    safe = np.where(power > 0, power, np.inf)
+    constant = (weight * shape.conj() * flat).sum(axis=2) / safe
+    left = flat - constant[:, :, None] * shape
+    misfit = (weight * np.abs(left) ** 2).sum(axis=2) / np.maximum((weight > 0).sum(axis=2) - 2, 1)
+    return constant, np.sqrt(np.maximum(misfit, 1) / 2 / safe)
+
+
+def _others(data: Data, constant: ComplexArray, eigenvalue: ComplexArray) -> ComplexArray:
+    """Return the receptance of all modes but its own in every window, (n_modes, n_frf, n_lines)."""
+    gap = eigenvalue.T[None, :, None, :] - data.x[:, :, :, None]
+    each = constant.T[None, :, None, :] / gap
+    each[np.arange(len(constant)), :, :, np.arange(len(constant))] = 0
+    others: ComplexArray = each.sum(axis=3)
+    return others

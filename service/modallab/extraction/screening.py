@@ -1,0 +1,68 @@
+"""Which single-FRF fits may speak for a mode."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from modallab.core.arrays import BoolArray, FloatArray
+
+SURE = 0.5  # an error of half a bandwidth, or of half the damping, says nothing about a mode
+FAR = 5.0  # robust standard deviations: one clean fit in a million lies so far out by chance
+CLOSE = 0.02  # of a bandwidth, or of the damping: fits that agree so well are not parted further
+VAGUE = 10.0  # times the usual standard error: a plain mean would inherit it
+TO_SD = 1.4826  # median absolute deviation of a normal law, to its standard deviation
+
+
+@dataclass(frozen=True, eq=False)
+class Screening:
+    """Verdict on every fit, (n_modes, n_frf).
+
+    `unsure` fits are too inexact to use, `outlying` ones contradict the rest.
+    """
+
+    good: BoolArray
+    unsure: BoolArray
+    outlying: BoolArray
+
+
+def screen(
+    frequency: FloatArray,
+    loss_factor: FloatArray,
+    frequency_error: FloatArray,
+    loss_factor_error: FloatArray,
+    found: BoolArray,
+) -> Screening:
+    """Return which fits are good, all arrays (n_modes, n_frf), errors being standard errors.
+
+    An FRF near a node fits noise and other modes' tails: its standard errors say so, and it is left out
+    before the robust comparison of the rest.
+    """
+    width = loss_factor * frequency
+    sure = found & (frequency_error < SURE * width) & (loss_factor_error < SURE * loss_factor)
+    width, damping = _median(width, sure), _median(loss_factor, sure)
+    sure &= ~_vague(frequency_error, CLOSE * width, sure)
+    sure &= ~_vague(loss_factor_error, CLOSE * damping, sure)
+    far = _far(frequency, frequency_error, CLOSE * width, sure)
+    far |= _far(loss_factor, loss_factor_error, CLOSE * damping, sure)
+    return Screening(good=sure & ~far, unsure=~sure, outlying=far)
+
+
+def _vague(errors: FloatArray, floor: FloatArray, sure: BoolArray) -> BoolArray:
+    vague: BoolArray = errors > np.maximum(VAGUE * _median(errors, sure), floor)[:, None]
+    return vague
+
+
+def _far(values: FloatArray, errors: FloatArray, floor: FloatArray, sure: BoolArray) -> BoolArray:
+    middle = _median(values, sure)
+    away = np.abs(values - middle[:, None])
+    scatter = np.maximum(TO_SD * _median(away, sure), floor)
+    far: BoolArray = sure & (away > FAR * np.hypot(scatter[:, None], errors))
+    return far
+
+
+def _median(values: FloatArray, among: BoolArray) -> FloatArray:
+    """Return the median of each row over the entries that count, 0 where none does."""
+    some: BoolArray = np.asarray(among.any(axis=1))
+    counted = np.where(among | ~some[:, None], values, np.nan)
+    middle: FloatArray = np.where(some, np.nanmedian(counted, axis=1), 0.0)
+    return middle
