@@ -38,10 +38,19 @@ def require_service() -> None:
         )
 
 
-def serve_command(port: int, data: Path) -> list[str]:
-    """Return the command that serves `data` on that loopback port."""
-    serve = ["-m", "modallab", "serve", "--host", "127.0.0.1", "--port", str(port), "--data", str(data)]
-    return [sys.executable, *serve]
+def serve_command() -> list[str]:
+    """Return the command that serves as its environment says."""
+    return [sys.executable, "-m", "modallab", "serve"]
+
+
+def serve_environment(port: int, data: Path) -> dict[str, str]:
+    """Return the environment of a service of `data` on that loopback port.
+
+    Settings meant for another service on this machine, such as its database, are left out.
+    """
+    inherited = {name: value for name, value in os.environ.items() if not name.startswith("MODALLAB_")}
+    ours = {"MODALLAB_HOST": "127.0.0.1", "MODALLAB_PORT": str(port), "MODALLAB_DATA": str(data)}
+    return inherited | ours
 
 
 class ServiceProcess:
@@ -58,12 +67,12 @@ class ServiceProcess:
         temporary = tempfile.mkdtemp(prefix="modallab-") if data is None else ""
         folder = Path(temporary or data or "").resolve()
         folder.mkdir(parents=True, exist_ok=True)
-        arguments = serve_command(port, folder)
         self.url = f"http://127.0.0.1:{port}"
         self._log = folder / "service.log"
         with _lock(folder) as lock, self._log.open("wb") as log:
             self._process = subprocess.Popen(
-                [sys.executable, "-P", str(GUARDIAN), temporary, *arguments],
+                [sys.executable, "-P", str(GUARDIAN), temporary, *serve_command()],
+                env=serve_environment(port, folder),
                 stdin=subprocess.PIPE,
                 stdout=log,
                 stderr=subprocess.STDOUT,

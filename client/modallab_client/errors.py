@@ -103,7 +103,7 @@ class BusyError(ClientError):
 class UnauthorisedError(ClientError):
     """The service wants an API key, or does not know the one it was given."""
 
-    code = "unauthorised"
+    code = "unauthorized"  # as HTTP spells it
 
 
 class ForbiddenError(ClientError):
@@ -149,20 +149,22 @@ class MissingExtraError(ClientError, ImportError):
 
 
 BY_CODE: dict[str, type[ClientError]] = {
-    kind.code: kind
-    for kind in (
-        InvalidInputError,
-        UnknownDofError,
-        StructureError,
-        NotFoundError,
-        NoModeInBandError,
-        UnderdeterminedError,
-        DivergedError,
-        CancelledError,
-        ConflictError,
-        TooLargeError,
-        BusyError,
-        UnauthorisedError,
-        ForbiddenError,
-    )
+    "invalid_input": InvalidInputError,
+    "invalid_request": InvalidInputError,
+    "unknown_dof": UnknownDofError,
+    "structure": StructureError,
+    "not_found": NotFoundError,
+    "no_mode_in_band": NoModeInBandError,
+    "underdetermined": UnderdeterminedError,
+    "diverged": DivergedError,
+    "cancelled": CancelledError,
+    "conflict": ConflictError,
+    "in_use": ConflictError,
+    "too_large": TooLargeError,
+    "content_too_large": TooLargeError,
+    "busy": BusyError,
+    "queue_full": BusyError,
+    "service_unavailable": BusyError,
+    "unauthorized": UnauthorisedError,
+    "forbidden": ForbiddenError,
 }

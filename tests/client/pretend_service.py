@@ -1,6 +1,7 @@
 """A process that answers /v1/health after a moment, and has a child of its own, as the service has."""
 
 import http.server
+import os
 import subprocess
 import sys
 import time
@@ -25,4 +26,4 @@ def main(port: int, folder: Path) -> None:
 
 
 if __name__ == "__main__":
-    main(int(sys.argv[1]), Path(sys.argv[2]))
+    main(int(os.environ["MODALLAB_PORT"]), Path(os.environ["MODALLAB_DATA"]))

@@ -35,10 +35,7 @@ def soon(true: Callable[[], bool]) -> bool:
 
 @pytest.fixture
 def _pretended(monkeypatch: pytest.MonkeyPatch) -> None:
-    def command(port: int, data: Path) -> list[str]:
-        return [sys.executable, str(PRETENDED), str(port), str(data)]
-
-    monkeypatch.setattr(_embedded, "serve_command", command)
+    monkeypatch.setattr(_embedded, "serve_command", lambda: [sys.executable, str(PRETENDED)])
 
 
 @pytest.mark.usefixtures("_pretended")
@@ -82,7 +79,7 @@ def test_the_asynchronous_client_has_it_too(tmp_path: Path) -> None:
 
 def test_a_service_that_fails_to_start_shows_its_log(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
     script = "print('reading the settings'); raise SystemExit('no such database')"
-    monkeypatch.setattr(_embedded, "serve_command", lambda *_: [sys.executable, "-c", script])
+    monkeypatch.setattr(_embedded, "serve_command", lambda: [sys.executable, "-c", script])
     monkeypatch.setattr("tempfile.tempdir", str(tmp_path))
     with pytest.raises(errors.ServiceStartError, match="no such database") as caught, ModalLab.embedded():
         pass
@@ -92,7 +89,7 @@ def test_a_service_that_fails_to_start_shows_its_log(monkeypatch: pytest.MonkeyP
 
 def test_a_service_that_hangs_is_given_up(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(
-        _embedded, "serve_command", lambda *_: [sys.executable, "-c", "import time; time.sleep(99)"]
+        _embedded, "serve_command", lambda: [sys.executable, "-c", "import time; time.sleep(99)"]
     )
     monkeypatch.setattr(_embedded, "START_TIMEOUT", 0.3)
     with pytest.raises(errors.ServiceStartError, match="did not answer"), ModalLab.embedded():
@@ -108,6 +105,14 @@ def test_a_service_that_dies_is_reported_with_its_log(tmp_path: Path) -> None:
             lab.structures.catalogue("bay")
 
 
+def test_settings_of_another_service_stay_out(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    monkeypatch.setenv("MODALLAB_DATABASE_URL", "postgresql://elsewhere/lab")
+    given = _embedded.serve_environment(8123, tmp_path)
+    ours = {name: value for name, value in given.items() if name.startswith("MODALLAB_")}
+    wanted = {"MODALLAB_HOST": "127.0.0.1", "MODALLAB_PORT": "8123", "MODALLAB_DATA": str(tmp_path)}
+    assert ours == wanted
+
+
 def test_without_the_service_packages_the_command_is_named(monkeypatch: pytest.MonkeyPatch) -> None:
     find = importlib.util.find_spec
     monkeypatch.setattr(importlib.util, "find_spec", lambda name: None if name == "dbos" else find(name))
@@ -120,7 +125,7 @@ USER = """
 import sys, time
 from pathlib import Path
 from modallab_client import ModalLab, _embedded
-_embedded.serve_command = lambda port, data: [sys.executable, sys.argv[1], str(port), str(data)]
+_embedded.serve_command = lambda: [sys.executable, sys.argv[1]]
 lab = ModalLab.embedded(sys.argv[2])
 lab.request("GET", "/v1/health")
 print("ready", flush=True)
