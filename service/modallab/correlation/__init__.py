@@ -1,0 +1,1 @@
+"""How alike two sets of modes, or of responses, are."""

@@ -107,10 +107,8 @@ class Leakage:
         spread = -2j * np.pi * (np.exp(2j * np.pi * gap[..., None] * self.lag) @ self.correlation)
         exact = strength / gap + rest
         cross = strength * spread + rest
-        factor: ComplexArray = exact / cross
         if self.estimator is Biased.H1:
-            return factor
+            return np.asarray(exact / cross)
         auto = -(np.abs(strength) ** 2) * spread.imag / gap.imag
         auto = auto + 2 * (rest.conj() * strength * spread).real + np.abs(rest) ** 2
-        factor = exact * cross.conj() / auto
-        return factor
+        return np.asarray(exact * cross.conj() / auto)

@@ -1,7 +1,8 @@
 """What an extraction method is: one mode from each of many short stretches of FRF."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, fields
 from enum import IntEnum
+from functools import wraps
 from typing import Protocol
 
 import numpy as np
@@ -28,6 +29,8 @@ REASONS = {
 }
 
 MIN_LINES = 4  # three complex unknowns and one line over, so that a misfit can show
+
+PAIRS = 65536  # of lines at once, about a megabyte an array
 
 
 @dataclass(frozen=True)
@@ -104,6 +107,28 @@ class ExtractionMethod(Protocol):
 
 
 EXTRACTION_METHODS: Family[ExtractionMethod] = Family("extraction method", home="modallab.extraction.methods")
+
+
+def in_blocks(method: ExtractionMethod) -> ExtractionMethod:
+    """Return the method taking its rows some at a time, so that pairs of lines stay in the cache."""
+
+    @wraps(method)
+    def blocked(freq: FloatArray, frf: ComplexArray, weight: FloatArray) -> ModeFits:
+        n_fits, n_lines = freq.shape
+        step = max(PAIRS // max(n_lines, 1) ** 2, 16)
+        parts = [
+            method(freq[start : start + step], frf[start : start + step], weight[start : start + step])
+            for start in range(0, max(n_fits, 1), step)
+        ]
+        joined = {
+            f.name: np.concatenate([getattr(part, f.name) for part in parts])
+            for f in fields(ModeFits)
+            if f.name != "quality"
+        }
+        quality = {name: np.concatenate([part.quality[name] for part in parts]) for name in parts[0].quality}
+        return ModeFits(**joined, quality=quality)
+
+    return blocked
 
 
 def fit_mode(

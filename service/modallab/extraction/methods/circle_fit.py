@@ -4,13 +4,14 @@ import numpy as np
 
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray
 from modallab.extraction.lines import Lines, conclude, scale
-from modallab.extraction.method import EXTRACTION_METHODS, ModeFits
+from modallab.extraction.method import EXTRACTION_METHODS, ModeFits, in_blocks
 
 TINY = 1e-100
 ROUNDS = 4  # Gauss-Newton steps of the circle: quadratic from an algebraic start
 
 
 @EXTRACTION_METHODS.register("circle_fit")
+@in_blocks
 def circle_fit(freq: FloatArray, frf: ComplexArray, weight: FloatArray) -> ModeFits:
     """Circle through the lines, resonance where they run fastest, damping from every pair of them.
 
@@ -85,9 +86,9 @@ def _geometric_step(
 def _resonance(lines: Lines, spoke: ComplexArray) -> tuple[FloatArray, FloatArray, BoolArray]:
     """Return where the sweep is fastest, the angle there, and whether it runs clockwise as damping asks.
 
-    One mode maps the line x onto the circle by `tan(angle/2) = (a x + b)/(c x + 1)`, with angles from the line
-    next to x = 0. That is linear in a, b, c; the sweep rate `2 (a - bc)/((ax + b)^2 + (cx + 1)^2)` is
-    greatest where its denominator is least.
+    One mode maps the line x onto the circle by `tan(angle/2) = (a x + b)/(c x + 1)`, angles being taken
+    from the line next to x = 0. That is linear in a, b, c; the sweep rate
+    `2 (a - bc)/((ax + b)^2 + (cx + 1)^2)` is greatest where its denominator is least.
     """
     nearest = np.argmin(np.where(lines.weight > 0, np.abs(lines.x), np.inf), axis=1)
     origin = spoke[np.arange(len(spoke)), nearest]

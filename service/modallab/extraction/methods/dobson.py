@@ -4,13 +4,14 @@ import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.extraction.lines import conclude, leave_residual, scale, weighted_line
-from modallab.extraction.method import EXTRACTION_METHODS, ModeFits
+from modallab.extraction.method import EXTRACTION_METHODS, ModeFits, in_blocks
 
 TINY = 1e-15  # of values of order one
 ROUNDS = 3  # the weights settle to three digits in two
 
 
 @EXTRACTION_METHODS.register("dobson")
+@in_blocks
 def dobson(freq: FloatArray, frf: ComplexArray, weight: FloatArray) -> ModeFits:
     """Difference quotients turned into straight lines; a constant residual drops out.
 
@@ -33,7 +34,7 @@ def dobson(freq: FloatArray, frf: ComplexArray, weight: FloatArray) -> ModeFits:
     noise = np.where(used, 1 / np.where(used, lines.weight, 1.0), np.inf)
     dx = x[:, :, None] - x[:, None, :]
     dz = lines.z[:, :, None] - lines.z[:, None, :]
-    delta = dx / np.where(dz == 0, np.inf, dz)
+    delta = np.asarray(dx / np.where(dz == 0, np.inf, dz), complex)
     # an error n of a line moves Delta by Delta^2 n / dx
     trust = dx**2 / (noise[:, :, None] + noise[:, None, :])
     # the first round has only the noisy quotients to judge by; the later ones their fitted values

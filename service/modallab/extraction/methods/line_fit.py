@@ -4,7 +4,7 @@ import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.extraction.lines import Lines, conclude, scale, weighted_line
-from modallab.extraction.method import EXTRACTION_METHODS, ModeFits
+from modallab.extraction.method import EXTRACTION_METHODS, ModeFits, in_blocks
 
 TINY = 1e-100
 ROUNDING = 1e-15  # of values of order one
@@ -12,6 +12,7 @@ ROUNDS = 4  # of the residual's weights; each wins two digits or more
 
 
 @EXTRACTION_METHODS.register("line_fit")
+@in_blocks
 def line_fit(freq: FloatArray, frf: ComplexArray, weight: FloatArray) -> ModeFits:
     """Inverse response as a straight line in omega^2, after the residual is taken off.
 
@@ -32,7 +33,8 @@ def line_fit(freq: FloatArray, frf: ComplexArray, weight: FloatArray) -> ModeFit
     residual = _residual(lines)
     mode = lines.z - residual[:, None]
     blank = np.abs(mode) < ROUNDING
-    inverse, size = 1 / np.where(blank, np.inf, mode), np.abs(mode)
+    inverse = np.asarray(1 / np.where(blank, np.inf, mode), complex)
+    size = np.abs(mode)
     for _ in range(2):  # once with the noisy sizes, once with the fitted ones
         # an error n of a line moves its inverse by n/alpha^2
         slope, intercept, _ = weighted_line(lines.x, inverse, np.where(blank, 0, lines.weight) * size**4)
@@ -58,7 +60,7 @@ def _linear_fit(lines: Lines, weight: FloatArray) -> tuple[ComplexArray, Complex
         left: ComplexArray = values - (weight * values).sum(axis=1, keepdims=True) / total
         return left
 
-    z, x, y = centred(lines.z), centred(lines.x + 0j), centred(lines.z * lines.x)
+    z, x, y = centred(lines.z), centred(lines.x.astype(complex)), centred(np.asarray(lines.z * lines.x))
 
     def dot(a: ComplexArray, b: ComplexArray) -> ComplexArray:
         product: ComplexArray = (weight * a.conj() * b).sum(axis=1)
