@@ -1,6 +1,6 @@
 """Every mode in every FRF: fitted together, each freed of the others in turn."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
@@ -10,8 +10,8 @@ from modallab.extraction.method import ExtractionMethod, ModeFits
 from modallab.extraction.screening import Screening, screen
 from modallab.extraction.windows import Windows
 
-ROUNDS = 4  # what neighbours leave after one subtraction is second order; the later ones settle it
-LEAKY_ROUNDS = 8  # the correction for leakage needs the mode that it corrects
+ROUNDS = 3  # what neighbours leave after one subtraction is second order; the later ones settle it
+LEAKY_ROUNDS = 12  # the correction for leakage needs the mode that it corrects
 # Leaked lines err most where the response is highest, and in proportion to its square: with this much
 # at the peak the fit rests on the flanks, from where the correction converges for 0.1 line wide modes.
 LEAKED = 0.1
@@ -80,16 +80,19 @@ def fit_all(method: ExtractionMethod, data: Data) -> Table:
     """
     others = np.zeros_like(data.receptance)
     undone = np.ones_like(data.receptance)
-    for _ in range(ROUNDS if data.leakage is None else LEAKY_ROUNDS):
-        target = data.receptance * undone - others
-        table, eigenvalue, rest = _fit_once(method, data, target)
+    for n in range(ROUNDS if data.leakage is None else LEAKY_ROUNDS):
+        table, eigenvalue, rest = _fit_once(method, data, data.receptance * undone - others)
         others = _others(data, table.modal_constant, eigenvalue)
         if data.leakage is not None:
             inertance = -data.x * (rest + others) + table.modal_constant[:, :, None]
-            undone = data.leakage.undone(
+            step = data.leakage.undone(
                 data.freq, data.spacing, eigenvalue, -eigenvalue * table.modal_constant, inertance
             )
-    return table
+            # modes much narrower than a line swing about the answer unless the late steps are halved
+            share = 1.0 if n < LEAKY_ROUNDS // 2 else 0.5
+            undone = (1 - share) * undone + share * step
+    # the lines as they are now have no leakage left
+    return _fit_once(method, replace(data, leakage=None), data.receptance * undone - others)[0]
 
 
 def _fit_once(
@@ -121,11 +124,15 @@ def _complete(
     widened = np.sqrt(np.maximum(fits.misfit[pick], 1))
     frequency, loss_factor = fits.frequency[pick], fits.loss_factor[pick]
     errors = fits.frequency_error[pick] * widened, fits.loss_factor_error[pick] * widened
-    screening = screen(frequency, loss_factor, *errors, fits.found[pick])
-    good = screening.good
+    screening = screen(frequency, loss_factor, *errors, fits.found[pick], data.spacing)
+    found = fits.found[pick]
+    # before neighbours and leakage are off, perhaps none is good: those found serve until then
+    good = np.where(screening.good.any(axis=1, keepdims=True), screening.good, found)
     own = (2 * np.pi * frequency) ** 2 * (1 + 1j * loss_factor)
     n_good = good.sum(axis=1, keepdims=True)
     shared = (good * own).sum(axis=1, keepdims=True) / np.maximum(n_good, 1)
+    if data.leakage is not None:
+        good = found  # a line's leakage is that of the fit through it, good or not
     eigenvalue = np.where(good, own, np.where(n_good > 0, shared, 1j))
     held, held_error = _held(data.x, frf, weight, eigenvalue)
     constant = np.where(good, fits.modal_constant[pick], held) * (n_good > 0)

@@ -101,7 +101,9 @@ def conclude(
     are those of the weighted least-squares fit linearised at the result.
     """
     physical = lines.centre + lines.half * eigenvalue
-    inside = (eigenvalue.real > lines.lower) & (eigenvalue.real < lines.upper) & (eigenvalue.imag > 0)
+    inside = (eigenvalue.real > lines.lower) & (eigenvalue.real < lines.upper)
+    # what is wider than half the window cannot be told from the background
+    inside &= (eigenvalue.imag > 0) & (eigenvalue.imag < 1)
     finite = np.isfinite(eigenvalue) & np.isfinite(constant) & np.isfinite(residual) & (constant != 0)
     outcome = np.where(
         (lines.outcome == Outcome.FOUND) & ~(inside & finite), Outcome.NO_RESONANCE, lines.outcome

@@ -6,7 +6,7 @@ import numpy as np
 
 from modallab.core.arrays import BoolArray, FloatArray
 
-SURE = 0.5  # an error of half a bandwidth, or of half the damping, says nothing about a mode
+SURE = 0.5  # of a bandwidth or a line: a mode less surely placed may be none
 FAR = 5.0  # robust standard deviations: one clean fit in a million lies so far out by chance
 CLOSE = 0.02  # of a bandwidth, or of the damping: fits that agree so well are not parted further
 VAGUE = 10.0  # times the usual standard error: a plain mean would inherit it
@@ -31,33 +31,44 @@ def screen(
     frequency_error: FloatArray,
     loss_factor_error: FloatArray,
     found: BoolArray,
+    spacing: float,
 ) -> Screening:
     """Return which fits are good, all arrays (n_modes, n_frf), errors being standard errors.
+
+    `spacing` is that of the lines, Hz.
 
     An FRF near a node fits noise and other modes' tails: its standard errors say so, and it is left out
     before the robust comparison of the rest.
     """
     width = loss_factor * frequency
-    sure = found & (frequency_error < SURE * width) & (loss_factor_error < SURE * loss_factor)
+    sure = found & (frequency_error < SURE * np.maximum(width, spacing)) & (loss_factor_error < loss_factor)
     width, damping = _median(width, sure), _median(loss_factor, sure)
-    sure &= ~_vague(frequency_error, CLOSE * width, sure)
-    sure &= ~_vague(loss_factor_error, CLOSE * damping, sure)
+    sure &= ~(
+        _vague(frequency, frequency_error, CLOSE * width, sure)
+        | _vague(loss_factor, loss_factor_error, CLOSE * damping, sure)
+    )
     far = _far(frequency, frequency_error, CLOSE * width, sure)
     far |= _far(loss_factor, loss_factor_error, CLOSE * damping, sure)
     return Screening(good=sure & ~far, unsure=~sure, outlying=far)
 
 
-def _vague(errors: FloatArray, floor: FloatArray, sure: BoolArray) -> BoolArray:
-    vague: BoolArray = errors > np.maximum(VAGUE * _median(errors, sure), floor)[:, None]
+def _vague(values: FloatArray, errors: FloatArray, floor: FloatArray, sure: BoolArray) -> BoolArray:
+    """Return which errors are unusual, and wider than the values differ among themselves."""
+    usual = np.maximum(VAGUE * _median(errors, sure), _scatter(values, floor, sure))
+    vague: BoolArray = errors > usual[:, None]
     return vague
 
 
 def _far(values: FloatArray, errors: FloatArray, floor: FloatArray, sure: BoolArray) -> BoolArray:
-    middle = _median(values, sure)
-    away = np.abs(values - middle[:, None])
-    scatter = np.maximum(TO_SD * _median(away, sure), floor)
-    far: BoolArray = sure & (away > FAR * np.hypot(scatter[:, None], errors))
+    away = np.abs(values - _median(values, sure)[:, None])
+    far: BoolArray = sure & (away > FAR * np.hypot(_scatter(values, floor, sure)[:, None], errors))
     return far
+
+
+def _scatter(values: FloatArray, floor: FloatArray, sure: BoolArray) -> FloatArray:
+    """Return the robust standard deviation of each row, at least `floor`."""
+    away = np.abs(values - _median(values, sure)[:, None])
+    return np.maximum(TO_SD * _median(away, sure), floor)
 
 
 def _median(values: FloatArray, among: BoolArray) -> FloatArray:
