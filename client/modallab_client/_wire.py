@@ -2,7 +2,7 @@
 
 import io
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Iterable, Mapping
 from typing import Any, TypeVar
 
 import numpy as np
@@ -109,9 +109,13 @@ def pairs(values: ArrayLike) -> Any:
     return np.stack([given.real, given.imag], axis=-1).tolist()
 
 
-def items(reply: Any) -> Any:
-    """Return the members of a list reply, bare or under `items`."""
-    return reply["items"] if isinstance(reply, Mapping) else reply
+def page(data: Json) -> tuple[list[models.Entry], str | None]:
+    """Return the entries of a page, and from where the next one goes on."""
+    return [_entry(one) for one in data["items"]], data.get("next")
+
+
+def _entry(data: Json) -> models.Entry:
+    return models.Entry(data["id"], data["created"], data.get("seed"), data.get("made_from") or {})
 
 
 def event(text: str) -> dict[str, Any]:
@@ -133,7 +137,9 @@ def job_status(data: Json) -> models.JobStatus:
 
 def structure(data: Json) -> models.Structure:
     """Return a structure."""
-    return models.Structure(data["id"], data["n_nodes"], data["n_dofs"], data["members"])
+    return models.Structure(
+        data["id"], data["n_nodes"], data["n_dofs"], data["members"], data.get("name") or ""
+    )
 
 
 def structure_modes(data: Json) -> models.StructureModes:
@@ -171,12 +177,6 @@ def measurement(data: Json, given: Arrays) -> models.Measurement:
     )
 
 
-def measurement_summary(data: Json) -> models.MeasurementSummary:
-    """Return a measurement's metadata."""
-    outputs, inputs = texts(data.get("outputs", ())), texts(data.get("inputs", ()))
-    return models.MeasurementSummary(data["id"], data.get("rig_id"), outputs, inputs, data.get("kind", ""))
-
-
 def modal_model(data: Json, given: Arrays) -> models.ModalModel:
     """Return a modal model from its JSON and arrays."""
     return models.ModalModel(
@@ -184,7 +184,7 @@ def modal_model(data: Json, given: Arrays) -> models.ModalModel:
         modes=tuple(_mode(one) for one in data["modes"]),
         method=data.get("method") or "",
         measurement_id=data.get("measurement_id"),
-        dofs=texts(given["dofs"]),
+        dofs=texts(data["dofs"]),
         shapes=given["shapes"],
         modal_constants=given.get("modal_constants"),
     )
@@ -208,9 +208,12 @@ def _spread(data: Json | None) -> models.Spread | None:
     return models.Spread(low, high, mean, sd, int(data["n"]))
 
 
-def catalogue_entry(data: Json) -> models.CatalogueEntry:
-    """Return one thing that can be chosen by name."""
-    return models.CatalogueEntry(data["kind"], data.get("summary") or "", data.get("parameters") or {})
+def catalogue(members: Iterable[Json]) -> tuple[models.CatalogueEntry, ...]:
+    """Return what can be chosen by name."""
+    return tuple(
+        models.CatalogueEntry(one["kind"], one.get("summary") or "", one.get("parameters") or {})
+        for one in members
+    )
 
 
 def floats(values: Any) -> NDArray[np.float64]:

@@ -39,6 +39,16 @@ class JobStatus:
 
 
 @dataclass(frozen=True)
+class Entry:
+    """A stored thing in a list: enough to find it, and to make it again."""
+
+    id: str
+    created: str  # ISO 8601, UTC
+    seed: int | None
+    made_from: Mapping[str, str]  # ids of what it was made from
+
+
+@dataclass(frozen=True)
 class Structure:
     """A stored structure; it never changes, `structures.change` makes another."""
 
@@ -46,6 +56,7 @@ class Structure:
     n_nodes: int
     n_dofs: int
     members: int
+    name: str = ""
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,17 +140,6 @@ class Measurement:
         if self.coherence is not None:
             rows.append(("coherence, median", f"{np.median(self.coherence):.4f}"))
         return _tables.html((), rows, caption=f"Measurement {self.id}")
-
-
-@dataclass(frozen=True)
-class MeasurementSummary:
-    """A stored measurement without its arrays."""
-
-    id: str
-    rig_id: str | None
-    outputs: tuple[str, ...]
-    inputs: tuple[str, ...]
-    kind: str
 
 
 @dataclass(frozen=True)

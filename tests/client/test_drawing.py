@@ -12,8 +12,8 @@ from tests.client.fake import DIAGNOSIS, MEASUREMENT, MODE, UPDATE
 from modallab_client import _wire, _wire_findings
 from modallab_client.models import Measurement
 
-MODEL = {"id": "mm1", "modes": [MODE], "method": "dobson"}
-SHAPES = {"shapes": np.ones((2, 1)), "dofs": np.array(["1:+Y", "3:+Y"])}
+MODEL = {"id": "mm1", "modes": [MODE], "method": "dobson", "dofs": ["1:+Y", "3:+Y"]}
+SHAPES = {"shapes": np.ones((2, 1))}
 
 
 @pytest.fixture(autouse=True)

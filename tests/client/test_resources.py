@@ -100,31 +100,33 @@ def test_an_answer_that_is_no_npz_is_refused(lab: ModalLab, service: FakeService
 def test_a_modal_model_tabulates_its_scatter(lab: ModalLab, service: FakeService) -> None:
     service.on("POST /v1/modal-models", ACCEPTED)
     finish(service, "mm1")
-    model = {"id": "mm1", "modes": [MODE, {**MODE, "frequency_spread": None}], "method": "dobson"}
+    model = {
+        "id": "mm1",
+        "modes": [MODE, {**MODE, "frequency_spread": None}],
+        "method": "dobson",
+        "dofs": ["1:+Y", "3:+Y"],
+    }
     service.on("GET /v1/modal-models/mm1", {**model, "measurement_id": "m1"})
-    service.on(
-        "GET /v1/modal-models/mm1/arrays", npz(shapes=np.ones((2, 2)), dofs=np.array(["1:+Y", "3:+Y"]))
-    )
-    modes = lab.modal_models.start("m1", method="dobson", bands=[(20, 26)], n_modes=1).result()
+    service.on("GET /v1/modal-models/mm1/arrays", npz(shapes=np.ones((2, 2))))
+    found = lab.modal_models.start("m1", method="dobson", bands=[(20, 26)], n_modes=1).result()
     assert service.body(0) == {"measurement_id": "m1", "method": "dobson", "bands": [[20, 26]], "n_modes": 1}
-    assert modes.modes[0].frequency_spread is not None
-    assert modes.modes[0].frequency_spread.sd == 0.05
-    assert modes.dofs == ("1:+Y", "3:+Y")
-    head, first, *_ = modes.table().splitlines()
+    assert found.modes[0].frequency_spread is not None
+    assert found.modes[0].frequency_spread.sd == 0.05
+    assert found.dofs == ("1:+Y", "3:+Y")
+    head, first, *_ = found.table().splitlines()
     assert head.split() == ["mode", "quantity", "value", "min", "max", "mean", "sd"]
     assert first.split() == ["1", "frequency", "Hz", "23.61", "23.5", "23.7", "23.61", "0.05"]
 
 
 def test_known_modes_are_brought_in_with_complex_pairs(lab: ModalLab, service: FakeService) -> None:
     service.on("POST /v1/modal-models/import", {"id": "mm1"})
-    service.on("GET /v1/modal-models/mm1", {"id": "mm1", "modes": [MODE]})
-    service.on(
-        "GET /v1/modal-models/mm1/arrays", npz(shapes=np.ones((2, 1)), dofs=np.array(["1:+Y", "3:+Y"]))
-    )
+    service.on("GET /v1/modal-models/mm1", {"id": "mm1", "modes": [MODE], "dofs": ["1:+Y", "3:+Y"]})
+    service.on("GET /v1/modal-models/mm1/arrays", npz(shapes=np.ones((2, 1))))
     lab.modal_models.import_(
         frequencies=[23.6], loss_factors=[0.005], shapes=[[1j], [2.0 + 0j]], dofs=["1:+Y", "3:+Y"]
     )
-    assert service.body(0)["shapes"] == [[[0.0, 1.0]], [[2.0, 0.0]]]
+    mode = {"frequency": 23.6, "loss_factor": 0.005, "shape": [[0.0, 1.0], [2.0, 0.0]]}
+    assert service.body(0) == {"modes": [mode], "dofs": ["1:+Y", "3:+Y"], "normalisation": "mass"}
 
 
 def test_an_update_is_asked_by_keywords_and_read_by_member(lab: ModalLab, service: FakeService) -> None:
@@ -182,8 +184,16 @@ def test_a_diagnosis_reads_as_it_is_written_in_the_contract(lab: ModalLab, servi
 def test_the_catalogue_lists_what_can_be_chosen(lab: ModalLab, service: FakeService) -> None:
     entry = {"kind": "extra_mass", "summary": "s", "parameters": {"mass": {"unit": "kg", "lower": 0}}}
     service.on("GET /v1/catalog/effects", httpx.Response(200, json=[entry]))
-    service.on(
-        "GET /v1/catalog/extraction-methods", httpx.Response(200, json={"items": [{"kind": "dobson"}]})
-    )
+    service.on("GET /v1/catalog/extraction-methods", httpx.Response(200, json=[{"kind": "dobson"}]))
     assert lab.catalog.effects()[0].parameters["mass"]["unit"] == "kg"
     assert lab.catalog.extraction_methods()[0].kind == "dobson"
+
+
+def test_a_list_goes_on_over_its_pages(lab: ModalLab, service: FakeService) -> None:
+    first = {"id": "s2", "created": "2026-01-02", "seed": None, "made_from": {"structure_id": "s1"}}
+    second = {"id": "s1", "created": "2026-01-01", "seed": 3, "made_from": {}}
+    service.on("GET /v1/structures", {"items": [first], "next": "s2"}, {"items": [second], "next": None})
+    service.on("DELETE /v1/structures/s1", httpx.Response(204))
+    assert [entry.id for entry in lab.structures.list()] == ["s2", "s1"]
+    assert service.requests[1].url.query == b"after=s2"
+    lab.structures.delete("s1")

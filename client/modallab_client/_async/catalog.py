@@ -40,5 +40,4 @@ class AsyncCatalog:
         return await self._family("updating-methods")
 
     async def _family(self, name: str) -> tuple[CatalogueEntry, ...]:
-        reply = await self._transport.request("GET", f"/v1/catalog/{name}")
-        return tuple(_wire.read(_wire.catalogue_entry, one) for one in _wire.items(reply))
+        return _wire.read(_wire.catalogue, await self._transport.request("GET", f"/v1/catalog/{name}"))

@@ -5,15 +5,14 @@ from typing import Any
 
 from modallab_client import _wire, _wire_findings
 from modallab_client._async.jobs import AsyncJob
-from modallab_client._async.transport import AsyncTransport
+from modallab_client._async.shelf import AsyncShelf
 from modallab_client.findings import Diagnosis, DiagnosisCurves
 
 
-class AsyncDiagnoses:
+class AsyncDiagnoses(AsyncShelf):
     """Diagnoses on the service."""
 
-    def __init__(self, transport: AsyncTransport) -> None:
-        self._transport = transport
+    path = "/v1/diagnoses"
 
     async def start(
         self,

@@ -8,17 +8,16 @@ from numpy.typing import ArrayLike
 
 from modallab_client import _wire
 from modallab_client._async.jobs import AsyncJob
-from modallab_client._async.transport import AsyncTransport
-from modallab_client.models import Measurement, MeasurementSummary
+from modallab_client._async.shelf import AsyncShelf
+from modallab_client.models import Measurement
 
 Given = Mapping[str, Any]
 
 
-class AsyncMeasurements:
+class AsyncMeasurements(AsyncShelf):
     """Measurements on the service."""
 
-    def __init__(self, transport: AsyncTransport) -> None:
-        self._transport = transport
+    path = "/v1/measurements"
 
     async def start(
         self,
@@ -82,15 +81,6 @@ class AsyncMeasurements:
         about = await self._transport.request("GET", f"/v1/measurements/{measurement_id}")
         arrays = await self._transport.npz(f"/v1/measurements/{measurement_id}/arrays")
         return _wire.read(_wire.measurement, about, arrays)
-
-    async def list(self) -> tuple[MeasurementSummary, ...]:
-        """Return the stored measurements without their arrays."""
-        reply = await self._transport.request("GET", "/v1/measurements")
-        return tuple(_wire.read(_wire.measurement_summary, one) for one in _wire.items(reply))
-
-    async def delete(self, measurement_id: str) -> None:
-        """Remove a measurement."""
-        await self._transport.request("DELETE", f"/v1/measurements/{measurement_id}")
 
     async def curves(self, measurement_id: str, points: int = 800) -> Mapping[str, Any]:
         """Return the FRFs thinned for a plot, as the service's JSON."""

@@ -2,19 +2,19 @@
 
 from collections.abc import Sequence
 
+import numpy as np
 from numpy.typing import ArrayLike
 
 from modallab_client import _wire
 from modallab_client._async.jobs import AsyncJob
-from modallab_client._async.transport import AsyncTransport
+from modallab_client._async.shelf import AsyncShelf
 from modallab_client.models import ModalModel
 
 
-class AsyncModalModels:
+class AsyncModalModels(AsyncShelf):
     """Modal models on the service."""
 
-    def __init__(self, transport: AsyncTransport) -> None:
-        self._transport = transport
+    path = "/v1/modal-models"
 
     async def start(
         self,
@@ -54,6 +54,7 @@ class AsyncModalModels:
         loss_factors: Sequence[float],
         shapes: ArrayLike,
         dofs: Sequence[str],
+        normalisation: str = "mass",
     ) -> ModalModel:
         """Return a modal model from known modes.
 
@@ -65,16 +66,14 @@ class AsyncModalModels:
             (n_dof, n_modes), complex or real, 1/sqrt(kg).
         dofs
             (n_dof,), the DoFs of the shapes.
+        normalisation
+            `mass`, or `none` for shapes of any length.
         """
-        body = {
-            "frequencies": [float(f) for f in frequencies],
-            "loss_factors": [float(eta) for eta in loss_factors],
-            "shapes": _wire.pairs(shapes),
-            "dofs": list(dofs),
-        }
+        columns = _wire.pairs(np.transpose(shapes))
+        modes = [
+            {"frequency": float(frequency), "loss_factor": float(loss_factor), "shape": shape}
+            for frequency, loss_factor, shape in zip(frequencies, loss_factors, columns, strict=True)
+        ]
+        body = {"modes": modes, "dofs": list(dofs), "normalisation": normalisation}
         reply = await self._transport.request("POST", "/v1/modal-models/import", json=body)
         return await self.get(reply["id"])
-
-    async def delete(self, modal_model_id: str) -> None:
-        """Remove a modal model."""
-        await self._transport.request("DELETE", f"/v1/modal-models/{modal_model_id}")

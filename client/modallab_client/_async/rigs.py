@@ -4,17 +4,16 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from modallab_client import _wire
-from modallab_client._async.transport import AsyncTransport
+from modallab_client._async.shelf import AsyncShelf
 from modallab_client.models import Rig
 
 Given = Mapping[str, Any]
 
 
-class AsyncRigs:
+class AsyncRigs(AsyncShelf):
     """Rigs on the service."""
 
-    def __init__(self, transport: AsyncTransport) -> None:
-        self._transport = transport
+    path = "/v1/rigs"
 
     async def create(
         self,
@@ -58,7 +57,3 @@ class AsyncRigs:
         """Return a rig as it was declared."""
         reply: Mapping[str, Any] = await self._transport.request("GET", f"/v1/rigs/{rig_id}")
         return reply
-
-    async def delete(self, rig_id: str) -> None:
-        """Remove a rig."""
-        await self._transport.request("DELETE", f"/v1/rigs/{rig_id}")

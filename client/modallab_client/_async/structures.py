@@ -5,17 +5,16 @@ from typing import Any
 
 from modallab_client import _wire
 from modallab_client._async.modal_models import AsyncModalModels
-from modallab_client._async.transport import AsyncTransport
+from modallab_client._async.shelf import AsyncShelf
 from modallab_client.models import ModalModel, ModeShapes, Structure, StructureModes
 
 Given = Mapping[str, Any]
 
 
-class AsyncStructures:
+class AsyncStructures(AsyncShelf):
     """Structures on the service; none is ever changed in place."""
 
-    def __init__(self, transport: AsyncTransport) -> None:
-        self._transport = transport
+    path = "/v1/structures"
 
     async def create(self, **body: Any) -> Structure:
         """Return a new structure; the keywords are the JSON's names, `kind` among them."""
@@ -130,10 +129,6 @@ class AsyncStructures:
         path = f"/v1/structures/{structure_id}"
         return _wire.read(_wire.structure, await self._transport.request("GET", path))
 
-    async def delete(self, structure_id: str) -> None:
-        """Remove a structure."""
-        await self._transport.request("DELETE", f"/v1/structures/{structure_id}")
-
     async def modes(self, structure_id: str, count: int = 10) -> StructureModes:
         """Return frequencies and loss factors of the first elastic modes."""
         path = f"/v1/structures/{structure_id}/modes"
@@ -149,8 +144,8 @@ class AsyncStructures:
         self,
         structure_id: str,
         *,
+        dofs: Sequence[str],
         count: int = 10,
-        dofs: Sequence[str] | None = None,
         noise: Given | None = None,
         seed: int | None = None,
     ) -> ModalModel:
@@ -160,10 +155,10 @@ class AsyncStructures:
         ----------
         structure_id
             The structure.
+        dofs
+            DoFs of the shapes.
         count
             Elastic modes wanted.
-        dofs
-            DoFs of the shapes; left out: all.
         noise
             `{"eigenvalue": 0.005, "eigenvector": 0.05, "distribution": "uniform"}`, relative.
         seed

@@ -5,15 +5,14 @@ from typing import Any
 
 from modallab_client import _wire, _wire_findings
 from modallab_client._sync.jobs import Job
-from modallab_client._sync.transport import Transport
+from modallab_client._sync.shelf import Shelf
 from modallab_client.findings import Diagnosis, DiagnosisCurves
 
 
-class Diagnoses:
+class Diagnoses(Shelf):
     """Diagnoses on the service."""
 
-    def __init__(self, transport: Transport) -> None:
-        self._transport = transport
+    path = "/v1/diagnoses"
 
     def start(
         self,

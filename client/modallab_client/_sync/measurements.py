@@ -8,17 +8,16 @@ from numpy.typing import ArrayLike
 
 from modallab_client import _wire
 from modallab_client._sync.jobs import Job
-from modallab_client._sync.transport import Transport
-from modallab_client.models import Measurement, MeasurementSummary
+from modallab_client._sync.shelf import Shelf
+from modallab_client.models import Measurement
 
 Given = Mapping[str, Any]
 
 
-class Measurements:
+class Measurements(Shelf):
     """Measurements on the service."""
 
-    def __init__(self, transport: Transport) -> None:
-        self._transport = transport
+    path = "/v1/measurements"
 
     def start(
         self,
@@ -80,15 +79,6 @@ class Measurements:
         about = self._transport.request("GET", f"/v1/measurements/{measurement_id}")
         arrays = self._transport.npz(f"/v1/measurements/{measurement_id}/arrays")
         return _wire.read(_wire.measurement, about, arrays)
-
-    def list(self) -> tuple[MeasurementSummary, ...]:
-        """Return the stored measurements without their arrays."""
-        reply = self._transport.request("GET", "/v1/measurements")
-        return tuple(_wire.read(_wire.measurement_summary, one) for one in _wire.items(reply))
-
-    def delete(self, measurement_id: str) -> None:
-        """Remove a measurement."""
-        self._transport.request("DELETE", f"/v1/measurements/{measurement_id}")
 
     def curves(self, measurement_id: str, points: int = 800) -> Mapping[str, Any]:
         """Return the FRFs thinned for a plot, as the service's JSON."""

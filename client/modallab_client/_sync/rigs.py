@@ -4,17 +4,16 @@ from collections.abc import Mapping, Sequence
 from typing import Any
 
 from modallab_client import _wire
-from modallab_client._sync.transport import Transport
+from modallab_client._sync.shelf import Shelf
 from modallab_client.models import Rig
 
 Given = Mapping[str, Any]
 
 
-class Rigs:
+class Rigs(Shelf):
     """Rigs on the service."""
 
-    def __init__(self, transport: Transport) -> None:
-        self._transport = transport
+    path = "/v1/rigs"
 
     def create(
         self,
@@ -58,7 +57,3 @@ class Rigs:
         """Return a rig as it was declared."""
         reply: Mapping[str, Any] = self._transport.request("GET", f"/v1/rigs/{rig_id}")
         return reply
-
-    def delete(self, rig_id: str) -> None:
-        """Remove a rig."""
-        self._transport.request("DELETE", f"/v1/rigs/{rig_id}")

@@ -5,17 +5,16 @@ from typing import Any
 
 from modallab_client import _wire
 from modallab_client._sync.modal_models import ModalModels
-from modallab_client._sync.transport import Transport
+from modallab_client._sync.shelf import Shelf
 from modallab_client.models import ModalModel, ModeShapes, Structure, StructureModes
 
 Given = Mapping[str, Any]
 
 
-class Structures:
+class Structures(Shelf):
     """Structures on the service; none is ever changed in place."""
 
-    def __init__(self, transport: Transport) -> None:
-        self._transport = transport
+    path = "/v1/structures"
 
     def create(self, **body: Any) -> Structure:
         """Return a new structure; the keywords are the JSON's names, `kind` among them."""
@@ -130,10 +129,6 @@ class Structures:
         path = f"/v1/structures/{structure_id}"
         return _wire.read(_wire.structure, self._transport.request("GET", path))
 
-    def delete(self, structure_id: str) -> None:
-        """Remove a structure."""
-        self._transport.request("DELETE", f"/v1/structures/{structure_id}")
-
     def modes(self, structure_id: str, count: int = 10) -> StructureModes:
         """Return frequencies and loss factors of the first elastic modes."""
         path = f"/v1/structures/{structure_id}/modes"
@@ -149,8 +144,8 @@ class Structures:
         self,
         structure_id: str,
         *,
+        dofs: Sequence[str],
         count: int = 10,
-        dofs: Sequence[str] | None = None,
         noise: Given | None = None,
         seed: int | None = None,
     ) -> ModalModel:
@@ -160,10 +155,10 @@ class Structures:
         ----------
         structure_id
             The structure.
+        dofs
+            DoFs of the shapes.
         count
             Elastic modes wanted.
-        dofs
-            DoFs of the shapes; left out: all.
         noise
             `{"eigenvalue": 0.005, "eigenvector": 0.05, "distribution": "uniform"}`, relative.
         seed

@@ -1,0 +1,31 @@
+"""What all stored things have in common: a list of them, and their removal."""
+
+from typing import ClassVar
+
+from modallab_client import _wire
+from modallab_client._async.transport import AsyncTransport
+from modallab_client.models import Entry
+
+
+class AsyncShelf:
+    """Stored things of one kind."""
+
+    path: ClassVar[str]
+
+    def __init__(self, transport: AsyncTransport) -> None:
+        self._transport = transport
+
+    async def list(self) -> tuple[Entry, ...]:
+        """Return what is stored, newest first, as entries without content."""
+        found: tuple[Entry, ...] = ()
+        after: str | None = None
+        while True:
+            reply = await self._transport.request("GET", self.path, params=_wire.body(after=after))
+            entries, after = _wire.read(_wire.page, reply)
+            found += tuple(entries)
+            if after is None:
+                return found
+
+    async def delete(self, id: str) -> None:
+        """Remove one; things that others were made from stay, with a `ConflictError`."""
+        await self._transport.request("DELETE", f"{self.path}/{id}")

@@ -1,0 +1,31 @@
+"""What all stored things have in common: a list of them, and their removal."""
+
+from typing import ClassVar
+
+from modallab_client import _wire
+from modallab_client._sync.transport import Transport
+from modallab_client.models import Entry
+
+
+class Shelf:
+    """Stored things of one kind."""
+
+    path: ClassVar[str]
+
+    def __init__(self, transport: Transport) -> None:
+        self._transport = transport
+
+    def list(self) -> tuple[Entry, ...]:
+        """Return what is stored, newest first, as entries without content."""
+        found: tuple[Entry, ...] = ()
+        after: str | None = None
+        while True:
+            reply = self._transport.request("GET", self.path, params=_wire.body(after=after))
+            entries, after = _wire.read(_wire.page, reply)
+            found += tuple(entries)
+            if after is None:
+                return found
+
+    def delete(self, id: str) -> None:
+        """Remove one; things that others were made from stay, with a `ConflictError`."""
+        self._transport.request("DELETE", f"{self.path}/{id}")
