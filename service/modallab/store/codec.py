@@ -1,17 +1,26 @@
-"""Domain type <-> (JSON row, named arrays): one pair of functions a kind."""
+"""Domain type <-> (JSON row, named arrays): one pair of functions a kind.
+
+Arrays carry the names under which the API serves them, so that a stored file is the reply.
+"""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from functools import partial
 from typing import Any, Generic, TypeVar
 
+import numpy as np
 from numpy.typing import NDArray
 
-from modallab.core.modal_model import ModalModel
+from modallab.core.dof import Dof
+from modallab.core.frf import FrfKind, FrfSet
+from modallab.core.modal_model import ModalModel, Mode
 from modallab.fe.structure import Structure
+from modallab.rig.measurement import Measurement
+from modallab.rig.setup import RigSetup
 from modallab.store.plain import Arrays, Json, from_plain, to_plain
 
 T = TypeVar("T")
+_Given = Mapping[str, NDArray[Any]]
 
 
 @dataclass(frozen=True)
@@ -19,14 +28,96 @@ class Codec(Generic[T]):
     """How things of one kind are taken apart for the store and put together again."""
 
     take_apart: Callable[[T], tuple[Json, Arrays]]
-    put_together: Callable[[Json, Mapping[str, NDArray[Any]]], T]
+    put_together: Callable[[Json, _Given], T]
 
 
 def _plain(cls: type[T]) -> Codec[T]:
     return Codec(to_plain, partial(from_plain, cls))
 
 
+def _names(dofs: tuple[Dof, ...]) -> NDArray[np.str_]:
+    return np.array([str(dof) for dof in dofs])
+
+
+def _dofs(names: NDArray[np.str_]) -> tuple[Dof, ...]:
+    return tuple(Dof.parse(name) for name in names.tolist())
+
+
+def _there(arrays: Mapping[str, NDArray[Any] | None]) -> Arrays:
+    return {name: array for name, array in arrays.items() if array is not None}
+
+
+def _take_measurement(thing: Measurement) -> tuple[Json, Arrays]:
+    arrays = _there(
+        {
+            "freq": thing.frf.freq,
+            "values": thing.frf.values,
+            "coherence": thing.coherence,
+            "outputs": _names(thing.frf.outputs),
+            "inputs": _names(thing.frf.inputs),
+            "kind": np.array(thing.frf.kind.value),
+            "averages": np.array(thing.averages),
+            "force_spectrum": thing.force_spectrum,
+            "response_spectrum": thing.response_spectrum,
+        }
+    )
+    return {"setup": to_plain(thing.setup)[0], "seed": thing.seed, "notes": list(thing.notes)}, arrays
+
+
+def _put_measurement(body: Json, arrays: _Given) -> Measurement:
+    kind, outputs, inputs = FrfKind(str(arrays["kind"])), _dofs(arrays["outputs"]), _dofs(arrays["inputs"])
+    return Measurement(
+        frf=FrfSet(arrays["freq"], arrays["values"], outputs, inputs, kind),
+        coherence=arrays.get("coherence"),
+        averages=float(arrays["averages"]),
+        setup=from_plain(RigSetup, body["setup"], {}),
+        force_spectrum=arrays.get("force_spectrum"),
+        response_spectrum=arrays.get("response_spectrum"),
+        seed=body["seed"],
+        notes=tuple(body["notes"]),
+    )
+
+
+def _take_modal_model(thing: ModalModel) -> tuple[Json, Arrays]:
+    modes = [to_plain(mode)[0] for mode in thing.modes]
+    known = [mode.shape_errors for mode in thing.modes if mode.shape_errors is not None]
+    arrays = _there(
+        {
+            "frequencies": thing.frequencies,
+            "loss_factors": thing.loss_factors,
+            "shapes": thing.shapes,
+            "shape_errors": np.stack(known, axis=1) if len(known) == len(thing.modes) else None,
+            "dofs": _names(thing.dofs),
+            "fitted_frequency": thing.fitted_frequency,
+            "fitted_loss_factor": thing.fitted_loss_factor,
+            "modal_constant": thing.modal_constant,
+        }
+    )
+    body = {"normalisation": thing.normalisation, "method": thing.method, "notes": list(thing.notes)}
+    return body | {"modes": modes}, arrays
+
+
+def _put_modal_model(body: Json, arrays: _Given) -> ModalModel:
+    shapes, errors = arrays["shapes"], arrays.get("shape_errors")
+    modes = []
+    for r, tree in enumerate(body["modes"]):
+        own = {"shape": shapes[:, r]} | ({} if errors is None else {"shape_errors": errors[:, r]})
+        modes.append(from_plain(Mode, tree, own))
+    return ModalModel(
+        modes=tuple(modes),
+        dofs=_dofs(arrays["dofs"]),
+        normalisation=body["normalisation"],
+        method=body["method"],
+        fitted_frequency=arrays.get("fitted_frequency"),
+        fitted_loss_factor=arrays.get("fitted_loss_factor"),
+        modal_constant=arrays.get("modal_constant"),
+        notes=tuple(body["notes"]),
+    )
+
+
 CODECS: Mapping[str, Codec[Any]] = {
     "structure": _plain(Structure),
-    "modal_model": _plain(ModalModel),
+    "rig": _plain(RigSetup),
+    "measurement": Codec(_take_measurement, _put_measurement),
+    "modal_model": Codec(_take_modal_model, _put_modal_model),
 }

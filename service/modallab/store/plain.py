@@ -5,7 +5,7 @@ import types
 from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 from enum import Enum
-from functools import lru_cache
+from functools import cache
 from typing import Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
@@ -40,8 +40,10 @@ def from_plain(cls: type[T], tree: Json, arrays: Mapping[str, NDArray[Any]]) -> 
 
 
 def _encode(value: Any, path: str, arrays: Arrays) -> Json:
+    if isinstance(value, Enum):
+        return value.value
     if value is None or isinstance(value, (bool, str, int)):
-        return value.value if isinstance(value, Enum) else value
+        return value
     if isinstance(value, float):
         return float(value) if math.isfinite(value) else {_FLOAT: repr(float(value))}
     if isinstance(value, complex):
@@ -72,7 +74,7 @@ def _encode_mapping(value: Mapping[Any, Any], path: str, arrays: Arrays) -> Json
     return {_PAIRS: [[_encode(k, path, arrays), _encode(v, f"{path}.{i}", arrays)] for i, (k, v) in pairs]}
 
 
-@lru_cache(maxsize=None)
+@cache
 def _hints(cls: type) -> dict[str, Any]:
     return get_type_hints(cls)
 
@@ -131,14 +133,15 @@ def _decode_container(
         if not isinstance(tree, dict):
             raise _misfit(path, origin)
         key, item = options
-        pairs = tree[_PAIRS] if _PAIRS in tree else tree.items()
-        return {_decode(key, k, arrays, path): _decode(item, v, arrays, f"{path}.{k}") for k, v in pairs}
+        entries = tree[_PAIRS] if _PAIRS in tree else tree.items()
+        return {_decode(key, k, arrays, path): _decode(item, v, arrays, f"{path}.{k}") for k, v in entries}
     if not isinstance(tree, list):
         raise _misfit(path, origin)
     if origin is tuple and not (len(options) == 2 and options[1] is Ellipsis):
         if len(options) != len(tree):
             raise _misfit(path, options)
-        return tuple(_decode(o, v, arrays, f"{path}.{i}") for i, (o, v) in enumerate(zip(options, tree)))
+        pairs = zip(options, tree, strict=True)
+        return tuple(_decode(o, v, arrays, f"{path}.{i}") for i, (o, v) in enumerate(pairs))
     return origin(_decode(options[0], v, arrays, f"{path}.{i}") for i, v in enumerate(tree))
 
 

@@ -124,7 +124,9 @@ class SqlShelf(Generic[T]):
             with self._connect() as connection:
                 connection.execute(THINGS.delete().where(THINGS.c.id == id))
         except IntegrityError:
-            raise InUseError(f"the {self._kind} {id!r} is what something else was made from", value=id) from None
+            raise InUseError(
+                f"the {self._kind} {id!r} is what something else was made from", value=id
+            ) from None
         if digest:
             self._files.remove(id, digest)
 
@@ -159,7 +161,9 @@ class SqlTruths:
         with self._connect() as connection:
             row = connection.execute(sa.select(TRUTHS.c.body).where(where)).first()
         if row is None:
-            raise NotFoundError(f"how measurement {measurement_id!r} was made is not known", value=measurement_id)
+            raise NotFoundError(
+                f"how measurement {measurement_id!r} was made is not known", value=measurement_id
+            )
         return from_plain(Truth, row.body, {})
 
 
@@ -169,6 +173,8 @@ class SqlStore:
     def __init__(self, connect: Connect, files: ArrayFiles) -> None:
         self._connect, self._files = connect, files
         self.structures = self._shelf("structure")
+        self.rigs = self._shelf("rig")
+        self.measurements = self._shelf("measurement")
         self.modal_models = self._shelf("modal_model")
         self.truths = SqlTruths(connect)
 

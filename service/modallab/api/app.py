@@ -1,0 +1,64 @@
+"""The application: routers, errors, limits, the store and the jobs."""
+
+from collections.abc import AsyncIterator
+from contextlib import asynccontextmanager
+
+from fastapi import APIRouter, FastAPI
+
+import modallab
+from modallab.api import about, catalog, jobs, problems
+from modallab.api.limits import BodyLimit
+from modallab.api.logs import RequestId
+from modallab.api.measurements import router as measurements
+from modallab.api.modal_models import router as modal_models
+from modallab.api.rigs import router as rigs
+from modallab.api.settings import Settings
+from modallab.api.structures import router as structures
+from modallab.jobs.book import JobBook
+from modallab.jobs.durable import DurableRunner
+from modallab.jobs.runner import JobRunner
+from modallab.store.place import engine_of, open_store
+
+_SUMMARY = "A virtual modal test: measure a structure, read its modes, update its model, find what it lacks."
+
+
+def job_book(settings: Settings) -> JobBook:
+    """Return the book of jobs that the settings name."""
+    return JobBook(engine_of(settings.store_place), queue_length=settings.queue_length)
+
+
+def durable_runner(settings: Settings) -> DurableRunner:
+    """Return the runner that the settings name; with role `api` it only submits."""
+    executor_id = settings.executor_id if settings.role == "all" else None
+    return DurableRunner(
+        job_book(settings), settings.store_place, settings.job_place, executor_id=executor_id
+    )
+
+
+def create_app(settings: Settings, runner: JobRunner | None = None) -> FastAPI:
+    """Return the application, its database prepared by `modallab.api.cli` or `modallab init`.
+
+    Parameters
+    ----------
+    runner
+        What runs the jobs; by default the durable one.
+    """
+    chosen = durable_runner(settings) if runner is None else runner
+
+    @asynccontextmanager
+    async def lifespan(_app: FastAPI) -> AsyncIterator[None]:
+        async with chosen:
+            yield
+
+    app = FastAPI(title="modallab", summary=_SUMMARY, version=modallab.__version__, lifespan=lifespan)
+    app.state.settings, app.state.store, app.state.jobs = settings, open_store(settings.store_place), chosen
+    v1 = APIRouter(prefix="/v1", responses=problems.RESPONSES)
+    for part in (structures, rigs, measurements, modal_models):
+        v1.include_router(part.router)
+    for one in (jobs.router, catalog.router, about.router):
+        v1.include_router(one)
+    app.include_router(v1)
+    problems.install(app)
+    app.add_middleware(BodyLimit, json=settings.body_limit, upload=settings.upload_limit)
+    app.add_middleware(RequestId)
+    return app

@@ -1,0 +1,56 @@
+"""What can be chosen, read from the families: a new member shows up with no other change."""
+
+import inspect
+from collections.abc import Mapping
+from dataclasses import asdict
+from typing import Any, Literal
+
+from fastapi import APIRouter
+from pydantic import BaseModel
+
+from modallab.estimation.estimator import ESTIMATORS
+from modallab.estimation.windows import WINDOWS
+from modallab.extraction.method import EXTRACTION_METHODS
+from modallab.fe.catalogued import STRUCTURES
+from modallab.rig.effect import EFFECTS
+from modallab.rig.excitation import EXCITATIONS
+
+router = APIRouter(prefix="/catalog", tags=["catalog"])
+
+FamilyName = Literal[
+    "effects", "structures", "excitations", "windows", "estimators", "extraction-methods", "updating-methods"
+]
+FAMILIES: Mapping[FamilyName, Mapping[str, Any]] = {
+    "effects": EFFECTS,
+    "structures": STRUCTURES,
+    "excitations": EXCITATIONS,
+    "windows": WINDOWS,
+    "estimators": ESTIMATORS,
+    "extraction-methods": EXTRACTION_METHODS,
+}
+
+
+class MemberOut(BaseModel):
+    """One choice: its kind, what it is, its parameters with unit and bounds."""
+
+    kind: str
+    summary: str
+    parameters: dict[str, dict[str, Any]]
+
+
+@router.get("/{family}", summary="What can be chosen")
+def list_members(family: FamilyName) -> list[MemberOut]:
+    return [
+        MemberOut(kind=kind, summary=_summary(member), parameters=_parameters(member))
+        for kind, member in FAMILIES[family].items()
+    ]
+
+
+def _summary(member: Any) -> str:
+    said = getattr(member, "summary", None)
+    return said if isinstance(said, str) else (inspect.getdoc(member) or "").split("\n")[0]
+
+
+def _parameters(member: Any) -> dict[str, dict[str, Any]]:
+    specs = getattr(member, "specs", None)
+    return {} if specs is None else {name: asdict(spec) for name, spec in specs().items()}

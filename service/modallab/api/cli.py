@@ -1,0 +1,100 @@
+"""The `modallab` command: what starts the service."""
+
+import os
+import sqlite3
+from pathlib import Path
+from typing import Annotated, Any
+
+import typer
+
+app = typer.Typer(
+    no_args_is_help=True, add_completion=False, help="A virtual modal-testing lab as a service."
+)
+
+Data = Annotated[Path | None, typer.Option(help="Folder for arrays and the embedded database.")]
+Host = Annotated[str | None, typer.Option(help="Address to listen on.")]
+Port = Annotated[int | None, typer.Option(help="Port to listen on.")]
+Role = Annotated[str | None, typer.Option(help="`all`, or `api`: leave the jobs to `modallab worker`.")]
+Executor = Annotated[str | None, typer.Option(help="A lasting name, one a process that runs jobs.")]
+
+_THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
+
+
+def _settings(**given: Any) -> Any:
+    # Before numpy is imported, here and in the worker processes, which inherit it: two threads a
+    # process on cores that other processes keep busy cost three quarters of the throughput.
+    for name in _THREADS:
+        os.environ.setdefault(name, "1")
+    from modallab.api.settings import Settings
+
+    return Settings(**{name: value for name, value in given.items() if value is not None})
+
+
+def _lock(folder: Path) -> sqlite3.Connection:
+    """Return what keeps a second service out of a data folder for as long as this process lives."""
+    folder.mkdir(parents=True, exist_ok=True)
+    lock = sqlite3.connect(folder / "lock", isolation_level=None, timeout=0)
+    try:
+        lock.execute("BEGIN EXCLUSIVE")
+    except sqlite3.OperationalError:
+        raise typer.BadParameter(f"another service works in {folder}", param_hint="--data") from None
+    return lock
+
+
+def _prepare(settings: Any) -> None:
+    settings.store_place.prepare()
+    settings.job_place.prepare()
+
+
+@app.command()
+def serve(
+    data: Data = None,
+    host: Host = None,
+    port: Port = None,
+    role: Role = None,
+    executor_id: Executor = None,
+) -> None:
+    """Answer requests and, unless the role is `api`, run jobs."""
+    settings = _settings(data=data, host=host, port=port, role=role, executor_id=executor_id)
+    import uvicorn
+
+    from modallab.api import logs
+    from modallab.api.app import create_app
+
+    logs.configure()
+    lock = _lock(settings.data) if settings.embedded else None
+    if settings.embedded:
+        _prepare(settings)
+    uvicorn.run(
+        create_app(settings),
+        host=settings.host,
+        port=settings.port,
+        log_config=None,
+        access_log=False,
+        timeout_graceful_shutdown=5,
+    )
+    del lock
+
+
+@app.command()
+def worker(data: Data = None, executor_id: Executor = None) -> None:
+    """Run jobs, and answer no requests."""
+    settings = _settings(data=data, executor_id=executor_id, role="all")
+    import anyio
+
+    from modallab.api import logs
+    from modallab.api.app import durable_runner
+
+    logs.configure()
+
+    async def work() -> None:
+        async with durable_runner(settings):
+            await anyio.sleep_forever()
+
+    anyio.run(work)
+
+
+@app.command()
+def init(data: Data = None) -> None:
+    """Create the tables, or bring them up to date: once before the service is started or upgraded."""
+    _prepare(_settings(data=data))

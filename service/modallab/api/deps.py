@@ -1,0 +1,42 @@
+"""What handlers are given."""
+
+from typing import Annotated
+
+from fastapi import Depends, Path, Query, Request
+from pydantic import StringConstraints
+
+from modallab.api.settings import Settings
+from modallab.jobs.runner import JobRunner
+from modallab.store.base import Store
+
+# `async`, although they wait for nothing: plain functions would each take a thread.
+
+
+async def _store(request: Request) -> Store:
+    store: Store = request.app.state.store
+    return store
+
+
+async def _jobs(request: Request) -> JobRunner:
+    jobs: JobRunner = request.app.state.jobs
+    return jobs
+
+
+async def _settings(request: Request) -> Settings:
+    settings: Settings = request.app.state.settings
+    return settings
+
+
+async def _owner() -> str:
+    return "local"
+
+
+StoreDep = Annotated[Store, Depends(_store)]
+JobsDep = Annotated[JobRunner, Depends(_jobs)]
+SettingsDep = Annotated[Settings, Depends(_settings)]
+OwnerDep = Annotated[str, Depends(_owner)]
+
+Id = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9_-]{1,64}$")]
+IdPath = Annotated[str, Path(pattern=r"^[A-Za-z0-9_-]{1,64}$", description="the thing's id")]
+Limit = Annotated[int, Query(ge=1, le=500, description="how many entries at most")]
+After = Annotated[Id | None, Query(description="id of the last entry of the page before")]

@@ -1,0 +1,87 @@
+"""Jobs: how far they are, as a reply or as a stream, and how to stop them."""
+
+from collections.abc import AsyncIterator
+from functools import partial
+from typing import Any, Self
+
+from anyio import sleep, to_thread
+from fastapi import APIRouter, status
+from pydantic import BaseModel
+from starlette.responses import StreamingResponse
+
+from modallab.api import problems
+from modallab.api.deps import IdPath, JobsDep, OwnerDep
+from modallab.jobs.runner import Job, JobRunner, JobState
+
+router = APIRouter(prefix="/jobs", tags=["jobs"])
+_LOOK = 0.1  # s between two looks at a job
+_KEEP_ALIVE = 15.0  # s of silence after which proxies may close a stream
+_EVENTS: dict[int | str, dict[str, Any]] = {
+    200: {
+        "description": "One event a change",
+        "content": {"text/event-stream": {"schema": {"type": "string"}}},
+    }
+}
+
+
+class JobOut(BaseModel):
+    """A job; `result_id` is the id of what it made, `error` the problem that stopped it."""
+
+    id: str
+    state: JobState
+    fraction: float
+    message: str
+    result_id: str | None
+    error: dict[str, Any] | None
+
+    @classmethod
+    def of(cls, job: Job) -> Self:
+        """Return what the contract shows of a job."""
+        done = job.state is JobState.SUCCEEDED
+        return cls(
+            id=job.id,
+            state=job.state,
+            fraction=job.fraction,
+            message=job.message,
+            result_id=job.result_id if done else None,
+            error=None if job.error is None else problems.of_job(job.error),
+        )
+
+
+@router.get("/{id}", summary="How far a job is")
+def get_job(id: IdPath, jobs: JobsDep, owner: OwnerDep) -> JobOut:
+    return JobOut.of(jobs.get(id, owner=owner))
+
+
+@router.delete("/{id}", status_code=status.HTTP_200_OK, summary="Stop a job")
+def cancel_job(id: IdPath, jobs: JobsDep, owner: OwnerDep) -> JobOut:
+    return JobOut.of(jobs.cancel(id, owner=owner))
+
+
+@router.get(
+    "/{id}/events", response_class=StreamingResponse, responses=_EVENTS, summary="A job as it goes on"
+)
+async def stream_job(id: IdPath, jobs: JobsDep, owner: OwnerDep) -> StreamingResponse:
+    first = await to_thread.run_sync(partial(jobs.get, id, owner=owner))  # an unknown id is a 404, no stream
+    headers = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
+    return StreamingResponse(_events(jobs, first), media_type="text/event-stream", headers=headers)
+
+
+async def _events(jobs: JobRunner, job: Job) -> AsyncIterator[str]:
+    look = partial(jobs.get, job.id, owner=job.owner)
+    yield _event(job)
+    silent = 0.0
+    while not job.state.final:
+        await sleep(_LOOK)
+        silent += _LOOK
+        before, job = job, await to_thread.run_sync(look)
+        if job != before:
+            silent = 0.0
+            yield _event(job)
+        elif silent >= _KEEP_ALIVE:
+            silent = 0.0
+            yield ": still here\n\n"
+
+
+def _event(job: Job) -> str:
+    return f"data: {JobOut.of(job).model_dump_json()}\n\n"

@@ -1,0 +1,70 @@
+"""Measurements: made on the virtual rig, or imported."""
+
+from typing import Annotated
+
+from fastapi import APIRouter, File, Form, Query, UploadFile, status
+from starlette.responses import Response
+
+from modallab.api.arrays import NPZ, Precision, npz_reply
+from modallab.api.deps import Id, IdPath, JobsDep, OwnerDep, SettingsDep, StoreDep
+from modallab.api.examples import example
+from modallab.api.jobs import JobOut
+from modallab.api.measurements.schemas import CurvesOut, MeasurementOut, MeasurementStart, TruthOut
+from modallab.api.shelves import add_routes
+from modallab.interchange.npz import read_measurement
+
+router = APIRouter(prefix="/measurements", tags=["measurements"])
+Points = Annotated[int, Query(ge=2, le=20_000, description="lines of each curve, about")]
+
+_TEST = {
+    "structure_id": "5f0c31",
+    "rig_id": "9b2e77",
+    "effects": [{"kind": "extra_mass", "at": "7:+Y", "parameters": {"mass": 0.05}}],
+    "route": "sampled",
+    "seed": 1,
+}
+
+
+@router.post("", status_code=status.HTTP_202_ACCEPTED, summary="Measure FRFs on the virtual rig")
+def start_measurement(
+    body: Annotated[MeasurementStart, example(_TEST)], store: StoreDep, jobs: JobsDep, owner: OwnerDep
+) -> JobOut:
+    structure, setup = store.structures.get(body.structure_id), store.rigs.get(body.rig_id)
+    return JobOut.of(jobs.submit("measure_and_store", body.to_arguments(structure, setup), owner=owner))
+
+
+@router.post("/import", status_code=status.HTTP_201_CREATED, summary="Import measured FRFs")
+def import_measurement(
+    file: Annotated[UploadFile, File(description="npz: freq, values, outputs, inputs, kind and more")],
+    rig_id: Annotated[Id, Form(description="the log book of the test")],
+    store: StoreDep,
+    settings: SettingsDep,
+    owner: OwnerDep,
+) -> MeasurementOut:
+    setup = store.rigs.get(rig_id)
+    measurement = read_measurement(file.file.read(), setup, largest=settings.upload_limit)
+    stored = store.measurements.add(measurement, owner=owner, inputs={"rig_id": rig_id})
+    return MeasurementOut.of(measurement, store.measurements.entry(stored))
+
+
+@router.get("/{id}", summary="A measurement without its arrays")
+def get_measurement(id: IdPath, store: StoreDep) -> MeasurementOut:
+    return MeasurementOut.of(store.measurements.get(id), store.measurements.entry(id))
+
+
+@router.get("/{id}/arrays", response_class=Response, responses=NPZ, summary="FRFs, coherence, spectra: npz")
+def get_measurement_arrays(id: IdPath, store: StoreDep, precision: Precision = "double") -> Response:
+    return npz_reply(store.measurements.npz(id), precision)
+
+
+@router.get("/{id}/curves", summary="FRFs thinned for plots")
+def get_curves(id: IdPath, store: StoreDep, points: Points = 800) -> CurvesOut:
+    return CurvesOut.of(store.measurements.get(id), points)
+
+
+@router.get("/{id}/truth", summary="How it was made: for its owner")
+def get_truth(id: IdPath, store: StoreDep, owner: OwnerDep) -> TruthOut:
+    return TruthOut.of(store.truths.get(id, owner=owner))
+
+
+add_routes(router, "measurements")

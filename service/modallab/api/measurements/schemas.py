@@ -1,0 +1,153 @@
+"""Wire types of measurements."""
+
+from itertools import pairwise
+from typing import Any, Self
+
+import numpy as np
+from pydantic import BaseModel
+
+from modallab.api.deps import Id
+from modallab.api.rigs.schemas import setup_out
+from modallab.api.wire import Effects, EntryOut, Seed, Wire, effect_out
+from modallab.core.arrays import IntArray
+from modallab.core.errors import InvalidInputError
+from modallab.fe.structure import Structure
+from modallab.rig.measure import Route
+from modallab.rig.measurement import Measurement
+from modallab.rig.setup import RigSetup
+from modallab.store.base import Entry, Truth
+from modallab.store.plain import to_plain
+
+_MOST_JSON = 50_000  # numbers in a JSON reply; beyond, encoding costs a hundred times what npz does
+
+
+class MeasurementStart(Wire):
+    """A virtual test. `effects` act beside what the rig declares, and show in no log book."""
+
+    structure_id: Id
+    rig_id: Id
+    effects: Effects = ()
+    route: Route = Route.SAMPLED
+    seed: Seed = 0
+
+    def to_arguments(self, structure: Structure, setup: RigSetup) -> dict[str, Any]:
+        """Return the task's arguments, checked as far as can be before the work.
+
+        Raises
+        ------
+        UnknownDofError
+            If the rig drives or listens where the structure has no DoF.
+        InvalidInputError
+            If an effect is unknown or a value out of bounds.
+        """
+        for dof in (setup.drive, *setup.responses):
+            structure.index(dof)
+        specs = tuple(effect.to_domain().spec for effect in self.effects)
+        return {
+            "structure_id": self.structure_id,
+            "rig_id": self.rig_id,
+            "effects": to_plain(specs)[0],
+            "route": self.route.value,
+            "seed": self.seed,
+        }
+
+
+class MeasurementOut(EntryOut):
+    """A measurement without its arrays: what was measured, and the rig as declared."""
+
+    rig_id: str
+    kind: str
+    outputs: list[str]
+    inputs: list[str]
+    n_lines: int
+    frequency_max: float
+    averages: float
+    rig: dict[str, Any]
+    notes: list[str]
+
+    @classmethod
+    def of(cls, measurement: Measurement, entry: Entry) -> Self:
+        """Return what the contract shows of a measurement."""
+        frf = measurement.frf
+        return cls(
+            **cls.fields(entry),
+            rig_id=entry.inputs["rig_id"],
+            kind=frf.kind.value,
+            outputs=[str(dof) for dof in frf.outputs],
+            inputs=[str(dof) for dof in frf.inputs],
+            n_lines=len(frf.freq),
+            frequency_max=float(frf.freq[-1]),
+            averages=measurement.averages,
+            rig=setup_out(measurement.setup),
+            notes=list(measurement.notes),
+        )
+
+
+class TruthOut(BaseModel):
+    """How a measurement was made: for its owner."""
+
+    structure_id: str
+    effects: list[dict[str, Any]]
+
+    @classmethod
+    def of(cls, truth: Truth) -> Self:
+        """Return what the contract shows of a truth."""
+        return cls(structure_id=truth.structure_id, effects=[effect_out(spec) for spec in truth.effects])
+
+
+class CurveOut(BaseModel):
+    """One FRF: values as [re, im], and its coherence."""
+
+    output: str
+    input: str
+    values: list[tuple[float, float]]
+    coherence: list[float] | None
+
+
+class CurvesOut(BaseModel):
+    """FRFs thinned for plots; peaks and notches stay."""
+
+    freq: list[float]
+    kind: str
+    curves: list[CurveOut]
+
+    @classmethod
+    def of(cls, measurement: Measurement, points: int) -> Self:
+        """Return the curves at about `points` lines.
+
+        Raises
+        ------
+        InvalidInputError
+            If the reply would hold more numbers than JSON is good for.
+        """
+        frf = measurement.frf
+        keep = _thinned(np.abs(frf.values).reshape(len(frf.freq), -1), points)
+        if 3 * len(keep) * frf.values[0].size > _MOST_JSON:
+            raise InvalidInputError(
+                "these curves are too long for JSON: take fewer points, or the arrays as npz",
+                field="points",
+                value=points,
+                allowed=f"points x FRFs <= {_MOST_JSON // 3}",
+            )
+        curves = []
+        for j, output in enumerate(frf.outputs):
+            coherence = None if measurement.coherence is None else measurement.coherence[keep, j].tolist()
+            for i, given in enumerate(frf.inputs):
+                h = frf.values[keep, j, i]
+                values = list(zip(h.real.tolist(), h.imag.tolist(), strict=True))
+                curves.append(
+                    CurveOut(output=str(output), input=str(given), values=values, coherence=coherence)
+                )
+        return cls(freq=frf.freq[keep].tolist(), kind=frf.kind.value, curves=curves)
+
+
+def _thinned(magnitude: Any, points: int) -> IntArray:
+    """Return the lines to keep: of every stretch the one where the responses are largest, and smallest."""
+    n_freq = len(magnitude)
+    if n_freq <= points:
+        return np.arange(n_freq)
+    level = np.log(np.maximum(magnitude, np.finfo(float).tiny)).sum(axis=1)
+    edges = np.linspace(0, n_freq, points // 2 + 1).astype(int)
+    stretches = [(a, b) for a, b in pairwise(edges) if b > a]
+    kept = {a + int(pick(level[a:b])) for a, b in stretches for pick in (np.argmax, np.argmin)}
+    return np.array(sorted(kept | {0, n_freq - 1}))

@@ -1,0 +1,126 @@
+"""Wire types of modal models."""
+
+from dataclasses import asdict
+from typing import Annotated, Any, Literal, Self
+
+import numpy as np
+from pydantic import Field
+
+from modallab.api.deps import Id
+from modallab.api.wire import DofText, EntryOut, Number, Seed, Text, Wire
+from modallab.core.dof import Dof
+from modallab.core.errors import InvalidInputError
+from modallab.core.modal_model import ModalModel, Mode
+from modallab.fe.selected import Distribution, ModeNoise
+from modallab.store.base import Entry
+
+
+class ModeNoiseIn(Wire):
+    """Relative errors of eigenvalues and of shape entries."""
+
+    eigenvalue: Number = 0.0
+    eigenvector: Number = 0.0
+    distribution: Distribution = Distribution.UNIFORM
+
+    def to_domain(self) -> ModeNoise:
+        """Return the noise."""
+        return ModeNoise(self.eigenvalue, self.eigenvector, self.distribution)
+
+
+Dofs = Annotated[list[DofText], Field(min_length=1, max_length=5000)]
+
+
+class SyntheticIn(Wire):
+    """Modes of a structure as a test would give them."""
+
+    count: int = Field(ge=1, le=500)
+    dofs: Dofs
+    noise: ModeNoiseIn = ModeNoiseIn()
+    seed: Seed = 0
+
+    def places(self) -> tuple[Dof, ...]:
+        """Return the DoFs at which shapes are known."""
+        return tuple(Dof.parse(text, field="dofs") for text in self.dofs)
+
+
+Band = tuple[Number, Number]
+
+
+class ModalModelStart(Wire):
+    """Modes to be read from a measurement: bands in Hz with one mode each, or found by themselves."""
+
+    measurement_id: Id
+    method: Text = "dobson"
+    bands: Literal["auto"] | Annotated[list[Band], Field(min_length=1, max_length=500)] = "auto"
+    n_modes: int | None = Field(None, ge=1, le=500)
+
+
+Complex = Number | tuple[Number, Number]
+
+
+class ModeIn(Wire):
+    """One mode; shape entries are numbers or [re, im]."""
+
+    frequency: Number = Field(gt=0, description="Hz")
+    loss_factor: Number = 0.0
+    shape: list[Complex] = Field(min_length=1, max_length=5000)
+
+    def to_domain(self, n_dofs: int) -> Mode:
+        """Return the mode; `InvalidInputError` if its shape has another length."""
+        if len(self.shape) != n_dofs:
+            raise InvalidInputError(
+                "a shape has an entry for each DoF", field="shape", value=len(self.shape), allowed=n_dofs
+            )
+        shape = np.array([complex(*v) if isinstance(v, tuple) else complex(v) for v in self.shape])
+        return Mode(frequency=self.frequency, loss_factor=self.loss_factor, shape=shape)
+
+
+class ModalModelIn(Wire):
+    """Modes from elsewhere, at named DoFs."""
+
+    modes: list[ModeIn] = Field(min_length=1, max_length=500)
+    dofs: Dofs
+    normalisation: Literal["mass", "none"] = "mass"
+
+    def to_domain(self) -> ModalModel:
+        """Return the modal model, in rising frequency."""
+        dofs = tuple(Dof.parse(text, field="dofs") for text in self.dofs)
+        if len({dof.point for dof in dofs}) < len(dofs):
+            raise InvalidInputError("a DoF is named twice", field="dofs", value=", ".join(self.dofs)[:200])
+        modes = sorted((m.to_domain(len(dofs)) for m in self.modes), key=lambda mode: mode.frequency)
+        return ModalModel(tuple(modes), dofs, self.normalisation, method="imported")
+
+
+class ModalModelOut(EntryOut):
+    """Modes without their shapes, which `/arrays` gives."""
+
+    method: str
+    measurement_id: str | None
+    normalisation: str
+    dofs: list[str]
+    modes: list[dict[str, Any]]
+    notes: list[str]
+
+    @classmethod
+    def of(cls, model: ModalModel, entry: Entry) -> Self:
+        """Return what the contract shows of a modal model."""
+        return cls(
+            **cls.fields(entry),
+            method=model.method,
+            measurement_id=entry.inputs.get("measurement_id"),
+            normalisation=model.normalisation,
+            dofs=[str(dof) for dof in model.dofs],
+            modes=[_mode_out(mode) for mode in model.modes],
+            notes=list(model.notes),
+        )
+
+
+def _mode_out(mode: Mode) -> dict[str, Any]:
+    return {
+        "frequency": mode.frequency,
+        "loss_factor": mode.loss_factor,
+        "frequency_spread": mode.frequency_spread and asdict(mode.frequency_spread),
+        "loss_factor_spread": mode.loss_factor_spread and asdict(mode.loss_factor_spread),
+        "standard_errors": dict(mode.standard_errors),
+        "flags": list(mode.flags),
+    }

@@ -1,0 +1,36 @@
+"""Rigs: the log books of tests."""
+
+from typing import Annotated
+
+from fastapi import APIRouter, status
+
+from modallab.api.deps import IdPath, OwnerDep, StoreDep
+from modallab.api.examples import example
+from modallab.api.rigs.schemas import RigIn, RigOut
+from modallab.api.shelves import add_routes
+
+router = APIRouter(prefix="/rigs", tags=["rigs"])
+
+_RIG = {
+    "drive": "1:+Y",
+    "responses": ["1:+Y", "3:+Y", "5:+Y"],
+    "exciter": {"kind": "shaker", "armature_mass": 0.02},
+    "force_transducer": {"mass_below": 0.01},
+    "accelerometers": {"mass": 0.02, "roving": True},
+    "analyser": {"frequency_max": 800.0, "n_lines": 401, "averages": 100},
+    "noise": {"force": 1e-3, "response": 1e-3},
+}
+
+
+@router.post("", status_code=status.HTTP_201_CREATED, summary="Declare a rig")
+def create_rig(body: Annotated[RigIn, example(_RIG)], store: StoreDep, owner: OwnerDep) -> RigOut:
+    setup = body.to_domain()
+    return RigOut.of(setup, store.rigs.entry(store.rigs.add(setup, owner=owner)))
+
+
+@router.get("/{id}", summary="A rig as declared")
+def get_rig(id: IdPath, store: StoreDep) -> RigOut:
+    return RigOut.of(store.rigs.get(id), store.rigs.entry(id))
+
+
+add_routes(router, "rigs")

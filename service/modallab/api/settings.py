@@ -1,0 +1,48 @@
+"""Settings of the service, read from `MODALLAB_*` in the environment once, when a process starts."""
+
+from pathlib import Path
+from typing import Literal
+
+from pydantic import Field
+from pydantic_settings import BaseSettings, SettingsConfigDict
+
+from modallab.jobs.durable import JobPlace
+from modallab.store.place import StorePlace
+
+
+class Settings(BaseSettings):
+    """Where the service listens and keeps its things, and how much it takes."""
+
+    model_config = SettingsConfigDict(env_prefix="MODALLAB_", frozen=True)
+
+    data: Path = Field(Path.home() / ".modallab", description="folder for arrays and the embedded database")
+    host: str = "127.0.0.1"
+    port: int = Field(8000, ge=1, le=65535)
+    database_url: str | None = Field(None, description="postgresql://...; without one, SQLite in `data`")
+    database_schema: str = Field("modallab", pattern=r"^[a-z][a-z0-9_]{0,40}$")
+    role: Literal["all", "api"] = Field("all", description="`api` leaves the jobs to `modallab worker`")
+    executor_id: str = Field(
+        "local", min_length=1, description="a lasting name, one a process that runs jobs"
+    )
+    queue_length: int = Field(100, ge=1, description="jobs that may wait")
+    body_limit: int = Field(5_000_000, ge=1, description="bytes of a JSON request")
+    upload_limit: int = Field(200_000_000, ge=1, description="bytes of an imported file, and of its arrays")
+
+    @property
+    def embedded(self) -> bool:
+        """True where the database is a file of this service alone."""
+        return self.database_url is None or self.database_url.startswith("sqlite")
+
+    @property
+    def store_place(self) -> StorePlace:
+        """Where rows and arrays are."""
+        url = self.database_url or f"sqlite:///{self.data / 'modallab.sqlite'}"
+        return StorePlace(url, self.database_schema, self.data / "arrays")
+
+    @property
+    def job_place(self) -> JobPlace:
+        """Where the job engine's own tables are."""
+        url = self.database_url
+        if url is None or self.embedded:
+            url = f"sqlite:///{self.data / 'jobs.sqlite'}"
+        return JobPlace(url, f"{self.database_schema}_jobs")

@@ -1,0 +1,104 @@
+"""Structures: described, changed, solved."""
+
+from typing import Annotated
+
+import numpy as np
+from fastapi import APIRouter, Query, status
+from starlette.responses import Response
+
+from modallab.api.arrays import NPZ, Precision, npz_of
+from modallab.api.deps import IdPath, OwnerDep, StoreDep
+from modallab.api.examples import example, examples
+from modallab.api.modal_models.schemas import ModalModelOut, SyntheticIn
+from modallab.api.shelves import add_routes
+from modallab.api.structures.changes import ChangesIn
+from modallab.api.structures.schemas import ModesOut, StructureIn, StructureOut
+from modallab.fe.changes import change
+from modallab.fe.selected import lowest_modes, synthetic_modes
+from modallab.store.base import Store
+
+router = APIRouter(prefix="/structures", tags=["structures"])
+Count = Annotated[int, Query(ge=1, le=500, description="how many elastic modes at most")]
+
+_SECTION = {"area": 5e-4, "second_moment": 4.1667e-9}
+_STEEL = {"modulus": 2.09e11, "density": 7800.0}
+_BEAM = {"kind": "beam", "length": 1.5, "n_elements": 20, "section": _SECTION, "material": _STEEL}
+_FRAME = {
+    "kind": "frame",
+    "nodes": {"1": [0.0, 0.0], "2": [1.0, 0.0], "3": [1.0, 1.0]},
+    "sections": {"bar": _SECTION},
+    "materials": {"steel": _STEEL},
+    "members": [
+        {"number": 1, "nodes": [1, 2], "section": "bar", "material": "steel"},
+        {"number": 2, "nodes": [2, 3], "section": "bar", "material": "steel"},
+    ],
+    "supports": [{"node": 1, "directions": ["X", "Y", "RZ"]}],
+}
+_DAMPED = _BEAM | {"damping": {"law": "structural", "stiffness_coefficient": 0.005, "mass_coefficient": 0.0}}
+_BODY = examples(catalogue={"kind": "catalogue", "name": "chapter-5-beam"}, beam=_DAMPED, frame=_FRAME)
+_CHANGES = {"changes": [{"members": [7], "property": "modulus", "factor": 1.3}]}
+_SYNTHETIC = {"count": 8, "dofs": ["1:+Y", "11:+Y", "21:+Y"], "noise": {"eigenvalue": 0.005}, "seed": 3}
+
+
+def _out(store: Store, id: str) -> StructureOut:
+    structure = store.structures.get(id)
+    return StructureOut(
+        **StructureOut.fields(store.structures.entry(id)),
+        name=structure.name,
+        n_nodes=len(structure.nodes),
+        n_dofs=len(structure.dofs),
+        members=len(structure.members),
+    )
+
+
+@router.post("", status_code=status.HTTP_201_CREATED, summary="Describe a structure")
+def create_structure(body: Annotated[StructureIn, _BODY], store: StoreDep, owner: OwnerDep) -> StructureOut:
+    return _out(store, store.structures.add(body.to_domain(), owner=owner))
+
+
+@router.get("/{id}", summary="A structure in numbers")
+def get_structure(id: IdPath, store: StoreDep) -> StructureOut:
+    return _out(store, id)
+
+
+@router.post("/{id}/changes", status_code=status.HTTP_201_CREATED, summary="A new structure with changes")
+def change_structure(
+    id: IdPath, body: Annotated[ChangesIn, example(_CHANGES)], store: StoreDep, owner: OwnerDep
+) -> StructureOut:
+    changed = change(store.structures.get(id), [one.to_domain() for one in body.changes])
+    return _out(store, store.structures.add(changed, owner=owner, inputs={"structure_id": id}))
+
+
+@router.get("/{id}/modes", summary="Elastic modes")
+def get_modes(id: IdPath, store: StoreDep, count: Count = 10) -> ModesOut:
+    basis = lowest_modes(store.structures.get(id), count)
+    return ModesOut(
+        **ModesOut.fields(store.structures.entry(id)),
+        frequencies=basis.frequencies.tolist(),
+        loss_factors=basis.loss_factors.tolist(),
+        n_rigid_body=basis.n_rigid_body,
+    )
+
+
+@router.get("/{id}/modes/arrays", response_class=Response, responses=NPZ, summary="Modes with shapes, npz")
+def get_mode_arrays(
+    id: IdPath, store: StoreDep, count: Count = 10, precision: Precision = "double"
+) -> Response:
+    structure = store.structures.get(id)
+    basis = lowest_modes(structure, count)
+    dofs = np.array([str(dof) for dof in structure.dofs])
+    return npz_of({"frequencies": basis.frequencies, "shapes": basis.shapes, "dofs": dofs}, precision)
+
+
+@router.post("/{id}/synthetic-modes", status_code=status.HTTP_201_CREATED, summary="Modes as if measured")
+def make_synthetic_modes(
+    id: IdPath, body: Annotated[SyntheticIn, example(_SYNTHETIC)], store: StoreDep, owner: OwnerDep
+) -> ModalModelOut:
+    structure = store.structures.get(id)
+    rng = np.random.default_rng(body.seed)
+    model = synthetic_modes(structure, body.count, body.places(), noise=body.noise.to_domain(), rng=rng)
+    stored = store.modal_models.add(model, owner=owner, inputs={"structure_id": id}, seed=body.seed)
+    return ModalModelOut.of(model, store.modal_models.entry(stored))
+
+
+add_routes(router, "structures")

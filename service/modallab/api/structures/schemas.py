@@ -1,0 +1,231 @@
+"""Wire types of structures."""
+
+from dataclasses import replace
+from typing import Annotated, Any, Literal
+
+from pydantic import Field
+
+from modallab.api.wire import Count, DofText, Effects, EntryOut, Number, Text, Wire
+from modallab.core.dof import Dof
+from modallab.core.errors import StructureError
+from modallab.core.place import EffectSpec
+from modallab.fe.beam import beam
+from modallab.fe.catalogued import STRUCTURES
+from modallab.fe.damping import Damping, ModalDamping, StructuralDamping, ViscousDamping
+from modallab.fe.structure import GroundSpring, Material, Member, PointMass, Section, Structure, Support
+
+_MOST = 5000  # nodes or members: beyond, a request takes longer than a request may
+
+
+class SectionIn(Wire):
+    """A cross-section: m^2, m^4."""
+
+    area: Number
+    second_moment: Number
+
+    def to_domain(self, name: str = "") -> Section:
+        """Return the section."""
+        return Section(self.area, self.second_moment, name)
+
+
+class MaterialIn(Wire):
+    """A material: N/m^2, kg/m^3."""
+
+    modulus: Number
+    density: Number
+
+    def to_domain(self, name: str = "") -> Material:
+        """Return the material."""
+        return Material(self.modulus, self.density, name)
+
+
+class StructuralIn(Wire):
+    """D = a M + b K."""
+
+    law: Literal["structural"]
+    stiffness_coefficient: Number = 0.0
+    mass_coefficient: Number = 0.0
+
+    def to_domain(self) -> Damping:
+        """Return the damping law."""
+        return StructuralDamping(self.stiffness_coefficient, self.mass_coefficient)
+
+
+class ViscousIn(Wire):
+    """C = a M + b K."""
+
+    law: Literal["viscous"]
+    stiffness_coefficient: Number = 0.0
+    mass_coefficient: Number = 0.0
+
+    def to_domain(self) -> Damping:
+        """Return the damping law."""
+        return ViscousDamping(self.stiffness_coefficient, self.mass_coefficient)
+
+
+Ratios = Number | Annotated[list[Number], Field(min_length=1, max_length=1000)]
+
+
+class ModalIn(Wire):
+    """Loss factors or damping ratios of the elastic modes: one for all, or a list from the lowest."""
+
+    law: Literal["modal"]
+    loss_factors: Ratios | None = None
+    damping_ratios: Ratios | None = None
+
+    def to_domain(self) -> Damping:
+        """Return the damping law."""
+        if (self.loss_factors is None) == (self.damping_ratios is None):
+            raise StructureError(
+                "modal damping takes loss factors or damping ratios",
+                field="damping",
+                allowed="one of loss_factors, damping_ratios",
+            )
+        given, scale = (self.damping_ratios, 2.0) if self.loss_factors is None else (self.loss_factors, 1.0)
+        values = given if isinstance(given, list) else [given]
+        return ModalDamping(tuple(scale * value for value in values if value is not None))
+
+
+DampingIn = Annotated[StructuralIn | ViscousIn | ModalIn, Field(discriminator="law")]
+
+
+class SupportIn(Wire):
+    """Directions of a node that are held."""
+
+    node: Count
+    directions: list[Literal["X", "Y", "Z", "RX", "RY", "RZ"]] = Field(min_length=1, max_length=6)
+
+
+class PointMassIn(Wire):
+    """A mass, kg, at a node."""
+
+    node: Count
+    mass: Number
+
+
+class GroundSpringIn(Wire):
+    """A spring from a DoF to the ground: N/m, or N m for a rotation."""
+
+    dof: DofText
+    stiffness: Number
+
+
+class _Described(Wire):
+    damping: DampingIn = StructuralIn(law="structural")
+    supports: list[SupportIn] = Field([], max_length=_MOST)
+    masses: list[PointMassIn] = Field([], max_length=_MOST)
+    springs: list[GroundSpringIn] = Field([], max_length=_MOST)
+    theory: Literal["bernoulli_euler"] = "bernoulli_euler"
+    effects: Effects = ()
+    name: Text = ""
+
+    def _common(self) -> dict[str, Any]:
+        return {
+            "damping": self.damping.to_domain(),
+            "supports": tuple(Support(s.node, tuple(s.directions)) for s in self.supports),
+            "masses": tuple(PointMass(m.node, m.mass) for m in self.masses),
+            "springs": tuple(GroundSpring(Dof.parse(s.dof), s.stiffness) for s in self.springs),
+            "name": self.name,
+        }
+
+    def _specs(self) -> tuple[EffectSpec, ...]:
+        return tuple(effect.to_domain().spec for effect in self.effects)
+
+
+class BeamIn(_Described):
+    """A straight beam along X in bending, nodes 1 to n + 1."""
+
+    kind: Literal["beam"]
+    length: Number
+    n_elements: int = Field(ge=1, le=_MOST)
+    section: SectionIn
+    material: MaterialIn
+
+    def to_domain(self) -> Structure:
+        """Return the structure."""
+        section, material = self.section.to_domain(), self.material.to_domain()
+        plain = beam(
+            length=self.length,
+            n_elements=self.n_elements,
+            section=section,
+            material=material,
+            **self._common(),
+        )
+        return replace(plain, effects=self._specs())
+
+
+class MemberIn(Wire):
+    """A member between two nodes, of a named section and material."""
+
+    number: Count
+    nodes: tuple[Count, Count]
+    section: Text
+    material: Text
+
+
+Coordinates = tuple[Number, Number]
+
+
+class FrameIn(_Described):
+    """A plane frame in X and Y."""
+
+    kind: Literal["frame"]
+    nodes: dict[Annotated[str, Field(pattern=r"^[0-9]{1,9}$")], Coordinates] = Field(max_length=_MOST)
+    sections: dict[Text, SectionIn] = Field(max_length=_MOST)
+    materials: dict[Text, MaterialIn] = Field(max_length=_MOST)
+    members: list[MemberIn] = Field(max_length=_MOST)
+
+    def to_domain(self) -> Structure:
+        """Return the structure."""
+        sections = {name: part.to_domain(name) for name, part in self.sections.items()}
+        materials = {name: part.to_domain(name) for name, part in self.materials.items()}
+        members = tuple(
+            Member(
+                m.number,
+                m.nodes,
+                _named(sections, m.section, "section"),
+                _named(materials, m.material, "material"),
+            )
+            for m in self.members
+        )
+        nodes = {int(number): place for number, place in self.nodes.items()}
+        return Structure(nodes=nodes, members=members, effects=self._specs(), **self._common())
+
+
+def _named(parts: dict[str, Any], name: str, what: str) -> Any:
+    if name not in parts:
+        raise StructureError(
+            f"there is no {what} {name!r}", field=f"members.{what}", value=name, allowed=", ".join(parts)
+        )
+    return parts[name]
+
+
+class CatalogueIn(Wire):
+    """A ready structure by name; `GET /v1/catalog/structures` lists them."""
+
+    kind: Literal["catalogue"]
+    name: Text
+
+    def to_domain(self) -> Structure:
+        """Return the structure."""
+        return STRUCTURES[self.name]()
+
+
+StructureIn = Annotated[BeamIn | FrameIn | CatalogueIn, Field(discriminator="kind")]
+
+
+class StructureOut(EntryOut):
+    """A stored structure in numbers."""
+
+    name: str
+    n_nodes: int
+    n_dofs: int
+    members: int
+
+
+class ModesOut(EntryOut):
+    """Elastic modes, rising; frequencies in Hz."""
+
+    frequencies: list[float]
+    loss_factors: list[float]
+    n_rigid_body: int

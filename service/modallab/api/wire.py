@@ -1,0 +1,106 @@
+"""What wire types share: strict models, DoFs, effects, entries of the store."""
+
+from collections.abc import Mapping
+from typing import Annotated, Any
+
+from pydantic import BaseModel, ConfigDict, Field, StringConstraints
+
+from modallab.core.dof import Dof
+from modallab.core.place import Channels, EffectSpec, Members, Place
+from modallab.rig.effect import Effect, build
+from modallab.store.base import Entry
+
+# A number beyond this has no meaning in any unit used here, and would overflow in the first product.
+Number = Annotated[float, Field(ge=-1e30, le=1e30)]
+Count = Annotated[int, Field(ge=-(2**31), le=2**31)]
+Text = Annotated[str, StringConstraints(max_length=100, pattern=r"^[^\x00]*$")]
+DofText = Annotated[
+    str,
+    StringConstraints(max_length=20, pattern=r"^[^\x00]*$"),
+    Field(description="node:direction, such as 5:+Y"),
+]
+Seed = Annotated[int, Field(ge=0, le=2**63 - 1)]
+
+
+class Wire(BaseModel):
+    """A request's part: unknown fields and numbers that are not finite are refused."""
+
+    model_config = ConfigDict(extra="forbid", allow_inf_nan=False, frozen=True)
+
+
+class MembersAt(Wire):
+    """Members of the structure by number."""
+
+    members: list[Count] = Field(min_length=1, max_length=20_000)
+
+
+class ChannelsAt(Wire):
+    """Response channels by the DoF each measures."""
+
+    channels: list[DofText] = Field(min_length=1, max_length=1000)
+
+
+class EffectIn(Wire):
+    """An effect: its kind, where it acts (null: everywhere), its parameters in SI units."""
+
+    kind: Text
+    at: DofText | MembersAt | ChannelsAt | None = None
+    parameters: dict[Text, Number] = Field(default_factory=dict, max_length=20)
+
+    def to_domain(self) -> Effect:
+        """Return the effect, its kind, parameters and bounds checked."""
+        return build(EffectSpec(self.kind, self.place(), self.parameters))
+
+    def place(self) -> Place:
+        """Return where the effect acts."""
+        match self.at:
+            case MembersAt():
+                return Members(tuple(self.at.members))
+            case ChannelsAt():
+                return Channels(tuple(Dof.parse(text, field="at") for text in self.at.channels))
+            case None:
+                return None
+            case text:
+                return Dof.parse(text, field="at")
+
+
+Effects = Annotated[tuple[EffectIn, ...], Field(max_length=50)]
+
+
+def place_out(place: Place) -> str | dict[str, Any] | None:
+    """Return where an effect acts, as the contract writes it."""
+    match place:
+        case Members():
+            return {"members": list(place.numbers)}
+        case Channels():
+            return {"channels": [str(dof) for dof in place.dofs]}
+        case None:
+            return None
+        case dof:
+            return str(dof)
+
+
+def effect_out(spec: EffectSpec) -> dict[str, Any]:
+    """Return an effect as the contract writes it."""
+    return {"kind": spec.kind, "at": place_out(spec.at), "parameters": dict(spec.parameters)}
+
+
+class EntryOut(BaseModel):
+    """What is known of a stored thing: enough to make it again."""
+
+    id: str
+    created: str
+    version: str
+    seed: int | None
+    made_from: Mapping[str, str]
+
+    @staticmethod
+    def fields(entry: Entry) -> dict[str, Any]:
+        """Return the fields that every answer shares."""
+        return {
+            "id": entry.id,
+            "created": entry.created,
+            "version": entry.version,
+            "seed": entry.seed,
+            "made_from": entry.inputs,
+        }

@@ -1,0 +1,96 @@
+"""A few modes of a structure, and a measured set made of them."""
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+
+from modallab.core.arrays import FloatArray
+from modallab.core.dof import Dof
+from modallab.core.errors import InvalidInputError
+from modallab.core.modal_model import ModalModel, Mode
+from modallab.fe.assembly import assemble
+from modallab.fe.modes import ModalBasis
+from modallab.fe.structure import Structure
+from modallab.fe.system import SMALL
+
+
+def lowest_modes(structure: Structure, count: int) -> ModalBasis:
+    """Return the first elastic modes of a structure, fewer where it has fewer.
+
+    Raises
+    ------
+    InvalidInputError
+        If no mode is asked for.
+    """
+    system = assemble(structure)
+    frequency_max = 1.0  # Hz
+    basis = system.modes(frequency_max)
+    # A large structure is solved up to a frequency, not for a number: widen until there are enough.
+    while len(system.dofs) >= SMALL and len(basis.eigenvalues) - basis.n_rigid_body < count:
+        if len(basis.eigenvalues) >= len(system.dofs) - 1:
+            break
+        frequency_max *= 4
+        basis = system.modes(frequency_max)
+    return basis.elastic(count)
+
+
+class Distribution(StrEnum):
+    """How synthetic errors scatter."""
+
+    UNIFORM = "uniform"  # evenly between minus and plus the size
+    NORMAL = "normal"  # the size is the standard deviation
+
+
+@dataclass(frozen=True)
+class ModeNoise:
+    """Relative errors of eigenvalues and of shape entries."""
+
+    eigenvalue: float = 0.0
+    eigenvector: float = 0.0
+    distribution: Distribution = Distribution.UNIFORM
+
+    def __post_init__(self) -> None:
+        for name in ("eigenvalue", "eigenvector"):
+            value = getattr(self, name)
+            if not 0 <= value < 1:  # NaN fails too
+                raise InvalidInputError(f"{name} is out of bounds", field=name, value=value, allowed="0 to 1")
+
+    def factors(self, size: float, n: int, rng: np.random.Generator) -> FloatArray:
+        """Return n factors around 1."""
+        if self.distribution is Distribution.UNIFORM:
+            return np.asarray(1 + rng.uniform(-size, size, n))
+        return np.asarray(1 + size * rng.standard_normal(n))
+
+
+def synthetic_modes(
+    structure: Structure,
+    count: int,
+    dofs: tuple[Dof, ...],
+    *,
+    noise: ModeNoise,
+    rng: np.random.Generator,
+) -> ModalModel:
+    """Return modes of a structure as if they had been measured: at some DoFs, with errors.
+
+    Parameters
+    ----------
+    dofs
+        Where shapes are known; their signs turn the shapes' signs.
+
+    Raises
+    ------
+    UnknownDofError
+        If the structure has no such DoF.
+    """
+    basis = lowest_modes(structure, count)
+    rows = [structure.index(dof) for dof in dofs]
+    signs = np.array([dof.sign for dof in dofs])
+    squares = basis.eigenvalues.real * noise.factors(noise.eigenvalue, len(basis.eigenvalues), rng)
+    modes = []
+    for r, (square, loss_factor) in enumerate(zip(squares, basis.loss_factors, strict=True)):
+        shape = signs * basis.shapes[rows, r] * noise.factors(noise.eigenvector, len(dofs), rng)
+        frequency = float(np.sqrt(max(square, 0.0)) / (2 * np.pi))
+        modes.append(Mode(frequency=frequency, loss_factor=float(loss_factor), shape=shape))
+    modes.sort(key=lambda mode: mode.frequency)
+    return ModalModel(modes=tuple(modes), dofs=dofs, method="synthetic")

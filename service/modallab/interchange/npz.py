@@ -1,0 +1,163 @@
+"""Measurements from npz files of unknown origin: nothing is believed that was not checked."""
+
+import io
+import zipfile
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+from numpy.lib import format as npy
+from numpy.typing import NDArray
+
+from modallab.core.arrays import FloatArray
+from modallab.core.dof import Dof
+from modallab.core.errors import InvalidInputError
+from modallab.core.frf import FrfKind, FrfSet
+from modallab.rig.measurement import Measurement
+from modallab.rig.setup import RigSetup
+
+_NEEDED = ("freq", "values", "outputs", "inputs", "kind")
+_OPTIONAL = ("coherence", "averages", "force_spectrum", "response_spectrum")
+_Arrays = dict[str, NDArray[Any]]
+
+
+def read_measurement(payload: bytes, setup: RigSetup, *, largest: int) -> Measurement:
+    """Return the measurement of a npz file, taken on a rig.
+
+    Parameters
+    ----------
+    payload
+        The file: `freq, values, outputs, inputs, kind`, and optionally `coherence, averages,
+        force_spectrum, response_spectrum`.
+    setup
+        The log book of the test; responses that the file lacks are dropped from it.
+    largest
+        Bytes that the arrays may take when unpacked.
+
+    Raises
+    ------
+    InvalidInputError
+        If it is no such file, its arrays do not fit together, hold NaN, or contradict the rig.
+    """
+    arrays = _load(payload, largest)
+    missing = [name for name in _NEEDED if name not in arrays]
+    if missing:
+        raise InvalidInputError(
+            f"the file lacks {', '.join(missing)}", field="file", allowed=", ".join(_NEEDED)
+        )
+    frf = FrfSet(
+        freq=_numbers(arrays, "freq", 1).real,
+        values=_numbers(arrays, "values", 3),
+        outputs=_dofs(arrays, "outputs"),
+        inputs=_dofs(arrays, "inputs"),
+        kind=_kind(arrays["kind"]),
+    )
+
+    def optional(name: str, rank: int) -> FloatArray | None:
+        return _numbers(arrays, name, rank).real if name in arrays else None
+
+    averages = _numbers(arrays, "averages", 0).real if "averages" in arrays else setup.analyser.averages
+    return Measurement(
+        frf=frf,
+        coherence=optional("coherence", 2),
+        averages=float(averages),
+        setup=_agreed(setup, frf),
+        force_spectrum=optional("force_spectrum", 3),
+        response_spectrum=optional("response_spectrum", 2),
+        notes=("imported",),
+    )
+
+
+def _load(payload: bytes, largest: int) -> _Arrays:
+    try:
+        with zipfile.ZipFile(io.BytesIO(payload)) as archive:
+            members = {info.filename.removesuffix(".npy"): info for info in archive.infolist()}
+            total = sum(info.file_size for info in members.values())
+            if total > largest:
+                raise InvalidInputError(
+                    "the arrays are too large", field="file", value=total, allowed=largest
+                )
+            wanted = [name for name in (*_NEEDED, *_OPTIONAL) if name in members]
+            return {name: _array(archive, members[name]) for name in wanted}
+    except (
+        zipfile.BadZipFile,
+        zipfile.LargeZipFile,
+        NotImplementedError,
+        RuntimeError,
+        EOFError,
+        OSError,
+    ) as error:
+        raise InvalidInputError(f"not a npz file: {error}", field="file") from None
+
+
+def _array(archive: zipfile.ZipFile, info: zipfile.ZipInfo) -> NDArray[Any]:
+    with archive.open(info) as raw:
+        data = io.BytesIO(raw.read(info.file_size))
+    try:
+        version = npy.read_magic(data)
+        read_header = npy.read_array_header_1_0 if version == (1, 0) else npy.read_array_header_2_0
+        shape, _, dtype = read_header(data)
+        # A header may claim any size: numpy would allocate it before it finds the data missing.
+        claimed = dtype.itemsize * int(np.prod(shape, dtype=object))
+        if dtype.hasobject or claimed != len(data.getbuffer()) - data.tell():
+            raise ValueError("its header does not fit its data")
+        data.seek(0)
+        return np.asarray(npy.read_array(data, allow_pickle=False))
+    except ValueError as error:
+        raise InvalidInputError(f"cannot read {info.filename!r}: {error}", field=info.filename) from None
+
+
+def _numbers(arrays: _Arrays, name: str, rank: int) -> NDArray[Any]:
+    array = arrays[name]
+    if array.dtype.kind not in "iufc" or array.ndim != rank:
+        raise InvalidInputError(
+            f"{name} has the wrong type or shape",
+            field=name,
+            value=f"{array.dtype} {array.shape}",
+            allowed=f"numbers in {rank} dimensions",
+        )
+    if not np.isfinite(array).all():
+        raise InvalidInputError(f"{name} holds a value that is not finite", field=name, value="nan or inf")
+    return array.astype(complex)
+
+
+def _dofs(arrays: _Arrays, name: str) -> tuple[Dof, ...]:
+    array = arrays[name]
+    if array.dtype.kind not in "US" or array.ndim != 1:
+        raise InvalidInputError(f"{name} are no DoFs", field=name, value=str(array.dtype), allowed="strings")
+    return tuple(Dof.parse(text, field=name) for text in array.astype(str).tolist())
+
+
+def _kind(array: NDArray[Any]) -> FrfKind:
+    text = str(array.astype(str).item()) if array.dtype.kind in "US" and array.size == 1 else str(array.dtype)
+    if text not in tuple(FrfKind):
+        raise InvalidInputError(f"no kind {text!r}", field="kind", value=text, allowed=", ".join(FrfKind))
+    return FrfKind(text)
+
+
+def _agreed(setup: RigSetup, frf: FrfSet) -> RigSetup:
+    """Return the rig with the responses the file holds, where the two agree."""
+    if frf.inputs != (setup.drive,):
+        raise InvalidInputError(
+            "the file drives elsewhere than the rig",
+            field="inputs",
+            value=", ".join(map(str, frf.inputs)),
+            allowed=str(setup.drive),
+        )
+    strange = [str(dof) for dof in frf.outputs if dof not in setup.responses]
+    if strange:
+        raise InvalidInputError(
+            "the file holds responses that the rig does not have",
+            field="outputs",
+            value=", ".join(strange),
+            allowed=", ".join(map(str, setup.responses)),
+        )
+    lines = setup.analyser.freq
+    if len(lines) != len(frf.freq) or not np.allclose(lines, frf.freq, rtol=1e-6, atol=1e-6 * lines[1]):
+        raise InvalidInputError(
+            "the file's frequency axis is not the analyser's",
+            field="freq",
+            value=f"{len(frf.freq)} lines from {frf.freq[0]:g} to {frf.freq[-1]:g} Hz",
+            allowed=f"{len(lines)} lines from 0 to {lines[-1]:g} Hz",
+        )
+    return replace(setup, responses=frf.outputs)

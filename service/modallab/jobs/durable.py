@@ -1,0 +1,204 @@
+"""Jobs that outlive any process: the only file that knows DBOS.
+
+The book (`jobs.book`) holds what a job is and how far it is; DBOS holds that it must still be done.
+Both a crash between the two and the death of a worker are mended at the next start.
+"""
+
+import json
+import logging
+import os
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any, Self
+
+import sqlalchemy as sa
+import structlog
+from anyio import BrokenWorkerProcess, CapacityLimiter, to_process, to_thread
+from dbos import DBOS, DBOSClient, Serializer
+from dbos import error as dbos_error
+
+from modallab.jobs.book import JobBook
+from modallab.jobs.runner import Job
+from modallab.jobs.work import INTERNAL, perform
+from modallab.store.engine import make_engine
+from modallab.store.place import StorePlace
+
+_NAME = "modallab"
+_QUEUE = "jobs"
+_POLL = 0.1  # s until a queued job starts
+# Jobs go on only under the version they were queued under. It names the shape of the workflow
+# below, not of modallab: an upgrade must not strand the jobs that wait.
+_VERSION = "1"
+_ATTEMPTS = 3  # of a job whose worker process dies under it
+_log = structlog.get_logger()
+
+
+class _Json(Serializer):
+    """JSON instead of the default pickle: readable, and harmless if the database is not."""
+
+    def serialize(self, data: Any) -> str:
+        return json.dumps(data)
+
+    def deserialize(self, serialized_data: str) -> Any:
+        return json.loads(serialized_data)
+
+    def name(self) -> str:
+        return "json"
+
+
+@dataclass(frozen=True)
+class _Site:
+    """What the workflow needs of the process it runs in."""
+
+    place: StorePlace
+    book: JobBook
+    limiter: CapacityLimiter
+
+
+_site: _Site | None = None  # DBOS is one a process, and its workflows are module-level functions
+
+
+def _broke(error: BaseException) -> bool:
+    return isinstance(error, BrokenWorkerProcess)
+
+
+@DBOS.step(
+    name="perform",
+    preemptible=True,
+    retries_allowed=True,
+    max_attempts=_ATTEMPTS,
+    interval_seconds=0.1,
+    should_retry=_broke,
+)
+async def _perform(job_id: str) -> None:
+    assert _site is not None
+    fault = await to_process.run_sync(perform, _site.place, job_id, cancellable=True, limiter=_site.limiter)
+    if fault is not None:
+        _log.error("job failed", job=job_id, fault=fault)
+
+
+@DBOS.workflow(name="job", max_recovery_attempts=5)
+async def _job(job_id: str) -> None:
+    assert _site is not None
+    try:
+        await _perform(job_id)
+    except dbos_error.DBOSMaxStepRetriesExceeded:
+        _log.error("the worker process died under a job again and again", job=job_id)
+        await to_thread.run_sync(_site.book.fail, job_id, INTERNAL)
+
+
+class _Quiet(logging.Filter):
+    """Drops what DBOS says of jobs that were stopped: the book has it, and it is no error."""
+
+    def filter(self, record: logging.LogRecord) -> bool:
+        message = record.getMessage()
+        return "in asynchronous workflow" not in message and "no longer owned" not in message
+
+
+@dataclass(frozen=True)
+class JobPlace:
+    """Where DBOS keeps its tables: a SQLite file of its own, or a schema of its own."""
+
+    url: str
+    schema: str
+
+    def prepare(self) -> None:
+        """Create DBOS's tables in PostgreSQL; in SQLite the first start does."""
+        if not self.url.startswith("sqlite"):
+            url = sa.make_url(self.url).set(drivername="postgresql+psycopg")
+            DBOS.migrate(url.render_as_string(hide_password=False), schema=self.schema)
+
+
+class DurableRunner:
+    """Submits jobs, and runs them where it has the name of an executor."""
+
+    def __init__(self, book: JobBook, place: StorePlace, jobs: JobPlace, *, executor_id: str | None) -> None:
+        self._book, self._place, self._jobs, self._executor_id = book, place, jobs, executor_id
+        self._engine = make_engine(jobs.url, schema=jobs.schema)
+        self._client: DBOSClient | None = None
+
+    async def __aenter__(self) -> Self:
+        """Start, and take up what was left undone."""
+        if self._executor_id is not None:
+            await self._launch(self._executor_id)
+        self._client = await to_thread.run_sync(self._connect)
+        if self._executor_id is not None:
+            await to_thread.run_sync(self._mend)
+        return self
+
+    def _connect(self) -> DBOSClient:
+        return DBOSClient(
+            system_database_engine=self._engine,
+            dbos_system_schema=self._jobs.schema,
+            serializer=_Json(),
+            application_name=_NAME,
+        )
+
+    async def _launch(self, executor_id: str) -> None:
+        global _site
+        cores = max(1, (os.cpu_count() or 1) - 1)
+        _site = _Site(self._place, self._book, CapacityLimiter(cores))
+        DBOS(
+            config={
+                "name": _NAME,
+                "system_database_engine": self._engine,
+                "dbos_system_schema": self._jobs.schema,
+                "application_version": _VERSION,
+                "executor_id": executor_id,
+                "serializer": _Json(),
+                "log_level": "WARNING",
+                "run_migrations": self._engine.dialect.name == "sqlite",
+            }
+        )
+        logging.getLogger("dbos").addFilter(_Quiet())
+        # In the thread of the server's event loop, which DBOS then uses: `to_process` ties its worker
+        # processes to the loop's root task, and a loop of DBOS's own has none that lasts.
+        DBOS.launch()
+        await DBOS.register_queue_async(
+            _QUEUE, worker_concurrency=cores, polling_interval_sec=_POLL, on_conflict="always_update"
+        )
+
+    def _mend(self) -> None:
+        """Queue jobs of the book that DBOS never heard of, and end those that it gave up."""
+        assert self._client is not None
+        active = self._book.active()
+        found = self._client.list_workflows(workflow_ids=active, load_input=False) if active else []
+        status = {workflow.workflow_id: workflow.status for workflow in found}
+        for job_id in active:
+            if job_id not in status:
+                self._enqueue(job_id)
+            elif status[job_id] not in ("PENDING", "ENQUEUED", "DELAYED"):
+                self._book.fail(job_id, INTERNAL)
+
+    async def __aexit__(self, *exception: object) -> None:
+        """Stop; jobs under way go on at the next start."""
+        if self._client is not None:
+            await to_thread.run_sync(self._client.destroy)
+        if self._executor_id is not None:
+            await to_thread.run_sync(DBOS.destroy)
+        self._engine.dispose()
+
+    def _enqueue(self, job_id: str) -> None:
+        assert self._client is not None
+        self._client.enqueue(
+            {"workflow_name": "job", "queue_name": _QUEUE, "workflow_id": job_id, "app_version": _VERSION},
+            job_id,
+        )
+
+    def submit(self, task: str, arguments: Mapping[str, Any], *, owner: str) -> Job:
+        """Queue a task and return its job."""
+        job = self._book.open(task, arguments, owner=owner)
+        self._enqueue(job.id)
+        return job
+
+    def get(self, job_id: str, *, owner: str) -> Job:
+        """Return a job of an owner."""
+        return self._book.get(job_id, owner=owner)
+
+    def cancel(self, job_id: str, *, owner: str) -> Job:
+        """Stop a job and return it; a job that has ended stays as it is."""
+        job = self._book.get(job_id, owner=owner)
+        if self._book.cancel(job.id):
+            assert self._client is not None
+            self._client.cancel_workflow(job.id)
+        return self._book.get(job.id)

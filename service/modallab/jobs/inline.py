@@ -1,0 +1,38 @@
+"""Jobs at once, in the thread that submits them: for tests and small scripts."""
+
+from collections.abc import Mapping
+from typing import Any, Self
+
+from modallab.jobs.book import JobBook
+from modallab.jobs.runner import Job
+from modallab.jobs.work import perform
+from modallab.store.place import StorePlace
+
+
+class InlineRunner:
+    """Runs every job before `submit` returns."""
+
+    def __init__(self, book: JobBook, place: StorePlace) -> None:
+        self._book, self._place = book, place
+
+    async def __aenter__(self) -> Self:
+        return self
+
+    async def __aexit__(self, *exception: object) -> None:
+        pass
+
+    def submit(self, task: str, arguments: Mapping[str, Any], *, owner: str) -> Job:
+        """Do a task and return its job."""
+        job = self._book.open(task, arguments, owner=owner)
+        fault = perform(self._place, job.id)
+        if fault is not None:
+            raise RuntimeError(f"task {task} failed:\n{fault}")
+        return self._book.get(job.id)
+
+    def get(self, job_id: str, *, owner: str) -> Job:
+        """Return a job of an owner."""
+        return self._book.get(job_id, owner=owner)
+
+    def cancel(self, job_id: str, *, owner: str) -> Job:
+        """Return the job, which has ended before anyone could cancel it."""
+        return self._book.get(job_id, owner=owner)

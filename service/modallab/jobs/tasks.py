@@ -1,0 +1,115 @@
+"""Long work by name: compute and store.
+
+Each task is a module-level function of JSON values, so that any engine can carry it to a worker,
+which brings the store. It may stop inside `progress`, which raises `CancelledError`; nothing is
+stored then. It may run twice: the id of what it makes is given, and stored once.
+"""
+
+import hashlib
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, replace
+from typing import Any
+
+import numpy as np
+
+from modallab.core.place import EffectSpec
+from modallab.core.progress import Progress
+from modallab.estimation.windows import WINDOWS
+from modallab.extraction.extract import extract
+from modallab.extraction.leakage import Leakage
+from modallab.rig.effect import build
+from modallab.rig.excitation import EXCITATIONS
+from modallab.rig.measure import Route, measure
+from modallab.rig.setup import Analyser
+from modallab.store.base import Store, Truth
+from modallab.store.plain import from_plain
+
+Json = Any
+
+
+@dataclass(frozen=True)
+class Destination:
+    """Where a task's result goes: whose it is, and its id, fixed when the job was submitted."""
+
+    owner: str
+    id: str
+
+    def beside(self, name: str) -> str:
+        """Return the id of something else the task makes, the same however often it runs."""
+        return hashlib.sha256(f"{self.id}/{name}".encode()).hexdigest()[:24]
+
+
+def measure_and_store(
+    store: Store,
+    progress: Progress,
+    into: Destination,
+    *,
+    structure_id: str,
+    rig_id: str,
+    effects: Json,
+    route: str,
+    seed: int,
+) -> None:
+    """Run the virtual test; keep the measurement, and apart from it how it was made."""
+    structure, setup = store.structures.get(structure_id), store.rigs.get(rig_id)
+    specs = from_plain(tuple[EffectSpec, ...], effects, {})
+    measurement = measure(
+        structure,
+        setup,
+        [build(spec) for spec in specs],
+        route=Route(route),
+        rng=np.random.default_rng(seed),
+        progress=progress,
+    )
+    with store.together() as batch:
+        batch.measurements.add(
+            replace(measurement, seed=seed),
+            owner=into.owner,
+            inputs={"rig_id": rig_id},
+            seed=seed,
+            id=into.id,
+        )
+        truth = Truth(structure_id, specs)
+        batch.truths.add(truth, measurement_id=into.id, owner=into.owner)
+
+
+_PERIODIC = 0.0  # share of the power that leaks, of an excitation that repeats with the record
+_WINDOW_SAMPLES = 1024
+
+
+def _leakage(analyser: Analyser) -> Leakage | None:
+    if EXCITATIONS[analyser.excitation.kind].continuous == _PERIODIC:
+        return None
+    return Leakage.of(WINDOWS[analyser.window].samples(_WINDOW_SAMPLES), analyser.estimator)
+
+
+def extract_and_store(
+    store: Store,
+    progress: Progress,
+    into: Destination,
+    *,
+    measurement_id: str,
+    method: str,
+    bands: list[tuple[float, float]] | None,
+    n_modes: int | None,
+) -> None:
+    """Read the modes from a measurement and keep them."""
+    measurement = store.measurements.get(measurement_id)
+    model = extract(
+        measurement.frf,
+        coherence=measurement.coherence,
+        averages=measurement.averages,
+        method=method,
+        bands=bands,
+        n_modes=n_modes,
+        leakage=_leakage(measurement.setup.analyser),
+        progress=progress,
+    )
+    store.modal_models.add(model, owner=into.owner, inputs={"measurement_id": measurement_id}, id=into.id)
+
+
+Task = Callable[..., None]
+TASKS: Mapping[str, Task] = {
+    "measure_and_store": measure_and_store,
+    "extract_and_store": extract_and_store,
+}
