@@ -1,0 +1,1 @@
+"""Model updating: correction coefficients of elements from measured modes."""

@@ -1,0 +1,132 @@
+"""Correcting coefficients until they stand still, with a record of every step."""
+
+from dataclasses import dataclass
+from enum import StrEnum
+
+import numpy as np
+
+from modallab.core.arrays import FloatArray, frozen
+from modallab.core.errors import DivergedError, UnderdeterminedError
+from modallab.core.progress import Progress, silent
+from modallab.updating.fit import Fit, State
+from modallab.updating.solve import Step, bounded_step
+
+ASTRAY = 10.0  # times the differences at the start: beyond, the linear equations say nothing
+
+
+@dataclass(frozen=True, eq=False)
+class Iteration:
+    """One step of an update and the model after it."""
+
+    stage: str  # "location" or "updating"
+    step: FloatArray  # (n_params,)
+    rank: int
+    singular_values: FloatArray
+    condition_number: float
+    coefficients: FloatArray  # (n_params,)
+    frequencies: FloatArray  # (n_modes,) Hz
+    mac: FloatArray  # (n_modes,)
+
+    def __post_init__(self) -> None:
+        for name in ("step", "singular_values", "coefficients", "frequencies", "mac"):
+            object.__setattr__(self, name, frozen(getattr(self, name), float, (None,), name=name))
+
+    @property
+    def max_change(self) -> float:
+        """Largest change of a coefficient."""
+        return float(np.abs(self.step).max())
+
+
+@dataclass(frozen=True)
+class StopRule:
+    """When a stage ends, and how far a step may go."""
+
+    tolerance: float  # of the largest change of a coefficient
+    max_step: float  # the whole step is shortened to this
+    max_iterations: int
+    jump: float  # of singular values, where the rank ends
+
+
+class Ending(StrEnum):
+    """How a stage ends."""
+
+    CONVERGED = "no coefficient moved any more"
+    STILL_MOVING = "the coefficients still moved after the last iteration allowed"
+    DIVERGED = "diverged"
+
+
+@dataclass(frozen=True, eq=False)
+class Path:
+    """How a stage went."""
+
+    history: tuple[Iteration, ...]
+    final: State
+    ending: Ending
+    why: str  # in words
+
+    @property
+    def converged(self) -> bool:
+        """True if the coefficients came to rest."""
+        return self.ending is Ending.CONVERGED
+
+
+def iterate(fit: Fit, start: FloatArray, rule: StopRule, *, stage: str, progress: Progress = silent) -> Path:
+    """Return the path from `start` (n_params,) to where no coefficient moves by the tolerance.
+
+    Modes are paired again at every step. A path that loses a measured mode, or whose differences
+    grow tenfold, has diverged and ends at the last model that still made sense.
+
+    Raises
+    ------
+    UnderdeterminedError
+        If a measured mode pairs with nothing at the start already.
+    """
+    state = fit.state(start)
+    begun = state.distance
+    history: list[Iteration] = []
+    for count in range(rule.max_iterations):
+        step = _step(fit, state, rule)
+        try:
+            state = _moved(fit, state, step, begun)
+        except DivergedError as error:
+            return Path(tuple(history), state, Ending.DIVERGED, f"{Ending.DIVERGED}: {error}")
+        history.append(
+            Iteration(
+                stage,
+                step.parameters,
+                step.rank,
+                step.singular_values,
+                step.condition_number,
+                state.values,
+                state.frequencies,
+                state.mac,
+            )
+        )
+        largest = history[-1].max_change
+        progress((count + 1) / rule.max_iterations, f"{stage} {count + 1}: largest change {largest:.2g}")
+        if largest < rule.tolerance:
+            return Path(tuple(history), state, Ending.CONVERGED, Ending.CONVERGED)
+    return Path(tuple(history), state, Ending.STILL_MOVING, Ending.STILL_MOVING)
+
+
+def _step(fit: Fit, state: State, rule: StopRule) -> Step:
+    bounds = (fit.parameterisation.lower, fit.parameterisation.upper)
+    return bounded_step(
+        fit.sensitivity(state),
+        state.difference,
+        state.size,
+        state.values,
+        bounds,
+        max_step=rule.max_step,
+        jump=rule.jump,
+    )
+
+
+def _moved(fit: Fit, state: State, step: Step, begun: float) -> State:
+    try:
+        after = fit.state(state.values + step.parameters)
+    except (UnderdeterminedError, np.linalg.LinAlgError) as error:
+        raise DivergedError(str(error)) from error
+    if not after.distance < ASTRAY * begun + np.finfo(float).eps:
+        raise DivergedError("the model moved away from the measurement")
+    return after

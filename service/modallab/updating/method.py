@@ -1,0 +1,101 @@
+"""What an updating method is, and what it returns."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Protocol
+
+from modallab.core.arrays import FloatArray, frozen
+from modallab.core.modal_model import ModalModel
+from modallab.core.parameters import Parameterised, parameter
+from modallab.core.progress import Progress, silent
+from modallab.core.registry import Family
+from modallab.fe.structure import Structure
+from modallab.updating.iteration import Iteration
+from modallab.updating.parameterisation import Parameterisation
+
+
+@dataclass(frozen=True)
+class UpdateOptions(Parameterised):
+    """How an update is run."""
+
+    max_iterations: int = parameter(30, unit="-", lower=1, upper=1000, doc="steps of one stage, at most")
+    location_tolerance: float = parameter(
+        0.01, unit="-", lower=1e-12, upper=1.0, doc="largest change of a macro coefficient that ends stage 1"
+    )
+    tolerance: float = parameter(
+        1e-4, unit="-", lower=1e-12, upper=1.0, doc="largest change of a coefficient that ends stage 2"
+    )
+    suspect_threshold: float = parameter(
+        0.08, unit="-", lower=0.0, upper=10.0, doc="distance from 1 at which a macro element is suspected"
+    )
+    max_step: float = parameter(
+        0.3, unit="-", lower=1e-3, upper=10.0, doc="largest change of a coefficient in one step of stage 2"
+    )
+    rank_jump: float = parameter(
+        1e3, unit="-", lower=2.0, upper=1e15, doc="ratio of consecutive singular values that ends the rank"
+    )
+    min_mac: float = parameter(
+        0.3, unit="-", lower=0.0, upper=1.0, doc="MAC below which a measured and a model mode do not pair"
+    )
+
+
+DEFAULTS = UpdateOptions()
+
+
+@dataclass(frozen=True, eq=False)
+class Stages:
+    """One number a mode as measured, before the update, after location and after it."""
+
+    before: FloatArray
+    location: FloatArray
+    after: FloatArray
+    measured: FloatArray | None = None  # none for a MAC
+
+    def __post_init__(self) -> None:
+        for name in ("before", "location", "after", "measured"):
+            value = getattr(self, name)
+            if value is not None:
+                object.__setattr__(self, name, frozen(value, float, (None,), name=name))
+
+
+@dataclass(frozen=True, eq=False)
+class UpdateResult:
+    """What an update found; coefficients are 1 where nothing is to be corrected."""
+
+    structure: Structure  # the updated model
+    coefficients: Mapping[str, Mapping[int, float]]  # by part and member
+    standard_errors: Mapping[str, Mapping[int, float]]  # of those that stage two moved
+    suspected: Mapping[str, tuple[int, ...]]  # members by part
+    frequencies: Stages  # Hz, (n_modes,) each
+    mac: Stages  # of measured modes with their partners, (n_modes,) each
+    history: tuple[Iteration, ...]
+    converged: bool
+    stopped_because: str
+    rank: int
+    condition_number: float
+    iterations: Mapping[str, int] = field(init=False)  # "location", "updating"
+
+    def __post_init__(self) -> None:
+        counted = {
+            stage: sum(one.stage == stage for one in self.history) for stage in ("location", "updating")
+        }
+        object.__setattr__(self, "iterations", counted)
+
+
+class Updater(Protocol):
+    """Corrects a model until its modes are the measured ones."""
+
+    def __call__(
+        self,
+        structure: Structure,
+        parameterisation: Parameterisation,
+        target: ModalModel,
+        *,
+        options: UpdateOptions = DEFAULTS,
+        progress: Progress = silent,
+    ) -> UpdateResult:
+        """Return the updated model and how it was found."""
+        ...
+
+
+UPDATERS: Family[Updater] = Family("updating method", home="modallab.updating.methods")

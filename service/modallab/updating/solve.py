@@ -1,0 +1,90 @@
+"""One correction of the parameters, and how well the measurement determines it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from modallab.core.arrays import FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class Step:
+    """One correction of the parameters, and how well determined it was."""
+
+    parameters: FloatArray  # (n_params,)
+    singular_values: FloatArray  # (min(n_rows, n_params),) of the balanced matrix, falling
+    rank: int
+    inverse: FloatArray  # (n_params, n_rows): maps balanced differences to parameters
+
+    @property
+    def condition_number(self) -> float:
+        """Largest over smallest singular value that counts; 1 where nothing was solved for."""
+        if self.rank == 0:
+            return 1.0
+        return float(self.singular_values[0] / self.singular_values[self.rank - 1])
+
+
+def balanced_step(
+    sensitivity: FloatArray, difference: FloatArray, size: FloatArray, *, jump: float = 1e3
+) -> Step:
+    """Return the dp that solves S dp = delta by SVD, each row divided by its own `size` first.
+
+    The rank ends where one singular value is `jump` times the next, or where rounding begins: what
+    lies beyond, the measurement does not show. Every value before that is used: cutting off small
+    ones of an element stage, of condition 340 to 400, settles on a wrong point.
+
+    Parameters
+    ----------
+    sensitivity
+        (n_rows, n_params).
+    difference, size
+        (n_rows,): lambda_r for an eigenvalue row, 1 for an eigenvector row, which brings the
+        condition number down from 1e8 or more.
+    jump
+        Ratio of consecutive singular values that ends the rank.
+    """
+    u, values, vh = np.linalg.svd(sensitivity / size[:, None], full_matrices=False)
+    floor = np.finfo(float).eps * max(sensitivity.shape) * (values[0] if len(values) else 0.0)
+    cliffs = np.flatnonzero(values[:-1] > jump * values[1:])
+    rank = min(int(cliffs[0]) + 1 if cliffs.size else len(values), int((values > floor).sum()))
+    inverse = (vh[:rank].T / values[:rank]) @ u[:, :rank].T
+    return Step(inverse @ (difference / size), values, rank, inverse)
+
+
+def bounded_step(
+    sensitivity: FloatArray,
+    difference: FloatArray,
+    size: FloatArray,
+    values: FloatArray,
+    bounds: tuple[float, float],
+    *,
+    max_step: float,
+    jump: float = 1e3,
+) -> Step:
+    """Return the step that solves S dp = delta with no parameter leaving its bounds or going far.
+
+    A parameter that sits on a bound and would leave it is held there and the others solved for
+    again; then the whole step is shortened until the largest change is `max_step` and every
+    parameter within its bounds. Clipping single components instead turns the step away from the
+    solution, and can diverge.
+
+    Parameters
+    ----------
+    values
+        (n_params,) where the parameters are.
+    bounds
+        Lower and upper bound of every parameter.
+    """
+    lower, upper = bounds
+    free = np.ones(len(values), bool)
+    while True:
+        step = balanced_step(sensitivity * free, difference, size, jump=jump)
+        moved = step.parameters
+        leaving = free & (((values <= lower) & (moved < 0)) | ((values >= upper) & (moved > 0)))
+        if not leaving.any():
+            break
+        free &= ~leaving
+    room = np.minimum(np.where(moved > 0, upper - values, values - lower), max_step)
+    with np.errstate(divide="ignore"):
+        share = np.where(moved != 0, room / np.abs(moved), np.inf).min(initial=1.0)
+    return Step(moved * share, step.singular_values, step.rank, step.inverse)
