@@ -13,7 +13,7 @@ import sys
 import threading
 from types import FrameType
 
-GRACE = 8.0  # s between the polite signal and the other one
+GRACE = 10.0  # s between the polite signal and the other one
 
 
 class _AskedToEnd(BaseException):
@@ -29,19 +29,19 @@ def _watch_the_pipe() -> None:
     os.kill(os.getpid(), signal.SIGTERM)
 
 
-def _signal_group(leader: int, number: int) -> None:
+def _kill_group(leader: int) -> None:
     try:
-        os.killpg(leader, number)
+        os.killpg(leader, signal.SIGKILL)
     except ProcessLookupError:
         return  # all of them have ended
 
 
 def _end(child: "subprocess.Popen[bytes]") -> None:
-    _signal_group(child.pid, signal.SIGTERM)
+    child.terminate()  # the command alone: its children are its own to end in order
     try:
         child.wait(GRACE)
     except subprocess.TimeoutExpired:
-        _signal_group(child.pid, signal.SIGKILL)
+        _kill_group(child.pid)
         child.wait()
 
 
@@ -58,7 +58,7 @@ def main(folder: str, command: list[str]) -> int:
         signal.signal(signal.SIGTERM, signal.SIG_IGN)
         _end(child)
         code = 0
-    _signal_group(child.pid, signal.SIGKILL)  # children that outlived the command
+    _kill_group(child.pid)  # children that outlived the command
     if folder:
         shutil.rmtree(folder, ignore_errors=True)
     return code

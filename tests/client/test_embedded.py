@@ -26,7 +26,7 @@ def alive(pid: int) -> bool:
 
 
 def soon(true: Callable[[], bool]) -> bool:
-    # 20 s: the guardian grants the service 8 s to end politely, the rest is for a busy machine
+    # 20 s: the guardian grants the service 10 s to end politely, the rest is for a busy machine
     ends = time.monotonic() + 20
     while not true() and time.monotonic() < ends:
         time.sleep(0.02)
