@@ -1,12 +1,15 @@
 """Receptance of a system with its attachments: by modes and the Woodbury identity, or directly."""
 
+from collections.abc import Sequence
+from dataclasses import replace
+
 import numpy as np
 from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
 
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.fe.modes import ModalResponse
-from modallab.fe.system import SMALL, DynamicSystem
+from modallab.fe.system import SMALL, Attachment, DynamicSystem
 
 
 def attached(
@@ -31,14 +34,61 @@ def attached(
     if not system.attachments:
         return response.receptance(left, right)
     columns = system.stacked
-    n_out, n_in = left.shape[1], right.shape[1]
-    all_alpha = response.receptance(np.hstack([left, columns]), np.hstack([right, columns]))
-    alpha, to_b = all_alpha[:, :n_out, :n_in], all_alpha[:, :n_out, n_in:]
-    from_b, within = all_alpha[:, n_out:, :n_in], all_alpha[:, n_out:, n_in:]
-    z = system.attached_stiffness(response.omega)
+    alpha = response.receptance(np.hstack([left, columns]), np.hstack([right, columns]))
+    return _woodbury(alpha, system.attached_stiffness(response.omega))
+
+
+def _woodbury(alpha: ComplexArray, z: ComplexArray) -> ComplexArray:
+    """Return the receptance with z (..., r, r) attached to the last r rows and columns of alpha."""
+    r = z.shape[-1]
+    to_b, from_b, within = alpha[..., :-r, -r:], alpha[..., -r:, :-r], alpha[..., -r:, -r:]
+    if r == 1:  # one division instead of a solver call for every line
+        return np.asarray(alpha[..., :-1, :-1] - to_b * (z / (1 + z * within)) * from_b)
     inner = z @ within
-    inner[:, np.arange(z.shape[1]), np.arange(z.shape[1])] += 1.0
-    return np.asarray(alpha - to_b @ np.linalg.solve(inner, z @ from_b))
+    inner[..., np.arange(r), np.arange(r)] += 1.0
+    return np.asarray(alpha[..., :-r, :-r] - to_b @ np.linalg.solve(inner, z @ from_b))
+
+
+def attached_variants(
+    response: ModalResponse, systems: Sequence[DynamicSystem], lefts: Sequence[FloatArray], right: FloatArray
+) -> ComplexArray:
+    """Return the receptances of several variants of one structure, (n_variants, n_freq, n_out, n_in), m/N.
+
+    What all variants carry is attached once; only what is each one's own is attached variant by variant.
+
+    Parameters
+    ----------
+    response
+        Modes of the matrices that all variants share, at the frequencies asked for.
+    lefts, right
+        (n, n_out) for each variant, of one width, and (n, n_in) for all.
+    """
+    shared = [a for a in systems[0].attachments if all(_has(s, a) for s in systems[1:])]
+    whole = replace(systems[0], attachments=tuple(shared))
+    own = [[a for a in s.attachments if not any(a.same(b) for b in shared)] for s in systems]
+    variants = [replace(s, attachments=tuple(a)) for s, a in zip(systems, own, strict=True)]
+    widths = {v.stacked.shape[1] for v in variants}
+    if len(widths) > 1:  # variants that cannot be stacked
+        each = zip(systems, lefts, strict=True)
+        return np.array([attached(response, s, left, right) for s, left in each])
+    columns: dict[bytes, int] = {}
+
+    def places(block: FloatArray) -> list[int]:
+        return [columns.setdefault(column.tobytes(), len(columns)) for column in block.T]
+
+    rows = [places(np.hstack([left, v.stacked])) for left, v in zip(lefts, variants, strict=True)]
+    inputs = [places(np.hstack([right, v.stacked])) for v in variants]
+    used = np.array([np.frombuffer(column) for column in columns]).T
+    alpha = attached(response, whole, used, used)
+    picked = alpha[:, np.array(rows)[:, :, None], np.array(inputs)[:, None, :]].swapaxes(0, 1)
+    if widths == {0}:
+        return picked
+    z = np.array([v.attached_stiffness(response.omega) for v in variants])
+    return _woodbury(picked, z)
+
+
+def _has(system: DynamicSystem, attachment: Attachment) -> bool:
+    return any(attachment.same(other) for other in system.attachments)
 
 
 def receptance(system: DynamicSystem, freq: FloatArray, left: FloatArray, right: FloatArray) -> ComplexArray:

@@ -62,6 +62,10 @@ class ModeNoise:
             return np.asarray(1 + rng.uniform(-size, size, n))
         return np.asarray(1 + size * rng.standard_normal(n))
 
+    def standard_error(self, size: float) -> float:
+        """Return the standard deviation of errors of that size."""
+        return size / float(np.sqrt(3)) if self.distribution is Distribution.UNIFORM else size
+
 
 def synthetic_modes(
     structure: Structure,
@@ -72,6 +76,8 @@ def synthetic_modes(
     rng: np.random.Generator,
 ) -> ModalModel:
     """Return modes of a structure as if they had been measured: at some DoFs, with errors.
+
+    Modes carry the standard errors of what was drawn; none where the noise is none.
 
     Parameters
     ----------
@@ -87,10 +93,21 @@ def synthetic_modes(
     rows = [structure.index(dof) for dof in dofs]
     signs = np.array([dof.sign for dof in dofs])
     squares = basis.eigenvalues.real * noise.factors(noise.eigenvalue, len(basis.eigenvalues), rng)
+    noisy = noise.eigenvalue > 0 or noise.eigenvector > 0
+    of_frequency = noise.standard_error(noise.eigenvalue) / 2
+    of_shape = noise.standard_error(noise.eigenvector)
     modes = []
     for r, (square, loss_factor) in enumerate(zip(squares, basis.loss_factors, strict=True)):
         shape = signs * basis.shapes[rows, r] * noise.factors(noise.eigenvector, len(dofs), rng)
         frequency = float(np.sqrt(max(square, 0.0)) / (2 * np.pi))
-        modes.append(Mode(frequency=frequency, loss_factor=float(loss_factor), shape=shape))
+        modes.append(
+            Mode(
+                frequency=frequency,
+                loss_factor=float(loss_factor),
+                shape=shape,
+                standard_errors={"frequency": of_frequency * frequency} if noisy else {},
+                shape_errors=of_shape * np.abs(basis.shapes[rows, r]) if noisy else None,
+            )
+        )
     modes.sort(key=lambda mode: mode.frequency)
     return ModalModel(modes=tuple(modes), dofs=dofs, method="synthetic")

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
-from modallab.fe.receptance import attached
+from modallab.fe.receptance import attached, attached_variants
 from modallab.fe.system import Attachment, DynamicSystem
 from modallab.rig.effect import EFFECTS, Drive, Effect, NoiseLevels, Source, build
 from modallab.rig.excitation import EXCITATIONS
@@ -40,16 +40,15 @@ class Chain:
         first = self.systems[0]
         modes = first.base_modes(float(freq.max())).at(omega)
         own = first.selection((self.setup.drive,))
-        transmission, inertance = [], []
-        for shot, system in zip(self.shots, self.systems, strict=True):
-            # Variants of one structure share its modes; an effect that rebuilt it brings its own.
-            answer = modes if system.mass is first.mass else system.base_modes(float(freq.max())).at(omega)
-            left = np.hstack([own, system.selection(shot.outputs)])
-            alpha = attached(answer, system, left, own)[:, :, 0]
-            accelerance = -(omega**2)[:, None] * alpha
-            transmission.append(self.drive.transmission(accelerance[:, 0]))
-            inertance.append(accelerance[:, 1:])
-        return ChannelResponse(np.array(transmission), np.array(inertance))
+        lefts = [np.hstack([own, first.selection(shot.outputs)]) for shot in self.shots]
+        if all(system.mass is first.mass for system in self.systems):
+            alpha = attached_variants(modes, self.systems, lefts, own)
+        else:  # an effect rebuilt the structure from run to run: each brings its own modes
+            each = zip(self.systems, lefts, strict=True)
+            top = float(freq.max())
+            alpha = np.array([attached(s.base_modes(top).at(omega), s, left, own) for s, left in each])
+        accelerance = -(omega**2)[None, :, None] * alpha[..., 0]
+        return ChannelResponse(self.drive.transmission(accelerance[..., 0]), accelerance[..., 1:])
 
     def poles(self) -> tuple[FloatArray, FloatArray]:
         """Return frequency and half the half-power bandwidth, Hz, of every run's resonances.
@@ -61,9 +60,9 @@ class Chain:
         for shot, system in zip(self.shots, self.systems, strict=True):
             column = system.selection((shot.drive,))
             whole = system.attach(Attachment(column, mass=np.array([[self.drive.mass]])))
-            modes = whole.modes(top)
-            frequencies.append(modes.frequencies)
-            widths.append(0.5 * modes.frequencies * modes.loss_factors)
+            resonance, width = whole.resonances(top)
+            frequencies.append(resonance)
+            widths.append(width)
         return np.array(frequencies), np.array(widths)
 
 
