@@ -1,17 +1,28 @@
 """Python client of the modallab service: `ModalLab`, and `AsyncModalLab` with `await`."""
 
+from modallab_client import errors
 from modallab_client._async.client import AsyncModalLab
 from modallab_client._async.jobs import AsyncJob
 from modallab_client._sync.client import ModalLab
 from modallab_client._sync.jobs import Job
 from modallab_client.errors import ClientError, JobFailedError, JobTimeoutError
+from modallab_client.findings import Correlation, Diagnosis, Update
+from modallab_client.models import Measurement, ModalModel, Rig, Structure
 
 __all__ = [
     "AsyncJob",
     "AsyncModalLab",
     "ClientError",
+    "Correlation",
+    "Diagnosis",
     "Job",
     "JobFailedError",
     "JobTimeoutError",
+    "Measurement",
     "ModalLab",
+    "ModalModel",
+    "Rig",
+    "Structure",
+    "Update",
+    "errors",
 ]

@@ -156,7 +156,16 @@ def mode_shapes(given: Arrays) -> models.ModeShapes:
 
 def rig(data: Json) -> models.Rig:
     """Return a rig."""
-    return models.Rig(data["id"])
+    parts = ("exciter", "stinger", "force_transducer", "accelerometers", "suspension")
+    return models.Rig(
+        id=data["id"],
+        drive=data.get("drive") or "",
+        responses=texts(data.get("responses") or ()),
+        hardware={part: data[part] for part in parts if data.get(part) is not None},
+        analyser=data.get("analyser") or {},
+        noise=data.get("noise") or {},
+        effects=tuple(data.get("effects") or ()),
+    )
 
 
 def measurement(data: Json, given: Arrays) -> models.Measurement:
@@ -175,6 +184,27 @@ def measurement(data: Json, given: Arrays) -> models.Measurement:
         response_spectrum=given.get("response_spectrum"),
         rig_id=data.get("rig_id"),
     )
+
+
+def curves(data: Json) -> models.Curves:
+    """Return thinned FRFs."""
+    return models.Curves(floats(data["freq"]), data["kind"], tuple(_curve(one) for one in data["curves"]))
+
+
+def _curve(data: Json) -> models.Curve:
+    values = floats(data["values"])
+    coherence = data.get("coherence")
+    return models.Curve(
+        output=data["output"],
+        input=data["input"],
+        values=_frozen(values[:, 0] + 1j * values[:, 1]),
+        coherence=None if coherence is None else floats(coherence),
+    )
+
+
+def truth(data: Json) -> models.Truth:
+    """Return what a measurement was made with."""
+    return models.Truth(data["structure_id"], tuple(data["effects"]))
 
 
 def modal_model(data: Json, given: Arrays) -> models.ModalModel:

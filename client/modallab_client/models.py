@@ -91,9 +91,15 @@ class ModeShapes:
 
 @dataclass(frozen=True)
 class Rig:
-    """A stored rig: the log book of a test."""
+    """A stored rig: the log book of a test, defaults filled in."""
 
     id: str
+    drive: str = ""
+    responses: tuple[str, ...] = ()
+    hardware: Mapping[str, Any] = field(default_factory=dict)  # exciter, force_transducer, accelerometers
+    analyser: Mapping[str, Any] = field(default_factory=dict)
+    noise: Mapping[str, Any] = field(default_factory=dict)
+    effects: tuple[Mapping[str, Any], ...] = ()
 
 
 @dataclass(frozen=True, eq=False)
@@ -140,6 +146,33 @@ class Measurement:
         if self.coherence is not None:
             rows.append(("coherence, median", f"{np.median(self.coherence):.4f}"))
         return _tables.html((), rows, caption=f"Measurement {self.id}")
+
+
+@dataclass(frozen=True, eq=False)
+class Curve:
+    """One FRF, thinned for a plot; its peaks and notches stay."""
+
+    output: str
+    input: str
+    values: ComplexArray  # (n,)
+    coherence: FloatArray | None  # (n,)
+
+
+@dataclass(frozen=True, eq=False)
+class Curves:
+    """The FRFs of a measurement, thinned for plots."""
+
+    freq: FloatArray  # (n,) Hz
+    kind: str
+    curves: tuple[Curve, ...]
+
+
+@dataclass(frozen=True)
+class Truth:
+    """What a measurement was made with; for its owner."""
+
+    structure_id: str
+    effects: tuple[Mapping[str, Any], ...]  # kind, at, parameters
 
 
 @dataclass(frozen=True)

@@ -89,6 +89,30 @@ def test_arrays_and_files_are_brought_in(lab: ModalLab, service: FakeService, tm
     assert b'filename="frf.uff"' in service.requests[3].content
 
 
+def test_curves_and_truth_are_read(lab: ModalLab, service: FakeService) -> None:
+    one = {"output": "3:+Y", "input": "1:+Y", "values": [[1.0, 2.0], [3.0, 4.0]], "coherence": [1.0, 0.9]}
+    service.on("GET /v1/measurements/m1/curves", {"freq": [2.0, 4.0], "kind": "inertance", "curves": [one]})
+    curves = lab.measurements.curves("m1", points=2)
+    np.testing.assert_array_equal(curves.curves[0].values, [1 + 2j, 3 + 4j])
+    effect = {"kind": "extra_mass", "at": "7:+Y", "parameters": {"mass": 0.05}}
+    service.on("GET /v1/measurements/m1/truth", {"structure_id": "s1", "effects": [effect]})
+    assert lab.measurements.truth("m1").effects == (effect,)
+
+
+def test_a_rig_comes_back_as_declared(lab: ModalLab, service: FakeService) -> None:
+    declared = {
+        "drive": "1:+Y",
+        "responses": ["1:+Y"],
+        "exciter": {"kind": "shaker"},
+        "analyser": {"n_lines": 401},
+    }
+    service.on("GET /v1/rigs/r1", {"id": "r1", **declared, "stinger": None})
+    rig = lab.rigs.get("r1")
+    assert (rig.drive, rig.responses) == ("1:+Y", ("1:+Y",))
+    assert rig.hardware == {"exciter": {"kind": "shaker"}}
+    assert rig.analyser["n_lines"] == 401
+
+
 def test_an_answer_that_is_no_npz_is_refused(lab: ModalLab, service: FakeService) -> None:
     service.on("GET /v1/measurements/m1", {"id": "m1"})
     page = httpx.Response(200, content=b"<html>", headers={"content-type": "text/html"})

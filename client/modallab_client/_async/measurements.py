@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from modallab_client import _wire
 from modallab_client._async.jobs import AsyncJob
 from modallab_client._async.shelf import AsyncShelf
-from modallab_client.models import Measurement
+from modallab_client.models import Curves, Measurement, Truth
 
 Given = Mapping[str, Any]
 
@@ -82,17 +82,15 @@ class AsyncMeasurements(AsyncShelf):
         arrays = await self._transport.npz(f"/v1/measurements/{measurement_id}/arrays")
         return _wire.read(_wire.measurement, about, arrays)
 
-    async def curves(self, measurement_id: str, points: int = 800) -> Mapping[str, Any]:
-        """Return the FRFs thinned for a plot, as the service's JSON."""
-        path = f"/v1/measurements/{measurement_id}/curves"
-        reply: Mapping[str, Any] = await self._transport.request("GET", path, params={"points": points})
-        return reply
+    async def curves(self, measurement_id: str, points: int = 800) -> Curves:
+        """Return the FRFs thinned to about that many lines, for plots."""
+        path = f"{self.path}/{measurement_id}/curves"
+        return _wire.read(_wire.curves, await self._transport.request("GET", path, params={"points": points}))
 
-    async def truth(self, measurement_id: str) -> Mapping[str, Any]:
-        """Return what the measurement was made with, as the service's JSON; for its owner only."""
-        path = f"/v1/measurements/{measurement_id}/truth"
-        reply: Mapping[str, Any] = await self._transport.request("GET", path)
-        return reply
+    async def truth(self, measurement_id: str) -> Truth:
+        """Return what the measurement was made with; for its owner only."""
+        path = f"{self.path}/{measurement_id}/truth"
+        return _wire.read(_wire.truth, await self._transport.request("GET", path))
 
     async def universal_file(self, measurement_id: str) -> bytes:
         """Return the FRFs as a universal file (dataset 58)."""

@@ -53,7 +53,6 @@ class AsyncRigs(AsyncShelf):
         body = test | hardware | rest
         return _wire.read(_wire.rig, await self._transport.request("POST", "/v1/rigs", json=body))
 
-    async def get(self, rig_id: str) -> Mapping[str, Any]:
+    async def get(self, rig_id: str) -> Rig:
         """Return a rig as it was declared."""
-        reply: Mapping[str, Any] = await self._transport.request("GET", f"/v1/rigs/{rig_id}")
-        return reply
+        return _wire.read(_wire.rig, await self._transport.request("GET", f"{self.path}/{rig_id}"))

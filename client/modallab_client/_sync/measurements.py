@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from modallab_client import _wire
 from modallab_client._sync.jobs import Job
 from modallab_client._sync.shelf import Shelf
-from modallab_client.models import Measurement
+from modallab_client.models import Curves, Measurement, Truth
 
 Given = Mapping[str, Any]
 
@@ -80,17 +80,15 @@ class Measurements(Shelf):
         arrays = self._transport.npz(f"/v1/measurements/{measurement_id}/arrays")
         return _wire.read(_wire.measurement, about, arrays)
 
-    def curves(self, measurement_id: str, points: int = 800) -> Mapping[str, Any]:
-        """Return the FRFs thinned for a plot, as the service's JSON."""
-        path = f"/v1/measurements/{measurement_id}/curves"
-        reply: Mapping[str, Any] = self._transport.request("GET", path, params={"points": points})
-        return reply
+    def curves(self, measurement_id: str, points: int = 800) -> Curves:
+        """Return the FRFs thinned to about that many lines, for plots."""
+        path = f"{self.path}/{measurement_id}/curves"
+        return _wire.read(_wire.curves, self._transport.request("GET", path, params={"points": points}))
 
-    def truth(self, measurement_id: str) -> Mapping[str, Any]:
-        """Return what the measurement was made with, as the service's JSON; for its owner only."""
-        path = f"/v1/measurements/{measurement_id}/truth"
-        reply: Mapping[str, Any] = self._transport.request("GET", path)
-        return reply
+    def truth(self, measurement_id: str) -> Truth:
+        """Return what the measurement was made with; for its owner only."""
+        path = f"{self.path}/{measurement_id}/truth"
+        return _wire.read(_wire.truth, self._transport.request("GET", path))
 
     def universal_file(self, measurement_id: str) -> bytes:
         """Return the FRFs as a universal file (dataset 58)."""
