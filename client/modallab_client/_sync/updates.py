@@ -40,10 +40,8 @@ class Updates(Shelf):
             `auto`, or the member lists of the macro elements.
         parts
             Of mass, stiffness, axial, bending, damping.
-        lower, upper
-            Bounds of every coefficient, 1 = no change.
-        max_iterations
-            Of each stage.
+        lower, upper, max_iterations
+            Bounds of every coefficient, 1 = no change; steps of each stage.
         parameterisation, options
             The same and more as the JSON has it; the keywords above go into them.
         """
@@ -51,9 +49,9 @@ class Updates(Shelf):
             macros=macros, parts=parts, lower=lower, upper=upper
         )
         tuned = dict(options or {}) | _wire.body(max_iterations=max_iterations)
-        body = {"structure_id": structure_id, "modal_model_id": modal_model_id, "method": method}
-        rest = _wire.body(parameterisation=chosen or None, options=tuned or None)
-        job = self._transport.request("POST", "/v1/updates", json={**body, **rest})
+        body = _wire.body(parameterisation=chosen or None, options=tuned or None, method=method)
+        body |= {"structure_id": structure_id, "modal_model_id": modal_model_id}
+        job = self._transport.request("POST", self.path, json=body)
         return Job(job["id"], self._transport, self.get)
 
     def get(self, update_id: str) -> Update:
