@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 import scipy.signal
 
-from modallab.core.arrays import ComplexArray, FloatArray, IntArray
+from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from modallab.core.errors import InvalidInputError, NoModeInBandError
 from modallab.extraction.method import MIN_LINES
 
@@ -24,58 +24,58 @@ class Band:
     peak: int
 
 
-def mode_indicator(mobility: ComplexArray, coherence: FloatArray) -> FloatArray:
+def coherent_lines(coherence: FloatArray, averages: float) -> BoolArray:
+    """Return at which lines some FRF is more coherent than noise would be, (n_freq,)."""
+    # coherence of pure noise exceeds c with probability (1 - c)^(n - 1)
+    least = 1 - FALSE_PEAK ** (1 / max(averages - 1, 1))
+    return np.asarray(coherence.max(axis=1) > min(least, 0.9))
+
+
+def mode_indicator(mobility: ComplexArray, coherent: BoolArray) -> FloatArray:
     """Return coherent power summed over the FRFs, (n_freq,).
 
     Mobility, because resonances of like damping are alike high in it; each FRF in parts of its own
-    mean, so that no drive point drowns the rest; each line times its coherence, the part that can be trusted.
+    mean, so that no drive point drowns the rest. Lines that are not coherent are bridged: a gap in a
+    resonance would make two of it.
 
     Parameters
     ----------
-    mobility, coherence
-        (n_freq, n_frf).
+    mobility
+        (n_freq, n_frf), the coherent part: times the root of the coherence.
+    coherent
+        (n_freq,) from `coherent_lines`.
     """
-    power = coherence * np.abs(mobility) ** 2
+    power = np.where(coherent[:, None], np.abs(mobility) ** 2, 0.0)
     mean = power.mean(axis=0)
     share: FloatArray = (power / np.where(mean > 0, mean, 1.0)).sum(axis=1)
-    return share
+    if not share.any():
+        raise NoModeInBandError("the FRFs are zero, or nowhere coherent", field="bands")
+    lines = np.arange(len(share))
+    some = share > 0
+    return np.asarray(10 ** np.interp(lines, lines[some], np.log10(share[some])))
 
 
-def find_bands(
-    indicator: FloatArray, coherence: FloatArray, averages: float, n_modes: int | None = None
-) -> tuple[Band, ...]:
+def find_bands(indicator: FloatArray, n_modes: int | None = None) -> tuple[Band, ...]:
     """Return a band for every peak, in rising frequency; the `n_modes` most prominent if there are more.
 
-    A peak stands `PROMINENCE` above the dips beside it, and is more coherent than noise would be.
-    A band ends at the lowest line between two peaks.
+    A peak stands `PROMINENCE` above the dips beside it. A band ends at the lowest line between two peaks.
 
     Parameters
     ----------
     indicator
         (n_freq,) from `mode_indicator`.
-    coherence
-        (n_freq, n_frf).
-    averages
-        Effective number of averages.
 
     Raises
     ------
     NoModeInBandError
         If no line stands out.
     """
-    if not (indicator > 0).any():
-        raise NoModeInBandError("the FRFs are zero, or nowhere coherent", field="bands")
-    level = np.log10(np.maximum(indicator, indicator.max() * 1e-16))
+    level = np.log10(indicator)
     peaks, shape = scipy.signal.find_peaks(level, prominence=PROMINENCE)
-    # coherence of pure noise exceeds c with probability (1 - c)^(n - 1)
-    least = 1 - FALSE_PEAK ** (1 / max(averages - 1, 1))
-    near = np.maximum.reduce([np.roll(coherence.max(axis=1), shift) for shift in (-1, 0, 1)])
-    coherent = near[peaks] > min(least, 0.9)
-    peaks, prominence = peaks[coherent], shape["prominences"][coherent]
     if not len(peaks):
         raise NoModeInBandError("no resonance stands out of the FRFs", field="bands")
     if n_modes is not None:
-        peaks = np.sort(peaks[np.argsort(-prominence, kind="stable")[:n_modes]])
+        peaks = np.sort(peaks[np.argsort(-shape["prominences"], kind="stable")[:n_modes]])
     return _between(level, peaks)
 
 

@@ -9,7 +9,8 @@ from modallab.core.dof import Dof
 from modallab.core.modal_model import ModalModel, Mode, Spread
 from modallab.extraction.fitting import Table
 
-NODE = 3.0  # a modal constant of fewer standard errors may as well be zero
+NODE = 3.0  # standard errors: a smaller modal constant may as well be zero
+SMALL = 0.02  # and so may one of this part of the largest, which the tails of other modes reach
 
 
 def collate(
@@ -93,12 +94,13 @@ def _error_of_mean(errors: FloatArray, good: BoolArray) -> float:
 def _flags(table: Table, m: int, dofs: Sequence[Dof]) -> list[str]:
     """Return why an FRF has no part in the means: it contradicts them, or hardly shows the mode."""
     size, error = np.abs(table.modal_constant[m]), table.modal_constant_error[m]
+    node = size < np.maximum(NODE * error, SMALL * size.max())
     flags = []
     for j, dof in enumerate(dofs):
         if table.screening.outlying[m, j]:
             flags.append(f"outlier: {dof}")
         elif table.screening.unsure[m, j]:
-            flags.append(f"node: {dof}" if size[j] < NODE * error[j] else f"unsure: {dof}")
+            flags.append(f"node: {dof}" if node[j] else f"unsure: {dof}")
     return flags
 
 

@@ -10,7 +10,7 @@ from modallab.core.errors import InvalidInputError, NoModeInBandError
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.core.modal_model import ModalModel
 from modallab.core.progress import Progress, silent
-from modallab.extraction.bands import Band, find_bands, given_bands, mode_indicator
+from modallab.extraction.bands import Band, coherent_lines, find_bands, given_bands, mode_indicator
 from modallab.extraction.collate import collate
 from modallab.extraction.fitting import Table, fit_all, gather
 from modallab.extraction.leakage import Leakage
@@ -64,12 +64,9 @@ def extract(
         raise InvalidInputError("at least one mode", field="n_modes", value=n_modes, allowed="1 or more")
     freq, receptance, trust, dofs, drive = _responses(frf, coherence, averages)
     progress(0.0, "looking for modes")
-    mobility = 2j * np.pi * freq[:, None] * receptance
-    indicator = mode_indicator(mobility, trust)
-    if bands is None:
-        found = find_bands(indicator, trust, averages, n_modes)
-    else:
-        found = given_bands(freq, indicator, bands)
+    mobility = 2j * np.pi * freq[:, None] * receptance * np.sqrt(trust)
+    indicator = mode_indicator(mobility, coherent_lines(trust, averages))
+    found = find_bands(indicator, n_modes) if bands is None else given_bands(freq, indicator, bands)
     base = LINES if leakage is None else LEAKY_LINES
     windows = place_windows(mobility, indicator, found, base=base)
     progress(0.2, f"fitting {len(found)} modes in {len(dofs)} FRFs")

@@ -39,8 +39,8 @@ def scale(freq: FloatArray, frf: ComplexArray, weight: FloatArray) -> Lines:
     few = usable.sum(axis=1) < MIN_LINES
     frf, weight = np.where(usable, frf, 0), np.where(usable, weight, 0.0)
     x = (2 * np.pi * freq) ** 2
-    low = np.where(usable, x, np.inf).min(axis=1, initial=np.inf)
-    high = np.where(usable, x, -np.inf).max(axis=1, initial=-np.inf)
+    low = np.where(few, 0.0, np.where(usable, x, np.inf).min(axis=1, initial=np.inf))
+    high = np.where(few, 0.0, np.where(usable, x, -np.inf).max(axis=1, initial=-np.inf))
     size = np.abs(frf).max(axis=1, initial=0.0)
     middle = np.where(few, 0, frf.sum(axis=1) / np.maximum(usable.sum(axis=1), 1))
     change = np.abs(np.where(usable, frf - middle[:, None], 0)).max(axis=1, initial=0.0)

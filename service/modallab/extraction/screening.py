@@ -7,6 +7,7 @@ import numpy as np
 from modallab.core.arrays import BoolArray, FloatArray
 
 SURE = 0.5  # of a bandwidth or a line: a mode less surely placed may be none
+PLACED = 0.1  # of a bandwidth or a line: what all FRFs together must place a mode to
 FAR = 5.0  # robust standard deviations: one clean fit in a million lies so far out by chance
 CLOSE = 0.02  # of a bandwidth, or of the damping: fits that agree so well are not parted further
 VAGUE = 10.0  # times the usual standard error: a plain mean would inherit it
@@ -49,7 +50,10 @@ def screen(
     )
     far = _far(frequency, frequency_error, CLOSE * width, sure)
     far |= _far(loss_factor, loss_factor_error, CLOSE * damping, sure)
-    return Screening(good=sure & ~far, unsure=~sure, outlying=far)
+    good = sure & ~far
+    error = np.sqrt((good * frequency_error**2).sum(axis=1)) / np.maximum(good.sum(axis=1), 1)
+    placed = error < PLACED * np.maximum(width, spacing)
+    return Screening(good=good & placed[:, None], unsure=~sure, outlying=far)
 
 
 def _vague(values: FloatArray, errors: FloatArray, floor: FloatArray, sure: BoolArray) -> BoolArray:
