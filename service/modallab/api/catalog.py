@@ -14,6 +14,7 @@ from modallab.extraction.method import EXTRACTION_METHODS
 from modallab.fe.catalogued import STRUCTURES
 from modallab.rig.effect import EFFECTS
 from modallab.rig.excitation import EXCITATIONS
+from modallab.updating.method import UPDATERS
 
 router = APIRouter(prefix="/catalog", tags=["catalog"])
 
@@ -27,6 +28,7 @@ FAMILIES: Mapping[FamilyName, Mapping[str, Any]] = {
     "windows": WINDOWS,
     "estimators": ESTIMATORS,
     "extraction-methods": EXTRACTION_METHODS,
+    "updating-methods": UPDATERS,
 }
 
 

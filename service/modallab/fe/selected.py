@@ -35,6 +35,12 @@ def lowest_modes(structure: Structure, count: int) -> ModalBasis:
     return basis.elastic(count)
 
 
+def exact_modes(structure: Structure, count: int) -> ModalModel:
+    """Return the first elastic modes of a structure at all its DoFs."""
+    rng = np.random.default_rng(0)  # not drawn from: there is no noise
+    return synthetic_modes(structure, count, structure.dofs, noise=ModeNoise(), rng=rng)
+
+
 class Distribution(StrEnum):
     """How synthetic errors scatter."""
 

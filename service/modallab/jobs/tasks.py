@@ -23,6 +23,8 @@ from modallab.rig.measure import Route, measure
 from modallab.rig.setup import Analyser
 from modallab.store.base import Store, Truth
 from modallab.store.plain import from_plain
+from modallab.updating.method import UPDATERS, UpdateOptions
+from modallab.updating.parameterisation import Parameterisation
 
 Json = Any
 
@@ -108,8 +110,37 @@ def extract_and_store(
     store.modal_models.add(model, owner=into.owner, inputs={"measurement_id": measurement_id}, id=into.id)
 
 
+def update_and_store(
+    store: Store,
+    progress: Progress,
+    into: Destination,
+    *,
+    structure_id: str,
+    modal_model_id: str,
+    method: str,
+    parameterisation: Json,
+    options: Json,
+) -> None:
+    """Correct a model by measured modes; keep how it went, and the updated model beside it."""
+    structure, target = store.structures.get(structure_id), store.modal_models.get(modal_model_id)
+    result = UPDATERS[method](
+        structure,
+        from_plain(Parameterisation, parameterisation, {}),
+        target,
+        options=from_plain(UpdateOptions, options, {}),
+        progress=progress,
+    )
+    made_from = {"structure_id": structure_id, "modal_model_id": modal_model_id}
+    updated_id = into.beside("structure")
+    with store.together() as batch:
+        batch.structures.add(result.structure, owner=into.owner, inputs=made_from, id=updated_id)
+        inputs = made_from | {"updated_structure_id": updated_id}
+        batch.updates.add(result, owner=into.owner, inputs=inputs, id=into.id)
+
+
 Task = Callable[..., None]
 TASKS: Mapping[str, Task] = {
     "measure_and_store": measure_and_store,
     "extract_and_store": extract_and_store,
+    "update_and_store": update_and_store,
 }

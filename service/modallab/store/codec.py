@@ -14,10 +14,12 @@ from numpy.typing import NDArray
 from modallab.core.dof import Dof
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.core.modal_model import ModalModel, Mode
+from modallab.correlation.mac import Correlation
 from modallab.fe.structure import Structure
 from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
 from modallab.store.plain import Arrays, Json, from_plain, to_plain
+from modallab.updating.method import UpdateResult
 
 T = TypeVar("T")
 _Given = Mapping[str, NDArray[Any]]
@@ -90,7 +92,7 @@ def _take_modal_model(thing: ModalModel) -> tuple[Json, Arrays]:
             "dofs": _names(thing.dofs),
             "fitted_frequency": thing.fitted_frequency,
             "fitted_loss_factor": thing.fitted_loss_factor,
-            "modal_constant": thing.modal_constant,
+            "modal_constants": thing.modal_constant,
         }
     )
     body = {"normalisation": thing.normalisation, "method": thing.method, "notes": list(thing.notes)}
@@ -110,7 +112,7 @@ def _put_modal_model(body: Json, arrays: _Given) -> ModalModel:
         method=body["method"],
         fitted_frequency=arrays.get("fitted_frequency"),
         fitted_loss_factor=arrays.get("fitted_loss_factor"),
-        modal_constant=arrays.get("modal_constant"),
+        modal_constant=arrays.get("modal_constants"),
         notes=tuple(body["notes"]),
     )
 
@@ -120,4 +122,6 @@ CODECS: Mapping[str, Codec[Any]] = {
     "rig": _plain(RigSetup),
     "measurement": Codec(_take_measurement, _put_measurement),
     "modal_model": Codec(_take_modal_model, _put_modal_model),
+    "correlation": _plain(Correlation),
+    "update": _plain(UpdateResult),
 }

@@ -60,7 +60,7 @@ def _encode(value: Any, path: str, arrays: Arrays) -> Json:
         return [_encode(item, f"{path}.{i}", arrays) for i, item in enumerate(items)]
     if is_dataclass(value):
         tree: dict[str, Json] = {_TYPE: type(value).__name__}
-        for field in fields(value):
+        for field in (one for one in fields(value) if one.init):
             name = f"{path}.{field.name}" if path else field.name
             tree[field.name] = _encode(getattr(value, field.name), name, arrays)
         return tree

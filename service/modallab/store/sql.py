@@ -176,6 +176,8 @@ class SqlStore:
         self.rigs = self._shelf("rig")
         self.measurements = self._shelf("measurement")
         self.modal_models = self._shelf("modal_model")
+        self.correlations = self._shelf("correlation")
+        self.updates = self._shelf("update")
         self.truths = SqlTruths(connect)
 
     def _shelf(self, kind: str) -> SqlShelf[Any]:

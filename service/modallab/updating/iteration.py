@@ -9,9 +9,11 @@ from modallab.core.arrays import FloatArray, frozen
 from modallab.core.errors import DivergedError, UnderdeterminedError
 from modallab.core.progress import Progress, silent
 from modallab.updating.fit import Fit, State
+from modallab.updating.parameterisation import MacroElement
 from modallab.updating.solve import Step, bounded_step
 
 ASTRAY = 10.0  # times the differences at the start: beyond, the linear equations say nothing
+ROUNDING = 1e-6  # balanced differences below this are what eigenvalues of a good model scatter by
 
 
 @dataclass(frozen=True, eq=False)
@@ -19,6 +21,7 @@ class Iteration:
     """One step of an update and the model after it."""
 
     stage: str  # "location" or "updating"
+    macros: tuple[MacroElement, ...]  # (n_params,) what each coefficient multiplies
     step: FloatArray  # (n_params,)
     rank: int
     singular_values: FloatArray
@@ -93,6 +96,7 @@ def iterate(fit: Fit, start: FloatArray, rule: StopRule, *, stage: str, progress
         history.append(
             Iteration(
                 stage,
+                fit.parameterisation.macros,
                 step.parameters,
                 step.rank,
                 step.singular_values,
@@ -127,6 +131,6 @@ def _moved(fit: Fit, state: State, step: Step, begun: float) -> State:
         after = fit.state(state.values + step.parameters)
     except (UnderdeterminedError, np.linalg.LinAlgError) as error:
         raise DivergedError(str(error)) from error
-    if not after.distance < ASTRAY * begun + np.finfo(float).eps:
+    if not after.distance < ASTRAY * max(begun, ROUNDING):
         raise DivergedError("the model moved away from the measurement")
     return after

@@ -1,0 +1,141 @@
+"""Wire types of updates."""
+
+import math
+from typing import Annotated, Any, Literal, Self
+
+from pydantic import Field
+
+from modallab.api.deps import Id
+from modallab.api.wire import Count, EntryOut, Number, Text, Wire
+from modallab.fe.structure import Structure
+from modallab.store.base import Entry
+from modallab.store.plain import to_plain
+from modallab.updating.iteration import Iteration
+from modallab.updating.method import UPDATERS, Stages, UpdateOptions, UpdateResult
+from modallab.updating.parameterisation import Parameterisation, automatic_groups, parameterise
+
+Group = Annotated[list[Count], Field(min_length=1, max_length=5000)]
+
+
+class ParameterisationIn(Wire):
+    """Which coefficients may move: members in groups, parts of their matrices, bounds; 1 = no change."""
+
+    macros: Literal["auto"] | Annotated[list[Group], Field(min_length=1, max_length=1000)] = "auto"
+    parts: list[Text] = Field(default=["mass", "stiffness"], min_length=1, max_length=5)
+    lower: Number = 0.05
+    upper: Number = 10.0
+
+    def to_domain(self, structure: Structure) -> Parameterisation:
+        """Return the parameterisation; `InvalidInputError` where the structure lacks a member."""
+        groups = automatic_groups(structure) if self.macros == "auto" else self.macros
+        chosen = parameterise(groups, self.parts, lower=self.lower, upper=self.upper)
+        chosen.groups(structure)
+        return chosen
+
+
+class OptionsIn(Wire):
+    """How an update is run; what is left out has the method's default."""
+
+    max_iterations: int | None = Field(default=None, ge=1, le=1000)
+    location_tolerance: Number | None = None
+    tolerance: Number | None = None
+    suspect_threshold: Number | None = None
+    max_step: Number | None = None
+    rank_jump: Number | None = None
+    min_mac: Number | None = None
+
+    def to_domain(self) -> UpdateOptions:
+        """Return the options; `InvalidInputError` where one is out of bounds."""
+        return UpdateOptions(**self.model_dump(exclude_none=True))
+
+
+class UpdateStart(Wire):
+    """A model to be corrected until its modes are the measured ones."""
+
+    structure_id: Id
+    modal_model_id: Id
+    method: Text = "inverse_eigensensitivity"
+    parameterisation: ParameterisationIn = ParameterisationIn()
+    options: OptionsIn = OptionsIn()
+
+    def to_arguments(self, structure: Structure) -> dict[str, Any]:
+        """Return the task's arguments, checked as far as can be before the work.
+
+        Raises
+        ------
+        InvalidInputError
+            If the method, a part, a member or an option is unknown or out of bounds.
+        """
+        UPDATERS[self.method]
+        return {
+            "structure_id": self.structure_id,
+            "modal_model_id": self.modal_model_id,
+            "method": self.method,
+            "parameterisation": to_plain(self.parameterisation.to_domain(structure))[0],
+            "options": to_plain(self.options.to_domain())[0],
+        }
+
+
+class UpdateOut(EntryOut):
+    """How an update went; coefficients and errors by part and member, 1 = no change."""
+
+    converged: bool
+    stopped_because: str
+    iterations: dict[str, int]
+    coefficients: dict[str, dict[int, float | None]]
+    standard_errors: dict[str, dict[int, float | None]]
+    suspected: dict[str, list[int]]
+    frequencies: dict[str, list[float] | None]
+    mac: dict[str, list[float] | None]
+    rank: int
+    condition_number: float | None
+    history: list[dict[str, Any]]
+    structure_id: str
+
+    @classmethod
+    def of(cls, result: UpdateResult, entry: Entry) -> Self:
+        """Return what the contract shows of an update."""
+        return cls(
+            **cls.fields(entry),
+            converged=result.converged,
+            stopped_because=result.stopped_because,
+            iterations=dict(result.iterations),
+            coefficients={part: _finite(found) for part, found in result.coefficients.items()},
+            standard_errors={part: _finite(found) for part, found in result.standard_errors.items()},
+            suspected={part: list(found) for part, found in result.suspected.items()},
+            frequencies=_stages(result.frequencies),
+            mac=_stages(result.mac),
+            rank=result.rank,
+            condition_number=_number(result.condition_number),
+            history=[_iteration(one) for one in result.history],
+            structure_id=entry.inputs["updated_structure_id"],
+        )
+
+
+def _number(value: float) -> float | None:
+    return value if math.isfinite(value) else None
+
+
+def _finite(values: Any) -> dict[int, float | None]:
+    return {member: _number(value) for member, value in values.items()}
+
+
+def _stages(stages: Stages) -> dict[str, list[float] | None]:
+    values = {name: getattr(stages, name) for name in ("measured", "before", "location", "after")}
+    return {name: None if value is None else value.tolist() for name, value in values.items()}
+
+
+def _iteration(one: Iteration) -> dict[str, Any]:
+    coefficients = [
+        {"part": macro.part, "members": macro.members, "value": float(value)}
+        for macro, value in zip(one.macros, one.coefficients, strict=True)
+    ]
+    return {
+        "stage": one.stage,
+        "max_change": one.max_change,
+        "rank": one.rank,
+        "condition_number": _number(one.condition_number),
+        "coefficients": coefficients,
+        "frequencies": one.frequencies.tolist(),
+        "mac": one.mac.tolist(),
+    }

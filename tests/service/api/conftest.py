@@ -1,0 +1,82 @@
+"""The service in this process: its jobs at once, its data in a folder of the test's own."""
+
+from collections.abc import Iterator
+from contextlib import ExitStack
+from typing import Any
+
+import httpx
+import pytest
+from anyio.from_thread import BlockingPortal, start_blocking_portal
+from fastapi import FastAPI
+
+from modallab.api.app import create_app, job_book
+from modallab.api.settings import Settings
+from modallab.jobs.inline import InlineRunner
+
+
+class Service:
+    """Sends requests to an application, synchronously."""
+
+    def __init__(self, app: FastAPI, portal: BlockingPortal) -> None:
+        self.app, self._portal = app, portal
+        # Faults of ours shall come back as the 500 a client would see.
+        self._transport = httpx.ASGITransport(app, raise_app_exceptions=False)
+
+    def request(self, method: str, path: str, **given: Any) -> httpx.Response:
+        """Return the reply to a request."""
+
+        async def send() -> httpx.Response:
+            async with httpx.AsyncClient(transport=self._transport, base_url="http://lab") as client:
+                return await client.request(method, path, **given)
+
+        return self._portal.call(send)
+
+    def get(self, path: str, **given: Any) -> Any:
+        """Return the JSON of a reply that must be good."""
+        reply = self.request("GET", path, **given)
+        assert reply.status_code == 200, reply.text
+        return reply.json()
+
+    def post(self, path: str, body: Any, status: int = 201) -> Any:
+        """Return the JSON of a reply that must have this status."""
+        reply = self.request("POST", path, json=body)
+        assert reply.status_code == status, reply.text
+        return reply.json()
+
+    def result_of(self, path: str, body: Any) -> str:
+        """Return the id of what a job has made."""
+        job = self.get(f"/v1/jobs/{self.post(path, body, status=202)['id']}")
+        assert job["state"] == "succeeded", job
+        return str(job["result_id"])
+
+
+@pytest.fixture(scope="module")
+def settings(tmp_path_factory: pytest.TempPathFactory) -> Settings:
+    """Settings of a service with an empty folder."""
+    return Settings(data=tmp_path_factory.mktemp("data"))
+
+
+@pytest.fixture(scope="module")
+def service(settings: Settings) -> Iterator[Service]:
+    """A service with nothing in it, the same for the tests of a file."""
+    settings.store_place.prepare()
+    app = create_app(settings, InlineRunner(job_book(settings), settings.store_place))
+    with ExitStack() as stack:
+        portal = stack.enter_context(start_blocking_portal())
+        yield Service(app, portal)
+
+
+@pytest.fixture(scope="module")
+def beam(service: Service) -> str:
+    """The chapter 5 beam's id."""
+    return str(service.post("/v1/structures", {"kind": "catalogue", "name": "chapter-5-beam"})["id"])
+
+
+RESPONSES = [f"{n}:+Y" for n in range(1, 22, 4)]
+
+
+@pytest.fixture(scope="module")
+def rig(service: Service) -> str:
+    """A rig with six responses on the beam."""
+    noise = {"force": 1e-3, "response": 1e-3}
+    return str(service.post("/v1/rigs", {"drive": "1:+Y", "responses": RESPONSES, "noise": noise})["id"])
