@@ -228,6 +228,6 @@ def test_inputs_that_do_not_fit_are_named(plain_beam: Beam, freq: FloatArray) ->
         extract(frf, coherence=None, averages=100, n_modes=0)
     with pytest.raises(InvalidInputError, match="too few lines"):
         extract(frf.between(0, 6), coherence=None, averages=100)
-    square = FrfSet(freq, np.ones((401, 2, 2)), frf.outputs[:2], frf.outputs[:2], frf.kind)
+    square = FrfSet(freq, np.ones((401, 2, 2), complex), frf.outputs[:2], frf.outputs[:2], frf.kind)
     with pytest.raises(InvalidInputError, match="one drive point"):
         extract(square, coherence=None, averages=100)
