@@ -103,6 +103,11 @@ def npz(**given: ArrayLike | None) -> bytes:
     return file.getvalue()
 
 
+def numbers(values: ArrayLike) -> list[float]:
+    """Return real numbers as JSON has them."""
+    return [float(value) for value in np.asarray(values, dtype=float)]
+
+
 def pairs(values: ArrayLike) -> Any:
     """Return complex numbers as JSON has them, [re, im] innermost."""
     given = np.asarray(values, dtype=complex)
@@ -217,6 +222,9 @@ def modal_model(data: Json, given: Arrays) -> models.ModalModel:
         dofs=texts(data["dofs"]),
         shapes=given["shapes"],
         modal_constants=given.get("modal_constants"),
+        fitted_frequencies=given.get("fitted_frequency"),
+        fitted_loss_factors=given.get("fitted_loss_factor"),
+        shape_errors=given.get("shape_errors"),
     )
 
 

@@ -14,6 +14,7 @@ def correlation(data: Json) -> findings.Correlation:
         pairs=tuple((int(measured), int(model)) for measured, model in data["pairs"]),
         frequency_differences=floats(data["frequency_differences"]),
         comac=floats(data["comac"]),
+        dofs=texts(data.get("dofs") or ()),
         id=data.get("id"),
     )
 
@@ -33,6 +34,22 @@ def update(data: Json) -> findings.Update:
         rank=data.get("rank"),
         condition_number=data.get("condition_number"),
         structure_id=data.get("structure_id"),
+        history=tuple(_iteration(one) for one in data.get("history") or ()),
+    )
+
+
+def _iteration(data: Json) -> findings.Iteration:
+    return findings.Iteration(
+        stage=data["stage"],
+        coefficients=tuple(
+            findings.MacroCoefficient(one["part"], tuple(map(int, one["members"])), one["value"])
+            for one in data["coefficients"]
+        ),
+        max_change=data.get("max_change"),
+        rank=data.get("rank"),
+        condition_number=data.get("condition_number"),
+        frequencies=floats(data["frequencies"]),
+        mac=floats(data["mac"]),
     )
 
 

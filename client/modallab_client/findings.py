@@ -19,13 +19,36 @@ class Correlation:
 
     mac: FloatArray  # (n_measured, n_model)
     pairs: tuple[tuple[int, int], ...]  # (measured, model), counted from 1
-    frequency_differences: FloatArray  # (n_pairs,) relative to the measured
+    frequency_differences: FloatArray  # (n_pairs,) Hz
     comac: FloatArray  # (n_dof,)
+    dofs: tuple[str, ...] = ()
     id: str | None = None
 
     def plot(self) -> "Axes":
         """Draw the MAC matrix; return the axes."""
         return _plots.mac(self)
+
+
+@dataclass(frozen=True)
+class MacroCoefficient:
+    """The coefficient that members share during an iteration."""
+
+    part: str
+    members: tuple[int, ...]
+    value: float
+
+
+@dataclass(frozen=True, eq=False)
+class Iteration:
+    """One step of an update."""
+
+    stage: str  # location or updating
+    coefficients: tuple[MacroCoefficient, ...]
+    max_change: float | None
+    rank: int | None
+    condition_number: float | None
+    frequencies: FloatArray  # (n_modes,) Hz, of the model at this step
+    mac: FloatArray  # (n_modes,)
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,6 +67,7 @@ class Update:
     rank: int | None
     condition_number: float | None
     structure_id: str | None  # the updated model
+    history: tuple[Iteration, ...] = ()
 
     def table(self) -> str:
         """Return the coefficients that moved, with their standard errors, as text."""

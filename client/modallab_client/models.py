@@ -208,8 +208,11 @@ class ModalModel:
     measurement_id: str | None
     dofs: tuple[str, ...]
     shapes: ComplexArray = field(repr=False)  # (n_dof, n_modes) 1/sqrt(kg)
-    # (n_modes, n_out, n_in) or (n_modes, n_out), 1/kg; None for a model that was not extracted from FRFs
-    modal_constants: ComplexArray | None = field(repr=False, default=None)
+    # of each FRF, (n_modes, n_out); None for a model that was not read from FRFs, NaN where one is mute
+    modal_constants: ComplexArray | None = field(repr=False, default=None)  # 1/kg
+    fitted_frequencies: FloatArray | None = field(repr=False, default=None)  # Hz
+    fitted_loss_factors: FloatArray | None = field(repr=False, default=None)
+    shape_errors: FloatArray | None = field(repr=False, default=None)  # (n_dof, n_modes) of |shape|
 
     @property
     def frequencies(self) -> FloatArray:

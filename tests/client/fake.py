@@ -133,4 +133,15 @@ UPDATE = {
     "rank": 8,
     "condition_number": 120.0,
     "structure_id": "s9",
+    "history": [
+        {
+            "stage": "location",
+            "max_change": 0.4,
+            "rank": 8,
+            "condition_number": None,
+            "coefficients": [{"part": "mass", "members": [1, 2], "value": 1.6}],
+            "frequencies": [22.4, 61.2],
+            "mac": [0.99, 0.98],
+        }
+    ],
 }

@@ -167,6 +167,7 @@ def test_an_update_is_asked_by_keywords_and_read_by_member(lab: ModalLab, servic
     assert update.suspected["mass"] == (1, 2)
     np.testing.assert_array_equal(update.frequencies["measured"], [22.1, 61.0])
     assert "1.99" in update.table()
+    assert update.history[0].coefficients[0].members == (1, 2)
     lab.updates.start("s1", "mm1")
     assert set(service.body()) == {"structure_id", "modal_model_id", "method"}
 

@@ -50,8 +50,8 @@ class ModalModels(Shelf):
     def import_(
         self,
         *,
-        frequencies: Sequence[float],
-        loss_factors: Sequence[float],
+        frequencies: ArrayLike,
+        loss_factors: ArrayLike,
         shapes: ArrayLike,
         dofs: Sequence[str],
         normalisation: str = "mass",
@@ -70,10 +70,8 @@ class ModalModels(Shelf):
             `mass`, or `none` for shapes of any length.
         """
         columns = _wire.pairs(np.transpose(shapes))
-        modes = [
-            {"frequency": float(frequency), "loss_factor": float(loss_factor), "shape": shape}
-            for frequency, loss_factor, shape in zip(frequencies, loss_factors, columns, strict=True)
-        ]
+        lines = zip(_wire.numbers(frequencies), _wire.numbers(loss_factors), columns, strict=True)
+        modes = [{"frequency": f, "loss_factor": eta, "shape": shape} for f, eta, shape in lines]
         body = {"modes": modes, "dofs": list(dofs), "normalisation": normalisation}
         reply = self._transport.request("POST", "/v1/modal-models/import", json=body)
         return self.get(reply["id"])
