@@ -34,6 +34,15 @@ class Chain:
     noise: NoiseLevels
     source: Source
 
+    @property
+    def overlap(self) -> float:
+        """Share of a record that the next one has in common with it.
+
+        None where the declared excitation starts anew for every record.
+        """
+        analyser = self.setup.analyser
+        return analyser.overlap if EXCITATIONS[analyser.excitation.kind].continuous > 0 else 0.0
+
     def respond(self, freq: FloatArray) -> ChannelResponse:
         """Return transmission and inertance of every run at `freq` (n_freq,) Hz."""
         omega = 2 * np.pi * np.maximum(freq, NEARLY_STILL * self.setup.analyser.spacing)

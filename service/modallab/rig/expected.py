@@ -72,7 +72,7 @@ def _with_noise(chain: Chain, clean: ComplexArray, freq: FloatArray) -> CrossSpe
         (clean[..., :1] + noise_f[:, None, :])[..., None],
         clean[:, :, None, 1 : 1 + n_out],
         clean[..., 1 + n_out :].real + noise_x[:, None, :],
-        effective_averages(analyser.averages, analyser.overlap, WINDOWS[analyser.window]),
+        effective_averages(analyser.averages, chain.overlap, WINDOWS[analyser.window]),
     )
 
 

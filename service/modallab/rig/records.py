@@ -1,0 +1,117 @@
+"""Time records of a run's channels, a batch at a time: memory does not grow with the averages."""
+
+from collections.abc import Iterator
+
+import numpy as np
+import scipy.fft
+from numpy.lib.stride_tricks import sliding_window_view
+
+from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.core.errors import InvalidInputError
+from modallab.rig.chain import Chain
+
+RATE = 2.56  # sample rate over the top of the band, as analysers have it
+FORGOTTEN = 1e-6  # amplitude below which a mode has rung out
+LONGEST = 2**26  # samples of all channels of one stretch, 0.5 GB
+TOGETHER = 2**18  # samples of the records handed out at once
+RECORDS = 32  # lengths of a record in a stretch, where the averages ask for so many
+AT_ONCE = 4096  # frequencies at which the structure is asked at once
+
+
+class Recorder:
+    """What the analyser's input sees, run by run: forces first, then responses.
+
+    Hysteretic damping has no causal form in time, so signals are made by frequency: one record for
+    what repeats with it; for what does not, a stretch of many records with so many lines that it
+    repeats only after every mode has rung out, and of which that much is thrown away.
+    """
+
+    def __init__(self, chain: Chain) -> None:
+        analyser, share = chain.setup.analyser, chain.source.continuous
+        self.n_samples = int(scipy.fft.next_fast_len(int(np.ceil(RATE * (analyser.n_lines - 1))), real=True))
+        self.sample_rate = self.n_samples * analyser.spacing
+        self._averages = analyser.averages
+        self._hop = max(1, round(self.n_samples * (1 - chain.overlap)))
+        n_ch = 1 + len(chain.shots[0].outputs)
+        self._batch = max(1, TOGETHER // (n_ch * self.n_samples))
+        self._per_stretch = min(self._averages, self._batch)
+        self._repeating = self._stationary = None
+        if share > 0:
+            ringing = _ringing(chain) / analyser.record_length
+            room = LONGEST / (n_ch * self.n_samples)
+            if ringing > room / 2:
+                raise InvalidInputError(
+                    f"a mode rings for {ringing:.3g} records: too long to simulate stationary ones",
+                    field="excitation.kind",
+                    value=analyser.excitation.kind,
+                    allowed="a periodic excitation, more damping, or closer lines",
+                )
+            repeats = self._lay_out(min(max(RECORDS, ringing), room - ringing), ringing)
+            freq = np.linspace(0.0, analyser.frequency_max, (analyser.n_lines - 1) * repeats + 1)
+            self._stationary = np.sqrt(share) * _per_source(chain, freq)
+            self._stationary[..., -1] *= np.sqrt(0.5)  # half of the last fine line lies beyond the band
+            self._length = repeats * self.n_samples
+        if share < 1:
+            self._repeating = np.sqrt(1 - share) * _per_source(chain, analyser.freq)
+
+    def _lay_out(self, records: float, ringing: float) -> int:
+        """Share the averages out to equal stretches of about `records`; return the length of one in records."""
+        steps = int((records - 1) * self.n_samples / self._hop)
+        n_stretches = -(-self._averages // (steps + 1))
+        self._per_stretch = -(-self._averages // n_stretches)
+        span = 1 + (self._per_stretch - 1) * self._hop / self.n_samples
+        return int(scipy.fft.next_fast_len(int(np.ceil(span + ringing)), real=True))
+
+    def blocks(self, run: int, noise: FloatArray, rng: np.random.Generator) -> Iterator[FloatArray]:
+        """Yield all records of a run in batches (n_block, n_ch, n_samples).
+
+        Parameters
+        ----------
+        noise
+            (n_ch,) one-sided densities of the white noise of each channel, unit^2/Hz.
+        """
+        rms = np.sqrt(noise * self.sample_rate / 2)
+        span = self.n_samples + (self._per_stretch - 1) * self._hop
+        done = 0
+        while done < self._averages:
+            samples = rms[:, None] * rng.standard_normal((len(rms), span))
+            if self._stationary is not None:
+                samples += self._signal(self._stationary[run], 1, self._length, rng)[0, :, :span]
+            records = sliding_window_view(samples, self.n_samples, axis=1)[:, :: self._hop].swapaxes(0, 1)
+            records = records[: self._averages - done]
+            for start in range(0, len(records), self._batch):
+                batch = records[start : start + self._batch]
+                if self._repeating is not None:
+                    batch = batch + self._signal(self._repeating[run], len(batch), self.n_samples, rng)
+                yield batch
+            done += len(records)
+
+    def _signal(self, response: ComplexArray, n: int, n_samples: int, rng: np.random.Generator) -> FloatArray:
+        """Return n independent Gaussian records (n, n_ch, n_samples), periodic in their length.
+
+        `response` (n_ch, n_lines) are the channels' amplitudes for a source of unit density.
+        """
+        lines = rng.standard_normal((n, 1, 2 * response.shape[1])).view(complex) / np.sqrt(2)
+        lines[..., 0] = np.sqrt(2) * lines[..., 0].real
+        lines = lines * response * np.sqrt(self.sample_rate * n_samples / 2)
+        return np.asarray(scipy.fft.irfft(lines, n_samples, overwrite_x=True))
+
+
+def _ringing(chain: Chain) -> float:
+    """Return how long, s, the slowest mode within the band needs to be forgotten."""
+    frequencies, widths = chain.poles()
+    analyser = chain.setup.analyser
+    slowest = widths[frequencies < analyser.frequency_max + analyser.spacing].min(initial=np.inf)
+    return float(-np.log(FORGOTTEN) / (2 * np.pi * slowest)) if slowest > 0 else np.inf
+
+
+def _per_source(chain: Chain, freq: FloatArray) -> ComplexArray:
+    """Return force and responses of all runs, (n_run, 1 + n_out, n_freq), as amplitude densities."""
+    analyser = chain.setup.analyser
+    density = analyser.excitation.level**2 / analyser.frequency_max
+    parts = []
+    for start in reversed(range(0, len(freq), AT_ONCE)):  # the highest first: its modes serve all others
+        answer = chain.respond(freq[start : start + AT_ONCE])
+        force = answer.transmission[:, None, :]
+        parts.append(np.concatenate([force, force * answer.inertance.swapaxes(1, 2)], axis=1))
+    return np.asarray(np.sqrt(density) * np.concatenate(parts[::-1], axis=2))

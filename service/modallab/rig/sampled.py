@@ -1,0 +1,40 @@
+"""Route b, the reference: time records of every channel, through window, transform and averages."""
+
+import numpy as np
+
+from modallab.core.progress import Progress
+from modallab.estimation.averaging import Averager, effective_averages
+from modallab.estimation.spectra import CrossSpectra
+from modallab.estimation.windows import WINDOWS
+from modallab.rig.chain import Chain
+from modallab.rig.expected import noise_densities, noise_free
+from modallab.rig.records import Recorder
+
+
+def sampled_spectra(chain: Chain, rng: np.random.Generator, progress: Progress) -> CrossSpectra:
+    """Return the averaged spectra of every run from simulated time records.
+
+    The source's signal is Gaussian; what of it repeats with the record is drawn anew for every
+    average, what does not is a stationary process, cut into records that overlap. Force and responses
+    follow through the exact frequency responses; the sensors add white noise.
+
+    Raises
+    ------
+    InvalidInputError
+        If a mode rings too long for stationary records to be simulated.
+    """
+    analyser, window = chain.setup.analyser, WINDOWS[chain.setup.analyser.window]
+    recorder = Recorder(chain)
+    noise = np.hstack(noise_densities(chain, noise_free(chain)))
+    n_run = len(chain.shots)
+    runs = []
+    for run in range(n_run):
+        averager = Averager(window, recorder.n_samples, recorder.sample_rate, analyser.n_lines, n_in=1)
+        for blocks in recorder.blocks(run, noise[run], rng):
+            averager.add(blocks)
+            fraction = (run + averager.count / analyser.averages) / n_run
+            progress(fraction, f"run {run + 1} of {n_run}, average {averager.count} of {analyser.averages}")
+        runs.append(averager.densities())
+    ff, fx, xx = (np.array(part) for part in zip(*runs, strict=True))
+    averages = effective_averages(analyser.averages, chain.overlap, window)
+    return CrossSpectra(analyser.freq, ff, fx, xx, averages)
