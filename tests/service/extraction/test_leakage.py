@@ -60,9 +60,8 @@ def test_damping_survives_a_hann_window_wherever_the_resonance_falls(
         mode = a_mode(float(position), bandwidth)
         loss_factor, constant = fitted(leaked(mode)[estimator], estimator, method)
         off.append((loss_factor / mode.loss_factor - 1, abs(constant / mode.modal_constant - 1)))
-    # twelve lines of one mode; without the correction H2's loss factor is 8 to 17 % high
-    assert np.median(np.abs(off), axis=0)[0] < 0.02
-    # what is left: the mode's mirror pole is taken as constant over the window
+    # uncorrected, H2's loss factor is 8 to 17 % high; H1's of narrow modes settles slowest, to 2 %
+    assert np.median(np.abs(off), axis=0)[0] < 0.01
     assert np.max(np.abs(off)) < 0.02
 
 

@@ -1,0 +1,84 @@
+import numpy as np
+import pytest
+
+from modallab.core.arrays import ComplexArray
+from modallab.core.dof import Dof
+from modallab.extraction.collate import collate
+from modallab.extraction.fitting import Table
+from modallab.extraction.screening import Screening
+
+DOFS = tuple(Dof(node, "Y") for node in range(1, 5))
+
+
+def table(constants: ComplexArray, *, outlying: tuple[int, ...] = ()) -> Table:
+    """Two modes, the higher one first, in four FRFs."""
+    shape = (2, 4)
+    far = np.zeros(shape, bool)
+    far[:, list(outlying)] = True
+    return Table(
+        frequency=np.array([[20.0, 20.1, 20.2, 25.0], [10.0, 10.0, 10.0, 10.4]]),
+        loss_factor=np.full(shape, 0.01),
+        modal_constant=constants,
+        frequency_error=np.full(shape, 0.02),
+        loss_factor_error=np.full(shape, 1e-4),
+        modal_constant_error=np.full(shape, 0.01),
+        screening=Screening(good=~far, unsure=np.zeros(shape, bool), outlying=far),
+    )
+
+
+PHI = np.array([[2.0 + 0.1j, -1.0, 0.5 - 0.2j, 0.3], [1.0, 1.0, -1.0j, 0.2]])
+
+
+def test_shapes_come_back_from_their_modal_constants_in_rising_frequency() -> None:
+    model = collate(table(PHI[:, :1] * PHI), DOFS, DOFS[0], method="dobson")
+    assert model.frequencies[0] < model.frequencies[1]
+    np.testing.assert_allclose(model.shapes, PHI[::-1].T, rtol=1e-12)  # rounding
+    assert model.normalisation == "mass"
+
+
+def test_an_outlier_is_named_and_left_out_of_mean_and_spread() -> None:
+    model = collate(table(PHI[:, :1] * PHI, outlying=(3,)), DOFS, DOFS[0], method="dobson")
+    mode = model.modes[1]
+    assert mode.flags == ("outlier: 4:+Y",)
+    assert mode.frequency == pytest.approx(20.1)
+    spread = mode.frequency_spread
+    assert spread is not None
+    assert (spread.min, spread.max, spread.n) == (20.0, 20.2, 3)
+    assert spread.sd == pytest.approx(0.1)  # 20.0, 20.1, 20.2 with n - 1
+    assert mode.standard_errors["frequency"] == pytest.approx(0.02 / np.sqrt(3))
+    assert model.fitted_frequency is not None
+    assert model.fitted_frequency[1, 3] == 25.0  # shown all the same
+
+
+def test_the_error_of_the_drive_point_reaches_every_component() -> None:
+    constants = PHI[:, :1] * PHI
+    model = collate(table(constants), DOFS, DOFS[0], method="dobson")
+    stated = model.modes[1].shape_errors
+    assert stated is not None
+    rng = np.random.default_rng(1)
+    noise = 0.01 * (rng.standard_normal((4000, 4)) + 1j * rng.standard_normal((4000, 4)))
+    drawn = constants[0] + noise
+    shapes = drawn / np.sqrt(drawn[:, :1])
+    scatter = np.sqrt((np.abs(shapes - PHI[0]) ** 2).mean(axis=0) / 2)
+    np.testing.assert_allclose(stated, scatter, rtol=0.05)  # 4000 draws: 1.1 %, and second order
+
+
+def test_a_drive_point_out_of_phase_is_flagged() -> None:
+    constants = PHI[:, :1] * PHI
+    constants[:, 0] *= -1
+    model = collate(table(constants), DOFS, DOFS[0], method="dobson")
+    assert "drive point 1:+Y has a modal constant of the wrong sign" in model.modes[0].flags
+
+
+def test_a_mode_that_no_frf_shows_well_is_left_out() -> None:
+    shown = table(PHI[:, :1] * PHI)
+    shown.screening.good[1] = False
+    assert len(collate(shown, DOFS, DOFS[0], method="dobson").modes) == 1
+
+
+def test_a_still_drive_point_leaves_no_shape_rather_than_nan() -> None:
+    constants = PHI[:, :1] * PHI
+    constants[1, 0] = 0
+    model = collate(table(constants), DOFS, DOFS[0], method="dobson")
+    assert np.isfinite(model.shapes).all()
+    assert np.isfinite(collate(table(0 * constants), DOFS, Dof(9, "Y"), method="dobson").shapes).all()
