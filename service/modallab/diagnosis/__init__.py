@@ -1,0 +1,1 @@
+"""Find where a measurement and its model part, name the missing effect, add it, show the gap shrink."""

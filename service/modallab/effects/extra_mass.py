@@ -1,7 +1,7 @@
 """A mass on the structure that the model does not have."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
@@ -11,6 +11,7 @@ from modallab.core.errors import InvalidInputError
 from modallab.core.parameters import parameter
 from modallab.core.place import Place
 from modallab.correlation.evidence import Evidence
+from modallab.fe.structure import PointMass, Structure
 from modallab.fe.system import DynamicSystem
 from modallab.rig.effect import EFFECTS, Effect
 from modallab.rig.setup import RigSetup, Shot
@@ -24,12 +25,18 @@ class ExtraMass(Effect):
     kind: ClassVar[str] = "extra_mass"
     summary: ClassVar[str] = "a mass at one node that the model lacks"
     stage: ClassVar[int] = 1
+    structural: ClassVar[bool] = True
     mass: float = parameter(0.05, unit="kg", lower=0.0, upper=10.0, doc="mass at the node")
 
     def on_system(self, system: DynamicSystem, shot: Shot) -> DynamicSystem:
         if not isinstance(self.at, Dof):
             raise InvalidInputError("an extra mass sits at a DoF", field="at", value=str(self.at))
         return system.add_mass(self.at.node, self.mass)
+
+    def added_to(self, structure: Structure) -> Structure:
+        """Return the model with the mass on its node."""
+        assert isinstance(self.at, Dof)
+        return replace(structure, masses=(*structure.masses, PointMass(self.at.node, self.mass)))
 
     @classmethod
     def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:

@@ -21,7 +21,7 @@ class ResponseNoise(Effect):
     summary: ClassVar[str] = "white noise on the response channels"
     stage: ClassVar[int] = 5
     ratio: float = parameter(
-        1e-3, unit="1", lower=0.0, upper=1e3, doc="noise over the mean response spectrum of the band"
+        1e-3, unit="1", lower=0.0, upper=10.0, doc="noise over the mean response spectrum of the band"
     )
 
     def on_noise(self, noise: NoiseLevels) -> NoiseLevels:

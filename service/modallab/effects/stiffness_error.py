@@ -1,7 +1,7 @@
 """Members that are stiffer or softer than the model has them."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
@@ -9,6 +9,7 @@ import numpy as np
 from modallab.core.parameters import parameter
 from modallab.core.place import Members, Place
 from modallab.correlation.evidence import Evidence
+from modallab.fe.structure import Structure
 from modallab.fe.system import DynamicSystem
 from modallab.rig.effect import EFFECTS, Effect
 from modallab.rig.setup import RigSetup, Shot
@@ -25,6 +26,7 @@ class StiffnessError(Effect):
     kind: ClassVar[str] = "stiffness_error"
     summary: ClassVar[str] = "members stiffer or softer than modelled"
     stage: ClassVar[int] = 1
+    structural: ClassVar[bool] = True
     factor: float = parameter(
         1.5, unit="1", lower=0.05, upper=20.0, absent=1.0, doc="true stiffness over the model's"
     )
@@ -35,6 +37,19 @@ class StiffnessError(Effect):
                 system = system.change_member(number, axial=self.factor - 1, bending=self.factor - 1)
             return system
         return system.scaled(stiffness=self.factor)
+
+    def added_to(self, structure: Structure) -> Structure:
+        """Return the model with the members' stiffness corrected."""
+        wrong = self.at.numbers if isinstance(self.at, Members) else [m.number for m in structure.members]
+        members = tuple(
+            replace(
+                m, axial_factor=m.axial_factor * self.factor, bending_factor=m.bending_factor * self.factor
+            )
+            if m.number in wrong
+            else m
+            for m in structure.members
+        )
+        return replace(structure, members=members)
 
     @classmethod
     def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:

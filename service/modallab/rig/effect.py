@@ -12,6 +12,7 @@ from modallab.core.parameters import Parameterised
 from modallab.core.place import EffectSpec, Place
 from modallab.core.registry import Family
 from modallab.correlation.evidence import Evidence
+from modallab.fe.structure import Structure
 from modallab.fe.system import DynamicSystem
 from modallab.rig.setup import RigSetup, Shot
 
@@ -55,6 +56,7 @@ class Effect(Parameterised):
     kind: ClassVar[str]
     summary: ClassVar[str]
     stage: ClassVar[int]
+    structural: ClassVar[bool] = False  # True: it belongs to the model, else to the log book
     at: Place = None
 
     def on_system(self, system: DynamicSystem, shot: Shot) -> DynamicSystem:
@@ -72,6 +74,10 @@ class Effect(Parameterised):
     def on_source(self, source: Source) -> Source:
         """Stage 6: return how the excitation stands to the record."""
         return source
+
+    def added_to(self, structure: Structure) -> Structure:
+        """Return the model with this effect in it."""
+        return replace(structure, effects=(*structure.effects, self.spec))
 
     @classmethod
     def from_setup(cls, setup: RigSetup) -> Sequence[Self]:

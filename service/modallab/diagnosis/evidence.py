@@ -1,0 +1,95 @@
+"""From residuals to evidence: shifts of modes, drops of coherence, bands and channels that disagree."""
+
+import numpy as np
+
+from modallab.core.arrays import FloatArray
+from modallab.correlation.evidence import Evidence
+from modallab.diagnosis.observed import Observed, Predicted
+from modallab.diagnosis.predictor import Predictor
+from modallab.diagnosis.residual import residual
+from modallab.diagnosis.result import Located
+from modallab.rig.effect import Effect
+
+SHIFTS = np.linspace(-0.1, 0.1, 81)  # relative frequency shifts that are looked for
+DISAGREES = 3.0  # mean squared residual above which a band or a channel is named
+
+
+def gather(predictor: Predictor, effects: list[Effect]) -> Evidence:
+    """Return what disagrees between the measurement and the prediction with some effects."""
+    observed, predicted = predictor.observed, predictor.predict(effects)
+    left = residual(observed, predicted)
+    modes = predictor.modes()
+    rows = [predictor.system.index(dof) for dof in observed.outputs]
+    return Evidence(
+        freq=observed.freq,
+        outputs=observed.outputs,
+        drive=predictor.setup.drive,
+        frf=left.frf,
+        force=left.force,
+        response=left.response,
+        coherence_drop=np.where(observed.usable, predicted.coherence - observed.coherence, 0.0),
+        weight=observed.fitted.astype(float),
+        mode_frequency=modes.frequencies,
+        frequency_shift=_shifts(observed, predicted, modes.frequencies),
+        response_amplitude=np.abs(modes.shapes[rows]).T,
+    )
+
+
+def _shifts(observed: Observed, predicted: Predicted, frequencies: FloatArray) -> FloatArray:
+    """Return by how much of itself each mode's frequency differs, from the shape of its resonance."""
+    size_m = np.log(np.abs(observed.h) + 1e-300).mean(axis=1)
+    size_p = np.log(np.abs(predicted.h) + 1e-300).mean(axis=1)
+    found = np.zeros(len(frequencies))
+    edges = np.concatenate([[0.0], (frequencies[1:] + frequencies[:-1]) / 2, [np.inf]])
+    for i, frequency in enumerate(frequencies):
+        near = (observed.freq > max(edges[i], 0.85 * frequency)) & (
+            observed.freq < min(edges[i + 1], 1.15 * frequency)
+        )
+        near &= observed.freq > 0
+        if near.sum() < 5:
+            continue
+        freq = observed.freq[near]
+        moved = np.array([np.interp(freq, observed.freq * (1 + s), size_p) for s in SHIFTS])
+        apart = moved - size_m[near]
+        spread = (apart - apart.mean(axis=1, keepdims=True)).std(axis=1)
+        found[i] = SHIFTS[int(spread.argmin())]
+    return found
+
+
+def locate(evidence: Evidence) -> Located:
+    """Return where the gap sits: bands, responses, modes, in numbers and in words."""
+    line = np.convolve(evidence.by_line, np.ones(3) / 3, mode="same")
+    typical = max(DISAGREES, 0.1 * float(line.max(initial=0.0)))
+    high = np.flatnonzero(line > typical)
+    groups = np.split(high, np.flatnonzero(np.diff(high) > 3) + 1) if high.size else []
+    bands = tuple((float(evidence.freq[g[0]]), float(evidence.freq[g[-1]])) for g in groups)
+    channel = evidence.by_channel
+    worst = max(DISAGREES, 0.5 * float(channel.max(initial=0.0)))
+    dofs = tuple(d for d, gap in zip(evidence.outputs, channel, strict=True) if gap > worst)
+    spacing = float(evidence.freq[1] - evidence.freq[0])
+    modes = tuple(
+        i + 1
+        for i, f in enumerate(evidence.mode_frequency)
+        if any(lo - 2 * spacing <= f <= hi + 2 * spacing for lo, hi in bands)
+    )
+    return Located(bands[:20], dofs, modes, tuple(_words(evidence, bands, dofs, modes)))
+
+
+def _words(
+    evidence: Evidence,
+    bands: tuple[tuple[float, float], ...],
+    dofs: tuple[object, ...],
+    modes: tuple[int, ...],
+) -> list[str]:
+    gaps = evidence.gaps
+    words = [f"mean squared residual of the {part} spectra: {gap:.3g}" for part, gap in gaps.items()]
+    if gaps["frf"] < DISAGREES and max(gaps.values()) > DISAGREES:
+        words.append("the FRFs agree; only the auto spectra do not")
+    if modes:
+        moved = [f"mode {m} {100 * evidence.frequency_shift[m - 1]:+.2f} %" for m in modes]
+        words.append("frequency shifts: " + ", ".join(moved))
+    if bands:
+        words.append("bands: " + ", ".join(f"{lo:.4g} to {hi:.4g} Hz" for lo, hi in bands[:8]))
+    if dofs and len(dofs) < len(evidence.outputs):
+        words.append("responses: " + ", ".join(map(str, dofs)))
+    return words

@@ -1,0 +1,159 @@
+"""Adds the effect that explains most, until only random error is left or no effect explains more."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from modallab.core.progress import Progress
+from modallab.diagnosis.fitting import Fit, approach, fit
+from modallab.diagnosis.predictor import Predictor
+from modallab.diagnosis.residual import Residual, scatter
+from modallab.diagnosis.scanning import scan
+from modallab.rig.effect import Effect
+
+FITTED = 6  # candidates of a round that are fitted in full
+BRANCHES = 3  # first effects that are followed up where the best one does not explain all
+CONVINCING = 10.0  # difference in BIC that counts as very strong (Kass and Raftery 1995)
+ALIKE = 9.0  # difference in chi-square within which two explanations cannot be told apart
+CLEAR = 2.0  # standard errors that a parameter keeps from `absent`
+SCATTERS = 4.0  # random errors of a gap that still count as 1
+
+
+@dataclass(frozen=True, eq=False)
+class Accepted:
+    """One effect that was added: the fit with it, the fit before, and what else was tried."""
+
+    kind_and_place: tuple[str, str]
+    before: Fit
+    after: Fit
+    tried: tuple[Fit, ...]  # each with the new effect last, best first
+
+
+@dataclass(frozen=True, eq=False)
+class Path:
+    """Effects added one after the other."""
+
+    start: Fit
+    steps: tuple[Accepted, ...] = field(default=())
+
+    @property
+    def fit(self) -> Fit:
+        """The fit with everything that was added."""
+        return self.steps[-1].after if self.steps else self.start
+
+
+def only_noise_left(predictor: Predictor, left: Residual) -> bool:
+    """Return whether every part of the gap is 1 within its scatter, fitted and held out alike."""
+    observed = predictor.observed
+    for where in (observed.fitted, observed.kept):
+        error = scatter(observed, where, parts=1)
+        if any(gap > 1 + SCATTERS * error for gap in left.gaps(where).values()):
+            return False
+    return True
+
+
+def search(predictor: Predictor, suspects: Sequence[Effect], *, max_effects: int, progress: Progress) -> Path:
+    """Return the effects that explain the measurement, each better than noise could.
+
+    Greedy, all accepted effects fitted together at every step; where the best first effect does not
+    lead to a full explanation the next ones are followed up too, as the first of a pair need not be
+    the one that alone explains most.
+    """
+    start = fit(predictor, ())
+    if only_noise_left(predictor, start.residual):
+        return Path(start)
+    progress(0.05, f"gap {start.residual.gap(predictor.observed.fitted):.3g}")
+    first = trials(predictor, start, suspects, progress=_part(progress, 0.05, 0.5))
+    paths: list[Path] = []
+    for i, candidate in enumerate(first[:BRANCHES]):
+        if not improves(predictor, start, candidate):
+            break
+        step = Accepted(_name(candidate.effects[-1]), start, candidate, tuple(first))
+        whole = _part(progress, 0.5 + 0.15 * i, 0.65 + 0.15 * i)
+        paths.append(_extended(predictor, Path(start, (step,)), suspects, max_effects, whole))
+        if only_noise_left(predictor, paths[-1].fit.residual):
+            return _pruned(predictor, paths[-1])
+        if max_effects == 1:
+            break
+    if not paths:
+        return Path(start)
+    return _pruned(predictor, min(paths, key=lambda path: path.fit.bic))
+
+
+def trials(predictor: Predictor, base: Fit, suspects: Sequence[Effect], *, progress: Progress) -> list[Fit]:
+    """Return fits of the accepted effects with one suspect more, best first, one a kind and place."""
+    accepted = base.effects
+    glimpses = predictor.near(accepted)
+    starts = scan(glimpses, accepted, suspects, _part(progress, 0.0, 0.5))
+    near: dict[tuple[str, str], tuple[float, Effect]] = {}
+    for i, start in enumerate(starts):
+        progress(0.5 + 0.25 * i / len(starts), f"approaching {start.effect.kind}")
+        effect, cost = approach(glimpses, accepted, start.effect, start.widening)
+        if _name(effect) not in near or cost < near[_name(effect)][0]:
+            near[_name(effect)] = (cost, effect)
+    best = sorted(near.values(), key=lambda pair: pair[0])[:FITTED]
+    fits = []
+    for i, (_, effect) in enumerate(best):
+        progress(0.75 + 0.25 * i / len(best), f"fitting {effect.kind}")
+        fits.append(fit(predictor, (*accepted, effect)))
+    return sorted(fits, key=lambda one: one.bic)
+
+
+def improves(predictor: Predictor, before: Fit, after: Fit) -> bool:
+    """Return whether an added effect is convincing: by BIC, on what was held out, and by its size."""
+    observed = predictor.observed
+    if before.bic - after.bic < CONVINCING * temperature(predictor, after):
+        return False
+    effect, errors = after.effects[-1], after.errors[-1]
+    for name, spec in effect.specs().items():
+        if abs(effect.parameters[name] - spec.absent) < CLEAR * errors[name]:
+            return False
+    held_before, held_after = (f.residual.gap(observed.kept) for f in (before, after))
+    return held_after < held_before - scatter(observed, observed.kept, parts=3)
+
+
+def temperature(predictor: Predictor, best: Fit) -> float:
+    """Return by how much chi-square overstates a difference: correlated lines, or an incomplete model."""
+    return predictor.observed.correlation * max(1.0, best.chi_square / best.n_data)
+
+
+def _extended(
+    predictor: Predictor, path: Path, suspects: Sequence[Effect], max_effects: int, progress: Progress
+) -> Path:
+    while len(path.steps) < max_effects and not only_noise_left(predictor, path.fit.residual):
+        found = trials(predictor, path.fit, suspects, progress=progress)
+        if not found or not improves(predictor, path.fit, found[0]):
+            break
+        step = Accepted(_name(found[0].effects[-1]), path.fit, found[0], tuple(found))
+        path = Path(path.start, (*path.steps, step))
+    return path
+
+
+def _pruned(predictor: Predictor, path: Path) -> Path:
+    """Return the path without effects that those added later made needless."""
+    if len(path.steps) < 2:
+        return path
+    for i in range(len(path.steps) - 1):
+        rest = tuple(e for j, e in enumerate(path.fit.effects) if j != i)
+        without = fit(predictor, rest)
+        if without.bic < path.fit.bic + CONVINCING:
+            kept = [s for j, s in enumerate(path.steps) if j != i]
+            last = Accepted(kept[-1].kind_and_place, kept[-1].before, without, kept[-1].tried)
+            return _pruned(predictor, Path(path.start, (*kept[:-1], last)))
+    return path
+
+
+def _name(effect: Effect) -> tuple[str, str]:
+    return effect.kind, str(effect.at)
+
+
+def _part(progress: Progress, low: float, high: float) -> Progress:
+    return lambda fraction, message: progress(low + (high - low) * fraction, message)
+
+
+def probabilities(predictor: Predictor, fits: Sequence[Fit]) -> list[float]:
+    """Return the share of belief of each fit among all, by BIC."""
+    scale = temperature(predictor, fits[0])
+    weight = np.exp(-0.5 * np.array([f.bic - fits[0].bic for f in fits]) / scale)
+    return [float(w) for w in weight / weight.sum()]
