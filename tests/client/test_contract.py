@@ -1,0 +1,77 @@
+"""The client and the service together, as users have them."""
+
+import asyncio
+from pathlib import Path
+
+import numpy as np
+import pytest
+
+from modallab_client import AsyncModalLab, ModalLab, errors
+
+SECTION = {"area": 5e-4, "second_moment": 4.1667e-9}
+STEEL = {"modulus": 2.09e11, "density": 7800.0}
+
+
+def test_what_is_kept_in_a_folder_is_there_the_next_time(tmp_path: Path) -> None:
+    with ModalLab.embedded(tmp_path) as lab:
+        beam = lab.structures.catalogue("chapter-5-beam")
+    with ModalLab.embedded(tmp_path) as lab:
+        assert lab.structures.get(beam.id) == beam
+        assert [entry.id for entry in lab.structures.list()] == [beam.id]
+
+
+def test_a_measurement_goes_out_and_comes_back_with_await(tmp_path: Path) -> None:
+    async def talk() -> None:
+        async with AsyncModalLab.embedded(tmp_path) as lab:
+            beam = await lab.structures.beam(length=1.5, n_elements=6, section=SECTION, material=STEEL)
+            rig = await lab.rigs.create(drive="1:+Y", responses=["1:+Y", "7:+Y"], analyser={"n_lines": 201})
+            job = await lab.measurements.start(beam.id, rig.id, route="expected")
+            test = await job.result(timeout=120)
+            assert test.rig_id == rig.id
+            assert (await lab.jobs.get(job.id)).state == "succeeded"
+            back = await lab.measurements.import_npz(
+                rig.id,
+                freq=test.freq,
+                values=test.values,
+                outputs=test.outputs,
+                inputs=test.inputs,
+                kind=test.kind,
+            )
+            np.testing.assert_array_equal(back.values, test.values)
+            assert len((await lab.measurements.curves(test.id, points=20)).curves) == 2
+            assert (await lab.measurements.truth(test.id)).structure_id == beam.id
+
+    asyncio.run(talk())
+
+
+def test_what_is_wrong_comes_back_as_its_class(tmp_path: Path) -> None:
+    with ModalLab.embedded(tmp_path) as lab:
+        beam = lab.structures.catalogue("chapter-5-beam")
+        lab.structures.change(beam.id, members=[7], property="modulus", factor=1.3)
+        elsewhere = lab.rigs.create(drive="99:+Y", responses=["1:+Y"])
+        with pytest.raises(errors.UnknownDofError, match="99"):
+            lab.measurements.start(beam.id, elsewhere.id)
+        with pytest.raises(errors.InvalidInputError, match="nonsense"):
+            lab.request("POST", "/v1/structures", json={"kind": "catalogue", "name": "bay", "nonsense": 1})
+        with pytest.raises(errors.ConflictError):
+            lab.structures.delete(beam.id)  # another was made from it
+        with pytest.raises(errors.NotFoundError):
+            lab.diagnoses.get("none")
+
+
+def test_modes_go_in_and_out_as_they_are(tmp_path: Path) -> None:
+    with ModalLab.embedded(tmp_path) as lab:
+        beam = lab.structures.catalogue("chapter-5-beam")
+        dofs = ["1:+Y", "11:+Y", "21:+Y"]
+        modes = lab.structures.synthetic_modes(beam.id, dofs=dofs, count=3)
+        assert modes.dofs == tuple(dofs)
+        again = lab.modal_models.import_(
+            frequencies=modes.frequencies,
+            loss_factors=modes.loss_factors,
+            shapes=modes.shapes,
+            dofs=modes.dofs,
+        )
+        np.testing.assert_array_equal(again.shapes, modes.shapes)
+        agreement = lab.correlations.create(again.id, beam.id)
+        assert agreement.pairs == ((1, 1), (2, 2), (3, 3))
+        assert "extra_mass" in [entry.kind for entry in lab.catalog.effects()]
