@@ -17,6 +17,7 @@ class Biased(StrEnum):
 
     H1 = "h1"
     H2 = "h2"
+    HV = "hv"
 
 
 @dataclass(frozen=True, eq=False)
@@ -45,7 +46,7 @@ class Leakage:
         window
             (n_samples,) its values over one record, any scale.
         estimator
-            "h1" or "h2".
+            "h1", "h2" or "hv".
 
         Raises
         ------
@@ -54,7 +55,10 @@ class Leakage:
         """
         if estimator not in list(Biased):
             raise InvalidInputError(
-                f"leakage of {estimator!r} is not known", field="estimator", value=estimator, allowed="h1, h2"
+                f"leakage of {estimator!r} is not known",
+                field="estimator",
+                value=estimator,
+                allowed=", ".join(Biased),
             )
         window = np.asarray(window, float)
         if window.ndim != 1 or len(window) < MIN_SAMPLES or not np.abs(window).max() > 0:
@@ -83,8 +87,8 @@ class Leakage:
         """Return what to multiply leaked inertance by, if one mode and a smooth rest are all there is.
 
         The force is flat over a window's width, so `E[H1] = W * H` and `E[H2] = (W * |H|^2)/(W * conj H)`,
-        `*` being the convolution by the window's power spectrum W. Both follow from the closed form of
-        a pole's convolution.
+        `*` being the convolution by the window's power spectrum W, and Hv is their geometric mean. All
+        follow from the closed form of a pole's convolution.
 
         Parameters
         ----------
@@ -105,10 +109,14 @@ class Leakage:
         rest = rest + strength * spacing / (pole + freq)
         gap = (pole - freq) / spacing
         spread = -2j * np.pi * (np.exp(2j * np.pi * gap[..., None] * self.lag) @ self.correlation)
-        exact = strength / gap + rest
         cross = strength * spread + rest
-        if self.estimator is Biased.H1:
-            return np.asarray(exact / cross)
         auto = -(np.abs(strength) ** 2) * spread.imag / gap.imag
         auto = auto + 2 * (rest.conj() * strength * spread).real + np.abs(rest) ** 2
-        return np.asarray(exact * cross.conj() / auto)
+        match self.estimator:
+            case Biased.H1:
+                leaked = cross
+            case Biased.H2:
+                leaked = auto / cross.conj()
+            case Biased.HV:
+                leaked = np.sqrt(np.maximum(auto, 0)) * cross / np.abs(cross)
+        return np.asarray((strength / gap + rest) / np.where(leaked == 0, 1, leaked))

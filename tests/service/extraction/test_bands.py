@@ -12,7 +12,7 @@ from modallab.extraction.method import ModeFit
 
 def mobility(freq: FloatArray, *frequencies: float) -> ComplexArray:
     modes = [np.abs(freq * ModeFit(f, 0.01, 1.0).response(freq)) for f in frequencies]
-    return np.sum(modes, axis=0)[:, None].astype(complex)
+    return np.asarray(sum(modes), complex)[:, None]
 
 
 def test_every_mode_of_the_beam_has_its_band(roving_beam: Beam, freq: FloatArray) -> None:
