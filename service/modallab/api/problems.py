@@ -2,7 +2,6 @@
 
 import math
 from collections.abc import Iterator, Mapping
-from http import HTTPStatus
 from typing import Any
 
 import structlog
@@ -28,6 +27,8 @@ STATUS: Mapping[type[errors.ModalLabError], int] = {
     QueueFullError: 503,
     StoredDataError: 500,
 }
+# Written out, for the phrases of Python's own `http` module differ from version to version.
+_CODES = {400: "bad_request", 404: "not_found", 405: "method_not_allowed", 413: "content_too_large"}
 _RETRY_AFTER = "5"  # s: about the length of a short job
 _SHOWN = 200  # characters of a refused value that are shown
 
@@ -107,8 +108,8 @@ def _of_validation(_request: Request, error: Exception) -> JSONResponse:
 
 def _of_http(_request: Request, error: Exception) -> JSONResponse:
     assert isinstance(error, HTTPException)
-    title = HTTPStatus(error.status_code).phrase
-    code = title.lower().replace(" ", "_").replace("-", "_")
+    code = _CODES.get(error.status_code, f"http_{error.status_code}")
+    title = code.replace("_", " ").capitalize()
     reply = response(document(error.status_code, code, title, str(error.detail), {}))
     reply.headers.update(error.headers or {})
     return reply

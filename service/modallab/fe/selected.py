@@ -15,8 +15,8 @@ from modallab.fe.structure import Structure
 from modallab.fe.system import SMALL
 
 
-def lowest_modes(structure: Structure, count: int) -> ModalBasis:
-    """Return the first elastic modes of a structure, fewer where it has fewer.
+def lowest_modes(structure: Structure, count: int) -> tuple[ModalBasis, int]:
+    """Return the first elastic modes, fewer where there are fewer, and the number of rigid-body modes.
 
     Raises
     ------
@@ -32,7 +32,7 @@ def lowest_modes(structure: Structure, count: int) -> ModalBasis:
             break
         frequency_max *= 4
         basis = system.modes(frequency_max)
-    return basis.elastic(count)
+    return basis.elastic(count), basis.n_rigid_body
 
 
 def exact_modes(structure: Structure, count: int) -> ModalModel:
@@ -95,7 +95,7 @@ def synthetic_modes(
     UnknownDofError
         If the structure has no such DoF.
     """
-    basis = lowest_modes(structure, count)
+    basis, _ = lowest_modes(structure, count)
     rows = [structure.index(dof) for dof in dofs]
     signs = np.array([dof.sign for dof in dofs])
     squares = basis.eigenvalues.real * noise.factors(noise.eigenvalue, len(basis.eigenvalues), rng)

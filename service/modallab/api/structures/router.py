@@ -71,12 +71,12 @@ def change_structure(
 
 @router.get("/{id}/modes", summary="Elastic modes")
 def get_modes(id: IdPath, store: StoreDep, count: Count = 10) -> ModesOut:
-    basis = lowest_modes(store.structures.get(id), count)
+    basis, n_rigid_body = lowest_modes(store.structures.get(id), count)
     return ModesOut(
         **ModesOut.fields(store.structures.entry(id)),
         frequencies=basis.frequencies.tolist(),
         loss_factors=basis.loss_factors.tolist(),
-        n_rigid_body=basis.n_rigid_body,
+        n_rigid_body=n_rigid_body,
     )
 
 
@@ -85,7 +85,7 @@ def get_mode_arrays(
     id: IdPath, store: StoreDep, count: Count = 10, precision: Precision = "double"
 ) -> Response:
     structure = store.structures.get(id)
-    basis = lowest_modes(structure, count)
+    basis, _ = lowest_modes(structure, count)
     dofs = np.array([str(dof) for dof in structure.dofs])
     return npz_of({"frequencies": basis.frequencies, "shapes": basis.shapes, "dofs": dofs}, precision)
 

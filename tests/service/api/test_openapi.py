@@ -1,0 +1,70 @@
+"""Whatever the OpenAPI document allows to be sent, and more, no answer is a fault of the service."""
+
+from contextlib import suppress
+from typing import Any
+
+import pytest
+import schemathesis
+from hypothesis import HealthCheck, Phase, given, settings
+from hypothesis.errors import Unsatisfiable
+from schemathesis.generation import GenerationMode
+
+CHECKED = settings(
+    max_examples=10,  # an operation and mode: some forty operations in half a minute
+    deadline=None,
+    database=None,
+    derandomize=True,
+    phases=[Phase.generate],
+    suppress_health_check=list(HealthCheck),
+)
+
+
+@pytest.fixture(scope="module")
+def document(service: Any) -> Any:
+    """The OpenAPI document."""
+    return service.get("/openapi.json")
+
+
+def test_every_post_has_an_example(document: Any) -> None:
+    for path, methods in document["paths"].items():
+        for media_type, content in methods.get("post", {}).get("requestBody", {}).get("content", {}).items():
+            assert "examples" in content or media_type == "multipart/form-data", path
+
+
+def test_the_examples_are_good_requests(service: Any, document: Any, beam: str, rig: str) -> None:
+    for path, methods in document["paths"].items():
+        contents = methods.get("post", {}).get("requestBody", {}).get("content", {})
+        for example in contents.get("application/json", {}).get("examples", {}).values():
+            reply = service.request("POST", path.replace("{id}", beam), json=example["value"])
+            # ids in an example are made up, all else must hold
+            assert reply.status_code in (201, 202, 404), (path, reply.text)
+
+
+@pytest.mark.parametrize("mode", list(GenerationMode))
+def test_no_request_ends_in_a_fault(service: Any, document: Any, beam: str, rig: str, mode: Any) -> None:
+    faults: list[str] = []
+    schema = schemathesis.openapi.from_dict(document)
+    known = {"id": beam, "structure_id": beam, "rig_id": rig}
+
+    def send(case: Any) -> None:
+        if isinstance(case.body, dict):  # ids that exist lead further than made-up ones
+            case.body.update({name: id for name, id in known.items() if name in case.body})
+        if mode is GenerationMode.POSITIVE and "id" in case.path_parameters:
+            case.path_parameters["id"] = known["rig_id" if "/rigs" in case.path else "id"]
+        call = case.as_transport_kwargs(base_url="http://lab")
+        call = {name: value for name, value in call.items() if name != "cookies" and value is not None}
+        reply = service.request(call.pop("method"), call.pop("url"), **_for_httpx(call))
+        if reply.status_code >= 500:
+            faults.append(f"{case.as_curl_command()} -> {reply.status_code}")
+
+    for operation in (result.ok() for result in schema.get_all_operations()):
+        with suppress(Unsatisfiable):  # nothing about a request without parameters can be wrong
+            CHECKED(given(case=operation.as_strategy(generation_mode=mode))(send))()
+    assert not faults, "\n".join(faults)
+
+
+def _for_httpx(call: dict[str, Any]) -> dict[str, Any]:
+    """Return the arguments of a call as httpx names them: raw bytes are content."""
+    if isinstance(call.get("data"), (bytes, str)):
+        call["content"] = call.pop("data")
+    return call

@@ -1,0 +1,66 @@
+"""The book of jobs: what has ended never changes again."""
+
+from collections.abc import Callable
+
+import pytest
+
+from modallab.core.errors import NotFoundError
+from modallab.jobs.book import JobBook
+from modallab.jobs.durable import JobPlace
+from modallab.jobs.runner import JobState, QueueFullError
+from modallab.store.place import StorePlace, engine_of
+
+Places = tuple[StorePlace, JobPlace]
+
+
+def book_at(places: Places, queue_length: int = 3) -> JobBook:
+    return JobBook(engine_of(places[0]), queue_length=queue_length)
+
+
+def test_a_job_goes_from_the_queue_to_its_end(places: Places) -> None:
+    book = book_at(places)
+    job = book.open("update_and_store", {"seed": 1}, owner="me")
+    assert (job.state, job.fraction, job.arguments) == (JobState.QUEUED, 0.0, {"seed": 1})
+    assert book.start(job.id)
+    assert book.progress(job.id, 0.5, "half way")
+    assert (book.get(job.id).fraction, book.get(job.id).message) == (0.5, "half way")
+    assert book.succeed(job.id)
+    assert (book.get(job.id).state, book.get(job.id).fraction) == (JobState.SUCCEEDED, 1.0)
+
+
+@pytest.mark.parametrize("end", [JobBook.succeed, JobBook.cancel, lambda b, i: b.fail(i, {"code": "x"})])
+def test_what_has_ended_never_changes_again(places: Places, end: Callable[[JobBook, str], bool]) -> None:
+    book = book_at(places)
+    job = book.open("update_and_store", {}, owner="me")
+    assert end(book, job.id)
+    ended = book.get(job.id)
+    changes = [book.start(job.id), book.progress(job.id, 0.1, ""), book.succeed(job.id), book.cancel(job.id)]
+    assert not any(changes)
+    assert not book.fail(job.id, {"code": "y"})
+    assert book.get(job.id) == ended
+
+
+def test_a_full_queue_takes_no_more_until_a_job_starts(places: Places) -> None:
+    book = book_at(places, queue_length=2)
+    first = book.open("update_and_store", {}, owner="me")
+    book.open("update_and_store", {}, owner="me")
+    with pytest.raises(QueueFullError):
+        book.open("update_and_store", {}, owner="me")
+    book.start(first.id)
+    book.open("update_and_store", {}, owner="me")
+
+
+def test_a_job_is_shown_to_its_owner_alone(places: Places) -> None:
+    book = book_at(places)
+    job = book.open("update_and_store", {}, owner="me")
+    assert book.get(job.id, owner="me") == job
+    with pytest.raises(NotFoundError):
+        book.get(job.id, owner="you")
+
+
+def test_active_jobs_are_those_that_have_not_ended(places: Places) -> None:
+    book = book_at(places)
+    ids = [book.open("update_and_store", {}, owner="me").id for _ in range(3)]
+    book.start(ids[0])
+    book.cancel(ids[1])
+    assert book.active() == [ids[0], ids[2]]
