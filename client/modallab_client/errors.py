@@ -28,10 +28,9 @@ class ClientError(Exception):
         self.status = status
 
     def __str__(self) -> str:
-        if not self.context:
-            return self.detail
-        named = ", ".join(f"{name}={value!r}" for name, value in self.context.items())
-        return f"{self.detail} ({named})"
+        short = {name: value for name, value in self.context.items() if isinstance(value, (str, float, int))}
+        named = ", ".join(f"{name}={value!r}" for name, value in short.items())
+        return f"{self.detail} ({named})" if named else self.detail
 
 
 class InvalidInputError(ClientError, ValueError):

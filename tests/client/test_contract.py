@@ -1,6 +1,7 @@
 """The client and the service together, as users have them."""
 
 import asyncio
+from collections.abc import Iterator
 from pathlib import Path
 
 import numpy as np
@@ -12,6 +13,13 @@ SECTION = {"area": 5e-4, "second_moment": 4.1667e-9}
 STEEL = {"modulus": 2.09e11, "density": 7800.0}
 
 
+@pytest.fixture(scope="module")
+def here() -> Iterator[ModalLab]:
+    """Yield a lab with a service of its own, for all tests of this file."""
+    with ModalLab.embedded() as lab:
+        yield lab
+
+
 def test_what_is_kept_in_a_folder_is_there_the_next_time(tmp_path: Path) -> None:
     with ModalLab.embedded(tmp_path) as lab:
         beam = lab.structures.catalogue("chapter-5-beam")
@@ -20,9 +28,9 @@ def test_what_is_kept_in_a_folder_is_there_the_next_time(tmp_path: Path) -> None
         assert [entry.id for entry in lab.structures.list()] == [beam.id]
 
 
-def test_a_measurement_goes_out_and_comes_back_with_await(tmp_path: Path) -> None:
+def test_a_measurement_goes_out_and_comes_back_with_await(here: ModalLab) -> None:
     async def talk() -> None:
-        async with AsyncModalLab.embedded(tmp_path) as lab:
+        async with AsyncModalLab(here.base_url) as lab:
             beam = await lab.structures.beam(length=1.5, n_elements=6, section=SECTION, material=STEEL)
             rig = await lab.rigs.create(drive="1:+Y", responses=["1:+Y", "7:+Y"], analyser={"n_lines": 201})
             job = await lab.measurements.start(beam.id, rig.id, route="expected")
@@ -44,34 +52,32 @@ def test_a_measurement_goes_out_and_comes_back_with_await(tmp_path: Path) -> Non
     asyncio.run(talk())
 
 
-def test_what_is_wrong_comes_back_as_its_class(tmp_path: Path) -> None:
-    with ModalLab.embedded(tmp_path) as lab:
-        beam = lab.structures.catalogue("chapter-5-beam")
-        lab.structures.change(beam.id, members=[7], property="modulus", factor=1.3)
-        elsewhere = lab.rigs.create(drive="99:+Y", responses=["1:+Y"])
-        with pytest.raises(errors.UnknownDofError, match="99"):
-            lab.measurements.start(beam.id, elsewhere.id)
-        with pytest.raises(errors.InvalidInputError, match="nonsense"):
-            lab.request("POST", "/v1/structures", json={"kind": "catalogue", "name": "bay", "nonsense": 1})
-        with pytest.raises(errors.ConflictError):
-            lab.structures.delete(beam.id)  # another was made from it
-        with pytest.raises(errors.NotFoundError):
-            lab.diagnoses.get("none")
+def test_what_is_wrong_comes_back_as_its_class(here: ModalLab) -> None:
+    beam = here.structures.catalogue("chapter-5-beam")
+    here.structures.change(beam.id, members=[7], property="modulus", factor=1.3)
+    elsewhere = here.rigs.create(drive="99:+Y", responses=["1:+Y"])
+    with pytest.raises(errors.UnknownDofError, match="99"):
+        here.measurements.start(beam.id, elsewhere.id)
+    with pytest.raises(errors.InvalidInputError, match="nonsense"):
+        here.request("POST", "/v1/structures", json={"kind": "catalogue", "name": "bay", "nonsense": 1})
+    with pytest.raises(errors.ConflictError):
+        here.structures.delete(beam.id)  # another was made from it
+    with pytest.raises(errors.NotFoundError):
+        here.diagnoses.get("none")
 
 
-def test_modes_go_in_and_out_as_they_are(tmp_path: Path) -> None:
-    with ModalLab.embedded(tmp_path) as lab:
-        beam = lab.structures.catalogue("chapter-5-beam")
-        dofs = ["1:+Y", "11:+Y", "21:+Y"]
-        modes = lab.structures.synthetic_modes(beam.id, dofs=dofs, count=3)
-        assert modes.dofs == tuple(dofs)
-        again = lab.modal_models.import_(
-            frequencies=modes.frequencies,
-            loss_factors=modes.loss_factors,
-            shapes=modes.shapes,
-            dofs=modes.dofs,
-        )
-        np.testing.assert_array_equal(again.shapes, modes.shapes)
-        agreement = lab.correlations.create(again.id, beam.id)
-        assert agreement.pairs == ((1, 1), (2, 2), (3, 3))
-        assert "extra_mass" in [entry.kind for entry in lab.catalog.effects()]
+def test_modes_go_in_and_out_as_they_are(here: ModalLab) -> None:
+    beam = here.structures.catalogue("chapter-5-beam")
+    dofs = ["1:+Y", "11:+Y", "21:+Y"]
+    modes = here.structures.synthetic_modes(beam.id, dofs=dofs, count=3)
+    assert modes.dofs == tuple(dofs)
+    again = here.modal_models.import_(
+        frequencies=modes.frequencies,
+        loss_factors=modes.loss_factors,
+        shapes=modes.shapes,
+        dofs=modes.dofs,
+    )
+    np.testing.assert_array_equal(again.shapes, modes.shapes)
+    agreement = here.correlations.create(again.id, beam.id)
+    assert agreement.pairs == ((1, 1), (2, 2), (3, 3))
+    assert "extra_mass" in [entry.kind for entry in here.catalog.effects()]

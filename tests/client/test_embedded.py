@@ -97,6 +97,16 @@ def test_a_service_that_hangs_is_given_up(monkeypatch: pytest.MonkeyPatch) -> No
 
 
 @pytest.mark.usefixtures("_pretended")
+def test_a_first_request_may_come_late(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
+    lab = ModalLab.embedded(tmp_path)
+    assert soon((tmp_path / "pids").exists)
+    time.sleep(1.0)  # longer than the service needs once it has got this far
+    monkeypatch.setattr(_embedded, "START_TIMEOUT", 0.0)
+    assert lab.request("GET", "/v1/health") == {"status": "ok"}
+    lab.close()
+
+
+@pytest.mark.usefixtures("_pretended")
 def test_a_service_that_dies_is_reported_with_its_log(tmp_path: Path) -> None:
     with ModalLab.embedded(tmp_path) as lab:
         group = os.getpgid(int((tmp_path / "pids").read_text()))

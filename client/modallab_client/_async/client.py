@@ -43,6 +43,7 @@ class AsyncModalLab:
         http: httpx.AsyncClient | None = None,
         timeout: float = 60.0,
     ) -> None:
+        self.base_url = base_url
         self._transport = AsyncTransport(base_url, api_key=api_key, http=http, timeout=timeout)
         self.structures = AsyncStructures(self._transport)
         self.rigs = AsyncRigs(self._transport)

@@ -43,6 +43,7 @@ class ModalLab:
         http: httpx.Client | None = None,
         timeout: float = 60.0,
     ) -> None:
+        self.base_url = base_url
         self._transport = Transport(base_url, api_key=api_key, http=http, timeout=timeout)
         self.structures = Structures(self._transport)
         self.rigs = Rigs(self._transport)

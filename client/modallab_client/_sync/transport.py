@@ -49,13 +49,13 @@ class Transport:
             If an embedded service does not start.
         """
         while self._service is not None and not self._ready:
-            self._service.check_start()
             try:
                 reply = self._http.get(f"{self._base}/v1/health")
                 self._ready = reply.is_success
             except httpx.TransportError:
                 self._ready = False
             if not self._ready:
+                self._service.check_start()
                 sleep(STARTING)
 
     def close(self) -> None:
