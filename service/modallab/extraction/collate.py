@@ -36,7 +36,7 @@ def collate(
     seen = np.flatnonzero(table.screening.good.any(axis=1))
     frequency = [float(table.frequency[m][table.screening.good[m]].mean()) for m in seen]
     order = seen[np.argsort(frequency, kind="stable")]
-    at = next((i for i, dof in enumerate(dofs) if dof.point == drive.point), None)
+    at = drive_row(dofs, drive)
     modes = tuple(_mode(table, int(m), dofs, drive, at) for m in order)
     shown = table.screening.good[order] | table.screening.outlying[order]
     lost = (
@@ -52,6 +52,11 @@ def collate(
         modal_constant=table.modal_constant[order],
         notes=(*notes, *lost),
     )
+
+
+def drive_row(dofs: Sequence[Dof], drive: Dof) -> int | None:
+    """Return which of the FRFs is that of the drive point, None if none is."""
+    return next((i for i, dof in enumerate(dofs) if dof.point == drive.point), None)
 
 
 def _mode(table: Table, m: int, dofs: Sequence[Dof], drive: Dof, at: int | None) -> Mode:

@@ -11,7 +11,7 @@ from modallab.core.frf import FrfKind, FrfSet
 from modallab.core.modal_model import ModalModel
 from modallab.core.progress import Progress, silent
 from modallab.extraction.bands import Band, coherent_lines, find_bands, given_bands, mode_indicator
-from modallab.extraction.collate import collate
+from modallab.extraction.collate import collate, drive_row
 from modallab.extraction.fitting import Table, fit_all, gather
 from modallab.extraction.leakage import Leakage
 from modallab.extraction.method import EXTRACTION_METHODS
@@ -71,7 +71,7 @@ def extract(
     windows = place_windows(mobility, indicator, found, base=base)
     progress(0.2, f"fitting {len(found)} modes in {len(dofs)} FRFs")
     variance = line_variance(receptance, trust, averages)
-    table = fit_all(fit, gather(freq, receptance, variance, windows, leakage))
+    table = fit_all(fit, gather(freq, receptance, variance, windows, leakage, drive_row(dofs, drive)))
     notes = _missing(table, freq, found, given=bands is not None)
     if n_modes is not None and bands is None and len(found) < n_modes:
         notes.append(f"{n_modes} modes asked for, {len(found)} found")

@@ -5,13 +5,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray
-from modallab.extraction.leakage import Leakage
+from modallab.extraction.leakage import Leakage, OnePole
 from modallab.extraction.method import ExtractionMethod, ModeFits
 from modallab.extraction.screening import Screening, screen
 from modallab.extraction.windows import Windows
 
 ROUNDS = 3  # what neighbours leave after one subtraction is second order; the later ones settle it
-LEAKY_ROUNDS = 12  # the correction for leakage needs the mode that it corrects
+LEAKY_ROUNDS = 16  # the correction for leakage needs the mode that it corrects; H1 settles slowest
 # Leaked lines err most where the response is highest, and in proportion to its square: with this much
 # at the peak the fit rests on the flanks, from where the correction converges for 0.1 line wide modes.
 LEAKED = 0.1
@@ -40,6 +40,7 @@ class Data:
     weight: FloatArray  # one over E|error|^2, 0 for a line not used
     spacing: float  # of the lines, Hz
     leakage: Leakage | None
+    drive: int | None  # which FRF is that of the drive point
 
     @property
     def x(self) -> FloatArray:
@@ -53,6 +54,7 @@ def gather(
     variance: FloatArray,
     windows: Windows,
     leakage: Leakage | None,
+    drive: int | None,
 ) -> Data:
     """Return the lines inside the windows; `freq` (n_freq,), the others (n_freq, n_frf)."""
     column = np.arange(receptance.shape[1])[None, :, None]
@@ -65,7 +67,7 @@ def gather(
     usable = windows.used & np.isfinite(noise) & (noise > 0)
     weight = np.where(usable, 1 / np.where(usable, noise, 1.0), 0.0)
     spacing = float(np.median(np.diff(freq)))
-    return Data(freq[windows.index], values, weight, spacing, leakage)
+    return Data(freq[windows.index], values, weight, spacing, leakage, drive)
 
 
 def fit_all(method: ExtractionMethod, data: Data) -> Table:
@@ -84,10 +86,7 @@ def fit_all(method: ExtractionMethod, data: Data) -> Table:
         table, eigenvalue, rest = _fit_once(method, data, data.receptance * undone - others)
         others = _others(data, table.modal_constant, eigenvalue)
         if data.leakage is not None:
-            inertance = -data.x * (rest + others) + table.modal_constant[:, :, None]
-            step = data.leakage.undone(
-                data.freq, data.spacing, eigenvalue, -eigenvalue * table.modal_constant, inertance
-            )
+            step = _undo(data, data.leakage, table.modal_constant, eigenvalue, rest + others)
             # modes much narrower than a line swing about the answer unless the late steps are halved
             share = 1.0 if n < LEAKY_ROUNDS // 2 else 0.5
             undone = (1 - share) * undone + share * step
@@ -163,6 +162,28 @@ def _held(
     left = flat - constant[:, :, None] * shape
     misfit = (weight * np.abs(left) ** 2).sum(axis=2) / np.maximum((weight > 0).sum(axis=2) - 2, 1)
     return constant, np.sqrt(np.maximum(misfit, 1) / 2 / safe)
+
+
+def _undo(
+    data: Data, leakage: Leakage, constant: ComplexArray, eigenvalue: ComplexArray, rest: ComplexArray
+) -> ComplexArray:
+    """Return what to multiply the measured lines by; `rest` is the receptance beside each mode."""
+    # a mode's receptance, turned to inertance, is a mode and its modal constant
+    inertance = constant[:, :, None] - data.x * rest
+    at = data.drive
+    if at is None:
+        drive, beside = np.zeros_like(constant), np.zeros_like(rest)
+    else:
+        used = data.weight[:, at] > 0
+        mean = (used * inertance[:, at]).sum(axis=1) / np.maximum(used.sum(axis=1), 1)
+        drive = np.broadcast_to(constant[:, at, None], constant.shape)
+        beside = np.broadcast_to(mean[:, None, None], rest.shape)
+    return leakage.undone(
+        data.freq,
+        data.spacing,
+        OnePole(eigenvalue, -eigenvalue * constant, inertance),
+        OnePole(eigenvalue, -eigenvalue * drive, beside),
+    )
 
 
 def _others(data: Data, constant: ComplexArray, eigenvalue: ComplexArray) -> ComplexArray:

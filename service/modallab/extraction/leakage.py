@@ -31,6 +31,7 @@ class Leakage:
     lag: FloatArray  # (n_lag,) quadrature nodes
     correlation: FloatArray  # (n_lag,) autocorrelation times quadrature weight
     estimator: Biased
+    source_mass: float = 0.0  # kg behind the force transducer, which the source drives too: an armature
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "lag", frozen(self.lag, float, (None,), name="lag"))
@@ -38,7 +39,7 @@ class Leakage:
         object.__setattr__(self, "correlation", frozen(self.correlation, float, shape, name="correlation"))
 
     @classmethod
-    def of(cls, window: FloatArray, estimator: str) -> Self:
+    def of(cls, window: FloatArray, estimator: str, *, source_mass: float = 0.0) -> Self:
         """Return the leakage of a window.
 
         Parameters
@@ -47,6 +48,8 @@ class Leakage:
             (n_samples,) its values over one record, any scale.
         estimator
             "h1", "h2" or "hv".
+        source_mass
+            kg of the exciter's armature: it takes force at resonances, where the force then is not flat.
 
         Raises
         ------
@@ -74,21 +77,14 @@ class Leakage:
         lag, weight = np.polynomial.legendre.leggauss(96)
         lag = (lag + 1) / 2
         at = np.interp(lag, np.arange(len(window)) / len(window), correlation / correlation[0])
-        return cls(lag, at * weight / 2, Biased(estimator))
+        return cls(lag, at * weight / 2, Biased(estimator), source_mass)
 
-    def undone(
-        self,
-        freq: FloatArray,
-        spacing: float,
-        eigenvalue: ComplexArray,
-        constant: ComplexArray,
-        rest: ComplexArray,
-    ) -> ComplexArray:
+    def undone(self, freq: FloatArray, spacing: float, response: "OnePole", drive: "OnePole") -> ComplexArray:
         """Return what to multiply leaked inertance by, if one mode and a smooth rest are all there is.
 
-        The force is flat over a window's width, so `E[H1] = W * H` and `E[H2] = (W * |H|^2)/(W * conj H)`,
-        `*` being the convolution by the window's power spectrum W, and Hv is their geometric mean. All
-        follow from the closed form of a pole's convolution.
+        The source is flat over a window's width, the force `1/(1 + m H_11)` of it [5.2]. Both force and
+        response are then one pole, that of the structure with the armature, and a constant, and their
+        spectra convolved by the window's power spectrum follow from the closed form of a pole's convolution.
 
         Parameters
         ----------
@@ -96,27 +92,57 @@ class Leakage:
             (..., n_lines) Hz.
         spacing
             Of the lines, Hz: one over the record's length.
-        eigenvalue
-            (...) lambda_r, (rad/s)^2.
-        constant
-            (...) modal constant of the inertance, `-lambda_r A_r`.
-        rest
-            (..., n_lines) inertance beside that of the mode; it leaks unchanged.
+        response, drive
+            Inertance of the FRF in question, and of the drive point, with the same eigenvalue.
         """
-        pole = np.sqrt(eigenvalue)[..., None] / (2 * np.pi)
-        strength = constant[..., None] / (8 * np.pi**2 * pole * spacing)
-        # far from its mirror pole, which joins the rest, a mode is one pole in frequency
-        rest = rest + strength * spacing / (pole + freq)
-        gap = (pole - freq) / spacing
-        spread = -2j * np.pi * (np.exp(2j * np.pi * gap[..., None] * self.lag) @ self.correlation)
-        cross = strength * spread + rest
-        auto = -(np.abs(strength) ** 2) * spread.imag / gap.imag
-        auto = auto + 2 * (rest.conj() * strength * spread).real + np.abs(rest) ** 2
-        match self.estimator:
-            case Biased.H1:
-                leaked = cross
-            case Biased.H2:
-                leaked = auto / cross.conj()
-            case Biased.HV:
-                leaked = np.sqrt(np.maximum(auto, 0)) * cross / np.abs(cross)
+        gap, strength, rest = response.about(freq, spacing)
+        _, drive_strength, drive_rest = drive.about(freq, spacing)
+        force_level = 1 / (1 + self.source_mass * drive_rest)
+        shift = self.source_mass * drive_strength * force_level
+        loaded = gap + shift
+        spread = -2j * np.pi * (np.exp(2j * np.pi * loaded[..., None] * self.lag) @ self.correlation)
+        power = -spread.imag / np.where(loaded.imag == 0, 1, loaded.imag)
+
+        def convolved(a: ComplexArray, b: ComplexArray, c: ComplexArray, d: ComplexArray) -> ComplexArray:
+            """The window over (a/gap + b) times the conjugate of (c/gap + d)."""
+            return np.asarray(
+                a * c.conj() * power + a * d.conj() * spread + b * (c * spread).conj() + b * d.conj()
+            )
+
+        force = -force_level * shift, force_level
+        motion = force_level * (strength - rest * shift), force_level * rest
+        ff, fx, xx = (
+            convolved(*force, *force).real,
+            convolved(*motion, *force),
+            convolved(*motion, *motion).real,
+        )
+        leaked = _estimate(self.estimator, ff, fx, xx)
         return np.asarray((strength / gap + rest) / np.where(leaked == 0, 1, leaked))
+
+
+@dataclass(frozen=True, eq=False)
+class OnePole:
+    """Inertance near one mode: `constant/(lambda_r - omega^2) + rest`."""
+
+    eigenvalue: ComplexArray  # (...) (rad/s)^2
+    constant: ComplexArray  # (...) -lambda_r A_r
+    rest: ComplexArray  # (..., n_lines), smooth: it leaks unchanged
+
+    def about(self, freq: FloatArray, spacing: float) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
+        """Return pole minus line, in lines, the pole's strength and the rest, each (..., n_lines)."""
+        pole = np.sqrt(self.eigenvalue)[..., None] / (2 * np.pi)
+        strength = self.constant[..., None] / (8 * np.pi**2 * pole * spacing)
+        # far from its mirror pole, which joins the rest, a mode is one pole in frequency
+        rest = self.rest + strength * spacing / (pole + freq)
+        return np.asarray((pole - freq) / spacing), strength, rest
+
+
+def _estimate(estimator: Biased, ff: FloatArray, fx: ComplexArray, xx: FloatArray) -> ComplexArray:
+    match estimator:
+        case Biased.H1:
+            return np.asarray(fx / np.where(ff == 0, 1, ff))
+        case Biased.H2:
+            return np.asarray(xx / np.where(fx == 0, 1, fx.conj()))
+        case Biased.HV:
+            size = np.sqrt(np.maximum(xx / np.where(ff == 0, 1, ff), 0))
+            return np.asarray(size * np.exp(1j * np.angle(fx)))

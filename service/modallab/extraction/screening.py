@@ -77,7 +77,9 @@ def _scatter(values: FloatArray, floor: FloatArray, sure: BoolArray) -> FloatArr
 
 def _median(values: FloatArray, among: BoolArray) -> FloatArray:
     """Return the median of each row over the entries that count, 0 where none does."""
-    some: BoolArray = np.asarray(among.any(axis=1))
-    counted = np.where(among | ~some[:, None], values, np.nan)
-    middle: FloatArray = np.where(some, np.nanmedian(counted, axis=1), 0.0)
-    return middle
+    n = among.sum(axis=1)
+    ranked = np.sort(np.where(among, values, np.inf), axis=1)
+    rows = np.arange(len(values))
+    # of an even number the two in the middle, else the same one twice
+    middle = (ranked[rows, np.maximum(n - 1, 0) // 2] + ranked[rows, np.minimum(n // 2, n - (n > 0))]) / 2
+    return np.asarray(np.where(n > 0, middle, 0.0))
