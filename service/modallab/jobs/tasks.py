@@ -20,7 +20,7 @@ from modallab.extraction.leakage import Leakage
 from modallab.rig.effect import build
 from modallab.rig.excitation import EXCITATIONS
 from modallab.rig.measure import Route, measure
-from modallab.rig.setup import Analyser
+from modallab.rig.setup import RigSetup
 from modallab.store.base import Store, Truth
 from modallab.store.plain import from_plain
 from modallab.updating.method import UPDATERS, UpdateOptions
@@ -79,10 +79,12 @@ _PERIODIC = 0.0  # share of the power that leaks, of an excitation that repeats 
 _WINDOW_SAMPLES = 1024
 
 
-def _leakage(analyser: Analyser) -> Leakage | None:
+def _leakage(setup: RigSetup) -> Leakage | None:
+    analyser = setup.analyser
     if EXCITATIONS[analyser.excitation.kind].continuous == _PERIODIC:
         return None
-    return Leakage.of(WINDOWS[analyser.window].samples(_WINDOW_SAMPLES), analyser.estimator)
+    window = WINDOWS[analyser.window].samples(_WINDOW_SAMPLES)
+    return Leakage.of(window, analyser.estimator, source_mass=setup.exciter.armature_mass)
 
 
 def extract_and_store(
@@ -104,7 +106,7 @@ def extract_and_store(
         method=method,
         bands=bands,
         n_modes=n_modes,
-        leakage=_leakage(measurement.setup.analyser),
+        leakage=_leakage(measurement.setup),
         progress=progress,
     )
     store.modal_models.add(model, owner=into.owner, inputs={"measurement_id": measurement_id}, id=into.id)

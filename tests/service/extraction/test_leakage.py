@@ -31,7 +31,7 @@ def a_mode(position: float, bandwidth: float) -> ModeFit:
 
 @cache
 def leaked(mode: ModeFit, armature: float = 0.0) -> dict[str, ComplexArray]:
-    """Expected inertance by H1, H2 and Hv at the drive point, flat source behind a mass, by fine quadrature."""
+    """Expected inertance by H1, H2 and Hv at the drive point, flat source behind a mass, by quadrature."""
     offset = (np.arange(-REACH * POINTS, REACH * POINTS) + 0.5) / POINTS
     share = hann_power(offset) / POINTS
     fine = FREQ[:, None] + offset
