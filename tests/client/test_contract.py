@@ -52,6 +52,27 @@ def test_a_measurement_goes_out_and_comes_back_with_await(here: ModalLab) -> Non
     asyncio.run(talk())
 
 
+def test_the_example_is_the_same_with_await(here: ModalLab) -> None:
+    async def talk() -> None:
+        async with AsyncModalLab(here.base_url) as lab:
+            beam = await lab.structures.catalogue("chapter-5-beam")
+            truth = await lab.structures.change(beam.id, members=[7], property="modulus", factor=1.3)
+            rig = await lab.rigs.create(drive="1:+Y", responses=[f"{n}:+Y" for n in range(1, 22, 2)])
+            test = await (await lab.measurements.start(truth.id, rig.id, seed=1)).result()
+            modes = await (await lab.modal_models.start(test.id, method="dobson", n_modes=8)).result()
+            pairs = [[n, n + 1] for n in range(1, 20, 2)]
+            job = await lab.updates.start(beam.id, modes.id, macros=pairs, parts=["stiffness"])
+            update = await job.result()
+            # 2 %: what the Dobson modes of a noise-free test leave uncertain
+            assert update.coefficients["stiffness"][7] == pytest.approx(1.3, rel=0.02)
+            corrected = await lab.correlations.create(modes.id, update.structure_id or "", count=8)
+            assert corrected.pairs == tuple((mode, mode) for mode in range(1, 9))
+            assert [entry.id for entry in await lab.updates.list()] == [update.id]
+            assert "dobson" in [entry.kind for entry in await lab.catalog.extraction_methods()]
+
+    asyncio.run(talk())
+
+
 def test_what_is_wrong_comes_back_as_its_class(here: ModalLab) -> None:
     beam = here.structures.catalogue("chapter-5-beam")
     here.structures.change(beam.id, members=[7], property="modulus", factor=1.3)
@@ -64,6 +85,20 @@ def test_what_is_wrong_comes_back_as_its_class(here: ModalLab) -> None:
         here.structures.delete(beam.id)  # another was made from it
     with pytest.raises(errors.NotFoundError):
         here.diagnoses.get("none")
+
+
+def test_work_that_is_not_wanted_any_more_stops(here: ModalLab) -> None:
+    beam = here.structures.catalogue("chapter-5-beam")
+    analyser = {"n_lines": 6401, "averages": 5000}  # minutes of work
+    rig = here.rigs.create(drive="1:+Y", responses=["1:+Y", "11:+Y", "21:+Y"], analyser=analyser)
+    job = here.measurements.start(beam.id, rig.id)
+    with pytest.raises(errors.JobTimeoutError):
+        job.result(timeout=0.5)
+    job.cancel()
+    with pytest.raises(errors.JobFailedError) as caught:
+        job.result(timeout=60)
+    assert caught.value.code == "cancelled"
+    assert job.status().state == "cancelled"
 
 
 def test_modes_go_in_and_out_as_they_are(here: ModalLab) -> None:
