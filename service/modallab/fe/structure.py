@@ -17,10 +17,23 @@ from modallab.fe.damping import Damping, StructuralDamping
 PLANE = ("X", "Y", "RZ")
 
 
+# No beam is outside of these, and products of what is inside neither vanish nor overflow.
+SMALLEST, LARGEST = 1e-30, 1e30
+FARTHEST = 1e9  # m
+
+
 def positive(value: float, name: str) -> None:
-    """Raise `StructureError` unless the value is finite and above zero."""
-    if not (np.isfinite(value) and value > 0):
-        raise StructureError(f"{name} must be positive", field=name, value=value, allowed="> 0")
+    """Raise `StructureError` unless the value is above zero and of a size that can be computed with."""
+    if not SMALLEST <= value <= LARGEST:  # NaN fails too
+        allowed = f"{SMALLEST:g} to {LARGEST:g}"
+        raise StructureError(f"{name} must be positive", field=name, value=value, allowed=allowed)
+
+
+def not_negative(value: float, name: str) -> None:
+    """Raise `StructureError` if the value is below zero or of a size that cannot be computed with."""
+    if not 0 <= value <= LARGEST:
+        allowed = f"0 to {LARGEST:g}"
+        raise StructureError(f"{name} must not be negative", field=name, value=value, allowed=allowed)
 
 
 @dataclass(frozen=True)
@@ -66,6 +79,8 @@ class Member:
     def __post_init__(self) -> None:
         for name in ("mass_factor", "axial_factor", "bending_factor"):
             positive(getattr(self, name), name)
+        if self.loss_factor is not None:
+            not_negative(self.loss_factor, "loss_factor")
 
 
 @dataclass(frozen=True)
@@ -83,6 +98,9 @@ class PointMass:
     node: int
     mass: float  # kg
 
+    def __post_init__(self) -> None:
+        not_negative(self.mass, "mass")
+
 
 @dataclass(frozen=True)
 class GroundSpring:
@@ -90,6 +108,9 @@ class GroundSpring:
 
     dof: Dof
     stiffness: float  # N/m, or N m for a rotation
+
+    def __post_init__(self) -> None:
+        not_negative(self.stiffness, "stiffness")
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,8 +151,11 @@ class Structure:
 
     def _check_nodes(self) -> None:
         for number, place in self.nodes.items():
-            if number < 1 or not np.isfinite(place).all():
-                raise StructureError(f"node {number} has no place", field="nodes", value=str(place))
+            if number < 1 or not np.abs(place).max() <= FARTHEST:
+                allowed = f"within {FARTHEST:g} m"
+                raise StructureError(
+                    f"node {number} has no place", field="nodes", value=str(place), allowed=allowed
+                )
         for support in self.supports:
             self._check_known(support.node, "supports")
             for direction in support.directions:

@@ -3,7 +3,6 @@
 from dataclasses import dataclass
 
 import numpy as np
-from scipy.sparse import eye_array
 
 from modallab.core.arrays import FloatArray, IntArray
 from modallab.fe.assembly import Assembly, Coefficients
@@ -65,7 +64,7 @@ def derivatives(
 
     d lambda_r = phi_r^T (dK - lambda_r dM) phi_r; d phi_r is the sum over all modes, rigid-body
     modes among them, of phi_s phi_s^T (dK - lambda_r dM) phi_r / (lambda_r - lambda_s), and
-    -1/2 phi_r^T dM phi_r of itself. What modes above the basis add follows from their flexibility.
+    -1/2 phi_r^T dM phi_r of itself. What modes above the basis add is their static answer.
     1992 thesis, eq. [3.13], [3.17], [A.4], [A.8], [A.10]; Fox and Kapoor (1968); Lim (1987).
 
     Parameters
@@ -88,8 +87,8 @@ def derivatives(
     d_shapes = np.zeros((sensors.shape[1], len(modes), n_params))
     each = np.arange(len(modes))
     above = None
-    if basis.flexibility is not None:
-        above = basis.flexibility(eye_array(len(shapes)), sensors)
+    if basis.remainder is not None:
+        above = basis.remainder.static(sensors)
     for part in parts:
         local = _local(part, shapes)
         loads = part.matrices @ local[:, :, modes]  # (n_used, 6, n_modes)

@@ -1,0 +1,123 @@
+"""Modes: rigid bodies counted, mass-normalised, the same by dense and sparse solution."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from hypothesis import given, settings
+from tests.strategies import frames
+
+from modallab.core.dof import Dof
+from modallab.core.errors import InvalidInputError
+from modallab.fe.assembly import assemble
+from modallab.fe.beam import beam
+from modallab.fe.catalogued import STRUCTURES
+from modallab.fe.damping import Damping, ModalDamping, StructuralDamping, ViscousDamping
+from modallab.fe.modes import modal_basis
+from modallab.fe.receptance import direct_receptance, receptance
+from modallab.fe.structure import GroundSpring, Material, Section, Structure, Support
+from modallab.fe.system import SMALL
+
+HOLDS: dict[str, tuple[tuple[Support, ...], int]] = {
+    "free": ((), 3),
+    "on a roller": ((Support(1, ("Y",)),), 2),
+    "on a pin": ((Support(1, ("X", "Y")),), 1),
+    "on a pin and a roller": ((Support(1, ("X", "Y")), Support(8, ("Y",))), 0),
+    "on two rollers of one line": ((Support(1, ("Y",)), Support(8, ("Y",))), 1),
+    "clamped": ((Support(1, ("X", "Y", "RZ")),), 0),
+}
+
+
+@pytest.mark.parametrize("hold", HOLDS)
+def test_rigid_body_modes_are_counted_and_cost_no_elastic_one(hold: str) -> None:
+    supports, expected = HOLDS[hold]
+    basis = assemble(replace(STRUCTURES["bay"](), supports=supports)).modes()
+    assert basis.n_rigid_body == expected
+    assert (basis.frequencies[:expected] == 0).all()
+    assert basis.frequencies[expected] > 1.0
+
+
+def test_a_spring_to_ground_takes_a_rigid_body_mode_away() -> None:
+    springs = (GroundSpring(Dof(1, "Y"), 1e3), GroundSpring(Dof(21, "Y"), 1e3))
+    basis = assemble(replace(STRUCTURES["chapter-5-beam"](), springs=springs)).modes()
+    assert basis.n_rigid_body == 0
+    # on springs far softer than itself it bounces and rocks as a rigid bar: 2k/m and 6k/m, but for
+    # what the bar bends: the springs' stiffness over the bar's, 3 in 1000
+    mass = 7800.0 * 5e-4 * 1.5
+    rigid = np.sqrt(np.array([2e3, 6e3]) / mass) / (2 * np.pi)
+    np.testing.assert_allclose(basis.frequencies[:2], rigid, rtol=5e-2)
+
+
+@settings(max_examples=30, deadline=None)
+@given(structure=frames())
+def test_shapes_are_mass_normalised_by_plain_transpose(structure: Structure) -> None:
+    system = assemble(structure)
+    basis = system.modes()
+    product = basis.shapes.T @ system.mass @ basis.shapes
+    np.testing.assert_allclose(product, np.eye(len(product)), atol=1e-8)  # rounding of the eigen-solution
+
+
+@pytest.mark.parametrize(("stiffness", "mass"), [(0.005, 100.0), (0.01, 0.0), (0.0, 40.0)])
+def test_structural_damping_gives_each_mode_its_loss_factor(stiffness: float, mass: float) -> None:
+    law = StructuralDamping(stiffness, mass)
+    basis = assemble(replace(STRUCTURES["chapter-5-beam"](), damping=law)).modes()
+    squares = basis.elastic().eigenvalues.real
+    np.testing.assert_allclose(basis.elastic().loss_factors, mass / squares + stiffness, rtol=1e-6)
+    # a rigid-body mode has no stiffness to lose, but the mass-proportional part acts on it
+    np.testing.assert_allclose(basis.eigenvalues[: basis.n_rigid_body].imag, mass, atol=1e-6)
+
+
+def test_viscous_damping_gives_twice_the_damping_ratio() -> None:
+    law = ViscousDamping(stiffness_coefficient=1e-6, mass_coefficient=3.0)
+    basis = assemble(replace(STRUCTURES["chapter-5-beam"](), damping=law)).modes().elastic(8)
+    omega = 2 * np.pi * basis.frequencies
+    np.testing.assert_allclose(basis.loss_factors, 3.0 / omega + 1e-6 * omega, rtol=1e-6)
+
+
+def test_modal_damping_gives_the_loss_factors_asked_for() -> None:
+    law = ModalDamping((0.01, 0.02, 0.03))
+    basis = assemble(replace(STRUCTURES["chapter-5-beam"](), damping=law)).modes().elastic(6)
+    np.testing.assert_allclose(basis.loss_factors, [0.01, 0.02, 0.03, 0.03, 0.03, 0.03], rtol=1e-6)
+
+
+LAWS: tuple[Damping, ...] = (StructuralDamping(0.01, 50.0), ViscousDamping(1e-6, 2.0))
+
+
+def long_beam(supports: tuple[Support, ...], damping: Damping) -> Structure:
+    return beam(
+        length=1.5,
+        n_elements=SMALL // 2 + 10,
+        section=Section(5e-4, 4.1667e-9),
+        material=Material(2.09e11, 7800.0),
+        damping=damping,
+        supports=supports,
+    )
+
+
+@pytest.mark.parametrize("supports", [(), (Support(1, ("Y", "RZ")),)], ids=["free", "clamped"])
+def test_the_sparse_solution_is_the_dense_one(supports: tuple[Support, ...]) -> None:
+    system = assemble(long_beam(supports, LAWS[0]))
+    assert len(system.dofs) >= SMALL
+    sparse = system.modes(800.0)
+    matrices = (system.mass, system.stiffness, system.damping, None, system.rigid)
+    dense = modal_basis(*matrices)
+    assert sparse.n_rigid_body == dense.n_rigid_body == (0 if supports else 2)
+    n = len(sparse.eigenvalues)
+    assert dense.frequencies[n] > 1600.0  # twice what was asked for is there, to the last
+    # the dense solution is the worse one: eigenvalues lose the ratio of the largest to them, 1e10
+    np.testing.assert_allclose(sparse.frequencies, dense.frequencies[:n], rtol=1e-4, atol=1e-9)
+
+
+@pytest.mark.parametrize("damping", LAWS, ids=["structural", "viscous"])
+def test_modes_left_out_above_still_count(damping: Damping) -> None:
+    system = assemble(long_beam((), damping)).add_mass(5, 0.05)
+    freq = np.array([5.0, 33.0, 155.0, 390.0, 800.0])
+    pick = system.selection((Dof(1, "Y"), Dof(40, "Y")))
+    exact = direct_receptance(system, freq, pick, pick)
+    # their series ends at (800/1600)^8, and their damping, 1 % of what they add, is left out
+    np.testing.assert_allclose(receptance(system, freq, pick, pick), exact, rtol=1e-2)
+
+
+def test_modes_asked_for_by_none_are_refused() -> None:
+    with pytest.raises(InvalidInputError, match="at least one mode"):
+        assemble(STRUCTURES["bay"]()).modes().elastic(0)
