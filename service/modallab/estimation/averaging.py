@@ -6,7 +6,7 @@ import scipy.fft
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.estimation.windows import Window
 
-IN_CACHE = 2**15  # samples transformed at once: larger batches run at the speed of memory
+IN_CACHE = 2**17  # samples transformed at once: larger batches run at the speed of memory
 FINE = 4096  # samples of a window for its overlap with itself: exact for sums of cosines at this length
 
 
@@ -37,30 +37,37 @@ def effective_averages(averages: int, overlap: float, window: Window) -> float:
 class Averager:
     """Sums of the auto and cross spectra of one run's channels; memory does not grow with the averages."""
 
-    def __init__(self, window: Window, n_samples: int, sample_rate: float, n_lines: int, n_in: int) -> None:
+    def __init__(
+        self, window: Window, shape: tuple[int, int], sample_rate: float, *, n_lines: int, n_in: int
+    ) -> None:
+        n_ch, n_samples = shape
+        n_out = n_ch - n_in
+        self.count = 0
         self._w = window.samples(n_samples)
-        self._n_lines, self._n_in, self.count = n_lines, n_in, 0
+        self._batch = max(1, IN_CACHE // (n_ch * n_samples))
+        self._windowed = np.empty((self._batch, *shape))
         self._scale = 2 / (sample_rate * n_samples * window.power)
-        self._ff: ComplexArray | float = 0.0
-        self._fx: ComplexArray | float = 0.0
-        self._xx: FloatArray | float = 0.0
+        self._ff = np.zeros((n_in, n_in, n_lines), complex)
+        self._fx = np.zeros((n_in, n_out, n_lines), complex)
+        self._xx = np.zeros((n_out, 2 * n_lines))  # squares of real and imaginary parts, in turns
 
     def add(self, blocks: FloatArray) -> None:
         """Take in records (n_block, n_ch, n_samples), forces first among the channels."""
-        n_block, n_ch, n = blocks.shape
-        batch = max(1, IN_CACHE // (n_ch * n))
-        for start in range(0, n_block, batch):
-            windowed = blocks[start : start + batch] * self._w
-            lines = scipy.fft.rfft(windowed, overwrite_x=True)[..., : self._n_lines]
-            f, x = lines[:, : self._n_in], lines[:, self._n_in :]
-            back = f.conj()
-            self._ff += (back[:, :, None] * f[:, None]).sum(axis=0)
-            self._fx += (back[:, :, None] * x[:, None]).sum(axis=0)
-            self._xx += (x.real**2 + x.imag**2).sum(axis=0)
-        self.count += n_block
+        n_in, _, n_lines = self._fx.shape
+        for start in range(0, len(blocks), self._batch):
+            part = blocks[start : start + self._batch]
+            windowed = np.multiply(part, self._w, out=self._windowed[: len(part)])
+            for lines in scipy.fft.rfft(windowed, overwrite_x=True):
+                f, x = lines[:n_in, :n_lines], lines[n_in:, :n_lines]
+                back = f.conj()[:, None]
+                self._ff += back * f
+                self._fx += back * x
+                parts = x.view(float)
+                self._xx += parts * parts
+        self.count += len(blocks)
 
     def densities(self) -> tuple[ComplexArray, ComplexArray, FloatArray]:
         """Return one-sided G_ff (n_lines, n_in, n_in), G_fx (n_lines, n_in, n_out), G_xx (n_lines, n_out)."""
         scale = self._scale / self.count
-        ff, fx, xx = (np.moveaxis(scale * np.asarray(g), -1, 0) for g in (self._ff, self._fx, self._xx))
-        return ff, fx, xx
+        xx = self._xx.reshape(*self._fx.shape[1:], 2).sum(axis=2)
+        return (scale * np.moveaxis(self._ff, -1, 0), scale * np.moveaxis(self._fx, -1, 0), scale * xx.T)

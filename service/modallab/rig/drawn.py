@@ -2,9 +2,10 @@
 
 import numpy as np
 
+from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.estimation.spectra import CrossSpectra
 
-IN_CACHE = 2**13  # spectral values drawn at once: larger batches run at the speed of memory
+IN_CACHE = 2**14  # spectral values drawn at once: larger batches run at the speed of memory
 
 
 def drawn_spectra(spectra: CrossSpectra, rng: np.random.Generator, n_tests: int = 1) -> CrossSpectra:
@@ -28,36 +29,50 @@ def drawn_spectra(spectra: CrossSpectra, rng: np.random.Generator, n_tests: int 
     Spectra of `n_tests * n_run` runs.
     """
     n_run, n_freq, _, n_out = spectra.fx.shape
-    force = spectra.ff[:, :, 0, 0].real
-    h = spectra.fx[:, :, 0, :] / force[:, :, None]
-    unexplained = np.maximum(spectra.xx - (h.real**2 + h.imag**2) * force[:, :, None], 0.0)
-    # At 0 Hz the transform of a record is real: half as many independent squares an average.
-    real = spectra.freq == 0
-    squares = np.where(real, spectra.averages / 2, spectra.averages)
-    fewer = np.where(real, (spectra.averages - 1) / 2, spectra.averages - 1)[:, None]
-    unexplained /= squares[:, None]
-    spread = np.sqrt(unexplained / 2)
     ff = np.empty((n_tests, n_run, n_freq))
     fx = np.empty((n_tests, n_run, n_freq, n_out), complex)
     xx = np.empty((n_tests, n_run, n_freq, n_out))
+    law = _Law(spectra)
     batch = max(1, IN_CACHE // (n_run * n_freq * n_out))
     for start in range(0, n_tests, batch):
-        a, c, x = (g[start : start + batch] for g in (ff, fx, xx))
-        a[:] = rng.standard_gamma(squares, a.shape)
-        a *= force / squares
-        given = a[..., None]
-        rng.standard_normal(out=c.view(float))
-        c[:, :, real].imag = 0.0
-        c *= np.sqrt(given) * spread
-        c += h * given
-        x[:] = rng.standard_gamma(fewer, x.shape)
-        x *= unexplained
-        x += (c.real**2 + c.imag**2) / given
+        part = slice(start, start + batch)
+        law.fill(rng, ff[part], fx[part], xx[part])
     shape = (n_tests * n_run, n_freq)
     return CrossSpectra(
         spectra.freq,
-        ff.reshape(*shape, 1, 1),
+        ff.reshape(*shape, 1, 1).astype(complex),
         fx.reshape(*shape, 1, n_out),
         xx.reshape(*shape, n_out),
         spectra.averages,
     )
+
+
+class _Law:
+    """What the draws of all tests share."""
+
+    def __init__(self, spectra: CrossSpectra) -> None:
+        self.n = spectra.averages
+        # At 0 Hz the transform of a record is real: half as many independent squares an average.
+        self.real = np.flatnonzero(spectra.freq == 0)
+        squares = np.where(spectra.freq == 0, self.n / 2, self.n)
+        force = spectra.ff[:, :, 0, 0].real
+        self.h = spectra.fx[:, :, 0, :] / force[:, :, None]
+        unexplained = spectra.xx - (self.h.real**2 + self.h.imag**2) * force[:, :, None]
+        self.force = force / squares
+        self.residual = np.maximum(unexplained, 0.0) / squares[:, None]
+        self.spread = np.sqrt(self.residual / 2)
+
+    def fill(self, rng: np.random.Generator, ff: FloatArray, fx: ComplexArray, xx: FloatArray) -> None:
+        """Draw into arrays (n_tests, n_run, n_freq[, n_out])."""
+        rng.standard_gamma(self.n, out=ff)
+        ff[..., self.real] = rng.standard_gamma(self.n / 2, ff[..., self.real].shape)
+        ff *= self.force
+        given = ff[..., None]
+        rng.standard_normal(out=fx.view(float))
+        fx.imag[:, :, self.real] = 0.0
+        fx *= np.sqrt(given) * self.spread
+        fx += self.h * given
+        rng.standard_gamma(self.n - 1, out=xx)
+        xx[:, :, self.real] = rng.standard_gamma((self.n - 1) / 2, xx[:, :, self.real].shape)
+        xx *= self.residual
+        xx += (fx.real**2 + fx.imag**2) / given

@@ -33,6 +33,7 @@ class Recorder:
         self._averages = analyser.averages
         self._hop = max(1, round(self.n_samples * (1 - chain.overlap)))
         n_ch = 1 + len(chain.shots[0].outputs)
+        self.shape = (n_ch, self.n_samples)
         self._batch = max(1, TOGETHER // (n_ch * self.n_samples))
         self._per_stretch = min(self._averages, self._batch)
         self._repeating = self._stationary = None
@@ -55,7 +56,7 @@ class Recorder:
             self._repeating = np.sqrt(1 - share) * _per_source(chain, analyser.freq)
 
     def _lay_out(self, records: float, ringing: float) -> int:
-        """Share the averages out to equal stretches of about `records`; return the length of one in records."""
+        """Share the averages out to equal stretches of about `records`; return what one takes."""
         steps = int((records - 1) * self.n_samples / self._hop)
         n_stretches = -(-self._averages // (steps + 1))
         self._per_stretch = -(-self._averages // n_stretches)

@@ -29,7 +29,7 @@ def sampled_spectra(chain: Chain, rng: np.random.Generator, progress: Progress) 
     n_run = len(chain.shots)
     runs = []
     for run in range(n_run):
-        averager = Averager(window, recorder.n_samples, recorder.sample_rate, analyser.n_lines, n_in=1)
+        averager = Averager(window, recorder.shape, recorder.sample_rate, n_lines=analyser.n_lines, n_in=1)
         for blocks in recorder.blocks(run, noise[run], rng):
             averager.add(blocks)
             fraction = (run + averager.count / analyser.averages) / n_run
