@@ -29,7 +29,7 @@ def effective_averages(averages: int, overlap: float, window: Window) -> float:
         shift = round(k * (1 - overlap) * FINE)
         if shift >= FINE:
             break
-        correlation = (w[shift:] @ w[: FINE - shift]) / (w @ w)
+        correlation = float((w[shift:] @ w[: FINE - shift]) / (w @ w))
         total += 2 * (1 - k / averages) * correlation**2
     return averages / total
 
@@ -69,5 +69,7 @@ class Averager:
     def densities(self) -> tuple[ComplexArray, ComplexArray, FloatArray]:
         """Return one-sided G_ff (n_lines, n_in, n_in), G_fx (n_lines, n_in, n_out), G_xx (n_lines, n_out)."""
         scale = self._scale / self.count
-        xx = self._xx.reshape(*self._fx.shape[1:], 2).sum(axis=2)
-        return (scale * np.moveaxis(self._ff, -1, 0), scale * np.moveaxis(self._fx, -1, 0), scale * xx.T)
+        ff: ComplexArray = scale * np.moveaxis(self._ff, -1, 0)
+        fx: ComplexArray = scale * np.moveaxis(self._fx, -1, 0)
+        xx = scale * self._xx.reshape(*self._fx.shape[1:], 2).sum(axis=2).T
+        return ff, fx, xx
