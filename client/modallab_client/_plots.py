@@ -28,17 +28,18 @@ def measurement(test: "Measurement") -> "tuple[Axes, Axes]":
     """Draw |H| of every FRF over the coherence; return both axes."""
     rows = {"height_ratios": [3, 1]}
     _, (upper, lower) = _pyplot().subplots(2, 1, sharex=True, gridspec_kw=rows, layout="constrained")
-    magnitude = np.abs(test.values)
+    shown = test.freq > 0  # at rest there is rounding and nothing else
+    freq, magnitude = test.freq[shown], np.abs(test.values[shown])
     for i, output in enumerate(test.outputs):
         for j, drive in enumerate(test.inputs):
-            # zeros, such as inertance at 0 Hz, have no logarithm: leave them out of the curve
+            # zeros have no logarithm: leave them out of the curve
             curve = np.where(magnitude[:, i, j] > 0, magnitude[:, i, j], np.nan)
-            upper.semilogy(test.freq, curve, label=f"{output} / {drive}", linewidth=0.9)
+            upper.semilogy(freq, curve, label=f"{output} / {drive}", linewidth=0.9)
     upper.set_ylabel(f"|{test.kind}|, {UNITS.get(test.kind, '')}")
     if len(upper.lines) <= MANY:
         upper.legend(fontsize="x-small", ncols=2)
     if test.coherence is not None:
-        lower.plot(test.freq, test.coherence.reshape(len(test.freq), -1), linewidth=0.7)
+        lower.plot(freq, test.coherence[shown].reshape(len(freq), -1), linewidth=0.7)
     lower.set(ylim=(0, 1.05), ylabel="coherence", xlabel="frequency, Hz")
     return upper, lower
 
@@ -74,7 +75,8 @@ def update(result: "Update") -> "Axes":
     for i, (part, members) in enumerate(result.coefficients.items()):
         errors = [result.standard_errors.get(part, {}).get(member, 0.0) for member in members]
         places = [member + i * width for member in members]
-        axes.bar(places, list(members.values()), width=width, yerr=errors, label=part)
+        changes = [value - 1 for value in members.values()]
+        axes.bar(places, changes, width=width, bottom=1, yerr=errors, label=part)
     axes.axhline(1.0, color="grey", linewidth=0.8)
     axes.set(xlabel="member", ylabel="coefficient (1 = no change)")
     axes.legend()

@@ -63,8 +63,8 @@ def test_the_example_is_the_same_with_await(here: ModalLab) -> None:
             pairs = [[n, n + 1] for n in range(1, 20, 2)]
             job = await lab.updates.start(beam.id, modes.id, macros=pairs, parts=["stiffness"])
             update = await job.result()
-            # 2 %: what the Dobson modes of a noise-free test leave uncertain
-            assert update.coefficients["stiffness"][7] == pytest.approx(1.3, rel=0.02)
+            # 1 %: single-mode fits neglect how the modes beside them curve, which leaves 0.2 % here
+            assert update.coefficients["stiffness"][7] == pytest.approx(1.3, rel=0.01)
             corrected = await lab.correlations.create(modes.id, update.structure_id or "", count=8)
             assert corrected.pairs == tuple((mode, mode) for mode in range(1, 9))
             assert [entry.id for entry in await lab.updates.list()] == [update.id]

@@ -31,10 +31,10 @@ def test_a_measurement_shows_magnitude_over_coherence() -> None:
     test = measurement()
     upper, lower = test.plot()
     assert [line.get_label() for line in upper.lines] == ["1:+Y / 1:+Y", "3:+Y / 1:+Y"]
-    np.testing.assert_array_equal(upper.lines[1].get_ydata(), np.abs(test.values[:, 1, 0]))
+    np.testing.assert_array_equal(upper.lines[1].get_ydata(), np.abs(test.values[1:, 1, 0]))
     assert upper.get_ylabel() == "|inertance|, m/(s² N)"
     assert len(lower.lines) == 2
-    assert np.isnan(np.asarray(upper.lines[0].get_ydata())[0]), "a zero has no place on a logarithmic axis"
+    np.testing.assert_array_equal(lower.lines[0].get_xdata(), [2.0, 4.0], "nothing moves at 0 Hz")
 
 
 def test_the_gap_is_drawn_by_step() -> None:
@@ -54,7 +54,8 @@ def test_modes_coefficients_and_mac_draw_themselves() -> None:
     modes = _wire.modal_model(MODEL, SHAPES).plot()
     np.testing.assert_array_equal(modes.lines[0].get_xydata(), [[23.61, 0.0051]])
     bars = _wire_findings.update(UPDATE).plot()
-    assert [bar.get_height() for bar in bars.patches if isinstance(bar, Rectangle)] == [2.0, 2.0, 1.99]
+    ends = [bar.get_y() + bar.get_height() for bar in bars.patches if isinstance(bar, Rectangle)]
+    np.testing.assert_allclose(ends, [2.0, 2.0, 1.99])  # 1 + (x - 1) rounds in the last digit
     reply = {"mac": [[1.0, 0.1]], "pairs": [[1, 1]], "frequency_differences": [0.0], "comac": [1.0]}
     np.testing.assert_array_equal(
         _wire_findings.correlation(reply).plot().images[0].get_array(), [[1.0, 0.1]]

@@ -7,7 +7,8 @@ import httpx
 import pytest
 from tests.client.fake import MEASUREMENT, FakeService, events, npz, problem
 
-from modallab_client import AsyncModalLab, Job, JobFailedError, JobTimeoutError, ModalLab
+from modallab_client import AsyncModalLab, Job, JobFailedError, JobTimeoutError, ModalLab, errors
+from modallab_client._sync import jobs
 from modallab_client.models import Measurement
 
 
@@ -46,13 +47,30 @@ def test_print_will_do_for_progress(
 
 
 def test_a_stream_that_breaks_is_taken_up_again(job: Job[Measurement], service: FakeService) -> None:
-    def broken(request: httpx.Request) -> httpx.Response:
-        raise httpx.ReadError("connection reset", request=request)
-
     service.on("GET /v1/jobs/j1/events", events(state("running", 0.2)), broken, events({}), events(DONE))
     service.on("GET /v1/jobs/j1", state("running", 0.3))
     assert job.result().id == "m1"
     assert service.asked("GET /v1/jobs/j1/events") == 4
+
+
+def broken(request: httpx.Request) -> httpx.Response:
+    raise httpx.ConnectError("connection refused", request=request)
+
+
+def test_a_service_that_restarts_is_waited_for(job: Job[Measurement], service: FakeService) -> None:
+    service.on("GET /v1/jobs/j1/events", broken, events(DONE))
+    service.on("GET /v1/jobs/j1", broken)
+    assert job.result().id == "m1"
+
+
+def test_a_service_that_stays_away_is_not(
+    job: Job[Measurement], service: FakeService, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(jobs, "ABSENCE", 0.0)
+    service.on("GET /v1/jobs/j1/events", broken)
+    service.on("GET /v1/jobs/j1", broken)
+    with pytest.raises(errors.UnreachableError, match="connection refused"):
+        job.result()
 
 
 def test_without_a_stream_the_job_is_asked_until_it_is_done(

@@ -110,6 +110,25 @@ def test_a_full_queue_is_waited_for_as_long_as_it_says(lab: ModalLab, service: F
     assert len(service.requests) == sent + 1, "an hour is for the caller to decide"
 
 
+def test_a_date_to_come_back_is_left_to_the_caller(lab: ModalLab, service: FakeService) -> None:
+    full = problem(503, "queue_full", "the queue is full")
+    full.headers["retry-after"] = "Fri, 31 Dec 1999 23:59:59 GMT"  # clocks of two machines differ
+    service.on("POST /v1/rigs", full)
+    with pytest.raises(errors.BusyError):
+        lab.rigs.create(drive="1:+Y", responses=["1:+Y"])
+    assert len(service.requests) == 1
+
+
+def test_json_that_is_none_is_refused(lab: ModalLab, service: FakeService) -> None:
+    headers = {"content-type": "application/json"}
+    service.on("GET /v1/version", httpx.Response(200, content=b"{half", headers=headers))
+    with pytest.raises(errors.UnexpectedReplyError):
+        lab.request("GET", "/v1/version")
+    service.on("GET /v1/version", httpx.Response(500, content=b"{half", headers=headers))
+    with pytest.raises(ClientError, match="half"):
+        lab.request("GET", "/v1/version")
+
+
 def test_the_asynchronous_client_says_the_same(service: FakeService) -> None:
     service.on("POST /v1/structures", {"id": "s1", "n_nodes": 21, "n_dofs": 42, "members": 20})
     service.on("GET /v1/structures/none", problem(404, "not_found", "nothing there"))
