@@ -14,7 +14,7 @@ from modallab.diagnosis.residual import Residual, residual
 from modallab.rig.effect import Effect
 
 STEP = 1e-4  # of a logarithm: far above the prediction's rounding, far below any curvature
-BLURRED = (0.3, 0.1, 0.03, 0.01, 0.003)  # widenings a fit passes on its way to none
+BLURRED = (0.3, 0.1, 0.03, 0.003)  # widenings a fit passes on its way to none
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,7 +87,7 @@ def approach(
 
     u = panel.start
     for widen in (*(w for w in BLURRED if w <= widening), 0.0):
-        u, _ = _least_squares(partial(vector, widen=widen), u, (panel.low, panel.high), evaluations=6)
+        u, _ = _least_squares(partial(vector, widen=widen), u, (panel.low, panel.high), evaluations=4)
     left = vector(u, 0.0)
     return panel.turned(u)[0], float(left @ left)
 
@@ -135,8 +135,16 @@ def _least_squares(
 ) -> tuple[FloatArray, FloatArray]:
     """Return the best point and the Jacobian there."""
 
+    known: dict[bytes, FloatArray] = {}
+
+    def once(u: FloatArray) -> FloatArray:
+        if u.tobytes() not in known:
+            known.clear()  # only the last point is asked for again, by the Jacobian
+            known[u.tobytes()] = function(u)
+        return known[u.tobytes()]
+
     def jacobian(u: FloatArray) -> FloatArray:
-        here = function(u)
+        here = once(u)
         columns = []
         for i in range(len(u)):
             step = np.zeros(len(u))
@@ -146,6 +154,6 @@ def _least_squares(
 
     inside = np.clip(start, bounds[0] + 1e-9, bounds[1] - 1e-9)
     found = least_squares(
-        function, inside, jac=jacobian, bounds=bounds, max_nfev=evaluations, xtol=1e-7, ftol=1e-7, gtol=1e-12
+        once, inside, jac=jacobian, bounds=bounds, max_nfev=evaluations, xtol=1e-6, ftol=1e-6, gtol=1e-12
     )
     return found.x, found.jac

@@ -153,11 +153,15 @@ class DynamicSystem:
             raise InvalidInputError("the system does not know its members", field="members", value=number)
         e = table.position(number)
         kept = np.flatnonzero(table.rows[e] >= 0)
-        columns = np.zeros((len(self.dofs), len(kept)))
-        columns[table.rows[e][kept], np.arange(len(kept))] = 1.0
         block = np.ix_(kept, kept)
         dm = mass * table.mass[e][block]
         dk = axial * table.axial[e][block] + bending * table.bending[e][block]
+        # Rigid motions strain nothing: a change of stiffness alone needs fewer columns than DoFs.
+        w, v = np.linalg.eigh(dk if mass == 0 else dm)
+        v = v[:, np.abs(w) > 1e-12 * np.abs(w).max(initial=0.0)]
+        dm, dk = v.T @ dm @ v, v.T @ dk @ v
+        columns = np.zeros((len(self.dofs), v.shape[1]))
+        columns[table.rows[e][kept]] = v
         damping, viscous = table.loss_factor[e] * dk, None
         if isinstance(table.law, StructuralDamping):
             damping = damping + table.law.mass_coefficient * dm
