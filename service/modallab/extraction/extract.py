@@ -14,8 +14,10 @@ from modallab.extraction.bands import Band, coherent_lines, find_bands, given_ba
 from modallab.extraction.collate import collate, drive_row
 from modallab.extraction.fitting import Table, fit_all, gather
 from modallab.extraction.leakage import Leakage
-from modallab.extraction.method import EXTRACTION_METHODS
+from modallab.extraction.method import EXTRACTION_METHODS, MIN_LINES
 from modallab.extraction.windows import LEAKY_LINES, LINES, line_variance, place_windows
+
+LARGEST = 1e60  # m/N
 
 
 def extract(
@@ -117,9 +119,14 @@ def _responses(
     above = frf.freq > 0
     usable = frf.between(0.0, np.inf).to(FrfKind.RECEPTANCE)
     values = usable.values.reshape(len(usable.freq), -1)
-    if len(usable.freq) < 4:
+    size = float(np.abs(values).max(initial=0.0))
+    if size and not 1 / LARGEST < size < LARGEST:  # their squares must still be numbers
         raise InvalidInputError(
-            "too few lines", field="freq", value=len(usable.freq), allowed="at least 4 above 0 Hz"
+            "the FRFs are of no physical size", field="values", value=size, allowed=f"below {LARGEST:g} m/N"
+        )
+    if len(usable.freq) < MIN_LINES:
+        raise InvalidInputError(
+            "too few lines", field="freq", value=len(usable.freq), allowed=f"at least {MIN_LINES} above 0 Hz"
         )
     roving, fixed = (frf.outputs, frf.inputs[0]) if n_in == 1 else (frf.inputs, frf.outputs[0])
     return usable.freq, values, trust[above], roving, fixed

@@ -63,7 +63,7 @@ def gather(
     if leakage is not None:
         power = np.abs(values) ** 2 * windows.used
         peak = power.max(axis=2, keepdims=True)
-        noise = noise + LEAKED**2 * power**2 / np.where(peak > 0, peak, 1.0)
+        noise = noise + LEAKED**2 * power * (power / np.where(peak > 0, peak, 1.0))
     usable = windows.used & np.isfinite(noise) & (noise > 0)
     weight = np.where(usable, 1 / np.where(usable, noise, 1.0), 0.0)
     spacing = float(np.median(np.diff(freq)))

@@ -10,6 +10,7 @@ from modallab.core.arrays import ComplexArray, FloatArray, frozen
 from modallab.core.errors import InvalidInputError
 
 MIN_SAMPLES = 256  # a window's autocorrelation is smooth: this many give it to 1e-5
+LEAST_DAMPED = 1e-3  # lines
 
 
 class Biased(StrEnum):
@@ -100,8 +101,10 @@ class Leakage:
         force_level = 1 / (1 + self.source_mass * drive_rest)
         shift = self.source_mass * drive_strength * force_level
         loaded = gap + shift
+        # a structure with its armature is damped; a fit that is not yet one may say otherwise
+        loaded = loaded.real + 1j * np.maximum(loaded.imag, LEAST_DAMPED)
         spread = -2j * np.pi * (np.exp(2j * np.pi * loaded[..., None] * self.lag) @ self.correlation)
-        power = -spread.imag / np.where(loaded.imag == 0, 1, loaded.imag)
+        power = -spread.imag / loaded.imag
 
         def convolved(a: ComplexArray, b: ComplexArray, c: ComplexArray, d: ComplexArray) -> ComplexArray:
             """The window over (a/gap + b) times the conjugate of (c/gap + d)."""

@@ -147,7 +147,11 @@ def linearised(
     determinant = 1 - sum(shared) + 2 * (pairs[2] * pairs[0] * pairs[1].conj()).real
     # what rounding hides gets a large but finite error
     determinant = np.maximum(determinant, 1e-14)
-    variances = np.stack([(1 - s) / determinant / d for s, d in zip(shared, size, strict=True)], axis=1)
+    variances = np.stack(
+        # correlation only ever widens an error
+        [np.maximum((1 - s) / determinant, 1) / d for s, d in zip(shared, size, strict=True)],
+        axis=1,
+    )
     left = lines.z - constant[:, None] / gap - residual[:, None]
     n_lines = (lines.weight > 0).sum(axis=1)
     spare = np.maximum(n_lines - 3, 1)

@@ -10,6 +10,7 @@ from modallab.core.errors import InvalidInputError, NoModeInBandError
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.core.modal_model import ModalModel
 from modallab.extraction.extract import extract
+from modallab.extraction.leakage import Leakage
 from modallab.extraction.method import EXTRACTION_METHODS
 
 KINDS = sorted(EXTRACTION_METHODS)
@@ -231,3 +232,27 @@ def test_inputs_that_do_not_fit_are_named(plain_beam: Beam, freq: FloatArray) ->
     square = FrfSet(freq, np.ones((401, 2, 2), complex), frf.outputs[:2], frf.outputs[:2], frf.kind)
     with pytest.raises(InvalidInputError, match="one drive point"):
         extract(square, coherence=None, averages=100)
+
+
+@pytest.mark.parametrize("seed", range(12))
+def test_whatever_comes_in_there_is_an_answer_or_a_named_error(seed: int) -> None:
+    rng = np.random.default_rng(seed)
+    n_freq, n_out = int(rng.choice([5, 20, 101])), int(rng.choice([1, 3]))
+    freq = np.linspace(3.0, 300.0, n_freq)
+    noise = rng.standard_normal((n_freq, n_out)) + 1j * rng.standard_normal((n_freq, n_out))
+    spike = np.zeros((n_freq, n_out), complex)
+    spike[n_freq // 2] = 1.0
+    undamped = 1 / (4e5 + 1e-9 - (2 * np.pi * freq[:, None]) ** 2 * rng.standard_normal(n_out))
+    coherence = rng.uniform(0, 1, (n_freq, n_out))
+    for values in (noise, spike, np.cumsum(noise, axis=0), np.round(noise), undamped, 1e200 * noise):
+        dofs = tuple(Dof(node, "Y") for node in range(1, n_out + 1))
+        frf = FrfSet(freq, np.asarray(values, complex)[:, :, None], dofs, dofs[:1], FrfKind.INERTANCE)
+        leakage = Leakage.of(np.hanning(513)[:512], "h1", source_mass=1.0) if seed % 2 else None
+        for kind in KINDS:
+            try:
+                model = extract(frf, coherence=coherence, averages=10, method=kind, leakage=leakage)
+            except (InvalidInputError, NoModeInBandError):
+                continue
+            assert np.isfinite(model.shapes).all()
+            assert np.isfinite(model.frequencies).all()
+            assert all(np.isfinite(list(mode.standard_errors.values())).all() for mode in model.modes)

@@ -7,6 +7,7 @@ from modallab.extraction.lines import Lines, conclude, scale
 from modallab.extraction.method import EXTRACTION_METHODS, ModeFits, in_blocks
 
 TINY = 1e-100
+FARTHEST = 1e8  # tan(theta/2) of a line on the far side of the circle, to rounding
 ROUNDS = 4  # Gauss-Newton steps of the circle: quadratic from an algebraic start
 
 
@@ -116,7 +117,8 @@ def _solve(
     f, g, h = (p * right).sum(axis=1), (q * right).sum(axis=1), (r * right).sum(axis=1)
     ff, fg, fh = qq * rr - qr**2, pr * qr - pq * rr, pq * qr - pr * qq
     gg, gh, hh = pp * rr - pr**2, pq * pr - pp * qr, pp * qq - pq**2
-    determinant = _not_zero(pp * ff + pq * fg + pr * fh)
+    determinant = pp * ff + pq * fg + pr * fh
+    determinant = np.where(np.abs(determinant) < TINY, np.inf, determinant)
     return (
         (ff * f + fg * g + fh * h) / determinant,
         (fg * f + gg * g + gh * h) / determinant,
@@ -145,8 +147,8 @@ def _damping_pairs(lines: Lines, at: FloatArray, half_tan: FloatArray) -> tuple[
 def _half_tan(turned: ComplexArray) -> FloatArray:
     """Return tan|theta/2| of the angle of complex numbers, without a branch."""
     size = np.abs(turned)
-    values: FloatArray = np.abs(turned.imag) / _not_zero(size + turned.real)
-    return values
+    values = np.abs(turned.imag) / _not_zero(size + turned.real)
+    return np.minimum(values, FARTHEST)
 
 
 def _not_zero(values: FloatArray) -> FloatArray:

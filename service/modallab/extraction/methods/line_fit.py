@@ -48,7 +48,8 @@ def _residual(lines: Lines) -> ComplexArray:
     weight = lines.weight * np.abs(lines.z) ** 2  # 1/|lambda - x|^2 is not known yet; this is its shape
     for _ in range(ROUNDS):
         eigenvalue, residual = _linear_fit(lines, weight)
-        weight = lines.weight / np.abs(eigenvalue[:, None] - lines.x) ** 2
+        gap = np.maximum(np.abs(eigenvalue[:, None] - lines.x), ROUNDING)
+        weight = lines.weight / gap**2
     return residual
 
 
