@@ -15,18 +15,20 @@ class Settings(BaseSettings):
 
     model_config = SettingsConfigDict(env_prefix="MODALLAB_", frozen=True)
 
-    data: Path = Field(Path.home() / ".modallab", description="folder for arrays and the embedded database")
-    host: str = "127.0.0.1"
-    port: int = Field(8000, ge=1, le=65535)
-    database_url: str | None = Field(None, description="postgresql://...; without one, SQLite in `data`")
-    database_schema: str = Field("modallab", pattern=r"^[a-z][a-z0-9_]{0,40}$")
-    role: Literal["all", "api"] = Field("all", description="`api` leaves the jobs to `modallab worker`")
-    executor_id: str = Field(
-        "local", min_length=1, description="a lasting name, one a process that runs jobs"
+    data: Path = Field(
+        default=Path.home() / ".modallab", description="folder for arrays and the embedded database"
     )
-    queue_length: int = Field(100, ge=1, description="jobs that may wait")
-    body_limit: int = Field(5_000_000, ge=1, description="bytes of a JSON request")
-    upload_limit: int = Field(200_000_000, ge=1, description="bytes of an imported file, and of its arrays")
+    host: str = "127.0.0.1"
+    port: int = Field(default=8000, ge=1, le=65535)
+    database_url: str | None = Field(default=None, description="postgresql://...; else SQLite in `data`")
+    database_schema: str = Field(default="modallab", pattern=r"^[a-z][a-z0-9_]{0,40}$")
+    role: Literal["all", "api"] = Field(default="all", description="`api` leaves jobs to `modallab worker`")
+    executor_id: str = Field(
+        default="local", min_length=1, description="a lasting name, one a process that runs jobs"
+    )
+    queue_length: int = Field(default=100, ge=1, description="jobs that may wait")
+    body_limit: int = Field(default=5_000_000, ge=1, description="bytes of a JSON request")
+    upload_limit: int = Field(default=200_000_000, ge=1, description="bytes of an import, unpacked too")
 
     @property
     def embedded(self) -> bool:
