@@ -16,7 +16,7 @@ from modallab_client.errors import ConflictError, MissingExtraError, ServiceStar
 
 START_TIMEOUT = 60.0  # s, a cold start on a slow disk included
 STOP_TIMEOUT = 20.0  # s, more than the guardian grants the service
-NOTICE = 0.5  # s the guardian may take to notice that the service has died
+NOTICE = 1.5  # s the guardian may take to notice that the service has died, and to clear up
 LOG_TAIL = 40  # lines of the log worth an error message
 NEEDED = ("modallab", "alembic", "dbos", "fastapi", "pydantic", "scipy", "sqlalchemy", "uvicorn")
 GUARDIAN = Path(__file__).with_name("_guardian.py")

@@ -11,9 +11,11 @@ import signal
 import subprocess
 import sys
 import threading
+import time
 from types import FrameType
 
 GRACE = 10.0  # s between the polite signal and the other one
+DYING = 0.3  # s killed processes get to vanish; one that nobody reaps never does
 
 
 class _AskedToEnd(BaseException):
@@ -30,10 +32,13 @@ def _watch_the_pipe() -> None:
 
 
 def _kill_group(leader: int) -> None:
-    try:
-        os.killpg(leader, signal.SIGKILL)
-    except ProcessLookupError:
-        return  # all of them have ended
+    ends = time.monotonic() + DYING
+    while time.monotonic() < ends:
+        try:
+            os.killpg(leader, signal.SIGKILL)
+        except ProcessLookupError:
+            return  # all of them have ended
+        time.sleep(0.01)
 
 
 def _end(child: "subprocess.Popen[bytes]") -> None:

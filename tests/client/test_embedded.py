@@ -44,7 +44,7 @@ def test_it_answers_within_the_context_and_is_gone_after_it(tmp_path: Path) -> N
         assert lab.request("GET", "/v1/health") == {"status": "ok"}
         grandchild = int((tmp_path / "lab" / "pids").read_text())
         assert alive(grandchild)
-    assert not alive(grandchild), "children of the service end with it"
+    assert soon(lambda: not alive(grandchild)), "children of the service end with it"
     assert (tmp_path / "lab" / "service.log").exists(), "a folder that was given is kept"
 
 
@@ -74,7 +74,7 @@ def test_the_asynchronous_client_has_it_too(tmp_path: Path) -> None:
             return await lab.request("GET", "/v1/health")
 
     assert asyncio.run(ask()) == {"status": "ok"}
-    assert not alive(int((tmp_path / "pids").read_text()))
+    assert soon(lambda: not alive(int((tmp_path / "pids").read_text())))
 
 
 def test_a_service_that_fails_to_start_shows_its_log(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
