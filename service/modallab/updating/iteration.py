@@ -10,7 +10,7 @@ from modallab.core.errors import DivergedError, UnderdeterminedError
 from modallab.core.progress import Progress, silent
 from modallab.updating.fit import Fit, State
 from modallab.updating.parameterisation import MacroElement
-from modallab.updating.solve import Step, bounded_step
+from modallab.updating.solve import CLOSE, Step, bounded_step
 
 ASTRAY = 10.0  # times the differences at the start: beyond, the linear equations say nothing
 ROUNDING = 1e-6  # balanced differences below this are what eigenvalues of a good model scatter by
@@ -108,9 +108,9 @@ def iterate(fit: Fit, start: FloatArray, rule: StopRule, *, stage: str, progress
         )
         largest = history[-1].max_change
         progress((count + 1) / rule.max_iterations, f"{stage} {count + 1}: largest change {largest:.2g}")
-        if largest < rule.tolerance:
-            return Path(tuple(history), state, Ending.CONVERGED, Ending.CONVERGED)
-    return Path(tuple(history), state, Ending.STILL_MOVING, Ending.STILL_MOVING)
+        if largest < rule.tolerance and step.share == 1.0:
+            return Path(tuple(history), state, Ending.CONVERGED, Ending.CONVERGED + _at_bounds(fit, state))
+    return Path(tuple(history), state, Ending.STILL_MOVING, Ending.STILL_MOVING + _at_bounds(fit, state))
 
 
 def _step(fit: Fit, state: State, rule: StopRule) -> Step:
@@ -128,9 +128,16 @@ def _step(fit: Fit, state: State, rule: StopRule) -> Step:
 
 def _moved(fit: Fit, state: State, step: Step, begun: float) -> State:
     try:
-        after = fit.state(state.values + step.parameters)
+        to = np.clip(state.values + step.parameters, fit.parameterisation.lower, fit.parameterisation.upper)
+        after = fit.state(to)
     except (UnderdeterminedError, np.linalg.LinAlgError) as error:
         raise DivergedError(str(error)) from error
     if not after.distance < ASTRAY * max(begun, ROUNDING):
         raise DivergedError("the model moved away from the measurement")
     return after
+
+
+def _at_bounds(fit: Fit, state: State) -> str:
+    lower, upper = fit.parameterisation.lower, fit.parameterisation.upper
+    n = int(((state.values <= lower * CLOSE) | (state.values >= upper / CLOSE)).sum())
+    return f"; {n} of {len(state.values)} coefficients rest on a bound" if n else ""

@@ -1,10 +1,12 @@
 """One correction of the parameters, and how well the measurement determines it."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from modallab.core.arrays import FloatArray
+
+CLOSE = 1 + 1e-9  # a coefficient this near its bound sits on it, but for rounding
 
 
 @dataclass(frozen=True, eq=False)
@@ -15,6 +17,7 @@ class Step:
     singular_values: FloatArray  # (min(n_rows, n_params),) of the balanced matrix, falling
     rank: int
     inverse: FloatArray  # (n_params, n_rows): maps balanced differences to parameters
+    share: float = 1.0  # of the step that solves the equations, shortened to keep within bounds
 
     @property
     def condition_number(self) -> float:
@@ -79,12 +82,12 @@ def bounded_step(
     free = np.ones(len(values), bool)
     while True:
         step = balanced_step(sensitivity * free, difference, size, jump=jump)
-        moved = step.parameters
-        leaving = free & (((values <= lower) & (moved < 0)) | ((values >= upper) & (moved > 0)))
+        moved = step.parameters * free  # a held one would move by a rounding error
+        out = ((values <= lower * CLOSE) & (moved < 0)) | ((values >= upper / CLOSE) & (moved > 0))
+        leaving = free & out
         if not leaving.any():
             break
         free &= ~leaving
     room = np.minimum(np.where(moved > 0, upper - values, values - lower), max_step)
-    with np.errstate(divide="ignore"):
-        share = np.where(moved != 0, room / np.abs(moved), np.inf).min(initial=1.0)
-    return Step(moved * share, step.singular_values, step.rank, step.inverse)
+    share = np.divide(room, np.abs(moved), out=np.ones_like(moved), where=moved != 0).min(initial=1.0)
+    return replace(step, parameters=moved * share, share=float(share))

@@ -1,0 +1,89 @@
+"""Inverse eigensensitivity on the thesis's own cases."""
+
+from functools import cache
+
+import numpy as np
+import pytest
+from tests.published import roving
+from tests.published.tables import table
+
+from modallab.core.dof import Dof
+from modallab.core.modal_model import ModalModel
+from modallab.fe.catalogued import STRUCTURES
+from modallab.fe.changes import MemberChange, MemberProperty, change
+from modallab.fe.selected import ModeNoise, synthetic_modes
+from modallab.fe.structure import Structure
+from modallab.updating.method import UPDATERS, UpdateResult
+from modallab.updating.parameterisation import parameterise
+
+BEAM, FRAMES = table("beam_1992"), table("frames_1992")
+
+
+def exact_modes(structure: Structure, count: int, dofs: tuple[Dof, ...]) -> ModalModel:
+    return synthetic_modes(structure, count, dofs, noise=ModeNoise(), rng=np.random.default_rng(0))
+
+
+@cache
+def beam_from(target: str) -> UpdateResult:
+    modes = roving.loaded_modes() if target == "loaded" else exact_modes(roving.hidden_beam(), 8, roving.DOFS)
+    parameters = parameterise(BEAM["beam"]["macro_elements"])
+    return UPDATERS["inverse_eigensensitivity"](STRUCTURES["chapter-5-beam"](), parameters, modes)
+
+
+@cache
+def bay() -> UpdateResult:
+    case = FRAMES["table_3_1"]
+    changes = [
+        MemberChange(tuple(case["stiffness_doubled"]), MemberProperty.MODULUS, factor=2.0),
+        MemberChange(tuple(case["mass_times_1_5"]), MemberProperty.DENSITY, factor=1.5),
+    ]
+    dofs = tuple(Dof(node, direction) for node in case["measured_nodes"] for direction in ("X", "Y"))
+    structure = STRUCTURES["bay"]()
+    target = exact_modes(change(structure, changes), 10, dofs)
+    return UPDATERS["inverse_eigensensitivity"](structure, parameterise(case["macro_1"]), target)
+
+
+@pytest.mark.parametrize("part", ["mass", "stiffness"])
+def test_the_beams_hidden_errors_are_recovered(part: str) -> None:
+    result = beam_from("exact")
+    assert result.converged
+    doubled = BEAM["beam"]["density_doubled" if part == "mass" else "stiffness_doubled"]
+    for number, value in result.coefficients[part].items():
+        # noise-free: quadratic convergence below the last step's tolerance of 1e-4
+        assert value == pytest.approx(2.0 if number in doubled else 1.0, abs=1e-3)
+
+
+def test_mass_loaded_modes_locate_the_elements_that_the_thesis_suspects() -> None:
+    result, printed = beam_from("loaded"), BEAM["table_5_6"]
+    assert len(result.suspected["mass"]) == printed["suspected_mass"]
+    assert len(result.suspected["stiffness"]) == printed["suspected_stiffness"]
+    assert set(BEAM["beam"]["density_doubled"]) <= set(result.suspected["mass"])
+    assert set(BEAM["beam"]["stiffness_doubled"]) <= set(result.suspected["stiffness"])
+    np.testing.assert_allclose(result.frequencies.location, printed["located"], atol=0.5)
+    np.testing.assert_allclose(result.mac.location, printed["mac"], atol=0.002)
+
+
+def test_mass_loaded_modes_update_the_beam_to_the_printed_frequencies() -> None:
+    np.testing.assert_allclose(beam_from("loaded").frequencies.after, BEAM["table_5_7"]["updated"], atol=2.0)
+
+
+def test_the_bay_is_located_in_the_printed_frequencies() -> None:
+    result, printed = bay(), FRAMES["table_6_4"]
+    assert result.iterations["location"] <= 5
+    # printed to 0.1 Hz, from one step earlier or later: the last one moves coefficients by 0.01 at most
+    np.testing.assert_allclose(result.frequencies.location, printed["located"], atol=0.15)
+    np.testing.assert_allclose(result.mac.location, printed["mac"], atol=0.001)
+
+
+def test_the_bay_is_updated_to_the_measured_frequencies() -> None:
+    result, case = bay(), FRAMES["table_3_1"]
+    assert result.converged
+    assert result.iterations["updating"] <= 8
+    # table 3.4 is printed before convergence; the end is the measurement itself, printed to 0.1 Hz
+    np.testing.assert_allclose(result.frequencies.after, case["experimental"], atol=0.05)
+    for part, numbers, factor in (
+        ("mass", case["mass_times_1_5"], 1.5),
+        ("stiffness", case["stiffness_doubled"], 2.0),
+    ):
+        for number, value in result.coefficients[part].items():
+            assert value == pytest.approx(factor if number in numbers else 1.0, abs=1e-3)

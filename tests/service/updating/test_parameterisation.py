@@ -1,0 +1,83 @@
+"""Which coefficients may move, and how a structure is divided when nobody has."""
+
+from collections.abc import Callable
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from modallab.core.errors import InvalidInputError
+from modallab.fe.assembly import coefficients_of
+from modallab.fe.catalogued import STRUCTURES
+from modallab.fe.structure import Section
+from modallab.updating.parameterisation import (
+    MacroElement,
+    Parameterisation,
+    Part,
+    automatic_groups,
+    by_member,
+    parameterise,
+    spread_over_members,
+)
+
+BEAM, BAY = STRUCTURES["chapter-5-beam"](), STRUCTURES["bay"]()
+
+
+def test_a_straight_beam_is_cut_into_equal_pieces() -> None:
+    assert automatic_groups(BEAM) == tuple(tuple(range(i, i + 4)) for i in range(1, 21, 4))
+
+
+def test_a_frame_is_cut_at_its_corners_as_the_thesis_cuts_it() -> None:
+    groups = automatic_groups(BAY)
+    for group in ((1, 2, 3, 4), (5, 6, 7), (13, 14, 15, 16), (25, 26, 27, 28), (29, 30, 31)):
+        assert group in groups
+    assert sorted(n for group in groups for n in group) == list(range(1, 32))
+
+
+def test_a_change_of_section_ends_a_piece() -> None:
+    thick = tuple(replace(m, section=Section(1e-3, 4e-9)) if m.number > 2 else m for m in BEAM.members)
+    assert automatic_groups(replace(BEAM, members=thick))[0] == (1, 2)
+
+
+def test_every_part_of_every_group_has_a_coefficient() -> None:
+    parameters = parameterise([(1, 2), (3,)], ("mass", "axial", "bending"))
+    assert parameters.parts == (Part.MASS, Part.AXIAL, Part.BENDING)
+    assert [str(macro) for macro in parameters.macros[:2]] == ["mass of 1, 2", "mass of 3"]
+    assert len(parameters.macros) == 6
+
+
+def test_a_coefficient_multiplies_what_its_members_carry() -> None:
+    parameters = parameterise([(1, 2), (3,)])
+    heavier = replace(BEAM, members=(replace(BEAM.members[0], mass_factor=3.0), *BEAM.members[1:]))
+    spread = spread_over_members(
+        parameters, parameters.groups(heavier), np.array([2.0, 1.0, 1.0, 5.0]), coefficients_of(heavier)
+    )
+    assert spread.mass[:3].tolist() == [6.0, 2.0, 1.0]
+    assert spread.axial[:3].tolist() == spread.bending[:3].tolist() == [1.0, 1.0, 5.0]
+
+
+def test_values_by_member_are_1_where_no_coefficient_is() -> None:
+    parameters = parameterise([(2, 3)], ("mass",))
+    table = by_member(parameters, np.array([1.5]), parts=(Part.MASS, Part.AXIAL), members=(1, 2, 3))
+    assert table == {"mass": {1: 1.0, 2: 1.5, 3: 1.5}, "axial": {1: 1.0, 2: 1.0, 3: 1.0}}
+
+
+MASS_1 = MacroElement((1,), Part.MASS)
+WRONG: dict[str, tuple[Callable[[], object], str]] = {
+    "no macro element": (lambda: Parameterisation(()), "macros"),
+    "an empty one": (lambda: parameterise([(1,), ()]), "macros"),
+    "a member twice in a part": (lambda: parameterise([(1, 2), (2, 3)]), "macros"),
+    "stiffness and a part of it": (lambda: parameterise([(1,)], ("stiffness", "bending")), "macros"),
+    "an unknown part": (lambda: parameterise([(1,)], ("colour",)), "parts"),
+    "an unknown member": (lambda: parameterise([(99,)]).groups(BEAM), "members"),
+    "a lower bound above 1": (lambda: Parameterisation((MASS_1,), lower=1.5), "lower"),
+    "an upper bound below 1": (lambda: Parameterisation((MASS_1,), upper=0.5), "upper"),
+}
+
+
+@pytest.mark.parametrize("case", WRONG)
+def test_what_cannot_be_a_parameterisation_is_refused_by_field(case: str) -> None:
+    make, field = WRONG[case]
+    with pytest.raises(InvalidInputError) as caught:
+        make()
+    assert caught.value.context["field"] == field
