@@ -8,6 +8,7 @@ from fastapi import APIRouter, FastAPI
 import modallab
 from modallab.api import about, catalog, jobs, problems
 from modallab.api.correlations import router as correlations
+from modallab.api.diagnoses import router as diagnoses
 from modallab.api.limits import BodyLimit
 from modallab.api.logs import RequestId
 from modallab.api.measurements import router as measurements
@@ -55,7 +56,7 @@ def create_app(settings: Settings, runner: JobRunner | None = None) -> FastAPI:
     app = FastAPI(title="modallab", summary=_SUMMARY, version=modallab.__version__, lifespan=lifespan)
     app.state.settings, app.state.store, app.state.jobs = settings, open_store(settings.store_place), chosen
     v1 = APIRouter(prefix="/v1", responses=problems.RESPONSES)
-    for part in (structures, rigs, measurements, modal_models, correlations, updates):
+    for part in (structures, rigs, measurements, modal_models, correlations, updates, diagnoses):
         v1.include_router(part.router)
     for one in (jobs.router, catalog.router, about.router):
         v1.include_router(one)

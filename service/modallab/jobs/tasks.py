@@ -12,8 +12,10 @@ from typing import Any
 
 import numpy as np
 
+from modallab.core.dof import Dof
 from modallab.core.place import EffectSpec
 from modallab.core.progress import Progress
+from modallab.diagnosis.diagnose import diagnose
 from modallab.estimation.windows import WINDOWS
 from modallab.extraction.extract import extract
 from modallab.extraction.leakage import Leakage
@@ -140,9 +142,48 @@ def update_and_store(
         batch.updates.add(result, owner=into.owner, inputs=inputs, id=into.id)
 
 
+def diagnose_and_store(
+    store: Store,
+    progress: Progress,
+    into: Destination,
+    *,
+    structure_id: str,
+    measurement_id: str,
+    suspects: list[str] | None,
+    hold_out_fraction: float,
+    hold_out: list[str],
+    max_effects: int,
+    seed: int,
+) -> None:
+    """Find what a model lacks; keep the findings, and beside them model and rig with what was added.
+
+    Reads the model, and the measurement as anyone may read it: not its truth.
+    """
+    structure, measurement = store.structures.get(structure_id), store.measurements.get(measurement_id)
+    found = diagnose(
+        structure,
+        measurement,
+        suspects=suspects,
+        hold_out_fraction=hold_out_fraction,
+        hold_out=[Dof.parse(text) for text in hold_out],
+        max_effects=max_effects,
+        seed=seed,
+        progress=progress,
+    )
+    made_from = {"structure_id": structure_id, "measurement_id": measurement_id}
+    extended = {"extended_structure_id": into.beside("structure"), "extended_rig_id": into.beside("rig")}
+    with store.together() as batch:
+        batch.structures.add(
+            found.structure, owner=into.owner, inputs=made_from, id=extended["extended_structure_id"]
+        )
+        batch.rigs.add(found.setup, owner=into.owner, inputs=made_from, id=extended["extended_rig_id"])
+        batch.diagnoses.add(found, owner=into.owner, inputs=made_from | extended, seed=seed, id=into.id)
+
+
 Task = Callable[..., None]
 TASKS: Mapping[str, Task] = {
     "measure_and_store": measure_and_store,
     "extract_and_store": extract_and_store,
     "update_and_store": update_and_store,
+    "diagnose_and_store": diagnose_and_store,
 }

@@ -15,6 +15,7 @@ from modallab.core.dof import Dof
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.core.modal_model import ModalModel, Mode
 from modallab.correlation.mac import Correlation
+from modallab.diagnosis.result import Diagnosis
 from modallab.fe.structure import Structure
 from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
@@ -117,6 +118,23 @@ def _put_modal_model(body: Json, arrays: _Given) -> ModalModel:
     )
 
 
+_CURVES = "curves."  # under which `to_plain` names the arrays of a diagnosis
+
+
+def _take_diagnosis(thing: Diagnosis) -> tuple[Json, Arrays]:
+    body, arrays = to_plain(thing)
+    curves = thing.curves
+    names = {"outputs": curves.outputs, "inputs": curves.inputs}
+    if curves.predicted is not None:
+        names["predicted_outputs"] = curves.predicted_outputs
+    served = {name.removeprefix(_CURVES): array for name, array in arrays.items()}
+    return body, served | {name: _names(dofs) for name, dofs in names.items()}
+
+
+def _put_diagnosis(body: Json, arrays: _Given) -> Diagnosis:
+    return from_plain(Diagnosis, body, {f"{_CURVES}{name}": array for name, array in arrays.items()})
+
+
 CODECS: Mapping[str, Codec[Any]] = {
     "structure": _plain(Structure),
     "rig": _plain(RigSetup),
@@ -124,4 +142,5 @@ CODECS: Mapping[str, Codec[Any]] = {
     "modal_model": Codec(_take_modal_model, _put_modal_model),
     "correlation": _plain(Correlation),
     "update": _plain(UpdateResult),
+    "diagnosis": Codec(_take_diagnosis, _put_diagnosis),
 }

@@ -146,7 +146,7 @@ def _decode_container(
 
 
 def _decode_scalar(hint: Any, tree: Json, path: str) -> Any:
-    if hint is Any:
+    if hint in (Any, object):
         return tree
     if hint is float and isinstance(tree, (int, float)) and not isinstance(tree, bool):
         return float(tree)

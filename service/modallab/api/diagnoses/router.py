@@ -1,0 +1,55 @@
+"""Diagnoses: what a model lacks, found from a measurement and its log book."""
+
+from typing import Annotated
+
+from fastapi import APIRouter, status
+from starlette.responses import HTMLResponse, Response
+
+from modallab.api.arrays import NPZ, Precision, npz_reply
+from modallab.api.deps import IdPath, JobsDep, OwnerDep, StoreDep
+from modallab.api.diagnoses.schemas import DiagnosisOut, DiagnosisStart
+from modallab.api.examples import example
+from modallab.api.jobs import JobOut
+from modallab.api.shelves import add_routes
+from modallab.diagnosis.report import report
+
+# The page holds all it shows: it may load nothing and run nothing.
+_STATIC = {"Content-Security-Policy": "default-src 'none'; style-src 'unsafe-inline'; img-src data:"}
+
+router = APIRouter(prefix="/diagnoses", tags=["diagnoses"])
+
+_BODY = {
+    "structure_id": "5f0c31",
+    "measurement_id": "c04d1a",
+    "suspects": "all",
+    "hold_out": {"fraction": 0.25, "dofs": ["19:+Y"]},
+    "max_effects": 4,
+    "seed": 0,
+}
+
+
+@router.post("", status_code=status.HTTP_202_ACCEPTED, summary="Find what a model lacks")
+def start_diagnosis(
+    body: Annotated[DiagnosisStart, example(_BODY)], store: StoreDep, jobs: JobsDep, owner: OwnerDep
+) -> JobOut:
+    store.measurements.check(body.measurement_id)
+    arguments = body.to_arguments(store.structures.get(body.structure_id))
+    return JobOut.of(jobs.submit("diagnose_and_store", arguments, owner=owner))
+
+
+@router.get("/{id}", summary="What was found")
+def get_diagnosis(id: IdPath, store: StoreDep) -> DiagnosisOut:
+    return DiagnosisOut.of(store.diagnoses.get(id), store.diagnoses.entry(id))
+
+
+@router.get("/{id}/arrays", response_class=Response, responses=NPZ, summary="Measured, predicted FRFs: npz")
+def get_diagnosis_arrays(id: IdPath, store: StoreDep, precision: Precision = "double") -> Response:
+    return npz_reply(store.diagnoses.npz(id), precision)
+
+
+@router.get("/{id}/report", response_class=HTMLResponse, summary="What was found, as a page")
+def get_diagnosis_report(id: IdPath, store: StoreDep) -> HTMLResponse:
+    return HTMLResponse(report(store.diagnoses.get(id)), headers=_STATIC)
+
+
+add_routes(router, "diagnoses")
