@@ -47,8 +47,8 @@ class Averager:
         self._batch = max(1, IN_CACHE // (n_ch * n_samples))
         self._windowed = np.empty((self._batch, *shape))
         self._scale = 2 / (sample_rate * n_samples * window.power)
-        self._ff = np.zeros((n_in, n_in, n_lines), complex)
-        self._fx = np.zeros((n_in, n_out, n_lines), complex)
+        self._ff: ComplexArray = np.zeros((n_in, n_in, n_lines), complex)
+        self._fx: ComplexArray = np.zeros((n_in, n_out, n_lines), complex)
         self._xx = np.zeros((n_out, 2 * n_lines))  # squares of real and imaginary parts, in turns
 
     def add(self, blocks: FloatArray) -> None:
@@ -69,7 +69,7 @@ class Averager:
     def densities(self) -> tuple[ComplexArray, ComplexArray, FloatArray]:
         """Return one-sided G_ff (n_lines, n_in, n_in), G_fx (n_lines, n_in, n_out), G_xx (n_lines, n_out)."""
         scale = self._scale / self.count
-        ff: ComplexArray = scale * np.moveaxis(self._ff, -1, 0)
-        fx: ComplexArray = scale * np.moveaxis(self._fx, -1, 0)
+        ff: ComplexArray = np.moveaxis(self._ff, -1, 0) * scale
+        fx: ComplexArray = np.moveaxis(self._fx, -1, 0) * scale
         xx = scale * self._xx.reshape(*self._fx.shape[1:], 2).sum(axis=2).T
         return ff, fx, xx

@@ -1,0 +1,148 @@
+"""Expected spectra: exact without effects, leaking as the integral says, noisy as printed."""
+
+import numpy as np
+import pytest
+from tests.rigs import beam_system, rig
+
+from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.estimation.coherence import coherence
+from modallab.estimation.estimator import ESTIMATORS
+from modallab.fe.damping import StructuralDamping
+from modallab.fe.receptance import direct_receptance
+from modallab.rig.chain import Chain, chain
+from modallab.rig.expected import expected_spectra, glimpse
+from modallab.rig.setup import Exciter, Noise
+
+LOW = {"frequency_max": 200.0, "n_lines": 101, "window": "hann"}
+
+
+def inertance(bench: Chain) -> ComplexArray:
+    """The FRF of the structure as it stands in the first run, by solving at every line."""
+    freq, shot, system = bench.setup.analyser.freq, bench.shots[0], bench.systems[0]
+    alpha = direct_receptance(
+        system, freq[1:], system.selection(shot.outputs), system.selection((shot.drive,))
+    )
+    return -((2 * np.pi * freq[1:]) ** 2)[:, None] * alpha[..., 0]
+
+
+@pytest.mark.parametrize("estimator", sorted(ESTIMATORS))
+def test_a_rig_without_effects_returns_the_exact_frf(estimator: str) -> None:
+    bench = chain(beam_system(), rig(1, 7, 16))
+    spectra = expected_spectra(bench)
+    found = ESTIMATORS[estimator](spectra)[0, 1:, :, 0]
+    scale = np.abs(found).max()
+    # rounding of two solutions of a stiff beam: 1e-16 times the ratio of its eigenvalues, 1e6
+    np.testing.assert_allclose(found, inertance(bench), rtol=1e-8, atol=1e-9 * scale)
+    np.testing.assert_allclose(coherence(spectra), 1.0, atol=1e-14)  # rounding
+
+
+def test_the_force_has_the_declared_power_over_the_band() -> None:
+    setup = rig(1, analyser={"n_lines": 401})
+    force = expected_spectra(chain(beam_system(), setup)).ff[0, :, 0, 0].real
+    analyser = setup.analyser
+    assert np.isclose(np.trapezoid(force, analyser.freq), analyser.excitation.level**2, rtol=1e-13)
+
+
+def test_the_force_drops_out_where_the_armature_moves() -> None:
+    mass = 0.05
+    ideal = expected_spectra(chain(beam_system(), rig(1)))
+    with_armature = expected_spectra(chain(beam_system(), rig(1, exciter=Exciter(armature_mass=mass))))
+    h = ESTIMATORS["h1"](ideal)[0, 1:, 0, 0]
+    dropped = ideal.ff[0, 1:, 0, 0] / np.abs(1 + mass * h) ** 2  # 1992 thesis, eq. [5.4]
+    np.testing.assert_allclose(with_armature.ff[0, 1:, 0, 0], dropped, rtol=1e-10)  # rounding
+    # and the FRF stays as it is
+    np.testing.assert_allclose(ESTIMATORS["h1"](with_armature)[0, 1:, 0, 0], h, rtol=1e-10)
+
+
+def test_noise_biases_h1_low_h2_high_and_lowers_coherence_as_printed() -> None:
+    noise = Noise(force=2e-2, response=3e-3)
+    clean = expected_spectra(chain(beam_system(), rig(1, 7)))
+    noisy = expected_spectra(chain(beam_system(), rig(1, 7, noise=noise)))
+    force, response = clean.ff[..., 0].real, clean.xx
+    r_i = noise.force * force.mean(axis=1, keepdims=True) / force
+    r_o = noise.response * response.mean(axis=1, keepdims=True) / response
+    h = ESTIMATORS["h1"](clean)[..., 0]
+    # 1992 thesis, eq. [5.6], [5.7], [5.8]; rounding
+    np.testing.assert_allclose(ESTIMATORS["h1"](noisy)[..., 0], h / (1 + r_i), rtol=1e-12)
+    np.testing.assert_allclose(ESTIMATORS["h2"](noisy)[..., 0], h * (1 + r_o), rtol=1e-12)
+    np.testing.assert_allclose(coherence(noisy), 1 / ((1 + r_i) * (1 + r_o)), rtol=1e-12)
+
+
+def brute_force(bench: Chain, points: int) -> FloatArray:
+    """Return G_ff, |G_fx|, G_xx through a Hanning record by a plain sum over `points` a line."""
+    analyser = bench.setup.analyser
+    x = np.linspace(0, analyser.n_lines - 1.0, (analyser.n_lines - 1) * points + 1)
+    response = bench.respond(x * analyser.spacing)
+    force = np.abs(response.transmission[0]) ** 2 * analyser.excitation.level**2 / analyser.frequency_max
+    h = response.inertance[0, :, 0]
+    weight = np.full(len(x), 1.0 / points)
+    weight[[0, -1]] /= 2
+
+    def window(u: FloatArray) -> FloatArray:  # 1992 thesis, eq. [5.12], its limits filled in
+        u = u + 1e-7
+        return np.asarray(2 / 3 * (np.sin(np.pi * u) / (np.pi * u * (1 - u**2))) ** 2)
+
+    seen = []
+    for spectrum in (force, force * h, force * np.abs(h) ** 2):
+        lines = np.arange(analyser.n_lines)[:, None]
+        above, below = window(lines - x) @ (weight * spectrum), window(lines + x) @ (weight * spectrum.conj())
+        seen.append(above + below)
+    return np.array(seen)
+
+
+@pytest.mark.parametrize("loss", [0.004, 0.05])
+def test_leaking_spectra_are_the_convolution_with_the_window(loss: float) -> None:
+    # half-power bandwidths from 0.05 lines, the first mode with the small loss, to 5 lines
+    bench = chain(
+        beam_system(StructuralDamping(stiffness_coefficient=loss)),
+        rig(11, excitation="random", exciter=Exciter(armature_mass=0.02), analyser=LOW),
+    )
+    spectra = expected_spectra(bench)
+    by_sum = brute_force(bench, 400)
+    # the sum's upper end leaves (1/400)^2/12 of the slope there; the shift by which it steps over the
+    # window's 0/0 leaves 1e-7
+    for found, wanted in zip(
+        (spectra.ff[0, :, 0, 0], spectra.fx[0, :, 0, 0], spectra.xx[0, :, 0]), by_sum, strict=True
+    ):
+        np.testing.assert_allclose(found, wanted, rtol=2e-6, atol=1e-10 * np.abs(wanted).max())
+
+
+def test_with_leakage_h1_is_coherence_times_h2_and_resonances_come_out_low() -> None:
+    setup = rig(1, 7, excitation="random", analyser=LOW)
+    light = StructuralDamping(stiffness_coefficient=0.004)
+    spectra = expected_spectra(chain(beam_system(light), setup))
+    exact = expected_spectra(chain(beam_system(light), rig(1, 7, analyser=LOW | {"window": "rectangular"})))
+    h1, h2, h = (ESTIMATORS[kind](s)[..., 0] for kind, s in (("h1", spectra), ("h2", spectra), ("h1", exact)))
+    np.testing.assert_allclose(h1, coherence(spectra) * h2, rtol=1e-12)  # rounding
+    peaks = np.abs(h[0, :, 0]).argsort()[-3:]
+    assert (np.abs(h1[0, peaks, 0]) < np.abs(h[0, peaks, 0])).all()
+
+
+def test_what_repeats_with_the_record_does_not_leak() -> None:
+    exact = ESTIMATORS["h1"](expected_spectra(chain(beam_system(), rig(1, 7))))
+    leaking, periodic = (
+        expected_spectra(chain(beam_system(), rig(1, 7, excitation=kind, analyser={"window": window})))
+        for kind, window in (("random", "hann"), ("periodic_random", "rectangular"))
+    )
+    np.testing.assert_allclose(ESTIMATORS["h1"](periodic), exact, rtol=1e-14)
+    assert coherence(periodic).min() > 1 - 1e-12 > coherence(leaking).min()
+
+
+def test_a_first_look_is_the_expected_spectra_where_resonances_are_lines_wide() -> None:
+    setup = rig(1, 7, excitation="random", analyser=LOW)
+    bench = chain(beam_system(StructuralDamping(stiffness_coefficient=0.1)), setup)  # from 1.2 lines
+    quick, full = glimpse(bench, 4), expected_spectra(bench)
+    np.testing.assert_array_equal(quick.freq, full.freq[::4])
+    # six Gauss points a line, poles 0.6 lines away: 1e-4
+    np.testing.assert_allclose(quick.xx, full.xx[:, ::4], rtol=1e-3)
+    np.testing.assert_allclose(quick.ff, full.ff[:, ::4], rtol=1e-3)
+
+
+def test_overlap_counts_only_where_records_follow_one_another() -> None:
+    settings = {"window": "hann", "overlap": 0.5, "averages": 100}
+    worth = {
+        kind: expected_spectra(chain(beam_system(), rig(1, excitation=kind, analyser=settings))).averages
+        for kind in ("random", "periodic_random")
+    }
+    assert np.isclose(worth["random"], 94.79, atol=0.01)
+    assert worth["periodic_random"] == 100
