@@ -242,7 +242,7 @@ def _mode(data: Json) -> models.Mode:
 def _spread(data: Json | None) -> models.Spread | None:
     if not data:
         return None
-    low, high, mean, sd = (_number(data[name]) for name in ("min", "max", "mean", "sd"))
+    low, high, mean, sd = (number(data[name]) for name in ("min", "max", "mean", "sd"))
     return models.Spread(low, high, mean, sd, int(data["n"]))
 
 
@@ -264,7 +264,8 @@ def texts(values: Any) -> tuple[str, ...]:
     return tuple(str(value) for value in values)
 
 
-def _number(value: float | None) -> float:
+def number(value: float | None) -> float:
+    """Return a number; null, which JSON has for what is not finite, becomes NaN."""
     return float("nan") if value is None else float(value)
 
 

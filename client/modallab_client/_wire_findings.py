@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from typing import Any
 
 from modallab_client import findings
-from modallab_client._wire import Arrays, Json, floats, texts
+from modallab_client._wire import Arrays, Json, floats, number, texts
 
 
 def correlation(data: Json) -> findings.Correlation:
@@ -79,6 +79,8 @@ def diagnosis(data: Json) -> findings.Diagnosis:
         next_test=_next_test(following) if following else None,
         structure_id=data.get("structure_id"),
         rig_id=data.get("rig_id"),
+        remaining_scatter=data.get("remaining_scatter"),
+        notes=texts(data.get("notes") or ()),
     )
 
 
@@ -87,6 +89,7 @@ def _located(data: Json) -> findings.Located:
         bands=tuple((float(low), float(high)) for low, high in data.get("bands", ())),
         dofs=texts(data.get("dofs", ())),
         modes=tuple(map(int, data.get("modes", ()))),
+        words=texts(data.get("words", ())),
     )
 
 
@@ -98,8 +101,8 @@ def _step(data: Json) -> findings.Step:
     return findings.Step(
         effect=_effect(data["effect"]),
         probability=data.get("probability"),
-        gap_before=data["gap_before"],
-        gap_after=data["gap_after"],
+        gap_before=number(data["gap_before"]),
+        gap_after=number(data["gap_after"]),
         held_out_gap_before=data.get("held_out_gap_before"),
         held_out_gap_after=data.get("held_out_gap_after"),
         rivals=tuple(_rival(one) for one in data.get("rivals") or ()),

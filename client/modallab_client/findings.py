@@ -148,6 +148,7 @@ class Located:
     bands: tuple[tuple[float, float], ...] = ()  # Hz
     dofs: tuple[str, ...] = ()
     modes: tuple[int, ...] = ()  # counted from 1
+    words: tuple[str, ...] = ()  # the same in sentences
 
 
 @dataclass(frozen=True)
@@ -172,6 +173,8 @@ class Diagnosis:
     next_test: NextTest | None
     structure_id: str | None  # the model with what was added
     rig_id: str | None  # the rig with what was added
+    remaining_scatter: float | None = None  # random error of the remaining gap if nothing is missing
+    notes: tuple[str, ...] = ()
 
     def table(self) -> str:
         """Return effect, place, probability and gaps of each step as text."""

@@ -109,6 +109,8 @@ DIAGNOSIS = {
         }
     ],
     "remaining_gap": 1.06,
+    "remaining_scatter": 0.02,
+    "notes": ["n"],
     "gaps": {"before": {"frf": 812.0}, "after": {"frf": 1.04}},
     "next_test": {"why": "w", "change": {"level_factor": 3.0}, "separates": ["a", "b"]},
     "structure_id": "s2",

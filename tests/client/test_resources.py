@@ -201,6 +201,7 @@ def test_a_diagnosis_reads_as_it_is_written_in_the_contract(lab: ModalLab, servi
     assert step.rivals[0].at == {"members": [3]}
     assert step.rivals_alike[0].kind == "force_transducer_mass"
     assert found.located.bands == ((22.0, 24.0),)
+    assert (found.remaining_gap, found.remaining_scatter, found.notes) == (1.06, 0.02, ("n",))
     assert found.next_test is not None
     assert found.next_test.separates == ("a", "b")
     assert "extra_mass at 7:+Y: mass 0.05 kg" in found.table()
