@@ -1,6 +1,9 @@
 """The client and the service together, as users have them."""
 
 import asyncio
+import re
+import subprocess
+import sys
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -9,8 +12,44 @@ import pytest
 
 from modallab_client import AsyncModalLab, ModalLab, errors
 
+# The example of the contract, a script like any user's: no main guard, nothing set up.
+EXAMPLE = """
+from modallab_client import ModalLab
+
+with ModalLab.embedded() as lab:                      # starts the service beside this process, nothing to set up
+    beam = lab.structures.catalogue("chapter-5-beam")
+    truth = lab.structures.change(beam.id, members=[7], property="modulus", factor=1.3)
+    rig = lab.rigs.create(drive="1:+Y", responses=[f"{n}:+Y" for n in range(1, 22, 2)])
+    test = lab.measurements.start(truth.id, rig.id, seed=1).result()
+    print(test.freq.shape, test.values.shape, test.coherence.min())
+    modes = lab.modal_models.start(test.id, method="dobson", n_modes=8).result()
+    print(modes.table())                              # frequency, loss factor, min, max, mean, sd
+    update = lab.updates.start(beam.id, modes.id, method="inverse_eigensensitivity").result(on_progress=print)
+    found = lab.diagnoses.start(beam.id, test.id).result()
+    print(found.verdict, found.steps[0].effect.kind, found.steps[0].gap_before, found.steps[0].gap_after)
+"""  # noqa: E501
+
+
 SECTION = {"area": 5e-4, "second_moment": 4.1667e-9}
 STEEL = {"modulus": 2.09e11, "density": 7800.0}
+
+
+def test_the_example_of_the_contract_runs_as_it_stands(tmp_path: Path) -> None:
+    script = tmp_path / "example.py"
+    script.write_text(EXAMPLE)
+    run = subprocess.run(
+        [sys.executable, script], cwd=tmp_path, capture_output=True, text=True, check=False, timeout=600
+    )
+    assert run.returncode == 0, run.stderr
+    first, *rest = run.stdout.splitlines()
+    shapes = re.fullmatch(r"\((\d+),\) \((\d+), 11, 1\) (0\.\d+|1\.0)", first)
+    assert shapes is not None, first
+    assert shapes[1] == shapes[2]
+    assert sum("frequency Hz" in line for line in rest) == 8
+    assert any(re.match(r"[01]\.\d+ \S", line) for line in rest), "print was told the progress"
+    _, kind, before, after = rest[-1].split()
+    assert kind == "stiffness_error"
+    assert float(after) < float(before)
 
 
 @pytest.fixture(scope="module")
