@@ -41,6 +41,8 @@ def attached(
 def _woodbury(alpha: ComplexArray, z: ComplexArray) -> ComplexArray:
     """Return the receptance with z (..., r, r) attached to the last r rows and columns of alpha."""
     r = z.shape[-1]
+    if r == 0:  # attachments that change nothing have no columns
+        return alpha
     to_b, from_b, within = alpha[..., :-r, -r:], alpha[..., -r:, :-r], alpha[..., -r:, -r:]
     if r == 1:  # one division instead of a solver call for every line
         return np.asarray(alpha[..., :-1, :-1] - to_b * (z / (1 + z * within)) * from_b)

@@ -254,7 +254,7 @@ class DynamicSystem:
         """Return modes of the matrices alone, attachments left out: all of them below `SMALL` DoFs,
         else those up to twice `frequency_max`, Hz; solved once for all variants of the system."""
         known = self._shared.get("basis")
-        if isinstance(known, ModalBasis) and known.frequency_max >= frequency_max:
+        if isinstance(known, ModalBasis) and known.frequency_max >= 2 * frequency_max:
             return known
         basis = modal_basis(
             self.mass,

@@ -118,6 +118,13 @@ def test_modes_left_out_above_still_count(damping: Damping) -> None:
     np.testing.assert_allclose(receptance(system, freq, pick, pick), exact, rtol=1e-2)
 
 
+def test_a_basis_solved_for_low_frequencies_is_not_used_for_high_ones() -> None:
+    system = assemble(long_beam((), StructuralDamping()))
+    low, high = system.base_modes(100.0), system.base_modes(150.0)
+    assert low.frequencies.max() <= 200.0 < high.frequencies.max() <= 300.0
+    assert system.base_modes(120.0) is high
+
+
 def test_modes_asked_for_by_none_are_refused() -> None:
     with pytest.raises(InvalidInputError, match="at least one mode"):
         assemble(STRUCTURES["bay"]()).modes().elastic(0)

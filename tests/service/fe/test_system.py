@@ -1,0 +1,54 @@
+"""A system and what hangs on it: attachments leave the matrices as they were."""
+
+import numpy as np
+import pytest
+
+from modallab.core.dof import Dof
+from modallab.core.errors import InvalidInputError, UnknownDofError
+from modallab.fe.assembly import assemble
+from modallab.fe.catalogued import STRUCTURES
+
+BEAM = assemble(STRUCTURES["chapter-5-beam"]())
+
+
+def test_a_mass_lowers_frequencies_and_most_those_that_move_there() -> None:
+    at = Dof(1, "Y")
+    bare, loaded = BEAM.modes().elastic(8), BEAM.add_mass(1, 0.001).modes().elastic(8)
+    shift = loaded.frequencies / bare.frequencies - 1
+    # to first order -m phi^2 / 2; the second is of the size of its square
+    first = -0.001 * bare.shapes[BEAM.index(at)] ** 2 / 2
+    np.testing.assert_allclose(shift, first, rtol=1e-2)
+
+
+def test_a_mass_moves_with_every_translation_of_its_node() -> None:
+    bay = assemble(STRUCTURES["bay"]())
+    folded = bay.add_mass(5, 3.0).folded()
+    added = (folded.mass - bay.mass).toarray()
+    moved = {(dof.node, dof.direction) for dof, entry in zip(bay.dofs, np.diag(added), strict=True) if entry}
+    assert moved == {(5, "X"), (5, "Y")}
+
+
+def test_hanging_something_on_changes_nothing_underneath() -> None:
+    before = BEAM.mass.toarray()
+    BEAM.add_mass(3, 1.0).add_spring(Dof(3, "Y"), 1e4).change_member(4, mass=1.0).folded()
+    np.testing.assert_array_equal(BEAM.mass.toarray(), before)
+    assert BEAM.attachments == ()
+
+
+def test_modes_are_solved_for_once_for_every_variant() -> None:
+    assert BEAM.add_mass(3, 1.0).base_modes(800.0) is BEAM.base_modes(800.0)
+
+
+@pytest.mark.parametrize("dof", [Dof(99, "Y"), Dof(3, "X")])
+def test_a_dof_that_is_not_there_is_refused(dof: Dof) -> None:
+    with pytest.raises(UnknownDofError):
+        BEAM.selection((dof,))
+    with pytest.raises(UnknownDofError):
+        BEAM.add_spring(dof, 1.0)
+
+
+def test_a_mass_needs_a_node_and_a_change_a_member() -> None:
+    with pytest.raises(UnknownDofError):
+        BEAM.add_mass(99, 1.0)
+    with pytest.raises(InvalidInputError):
+        BEAM.change_member(99, mass=1.0)
