@@ -85,7 +85,7 @@ def diagnose(
     candidates.sort(key=lambda e: -type(e).signature(evidence))
     path = search(predictor, candidates, max_effects=max_effects, progress=progress)
     progress(0.97, "writing down what was found")
-    steps = tuple(_step(predictor, accepted) for accepted in path.steps)
+    steps = tuple(_step(predictor, accepted, path.fit) for accepted in path.steps)
     verdict = _verdict(predictor, path, steps)
     extended, log_book = _with(structure, measurement.setup, path.fit.effects)
     start, left = path.start.residual, path.fit.residual
@@ -167,15 +167,16 @@ def _rivals(predictor: Predictor, tried: Sequence[Fit], *, skip: int) -> tuple[R
     )
 
 
-def _step(predictor: Predictor, accepted: Accepted) -> Step:
+def _step(predictor: Predictor, accepted: Accepted, final: Fit) -> Step:
     observed, tried = predictor.observed, accepted.tried
     near = ALIKE * temperature(predictor, tried[0])
     chosen = next(f for f in tried if (f.effects[-1].kind, str(f.effects[-1].at)) == accepted.kind_and_place)
     alike = [f for f in tried if f is not chosen and abs(f.chi_square - chosen.chi_square) < near]
     shares = dict(zip(map(id, tried), probabilities(predictor, tried), strict=True))
-    position = [(e.kind, str(e.at)) for e in accepted.after.effects].index(accepted.kind_and_place)
+    # Sizes from the last fit: what was missing beside an effect still distorts its own round's.
+    position = [(e.kind, str(e.at)) for e in final.effects].index(accepted.kind_and_place)
     return Step(
-        effect=_fitted(accepted.after, position),
+        effect=_fitted(final, position),
         probability=shares[id(chosen)],
         gap_before=accepted.before.residual.gap(observed.fitted),
         gap_after=accepted.after.residual.gap(observed.fitted),
