@@ -12,7 +12,7 @@ from modallab.core.dof import Dof
 from modallab.fe.assembly import assemble
 from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.damping import StructuralDamping
-from modallab.fe.receptance import direct_receptance, receptance
+from modallab.fe.receptance import attached, attached_variants, direct_receptance, receptance
 from modallab.fe.system import DynamicSystem
 
 FREQ = np.array([3.0, 17.0, 61.0, 240.0, 800.0])
@@ -71,3 +71,17 @@ def test_a_beam_far_below_its_modes_is_a_body_or_a_spring(name: str) -> None:
         expected = -(4 / mass) / (2 * np.pi * freq[0]) ** 2
     # the first mode adds (0.05 / 3.7)^2 to the spring, and less to the body
     assert abs(alpha / expected - 1) < 1e-2
+
+
+@pytest.mark.parametrize("unlike", [False, True], ids=["of one width", "of several widths"])
+def test_variants_together_are_the_variants_one_by_one(unlike: bool) -> None:
+    system = assemble(STRUCTURES["chapter-5-beam"]()).add_mass(1, 0.01).change_member(7, bending=0.3)
+    variants = [system.add_mass(node, 0.02) for node in (1, 9, 21)]
+    if unlike:
+        variants[1] = variants[1].change_member(3, mass=0.1)
+    lefts = [system.selection((Dof(node, "Y"),)) for node in (1, 9, 21)]
+    right = system.selection((Dof(1, "Y"),))
+    response = system.base_modes(800.0).at(2 * np.pi * FREQ)
+    together = attached_variants(response, variants, lefts, right)
+    apart = [attached(response, v, left, right) for v, left in zip(variants, lefts, strict=True)]
+    np.testing.assert_allclose(together, apart, rtol=1e-9)  # the same equations in another order

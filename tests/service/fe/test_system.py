@@ -1,5 +1,7 @@
 """A system and what hangs on it: attachments leave the matrices as they were."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -7,6 +9,8 @@ from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError, UnknownDofError
 from modallab.fe.assembly import assemble
 from modallab.fe.catalogued import STRUCTURES
+from modallab.fe.changes import MemberChange, MemberProperty, change
+from modallab.fe.damping import Damping, StructuralDamping, ViscousDamping
 
 BEAM = assemble(STRUCTURES["chapter-5-beam"]())
 
@@ -37,6 +41,44 @@ def test_hanging_something_on_changes_nothing_underneath() -> None:
 
 def test_modes_are_solved_for_once_for_every_variant() -> None:
     assert BEAM.add_mass(3, 1.0).base_modes(800.0) is BEAM.base_modes(800.0)
+
+
+@pytest.mark.parametrize("name", ["chapter-5-beam", "bay", "cantilever"])
+@pytest.mark.parametrize(("mass", "stiffness"), [(1.2, 1.0), (1.0, 0.9), (1.2, 0.9)])
+def test_a_scaled_system_is_the_structure_of_another_material(
+    name: str, mass: float, stiffness: float
+) -> None:
+    structure = STRUCTURES[name]()
+    every = tuple(member.number for member in structure.members)
+    made = change(
+        structure,
+        [
+            MemberChange(every, MemberProperty.DENSITY, factor=mass),
+            MemberChange(every, MemberProperty.MODULUS, factor=stiffness),
+        ],
+    )
+    scaled, expected = assemble(structure).scaled(mass=mass, stiffness=stiffness), assemble(made)
+    for part in ("mass", "stiffness", "damping"):
+        ours, theirs = getattr(scaled, part), getattr(expected, part)
+        assert (ours is None) == (theirs is None)
+        if theirs is not None:
+            np.testing.assert_allclose(ours.toarray(), theirs.toarray(), atol=1e-12 * abs(theirs).max())
+
+
+def test_a_system_scaled_alike_is_solved_for_once() -> None:
+    one, other = BEAM.scaled(mass=1.1), BEAM.add_mass(3, 0.1).scaled(mass=1.1)
+    assert one.base_modes(800.0) is other.base_modes(800.0)
+    assert len(other.attachments) == 1
+
+
+@pytest.mark.parametrize("law", [StructuralDamping(0.005, 100.0), ViscousDamping(1e-6, 3.0)])
+def test_resonances_are_the_elastic_modes_and_their_half_widths(law: Damping) -> None:
+    system = assemble(replace(STRUCTURES["chapter-5-beam"](), damping=law)).add_mass(3, 0.05)
+    frequencies, half = system.resonances(800.0)
+    basis = system.modes().elastic(8)
+    np.testing.assert_allclose(frequencies[:8], basis.frequencies, rtol=1e-4)  # second order in damping
+    # half of the half-power bandwidth eta f
+    np.testing.assert_allclose(half[:8], basis.loss_factors * basis.frequencies / 2, rtol=1e-2)
 
 
 @pytest.mark.parametrize("dof", [Dof(99, "Y"), Dof(3, "X")])

@@ -1,12 +1,14 @@
 """Two-stage inverse eigensensitivity: it finds what was hidden, and says what it cannot."""
 
 from dataclasses import replace
+from itertools import cycle
 
 import numpy as np
 import pytest
 from tests.service.updating.cases import BAY, BAY_DOFS, BEAM, BEAM_DOFS, WRONG_BEAM, modes_of
 
 from modallab.core.errors import UnderdeterminedError
+from modallab.core.modal_model import ModalModel
 from modallab.fe.changes import MemberChange, MemberProperty, change
 from modallab.fe.selected import Distribution, ModeNoise
 from modallab.updating.method import UpdateOptions, UpdateResult
@@ -66,13 +68,13 @@ def test_standard_errors_are_the_scatter_of_repeated_tests() -> None:
         inverse_eigensensitivity(
             BEAM, parameters, modes_of(stiffer, 8, BEAM_DOFS, noise, seed), options=options
         )
-        for seed in range(60)
+        for seed in range(40)
     ]
     values = np.array([[r.coefficients["stiffness"][n] for n in (9, 11, 13)] for r in found])
     stated = np.array([[r.standard_errors["stiffness"][n] for n in (9, 11, 13)] for r in found])
     ratio = values.std(axis=0, ddof=1) / np.sqrt((stated**2).mean(axis=0))
-    # the scatter of 60 draws is itself known to 1/sqrt(2 * 59) = 9 %: three of these
-    np.testing.assert_allclose(ratio, 1.0, atol=0.28)
+    # the scatter of 40 draws is itself known to 1/sqrt(2 * 39) = 11 %: three of these
+    np.testing.assert_allclose(ratio, 1.0, atol=0.34)
 
 
 def test_errors_come_from_the_residual_where_none_are_stated() -> None:
@@ -99,6 +101,12 @@ def test_every_step_is_on_record() -> None:
     assert all(one.condition_number < 100 for one in updating)  # 1e8 and more without balance
 
 
+def retuned(target: ModalModel, *factors: float) -> ModalModel:
+    """Multiply frequencies in turn: no beam of these shapes has such frequencies."""
+    modes = zip(target.modes, cycle(factors), strict=False)
+    return replace(target, modes=tuple(replace(m, frequency=m.frequency * f) for m, f in modes))
+
+
 def test_an_impossible_target_ends_with_a_reason_and_finite_numbers() -> None:
     target = modes_of(WRONG_BEAM, 8, BEAM_DOFS)
     bent = tuple(
@@ -112,6 +120,20 @@ def test_an_impossible_target_ends_with_a_reason_and_finite_numbers() -> None:
         assert (one.coefficients >= FIVE.lower * (1 - 1e-9)).all()
         assert (one.coefficients <= FIVE.upper * (1 + 1e-9)).all()
     assert np.isfinite(list(result.coefficients["mass"].values())).all()
+
+
+def test_a_path_that_loses_a_mode_ends_where_it_still_made_sense() -> None:
+    target = modes_of(WRONG_BEAM, 8, BEAM_DOFS)
+    bent = tuple(
+        replace(m, frequency=m.frequency * f) for m, f in zip(target.modes, (0.3, 3.0) * 4, strict=True)
+    )
+    wide = parameterise([m.members for m in FIVE.macros[:5]], lower=1e-3, upper=1e3)
+    result = inverse_eigensensitivity(BEAM, wide, retuned(target, 0.3, 3.0))
+    assert not result.converged
+    assert result.stopped_because.startswith("diverged")
+    assert result.iterations["updating"] == 0
+    assert result.standard_errors == {}
+    np.testing.assert_array_equal(result.frequencies.after, result.frequencies.location)
 
 
 def test_bounds_are_kept_and_do_not_hold_up_the_rest() -> None:
