@@ -1,0 +1,109 @@
+"""Draws follow the law of averaged Gaussian records."""
+
+import numpy as np
+import pytest
+from benchmarks.drawn_against_sampled import bench, compare
+from tests.rigs import beam_system, rig
+
+from modallab.estimation.coherence import coherence, coherence_error, frf_error
+from modallab.estimation.estimator import ESTIMATORS
+from modallab.estimation.spectra import CrossSpectra
+from modallab.rig.chain import chain
+from modallab.rig.drawn import drawn_spectra
+from modallab.rig.expected import expected_spectra
+from modallab.rig.setup import Noise
+
+N_TESTS = 20_000
+
+
+def expected(averages: float = 50, g2: float = 0.7, n_out: int = 1) -> CrossSpectra:
+    """One run at 0 Hz and two lines above, all of one coherence."""
+    h = np.tile(np.array([2.0, 1 - 2j, -0.3j])[None, :, None, None], n_out)
+    return CrossSpectra(
+        np.array([0.0, 1.0, 2.0]),
+        np.full((1, 3, 1, 1), 4.0 + 0j),
+        np.asarray(4 * h, complex),
+        4 * np.abs(h[:, :, 0]) ** 2 / g2,
+        averages,
+    )
+
+
+def test_spectra_scatter_about_the_expected_ones_as_chi_square_of_twice_the_averages() -> None:
+    whole = expected()
+    drawn = drawn_spectra(whole, np.random.default_rng(1), N_TESTS)
+    for found, mean in ((drawn.ff[..., 0].real, whole.ff[..., 0].real), (drawn.xx, whole.xx)):
+        ratio = (found / mean)[..., 0]
+        degrees = np.array([50, 100, 100])  # half as many at 0 Hz, where the transform is real
+        variance = 2 / degrees
+        # of a mean over the tests, and of a variance of nearly normal numbers: four of each
+        np.testing.assert_allclose(ratio.mean(axis=0), 1, atol=4 * np.sqrt(variance.max() / N_TESTS))
+        np.testing.assert_allclose(ratio.var(axis=0), variance, rtol=4 * np.sqrt(2.3 / N_TESTS))
+
+
+@pytest.mark.parametrize("g2", [0.4, 0.7, 0.95])
+def test_random_errors_are_those_printed(g2: float) -> None:
+    n_d = 400.0  # the printed forms are of first order in 1/n_d
+    whole = expected(n_d, g2)
+    drawn = drawn_spectra(whole, np.random.default_rng(2), N_TESTS)
+    ratio = (ESTIMATORS["h1"](drawn) / ESTIMATORS["h1"](whole))[:, 1:, 0, 0]
+    found = coherence(drawn)[:, 1:, 0]
+    error = frf_error(np.array(g2), n_d)
+    # 1992 thesis, eq. [5.16] to [5.19]; 2/n_d of the next order and 4/sqrt(2 tests) of scatter
+    margin = 2 / n_d + 4 / np.sqrt(2 * N_TESTS)
+    np.testing.assert_allclose(np.abs(ratio).std(axis=0), error, rtol=margin)
+    np.testing.assert_allclose(np.arcsin(np.angle(ratio).std(axis=0)), error, rtol=margin)
+    np.testing.assert_allclose((found / g2).std(axis=0), coherence_error(np.array(g2), n_d), rtol=margin)
+
+
+def test_a_complex_residual_has_twice_the_squared_error_of_its_size() -> None:
+    whole = expected(400.0, 0.7)
+    drawn = drawn_spectra(whole, np.random.default_rng(3), N_TESTS)
+    residual = np.log(ESTIMATORS["h1"](drawn) / ESTIMATORS["h1"](whole))[:, 1:, 0, 0]
+    wanted = 2 * frf_error(np.array(0.7), 400.0) ** 2
+    assert np.isclose((np.abs(residual) ** 2).mean(), wanted, rtol=2 / 400 + 4 / np.sqrt(N_TESTS))
+
+
+def test_at_zero_hertz_spectra_are_real() -> None:
+    drawn = drawn_spectra(expected(), np.random.default_rng(4), 10)
+    assert (drawn.fx[:, 0].imag == 0).all()
+    assert (drawn.fx[:, 1:].imag != 0).all()
+
+
+def test_one_average_explains_all() -> None:
+    drawn = drawn_spectra(expected(averages=1, g2=0.3), np.random.default_rng(5), 10)
+    np.testing.assert_allclose(coherence(drawn), 1.0, rtol=1e-12)  # rounding
+
+
+def test_without_noise_the_frf_comes_through_a_random_force() -> None:
+    whole = expected_spectra(chain(beam_system(), rig(1, 7)))
+    drawn = drawn_spectra(whole, np.random.default_rng(6))
+    # what a full coherence leaves of the response is rounding, 1e-16 in power: 1e-8 in the FRF
+    np.testing.assert_allclose(ESTIMATORS["h1"](drawn), ESTIMATORS["h1"](whole), rtol=1e-7)
+    assert np.abs(drawn.ff / whole.ff - 1).max() > 0.1
+
+
+def test_channels_of_a_run_share_the_force_and_runs_do_not() -> None:
+    two = expected(n_out=2)
+    drawn = drawn_spectra(two, np.random.default_rng(7), N_TESTS)
+    assert drawn.ff.shape == (N_TESTS, 3, 1, 1)
+    first, second = drawn.xx[:, 1].T
+    both = np.corrcoef(first, second)[0, 1]
+    # each response's power is 0.7 of the force's, squared as a correlation; three errors of N_TESTS
+    assert np.isclose(both, 0.7**2, atol=3 / np.sqrt(N_TESTS))
+    other = np.corrcoef(drawn.ff[1:, 1, 0, 0].real, drawn.ff[:-1, 1, 0, 0].real)[0, 1]
+    assert abs(other) < 3 / np.sqrt(N_TESTS)
+
+
+def test_the_same_seed_draws_the_same_bytes() -> None:
+    whole = expected_spectra(chain(beam_system(), rig(1, 7, noise=Noise(1e-2, 1e-3))))
+    a, b, c = (drawn_spectra(whole, np.random.default_rng(seed)) for seed in (1, 1, 2))
+    assert a.fx.tobytes() == b.fx.tobytes() != c.fx.tobytes()
+    assert a.xx.tobytes() == b.xx.tobytes()
+
+
+def test_drawn_and_sampled_estimates_have_one_mean_and_one_variance() -> None:
+    whole = bench("periodic_random", "rectangular", n_lines=33, n_out=4)
+    for name, z in compare(whole, n_tests=1000, seed=3).items():
+        # z of 128 lines: its standard deviation is known to 1/sqrt(256); two and a half of these
+        assert abs(z.std() - 1) < 2.5 / np.sqrt(2 * 128), name
+        assert abs(z.mean()) < 3.5 / np.sqrt(128), name
