@@ -124,9 +124,6 @@ def test_an_impossible_target_ends_with_a_reason_and_finite_numbers() -> None:
 
 def test_a_path_that_loses_a_mode_ends_where_it_still_made_sense() -> None:
     target = modes_of(WRONG_BEAM, 8, BEAM_DOFS)
-    bent = tuple(
-        replace(m, frequency=m.frequency * f) for m, f in zip(target.modes, (0.3, 3.0) * 4, strict=True)
-    )
     wide = parameterise([m.members for m in FIVE.macros[:5]], lower=1e-3, upper=1e3)
     result = inverse_eigensensitivity(BEAM, wide, retuned(target, 0.3, 3.0))
     assert not result.converged
