@@ -17,7 +17,7 @@ from modallab.estimation.windows import WINDOWS
 from modallab.rig.measurement import Measurement
 
 NUMERICAL = 1e-6  # relative error of the prediction itself: a floor under every random error
-INCOHERENT = 1e-9  # share of a response below which what is not coherent counts as rounding
+INCOHERENT = 1e-8  # share of a response below which what is not coherent counts as rounding
 USABLE = 0.3  # coherence below which the logarithm of an FRF is no longer near normal
 
 
@@ -132,7 +132,9 @@ def observe(measurement: Measurement, held_out: Sequence[Dof], *, fraction: floa
         loose = measurement.response_spectrum * (1 - g2)
         floor = INCOHERENT * measurement.response_spectrum
         incoherent = loose * np.exp(np.log(n) - digamma(n - 1)) + floor
-        spread = polygamma(1, n - 1) * (loose / (loose + floor + 1e-300)) ** 2 + NUMERICAL**2
+        # Where rounding is the larger part, the logarithm says nothing: its error is of order one.
+        rounding = floor / (loose + floor + 1e-300)
+        spread = polygamma(1, n - 1) * (1 - rounding) ** 2 + rounding**2 + NUMERICAL**2
     runs = slice(None) if measurement.setup.accelerometers.roving else slice(0, 1)
     out = np.array([d.point in {h.point for h in held_out} for d in frf.outputs])
     lines = np.zeros(len(frf.freq), bool)

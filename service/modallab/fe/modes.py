@@ -86,16 +86,27 @@ class ModalResponse:
             alpha = alpha + self.basis.remainder.at(self.omega, left, right)
         return alpha
 
+    def pairs(self, left: FloatArray, right: FloatArray) -> ComplexArray:
+        """Return the receptance of each column of `left` with its own of `right`, (n_pairs, n_freq), m/N.
+
+        Frequency last: each pair lies in one piece.
+        """
+        if self._inverse is not None or self.basis.remainder is not None:
+            return np.asarray(np.einsum("fii->if", self.receptance(left, right)))
+        return self._products((left.T @ self.basis.shapes) * (right.T @ self.basis.shapes))
+
     def _sum(self, phi_l: FloatArray | ComplexArray, phi_r: FloatArray | ComplexArray) -> ComplexArray:
-        shape = (len(self.omega), len(phi_l), len(phi_r))
         constants = (phi_l[:, None, :] * phi_r[None, :, :]).reshape(-1, phi_l.shape[1])
+        return self._products(constants).T.reshape(len(self.omega), len(phi_l), len(phi_r))
+
+    def _products(self, constants: FloatArray | ComplexArray) -> ComplexArray:
+        """Return the sums over modes of modal constants (k, m), (k, n_freq)."""
         if np.iscomplexobj(constants):
-            product: ComplexArray = self._d @ constants.T
-            return product.reshape(shape)
+            return np.asarray(constants @ self._d.T, complex)
         # One real product: at 80 to 90 % of a plain matrix product, against 7 % for the complex sum
         # written as an einsum. Real and imaginary parts take turns, so that it reads as complex.
         alpha: ComplexArray = (constants @ self._parts.T).view(complex)
-        return alpha.T.reshape(shape)
+        return alpha
 
     @cached_property
     def _parts(self) -> FloatArray:

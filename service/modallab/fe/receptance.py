@@ -7,7 +7,7 @@ import numpy as np
 from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
 
-from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.core.arrays import ComplexArray, FloatArray, IntArray
 from modallab.fe.modes import ModalResponse
 from modallab.fe.system import SMALL, Attachment, DynamicSystem
 
@@ -81,12 +81,40 @@ def attached_variants(
     rows = [places(np.hstack([left, v.stacked])) for left, v in zip(lefts, variants, strict=True)]
     inputs = [places(np.hstack([right, v.stacked])) for v in variants]
     used = np.array([np.frombuffer(column) for column in columns]).T
-    alpha = attached(response, whole, used, used)
-    picked = alpha[:, np.array(rows)[:, :, None], np.array(inputs)[:, None, :]].swapaxes(0, 1)
+    a, b = np.broadcast_arrays(np.array(rows)[:, :, None], np.array(inputs)[:, None, :])
+    alpha = _attached_pairs(response, whole, used, a.ravel(), b.ravel())
+    picked = np.moveaxis(alpha.reshape(-1, *a.shape), 0, 1)
     if widths == {0}:
         return picked
     z = np.array([v.attached_stiffness(response.omega) for v in variants])
     return _woodbury(picked, z)
+
+
+def _attached_pairs(
+    response: ModalResponse, system: DynamicSystem, used: FloatArray, a: IntArray, b: IntArray
+) -> ComplexArray:
+    """Return the receptances of pairs of columns of `used` (n, .), (n_freq, n_pairs): `attached`, but
+    for the pairs that are asked for instead of all."""
+    pairs, place = np.unique(np.sort(np.stack([a, b]), axis=0), axis=1, return_inverse=True)
+    a, b = pairs  # receptance is symmetric
+    alpha = response.pairs(used[:, a], used[:, b])
+    columns = system.stacked
+    if n_columns := columns.shape[1]:
+        grid = np.indices((used.shape[1], n_columns)).reshape(2, -1)
+        to_b = response.pairs(used[:, grid[0]], columns[:, grid[1]]).reshape(-1, n_columns, alpha.shape[1])
+        effective = _effective_stiffness(response, system)
+        forces = (effective * to_b[:, None]).sum(axis=2)
+        alpha = alpha - (to_b[a] * forces[b]).sum(axis=1)
+    return np.asarray(alpha[place.ravel()].T)
+
+
+def _effective_stiffness(response: ModalResponse, system: DynamicSystem) -> ComplexArray:
+    """Return (I + Z alpha_BB)^-1 Z of all attachments, (R, R, n_freq), N/m."""
+    columns = system.stacked
+    z = system.attached_stiffness(response.omega)
+    inner = z @ np.ascontiguousarray(response.receptance(columns, columns))
+    inner[:, np.arange(z.shape[1]), np.arange(z.shape[1])] += 1.0
+    return np.ascontiguousarray(np.linalg.solve(inner, z).transpose(1, 2, 0))
 
 
 def _has(system: DynamicSystem, attachment: Attachment) -> bool:

@@ -10,7 +10,7 @@ from modallab.estimation.windows import WINDOWS, Window
 from modallab.rig.setup import Analyser
 
 POINTS = 10  # Gauss points a panel: 1e-8 of a spectrum for panels no longer than `refined` makes them
-COARSE = 6  # points a line of the unrefined grid, for a first look over many hypotheses
+COARSE = 4  # points a line of the unrefined grid, for a first look over many hypotheses
 
 
 @dataclass(frozen=True, eq=False)

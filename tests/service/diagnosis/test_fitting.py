@@ -1,0 +1,47 @@
+import numpy as np
+from tests.diagnosing import drawn, predicting, rig
+
+from modallab.core.place import Members
+from modallab.diagnosis.fitting import approach, fit
+from modallab.effects.accelerometer_mass import AccelerometerMass
+from modallab.effects.stiffness_error import StiffnessError
+
+
+def test_stated_errors_are_the_scatter_of_the_fitted_numbers() -> None:
+    true = StiffnessError(at=Members((3,)), factor=1.2)
+    scores = []
+    for seed in range(60):
+        predictor, _ = predicting(drawn(rig(), [true], seed=seed))
+        found = fit(predictor, [true])
+        scores.append((found.effects[0].parameters["factor"] - 1.2) / found.errors[0]["factor"])
+    # 60 draws: the standard deviation of a unit normal is known to 9 %, its mean to 0.13.
+    assert 0.75 < np.std(scores) < 1.25
+    assert abs(np.mean(scores)) < 0.4
+
+
+def test_a_start_far_away_is_brought_home_on_blurred_residuals() -> None:
+    true = StiffnessError(at=Members((3,)), factor=1.6)
+    predictor, _ = predicting(drawn(rig(), [true]))
+    near, _ = approach(predictor.near(()), (), true.with_parameters({"factor": 0.9}), widening=0.3)
+    # On every line, periodic: the first look is exact, so only the random error (1e-4) is left.
+    assert abs(near.parameters["factor"] - 1.6) < 2e-3
+
+
+def test_two_effects_are_fitted_together() -> None:
+    true = [StiffnessError(at=Members((3,)), factor=1.2), AccelerometerMass(mass=0.005)]
+    predictor, _ = predicting(drawn(rig(), true))
+    found = fit(
+        predictor, [true[0].with_parameters({"factor": 1.1}), true[1].with_parameters({"mass": 0.01})]
+    )
+    for effect, errors, name, value in zip(
+        found.effects, found.errors, ("factor", "mass"), (1.2, 0.005), strict=True
+    ):
+        assert abs(effect.parameters[name] - value) < 4 * errors[name]  # four standard errors
+    assert found.n_parameters == 2
+
+
+def test_a_parameter_stays_within_its_bounds() -> None:
+    predictor, _ = predicting(drawn(rig()))
+    found = fit(predictor, [AccelerometerMass(mass=0.4)])
+    # Nothing is missing: driven towards zero, which lies infinitely far on the fit's logarithmic scale.
+    assert 0 <= found.effects[0].parameters["mass"] < 2e-3

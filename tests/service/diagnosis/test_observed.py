@@ -1,0 +1,63 @@
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from tests.diagnosing import drawn, exact, predicting, rig
+
+from modallab.core.errors import InvalidInputError
+from modallab.diagnosis.observed import observe
+
+
+@pytest.mark.parametrize("averages", [10, 100])
+@pytest.mark.parametrize("roving", [True, False])
+def test_residuals_of_the_truth_have_mean_square_one_in_every_part(averages: int, roving: bool) -> None:
+    found: dict[str, list[float]] = {}
+    for seed in range(12):
+        predictor, observed = predicting(drawn(rig(averages=averages, noise=3e-3, roving=roving), seed=seed))
+        for part, gap in predictor.residual(()).gaps(observed.usable).items():
+            found.setdefault(part, []).append(gap)
+    for part, gaps in found.items():
+        # 12 tests of 160 lines and 1 to 6 channels: mean of 1,900 to 11,500 squares, standard error
+        # 1 to 3 %, and the 10 averages' heavy tails (variance 2 n/(n - 4)...) double it.
+        assert np.mean(gaps) == pytest.approx(1.0, abs=0.08), part
+
+
+@pytest.mark.parametrize("estimator", ["h2", "hv"])
+def test_every_estimator_gives_the_same_h1(estimator: str) -> None:
+    h1 = observe(drawn(rig(noise=1e-2)), (), fraction=0.0)
+    other = observe(drawn(rig(noise=1e-2, estimator=estimator)), (), fraction=0.0)
+    # The same draw by another estimator: equal to rounding, which low coherence magnifies.
+    np.testing.assert_allclose(other.h, h1.h, rtol=1e-9)
+
+
+def test_a_measurement_without_coherence_is_refused_by_name() -> None:
+    with pytest.raises(InvalidInputError) as refused:
+        observe(replace(exact(rig()), coherence=None), (), fraction=0.0)
+    assert refused.value.context["field"] == "coherence"
+
+
+def test_two_averages_leave_no_random_error_to_weigh_by() -> None:
+    with pytest.raises(InvalidInputError) as refused:
+        observe(replace(exact(rig()), averages=2.0), (), fraction=0.0)
+    assert refused.value.context["field"] == "averages"
+
+
+def test_what_is_held_out_is_not_fitted() -> None:
+    measurement = drawn(rig())
+    held = measurement.frf.outputs[2:4]
+    observed = observe(measurement, held, fraction=0.25)
+    assert not observed.fitted[:, 2:4].any()
+    assert observed.kept[:, 2:4].any()
+    assert not (observed.fitted & observed.kept).any()
+    assert ((observed.fitted | observed.kept) == observed.usable).all()
+
+
+def test_lines_are_held_out_where_no_response_is() -> None:
+    observed = observe(drawn(rig()), (), fraction=0.25)
+    assert 0.2 < observed.kept.sum() / observed.usable.sum() < 0.3
+
+
+def test_a_noise_free_measurement_has_a_finite_gap() -> None:
+    predictor, observed = predicting(exact(rig(noise=0.0)))
+    # The prediction is the measurement; what is left is rounding, far below the numerical floor.
+    assert predictor.residual(()).gap(observed.usable) < 1e-3
