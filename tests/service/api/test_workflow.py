@@ -31,9 +31,8 @@ def measured_id(service: Any, truth: str, rig: str) -> str:
 @pytest.fixture(scope="module")
 def modes(service: Any, measured_id: str) -> str:
     """The modes that the test shows."""
-    return service.result_of(
-        "/v1/modal-models", {"measurement_id": measured_id, "method": "dobson", "n_modes": 8}
-    )
+    body = {"measurement_id": measured_id, "method": "dobson", "n_modes": 8}
+    return str(service.result_of("/v1/modal-models", body))
 
 
 def test_a_measurement_shows_its_log_book_and_not_its_truth(

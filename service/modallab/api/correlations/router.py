@@ -21,7 +21,7 @@ def create_correlation(
     body: Annotated[CorrelationIn, example(_BODY)], store: StoreDep, owner: OwnerDep
 ) -> CorrelationOut:
     measured = store.modal_models.get(body.modal_model_id)
-    model = exact_modes(store.structures.get(body.structure_id), body.count or len(measured.modes))
+    model = exact_modes(store.structures.get(body.structure_id), body.count or min(len(measured.modes), 100))
     found = compare(model, measured)
     inputs = {"modal_model_id": body.modal_model_id, "structure_id": body.structure_id}
     stored = store.correlations.add(found, owner=owner, inputs=inputs)

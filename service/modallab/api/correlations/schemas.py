@@ -15,7 +15,7 @@ class CorrelationIn(Wire):
 
     modal_model_id: Id
     structure_id: Id
-    count: int | None = Field(None, ge=1, le=500)
+    count: int | None = Field(None, ge=1, le=100)
 
 
 class CorrelationOut(EntryOut):

@@ -33,7 +33,7 @@ Dofs = Annotated[list[DofText], Field(min_length=1, max_length=5000)]
 class SyntheticIn(Wire):
     """Modes of a structure as a test would give them."""
 
-    count: int = Field(ge=1, le=500)
+    count: int = Field(ge=1, le=100)
     dofs: Dofs
     noise: ModeNoiseIn = ModeNoiseIn()
     seed: Seed = 0

@@ -23,8 +23,8 @@ from modallab.rig.setup import (
 from modallab.store.base import Entry
 
 _DEFAULT = Analyser()
-# Lines x responses of one test: beyond it, a measurement's file passes half a gigabyte.
-_MOST_VALUES = 10_000_000
+# Lines x responses of one test: its arrays take some hundred megabytes while they are made.
+_MOST_VALUES = 2_000_000
 
 
 class ExciterIn(Wire):

@@ -18,7 +18,7 @@ from modallab.fe.selected import lowest_modes, synthetic_modes
 from modallab.store.base import Store
 
 router = APIRouter(prefix="/structures", tags=["structures"])
-Count = Annotated[int, Query(ge=1, le=500, description="how many elastic modes at most")]
+Count = Annotated[int, Query(ge=1, le=100, description="how many elastic modes at most")]
 
 _SECTION = {"area": 5e-4, "second_moment": 4.1667e-9}
 _STEEL = {"modulus": 2.09e11, "density": 7800.0}

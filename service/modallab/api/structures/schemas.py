@@ -14,7 +14,7 @@ from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.damping import Damping, ModalDamping, StructuralDamping, ViscousDamping
 from modallab.fe.structure import GroundSpring, Material, Member, PointMass, Section, Structure, Support
 
-_MOST = 5000  # nodes or members: beyond, a request takes longer than a request may
+_MOST = 2000  # nodes or members: beyond, modes take longer than a request may
 
 
 class SectionIn(Wire):

@@ -1,0 +1,129 @@
+"""The durable runner: what a crash leaves between the book and the engine is mended."""
+
+import time
+from collections.abc import Awaitable, Callable
+from functools import partial
+from typing import Any
+
+import anyio
+import numpy as np
+import pytest
+from anyio import to_thread
+
+from modallab.core.errors import NotFoundError
+from modallab.fe.catalogued import STRUCTURES
+from modallab.fe.selected import ModeNoise, synthetic_modes
+from modallab.jobs.book import JobBook
+from modallab.jobs.durable import DurableRunner, JobPlace
+from modallab.jobs.runner import Job, JobState
+from modallab.store.place import StorePlace, engine_of, open_store
+from modallab.store.plain import to_plain
+from modallab.updating.method import UpdateOptions
+from modallab.updating.parameterisation import parameterise
+
+Places = tuple[StorePlace, JobPlace]
+Work = Callable[[DurableRunner], Awaitable[None]]
+# Tolerances that noise keeps from being met: such an update runs to its last iteration.
+ENDLESS = UpdateOptions(max_iterations=1000, location_tolerance=1e-12, tolerance=1e-12, suspect_threshold=0.0)
+
+
+def book_at(places: Places) -> JobBook:
+    return JobBook(engine_of(places[0]), queue_length=10)
+
+
+def arguments(places: Places, options: UpdateOptions) -> dict[str, Any]:
+    """Return the arguments of an update in these places."""
+    store, beam = open_store(places[0]), STRUCTURES["chapter-5-beam"]()
+    noise, rng = ModeNoise(eigenvalue=0.01, eigenvector=0.02), np.random.default_rng(0)
+    modes = synthetic_modes(beam, 5, beam.dofs, noise=noise, rng=rng)
+    return {
+        "structure_id": store.structures.add(beam, owner="me"),
+        "modal_model_id": store.modal_models.add(modes, owner="me"),
+        "method": "inverse_eigensensitivity",
+        "parameterisation": to_plain(parameterise([[n] for n in range(1, 21)], ["stiffness"]))[0],
+        "options": to_plain(options)[0],
+    }
+
+
+def run(places: Places, work: Work) -> None:
+    """Do some work with a runner in these places."""
+
+    async def main() -> None:
+        async with DurableRunner(book_at(places), *places, executor_id="test") as runner:
+            await work(runner)
+
+    anyio.run(main)
+
+
+async def until(runner: DurableRunner, job: Job, reached: Callable[[Job], bool]) -> Job:
+    """Return a job as soon as it is where it should be."""
+    end = time.monotonic() + 60
+    while time.monotonic() < end:
+        found = await to_thread.run_sync(partial(runner.get, job.id, owner="me"))
+        if reached(found):
+            return found
+        await anyio.sleep(0.05)
+    raise TimeoutError(str(found))
+
+
+def test_a_job_runs_in_another_process_and_its_result_is_stored(places: Places) -> None:
+    async def work(runner: DurableRunner) -> None:
+        given = arguments(places, UpdateOptions(max_iterations=2))
+        job = await to_thread.run_sync(partial(runner.submit, "update_and_store", given, owner="me"))
+        assert job.state is JobState.QUEUED
+        ended = await until(runner, job, lambda j: j.state.final)
+        assert ended.state is JobState.SUCCEEDED, ended
+        assert open_store(places[0]).updates.holds(ended.result_id)
+        with pytest.raises(NotFoundError):
+            runner.get(job.id, owner="you")
+
+    run(places, work)
+
+
+def test_a_cancelled_job_stops_within_a_second_and_stores_nothing(places: Places) -> None:
+    async def work(runner: DurableRunner) -> None:
+        given = arguments(places, ENDLESS)
+        job = await to_thread.run_sync(partial(runner.submit, "update_and_store", given, owner="me"))
+        await until(runner, job, lambda j: j.fraction > 0)
+        cancelled = await to_thread.run_sync(partial(runner.cancel, job.id, owner="me"))
+        assert cancelled.state is JobState.CANCELLED
+        await anyio.sleep(1.0)
+        seen = cancelled.fraction
+        assert runner.get(job.id, owner="me").fraction == seen
+        assert runner.cancel(job.id, owner="me").state is JobState.CANCELLED
+        assert not open_store(places[0]).updates.holds(job.result_id)
+
+    run(places, work)
+
+
+def test_a_job_in_the_book_that_was_never_queued_is_queued_at_the_next_start(places: Places) -> None:
+    given = arguments(places, UpdateOptions(max_iterations=2))
+    job = book_at(places).open("update_and_store", given, owner="me")
+
+    async def work(runner: DurableRunner) -> None:
+        ended = await until(runner, job, lambda j: j.state.final)
+        assert ended.state is JobState.SUCCEEDED, ended
+
+    run(places, work)
+
+
+def test_a_job_that_the_engine_gave_up_is_failed_at_the_next_start(places: Places) -> None:
+    jobs: list[Job] = []
+
+    async def give_up(runner: DurableRunner) -> None:
+        given = arguments(places, ENDLESS)
+        job = await to_thread.run_sync(partial(runner.submit, "update_and_store", given, owner="me"))
+        await until(runner, job, lambda j: j.fraction > 0)
+        assert runner._client is not None
+        await to_thread.run_sync(runner._client.cancel_workflow, job.id)  # behind the book's back
+        await anyio.sleep(1.5)
+        jobs.append(job)
+
+    async def work(runner: DurableRunner) -> None:
+        ended = await until(runner, jobs[0], lambda j: j.state.final)
+        assert ended.state is JobState.FAILED
+        assert ended.error is not None
+        assert ended.error["code"] == "internal"
+
+    run(places, give_up)
+    run(places, work)
