@@ -54,3 +54,17 @@ class Evidence:
         """(n_freq,) mean square of the FRF part by line."""
         count = np.maximum(self.weight.sum(axis=1), 1.0)
         return np.asarray((np.abs(self.frf) ** 2 * self.weight).sum(axis=1) / count)
+
+    @property
+    def falling(self) -> float:
+        """How many more modes fell in frequency than rose, as a share of all, 0 to 1."""
+        return _surplus(-self.frequency_shift)
+
+    @property
+    def rising(self) -> float:
+        """How many more modes rose in frequency than fell, as a share of all, 0 to 1."""
+        return _surplus(self.frequency_shift)
+
+
+def _surplus(shifts: FloatArray) -> float:
+    return max(0.0, float(np.sign(shifts).sum())) / max(len(shifts), 1)

@@ -4,8 +4,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
-import numpy as np
-
 from modallab.core.dof import Dof
 from modallab.core.parameters import parameter
 from modallab.core.place import Place
@@ -45,5 +43,4 @@ class AccelerometerMass(Effect):
     @classmethod
     def signature(cls, evidence: Evidence) -> float:
         """Frequencies fall, and the FRFs of different positions disagree on them."""
-        falls = float(np.clip(-np.sign(evidence.frequency_shift).mean(), 0.0, 1.0))
-        return 0.3 + 0.4 * falls
+        return 0.3 + 0.4 * evidence.falling

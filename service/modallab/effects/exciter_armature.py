@@ -4,8 +4,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import ClassVar, Self
 
-import numpy as np
-
 from modallab.core.parameters import parameter
 from modallab.correlation.evidence import Evidence
 from modallab.rig.effect import EFFECTS, Drive, Effect
@@ -38,4 +36,6 @@ class ExciterArmature(Effect):
     def signature(cls, evidence: Evidence) -> float:
         """The force spectrum is off while the FRFs are right."""
         gaps = evidence.gaps
-        return float(np.clip(1.0 - gaps["frf"] / gaps["force"], 0.0, 1.0)) if "force" in gaps else 0.1
+        if "force" not in gaps:
+            return 0.1
+        return max(0.0, gaps["force"] - gaps["frf"]) / max(gaps["force"], 1.0)

@@ -4,8 +4,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
-import numpy as np
-
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.parameters import parameter
@@ -47,4 +45,4 @@ class ExtraMass(Effect):
     @classmethod
     def signature(cls, evidence: Evidence) -> float:
         """Frequencies fall, most for modes that move most at one point."""
-        return 0.4 + 0.4 * float(np.clip(-np.sign(evidence.frequency_shift).mean(), 0.0, 1.0))
+        return 0.4 + 0.4 * evidence.falling

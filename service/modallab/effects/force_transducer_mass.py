@@ -4,8 +4,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar, Self
 
-import numpy as np
-
 from modallab.core.parameters import parameter
 from modallab.correlation.evidence import Evidence
 from modallab.fe.system import DynamicSystem
@@ -34,4 +32,4 @@ class ForceTransducerMass(Effect):
     @classmethod
     def signature(cls, evidence: Evidence) -> float:
         """All frequencies fall alike in every FRF."""
-        return 0.3 + 0.4 * float(np.clip(-np.sign(evidence.frequency_shift).mean(), 0.0, 1.0))
+        return 0.3 + 0.4 * evidence.falling

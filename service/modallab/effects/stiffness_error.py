@@ -4,8 +4,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import ClassVar
 
-import numpy as np
-
 from modallab.core.parameters import parameter
 from modallab.core.place import Members, Place
 from modallab.correlation.evidence import Evidence
@@ -59,4 +57,4 @@ class StiffnessError(Effect):
     @classmethod
     def signature(cls, evidence: Evidence) -> float:
         """Frequencies shift; a stiffer member raises them."""
-        return 0.5 + 0.3 * float(np.clip(np.sign(evidence.frequency_shift).mean(), 0.0, 1.0))
+        return 0.5 + 0.3 * evidence.rising

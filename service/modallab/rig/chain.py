@@ -81,7 +81,8 @@ def all_effects(setup: RigSetup, added: Sequence[Effect]) -> list[Effect]:
     """Return what the declared hardware implies, what the log book names, and `added`, in stage order."""
     implied = [effect for cls in EFFECTS.values() for effect in cls.from_setup(setup)]
     named = [build(spec) for spec in setup.effects]
-    return sorted([*implied, *named, *added], key=lambda effect: effect.stage)
+    # What acts everywhere comes first: a member's own factor multiplies what holds for all members.
+    return sorted([*implied, *named, *added], key=lambda effect: (effect.stage, effect.at is not None))
 
 
 def chain(system: DynamicSystem, setup: RigSetup, added: Sequence[Effect] = ()) -> Chain:

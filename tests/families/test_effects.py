@@ -1,0 +1,238 @@
+"""What every effect must be."""
+
+from dataclasses import replace
+from itertools import combinations_with_replacement
+
+import numpy as np
+import pytest
+from tests.rigs import beam_system, dofs, rig, steel_beam
+
+from modallab.core.arrays import ComplexArray
+from modallab.core.errors import InvalidInputError
+from modallab.core.place import EffectSpec, Place
+from modallab.core.progress import silent
+from modallab.correlation.evidence import Evidence
+from modallab.estimation.coherence import coherence, coherence_error, frf_error
+from modallab.estimation.estimator import ESTIMATORS
+from modallab.fe.receptance import receptance
+from modallab.fe.structure import Structure
+from modallab.rig.chain import chain
+from modallab.rig.effect import EFFECTS, Drive, Effect, NoiseLevels, Source, build
+from modallab.rig.expected import expected_spectra
+from modallab.rig.measure import Route, measure
+from modallab.rig.sampled import sampled_spectra
+from modallab.rig.setup import Accelerometers, Noise, Shot
+
+KINDS = sorted(EFFECTS)
+MECHANICAL = [kind for kind in KINDS if EFFECTS[kind].stage <= 3]
+FREQ = np.linspace(2.0, 800.0, 41)
+SYSTEM = beam_system()
+SETUP = rig(1, 7, 16)
+SHOT = Shot(SETUP.drive, SETUP.responses)
+
+
+def some_places(kind: str) -> list[Place]:
+    """The first, the last and one place in between of those where the effect can sit."""
+    places = EFFECTS[kind].places(SYSTEM, SETUP)
+    return [places[i] for i in sorted({0, len(places) // 3, len(places) - 1})]
+
+
+def examples(kind: str) -> list[Effect]:
+    return [EFFECTS[kind](at=place) for place in some_places(kind)]
+
+
+def absent(effect: Effect) -> Effect:
+    return effect.with_parameters({name: spec.absent for name, spec in effect.specs().items()})
+
+
+def near(found: ComplexArray, wanted: ComplexArray) -> None:
+    """Equal up to the rounding of two solutions: 1e-16 times the ratio of the beam's eigenvalues, 1e6."""
+    np.testing.assert_allclose(found, wanted, rtol=1e-7, atol=1e-9 * np.abs(wanted).max())
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_it_says_what_it_is_and_what_its_numbers_mean(kind: str) -> None:
+    cls = EFFECTS[kind]
+    assert cls.kind == kind
+    assert cls.summary
+    assert cls.stage in range(1, 7)
+    assert cls.specs(), "an effect without a number cannot be fitted"
+    for name, spec in cls.specs().items():
+        assert spec.unit, name
+        assert spec.doc, name
+        assert spec.lower <= spec.absent <= spec.upper, name
+        assert spec.lower <= getattr(cls(at=None), name) <= spec.upper, name
+        assert getattr(cls(at=None), name) != spec.absent, "the default shows the effect"
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_number_out_of_bounds_is_refused_by_name(kind: str) -> None:
+    for name, spec in EFFECTS[kind].specs().items():
+        for wrong in (spec.lower - 1e-3, spec.upper * 1.01, np.nan):
+            with pytest.raises(InvalidInputError, match=name) as caught:
+                build(EffectSpec(kind, None, {name: wrong}))
+            assert caught.value.context["field"] == name
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_an_unknown_number_is_refused_by_name(kind: str) -> None:
+    with pytest.raises(InvalidInputError, match="colour"):
+        build(EffectSpec(kind, None, {"colour": 1.0}))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_it_comes_back_from_plain_data(kind: str) -> None:
+    for effect in examples(kind):
+        assert build(effect.spec) == effect
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_ideal_hardware_implies_none_of_it(kind: str) -> None:
+    assert list(EFFECTS[kind].from_setup(SETUP)) == []
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_what_it_is_given_stays_as_it_was(kind: str) -> None:
+    system = beam_system().add_mass(3, 0.01)
+    names = ("mass", "stiffness", "damping")
+    before = [getattr(system, name).toarray() for name in names]
+    for effect in examples(kind):
+        effect.on_system(system, SHOT)
+        assert len(system.attachments) == 1
+        for name, matrix in zip(names, before, strict=True):
+            np.testing.assert_array_equal(getattr(system, name).toarray(), matrix)
+        given = Drive(0.1), NoiseLevels(0.1, 0.2), Source(0.3)
+        effect.on_drive(given[0]), effect.on_noise(given[1]), effect.on_source(given[2])
+        assert given == (Drive(0.1), NoiseLevels(0.1, 0.2), Source(0.3))
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_it_changes_something_at_every_place_it_names(kind: str) -> None:
+    bare = expected_spectra(chain(SYSTEM, rig(1, 7, 16, analyser={"n_lines": 33, "window": "hann"})))
+    for place in EFFECTS[kind].places(SYSTEM, SETUP):
+        setup = rig(1, 7, 16, analyser={"n_lines": 33, "window": "hann"})
+        found = expected_spectra(chain(SYSTEM, setup, [EFFECTS[kind](at=place)]))
+        changes = [np.abs(found.ff / bare.ff - 1).max(), np.abs(found.xx / bare.xx - 1)[:, 1:].max()]
+        assert max(changes) > 1e-6, str(place)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_absent_it_leaves_the_exact_spectra(kind: str) -> None:
+    setup = rig(1, 7, 16, analyser={"window": "hann"})
+    bare = expected_spectra(chain(SYSTEM, setup))
+    for effect in examples(kind):
+        found = expected_spectra(chain(SYSTEM, setup, [absent(effect)]))
+        near(ESTIMATORS["h1"](found), ESTIMATORS["h1"](bare))
+        near(found.ff, bare.ff)
+        near(found.xx.astype(complex), bare.xx.astype(complex))
+
+
+@pytest.mark.parametrize("kind", MECHANICAL)
+def test_a_structure_with_it_is_reciprocal_and_only_takes_power(kind: str) -> None:
+    for effect in examples(kind):
+        loaded = effect.on_system(SYSTEM, SHOT)
+        points = loaded.selection(dofs(1, 7, 16, 21))
+        alpha = receptance(loaded, FREQ, points, points)
+        near(alpha, alpha.swapaxes(1, 2))
+        assert (np.einsum("fii->fi", alpha).imag <= 0).all()
+
+
+@pytest.mark.parametrize("kind", MECHANICAL)
+def test_the_source_gives_power_to_a_rig_with_it(kind: str) -> None:
+    for effect in examples(kind):
+        answer = chain(SYSTEM, SETUP, [effect]).respond(FREQ)
+        moved = answer.transmission * answer.inertance[..., 0]  # acceleration per force of the source
+        assert (moved.imag >= 0).all()
+
+
+@pytest.mark.parametrize(
+    ("one", "other"),
+    [
+        pair
+        for pair in combinations_with_replacement(KINDS, 2)
+        if EFFECTS[pair[0]].stage == EFFECTS[pair[1]].stage
+    ],
+)
+def test_effects_of_a_stage_commute(one: str, other: str) -> None:
+    setup = rig(1, 7, 16, analyser={"n_lines": 33, "window": "hann"})
+    for a in examples(one):
+        for b in examples(other):
+            there, back = (expected_spectra(chain(SYSTEM, setup, pair)) for pair in ([a, b], [b, a]))
+            near(there.fx, back.fx)
+            near(there.xx.astype(complex), back.xx.astype(complex))
+
+
+@pytest.mark.parametrize("excitation", ["periodic_random", "random"])
+@pytest.mark.parametrize("kind", KINDS)
+def test_records_and_expected_spectra_agree_within_their_random_error(kind: str, excitation: str) -> None:
+    averages = 200
+    setup = rig(
+        1,
+        7,
+        16,
+        excitation=excitation,
+        noise=Noise(1e-3, 1e-4),
+        accelerometers=Accelerometers(0.01, roving=True),
+        analyser={"window": "hann", "averages": averages},
+    )
+    for effect in examples(kind)[:2]:
+        bench = chain(SYSTEM, setup, [effect])
+        expected, sampled = expected_spectra(bench), sampled_spectra(bench, np.random.default_rng(7), silent)
+        g2 = coherence(expected)
+        ratio = np.abs(ESTIMATORS["h1"](sampled) / ESTIMATORS["h1"](expected))[..., 0]
+        assert (np.abs(ratio - 1) < 3 * frf_error(g2, averages)).mean() >= 0.99  # 0.997 if normal
+        within = np.abs(coherence(sampled) / g2 - 1) < 3 * coherence_error(g2, averages)
+        assert within.mean() >= 0.98  # skew where coherence is near 1
+        power = np.abs(sampled.xx / expected.xx - 1) < 3 / np.sqrt(averages)
+        assert power.mean() >= 0.97  # resonances much narrower than a line remember the record before
+
+
+def evidence(frf: float, force: float | None, shift: float, n_modes: int = 4) -> Evidence:
+    """Residuals of one size everywhere, and modes that all shift alike."""
+    n, shape = len(FREQ), (len(FREQ), 3)
+    return Evidence(
+        freq=FREQ,
+        outputs=SETUP.responses,
+        drive=SETUP.drive,
+        frf=np.full(shape, frf * (1 + 1j) / np.sqrt(2)),
+        force=None if force is None else np.full(shape, force),
+        response=None,
+        coherence_drop=np.outer(np.linspace(-frf, frf, n), np.full(3, 1e-3)),
+        weight=np.ones(shape),
+        mode_frequency=np.linspace(20.0, 700.0, n_modes),
+        frequency_shift=np.full(n_modes, shift),
+        response_amplitude=np.ones((n_modes, 3)),
+    )
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("frf", [0.0, 1.0, 1e6])
+@pytest.mark.parametrize("force", [None, 0.0, 1.0, 1e6])
+@pytest.mark.parametrize("shift", [0.0, -0.1, 0.1])
+def test_suspicion_lies_between_none_and_certainty(
+    kind: str, frf: float, force: float | None, shift: float
+) -> None:
+    assert 0 <= EFFECTS[kind].signature(evidence(frf, force, shift)) <= 1
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_suspicion_can_be_had_in_a_band_without_modes(kind: str) -> None:
+    assert 0 <= EFFECTS[kind].signature(evidence(1.0, 1.0, 0.0, n_modes=0)) <= 1
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_in_the_log_book_or_added_it_acts_alike(kind: str) -> None:
+    for effect in examples(kind):
+        declared = expected_spectra(chain(SYSTEM, replace(SETUP, effects=(effect.spec,))))
+        added = expected_spectra(chain(SYSTEM, SETUP, [effect]))
+        assert declared.fx.tobytes() == added.fx.tobytes()
+
+
+@pytest.mark.parametrize("kind", [kind for kind in KINDS if EFFECTS[kind].structural])
+def test_a_model_that_has_it_measures_as_the_bare_one_with_it(kind: str) -> None:
+    def inertance(structure: Structure, effects: list[Effect]) -> ComplexArray:
+        rng = np.random.default_rng(0)
+        return measure(structure, SETUP, effects, route=Route.EXPECTED, rng=rng).frf.values
+
+    for effect in examples(kind):
+        near(inertance(effect.added_to(steel_beam()), []), inertance(steel_beam(), [effect]))
