@@ -1,0 +1,67 @@
+"""An FRF reply as npz against the same look-up answered with constant bytes of the same size."""
+
+import tempfile
+from functools import partial
+from pathlib import Path
+
+import anyio
+import numpy as np
+from benchmarks.timing import ratio
+from fastapi import FastAPI
+from starlette.responses import Response
+
+from modallab.api.app import create_app, job_book
+from modallab.api.deps import IdPath, StoreDep
+from modallab.api.settings import Settings
+from modallab.core.dof import Dof
+from modallab.core.frf import FrfKind, FrfSet
+from modallab.jobs.inline import InlineRunner
+from modallab.rig.measurement import Measurement
+from modallab.rig.setup import RigSetup
+
+N_REQUESTS = 50
+LIMIT = 1.5
+
+
+def run() -> list[tuple[str, float, float]]:
+    """Return (name, processor time over that of the constant reply, limit)."""
+    with tempfile.TemporaryDirectory() as folder:
+        settings = Settings(data=Path(folder))
+        settings.store_place.prepare()
+        app = create_app(settings, InlineRunner(job_book(settings), settings.store_place))
+        stored = app.state.store.measurements.add(_measurement(), owner="local")
+        constant = app.state.store.measurements.npz(stored)
+
+        @app.get("/constant/{id}")
+        def answer(id: IdPath, store: StoreDep) -> Response:
+            store.measurements.check(id)
+            return Response(constant, media_type="application/x-npz")
+
+        ours, peer = f"/v1/measurements/{stored}/arrays", f"/constant/{stored}"
+        found = ratio(partial(anyio.run, _ask, app, ours), partial(anyio.run, _ask, app, peer))
+    return [("npz reply of 11 x 401 FRFs against constant bytes", found, LIMIT)]
+
+
+def _measurement() -> Measurement:
+    """Return a test of 11 responses and 401 lines."""
+    rng = np.random.default_rng(0)
+    responses = tuple(Dof(n, "Y") for n in range(1, 12))
+    values = rng.standard_normal((401, 11, 1)) + 1j * rng.standard_normal((401, 11, 1))
+    frf = FrfSet(np.linspace(0, 800, 401), values, responses, (Dof(1, "Y"),), FrfKind.INERTANCE)
+    setup = RigSetup(Dof(1, "Y"), responses)
+    return Measurement(frf, rng.uniform(size=(401, 11)), 100.0, setup, np.abs(values))
+
+
+async def _ask(app: FastAPI, path: str) -> None:
+    """Send the same request again and again, without a network between."""
+    scope = {"type": "http", "method": "GET", "path": path, "headers": [], "query_string": b""}
+
+    async def receive() -> dict[str, object]:
+        return {"type": "http.request", "body": b"", "more_body": False}
+
+    async def send(message: object) -> None:
+        if isinstance(message, dict) and message["type"] == "http.response.start":
+            assert message["status"] == 200, message
+
+    for _ in range(N_REQUESTS):
+        await app({**scope, "http_version": "1.1", "scheme": "http", "server": ("lab", 80)}, receive, send)
