@@ -87,14 +87,15 @@ def cases(count: int, seed: int, *, nothing: int = 6) -> list[Case]:
         # Signals that do not repeat leak already: hidden leakage shows with a periodic one only.
         periodic = kind == "leakage" or bool(rng.integers(2))
         setup = _setup(periodic, rng)
-        target = float(np.exp(rng.uniform(*np.log(GAPS))))
+        target = _drawn_gap(rng)
         truth, gap = (None, 1.0) if kind is None else _sized(kind, setup, target, rng)
         found.append(Case(number, setup, truth, gap, int(rng.integers(2**31))))
     return found
 
 
 def _setup(periodic: bool, rng: np.random.Generator) -> RigSetup:
-    noise = np.exp(rng.uniform(*np.log(NOISES), size=2))
+    low, high = np.log(NOISES)
+    noise = np.exp(rng.uniform(low, high, size=2))
     excitation = ExcitationSetting("periodic_random" if periodic else "random")
     return RigSetup(
         drive=Dof.parse("1:+Y"),
@@ -116,31 +117,37 @@ def opened(setup: RigSetup, effect: Effect) -> float:
 
 
 def _sized(kind: str, setup: RigSetup, target: float, rng: np.random.Generator) -> tuple[Effect, float]:
-    """Return an effect at a random place whose gap is near the target, where its bounds allow."""
+    """Return an effect at a random place with the gap that it opens: the target, where bounds allow."""
     system = assemble(beam())
+    places = EFFECTS[kind].places(system, setup)
     for _ in range(50):
-        places = EFFECTS[kind].places(system, setup)
         suspect = EFFECTS[kind](at=places[int(rng.integers(len(places)))])
-        ((name, spec),) = suspect.specs().items()
-        heavier = bool(rng.integers(2))
-
-        def effect(
-            strength: float, name: str = name, suspect: Effect = suspect, up: bool = heavier
-        ) -> Effect:
-            ((_, spec),) = suspect.specs().items()
-            value = np.exp(strength if up else -strength) if spec.absent else np.exp(strength) * spec.upper
-            return suspect.with_parameters({name: float(np.clip(value, spec.lower, spec.upper))})
-
-        low, high = (np.log(1e-6), 0.0) if not spec.absent else (1e-7, np.log(8.0))
-
-        def off(strength: float) -> float:
-            return float(np.log(opened(setup, effect(strength)) / target))
-
-        if off(low) < 0 < off(high):
-            strength = brentq(off, low, high, xtol=1e-3, maxiter=40)
-            return effect(strength), opened(setup, effect(strength))
-        target = float(np.exp(rng.uniform(*np.log(GAPS))))
+        sized = _with_gap(suspect, setup, target, more=bool(rng.integers(2)))
+        if sized is not None:
+            return sized, opened(setup, sized)
+        target = _drawn_gap(rng)  # out of this kind's reach: another one
     raise RuntimeError(f"no {kind} opens a gap between {GAPS}")
+
+
+def _with_gap(suspect: Effect, setup: RigSetup, target: float, *, more: bool) -> Effect | None:
+    """Return the suspect as strong as the gap asks for; None if its bounds do not allow it."""
+    ((name, spec),) = suspect.specs().items()
+
+    def effect(strength: float) -> Effect:
+        value = np.exp(strength if more else -strength) if spec.absent else spec.upper * np.exp(strength)
+        return suspect.with_parameters({name: float(np.clip(value, spec.lower, spec.upper))})
+
+    def off(strength: float) -> float:
+        return float(np.log(opened(setup, effect(strength)) / target))
+
+    low, high = (1e-7, float(np.log(8.0))) if spec.absent else (float(np.log(1e-6)), 0.0)
+    if not off(low) < 0 < off(high):
+        return None
+    return effect(brentq(off, low, high, xtol=1e-3, maxiter=40))
+
+
+def _drawn_gap(rng: np.random.Generator) -> float:
+    return float(np.exp(rng.uniform(*np.log(GAPS))))
 
 
 def sealed(case: Case) -> Measurement:
@@ -204,10 +211,10 @@ def table(scores: Sequence[Score]) -> str:
         truth = "nothing" if s.case.truth is None else f"{s.case.truth.kind} at {s.case.truth.at}"
         mark = "alias" if s.by_alias else "right" if s.right else "WRONG"
         kind = s.case.setup.analyser.excitation.kind
+        closed = "held-out closed" if s.held_out_closed else "held-out OPEN"
         lines.append(
             f"{s.case.number:3d} {mark:5s} {kind:16s} gap {s.case.gap:8.1f}  {truth:38s} named {s.named:38s}"
-            f" {s.verdict:15s} error {s.relative_error:8.1e} held-out {'closed' if s.held_out_closed else 'OPEN':6s}"
-            f" {s.seconds:5.1f} s"
+            f" {s.verdict:15s} error {s.relative_error:8.1e} {closed:15s} {s.seconds:5.1f} s"
         )
     hidden = [s for s in scores if s.case.truth is not None]
     right = [s for s in hidden if s.right]

@@ -7,6 +7,8 @@ import numpy as np
 from modallab.core.arrays import FloatArray, frozen
 from modallab.updating.parameterisation import MacroElement, Parameterisation
 
+NOTICEABLE = 0.02  # a coefficient's move that is more than what location_tolerance leaves open
+
 
 @dataclass(frozen=True, eq=False)
 class Suspicion:
@@ -23,6 +25,8 @@ class Suspicion:
 def suspicion(parameterisation: Parameterisation, values: FloatArray, threshold: float) -> Suspicion | None:
     """Return the members of every macro element whose coefficient moved beyond the threshold, if any.
 
+    One wrong element moves a macro element of many by little. Where none moves beyond the threshold,
+    those that moved at least half as far as the farthest are taken, if that one moved noticeably.
     Coefficients of the others go back to 1 for stage two. 1992 thesis, section 3.3.
 
     Parameters
@@ -30,10 +34,13 @@ def suspicion(parameterisation: Parameterisation, values: FloatArray, threshold:
     values
         (n_macros,) where stage one ended.
     """
+    moved = np.abs(values - 1.0)
+    farthest = float(moved.max())
+    enough = threshold if farthest > threshold else max(farthest / 2, NOTICEABLE)
     macros: list[MacroElement] = []
     start: list[float] = []
-    for macro, value in zip(parameterisation.macros, values, strict=True):
-        if abs(value - 1.0) > threshold:
+    for macro, value, far in zip(parameterisation.macros, values, moved, strict=True):
+        if far > enough:
             macros += [MacroElement((number,), macro.part) for number in macro.members]
             start += [float(value)] * len(macro.members)
     if not macros:

@@ -138,7 +138,7 @@ def test_progress_rises_to_the_end() -> None:
         model(),
         drawn(rig(), [ResponseNoise(ratio=1e-4)]),
         suspects=["response_noise"],
-        progress=lambda fraction, message: told.append(fraction),
+        progress=lambda fraction, _: told.append(fraction),
     )
     assert told == sorted(told)
     assert told[-1] <= 1

@@ -1,0 +1,38 @@
+import numpy as np
+import pytest
+from tests.service.updating.cases import BEAM, BEAM_DOFS, modes_of
+
+from modallab.fe.changes import MemberChange, MemberProperty, change
+from modallab.updating.location import suspicion
+from modallab.updating.method import UPDATERS
+from modallab.updating.parameterisation import (
+    MacroElement,
+    Parameterisation,
+    Part,
+    automatic_groups,
+    parameterise,
+)
+
+PAIR = Parameterisation((MacroElement((1, 2), Part.MASS), MacroElement((3, 4), Part.STIFFNESS)))
+
+
+def test_macro_elements_beyond_the_threshold_are_suspected() -> None:
+    found = suspicion(PAIR, np.array([1.05, 0.8]), 0.08)
+    assert found is not None
+    assert [macro.members for macro in found.parameterisation.macros] == [(3,), (4,)]
+    np.testing.assert_array_equal(found.start, [0.8, 0.8])
+
+
+def test_below_the_threshold_the_farthest_is_suspected_if_it_moved_at_all() -> None:
+    found = suspicion(PAIR, np.array([1.01, 1.05]), 0.08)
+    assert found is not None
+    assert [macro.members for macro in found.parameterisation.macros] == [(3,), (4,)]
+    assert suspicion(PAIR, np.array([1.005, 0.99]), 0.08) is None
+
+
+def test_one_wrong_element_of_a_macro_element_of_four_is_found() -> None:
+    truth = change(BEAM, [MemberChange((7,), MemberProperty.MODULUS, factor=1.3)])
+    groups = parameterise(automatic_groups(BEAM))
+    result = UPDATERS["inverse_eigensensitivity"](BEAM, groups, modes_of(truth, 8, BEAM_DOFS))
+    # Noise-free modes: the iteration ends where a step is below its tolerance of 1e-3.
+    assert result.coefficients[Part.STIFFNESS][7] == pytest.approx(1.3, abs=1e-3)
