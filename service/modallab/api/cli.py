@@ -25,9 +25,15 @@ def _settings(**given: Any) -> Any:
     # process on cores that other processes keep busy cost three quarters of the throughput.
     for name in _THREADS:
         os.environ.setdefault(name, "1")
+    from pydantic import ValidationError
+
     from modallab.api.settings import Settings
 
-    return Settings(**{name: value for name, value in given.items() if value is not None})
+    try:
+        return Settings(**{name: value for name, value in given.items() if value is not None})
+    except ValidationError as error:
+        fault = error.errors()[0]
+        raise typer.BadParameter(f"{'.'.join(map(str, fault['loc']))}: {fault['msg']}") from None
 
 
 def _lock(folder: Path) -> sqlite3.Connection:
@@ -39,6 +45,11 @@ def _lock(folder: Path) -> sqlite3.Connection:
     except sqlite3.OperationalError:
         raise typer.BadParameter(f"another service works in {folder}", param_hint="--data") from None
     return lock
+
+
+def _need_postgresql(settings: Any) -> None:
+    if settings.embedded:
+        raise typer.BadParameter("several processes share a PostgreSQL: set MODALLAB_DATABASE_URL")
 
 
 def _prepare(settings: Any) -> None:
@@ -56,6 +67,8 @@ def serve(
 ) -> None:
     """Answer requests and, unless the role is `api`, run jobs."""
     settings = _settings(data=data, host=host, port=port, role=role, executor_id=executor_id)
+    if settings.role == "api":
+        _need_postgresql(settings)
     import uvicorn
 
     from modallab.api import logs
@@ -80,6 +93,7 @@ def serve(
 def worker(data: Data = None, executor_id: Executor = None) -> None:
     """Run jobs, and answer no requests."""
     settings = _settings(data=data, executor_id=executor_id, role="all")
+    _need_postgresql(settings)
     import anyio
 
     from modallab.api import logs
