@@ -53,10 +53,9 @@ def _residual(curves: Curves, predicted: ComplexArray) -> FloatArray:
 
 
 def _good(curves: Curves) -> BoolArray:
-    # A line without response or with hardly any coherence has no logarithm to compare; 1 stands there.
-    sizes = np.minimum(np.abs(curves.before), np.abs(curves.after))
-    rests = curves.freq[:, None, None] == 0
-    return np.asarray(~rests & (curves.measured != 1.0) & (curves.measured != 0) & (sizes > 0))
+    # Zeros have no logarithm, and at rest there is rounding and nothing else.
+    sizes = np.minimum(np.minimum(np.abs(curves.measured), np.abs(curves.before)), np.abs(curves.after))
+    return np.asarray((curves.freq > 0)[:, None, None] & (sizes > 0))
 
 
 def _channel(curves: Curves, i: int, why: str) -> str:

@@ -18,6 +18,7 @@ from modallab.rig.measurement import Measurement
 
 NUMERICAL = 1e-6  # relative error of the prediction itself: a floor under every random error
 INCOHERENT = 1e-8  # share of a response below which what is not coherent counts as rounding
+FAINT = 1e-6  # coherence below which there is no response at all
 USABLE = 0.3  # coherence below which the logarithm of an FRF is no longer near normal
 
 
@@ -126,7 +127,7 @@ def observe(measurement: Measurement, held_out: Sequence[Dof], *, fraction: floa
     power = {"h1": 0.0, "h2": 1.0, "hv": 0.5}[analyser.estimator]
     h = values * g2**power
     usable = (g2 > USABLE) & (frf.freq > 0)[:, None] & (np.abs(h) > 0)
-    error = np.sqrt((1 - g2) / (2 * np.where(usable, g2, 1.0) * (n - 2)) + NUMERICAL**2)
+    error = np.sqrt((1 - g2) / (2 * np.maximum(g2, FAINT) * (n - 2)) + NUMERICAL**2)
     force, incoherent, spread = measurement.force_spectrum, None, None
     if measurement.response_spectrum is not None:
         loose = measurement.response_spectrum * (1 - g2)
@@ -144,7 +145,7 @@ def observe(measurement: Measurement, held_out: Sequence[Dof], *, fraction: floa
     return Observed(
         freq=frf.freq,
         outputs=frf.outputs,
-        h=np.where(usable, h, 1.0),
+        h=np.where(np.abs(h) > 0, h, 1.0),
         error=error,
         coherence=g2,
         force=None if force is None else force[:, runs, 0] * np.exp(np.log(n) - digamma(n)),

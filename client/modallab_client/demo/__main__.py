@@ -1,0 +1,92 @@
+"""`python -m modallab_client.demo`: the thesis's beam, an updated model, a hidden effect named."""
+
+import argparse
+import sys
+import time
+from pathlib import Path
+
+from modallab_client import ModalLab, _tables, findings
+from modallab_client.demo import chapter_5, hidden
+from modallab_client.demo.chapter_5 import Chapter5
+from modallab_client.demo.hidden import Case
+
+
+def main(arguments: list[str] | None = None) -> None:
+    """Run the demo: results on the terminal, a page and a picture in a folder."""
+    parser = argparse.ArgumentParser(prog="modallab demo", description=__doc__)
+    parser.add_argument("--seed", type=int, default=1, help="draws the noise and the hidden effect")
+    parser.add_argument("--out", type=Path, default=Path("demo-out"), help="folder for the page")
+    given = parser.parse_args(arguments)
+    if given.seed < 0:
+        parser.error("--seed is not negative")
+    run(given.seed, given.out)
+
+
+def run(seed: int, folder: Path) -> None:
+    """Run the demo with a service of its own."""
+    begin = time.monotonic()
+
+    def say(text: str) -> None:
+        _write(f"[{time.monotonic() - begin:5.1f} s] {text}")
+
+    say("starting the service beside this process")
+    with ModalLab.embedded() as lab:
+        found = chapter_5.run(lab, seed=seed, say=say)
+        _write(*(f"\n{table.text()}" for table in chapter_5.tables(found)), "")
+        secret = hidden.draw(seed)
+        case = hidden.run(lab, found.model_id, found.rig_id, secret, seed=seed, say=say)
+        _write("", _told(case), "")
+    say("the service is stopped; drawing")
+    page = _draw(found, case, seed, folder)
+    say(f"done: open {page.resolve()}")
+
+
+def _told(case: Case) -> str:
+    """Return the diagnosis beside the truth."""
+    rows = [
+        (
+            str(number),
+            f"{step.effect.kind} at {findings.place(step.effect.at)}",
+            ", ".join(f"{name} {_size(one)}".strip() for name, one in step.effect.parameters.items()),
+            f"{step.gap_before:.4g} -> {step.gap_after:.3g}",
+            f"{step.held_out_gap_before:.4g} -> {step.held_out_gap_after:.3g}",
+        )
+        for number, step in enumerate(case.found.steps, 1)
+    ]
+    table = _tables.text(("step", "named", "size", "gap", "gap on held-out FRFs"), rows)
+    return (
+        f"Verdict: {case.found.verdict} (a gap of 1 means that only random error is left)\n{table}\n"
+        f"Hidden was: {case.hidden}\n{hidden.outcome(case.hidden, case.found)}"
+    )
+
+
+def _size(one: findings.Parameter) -> str:
+    error = "" if one.standard_error is None else f" +- {one.standard_error:.2g}"
+    return f"{one.value:.5g}{error} {'' if one.unit == '1' else one.unit}".strip()
+
+
+def _draw(found: Chapter5, case: Case, seed: int, folder: Path) -> Path:
+    """Write page and picture, and return where the page is."""
+    import matplotlib as mpl  # only now: the terminal need not wait for it
+
+    mpl.use("agg")
+    mpl.rcParams["svg.hashsalt"] = "modallab"  # the same seed writes the same page
+    from modallab_client.demo import figures
+    from modallab_client.demo.page import page
+
+    folder.mkdir(parents=True, exist_ok=True)
+    place = folder / "demo.html"
+    place.write_text(page(found, case, seed=seed), encoding="utf-8")
+    heading = f"Hidden: {case.hidden}. {hidden.outcome(case.hidden, case.found)}"
+    picture = figures.overview(found.test, found.modes, found.update, case.curves, heading=heading)
+    (folder / "demo.png").write_bytes(picture)
+    return place
+
+
+def _write(*lines: str) -> None:
+    sys.stdout.write("\n".join(lines) + "\n")
+    sys.stdout.flush()
+
+
+if __name__ == "__main__":
+    main()

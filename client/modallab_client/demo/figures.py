@@ -1,0 +1,129 @@
+"""The demo's drawings, each on axes that it is given."""
+
+from collections.abc import Callable, Mapping
+from io import BytesIO, StringIO
+from typing import TYPE_CHECKING
+
+import numpy as np
+from matplotlib import pyplot
+
+from modallab_client.findings import DiagnosisCurves, Iteration, Update
+from modallab_client.models import ComplexArray, FloatArray, Measurement, ModalModel
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+RANGE = 8.0  # half-power bandwidths on each side of a resonance that a Nyquist plot shows
+WRONG = {"mass": {1, 2}, "stiffness": {11, 12}}  # members that the hidden truth changes
+
+
+def frfs(axes: "Axes", test: Measurement) -> None:
+    """Draw the magnitude of every FRF."""
+    shown = test.freq > 0
+    axes.semilogy(test.freq[shown], np.abs(test.values[shown, :, 0]), linewidth=0.8)
+    axes.set(xlabel="frequency, Hz", ylabel="|inertance|, m/(s² N)", title="11 measured FRFs")
+
+
+def nyquist(axes: "Axes", test: Measurement, modes: ModalModel, *, mode: int, output: int) -> None:
+    """Draw one resonance in the complex plane: measured lines, and the circle of the fitted mode."""
+    assert modes.modal_constants is not None
+    assert modes.fitted_frequencies is not None
+    assert modes.fitted_loss_factors is not None
+    frequency = float(modes.fitted_frequencies[mode, output])
+    eta = float(modes.fitted_loss_factors[mode, output])
+    constant = complex(modes.modal_constants[mode, output])
+
+    def resonance(freq: FloatArray) -> ComplexArray:
+        eigenvalue = (2 * np.pi * frequency) ** 2 * (1 + 1j * eta)
+        return np.asarray(constant / (eigenvalue - (2 * np.pi * freq) ** 2))
+
+    near = np.abs(test.freq - frequency) < RANGE * eta * frequency
+    freq = test.freq[near]
+    measured = test.values[near, output, 0] / -((2 * np.pi * freq) ** 2)
+    # What the other modes add hardly changes over one resonance: the circle is moved as a whole.
+    moved = complex(np.mean(measured - resonance(freq)))
+    fine = np.linspace(freq[0], freq[-1], 600)
+    circle = resonance(fine) + moved
+    axes.plot(1e6 * circle.real, 1e6 * circle.imag, color="C1", linewidth=1.2, label="fitted mode")
+    axes.plot(1e6 * measured.real, 1e6 * measured.imag, "o", color="C0", markersize=4, label="measured lines")
+    axes.set(xlabel="Re receptance, µm/N", ylabel="Im receptance, µm/N")
+    axes.set_title(f"mode {mode + 1}, {frequency:.1f} Hz, at {test.outputs[output]}")
+    axes.set_aspect("equal", adjustable="datalim")
+    axes.legend(fontsize="small")
+
+
+def coefficients(axes: "Axes", update: Update, part: str) -> None:
+    """Draw the coefficients of one part by iteration: those of the wrong elements in colour."""
+    paths = _paths(update.history, part)
+    located = update.iterations["location"]
+    for member, values in paths.items():
+        wrong = member in WRONG[part]
+        style = {"color": f"C{member % 10}", "linewidth": 2.0, "zorder": 3.0} if wrong else {}
+        axes.plot(range(len(values)), values, **({"color": "0.75", "linewidth": 0.9} | style))  # type: ignore[arg-type]
+    for member in WRONG[part]:
+        axes.plot([], [], color=f"C{member % 10}", linewidth=2, label=f"element {member} (truth: 2)")
+    axes.plot([], [], color="0.75", label="other elements (truth: 1)")
+    axes.axvline(located, color="0.4", linewidth=0.8, linestyle=":")
+    axes.text(located, 1.01, " location | updating", ha="center", transform=axes.get_xaxis_transform())
+    axes.set(xlabel="iteration", ylabel=f"{part} coefficient")
+    axes.legend(fontsize="small")
+
+
+def _paths(history: tuple[Iteration, ...], part: str) -> Mapping[int, list[float]]:
+    """Return the coefficient of every member by iteration, from 1 at the start."""
+    paths = {member: [1.0] for one in history for c in one.coefficients for member in c.members}
+    for one in history:
+        now = {m: c.value for c in one.coefficients if c.part == part for m in c.members}
+        for member, values in paths.items():
+            values.append(now.get(member, 1.0))
+    return paths
+
+
+def explained(axes: "Axes", curves: DiagnosisCurves) -> None:
+    """Draw a response that took no part in the fit: measured, and predicted before and after."""
+    shown = curves.freq > 0
+    apart = np.abs(np.log(np.abs(curves.before[shown] / curves.measured[shown])))[..., 0].mean(axis=0)
+    output = int(np.argmax(np.where(curves.held_out, apart, -1.0)))
+    styles = {
+        "before": ("C1-", "predicted, effect not known"),
+        "measured": ("k-", "measured"),
+        "after": ("C0--", "predicted, effect added"),
+    }
+    for name, (style, label) in styles.items():
+        magnitude = np.abs(getattr(curves, name)[shown, output, 0])
+        axes.semilogy(curves.freq[shown], magnitude, style, linewidth=1.0, label=label)
+    axes.set(xlabel="frequency, Hz", ylabel="|inertance|, m/(s² N)")
+    axes.set_title(f"response {curves.outputs[output]}, held out of every fit")
+    axes.legend(fontsize="small")
+
+
+def alone(draw: "Callable[[Axes], None]", size: tuple[float, float] = (7.5, 3.6)) -> "Figure":
+    """Return a figure with one drawing."""
+    figure, axes = pyplot.subplots(figsize=size, layout="constrained")
+    draw(axes)
+    return figure
+
+
+def svg(figure: "Figure") -> str:
+    """Return a figure as SVG, and close it."""
+    text = StringIO()
+    figure.savefig(text, format="svg", metadata={"Date": None})
+    pyplot.close(figure)
+    return text.getvalue()
+
+
+def overview(
+    test: Measurement, modes: ModalModel, update: Update, curves: DiagnosisCurves, *, heading: str
+) -> bytes:
+    """Return one picture of all: FRFs, a resonance, the update, the diagnosis; PNG."""
+    figure, axes = pyplot.subplots(2, 2, figsize=(11, 6.6), layout="constrained")
+    frfs(axes[0, 0], test)
+    nyquist(axes[0, 1], test, modes, mode=len(modes.modes) - 1, output=0)
+    coefficients(axes[1, 0], update, "stiffness")
+    explained(axes[1, 1], curves)
+    figure.suptitle(heading)
+    content = BytesIO()
+    figure.savefig(content, format="png", dpi=100, metadata={"Software": None})
+    pyplot.close(figure)
+    return content.getvalue()

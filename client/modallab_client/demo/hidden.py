@@ -1,0 +1,128 @@
+"""An effect hidden in a second test of the beam, and what the diagnosis makes of it."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass
+from typing import Any
+
+import numpy as np
+
+from modallab_client import ModalLab, findings
+from modallab_client.models import Measurement
+
+Say = Callable[[str], None]
+Place = str | dict[str, list[int]] | None
+
+
+@dataclass(frozen=True)
+class Suspect:
+    """What may be hidden: its number, and the range it is drawn from, evenly in its logarithm."""
+
+    parameter: str
+    unit: str
+    lower: float
+    upper: float
+    where: str = "everywhere"  # or member, node
+
+
+SUSPECTS: Mapping[str, Suspect] = {
+    "accelerometer_mass": Suspect("mass", "kg", 0.003, 0.015),
+    "density_error": Suspect("factor", "", 1.05, 1.4, "member"),
+    "exciter_armature": Suspect("mass", "kg", 0.005, 0.05),
+    "extra_mass": Suspect("mass", "kg", 0.01, 0.1, "node"),
+    "force_noise": Suspect("ratio", "", 3e-3, 3e-2),
+    "force_transducer_mass": Suspect("mass", "kg", 0.003, 0.02),
+    "leakage": Suspect("share", "", 0.02, 0.2),
+    "response_noise": Suspect("ratio", "", 1e-5, 1e-3),
+    "stiffness_error": Suspect("factor", "", 1.05, 1.4, "member"),
+}
+
+
+@dataclass(frozen=True)
+class Hidden:
+    """The truth that the diagnosis is not told."""
+
+    kind: str
+    at: Place
+    parameter: str
+    value: float
+    unit: str
+
+    @property
+    def effect(self) -> dict[str, Any]:
+        """The effect as the service takes it."""
+        return {"kind": self.kind, "at": self.at, "parameters": {self.parameter: self.value}}
+
+    def __str__(self) -> str:
+        size = f"{self.parameter} {self.value:.4g} {self.unit}".strip()
+        return f"{self.kind} at {findings.place(self.at)}: {size}"
+
+
+@dataclass(frozen=True, eq=False)
+class Case:
+    """The second test and its diagnosis."""
+
+    hidden: Hidden
+    test: Measurement
+    found: findings.Diagnosis
+    curves: findings.DiagnosisCurves
+    report: str
+
+
+def draw(seed: int, kind: str | None = None) -> Hidden:
+    """Return an effect of a random kind, place and size; the same seed gives the same.
+
+    Parameters
+    ----------
+    kind
+        A kind to hide instead of a random one.
+    """
+    rng = np.random.default_rng([seed, 5])  # 5: not the numbers that the tests' noise is drawn from
+    drawn = str(rng.choice(sorted(SUSPECTS)))
+    name = drawn if kind is None else kind
+    suspect = SUSPECTS[name]
+    value = float(np.exp(rng.uniform(np.log(suspect.lower), np.log(suspect.upper))))
+    if suspect.parameter == "factor" and rng.random() < 0.5:
+        value = 1 / value
+    member, node = int(rng.integers(1, 21)), int(rng.integers(1, 22))
+    places: dict[str, Place] = {"member": {"members": [member]}, "node": f"{node}:+Y", "everywhere": None}
+    return Hidden(name, places[suspect.where], suspect.parameter, value, suspect.unit)
+
+
+def run(lab: ModalLab, model_id: str, rig_id: str, hidden: Hidden, *, seed: int, say: Say) -> Case:
+    """Return a test of the model with the effect hidden in it, and the diagnosis of that test."""
+    say("measuring the beam again, now with one effect hidden that neither model nor log book has")
+    job = lab.measurements.start(model_id, rig_id, effects=[hidden.effect], seed=seed + 1)
+    test = job.result()
+    say("diagnosing: every suspect at every place")
+    diagnosis = lab.diagnoses.start(model_id, test.id, seed=seed)
+    found = diagnosis.result(on_progress=_milestones(say))
+    return Case(hidden, test, found, lab.diagnoses.curves(found.id), lab.diagnoses.report(found.id))
+
+
+def _milestones(say: Say) -> Callable[[float, str], None]:
+    """Return a callback that says a quarter of the way once."""
+    told = [0]
+
+    def tell(fraction: float, message: str) -> None:
+        if int(4 * fraction) > told[0]:
+            told[0] = int(4 * fraction)
+            say(f"  {fraction:4.0%} {message}")
+
+    return tell
+
+
+def outcome(hidden: Hidden, found: findings.Diagnosis) -> str:
+    """Return whether the hidden effect was named."""
+    truth = (hidden.kind, hidden.at)
+    if not found.steps:
+        return "It was not named."
+    first = found.steps[0]
+    if (first.effect.kind, first.effect.at) == truth:
+        others = [f"{other.kind} at {findings.place(other.at)}" for other in first.rivals_alike]
+        alike = f"; this test cannot tell it from {', '.join(others)}" if others else ""
+        return f"It was named first{alike}."
+    if truth in [(other.kind, other.at) for other in first.rivals_alike]:
+        return "It is among those that this test cannot tell from the one named first."
+    if truth in [(step.effect.kind, step.effect.at) for step in found.steps]:
+        return "It was named, but not first."
+    return "It was not named."
