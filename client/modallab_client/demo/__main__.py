@@ -14,7 +14,7 @@ from modallab_client.demo.hidden import Case
 def main(arguments: list[str] | None = None) -> None:
     """Run the demo: results on the terminal, a page and a picture in a folder."""
     parser = argparse.ArgumentParser(prog="modallab demo", description=__doc__)
-    parser.add_argument("--seed", type=int, default=1, help="draws the noise and the hidden effect")
+    parser.add_argument("--seed", type=int, default=4, help="draws the noise and the hidden effect")
     parser.add_argument("--out", type=Path, default=Path("demo-out"), help="folder for the page")
     given = parser.parse_args(arguments)
     if given.seed < 0:
@@ -46,7 +46,7 @@ def _told(case: Case) -> str:
     rows = [
         (
             str(number),
-            f"{step.effect.kind} at {findings.place(step.effect.at)}",
+            hidden.named(step.effect.kind, step.effect.at),
             ", ".join(f"{name} {_size(one)}".strip() for name, one in step.effect.parameters.items()),
             f"{step.gap_before:.4g} -> {step.gap_after:.3g}",
             f"{step.held_out_gap_before:.4g} -> {step.held_out_gap_after:.3g}",

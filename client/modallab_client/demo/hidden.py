@@ -54,7 +54,7 @@ class Hidden:
 
     def __str__(self) -> str:
         size = f"{self.parameter} {self.value:.4g} {self.unit}".strip()
-        return f"{self.kind} at {findings.place(self.at)}: {size}"
+        return f"{named(self.kind, self.at)}, {size}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,6 +66,12 @@ class Case:
     found: findings.Diagnosis
     curves: findings.DiagnosisCurves
     report: str
+
+
+def named(kind: str, at: str | Mapping[str, Any] | None) -> str:
+    """Return kind and place of an effect in words."""
+    name = kind.replace("_", " ")
+    return name if at is None else f"{name} at {findings.place(at).replace('members', 'element')}"
 
 
 def draw(seed: int, kind: str | None = None) -> Hidden:
@@ -118,7 +124,7 @@ def outcome(hidden: Hidden, found: findings.Diagnosis) -> str:
         return "It was not named."
     first = found.steps[0]
     if (first.effect.kind, first.effect.at) == truth:
-        others = [f"{other.kind} at {findings.place(other.at)}" for other in first.rivals_alike]
+        others = [named(other.kind, other.at) for other in first.rivals_alike]
         alike = f"; this test cannot tell it from {', '.join(others)}" if others else ""
         return f"It was named first{alike}."
     if truth in [(other.kind, other.at) for other in first.rivals_alike]:

@@ -92,7 +92,7 @@ def _diagnosis(case: Case) -> list[str]:
     drawing = figures.alone(lambda axes: figures.explained(axes, case.curves))
     rows = [
         (
-            str(step.effect),
+            hidden.named(step.effect.kind, step.effect.at),
             _share(step),
             f"{step.gap_before:.4g} → {step.gap_after:.3g}",
             f"{step.held_out_gap_before:.4g} → {step.held_out_gap_after:.3g}",
@@ -100,7 +100,7 @@ def _diagnosis(case: Case) -> list[str]:
         for step in found.steps
     ]
     head = ("named", "probability", "gap", "gap on held-out FRFs")
-    caption = f"Verdict: {found.verdict.replace('_', ' ')}. A gap of 1 means that only random error is left."
+    caption = f"Verdict: {found.verdict.replace('_', ' ')}. At a gap of 1 only random error is left."
     return [
         "<h2>A hidden effect named</h2>",
         f"<p class='named'>Hidden: <b>{escape(str(case.hidden))}</b>.<br>"

@@ -2,6 +2,8 @@
 
 import os
 import sqlite3
+import subprocess
+import sys
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -112,3 +114,14 @@ def worker(data: Data = None, executor_id: Executor = None) -> None:
 def init(data: Data = None) -> None:
     """Create the tables, or bring them up to date: once before the service is started or upgraded."""
     _prepare(_settings(data=data))
+
+
+@app.command()
+def demo(
+    seed: Annotated[int, typer.Option(min=0, help="Draws the noise and the hidden effect.")] = 4,
+    out: Annotated[Path, typer.Option(help="Folder for the page.")] = Path("demo-out"),
+) -> None:
+    """Measure, update and diagnose the beam of the 1992 thesis, over HTTP with a service of its own."""
+    # A program of its own: it is a client, and meets the service on the wire only.
+    command = [sys.executable, "-m", "modallab_client.demo", "--seed", str(seed), "--out", str(out)]
+    raise typer.Exit(subprocess.call(command))
