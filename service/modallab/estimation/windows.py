@@ -42,6 +42,23 @@ class Window:
             amplitude = amplitude + a / 2 * (np.sinc(offset - k) + np.sinc(offset + k))
         return np.asarray(amplitude**2 / self.power)
 
+    def envelope(self, offset: FloatArray) -> FloatArray:
+        """Return `line_shape(offset) / sin(pi offset)^2`: a rational function, smooth but for its poles.
+
+        Parameters
+        ----------
+        offset
+            In lines, none of them whole: there the poles are, out to the number of cosines.
+        """
+        rational = self.coefficients[0] / offset
+        if len(self.coefficients) > 1:
+            square = offset * offset
+            for k, a in enumerate(self.coefficients[1:], start=1):
+                rational += (-1) ** k * a * offset / (square - k**2)
+        rational *= rational
+        rational /= np.pi**2 * self.power
+        return rational
+
     def line_shapes(self, lines: FloatArray, place: FloatArray) -> FloatArray:
         """Return `line_shape(lines - place)`, (n_lines, n_places), ten times faster.
 
@@ -53,16 +70,9 @@ class Window:
             (n_places,) in lines, none of them whole: sin(pi (line - place)) is then +-sin(pi place), one
             sine a place, over a rational function.
         """
-        x = lines[:, None] - place
-        rational = self.coefficients[0] / x
-        if len(self.coefficients) > 1:
-            square = x * x
-            for k, a in enumerate(self.coefficients[1:], start=1):
-                rational += (-1) ** k * a * x / (square - k**2)
-        rational *= rational
-        sine = np.sin(np.pi * (place - np.round(place)))
-        rational *= sine**2 / (np.pi**2 * self.power)
-        return rational
+        shapes = self.envelope(lines[:, None] - place)
+        shapes *= np.sin(np.pi * (place - np.round(place))) ** 2
+        return shapes
 
 
 WINDOWS.register("rectangular")(Window("none: right for signals that repeat with the record", (1.0,)))

@@ -7,6 +7,7 @@ from modallab.estimation.averaging import effective_averages
 from modallab.estimation.spectra import CrossSpectra
 from modallab.estimation.windows import WINDOWS
 from modallab.rig.chain import Chain
+from modallab.rig.smear import Smear
 from modallab.rig.view import View, coarse_view, periodic_view, refined_view
 
 
@@ -38,7 +39,7 @@ def noise_free(chain: Chain, step: int | None = None) -> ComplexArray:
         None for every line, refined; else every `step`-th line, coarse.
     """
     analyser, share = chain.setup.analyser, chain.source.continuous
-    views: list[tuple[float, View]] = []
+    views: list[tuple[float, View | Smear]] = []
     if share < 1:
         views.append((1 - share, periodic_view(analyser, step or 1)))
     if share > 0:

@@ -4,10 +4,13 @@ from dataclasses import dataclass
 from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
+from scipy.sparse import coo_array, csr_array
 
-from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.core.arrays import ComplexArray, FloatArray, IntArray
 from modallab.estimation.windows import WINDOWS, Window
 from modallab.rig.setup import Analyser
+from modallab.rig.smear import Smear, smear
 
 POINTS = 10  # Gauss points a panel: 1e-8 of a spectrum for panels no longer than `refined` makes them
 COARSE = 4  # points a line of the unrefined grid, for a first look over many hypotheses
@@ -22,8 +25,8 @@ class View:
     """
 
     nodes: FloatArray  # (n_nodes,) Hz
-    near: FloatArray | None = None  # (n_lines, n_nodes)
-    mirrored: FloatArray | None = None
+    near: FloatArray | csr_array | None = None  # (n_lines, n_nodes)
+    mirrored: FloatArray | csr_array | None = None
 
     def through(self, spectrum: ComplexArray) -> ComplexArray:
         """Return a spectrum at the nodes (n_run, n_nodes, k) as the lines see it, (n_run, n_lines, k)."""
@@ -31,24 +34,31 @@ class View:
             return spectrum
         n_run, n_nodes, k = spectrum.shape
         flat = spectrum.swapaxes(0, 1).reshape(n_nodes, n_run * k)
-        seen = np.empty((len(self.near), n_run * k), complex)
+        seen = np.empty((self.near.shape[0], n_run * k), complex)
         seen.real = (self.near + self.mirrored) @ flat.real
         seen.imag = (self.near - self.mirrored) @ flat.imag
-        return seen.reshape(len(self.near), n_run, k).swapaxes(0, 1)
+        return seen.reshape(len(seen), n_run, k).swapaxes(0, 1)
 
 
 @lru_cache(maxsize=16)
 def periodic_view(analyser: Analyser, step: int = 1) -> View:
     """Return how every `step`-th line sees a signal that repeats with the record: lines see lines."""
-    line = np.arange(analyser.n_lines, dtype=float)
-    if analyser.window == "rectangular":  # its line shape is 1 at its own line and 0 at all others
+    window, n = WINDOWS[analyser.window], analyser.n_lines
+    reach = len(window.coefficients) - 1  # farther off, its line shape is 0 at whole lines
+    if reach == 0:  # and 1 at its own line
         return View(analyser.freq[::step])
-    window = WINDOWS[analyser.window]
-    own = line[::step, None]
-    return View(analyser.freq, window.line_shape(own - line), window.line_shape(own + line) * (line > 0))
+    line, offset = np.arange(n)[:, None], np.arange(-reach, reach + 1)
+    shape = np.broadcast_to(window.line_shape(offset.astype(float)), (n, len(offset)))
+
+    def matrix(source: IntArray, seen: NDArray[np.bool_]) -> csr_array:
+        rows = np.broadcast_to(line, source.shape)
+        return csr_array(coo_array((shape[seen], (rows[seen], source[seen])), (n, n)))[::step]
+
+    own = line + offset
+    return View(analyser.freq, matrix(own, (own >= 0) & (own < n)), matrix(-own, (own < 0) & (own > -n)))
 
 
-def refined_view(analyser: Analyser, poles: FloatArray, widths: FloatArray) -> View:
+def refined_view(analyser: Analyser, poles: FloatArray, widths: FloatArray) -> Smear:
     """Return how the lines see a stationary signal, by quadrature refined towards resonances.
 
     Parameters
@@ -56,16 +66,14 @@ def refined_view(analyser: Analyser, poles: FloatArray, widths: FloatArray) -> V
     poles, widths
         Frequencies and half bandwidths, Hz, of any shape.
     """
-    return _view(analyser, *refined(analyser, poles, widths))
+    grid = refined(analyser, poles, widths)
+    return smear(analyser.window, analyser.n_lines, analyser.spacing, *grid)
 
 
 @lru_cache(maxsize=16)
 def coarse_view(analyser: Analyser, step: int) -> View:
     """Return how every `step`-th line sees a stationary signal, on a grid that knows no resonance."""
-    return _view(analyser, *_gauss(analyser.freq[:-1], analyser.freq[1:], COARSE), step)
-
-
-def _view(analyser: Analyser, nodes: FloatArray, weights: FloatArray, step: int = 1) -> View:
+    nodes, weights = _gauss(analyser.freq[:-1], analyser.freq[1:], COARSE)
     window: Window = WINDOWS[analyser.window]
     lines = np.arange(0, analyser.n_lines, step, dtype=float)
     place, share = nodes / analyser.spacing, weights / analyser.spacing

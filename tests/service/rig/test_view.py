@@ -39,7 +39,7 @@ def test_a_resonance_between_lines_is_seen_as_its_closed_form(half: float, place
     # the band ends 30 lines away, where a Hanning line takes 30^-6 of what it takes at home; the terms
     # of the closed form cancel to 1e-12 of the largest line
     np.testing.assert_allclose(seen[near].real, closed, rtol=1e-7, atol=1e-11 * closed.max())
-    assert (seen.imag == 0).all()
+    assert np.abs(seen.imag).max() < 1e-15 * closed.max()  # rounding
 
 
 def test_a_look_without_refinement_is_near_where_resonances_are_a_line_wide() -> None:
@@ -50,8 +50,8 @@ def test_a_look_without_refinement_is_near_where_resonances_are_a_line_wide() ->
         seen = view.through((1 / ((x - place) ** 2 + 0.25)).astype(complex)[None, :, None])[0, :, 0]
         even = np.arange(30, 51, 2)
         closed = hanning_sees(place, 0.5, even.astype(float))
-        # six Gauss points over a line with a pole half a line away: (1 + sqrt 2)^-12 = 3e-5, a few such
-        np.testing.assert_allclose(seen[even // 2].real, closed, rtol=2e-4)
+        # four Gauss points over a line with a pole half a line away: (1 + sqrt 2)^-8 = 9e-4, a few such
+        np.testing.assert_allclose(seen[even // 2].real, closed, rtol=3e-3)
 
 
 @pytest.mark.parametrize("window", sorted(WINDOWS))
@@ -70,7 +70,7 @@ def test_white_noise_is_seen_as_it_is_by_lines_inside_the_band(window: str) -> N
 def test_a_cross_spectrum_below_zero_hertz_is_the_conjugate_of_that_above() -> None:
     view = refined_view(ANALYSER, np.array([]), np.array([]))
     seen = view.through(np.full((1, len(view.nodes), 1), 1j))[0, :, 0]
-    assert seen[0] == 0  # as much of i as of -i
+    assert abs(seen[0]) < 1e-15  # as much of i as of -i
     # of line 1 two thirds lie above 1/2; by symmetry about itself it takes the odd part once more
     assert 0.5 < seen[1].imag < 1.0
     np.testing.assert_allclose(seen[10:61].imag, 1.0, rtol=1e-6)  # 10 lines away: 10^-6 of the power

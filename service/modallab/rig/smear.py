@@ -1,0 +1,102 @@
+"""Leakage of a stationary spectrum into all lines; its cost grows with the lines, not with their square."""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+import scipy.fft
+from scipy.sparse import coo_array, csr_array
+
+from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.estimation.windows import WINDOWS, Window
+
+# A line shape is sin^2 times a rational function with poles at whole offsets. That far from the last of
+# them it is a polynomial over one line, to 1e-9 (Bernstein ellipse: 16^-10, for poles of sixth order
+# together some hundred times that): what lies there need not be known node by node, but only by this
+# many values a line.
+NEAR = 4
+DEGREE = 10
+
+
+@dataclass(frozen=True, eq=False)
+class Smear:
+    """What lines take from quadrature nodes: node by node nearby, line by line from afar.
+
+    Spectra are conjugate at negative frequency, so that every node has a mirror.
+    """
+
+    nodes: FloatArray  # (n_nodes,) Hz
+    near: csr_array  # (n_lines, n_nodes)
+    mirrored: csr_array
+    gather: csr_array  # (DEGREE * n_lines, n_nodes): onto points about every line
+    far: ComplexArray  # (DEGREE, n_fft, 1): transform of what a line takes from such points
+
+    def through(self, spectrum: ComplexArray) -> ComplexArray:
+        """Return a spectrum at the nodes (n_run, n_nodes, k) as the lines see it, (n_run, n_lines, k)."""
+        n_run, n_nodes, k = spectrum.shape
+        n_lines = self.near.shape[0]
+        flat = np.ascontiguousarray(spectrum.swapaxes(0, 1)).reshape(n_nodes, n_run * k)
+        seen = self.near @ flat + self.mirrored @ flat.conj()
+        above = (self.gather @ flat).reshape(DEGREE, n_lines, -1)
+        both = np.zeros((DEGREE, self.far.shape[1], n_run * k), complex)
+        both[:, n_lines - 1 : 2 * n_lines - 1] = above
+        both[:, n_lines - 1 :: -1] += above[::-1].conj()
+        lines = scipy.fft.fft(both, axis=1, overwrite_x=True)
+        lines *= self.far
+        seen += scipy.fft.ifft(lines.sum(axis=0), axis=0)[n_lines - 1 : 2 * n_lines - 1]
+        return np.asarray(seen.reshape(n_lines, n_run, k).swapaxes(0, 1))
+
+
+def smear(window: str, n_lines: int, spacing: float, nodes: FloatArray, weights: FloatArray) -> Smear:
+    """Return how lines, `spacing` Hz apart from 0, see a density integrated with nodes and weights, Hz.
+
+    Nodes lie between the first and the last line, none of them on a line.
+    """
+    shape = WINDOWS[window]
+    line = np.round(nodes / spacing)
+    offset = nodes / spacing - line
+    share = np.sin(np.pi * offset) ** 2 * weights / spacing
+    reach = np.arange(1 - _nearby(shape), _nearby(shape))[:, None]
+    own = line.astype(int)
+    column = np.arange(len(nodes))
+
+    def matrix(rows: FloatArray, values: FloatArray, n_rows: int) -> csr_array:
+        kept = (rows >= 0) & (rows < n_rows)
+        columns = np.broadcast_to(column, rows.shape)
+        return csr_array(coo_array((values[kept], (rows[kept], columns[kept])), (n_rows, len(nodes))))
+
+    return Smear(
+        nodes,
+        matrix(own + reach, shape.envelope(reach - offset) * share, n_lines),
+        matrix(reach - own, shape.envelope(reach + offset) * share, n_lines),
+        matrix(own + n_lines * np.arange(DEGREE)[:, None], _lagrange(offset) * share, DEGREE * n_lines),
+        _far(window, n_lines),
+    )
+
+
+def _nearby(window: Window) -> int:
+    return NEAR + len(window.coefficients) - 1
+
+
+def _points() -> FloatArray:
+    """Chebyshev points over one line, symmetric about it."""
+    return np.asarray(-0.5 * np.cos(np.pi * (np.arange(DEGREE) + 0.5) / DEGREE))
+
+
+def _lagrange(offset: FloatArray) -> FloatArray:
+    """Return the polynomials that are 1 at one point and 0 at the others, (DEGREE, n) at `offset` (n,)."""
+    points, own = _points(), np.eye(DEGREE, dtype=bool)
+    apart = np.where(own, 1.0, points - points[:, None])
+    ratios = np.where(own[:, :, None], 1.0, (offset - points[:, None, None]) / apart[:, :, None])
+    return np.asarray(ratios.prod(axis=0))
+
+
+@lru_cache(maxsize=8)
+def _far(window: str, n_lines: int) -> ComplexArray:
+    """Return the transform of what a line takes from points about lines that are not near."""
+    n_fft = scipy.fft.next_fast_len(3 * n_lines)
+    steps = np.arange(1 - n_lines, 2 * n_lines - 1)
+    kernel = np.zeros((DEGREE, n_fft))
+    far = steps[np.abs(steps) >= _nearby(WINDOWS[window])]
+    kernel[:, far % n_fft] = WINDOWS[window].envelope(far - _points()[:, None])
+    return np.asarray(scipy.fft.fft(kernel, axis=1)[:, :, None])
