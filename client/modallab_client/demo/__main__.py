@@ -5,7 +5,7 @@ import sys
 import time
 from pathlib import Path
 
-from modallab_client import ModalLab, _tables, findings
+from modallab_client import ModalLab, _tables
 from modallab_client.demo import chapter_5, hidden
 from modallab_client.demo.chapter_5 import Chapter5
 from modallab_client.demo.hidden import Case
@@ -43,26 +43,12 @@ def run(seed: int, folder: Path) -> None:
 
 def _told(case: Case) -> str:
     """Return the diagnosis beside the truth."""
-    rows = [
-        (
-            str(number),
-            hidden.named(step.effect.kind, step.effect.at),
-            ", ".join(f"{name} {_size(one)}".strip() for name, one in step.effect.parameters.items()),
-            f"{step.gap_before:.4g} -> {step.gap_after:.3g}",
-            f"{step.held_out_gap_before:.4g} -> {step.held_out_gap_after:.3g}",
-        )
-        for number, step in enumerate(case.found.steps, 1)
-    ]
-    table = _tables.text(("step", "named", "size", "gap", "gap on held-out FRFs"), rows)
+    rows = [(hidden.sized(step.effect), *hidden.closed(step)) for step in case.found.steps]
+    table = _tables.text(("named", "gap", "gap on held-out FRFs"), rows)
     return (
         f"Verdict: {case.found.verdict} (a gap of 1 means that only random error is left)\n{table}\n"
         f"Hidden was: {case.hidden}\n{hidden.outcome(case.hidden, case.found)}"
     )
-
-
-def _size(one: findings.Parameter) -> str:
-    error = "" if one.standard_error is None else f" +- {one.standard_error:.2g}"
-    return f"{one.value:.5g}{error} {'' if one.unit == '1' else one.unit}".strip()
 
 
 def _draw(found: Chapter5, case: Case, seed: int, folder: Path) -> Path:

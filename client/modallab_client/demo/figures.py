@@ -124,6 +124,6 @@ def overview(
     explained(axes[1, 1], curves)
     figure.suptitle(heading)
     content = BytesIO()
-    figure.savefig(content, format="png", dpi=100, metadata={"Software": None})
+    figure.savefig(content, format="png", dpi=80, metadata={"Software": None})
     pyplot.close(figure)
     return content.getvalue()

@@ -74,6 +74,27 @@ def named(kind: str, at: str | Mapping[str, Any] | None) -> str:
     return name if at is None else f"{name} at {findings.place(at).replace('members', 'element')}"
 
 
+def sized(effect: findings.FittedEffect) -> str:
+    """Return an effect that was found, its size with the standard error."""
+    numbers = [f"{name} {_number(one)}" for name, one in effect.parameters.items()]
+    return ", ".join([named(effect.kind, effect.at), *numbers])
+
+
+def _number(one: findings.Parameter) -> str:
+    error = "" if one.standard_error is None else f" ± {one.standard_error:.2g}"
+    return f"{one.value:.5g}{error} {'' if one.unit == '1' else one.unit}".strip()
+
+
+def closed(step: findings.Step) -> tuple[str, str]:
+    """Return the gap before and after a step: over the FRFs that were fitted, and over those held out."""
+    held_out = (step.held_out_gap_before, step.held_out_gap_after)
+    pairs = ((step.gap_before, step.gap_after), held_out)
+    fitted, kept = (
+        "" if before is None or after is None else f"{before:.4g} → {after:.3g}" for before, after in pairs
+    )
+    return fitted, kept
+
+
 def draw(seed: int, kind: str | None = None) -> Hidden:
     """Return an effect of a random kind, place and size; the same seed gives the same.
 

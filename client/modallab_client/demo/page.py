@@ -90,15 +90,7 @@ def _update(found: Chapter5) -> list[str]:
 def _diagnosis(case: Case) -> list[str]:
     found = case.found
     drawing = figures.alone(lambda axes: figures.explained(axes, case.curves))
-    rows = [
-        (
-            hidden.named(step.effect.kind, step.effect.at),
-            _share(step),
-            f"{step.gap_before:.4g} → {step.gap_after:.3g}",
-            f"{step.held_out_gap_before:.4g} → {step.held_out_gap_after:.3g}",
-        )
-        for step in found.steps
-    ]
+    rows = [(hidden.sized(step.effect), _share(step), *hidden.closed(step)) for step in found.steps]
     head = ("named", "probability", "gap", "gap on held-out FRFs")
     caption = f"Verdict: {found.verdict.replace('_', ' ')}. At a gap of 1 only random error is left."
     return [
@@ -113,7 +105,9 @@ def _diagnosis(case: Case) -> list[str]:
 
 
 def _share(step: findings.Step) -> str:
-    return "" if step.probability is None else f"{step.probability:.3g}"
+    if step.probability is None:
+        return ""
+    return "> 0.999" if step.probability > 0.999 else f"{step.probability:.3f}"
 
 
 def _figure(drawing: "Figure", words: str) -> str:
