@@ -15,6 +15,7 @@ from modallab.rig.setup import RigSetup, Shot
 # Of a line: 0 Hz is taken as a limit, where inertance stays finite. Near enough to be within 1e-6 of it,
 # far enough for omega^2 to stand above the rounding in a free body's modal damping.
 NEARLY_STILL = 1e-3
+AT_ONCE = 4096  # frequencies at which the structure is asked at once: bounds the memory
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,19 +48,23 @@ class Chain:
 
     def respond(self, freq: FloatArray) -> ChannelResponse:
         """Return transmission and inertance of every run at `freq` (n_freq,) Hz."""
+        top = float(freq.max())
+        parts = [self._respond(freq[i : i + AT_ONCE], top) for i in range(0, len(freq), AT_ONCE)]
+        accelerance = parts[0] if len(parts) == 1 else np.concatenate(parts, axis=1)
+        return ChannelResponse(self.drive.transmission(accelerance[..., 0]), accelerance[..., 1:])
+
+    def _respond(self, freq: FloatArray, top: float) -> ComplexArray:
+        """Return the inertance of drive point and responses of every run, (n_run, n_freq, 1 + n_out)."""
         omega = 2 * np.pi * np.maximum(freq, NEARLY_STILL * self.setup.analyser.spacing)
         first = self.systems[0]
-        modes = first.base_modes(float(freq.max())).at(omega)
         own = first.selection((self.setup.drive,))
         lefts = [np.hstack([own, first.selection(shot.outputs)]) for shot in self.shots]
         if all(system.mass is first.mass for system in self.systems):
-            alpha = attached_variants(modes, self.systems, lefts, own)
+            alpha = attached_variants(first.base_modes(top).at(omega), self.systems, lefts, own)
         else:  # an effect rebuilt the structure from run to run: each brings its own modes
             each = zip(self.systems, lefts, strict=True)
-            top = float(freq.max())
             alpha = np.array([attached(s.base_modes(top).at(omega), s, left, own) for s, left in each])
-        accelerance = -(omega**2)[None, :, None] * alpha[..., 0]
-        return ChannelResponse(self.drive.transmission(accelerance[..., 0]), accelerance[..., 1:])
+        return np.asarray(-(omega**2)[None, :, None] * alpha[..., 0])
 
     def poles(self) -> tuple[FloatArray, FloatArray]:
         """Return frequency and half the half-power bandwidth, Hz, of every run's resonances.

@@ -15,7 +15,6 @@ FORGOTTEN = 1e-6  # amplitude below which a mode has rung out
 LONGEST = 2**26  # samples of all channels of one stretch, 0.5 GB
 TOGETHER = 2**18  # samples of the records handed out at once
 RECORDS = 32  # lengths of a record in a stretch, where the averages ask for so many
-AT_ONCE = 4096  # frequencies at which the structure is asked at once
 
 
 class Recorder:
@@ -110,9 +109,6 @@ def _per_source(chain: Chain, freq: FloatArray) -> ComplexArray:
     """Return force and responses of all runs, (n_run, 1 + n_out, n_freq), as amplitude densities."""
     analyser = chain.setup.analyser
     density = analyser.excitation.level**2 / analyser.frequency_max
-    parts = []
-    for start in reversed(range(0, len(freq), AT_ONCE)):  # the highest first: its modes serve all others
-        answer = chain.respond(freq[start : start + AT_ONCE])
-        force = answer.transmission[:, None, :]
-        parts.append(np.concatenate([force, force * answer.inertance.swapaxes(1, 2)], axis=1))
-    return np.asarray(np.sqrt(density) * np.concatenate(parts[::-1], axis=2))
+    answer = chain.respond(freq)
+    force = np.sqrt(density) * answer.transmission[:, None, :]
+    return np.concatenate([force, force * answer.inertance.swapaxes(1, 2)], axis=1)
