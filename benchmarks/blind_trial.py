@@ -21,7 +21,7 @@ from modallab.core.dof import Dof
 from modallab.diagnosis.diagnose import diagnose
 from modallab.diagnosis.observed import observe
 from modallab.diagnosis.predictor import Predictor
-from modallab.diagnosis.residual import residual, scatter
+from modallab.diagnosis.residual import residual
 from modallab.diagnosis.result import Diagnosis, Step, Verdict
 from modallab.fe.assembly import assemble
 from modallab.fe.catalogued import STRUCTURES
@@ -166,9 +166,8 @@ def score(case: Case, found: Diagnosis, measurement: Measurement, seconds: float
         right = (first.effect.kind, first.effect.at) == (case.truth.kind, case.truth.at)
         if not right and len(first.rivals_alike) <= 3:
             by_alias = right = indistinguishable(case, first, measurement)
-        observed = observe(measurement, (), fraction=0.25)
         last = found.steps[-1]
-        closed = last.held_out_gap_after < 1 + 4 * scatter(observed, observed.kept, parts=1)
+        closed = last.held_out_gap_after < 1 + 4 * last.held_out_scatter
         if right and not by_alias:
             ((name, spec),) = case.truth.specs().items()
             true = case.truth.parameters[name]

@@ -105,6 +105,7 @@ def _step(data: Json) -> findings.Step:
         gap_after=number(data["gap_after"]),
         held_out_gap_before=data.get("held_out_gap_before"),
         held_out_gap_after=data.get("held_out_gap_after"),
+        held_out_scatter=data.get("held_out_scatter"),
         rivals=tuple(_rival(one) for one in data.get("rivals") or ()),
         rivals_alike=tuple(_rival(one) for one in data.get("rivals_alike") or ()),
     )

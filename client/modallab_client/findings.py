@@ -137,6 +137,7 @@ class Step:
     gap_after: float
     held_out_gap_before: float | None
     held_out_gap_after: float | None
+    held_out_scatter: float | None  # random error of the last number if nothing more is missing
     rivals: tuple[Rival, ...] = ()
     rivals_alike: tuple[Rival, ...] = ()
 

@@ -94,7 +94,7 @@ def diagnose(
         located=locate(evidence),
         steps=steps,
         remaining_gap=left.gap(observed.usable),
-        remaining_scatter=scatter(observed, observed.usable, parts=len(left.gaps(observed.usable))),
+        remaining_scatter=scatter(observed, left, observed.usable),
         gaps={"before": start.gaps(observed.usable), "after": left.gaps(observed.usable)},
         structure=extended,
         setup=log_book,
@@ -182,6 +182,7 @@ def _step(predictor: Predictor, accepted: Accepted, final: Fit) -> Step:
         gap_after=accepted.after.residual.gap(observed.fitted),
         held_out_gap_before=accepted.before.residual.gap(observed.kept),
         held_out_gap_after=accepted.after.residual.gap(observed.kept),
+        held_out_scatter=scatter(observed, accepted.after.residual, observed.kept),
         rivals=_rivals(predictor, tried, skip=1),
         rivals_alike=tuple(Alias(f.effects[-1].kind, f.effects[-1].at) for f in alike[:MOST_ALIKE]),
     )

@@ -30,9 +30,10 @@ class Predicted:
     coherence: FloatArray  # (n_freq, n_out)
     force: FloatArray  # (n_freq, n_run) N^2/Hz
     incoherent: FloatArray  # (n_freq, n_out) G_xx (1 - coherence), floored at rounding
+    leaking: bool  # whether power that does not repeat with the record is among it
 
     @classmethod
-    def of(cls, spectra: CrossSpectra) -> "Predicted":
+    def of(cls, spectra: CrossSpectra, *, leaking: bool) -> "Predicted":
         """Return the channels of all runs side by side."""
         n_run, n_freq, n_out = spectra.xx.shape
         g2 = coherence(spectra)
@@ -42,7 +43,7 @@ class Predicted:
             return values.swapaxes(0, 1).reshape(n_freq, n_run * n_out)
 
         h: ComplexArray = h1(spectra)[..., 0].swapaxes(0, 1).reshape(n_freq, n_run * n_out)
-        return cls(h, flat(g2), spectra.ff[:, :, 0, 0].real.T, flat(loose))
+        return cls(h, flat(g2), spectra.ff[:, :, 0, 0].real.T, flat(loose), leaking)
 
 
 @dataclass(frozen=True, eq=False)

@@ -33,7 +33,8 @@ class Predictor:
 
     def predict(self, effects: Sequence[Effect]) -> Predicted:
         """Return the expected spectra."""
-        return Predicted.of(expected_spectra(chain(self.system, self.setup, [*self._own, *effects])))
+        whole = chain(self.system, self.setup, [*self._own, *effects])
+        return Predicted.of(expected_spectra(whole), leaking=whole.source.continuous > 0)
 
     def residual(self, effects: Sequence[Effect]) -> Residual:
         """Return the whitened residual of the prediction at every line."""
@@ -41,7 +42,8 @@ class Predictor:
 
     def glimpse(self, effects: Sequence[Effect]) -> Predicted:
         """Return the expected spectra at every `step`-th line, leakage coarse."""
-        return Predicted.of(glimpse(chain(self.system, self.setup, [*self._own, *effects]), self.step))
+        whole = chain(self.system, self.setup, [*self._own, *effects])
+        return Predicted.of(glimpse(whole, self.step), leaking=whole.source.continuous > 0)
 
     def near(self, effects: Sequence[Effect]) -> "Glimpses":
         """Return first looks at what is added to some effects."""
@@ -93,6 +95,7 @@ class Glimpses:
             coarse.coherence,
             coarse.force * self._force,
             coarse.incoherent * self._incoherent,
+            coarse.leaking,
         )
 
 

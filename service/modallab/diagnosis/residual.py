@@ -15,6 +15,13 @@ class Residual:
     frf: ComplexArray  # (n_freq, n_out)
     force: FloatArray | None  # (n_freq, n_run)
     response: FloatArray | None  # (n_freq, n_out)
+    leaking: bool
+
+    @property
+    def parts(self) -> dict[str, ComplexArray | FloatArray]:
+        """The parts that were measured, by name."""
+        every = {"frf": self.frf, "force": self.force, "response": self.response}
+        return {name: part for name, part in every.items() if part is not None}
 
     def vector(self, where: BoolArray) -> FloatArray:
         """Return all residuals at the lines and channels of `where` (n_freq, n_out), unit variance each."""
@@ -28,13 +35,10 @@ class Residual:
 
     def gaps(self, where: BoolArray) -> dict[str, float]:
         """Return the mean square of each part at the lines and channels of `where`."""
-        found = {"frf": float((np.abs(self.frf[where]) ** 2).mean()) if where.any() else 0.0}
-        if self.force is not None:
-            runs = _of_runs(where, self.force.shape[1])
-            found["force"] = float((self.force[runs] ** 2).mean()) if runs.any() else 0.0
-        if self.response is not None:
-            found["response"] = float((self.response[where] ** 2).mean()) if where.any() else 0.0
-        return found
+        return {
+            name: float((np.abs(part[_of_runs(where, part.shape[1])]) ** 2).mean()) if where.any() else 0.0
+            for name, part in self.parts.items()
+        }
 
     def gap(self, where: BoolArray) -> float:
         """Return the mean of the parts' mean squares."""
@@ -62,10 +66,45 @@ def residual(observed: Observed, predicted: Predicted, *, widen: float = 0.0) ->
     if observed.incoherent is not None and observed.incoherent_variance is not None:
         spread = np.sqrt(observed.incoherent_variance + widen**2)
         response = np.log(observed.incoherent / predicted.incoherent) / spread
-    return Residual(frf, force, response)
+    return Residual(frf, force, response, predicted.leaking)
 
 
-def scatter(observed: Observed, where: BoolArray, parts: int) -> float:
-    """Return the random error of a gap over `where` if nothing is missing."""
-    count = max(int(where.sum()), 1)
-    return float(np.sqrt(2.0 * observed.correlation / (count * parts)))
+def correlations(observed: Observed, left: Residual, where: BoolArray) -> dict[str, float]:
+    """Return for each part how many lines over `where` one independent line stands for.
+
+    Of a window alone it is known; leakage spreads the same few random numbers of a resonance over
+    all lines, which the residuals' own correlation tells.
+    """
+    return {
+        name: max(_correlation(np.where(_of_runs(where, part.shape[1]), part, 0.0)), 1.0)
+        if left.leaking
+        else observed.correlation
+        for name, part in left.parts.items()
+    }
+
+
+def scatters(observed: Observed, left: Residual, where: BoolArray) -> dict[str, float]:
+    """Return the random error of each part's gap over `where` if nothing is missing."""
+    errors: dict[str, float] = {}
+    for name, correlation in correlations(observed, left, where).items():
+        part = left.parts[name]
+        # A complex residual has two numbers in it, so its mean square scatters less.
+        squares = 1.0 if np.iscomplexobj(part) else 2.0
+        count = max(int(_of_runs(where, part.shape[1]).sum()), 1)
+        errors[name] = float(np.sqrt(squares * correlation / count))
+    return errors
+
+
+def scatter(observed: Observed, left: Residual, where: BoolArray) -> float:
+    """Return the random error of the whole gap over `where` if nothing is missing."""
+    errors = np.array(list(scatters(observed, left, where).values()))
+    return float(np.sqrt((errors**2).sum()) / len(errors))
+
+
+def _correlation(part: ComplexArray | FloatArray) -> float:
+    """Return how many lines one independent line stands for: 1 + 2 sum |rho_k|^2 over all lags."""
+    n = len(part)
+    spectrum = np.fft.fft(part, 2 * n, axis=0)
+    covariance = np.fft.ifft((np.abs(spectrum) ** 2).sum(axis=1))[:n]
+    rho = np.abs(covariance) / max(float(np.abs(covariance[0])), 1e-300)
+    return float(1 + 2 * (rho[1:] ** 2).sum())

@@ -66,6 +66,7 @@ class Step:
     gap_after: float
     held_out_gap_before: float
     held_out_gap_after: float
+    held_out_scatter: float  # random error of the last number if nothing more is missing
     rivals: tuple[Rival, ...] = ()
     rivals_alike: tuple[Alias, ...] = ()
 

@@ -4,11 +4,12 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
+from scipy.stats import chi2
 
 from modallab.core.progress import Progress
 from modallab.diagnosis.fitting import Fit, approach, fit
 from modallab.diagnosis.predictor import Predictor
-from modallab.diagnosis.residual import Residual, scatter
+from modallab.diagnosis.residual import Residual, correlations, scatter, scatters
 from modallab.diagnosis.scanning import scan
 from modallab.rig.effect import Effect
 
@@ -17,7 +18,7 @@ BRANCHES = 3  # first effects that are followed up where the best one does not e
 CONVINCING = 10.0  # difference in BIC that counts as very strong (Kass and Raftery 1995)
 ALIKE = 9.0  # difference in chi-square within which two explanations cannot be told apart
 CLEAR = 2.0  # standard errors that a parameter keeps from `absent`
-SCATTERS = 4.0  # random errors of a gap that still count as 1
+CHANCE = 3e-5  # probability below which a gap above 1 is not put down to chance: four standard errors
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,10 +48,20 @@ def only_noise_left(predictor: Predictor, left: Residual) -> bool:
     """Return whether every part of the gap is 1 within its scatter, fitted and held out alike."""
     observed = predictor.observed
     for where in (observed.fitted, observed.kept):
-        error = scatter(observed, where, parts=1)
-        if any(gap > 1 + SCATTERS * error for gap in left.gaps(where).values()):
+        errors = scatters(observed, left, where)
+        if any(gap > highest_by_chance(errors[part]) for part, gap in left.gaps(where).items()):
             return False
     return True
+
+
+def highest_by_chance(error: float) -> float:
+    """Return the largest gap that counts as 1, of a gap's random error if nothing is missing.
+
+    A mean of squares is chi-square with 2 / error^2 degrees of freedom: with few of them, as leakage
+    leaves, it reaches further up than a normal number of the same scatter.
+    """
+    freedom = 2 / error**2
+    return float(chi2.isf(CHANCE, freedom) / freedom)
 
 
 def search(predictor: Predictor, suspects: Sequence[Effect], *, max_effects: int, progress: Progress) -> Path:
@@ -73,12 +84,16 @@ def search(predictor: Predictor, suspects: Sequence[Effect], *, max_effects: int
         whole = _part(progress, 0.5 + 0.15 * i, 0.65 + 0.15 * i)
         paths.append(_extended(predictor, Path(start, (step,)), suspects, max_effects, whole))
         if only_noise_left(predictor, paths[-1].fit.residual):
-            return _pruned(predictor, paths[-1])
+            return _ordered(predictor, _pruned(predictor, paths[-1]))
         if max_effects == 1:
             break
     if not paths:
         return Path(start)
-    return _pruned(predictor, min(paths, key=lambda path: path.fit.bic))
+    best = paths[0]  # unless another is better beyond what chance and an incomplete model feign
+    for path in paths[1:]:
+        if path.fit.bic < best.fit.bic - CONVINCING * temperature(predictor, best.fit):
+            best = path
+    return _ordered(predictor, _pruned(predictor, best))
 
 
 def trials(predictor: Predictor, base: Fit, suspects: Sequence[Effect], *, progress: Progress) -> list[Fit]:
@@ -110,12 +125,14 @@ def improves(predictor: Predictor, before: Fit, after: Fit) -> bool:
         if abs(effect.parameters[name] - spec.absent) < CLEAR * errors[name]:
             return False
     held_before, held_after = (f.residual.gap(observed.kept) for f in (before, after))
-    return held_after < held_before - scatter(observed, observed.kept, parts=3)
+    return held_after < held_before - scatter(observed, after.residual, observed.kept)
 
 
 def temperature(predictor: Predictor, best: Fit) -> float:
     """Return by how much chi-square overstates a difference: correlated lines, or an incomplete model."""
-    return predictor.observed.correlation * max(1.0, best.chi_square / best.n_data)
+    observed = predictor.observed
+    lines = max(correlations(observed, best.residual, observed.fitted).values())
+    return lines * max(1.0, best.chi_square / best.n_data)
 
 
 def _extended(
@@ -142,6 +159,27 @@ def _pruned(predictor: Predictor, path: Path) -> Path:
             last = Accepted(kept[-1].kind_and_place, kept[-1].before, without, kept[-1].tried)
             return _pruned(predictor, Path(path.start, (*kept[:-1], last)))
     return path
+
+
+def _ordered(predictor: Predictor, path: Path) -> Path:
+    """Return the path with the effect first that explains most beside all the others."""
+    if len(path.steps) < 2:
+        return path
+    effects, where = path.fit.effects, predictor.observed.fitted
+    without = []
+    for i in range(len(effects)):
+        left = predictor.residual([e for j, e in enumerate(effects) if j != i]).vector(where)
+        without.append(float(left @ left))
+    tried = {step.kind_and_place: step.tried for step in path.steps}
+    steps: list[Accepted] = []
+    before = path.start
+    order = sorted(range(len(effects)), key=lambda i: -without[i])
+    for n in range(1, len(order) + 1):
+        name = _name(effects[order[n - 1]])
+        after = fit(predictor, [effects[i] for i in order[:n]])
+        steps.append(Accepted(name, before, after, tried[name]))
+        before = after
+    return Path(path.start, tuple(steps))
 
 
 def _name(effect: Effect) -> tuple[str, str]:

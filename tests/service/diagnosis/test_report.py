@@ -32,6 +32,7 @@ STEP = Step(
     gap_after=1.04,
     held_out_gap_before=790.0,
     held_out_gap_after=1.06,
+    held_out_scatter=0.05,
 )
 
 

@@ -113,7 +113,7 @@ def _located(located: Located) -> dict[str, Any]:
 
 
 def _step(step: Step) -> dict[str, Any]:
-    gaps = ("gap_before", "gap_after", "held_out_gap_before", "held_out_gap_after")
+    gaps = ("gap_before", "gap_after", "held_out_gap_before", "held_out_gap_after", "held_out_scatter")
     return {
         "effect": _effect(step.effect),
         "probability": _number(step.probability),
