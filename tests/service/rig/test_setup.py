@@ -1,0 +1,59 @@
+"""The log book: what it refuses, and the runs it implies."""
+
+from collections.abc import Callable
+
+import numpy as np
+import pytest
+from tests.rigs import dofs, rig
+
+from modallab.core.dof import Dof
+from modallab.core.errors import InvalidInputError
+from modallab.rig.setup import (
+    Accelerometers,
+    Analyser,
+    ExcitationSetting,
+    Exciter,
+    ForceTransducer,
+    Noise,
+    RigSetup,
+    Shot,
+)
+
+
+def test_lines_run_from_zero_hertz_to_the_top() -> None:
+    analyser = Analyser(frequency_max=800.0, n_lines=401)
+    assert analyser.spacing == 2.0
+    assert analyser.record_length == 0.5
+    np.testing.assert_array_equal(analyser.freq, 2.0 * np.arange(401))
+
+
+def test_a_roving_accelerometer_takes_a_run_for_every_response() -> None:
+    roving = rig(1, 7, accelerometers=Accelerometers(0.02, roving=True))
+    assert roving.shots == (Shot(Dof(1, "Y"), dofs(1)), Shot(Dof(1, "Y"), dofs(7)))
+    assert rig(1, 7).shots == (Shot(Dof(1, "Y"), dofs(1, 7)),)
+
+
+@pytest.mark.parametrize(
+    ("field", "make"),
+    [
+        ("averages", lambda: Analyser(averages=0)),
+        ("n_lines", lambda: Analyser(n_lines=7)),
+        ("frequency_max", lambda: Analyser(frequency_max=-800.0)),
+        ("frequency_max", lambda: Analyser(frequency_max=float("nan"))),
+        ("overlap", lambda: Analyser(overlap=0.95)),
+        ("excitation.level", lambda: ExcitationSetting(level=0.0)),
+        ("armature_mass", lambda: Exciter(armature_mass=-0.01)),
+        ("mass_below", lambda: ForceTransducer(mass_below=-0.01)),
+        ("accelerometers.mass", lambda: Accelerometers(mass=-0.01)),
+        ("noise.force", lambda: Noise(force=-1.0)),
+        ("noise.response", lambda: Noise(response=float("inf"))),
+        ("responses", lambda: RigSetup(Dof(1, "Y"), ())),
+        ("responses", lambda: RigSetup(Dof(1, "Y"), (Dof(3, "Y"), Dof(3, "Y", -1)))),
+        ("responses", lambda: RigSetup(Dof(1, "Y"), (Dof(3, "RZ"),))),
+        ("drive", lambda: RigSetup(Dof(1, "RZ"), (Dof(3, "Y"),))),
+    ],
+)
+def test_what_has_no_meaning_is_refused_by_name(field: str, make: Callable[[], object]) -> None:
+    with pytest.raises(InvalidInputError) as caught:
+        make()
+    assert caught.value.context["field"] == field
