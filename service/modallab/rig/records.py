@@ -44,7 +44,7 @@ class Recorder:
                     f"a mode rings for {ringing:.3g} records: too long to simulate stationary ones",
                     field="excitation.kind",
                     value=analyser.excitation.kind,
-                    allowed="a periodic excitation, more damping, or closer lines",
+                    allowed="a periodic excitation, or more damping",
                 )
             repeats = self._lay_out(min(max(RECORDS, ringing), room - ringing), ringing)
             freq = np.linspace(0.0, analyser.frequency_max, (analyser.n_lines - 1) * repeats + 1)

@@ -1,5 +1,7 @@
 """Time records: the reference that expected spectra are held against."""
 
+import tracemalloc
+
 import numpy as np
 import pytest
 from tests.rigs import beam_system, rig
@@ -128,6 +130,21 @@ def test_progress_rises_to_the_end_and_can_stop_the_measurement() -> None:
 
     with pytest.raises(KeyboardInterrupt):
         sampled_spectra(chain(beam_system(), setup), np.random.default_rng(1), stop)
+
+
+@pytest.mark.parametrize("excitation", ["random", "periodic_random"])
+def test_memory_does_not_grow_with_the_averages(excitation: str) -> None:
+    peaks = []
+    for averages in (300, 3000):
+        settings = {"n_lines": 101, "window": "hann", "averages": averages}
+        bench = chain(beam_system(), rig(1, 11, excitation=excitation, analyser=settings))
+        expected_spectra(bench)  # what is kept for the next time is not counted
+        tracemalloc.start()
+        sampled_spectra(bench, np.random.default_rng(1), silent)
+        peaks.append(tracemalloc.get_traced_memory()[1])
+        tracemalloc.stop()
+    # averages are shared out to equal stretches, a tenth longer or shorter
+    assert peaks[1] < 1.2 * peaks[0]
 
 
 def test_a_mode_that_rings_for_ever_is_no_stationary_signal() -> None:
