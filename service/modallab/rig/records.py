@@ -56,7 +56,7 @@ class Recorder:
 
     def _lay_out(self, records: float, ringing: float) -> int:
         """Share the averages out to equal stretches of about `records`; return what one takes."""
-        steps = int((records - 1) * self.n_samples / self._hop)
+        steps = max(0, int((records - 1) * self.n_samples / self._hop))
         n_stretches = -(-self._averages // (steps + 1))
         self._per_stretch = -(-self._averages // n_stretches)
         span = 1 + (self._per_stretch - 1) * self._hop / self.n_samples
