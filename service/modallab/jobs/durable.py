@@ -90,9 +90,14 @@ async def _job(job_id: str) -> None:
 class _Quiet(logging.Filter):
     """Drops what DBOS says of jobs that were stopped: the book has it, and it is no error."""
 
+    _SAID = ("in asynchronous workflow", "no longer owned", "task cancelled for workflow")
+
     def filter(self, record: logging.LogRecord) -> bool:
         message = record.getMessage()
-        return "in asynchronous workflow" not in message and "no longer owned" not in message
+        return not any(words in message for words in self._SAID)
+
+
+_QUIET = _Quiet()
 
 
 @dataclass(frozen=True)
@@ -150,7 +155,10 @@ class DurableRunner:
                 "run_migrations": self._engine.dialect.name == "sqlite",
             }
         )
-        logging.getLogger("dbos").addFilter(_Quiet())
+        engine_log = logging.getLogger("dbos")
+        engine_log.handlers.clear()  # its lines go the way of all others, through the root logger
+        engine_log.propagate = True
+        engine_log.addFilter(_QUIET)
         # In the thread of the server's event loop, which DBOS then uses: `to_process` ties its worker
         # processes to the loop's root task, and a loop of DBOS's own has none that lasts.
         DBOS.launch()
