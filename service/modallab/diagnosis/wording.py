@@ -83,7 +83,7 @@ def _closing(steps: tuple[Step, ...]) -> str:
     return (
         f"With it in the prediction the gap falls from {gap(first.gap_before)} to {gap(last.gap_after)}; "
         f"on FRFs that took no part in the fit, from {gap(first.held_out_gap_before)} "
-        f"to {gap(last.held_out_gap_after)}."
+        f"to {gap(last.held_out_gap_after)} (± {last.held_out_scatter:.2f} by chance)."
     )
 
 
