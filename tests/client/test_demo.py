@@ -13,7 +13,9 @@ from modallab_client.demo.beside import Beside, Line
 
 def found(*effects: findings.FittedEffect, alike: tuple[findings.Rival, ...] = ()) -> findings.Diagnosis:
     """Return a diagnosis that named these effects."""
-    steps = tuple(findings.Step(effect, 0.99, 50.0, 1.0, 40.0, 1.1, rivals_alike=alike) for effect in effects)
+    steps = tuple(
+        findings.Step(effect, 0.99, 50.0, 1.0, 40.0, 1.1, 0.1, rivals_alike=alike) for effect in effects
+    )
     located = findings.Located()
     return findings.Diagnosis("d", "explained", located, steps, 1.0, {}, None, None, None)
 
