@@ -1,8 +1,8 @@
 """Drawn measurements against the random numbers they are made of."""
 
 import numpy as np
-from benchmarks.timing import ratio
 
+from benchmarks.timing import ratio
 from modallab.estimation.spectra import CrossSpectra
 from modallab.rig.drawn import drawn_spectra
 

@@ -2,8 +2,8 @@
 
 import numpy as np
 import scipy.fft
-from benchmarks.timing import ratio
 
+from benchmarks.timing import ratio
 from modallab.estimation.averaging import Averager
 from modallab.estimation.windows import WINDOWS
 

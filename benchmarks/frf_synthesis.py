@@ -1,8 +1,8 @@
 """FRF synthesis from modes against a plain matrix product of the same size."""
 
 import numpy as np
-from benchmarks.timing import ratio
 
+from benchmarks.timing import ratio
 from modallab.fe.modes import ModalBasis
 
 N_MODES, N_OUT, N_IN, N_FREQ = 234, 72, 3, 801

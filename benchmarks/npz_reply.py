@@ -6,10 +6,10 @@ from pathlib import Path
 
 import anyio
 import numpy as np
-from benchmarks.timing import ratio
 from fastapi import FastAPI
 from starlette.responses import Response
 
+from benchmarks.timing import ratio
 from modallab.api.app import create_app, job_book
 from modallab.api.deps import IdPath, StoreDep
 from modallab.api.settings import Settings

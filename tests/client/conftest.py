@@ -4,9 +4,9 @@ from collections.abc import Iterator
 
 import httpx
 import pytest
-from tests.client.fake import FakeService
 
 from modallab_client import ModalLab, _retry
+from tests.client.fake import FakeService
 
 
 @pytest.fixture

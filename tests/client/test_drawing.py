@@ -7,10 +7,10 @@ import numpy as np
 import pytest
 from matplotlib import pyplot
 from matplotlib.patches import Rectangle
-from tests.client.fake import DIAGNOSIS, MEASUREMENT, MODE, UPDATE
 
 from modallab_client import _wire, _wire_findings
 from modallab_client.models import Measurement
+from tests.client.fake import DIAGNOSIS, MEASUREMENT, MODE, UPDATE
 
 MODEL = {"id": "mm1", "modes": [MODE], "method": "dobson", "dofs": ["1:+Y", "3:+Y"]}
 SHAPES = {"shapes": np.ones((2, 1))}

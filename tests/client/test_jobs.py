@@ -5,11 +5,11 @@ from typing import Any
 
 import httpx
 import pytest
-from tests.client.fake import MEASUREMENT, FakeService, events, npz, problem
 
 from modallab_client import AsyncModalLab, Job, JobFailedError, JobTimeoutError, ModalLab, errors
 from modallab_client._sync import jobs
 from modallab_client.models import Measurement
+from tests.client.fake import MEASUREMENT, FakeService, events, npz, problem
 
 
 def state(name: str, fraction: float = 0.0, message: str = "", **more: Any) -> dict[str, Any]:

@@ -6,10 +6,10 @@ from pathlib import Path
 import httpx
 import numpy as np
 import pytest
-from tests.client.fake import DIAGNOSIS, MEASUREMENT, MODE, UPDATE, FakeService, events, npz
 
 from modallab_client import ModalLab
 from modallab_client.errors import UnexpectedReplyError
+from tests.client.fake import DIAGNOSIS, MEASUREMENT, MODE, UPDATE, FakeService, events, npz
 
 STRUCTURE = {"id": "s1", "n_nodes": 21, "n_dofs": 42, "members": 20, "created_at": "later"}
 ACCEPTED = httpx.Response(202, json={"id": "j1", "state": "queued"})

@@ -4,9 +4,9 @@ import asyncio
 
 import httpx
 import pytest
-from tests.client.fake import FakeService, problem
 
 from modallab_client import AsyncModalLab, ClientError, ModalLab, errors
+from tests.client.fake import FakeService, problem
 
 
 def test_the_key_and_the_body_arrive_as_given(lab: ModalLab, service: FakeService) -> None:

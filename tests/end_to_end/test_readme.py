@@ -9,6 +9,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
+
 from tests.serving import Lab, free_port, running
 
 ROOT = Path(__file__).parents[2]

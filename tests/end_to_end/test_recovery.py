@@ -9,6 +9,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+
 from tests.databases import database
 from tests.serving import Lab, free_port, running
 

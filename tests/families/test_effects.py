@@ -5,7 +5,6 @@ from itertools import combinations_with_replacement
 
 import numpy as np
 import pytest
-from tests.rigs import beam_system, dofs, rig, steel_beam
 
 from modallab.core.arrays import ComplexArray
 from modallab.core.errors import InvalidInputError
@@ -22,6 +21,7 @@ from modallab.rig.expected import expected_spectra
 from modallab.rig.measure import Route, measure
 from modallab.rig.sampled import sampled_spectra
 from modallab.rig.setup import Accelerometers, Noise, Shot
+from tests.rigs import beam_system, dofs, rig, steel_beam
 
 KINDS = sorted(EFFECTS)
 MECHANICAL = [kind for kind in KINDS if EFFECTS[kind].stage <= 3]

@@ -1,7 +1,6 @@
 """The exact poles of a roving test: each response belongs to a structure loaded at that response."""
 
 import numpy as np
-from tests.published.tables import table
 
 from modallab.core.arrays import FloatArray
 from modallab.core.dof import Dof
@@ -10,6 +9,7 @@ from modallab.fe.assembly import assemble
 from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.changes import MemberChange, MemberProperty, change
 from modallab.fe.structure import Structure
+from tests.published.tables import table
 
 _BEAM = table("beam_1992")["beam"]
 _N_MODES = 8

@@ -2,11 +2,11 @@
 
 import numpy as np
 import pytest
-from tests.published.tables import table
 
 from modallab.fe.assembly import assemble
 from modallab.fe.beam import beam
 from modallab.fe.structure import Material, Section, Support
+from tests.published.tables import table
 
 ROOTS = table("beams_blevins")
 CASES = [name for name, case in ROOTS.items() if isinstance(case, dict)]

@@ -1,13 +1,13 @@
 """The thesis's free beam: its modes, and what a roving accelerometer makes of them."""
 
 import numpy as np
-from tests.published.roving import FREQUENCIES, SHAPES
-from tests.published.tables import table, to_the_digit
 
 from modallab.core.dof import Dof
 from modallab.correlation.mac import mac
 from modallab.fe.assembly import assemble
 from modallab.fe.catalogued import STRUCTURES
+from tests.published.roving import FREQUENCIES, SHAPES
+from tests.published.tables import table, to_the_digit
 
 BEAM = table("beam_1992")
 MODEL = assemble(STRUCTURES["chapter-5-beam"]())

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from tests.published.tables import table, to_the_digit
 
 from modallab.core.arrays import FloatArray
 from modallab.core.dof import Dof
@@ -11,6 +10,7 @@ from modallab.fe.assembly import assemble
 from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.changes import MemberChange, MemberProperty, change
 from modallab.fe.structure import Structure
+from tests.published.tables import table, to_the_digit
 
 FRAMES = table("frames_1992")
 BAY = STRUCTURES["bay"]()

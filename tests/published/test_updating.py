@@ -4,8 +4,6 @@ from functools import cache
 
 import numpy as np
 import pytest
-from tests.published import roving
-from tests.published.tables import table
 
 from modallab.core.dof import Dof
 from modallab.core.modal_model import ModalModel
@@ -15,6 +13,8 @@ from modallab.fe.selected import ModeNoise, synthetic_modes
 from modallab.fe.structure import Structure
 from modallab.updating.method import UPDATERS, UpdateResult
 from modallab.updating.parameterisation import parameterise
+from tests.published import roving
+from tests.published.tables import table
 
 BEAM, FRAMES = table("beam_1992"), table("frames_1992")
 

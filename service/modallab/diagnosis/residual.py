@@ -7,6 +7,8 @@ import numpy as np
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray
 from modallab.diagnosis.observed import Observed, Predicted
 
+UNEVEN = 2.0  # by how much an average correlation understates the scatter of leaking lines
+
 
 @dataclass(frozen=True, eq=False)
 class Residual:
@@ -69,24 +71,24 @@ def residual(observed: Observed, predicted: Predicted, *, widen: float = 0.0) ->
     return Residual(frf, force, response, predicted.leaking)
 
 
-def correlations(observed: Observed, left: Residual, where: BoolArray) -> dict[str, float]:
-    """Return for each part how many lines over `where` one independent line stands for.
+def correlations(observed: Observed, left: Residual) -> dict[str, float]:
+    """Return for each part how many lines one independent line stands for.
 
     Of a window alone it is known; leakage spreads the same few random numbers of a resonance over
-    all lines, which the residuals' own correlation tells.
+    all lines, which the residuals' own correlation tells. That is an average: lines which leakage
+    rules are tied more closely, others hardly, and squares count the close ones most.
     """
-    return {
-        name: max(_correlation(np.where(_of_runs(where, part.shape[1]), part, 0.0)), 1.0)
-        if left.leaking
-        else observed.correlation
-        for name, part in left.parts.items()
-    }
+    if not left.leaking:
+        return dict.fromkeys(left.parts, observed.correlation)
+    usable = {name: _of_runs(observed.usable, part.shape[1]) for name, part in left.parts.items()}
+    seen = {name: _correlation(np.where(usable[name], part, 0.0)) for name, part in left.parts.items()}
+    return {name: 1 + UNEVEN * (correlation - 1) for name, correlation in seen.items()}
 
 
 def scatters(observed: Observed, left: Residual, where: BoolArray) -> dict[str, float]:
     """Return the random error of each part's gap over `where` if nothing is missing."""
     errors: dict[str, float] = {}
-    for name, correlation in correlations(observed, left, where).items():
+    for name, correlation in correlations(observed, left).items():
         part = left.parts[name]
         # A complex residual has two numbers in it, so its mean square scatters less.
         squares = 1.0 if np.iscomplexobj(part) else 2.0
@@ -102,9 +104,10 @@ def scatter(observed: Observed, left: Residual, where: BoolArray) -> float:
 
 
 def _correlation(part: ComplexArray | FloatArray) -> float:
-    """Return how many lines one independent line stands for: 1 + 2 sum |rho_k|^2 over all lags."""
+    """Return how many lines one independent line stands for: 1 + 2 sum (1 - k/n) |rho_k|^2 over all lags."""
     n = len(part)
     spectrum = np.fft.fft(part, 2 * n, axis=0)
     covariance = np.fft.ifft((np.abs(spectrum) ** 2).sum(axis=1))[:n]
-    rho = np.abs(covariance) / max(float(np.abs(covariance[0])), 1e-300)
-    return float(1 + 2 * (rho[1:] ** 2).sum())
+    seen = 1 - np.arange(1, n) / n  # of n lines only n - k pairs are k apart
+    rho = np.abs(covariance[1:]) / max(float(np.abs(covariance[0])), 1e-300) / seen
+    return float(1 + 2 * (seen * np.minimum(rho, 1.0) ** 2).sum())

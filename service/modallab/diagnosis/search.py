@@ -14,7 +14,8 @@ from modallab.diagnosis.scanning import scan
 from modallab.rig.effect import Effect
 
 FITTED = 6  # candidates of a round that are fitted in full
-BRANCHES = 3  # first effects that are followed up where the best one does not explain all
+BRANCHES = 3  # first effects that are followed up where the best one does not explain most
+MOST = 3.0  # gap of a part above which the best first effect may be the wrong one of two
 CONVINCING = 10.0  # difference in BIC that counts as very strong (Kass and Raftery 1995)
 ALIKE = 9.0  # difference in chi-square within which two explanations cannot be told apart
 CLEAR = 2.0  # standard errors that a parameter keeps from `absent`
@@ -85,7 +86,8 @@ def search(predictor: Predictor, suspects: Sequence[Effect], *, max_effects: int
         paths.append(_extended(predictor, Path(start, (step,)), suspects, max_effects, whole))
         if only_noise_left(predictor, paths[-1].fit.residual):
             return _ordered(predictor, _pruned(predictor, paths[-1]))
-        if max_effects == 1:
+        gaps = paths[-1].fit.residual.gaps(predictor.observed.fitted)
+        if max_effects == 1 or max(gaps.values()) < MOST:
             break
     if not paths:
         return Path(start)
@@ -131,7 +133,7 @@ def improves(predictor: Predictor, before: Fit, after: Fit) -> bool:
 def temperature(predictor: Predictor, best: Fit) -> float:
     """Return by how much chi-square overstates a difference: correlated lines, or an incomplete model."""
     observed = predictor.observed
-    lines = max(correlations(observed, best.residual, observed.fitted).values())
+    lines = max(correlations(observed, best.residual).values())
     return lines * max(1.0, best.chi_square / best.n_data)
 
 

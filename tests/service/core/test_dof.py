@@ -2,10 +2,10 @@
 
 import pytest
 from hypothesis import given
-from tests.strategies import dofs
 
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
+from tests.strategies import dofs
 
 
 @given(dof=dofs)

@@ -2,7 +2,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.diagnosing import drawn, exact, model, rig
 
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
@@ -18,6 +17,7 @@ from modallab.effects.response_noise import ResponseNoise
 from modallab.effects.stiffness_error import StiffnessError
 from modallab.fe.assembly import assemble
 from modallab.rig.effect import Effect
+from tests.diagnosing import drawn, exact, model, rig
 
 
 @pytest.mark.parametrize(

@@ -1,10 +1,10 @@
 import numpy as np
-from tests.diagnosing import drawn, predicting, rig
 
 from modallab.core.place import Members
 from modallab.diagnosis.fitting import approach, fit
 from modallab.effects.accelerometer_mass import AccelerometerMass
 from modallab.effects.stiffness_error import StiffnessError
+from tests.diagnosing import drawn, predicting, rig
 
 
 def test_stated_errors_are_the_scatter_of_the_fitted_numbers() -> None:

@@ -2,10 +2,10 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.diagnosing import drawn, exact, predicting, rig
 
 from modallab.core.errors import InvalidInputError
 from modallab.diagnosis.observed import observe
+from tests.diagnosing import drawn, exact, predicting, rig
 
 
 # 12 tests of 160 lines and 1 to 6 channels: means of 1,900 to 11,500 squares, known to 1 to 3 %; at

@@ -1,6 +1,5 @@
 import numpy as np
 import pytest
-from tests.diagnosing import exact, model, predicting, rig
 
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError, UnknownDofError
@@ -10,6 +9,7 @@ from modallab.effects.stiffness_error import StiffnessError
 from modallab.fe.beam import beam
 from modallab.fe.structure import Material, Section
 from modallab.rig.setup import Analyser
+from tests.diagnosing import exact, model, predicting, rig
 
 STIFFER = StiffnessError(at=Members((3,)), factor=1.05)
 

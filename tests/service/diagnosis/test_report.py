@@ -3,7 +3,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.diagnosing import model, rig
 
 from modallab.core.arrays import ComplexArray
 from modallab.core.dof import Dof
@@ -23,6 +22,7 @@ from modallab.diagnosis.result import (
     Verdict,
 )
 from modallab.diagnosis.wording import number
+from tests.diagnosing import model, rig
 
 OUTPUTS = tuple(Dof(n, "Y") for n in (1, 2, 4, 5, 7, 9))
 STEP = Step(

@@ -2,12 +2,12 @@ from itertools import pairwise
 
 import numpy as np
 import pytest
-from tests.service.extraction.conftest import Beam
 
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.errors import InvalidInputError, NoModeInBandError
 from modallab.extraction.bands import coherent_lines, find_bands, given_bands, mode_indicator
 from modallab.extraction.method import ModeFit
+from tests.service.extraction.conftest import Beam
 
 
 def mobility(freq: FloatArray, *frequencies: float) -> ComplexArray:

@@ -2,7 +2,6 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from tests.service.extraction.conftest import Beam
 
 from modallab.core.arrays import FloatArray
 from modallab.core.dof import Dof
@@ -12,6 +11,7 @@ from modallab.core.modal_model import ModalModel
 from modallab.extraction.extract import extract
 from modallab.extraction.leakage import Leakage
 from modallab.extraction.method import EXTRACTION_METHODS
+from tests.service.extraction.conftest import Beam
 
 KINDS = sorted(EXTRACTION_METHODS)
 CLEAN = 1e6  # averages: as good as no random error

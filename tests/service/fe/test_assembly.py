@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from tests.strategies import frames, structural, viscous
 
 from modallab.core.arrays import FloatArray
 from modallab.fe.assembly import Assembly, Coefficients, assemble
@@ -14,6 +13,7 @@ from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.damping import StructuralDamping, ViscousDamping
 from modallab.fe.structure import Structure
 from modallab.fe.system import DynamicSystem
+from tests.strategies import frames, structural, viscous
 
 FACTORS = st.floats(0.2, 5.0)
 

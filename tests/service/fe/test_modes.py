@@ -5,7 +5,6 @@ from dataclasses import replace
 import numpy as np
 import pytest
 from hypothesis import given, settings
-from tests.strategies import frames
 
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
@@ -17,6 +16,7 @@ from modallab.fe.modes import modal_basis
 from modallab.fe.receptance import direct_receptance, receptance
 from modallab.fe.structure import GroundSpring, Material, Section, Structure, Support
 from modallab.fe.system import SMALL
+from tests.strategies import frames
 
 HOLDS: dict[str, tuple[tuple[Support, ...], int]] = {
     "free": ((), 3),

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from tests.strategies import loaded_systems
 
 from modallab.core.dof import Dof
 from modallab.fe.assembly import assemble
@@ -14,6 +13,7 @@ from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.damping import StructuralDamping
 from modallab.fe.receptance import attached, attached_variants, direct_receptance, receptance
 from modallab.fe.system import DynamicSystem
+from tests.strategies import loaded_systems
 
 FREQ = np.array([3.0, 17.0, 61.0, 240.0, 800.0])
 

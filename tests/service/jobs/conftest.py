@@ -4,10 +4,10 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from tests.databases import DATABASES, database
 
 from modallab.jobs.durable import JobPlace
 from modallab.store.place import StorePlace, engine_of
+from tests.databases import DATABASES, database
 
 
 @pytest.fixture(params=DATABASES)

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from tests.rigs import beam_system, dofs, rig, steel_beam
 
 from modallab.core.dof import Dof
 from modallab.core.errors import UnknownDofError
@@ -15,6 +14,7 @@ from modallab.fe.receptance import direct_receptance
 from modallab.fe.structure import PointMass
 from modallab.rig.chain import all_effects, chain
 from modallab.rig.setup import Accelerometers, Exciter, ForceTransducer, Noise, RigSetup
+from tests.rigs import beam_system, dofs, rig, steel_beam
 
 FREQ = np.linspace(2.0, 800.0, 57)
 

@@ -2,9 +2,8 @@
 
 import numpy as np
 import pytest
-from benchmarks.drawn_against_sampled import bench, compare
-from tests.rigs import beam_system, rig
 
+from benchmarks.drawn_against_sampled import bench, compare
 from modallab.estimation.coherence import coherence, coherence_error, frf_error
 from modallab.estimation.estimator import ESTIMATORS
 from modallab.estimation.spectra import CrossSpectra
@@ -12,6 +11,7 @@ from modallab.rig.chain import chain
 from modallab.rig.drawn import drawn_spectra
 from modallab.rig.expected import expected_spectra
 from modallab.rig.setup import Noise
+from tests.rigs import beam_system, rig
 
 N_TESTS = 20_000
 

@@ -2,7 +2,6 @@
 
 import numpy as np
 import pytest
-from tests.rigs import beam_system, rig
 
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.estimation.coherence import coherence
@@ -12,6 +11,7 @@ from modallab.fe.receptance import direct_receptance
 from modallab.rig.chain import Chain, chain
 from modallab.rig.expected import expected_spectra, glimpse
 from modallab.rig.setup import Exciter, Noise
+from tests.rigs import beam_system, rig
 
 LOW = {"frequency_max": 200.0, "n_lines": 101, "window": "hann"}
 

@@ -4,7 +4,6 @@ from dataclasses import fields, replace
 
 import numpy as np
 import pytest
-from tests.rigs import beam_system, rig, steel_beam
 
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError, UnknownDofError
@@ -16,6 +15,7 @@ from modallab.rig.effect import Effect
 from modallab.rig.measure import Route, measure
 from modallab.rig.measurement import Measurement
 from modallab.rig.setup import Accelerometers, Exciter, ForceTransducer, Noise
+from tests.rigs import beam_system, rig, steel_beam
 
 ROVING = rig(
     *range(1, 22, 2),

@@ -4,7 +4,6 @@ import tracemalloc
 
 import numpy as np
 import pytest
-from tests.rigs import beam_system, rig, steel_beam
 
 from modallab.core.errors import InvalidInputError
 from modallab.core.progress import silent
@@ -17,6 +16,7 @@ from modallab.rig.chain import chain
 from modallab.rig.expected import expected_spectra
 from modallab.rig.sampled import sampled_spectra
 from modallab.rig.setup import Accelerometers, Exciter, Noise
+from tests.rigs import beam_system, rig, steel_beam
 
 NOISE = Noise(1e-2, 1e-5)
 

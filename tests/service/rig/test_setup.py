@@ -4,7 +4,6 @@ from collections.abc import Callable
 
 import numpy as np
 import pytest
-from tests.rigs import dofs, rig
 
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
@@ -18,6 +17,7 @@ from modallab.rig.setup import (
     RigSetup,
     Shot,
 )
+from tests.rigs import dofs, rig
 
 
 def test_lines_run_from_zero_hertz_to_the_top() -> None:

@@ -1,6 +1,5 @@
 import numpy as np
 import pytest
-from tests.service.updating.cases import BEAM, BEAM_DOFS, modes_of
 
 from modallab.fe.changes import MemberChange, MemberProperty, change
 from modallab.updating.location import suspicion
@@ -12,6 +11,7 @@ from modallab.updating.parameterisation import (
     automatic_groups,
     parameterise,
 )
+from tests.service.updating.cases import BEAM, BEAM_DOFS, modes_of
 
 PAIR = Parameterisation((MacroElement((1, 2), Part.MASS), MacroElement((3, 4), Part.STIFFNESS)))
 

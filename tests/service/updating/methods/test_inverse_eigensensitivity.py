@@ -5,7 +5,6 @@ from itertools import cycle
 
 import numpy as np
 import pytest
-from tests.service.updating.cases import BAY, BAY_DOFS, BEAM, BEAM_DOFS, WRONG_BEAM, modes_of
 
 from modallab.core.errors import UnderdeterminedError
 from modallab.core.modal_model import ModalModel
@@ -14,6 +13,7 @@ from modallab.fe.selected import Distribution, ModeNoise
 from modallab.updating.method import UpdateOptions, UpdateResult
 from modallab.updating.methods.inverse_eigensensitivity import inverse_eigensensitivity
 from modallab.updating.parameterisation import automatic_groups, parameterise
+from tests.service.updating.cases import BAY, BAY_DOFS, BEAM, BEAM_DOFS, WRONG_BEAM, modes_of
 
 FIVE = parameterise([tuple(range(i, i + 4)) for i in range(1, 21, 4)])
 
