@@ -110,8 +110,8 @@ def _missing(diagnosis: Diagnosis) -> str:
             wording.name(step.effect),
             wording.size(step.effect),
             wording.share(step.probability),
-            f"{wording.gap(step.gap_before)} → {wording.gap(step.gap_after)}",
-            f"{wording.gap(step.held_out_gap_before)} → {wording.gap(step.held_out_gap_after)}",
+            wording.closing(step.gap_before, step.gap_after),
+            wording.closing(step.held_out_gap_before, step.held_out_gap_after),
         )
         for step in diagnosis.steps
     ]

@@ -4,20 +4,21 @@ import math
 
 from modallab.core.place import Members, Place
 from modallab.diagnosis.result import Alias, Diagnosis, FittedEffect, FittedParameter, Rival, Step, Verdict
+from modallab.rig.effect import EFFECTS
 
 
 def name(effect: FittedEffect | Rival | Alias) -> str:
-    """Return kind and place of an effect."""
-    return f"{effect.kind.replace('_', ' ')} {where(effect.at)}"
+    """Return kind and place of an effect; what belongs to the whole rig has no place."""
+    kind = effect.kind.replace("_", " ")
+    if effect.at is None:
+        return f"{kind} everywhere" if EFFECTS[effect.kind].structural else kind
+    return f"{kind} at {_where(effect.at)}"
 
 
-def where(place: Place) -> str:
-    """Return where an effect sits."""
-    if place is None:
-        return "everywhere"
+def _where(place: Place) -> str:
     if isinstance(place, Members) and len(place.numbers) == 1:
-        return f"at member {place.numbers[0]}"
-    return f"at {place}"
+        return f"member {place.numbers[0]}"
+    return str(place)
 
 
 def number(parameter: FittedParameter) -> str:
@@ -43,6 +44,11 @@ def gap(value: float) -> str:
     return f"{value:,.0f}" if value >= 100 else f"{value:.3g}" if value >= 10 else f"{value:.2f}"
 
 
+def closing(before: float, after: float) -> str:
+    """Return by how much a gap was closed, in one piece."""
+    return f"{gap(before)}\N{NO-BREAK SPACE}→\N{NO-BREAK SPACE}{gap(after)}"
+
+
 def share(probability: float) -> str:
     """Return a probability as a percentage that never claims certainty."""
     if probability > 0.999:
@@ -56,7 +62,7 @@ def headline(diagnosis: Diagnosis) -> str:
     if diagnosis.verdict is Verdict.NOTHING_MISSING:
         return "Nothing is missing."
     if diagnosis.verdict is Verdict.EXPLAINED:
-        return f"Explained: the prediction lacked {found}."
+        return f"Explained. What was missing: {found}."
     if diagnosis.verdict is Verdict.AMBIGUOUS:
         return f"Explained, but not by one cause alone: {found}, or what looks the same."
     if diagnosis.steps:
