@@ -79,6 +79,15 @@ def test_a_negative_seed_is_refused(capsys: pytest.CaptureFixture[str]) -> None:
     assert "not negative" in capsys.readouterr().err
 
 
+def test_a_missing_extra_is_named_before_anything_starts(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("modallab_client.demo.__main__.find_spec", lambda _name: None)
+    with pytest.raises(SystemExit):
+        main([])
+    assert "pip install 'modallab[plot]'" in capsys.readouterr().err
+
+
 def test_the_demo_reproduces_the_thesis_names_the_hidden_effect_and_writes_one_page(
     tmp_path: Path, capsys: pytest.CaptureFixture[str]
 ) -> None:

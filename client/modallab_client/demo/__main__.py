@@ -3,6 +3,7 @@
 import argparse
 import sys
 import time
+from importlib.util import find_spec
 from pathlib import Path
 
 from modallab_client import ModalLab, _tables
@@ -19,6 +20,8 @@ def main(arguments: list[str] | None = None) -> None:
     given = parser.parse_args(arguments)
     if given.seed < 0:
         parser.error("--seed is not negative")
+    if find_spec("matplotlib") is None:
+        parser.error("the demo draws with matplotlib: pip install 'modallab[plot]'")
     run(given.seed, given.out)
 
 

@@ -7,9 +7,9 @@ from typing import Any
 import numpy as np
 
 from modallab_client import ModalLab, findings
+from modallab_client.demo.chapter_5 import Say
 from modallab_client.models import Measurement
 
-Say = Callable[[str], None]
 Place = str | dict[str, list[int]] | None
 
 
