@@ -15,7 +15,7 @@ from modallab.rig.effect import Effect
 WIDENINGS = (0.0, 0.03, 0.3)  # from residuals of the size of noise to modes that sit elsewhere
 HEAVY_TAIL = 9.0  # squared residual beyond which a line only says "wrong", not how wrong
 KEPT = 5  # starts that each widening sends on
-RATIOS = np.array([0.1, 0.3, 0.6, 0.85, 0.98, 1.02, 1.2, 1.6, 3.0, 8.0])
+RATIOS = np.array([0.1, 0.3, 0.6, 0.85, 0.98, 0.998, 1.002, 1.02, 1.2, 1.6, 3.0, 8.0])
 
 
 @dataclass(frozen=True)

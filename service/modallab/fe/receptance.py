@@ -11,6 +11,8 @@ from modallab.core.arrays import ComplexArray, FloatArray, IntArray
 from modallab.fe.modes import ModalResponse
 from modallab.fe.system import SMALL, Attachment, DynamicSystem
 
+FEW = 8  # attached columns up to which the Woodbury identity is the cheaper way
+
 
 def attached(
     response: ModalResponse, system: DynamicSystem, left: FloatArray, right: FloatArray
@@ -52,7 +54,7 @@ def _woodbury(alpha: ComplexArray, z: ComplexArray) -> ComplexArray:
 
 
 def attached_variants(
-    response: ModalResponse, systems: Sequence[DynamicSystem], lefts: Sequence[FloatArray], right: FloatArray
+    systems: Sequence[DynamicSystem], omega: FloatArray, lefts: Sequence[FloatArray], right: FloatArray
 ) -> ComplexArray:
     """Return the receptances of several variants of one structure, (n_variants, n_freq, n_out, n_in), m/N.
 
@@ -60,17 +62,21 @@ def attached_variants(
 
     Parameters
     ----------
-    response
-        Modes of the matrices that all variants share, at the frequencies asked for.
+    systems
+        Variants of the same matrices.
+    omega
+        (n_freq,) rad/s, above zero.
     lefts, right
         (n, n_out) for each variant, of one width, and (n, n_in) for all.
     """
     shared = [a for a in systems[0].attachments if all(_has(s, a) for s in systems[1:])]
-    whole = replace(systems[0], attachments=tuple(shared))
+    whole = lean(replace(systems[0], attachments=tuple(shared)))
+    response = whole.base_modes(float(omega.max()) / (2 * np.pi)).at(omega)
     own = [[a for a in s.attachments if not any(a.same(b) for b in shared)] for s in systems]
     variants = [replace(s, attachments=tuple(a)) for s, a in zip(systems, own, strict=True)]
     widths = {v.stacked.shape[1] for v in variants}
     if len(widths) > 1:  # variants that cannot be stacked
+        response = systems[0].base_modes(float(omega.max()) / (2 * np.pi)).at(omega)
         each = zip(systems, lefts, strict=True)
         return np.array([attached(response, s, left, right) for s, left in each])
     columns: dict[bytes, int] = {}
@@ -115,6 +121,26 @@ def _effective_stiffness(response: ModalResponse, system: DynamicSystem) -> Comp
     inner = z @ np.ascontiguousarray(response.receptance(columns, columns))
     inner[:, np.arange(z.shape[1]), np.arange(z.shape[1])] += 1.0
     return np.ascontiguousarray(np.linalg.solve(inner, z).transpose(1, 2, 0))
+
+
+def lean(system: DynamicSystem) -> DynamicSystem:
+    """Return the same system with attachments folded into the matrices, where they are many.
+
+    Solving for the modes again costs less than many attached columns at every frequency. Asked for
+    again with a few attachments more, the folded matrices and their modes are used again.
+    """
+    if system.stacked.shape[1] <= FEW:
+        return system
+    known = system.shared.get("folded")
+    if isinstance(known, tuple):
+        attachments, folded = known
+        rest = [a for a in system.attachments if not any(a.same(b) for b in attachments)]
+        again: DynamicSystem = replace(folded, attachments=tuple(rest))
+        if len(rest) + len(attachments) == len(system.attachments) and again.stacked.shape[1] <= FEW:
+            return again
+    folded = system.folded()
+    system.shared["folded"] = (system.attachments, folded)
+    return folded
 
 
 def _has(system: DynamicSystem, attachment: Attachment) -> bool:

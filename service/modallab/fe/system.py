@@ -95,7 +95,7 @@ class DynamicSystem:
     rigid: FloatArray | None = None  # (n, n_rigid) motions that strain no member
     members: MemberTable | None = None
     attachments: tuple[Attachment, ...] = ()
-    _shared: dict[str, object] = field(default_factory=dict, repr=False)  # solved once for all variants
+    shared: dict[str, object] = field(default_factory=dict, repr=False)  # solved once for all variants
 
     @cached_property
     def _index(self) -> dict[Dof, int]:
@@ -175,10 +175,10 @@ class DynamicSystem:
         Point masses and springs to ground stay as they are. Asked for again with the same numbers,
         the same matrices come back, so that their modes are solved for once.
         """
-        known = self._shared.get("scaled")
+        known = self.shared.get("scaled")
         if not (isinstance(known, tuple) and known[0] == (mass, stiffness)):
             known = ((mass, stiffness), self._scaled(mass - 1, stiffness - 1))
-            self._shared["scaled"] = known
+            self.shared["scaled"] = known
         matrices: DynamicSystem = known[1]
         return replace(matrices, attachments=self.attachments)
 
@@ -253,7 +253,7 @@ class DynamicSystem:
     def base_modes(self, frequency_max: float) -> ModalBasis:
         """Return modes of the matrices alone, attachments left out: all of them below `SMALL` DoFs,
         else those up to twice `frequency_max`, Hz; solved once for all variants of the system."""
-        known = self._shared.get("basis")
+        known = self.shared.get("basis")
         if isinstance(known, ModalBasis) and known.frequency_max >= 2 * frequency_max:
             return known
         basis = modal_basis(
@@ -264,7 +264,7 @@ class DynamicSystem:
             self.rigid,
             frequency_max=np.inf if len(self.dofs) < SMALL else 2 * frequency_max,
         )
-        self._shared["basis"] = basis
+        self.shared["basis"] = basis
         return basis
 
     def modes(self, frequency_max: float = 0.0) -> ModalBasis:

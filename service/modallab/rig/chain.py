@@ -60,7 +60,7 @@ class Chain:
         own = first.selection((self.setup.drive,))
         lefts = [np.hstack([own, first.selection(shot.outputs)]) for shot in self.shots]
         if all(system.mass is first.mass for system in self.systems):
-            alpha = attached_variants(first.base_modes(top).at(omega), self.systems, lefts, own)
+            alpha = attached_variants(self.systems, omega, lefts, own)
         else:  # an effect rebuilt the structure from run to run: each brings its own modes
             each = zip(self.systems, lefts, strict=True)
             alpha = np.array([attached(s.base_modes(top).at(omega), s, left, own) for s, left in each])

@@ -36,6 +36,10 @@ class Measurement:
             (self.coherence >= 0).all() and (self.coherence <= 1 + 1e-9).all()
         ):
             raise InvalidInputError("coherence lies between 0 and 1", field="coherence")
+        for name in ("force_spectrum", "response_spectrum"):
+            value = getattr(self, name)
+            if value is not None and (value < 0).any():
+                raise InvalidInputError("an auto spectrum is not negative", field=name, allowed=">= 0")
         if not self.averages >= 1:
             raise InvalidInputError(
                 "a measurement needs an average", field="averages", value=self.averages, allowed=">= 1"
