@@ -8,7 +8,7 @@ from modallab.core.errors import InvalidInputError
 
 DIRECTIONS = ("X", "Y", "Z", "RX", "RY", "RZ")
 TRANSLATIONS = ("X", "Y", "Z")
-_PATTERN = re.compile(r"(\d{1,9}):([+-]?)(R?[XYZ])")
+_PATTERN = re.compile(r"([0-9]{1,9}):([+-]?)(R?[XYZ])")
 
 
 @dataclass(frozen=True, order=True)

@@ -46,7 +46,7 @@ def read_measurement(payload: bytes, setup: RigSetup, *, largest: int) -> Measur
             f"the file lacks {', '.join(missing)}", field="file", allowed=", ".join(_NEEDED)
         )
     frf = FrfSet(
-        freq=_numbers(arrays, "freq", 1).real,
+        freq=_reals(arrays, "freq", 1),
         values=_numbers(arrays, "values", 3),
         outputs=_dofs(arrays, "outputs"),
         inputs=_dofs(arrays, "inputs"),
@@ -54,9 +54,9 @@ def read_measurement(payload: bytes, setup: RigSetup, *, largest: int) -> Measur
     )
 
     def optional(name: str, rank: int) -> FloatArray | None:
-        return _numbers(arrays, name, rank).real if name in arrays else None
+        return _reals(arrays, name, rank) if name in arrays else None
 
-    averages = _numbers(arrays, "averages", 0).real if "averages" in arrays else setup.analyser.averages
+    averages = _reals(arrays, "averages", 0) if "averages" in arrays else setup.analyser.averages
     return Measurement(
         frf=frf,
         coherence=optional("coherence", 2),
@@ -87,13 +87,13 @@ def _load(payload: bytes, largest: int) -> _Arrays:
         EOFError,
         OSError,
     ) as error:
-        raise InvalidInputError(f"not a npz file: {error}", field="file") from None
+        raise InvalidInputError(f"not a npz file: {error}", field="file", allowed="npz") from None
 
 
 def _array(archive: zipfile.ZipFile, info: zipfile.ZipInfo) -> NDArray[Any]:
-    with archive.open(info) as raw:
-        data = io.BytesIO(raw.read(info.file_size))
     try:
+        with archive.open(info) as raw:
+            data = io.BytesIO(raw.read(info.file_size))
         version = npy.read_magic(data)
         read_header = npy.read_array_header_1_0 if version == (1, 0) else npy.read_array_header_2_0
         shape, _, dtype = read_header(data)
@@ -103,7 +103,8 @@ def _array(archive: zipfile.ZipFile, info: zipfile.ZipInfo) -> NDArray[Any]:
             raise ValueError("its header does not fit its data")
         data.seek(0)
         return np.asarray(npy.read_array(data, allow_pickle=False))
-    except ValueError as error:
+    # Any: decompressors and the parser of numpy's headers raise a dozen kinds at hostile bytes.
+    except Exception as error:
         raise InvalidInputError(f"cannot read {info.filename!r}: {error}", field=info.filename) from None
 
 
@@ -121,15 +122,30 @@ def _numbers(arrays: _Arrays, name: str, rank: int) -> NDArray[Any]:
     return array.astype(complex)
 
 
+def _reals(arrays: _Arrays, name: str, rank: int) -> FloatArray:
+    array = _numbers(arrays, name, rank)
+    if array.imag.any():
+        raise InvalidInputError(f"{name} is not real", field=name, value="complex", allowed="real numbers")
+    return array.real
+
+
+def _texts(array: NDArray[Any], name: str) -> list[str]:
+    if array.dtype.kind not in "US":
+        raise InvalidInputError(f"{name} is no text", field=name, value=str(array.dtype), allowed="strings")
+    try:
+        texts = [str(text) for text in array.astype(str).ravel()]
+        "".join(texts).encode()  # an array may hold halves of characters, which no reply can
+    except UnicodeError:
+        raise InvalidInputError(f"{name} is no text", field=name, allowed="strings in UTF-8") from None
+    return texts
+
+
 def _dofs(arrays: _Arrays, name: str) -> tuple[Dof, ...]:
-    array = arrays[name]
-    if array.dtype.kind not in "US" or array.ndim != 1:
-        raise InvalidInputError(f"{name} are no DoFs", field=name, value=str(array.dtype), allowed="strings")
-    return tuple(Dof.parse(text, field=name) for text in array.astype(str).tolist())
+    return tuple(Dof.parse(text, field=name) for text in _texts(arrays[name], name))
 
 
 def _kind(array: NDArray[Any]) -> FrfKind:
-    text = str(array.astype(str).item()) if array.dtype.kind in "US" and array.size == 1 else str(array.dtype)
+    text = ", ".join(_texts(array, "kind"))
     if text not in tuple(FrfKind):
         raise InvalidInputError(f"no kind {text!r}", field="kind", value=text, allowed=", ".join(FrfKind))
     return FrfKind(text)

@@ -2,6 +2,7 @@
 
 import io
 import json
+import zipfile
 from collections.abc import AsyncIterator
 from typing import Any
 
@@ -51,6 +52,11 @@ STRUCTURES = {
     "a million elements": (BEAM | {"n_elements": 10**6}, "invalid_request", "body.beam.n_elements"),
     "unknown field": (BEAM | {"colour": "red"}, "invalid_request", "body.beam.colour"),
     "unknown kind": ({"kind": "shell"}, "invalid_request", "body"),
+    "one node twice": (
+        APART | {"nodes": {"1": [0, 0], "01": [1, 0]}},
+        "invalid_request",
+        "body.frame.nodes.01.[key]",
+    ),
     "not finite": (BEAM | {"length": float("inf")}, "invalid_request", "body.beam.length"),
 }
 
@@ -70,6 +76,7 @@ RIGS: dict[str, tuple[dict[str, Any], str, str]] = {
     "unknown estimator": ({"analyser": {"estimator": "h9"}}, "invalid_input", "estimator"),
     "unknown excitation": ({"analyser": {"excitation": {"kind": "whistle"}}}, "invalid_input", "excitation"),
     "drive without a form": ({"drive": "5"}, "invalid_input", "drive"),
+    "digits of another script": ({"drive": "\u0661:+Y"}, "invalid_input", "drive"),
     "a force along a rotation": ({"drive": "1:+RZ"}, "invalid_input", "drive"),
     "negative mass": ({"accelerometers": {"mass": -0.1}}, "invalid_input", "accelerometers.mass"),
     "no response": ({"responses": []}, "invalid_request", "body.responses"),
@@ -169,7 +176,37 @@ def with_nan() -> Any:
     return values
 
 
+def with_header(header: bytes) -> bytes:
+    """Return a measured file whose first array begins with another header."""
+    buffer = io.BytesIO()
+    with zipfile.ZipFile(io.BytesIO(npz())) as good, zipfile.ZipFile(buffer, "w") as bad:
+        written = b"\x93NUMPY\x01\x00" + len(header).to_bytes(2, "little") + header
+        for name in good.namelist():
+            bad.writestr(name, written + bytes(168) if name == "freq.npy" else good.read(name))
+    return buffer.getvalue()
+
+
+def damaged() -> bytes:
+    """Return a measured file with its first compressed bytes overwritten."""
+    content = npz()
+    start = content.index(b"freq.npy") + 40
+    return content[:start] + b"\xa5" * 8 + content[start + 8 :]
+
+
 FILES = {
+    "a header that never ends": (with_header(b"{'descr': '<f8', 'shape': (("), "freq.npy"),
+    "a header of brackets": (with_header(b"(" * 5000), "freq.npy"),
+    "a header of signs": (with_header(b"-" * 9000 + b"1"), "freq.npy"),
+    "damaged bytes": (damaged(), "freq.npy"),
+    "a response that is no text": (npz(outputs=np.array([b"\xff"])), "outputs"),
+    "a response of half a character": (npz(outputs=np.array(["\ud800"])), "outputs"),
+    "a kind that is no text": (npz(kind=np.array(b"\xff")), "kind"),
+    "a kind of half a character": (npz(kind=np.array("\ud800")), "kind"),
+    "no kind": (npz(kind=np.array([], dtype="U9")), "kind"),
+    "a complex axis": (npz(freq=np.linspace(0.0, 100.0, 21) + 1j), "freq"),
+    "complex coherence": (npz(coherence=np.full((21, 1), 0.5j)), "coherence"),
+    "negative power": (npz(force_spectrum=np.full((21, 1, 1), -1.0)), "force_spectrum"),
+    "two numbers for one": (npz(averages=np.array([10.0, 20.0])), "averages"),
     "NaN in an FRF": (npz(values=with_nan()), "values"),
     "an array missing": (npz(freq=None), "file"),
     "no npz file": (b"PK no archive", "file"),

@@ -170,7 +170,7 @@ class FrameIn(_Described):
     """A plane frame in X and Y."""
 
     kind: Literal["frame"]
-    nodes: dict[Annotated[str, Field(pattern=r"^[0-9]{1,9}$")], Coordinates] = Field(max_length=_MOST)
+    nodes: dict[Annotated[str, Field(pattern=r"^[1-9][0-9]{0,8}$")], Coordinates] = Field(max_length=_MOST)
     sections: dict[Text, SectionIn] = Field(max_length=_MOST)
     materials: dict[Text, MaterialIn] = Field(max_length=_MOST)
     members: list[MemberIn] = Field(max_length=_MOST)
