@@ -40,6 +40,12 @@ class Predictor:
         """Return the whitened residual of the prediction at every line."""
         return residual(self.observed, self.predict(effects))
 
+    def detuned(self, effects: Sequence[Effect], shift: float) -> Predicted:
+        """Return the expected spectra with every natural frequency moved by a small share of itself."""
+        system = self.system.scaled(stiffness=(1 + shift) ** 2)
+        whole = chain(system, self.setup, [*self._own, *effects])
+        return Predicted.of(expected_spectra(whole), leaking=whole.source.continuous > 0)
+
     def glimpse(self, effects: Sequence[Effect]) -> Predicted:
         """Return the expected spectra at every `step`-th line, leakage coarse."""
         whole = chain(self.system, self.setup, [*self._own, *effects])
