@@ -20,7 +20,7 @@ from modallab.rig.effect import EFFECTS, Drive, Effect, NoiseLevels, Source, bui
 from modallab.rig.expected import expected_spectra
 from modallab.rig.measure import Route, measure
 from modallab.rig.sampled import sampled_spectra
-from modallab.rig.setup import Accelerometers, Noise, Shot
+from modallab.rig.setup import Accelerometers, Exciter, ForceTransducer, Noise, Shot
 from tests.rigs import beam_system, dofs, rig, steel_beam
 
 KINDS = sorted(EFFECTS)
@@ -89,6 +89,22 @@ def test_it_comes_back_from_plain_data(kind: str) -> None:
 @pytest.mark.parametrize("kind", KINDS)
 def test_ideal_hardware_implies_none_of_it(kind: str) -> None:
     assert list(EFFECTS[kind].from_setup(SETUP)) == []
+
+
+@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("cancelled", [False, True])
+def test_the_heaviest_and_noisiest_hardware_of_a_log_book_is_within_its_bounds(
+    kind: str, cancelled: bool
+) -> None:
+    heaviest = rig(
+        7,
+        exciter=Exciter(armature_mass=4.5),
+        force_transducer=ForceTransducer(mass_below=0.5, mass_cancelled=cancelled),
+        accelerometers=Accelerometers(mass=0.5),
+        noise=Noise(force=10.0, response=10.0),
+    )
+    for effect in EFFECTS[kind].from_setup(heaviest):
+        assert build(effect.spec) == effect
 
 
 @pytest.mark.parametrize("kind", KINDS)

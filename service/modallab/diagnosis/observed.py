@@ -106,7 +106,7 @@ def observe(measurement: Measurement, held_out: Sequence[Dof], *, fraction: floa
     Raises
     ------
     InvalidInputError
-        If the coherence is missing: without it no residual can be weighed.
+        If the coherence is missing: without it no residual can be weighed; or if no line is left to fit.
     """
     if measurement.coherence is None:
         raise InvalidInputError(
@@ -143,7 +143,7 @@ def observe(measurement: Measurement, held_out: Sequence[Dof], *, fraction: floa
     if not out.any() and fraction > 0:
         lines[2 :: max(2, round(1 / fraction))] = True
     window = WINDOWS[analyser.window].samples(256) ** 2
-    return Observed(
+    observed = Observed(
         freq=frf.freq,
         outputs=frf.outputs,
         h=np.where(np.abs(h) > 0, h, 1.0),
@@ -158,6 +158,23 @@ def observe(measurement: Measurement, held_out: Sequence[Dof], *, fraction: floa
         held_lines=lines,
         correlation=float((window**2).mean() / window.mean() ** 2),
     )
+    _check_something_is_left(observed)
+    return observed
+
+
+def _check_something_is_left(observed: Observed) -> None:
+    if not observed.usable.any():
+        raise InvalidInputError(
+            "no line shows a response",
+            field="coherence",
+            value=float(observed.coherence.max()),
+            allowed=f"> {USABLE}",
+        )
+    if not observed.fitted.any():
+        held = [str(dof) for dof, out in zip(observed.outputs, observed.held_out, strict=True) if out]
+        raise InvalidInputError(
+            "with these held out nothing is left to fit", field="hold_out", value=", ".join(held)
+        )
 
 
 def _steps(kind: FrfKind) -> int:

@@ -41,7 +41,7 @@ class Chain:
     def overlap(self) -> float:
         """Share of a record that the next one has in common with it.
 
-        None where the declared excitation starts anew for every record.
+        Nothing where the declared excitation starts anew for every record.
         """
         analyser = self.setup.analyser
         return analyser.overlap if EXCITATIONS[analyser.excitation.kind].continuous > 0 else 0.0

@@ -18,6 +18,8 @@ def _within(name: str, value: float, lower: float, upper: float) -> None:
         )
 
 
+# The bounds below are those of the effects that the hardware implies: what a log book may declare,
+# an effect can be (an armature may have the gauge's cancelled mass to carry as well).
 @dataclass(frozen=True)
 class Exciter:
     """What drives the structure."""
@@ -26,7 +28,7 @@ class Exciter:
     armature_mass: float = 0.0  # kg, behind the force transducer
 
     def __post_init__(self) -> None:
-        _within("armature_mass", self.armature_mass, 0.0, 100.0)
+        _within("armature_mass", self.armature_mass, 0.0, 4.5)
 
 
 @dataclass(frozen=True)
@@ -37,7 +39,7 @@ class ForceTransducer:
     mass_cancelled: bool = False  # True: the analyser has taken that mass out of the force already
 
     def __post_init__(self) -> None:
-        _within("mass_below", self.mass_below, 0.0, 10.0)
+        _within("mass_below", self.mass_below, 0.0, 0.5)
 
 
 @dataclass(frozen=True)
@@ -48,7 +50,7 @@ class Accelerometers:
     roving: bool = False
 
     def __post_init__(self) -> None:
-        _within("accelerometers.mass", self.mass, 0.0, 10.0)
+        _within("accelerometers.mass", self.mass, 0.0, 0.5)
 
 
 @dataclass(frozen=True)
@@ -59,8 +61,8 @@ class Noise:
     response: float = 0.0
 
     def __post_init__(self) -> None:
-        _within("noise.force", self.force, 0.0, 1e3)
-        _within("noise.response", self.response, 0.0, 1e3)
+        _within("noise.force", self.force, 0.0, 10.0)
+        _within("noise.response", self.response, 0.0, 10.0)
 
 
 @dataclass(frozen=True)

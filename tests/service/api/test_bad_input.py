@@ -115,6 +115,16 @@ def test_an_effect_without_sense_is_refused_before_the_work(
     refusal(service.request("POST", "/v1/measurements", json=body), 422, "invalid_input")
 
 
+@pytest.mark.parametrize(
+    "later", [{"tolerances": {"modulus": 0.003}}, {"follow_ups": [{"measurement_id": "a"}]}, {"act": True}]
+)
+def test_what_a_diagnosis_cannot_do_yet_is_refused_by_name(service: Any, later: dict[str, Any]) -> None:
+    body = {"structure_id": "none", "measurement_id": "none"} | later
+    problem = refusal(service.request("POST", "/v1/diagnoses", json=body), 422, "invalid_request")
+    (field,) = later
+    assert (problem["context"]["field"], "not offered" in problem["detail"]) == (f"body.{field}", True)
+
+
 def test_a_band_without_a_mode_fails_the_job_by_name(service: Any, beam: str, rig: str) -> None:
     test = service.result_of("/v1/measurements", {"structure_id": beam, "rig_id": rig, "route": "expected"})
     body = {"measurement_id": test, "bands": [[90.0, 105.0]]}
@@ -253,6 +263,12 @@ def test_a_good_file_is_taken_and_comes_back(service: Any, short_rig: str) -> No
 
 def test_a_body_of_50_megabytes_is_refused_by_its_length(service: Any) -> None:
     reply = service.request("POST", "/v1/structures", content=b" " * 50_000_000, headers=_JSON)
+    refusal(reply, 413, "content_too_large")
+
+
+def test_a_body_that_calls_itself_a_form_gets_no_more_room(service: Any) -> None:
+    headers = {"content-type": "multipart/form-data; boundary=x"}
+    reply = service.request("POST", "/v1/structures", content=b" " * 50_000_000, headers=headers)
     refusal(reply, 413, "content_too_large")
 
 

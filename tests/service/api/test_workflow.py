@@ -183,6 +183,7 @@ def test_every_choice_says_what_it_is(service: Any, family: str) -> None:
     assert members
     for member in members:
         assert len(member["summary"]) > 10, member
+        assert not member["summary"].startswith("Return"), "to be read by people who choose, not who call"
 
 
 def test_a_request_keeps_its_id(service: Any) -> None:

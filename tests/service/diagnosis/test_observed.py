@@ -44,6 +44,20 @@ def test_two_averages_leave_no_random_error_to_weigh_by() -> None:
     assert refused.value.context["field"] == "averages"
 
 
+def test_a_measurement_without_a_coherent_line_is_refused_by_name() -> None:
+    measurement = exact(rig())
+    with pytest.raises(InvalidInputError) as refused:
+        observe(replace(measurement, coherence=np.zeros(measurement.frf.values.shape[:2])), (), fraction=0.0)
+    assert refused.value.context["field"] == "coherence"
+
+
+def test_something_must_be_left_to_fit() -> None:
+    measurement = exact(rig())
+    with pytest.raises(InvalidInputError) as refused:
+        observe(measurement, measurement.frf.outputs, fraction=0.25)
+    assert refused.value.context["field"] == "hold_out"
+
+
 def test_what_is_held_out_is_not_fitted() -> None:
     measurement = drawn(rig())
     held = measurement.frf.outputs[2:4]

@@ -4,7 +4,7 @@ import math
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import Field
+from pydantic import BeforeValidator, Field
 
 from modallab.api.deps import Id
 from modallab.api.wire import DofText, EntryOut, Number, Seed, Text, Wire, place_out
@@ -14,6 +14,14 @@ from modallab.fe.structure import Structure
 from modallab.rig.effect import EFFECTS
 from modallab.store.base import Entry
 
+
+def _not_offered(value: Any) -> Any:
+    if value:
+        raise ValueError("not offered by this version")
+    return value
+
+
+NotOffered = BeforeValidator(_not_offered)
 Kinds = Annotated[list[Text], Field(min_length=1, max_length=100)]
 
 
@@ -31,9 +39,9 @@ class DiagnosisStart(Wire):
     measurement_id: Id
     suspects: Literal["all"] | Kinds = "all"
     hold_out: HoldOutIn = HoldOutIn()
-    tolerances: dict[Text, Number] = Field(default={}, max_length=0)
-    follow_ups: list[Any] = Field(default=[], max_length=0)
-    act: Literal[False] = False
+    tolerances: Annotated[dict[Text, Number], NotOffered] = Field(default={}, max_length=0)
+    follow_ups: Annotated[list[Any], NotOffered] = Field(default=[], max_length=0)
+    act: Annotated[Literal[False], NotOffered] = False
     max_effects: int = Field(default=4, ge=1, le=8)
     seed: Seed = 0
 

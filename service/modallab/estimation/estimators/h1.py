@@ -9,9 +9,9 @@ from modallab.estimation.spectra import CrossSpectra
 
 @ESTIMATORS.register("h1")
 def h1(spectra: CrossSpectra) -> ComplexArray:
-    """Return H1, (n_run, n_freq, n_out, n_in), response unit per N.
+    """Least squares on the response: low where the force is noisy, worst at resonances.
 
-    Noise on a force signal biases it low, worst at resonances, where the force dips.
+    Returns H1, (n_run, n_freq, n_out, n_in), response unit per N. At resonances the force dips.
     With exp(+i omega t) and G_fx = E[conj(F) X], H1 solves G_ff H^T = G_fx; 1992 thesis, eq. [5.6].
     """
     return np.asarray(np.linalg.solve(spectra.ff, spectra.fx).swapaxes(-1, -2))

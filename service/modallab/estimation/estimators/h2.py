@@ -8,9 +8,10 @@ from modallab.estimation.spectra import CrossSpectra
 
 @ESTIMATORS.register("h2")
 def h2(spectra: CrossSpectra) -> ComplexArray:
-    """Return H2 = G_xx / G_xf, (n_run, n_freq, n_out, 1), response unit per N; one force at a time.
+    """Least squares on the force: high where the response is noisy, worst at antiresonances.
 
-    Noise on a response signal biases it high, worst at antiresonances; 1992 thesis, eq. [5.7].
+    Returns H2 = G_xx / G_xf, (n_run, n_freq, n_out, 1), response unit per N; one force at a time.
+    1992 thesis, eq. [5.7].
 
     Raises
     ------

@@ -10,10 +10,11 @@ from modallab.estimation.spectra import CrossSpectra
 
 @ESTIMATORS.register("hv")
 def hv(spectra: CrossSpectra) -> ComplexArray:
-    """Return Hv, (n_run, n_freq, n_out, 1), response unit per N; one force at a time.
+    """Total least squares: between H1 and H2, for noise on force and response alike.
 
-    The geometric mean of H1 and H2 with the phase of the cross spectrum: total least squares with
-    each channel scaled by its own power. Rocklin, Crowley and Vold, 3rd IMAC (1985).
+    Returns Hv, (n_run, n_freq, n_out, 1), response unit per N; one force at a time. The geometric
+    mean of H1 and H2 with the phase of the cross spectrum is total least squares with each channel
+    scaled by its own power. Rocklin, Crowley and Vold, 3rd IMAC (1985).
 
     Raises
     ------
