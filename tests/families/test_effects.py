@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 
 from modallab.core.arrays import ComplexArray
-from modallab.core.errors import InvalidInputError
-from modallab.core.place import EffectSpec, Place
+from modallab.core.dof import Dof
+from modallab.core.errors import InvalidInputError, ModalLabError
+from modallab.core.place import Channels, EffectSpec, Members, Place
 from modallab.core.progress import silent
 from modallab.correlation.evidence import Evidence
 from modallab.estimation.coherence import coherence, coherence_error, frf_error
@@ -84,6 +85,24 @@ def test_an_unknown_number_is_refused_by_name(kind: str) -> None:
 def test_it_comes_back_from_plain_data(kind: str) -> None:
     for effect in examples(kind):
         assert build(effect.spec) == effect
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_it_takes_every_place_it_names_and_no_other(kind: str) -> None:
+    structure = steel_beam()
+    for place in EFFECTS[kind].places(SYSTEM, SETUP):
+        EFFECTS[kind](at=place).check(structure, SETUP)
+    strangers: list[Place] = [Dof(99, "Y"), Dof(1, "X"), Members((99,)), Members((1, 1)), Channels(dofs(99))]
+    for stranger in strangers:
+        with pytest.raises(ModalLabError):
+            EFFECTS[kind](at=stranger).check(structure, SETUP)
+
+
+@pytest.mark.parametrize("kind", [kind for kind in KINDS if EFFECTS[kind].at_drive])
+def test_what_hangs_on_the_exciter_may_be_written_at_the_drive_point_only(kind: str) -> None:
+    EFFECTS[kind](at=SETUP.drive).check(steel_beam(), SETUP)
+    with pytest.raises(InvalidInputError, match="7:"):
+        EFFECTS[kind](at=Dof(7, "Y")).check(steel_beam(), SETUP)
 
 
 @pytest.mark.parametrize("kind", KINDS)

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from types import NoneType
 from typing import ClassVar, Self
 
 from modallab.core.dof import Dof
@@ -24,6 +25,7 @@ class AccelerometerMass(Effect):
     kind: ClassVar[str] = "accelerometer_mass"
     summary: ClassVar[str] = "the accelerometer's mass lowers the natural frequencies"
     stage: ClassVar[int] = 1
+    sits: ClassVar[tuple[type, ...]] = (NoneType, Dof)
     mass: float = parameter(0.02, unit="kg", lower=0.0, upper=0.5, doc="accelerometer with its stud")
 
     def on_system(self, system: DynamicSystem, shot: Shot) -> DynamicSystem:

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from types import NoneType
 from typing import ClassVar
 
 from modallab.core.parameters import parameter
@@ -22,6 +23,7 @@ class DensityError(Effect):
     summary: ClassVar[str] = "members heavier or lighter than modelled"
     stage: ClassVar[int] = 1
     structural: ClassVar[bool] = True
+    sits: ClassVar[tuple[type, ...]] = (NoneType, Members)
     factor: float = parameter(
         1.5, unit="1", lower=0.05, upper=20.0, absent=1.0, doc="true density over the model's"
     )

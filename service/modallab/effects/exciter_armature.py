@@ -2,8 +2,10 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from types import NoneType
 from typing import ClassVar, Self
 
+from modallab.core.dof import Dof
 from modallab.core.parameters import parameter
 from modallab.correlation.evidence import Evidence
 from modallab.rig.effect import EFFECTS, Drive, Effect
@@ -21,6 +23,8 @@ class ExciterArmature(Effect):
     kind: ClassVar[str] = "exciter_armature"
     summary: ClassVar[str] = "the armature's inertia takes the force at resonances"
     stage: ClassVar[int] = 3
+    sits: ClassVar[tuple[type, ...]] = (NoneType, Dof)
+    at_drive: ClassVar[bool] = True
     mass: float = parameter(0.02, unit="kg", lower=0.0, upper=5.0, doc="moving mass behind the force gauge")
 
     def on_drive(self, drive: Drive) -> Drive:

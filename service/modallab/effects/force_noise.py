@@ -2,10 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from types import NoneType
 from typing import ClassVar, Self
 
 import numpy as np
 
+from modallab.core.dof import Dof
 from modallab.core.parameters import parameter
 from modallab.correlation.evidence import Evidence
 from modallab.rig.effect import EFFECTS, Effect, NoiseLevels
@@ -20,6 +22,8 @@ class ForceNoise(Effect):
     kind: ClassVar[str] = "force_noise"
     summary: ClassVar[str] = "white noise on the force channel"
     stage: ClassVar[int] = 5
+    sits: ClassVar[tuple[type, ...]] = (NoneType, Dof)
+    at_drive: ClassVar[bool] = True
     ratio: float = parameter(
         1e-3, unit="1", lower=0.0, upper=10.0, doc="noise over the mean force spectrum of the band"
     )

@@ -2,8 +2,10 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from types import NoneType
 from typing import ClassVar, Self
 
+from modallab.core.dof import Dof
 from modallab.core.parameters import parameter
 from modallab.correlation.evidence import Evidence
 from modallab.fe.system import DynamicSystem
@@ -19,6 +21,8 @@ class ForceTransducerMass(Effect):
     kind: ClassVar[str] = "force_transducer_mass"
     summary: ClassVar[str] = "mass below the force gauge that was not cancelled"
     stage: ClassVar[int] = 1
+    sits: ClassVar[tuple[type, ...]] = (NoneType, Dof)
+    at_drive: ClassVar[bool] = True
     mass: float = parameter(0.01, unit="kg", lower=0.0, upper=0.5, doc="mass below the sensing element")
 
     def on_system(self, system: DynamicSystem, shot: Shot) -> DynamicSystem:

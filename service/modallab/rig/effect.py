@@ -2,14 +2,16 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from types import NoneType
 from typing import Any, ClassVar, Self
 
 import numpy as np
 
 from modallab.core.arrays import ComplexArray
+from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.parameters import Parameterised
-from modallab.core.place import EffectSpec, Place
+from modallab.core.place import Channels, EffectSpec, Members, Place
 from modallab.core.registry import Family
 from modallab.correlation.evidence import Evidence
 from modallab.fe.structure import Structure
@@ -57,6 +59,8 @@ class Effect(Parameterised):
     summary: ClassVar[str]
     stage: ClassVar[int]
     structural: ClassVar[bool] = False  # True: it belongs to the model, else to the log book
+    sits: ClassVar[tuple[type, ...]] = (NoneType,)  # what `at` may be
+    at_drive: ClassVar[bool] = False  # True: a DoF it sits at can only be the drive point
     at: Place = None
 
     def on_system(self, system: DynamicSystem, shot: Shot) -> DynamicSystem:
@@ -74,6 +78,34 @@ class Effect(Parameterised):
     def on_source(self, source: Source) -> Source:
         """Stage 6: return how the excitation stands to the record."""
         return source
+
+    def check(self, structure: Structure, setup: RigSetup | None = None) -> None:
+        """Raise unless the effect can sit where it is said to, in this structure and on this rig.
+
+        Raises
+        ------
+        UnknownDofError
+            If the structure has no such DoF.
+        InvalidInputError
+            If it has no such member, or an effect of this kind does not sit at such a place.
+        """
+        if not isinstance(self.at, self.sits):
+            raise self._misplaced(" or ".join(_PLACES[kind] for kind in self.sits))
+        if isinstance(self.at, Dof):
+            structure.index(self.at)
+            if self.at_drive and setup is not None and self.at.point != setup.drive.point:
+                raise self._misplaced(f"the drive point {setup.drive}")
+        elif isinstance(self.at, Members):
+            for number in self.at.numbers:
+                structure.member(number)
+            if len(set(self.at.numbers)) < len(self.at.numbers):
+                raise self._misplaced("each member once")
+
+    def _misplaced(self, allowed: str) -> InvalidInputError:
+        where = "everywhere" if self.at is None else f"at {self.at}"
+        return InvalidInputError(
+            f"{self.kind} cannot be {where}", field="at", value=str(self.at), allowed=allowed
+        )
 
     def added_to(self, structure: Structure) -> Structure:
         """Return the model with this effect in it."""
@@ -109,6 +141,7 @@ class Effect(Parameterised):
         return EffectSpec(self.kind, self.at, self.parameters)
 
 
+_PLACES = {NoneType: "null", Dof: "a DoF", Members: "members", Channels: "channels"}
 EFFECTS: Family[type[Effect]] = Family("effect", home="modallab.effects")
 
 

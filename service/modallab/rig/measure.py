@@ -53,8 +53,12 @@ def measure(
     ------
     UnknownDofError
         If the rig drives or listens where the structure has no DoF.
+    InvalidInputError
+        If an effect, declared or not, cannot sit where it is said to.
     """
     own = [build(spec) for spec in structure.effects]
+    for effect in [*own, *(build(spec) for spec in setup.effects), *effects]:
+        effect.check(structure, setup)
     whole = chain(assemble(structure), setup, [*own, *effects])
     if route is Route.SAMPLED:
         spectra = sampled_spectra(whole, rng, progress)

@@ -49,6 +49,12 @@ STRUCTURES = {
     "no DoF at all": (BEAM | {"springs": [{"dof": "here", "stiffness": 1.0}]}, "invalid_input", "dof"),
     "unknown name": ({"kind": "catalogue", "name": "bridge"}, "invalid_input", "structure"),
     "unknown effect": (BEAM | {"effects": [{"kind": "ghost"}]}, "invalid_input", "effect"),
+    "effect at no DoF": (BEAM | {"effects": [{"kind": "extra_mass", "at": "9:+Y"}]}, "unknown_dof", "dof"),
+    "effect at no member": (
+        BEAM | {"effects": [{"kind": "density_error", "at": {"members": [9]}}]},
+        "invalid_input",
+        "members",
+    ),
     "a million elements": (BEAM | {"n_elements": 10**6}, "invalid_request", "body.beam.n_elements"),
     "unknown field": (BEAM | {"colour": "red"}, "invalid_request", "body.beam.colour"),
     "unknown kind": ({"kind": "shell"}, "invalid_request", "body"),
@@ -106,6 +112,11 @@ def test_a_rig_that_does_not_fit_the_structure_is_refused_before_the_work(
         {"kind": "extra_mass", "at": "7:+Y", "parameters": {"weight": 1.0}},
         {"kind": "ghost"},
         {"kind": "extra_mass", "at": "somewhere"},
+        {"kind": "extra_mass"},
+        {"kind": "extra_mass", "at": {"members": [1]}},
+        {"kind": "stiffness_error", "at": {"members": [99]}},
+        {"kind": "response_noise", "at": {"channels": ["1:+Y"]}},
+        {"kind": "exciter_armature", "at": "7:+Y"},
     ],
 )
 def test_an_effect_without_sense_is_refused_before_the_work(

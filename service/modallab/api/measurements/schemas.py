@@ -12,6 +12,7 @@ from modallab.api.wire import Effects, EntryOut, Seed, Wire, effect_out
 from modallab.core.arrays import IntArray
 from modallab.core.errors import InvalidInputError
 from modallab.fe.structure import Structure
+from modallab.rig.effect import build
 from modallab.rig.measure import Route
 from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
@@ -38,11 +39,14 @@ class MeasurementStart(Wire):
         UnknownDofError
             If the rig drives or listens where the structure has no DoF.
         InvalidInputError
-            If an effect is unknown or a value out of bounds.
+            If an effect is unknown, cannot sit where it is said to, or a value is out of bounds.
         """
         for dof in (setup.drive, *setup.responses):
             structure.index(dof)
-        specs = tuple(effect.to_domain().spec for effect in self.effects)
+        effects = [effect.to_domain() for effect in self.effects]
+        for effect in [*effects, *(build(spec) for spec in (*structure.effects, *setup.effects))]:
+            effect.check(structure, setup)
+        specs = tuple(effect.spec for effect in effects)
         return {
             "structure_id": self.structure_id,
             "rig_id": self.rig_id,

@@ -8,7 +8,6 @@ from pydantic import Field
 from modallab.api.wire import Count, DofText, Effects, EntryOut, Number, Text, Wire
 from modallab.core.dof import Dof
 from modallab.core.errors import StructureError
-from modallab.core.place import EffectSpec
 from modallab.fe.beam import beam
 from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.damping import Damping, ModalDamping, StructuralDamping, ViscousDamping
@@ -128,8 +127,11 @@ class _Described(Wire):
             "name": self.name,
         }
 
-    def _specs(self) -> tuple[EffectSpec, ...]:
-        return tuple(effect.to_domain().spec for effect in self.effects)
+    def _with_effects(self, plain: Structure) -> Structure:
+        effects = [effect.to_domain() for effect in self.effects]
+        for effect in effects:
+            effect.check(plain)
+        return replace(plain, effects=tuple(effect.spec for effect in effects))
 
 
 class BeamIn(_Described):
@@ -151,7 +153,7 @@ class BeamIn(_Described):
             material=material,
             **self._common(),
         )
-        return replace(plain, effects=self._specs())
+        return self._with_effects(plain)
 
 
 class MemberIn(Wire):
@@ -189,7 +191,7 @@ class FrameIn(_Described):
             for m in self.members
         )
         nodes = {int(number): place for number, place in self.nodes.items()}
-        return Structure(nodes=nodes, members=members, effects=self._specs(), **self._common())
+        return self._with_effects(Structure(nodes=nodes, members=members, **self._common()))
 
 
 def _named(parts: dict[str, Any], name: str, what: str) -> Any:
