@@ -45,12 +45,23 @@ class Measurements(Shelf):
         job = self._transport.request("POST", "/v1/measurements", json={**body, "route": route, "seed": seed})
         return Job(job["id"], self._transport, self.get)
 
-    def upload(self, file: str | Path | bytes, rig_id: str) -> Measurement:
-        """Return a measurement from a universal file (dataset 58) or npz file, by path or as bytes."""
+    def upload(self, file: str | Path | bytes, rig_id: str, *, averages: float | None = None) -> Measurement:
+        """Return a measurement from a universal file (dataset 58) or npz file, by path or as bytes.
+
+        Parameters
+        ----------
+        file
+            Its content says which of the two it is, not its name.
+        rig_id
+            The log book of the test: drive, responses, analyser.
+        averages
+            Effective averages, which universal files do not hold; by default the rig's.
+        """
         content = file if isinstance(file, bytes) else Path(file).read_bytes()
         name = "measurement" if isinstance(file, bytes) else Path(file).name
+        data = {"rig_id": rig_id} if averages is None else {"rig_id": rig_id, "averages": str(averages)}
         reply = self._transport.request(
-            "POST", "/v1/measurements/import", files={"file": (name, content)}, data={"rig_id": rig_id}
+            "POST", "/v1/measurements/import", files={"file": (name, content)}, data=data
         )
         return self.get(reply["id"])
 
@@ -90,8 +101,8 @@ class Measurements(Shelf):
         path = f"{self.path}/{measurement_id}/truth"
         return _wire.read(_wire.truth, self._transport.request("GET", path))
 
-    def universal_file(self, measurement_id: str) -> bytes:
-        """Return the FRFs as a universal file (dataset 58)."""
+    def uff(self, measurement_id: str) -> bytes:
+        """Return FRFs, coherence and auto spectra as a universal file (dataset 58)."""
         path = f"/v1/measurements/{measurement_id}/frf.uff"
         content: bytes = self._transport.request("GET", path)
         return content

@@ -2,7 +2,6 @@
 
 import io
 import zipfile
-from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -13,31 +12,28 @@ from modallab.core.arrays import FloatArray
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfKind, FrfSet
-from modallab.rig.measurement import Measurement
-from modallab.rig.setup import RigSetup
+from modallab.interchange.measured import MeasuredFile
 
 _NEEDED = ("freq", "values", "outputs", "inputs", "kind")
 _OPTIONAL = ("coherence", "averages", "force_spectrum", "response_spectrum")
 _Arrays = dict[str, NDArray[Any]]
 
 
-def read_measurement(payload: bytes, setup: RigSetup, *, largest: int) -> Measurement:
-    """Return the measurement of a npz file, taken on a rig.
+def read(payload: bytes, *, largest: int) -> MeasuredFile:
+    """Return what a npz file holds.
 
     Parameters
     ----------
     payload
         The file: `freq, values, outputs, inputs, kind`, and optionally `coherence, averages,
         force_spectrum, response_spectrum`.
-    setup
-        The log book of the test; responses that the file lacks are dropped from it.
     largest
         Bytes that the arrays may take when unpacked.
 
     Raises
     ------
     InvalidInputError
-        If it is no such file, its arrays do not fit together, hold NaN, or contradict the rig.
+        If it is no such file, its arrays do not fit together, or hold NaN.
     """
     arrays = _load(payload, largest)
     missing = [name for name in _NEEDED if name not in arrays]
@@ -56,15 +52,12 @@ def read_measurement(payload: bytes, setup: RigSetup, *, largest: int) -> Measur
     def optional(name: str, rank: int) -> FloatArray | None:
         return _reals(arrays, name, rank) if name in arrays else None
 
-    averages = _reals(arrays, "averages", 0) if "averages" in arrays else setup.analyser.averages
-    return Measurement(
+    return MeasuredFile(
         frf=frf,
         coherence=optional("coherence", 2),
-        averages=float(averages),
-        setup=_agreed(setup, frf),
+        averages=float(_reals(arrays, "averages", 0)) if "averages" in arrays else None,
         force_spectrum=optional("force_spectrum", 3),
         response_spectrum=optional("response_spectrum", 2),
-        notes=("imported",),
     )
 
 
@@ -149,31 +142,3 @@ def _kind(array: NDArray[Any]) -> FrfKind:
     if text not in tuple(FrfKind):
         raise InvalidInputError(f"no kind {text!r}", field="kind", value=text, allowed=", ".join(FrfKind))
     return FrfKind(text)
-
-
-def _agreed(setup: RigSetup, frf: FrfSet) -> RigSetup:
-    """Return the rig with the responses the file holds, where the two agree."""
-    if frf.inputs != (setup.drive,):
-        raise InvalidInputError(
-            "the file drives elsewhere than the rig",
-            field="inputs",
-            value=", ".join(map(str, frf.inputs)),
-            allowed=str(setup.drive),
-        )
-    strange = [str(dof) for dof in frf.outputs if dof not in setup.responses]
-    if strange:
-        raise InvalidInputError(
-            "the file holds responses that the rig does not have",
-            field="outputs",
-            value=", ".join(strange),
-            allowed=", ".join(map(str, setup.responses)),
-        )
-    lines = setup.analyser.freq
-    if len(lines) != len(frf.freq) or not np.allclose(lines, frf.freq, rtol=1e-6, atol=1e-6 * lines[1]):
-        raise InvalidInputError(
-            "the file's frequency axis is not the analyser's",
-            field="freq",
-            value=f"{len(frf.freq)} lines from {frf.freq[0]:g} to {frf.freq[-1]:g} Hz",
-            allowed=f"{len(lines)} lines from 0 to {lines[-1]:g} Hz",
-        )
-    return replace(setup, responses=frf.outputs)

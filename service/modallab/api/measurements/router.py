@@ -5,16 +5,21 @@ from typing import Annotated
 from fastapi import APIRouter, File, Form, Query, UploadFile, status
 from starlette.responses import Response
 
-from modallab.api.arrays import NPZ, Precision, npz_reply
+from modallab.api.arrays import NPZ, UFF, Precision, npz_reply, uff_reply
 from modallab.api.deps import Id, IdPath, JobsDep, OwnerDep, SettingsDep, StoreDep
 from modallab.api.examples import example
 from modallab.api.jobs import JobOut
 from modallab.api.measurements.schemas import CurvesOut, MeasurementOut, MeasurementStart, TruthOut
 from modallab.api.shelves import add_routes
-from modallab.interchange.npz import read_measurement
+from modallab.interchange import uff
+from modallab.interchange.reading import read_measurement
 
 router = APIRouter(prefix="/measurements", tags=["measurements"])
 Points = Annotated[int, Query(ge=2, le=20_000, description="lines of each curve, about")]
+Averages = Annotated[
+    float | None,
+    Form(ge=1, le=1e9, description="effective averages; by default the file's, or else the rig's"),
+]
 
 _TEST = {
     "structure_id": "5f0c31",
@@ -35,14 +40,18 @@ def start_measurement(
 
 @router.post("/import", status_code=status.HTTP_201_CREATED, summary="Import measured FRFs")
 def import_measurement(
-    file: Annotated[UploadFile, File(description="npz: freq, values, outputs, inputs, kind and more")],
+    file: Annotated[
+        UploadFile,
+        File(description="universal file (dataset 58), or npz: freq, values, outputs, inputs, kind and more"),
+    ],
     rig_id: Annotated[Id, Form(description="the log book of the test")],
     store: StoreDep,
     settings: SettingsDep,
     owner: OwnerDep,
+    averages: Averages = None,
 ) -> MeasurementOut:
     setup = store.rigs.get(rig_id)
-    measurement = read_measurement(file.file.read(), setup, largest=settings.upload_limit)
+    measurement = read_measurement(file.file, setup, largest=settings.upload_limit, averages=averages)
     stored = store.measurements.add(measurement, owner=owner, inputs={"rig_id": rig_id})
     return MeasurementOut.of(measurement, store.measurements.entry(stored))
 
@@ -55,6 +64,11 @@ def get_measurement(id: IdPath, store: StoreDep) -> MeasurementOut:
 @router.get("/{id}/arrays", response_class=Response, responses=NPZ, summary="FRFs, coherence, spectra: npz")
 def get_measurement_arrays(id: IdPath, store: StoreDep, precision: Precision = "double") -> Response:
     return npz_reply(store.measurements.npz(id), precision)
+
+
+@router.get("/{id}/frf.uff", response_class=Response, responses=UFF, summary="FRFs as a universal file")
+def get_universal_file(id: IdPath, store: StoreDep) -> Response:
+    return uff_reply(uff.write(store.measurements.get(id)), id)
 
 
 @router.get("/{id}/curves", summary="FRFs thinned for plots")

@@ -1,0 +1,83 @@
+"""What a measured file holds, whatever its format, and the measurement it makes on a declared rig."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from modallab.core.arrays import FloatArray
+from modallab.core.dof import Dof
+from modallab.core.errors import InvalidInputError
+from modallab.core.frf import FrfSet
+from modallab.rig.measurement import Measurement
+from modallab.rig.setup import RigSetup
+
+
+@dataclass(frozen=True, eq=False)
+class MeasuredFile:
+    """FRFs and what came with them, before anything is known of the rig."""
+
+    frf: FrfSet
+    coherence: FloatArray | None = None  # (n_freq, n_out)
+    averages: float | None = None
+    force_spectrum: FloatArray | None = None  # (n_freq, n_out, 1) N^2/Hz
+    response_spectrum: FloatArray | None = None  # (n_freq, n_out) unit^2/Hz
+    notes: tuple[str, ...] = ()
+    axis_error: float = 1e-6  # relative error that the format leaves in the frequencies
+
+    def taken_on(self, setup: RigSetup, averages: float | None = None) -> Measurement:
+        """Return the measurement that the file is, taken on a rig.
+
+        Parameters
+        ----------
+        setup
+            The log book of the test; responses that the file lacks are dropped from it. The
+            frequencies are the analyser's, of which the file may hold a rounded copy.
+        averages
+            Effective averages; by default the file's, or else the rig's.
+
+        Raises
+        ------
+        InvalidInputError
+            If the file contradicts the rig, or its arrays do not fit together.
+        """
+        counts = (averages, self.averages, setup.analyser.averages)
+        return Measurement(
+            frf=replace(self.frf, freq=self._axis(setup)),
+            coherence=self.coherence,
+            averages=float(next(count for count in counts if count is not None)),
+            setup=replace(setup, responses=self._responses(setup)),
+            force_spectrum=self.force_spectrum,
+            response_spectrum=self.response_spectrum,
+            notes=("imported", *self.notes),
+        )
+
+    def _responses(self, setup: RigSetup) -> tuple[Dof, ...]:
+        if self.frf.inputs != (setup.drive,):
+            raise InvalidInputError(
+                "the file drives elsewhere than the rig",
+                field="inputs",
+                value=", ".join(map(str, self.frf.inputs)),
+                allowed=str(setup.drive),
+            )
+        strange = [str(dof) for dof in self.frf.outputs if dof not in setup.responses]
+        if strange:
+            raise InvalidInputError(
+                "the file holds responses that the rig does not have",
+                field="outputs",
+                value=", ".join(strange),
+                allowed=", ".join(map(str, setup.responses)),
+            )
+        return self.frf.outputs
+
+    def _axis(self, setup: RigSetup) -> FloatArray:
+        freq, lines = self.frf.freq, setup.analyser.freq
+        if len(lines) != len(freq) or not np.allclose(
+            lines, freq, rtol=self.axis_error, atol=1e-6 * lines[1]
+        ):
+            raise InvalidInputError(
+                "the file's frequency axis is not the analyser's",
+                field="freq",
+                value=f"{len(freq)} lines from {freq[0]:g} to {freq[-1]:g} Hz",
+                allowed=f"{len(lines)} lines from 0 to {lines[-1]:g} Hz",
+            )
+        return lines

@@ -1,0 +1,43 @@
+"""Measurements from files of unknown origin; what a file is, its content says, not its name."""
+
+from typing import BinaryIO
+
+from modallab.core.errors import InvalidInputError
+from modallab.interchange import npz, uff
+from modallab.rig.measurement import Measurement
+from modallab.rig.setup import RigSetup
+
+_ZIP = b"PK"
+_HEAD = 64  # bytes that tell what a file is
+
+
+def read_measurement(
+    file: BinaryIO, setup: RigSetup, *, largest: int, averages: float | None = None
+) -> Measurement:
+    """Return the measurement of a universal file (dataset 58) or npz file, taken on a rig.
+
+    Parameters
+    ----------
+    file
+        The file; no more of it is read than its format may take.
+    setup
+        The log book of the test; responses that the file lacks are dropped from it.
+    largest
+        Bytes that the file's arrays may take.
+    averages
+        Effective averages; by default the file's, or else the rig's.
+
+    Raises
+    ------
+    InvalidInputError
+        If the file is neither, is damaged, holds NaN, or contradicts the rig.
+    """
+    head = file.read(_HEAD)
+    if head.startswith(_ZIP):
+        return npz.read(head + file.read(), largest=largest).taken_on(setup, averages)
+    if uff.starts(head):
+        limit = min(largest, uff.LARGEST)
+        return uff.read(head + file.read(limit), largest=limit).taken_on(setup, averages)
+    raise InvalidInputError(
+        "the file is neither a universal file nor npz", field="file", allowed="universal file (58), npz"
+    )

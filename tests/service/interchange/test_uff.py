@@ -1,0 +1,378 @@
+"""Universal files: what goes out comes back, what others write is read, what is damaged is refused."""
+
+import io
+import time
+import tracemalloc
+from collections.abc import Callable
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+import pyuff
+from hypothesis import given, settings
+from hypothesis import strategies as st
+
+from modallab.core.dof import Dof
+from modallab.core.errors import InvalidInputError
+from modallab.core.frf import FrfKind, FrfSet
+from modallab.interchange import reading, uff
+from modallab.interchange.measured import MeasuredFile
+from modallab.rig.measurement import Measurement
+from modallab.rig.setup import RigSetup
+from tests.rigs import rig
+
+LIMIT = 200_000_000
+OUTPUTS = (Dof(1, "Y"), Dof(12, "Z", -1), Dof(5, "X"))
+DRIVE = Dof(1, "Y", -1)
+NUMBERS = {FrfKind.RECEPTANCE: 8, FrfKind.MOBILITY: 11, FrfKind.INERTANCE: 12}
+
+
+def measured(kind: FrfKind = FrfKind.INERTANCE, n: int = 33, top: float = 64.0) -> Measurement:
+    """A measurement of three responses with all that belongs to it."""
+    rng = np.random.default_rng(7)
+    values = rng.normal(size=(n, 3, 1)) + 1j * rng.normal(size=(n, 3, 1))
+    return Measurement(
+        FrfSet(np.linspace(0.0, top, n), values, OUTPUTS, (DRIVE,), kind),
+        rng.uniform(size=(n, 3)),
+        100.0,
+        rig(1, 5, analyser={"frequency_max": top, "n_lines": n}),
+        rng.uniform(size=(n, 3, 1)),
+        rng.uniform(size=(n, 3)),
+    )
+
+
+def read(payload: bytes) -> MeasuredFile:
+    """Return what a file holds."""
+    return uff.read(payload, largest=LIMIT)
+
+
+def taken(payload: bytes, setup: RigSetup, averages: float | None = None) -> Measurement:
+    """Return the measurement that a file makes on a rig."""
+    return reading.read_measurement(io.BytesIO(payload), setup, largest=LIMIT, averages=averages)
+
+
+@pytest.mark.parametrize("kind", list(FrfKind))
+def test_what_is_written_is_read_with_equal_arrays(kind: FrfKind) -> None:
+    given_ = measured(kind)
+    back = read(uff.write(given_))
+    assert (back.frf.outputs, back.frf.inputs, back.frf.kind) == (OUTPUTS, (DRIVE,), kind)
+    np.testing.assert_array_equal(back.frf.freq, given_.frf.freq)
+    np.testing.assert_array_equal(back.frf.values, given_.frf.values)
+    for name in ("coherence", "force_spectrum", "response_spectrum"):
+        np.testing.assert_array_equal(getattr(back, name), getattr(given_, name), err_msg=name)
+    assert back.notes == ()
+
+
+def test_one_force_serves_all_responses_of_one_run() -> None:
+    first = measured()
+    assert first.force_spectrum is not None
+    force = np.repeat(first.force_spectrum[:, :1], 3, axis=1)
+    alike = Measurement(first.frf, None, 100.0, first.setup, force)
+    assert uff.write(alike).count(b"N^2/Hz") == 1
+    back = read(uff.write(alike))
+    np.testing.assert_array_equal(back.force_spectrum, force)
+    assert back.coherence is None
+    assert back.response_spectrum is None
+
+
+@pytest.mark.parametrize("kind", list(FrfKind))
+def test_pyuff_reads_the_same_from_what_is_written(kind: FrfKind, tmp_path: Path) -> None:
+    given_ = measured(kind)
+    (tmp_path / "out.uff").write_bytes(uff.write(given_))
+    sets = pyuff.UFF(str(tmp_path / "out.uff")).read_sets()
+    frfs = [one for one in sets if one["func_type"] == 4]
+    assert [(one["rsp_node"], one["rsp_dir"]) for one in frfs] == [(1, 2), (12, -3), (5, 1)]
+    assert {(one["ref_node"], one["ref_dir"]) for one in frfs} == {(1, -2)}
+    assert {(one["ordinate_spec_data_type"], one["orddenom_spec_data_type"]) for one in frfs} == {
+        (NUMBERS[kind], 13)
+    }
+    unit = {FrfKind.RECEPTANCE: "m", FrfKind.MOBILITY: "m/s", FrfKind.INERTANCE: "m/s^2"}[kind]
+    assert {(one["ordinate_axis_units_lab"], one["orddenom_axis_units_lab"]) for one in frfs} == {(unit, "N")}
+    autos = [one for one in sets if one["func_type"] == 2]
+    forces = [one for one in autos if one["ordinate_spec_data_type"] == 13]
+    responses = [one for one in autos if one["ordinate_spec_data_type"] != 13]
+    found = {
+        "values": (given_.frf.values[:, :, 0], frfs),
+        "coherence": (given_.coherence, [one for one in sets if one["func_type"] == 6]),
+        "force": (given_.force_spectrum[:, :, 0], forces),  # type: ignore[index]
+        "response": (given_.response_spectrum, responses),
+    }
+    for name, (wanted, those) in found.items():
+        np.testing.assert_array_equal(np.stack([one["data"] for one in those], axis=1), wanted, err_msg=name)
+    for one in sets:
+        np.testing.assert_array_equal(one["x"], given_.frf.freq)
+        assert one["n_bytes"] == one["data"].nbytes  # readers of other makers skip by it
+
+
+def test_a_spacing_of_many_digits_is_kept() -> None:
+    given_ = measured(n=802, top=800.0)
+    # 13 columns hold ten digits of the spacing or more
+    np.testing.assert_allclose(read(uff.write(given_)).frf.freq, given_.frf.freq, rtol=1e-9)
+
+
+def test_a_file_becomes_a_measurement_on_the_rig_with_its_averages() -> None:
+    n = 33
+    setup = rig(1, 5, 9, analyser={"frequency_max": 64.0, "n_lines": n, "averages": 40})
+    frf = FrfSet(
+        setup.analyser.freq,
+        np.ones((n, 2, 1), complex),
+        setup.responses[:2],
+        (setup.drive,),
+        FrfKind.MOBILITY,
+    )
+    payload = uff.write(Measurement(frf, None, 7.0, setup))
+    test = taken(payload, setup)
+    assert (test.averages, test.setup.responses, test.notes) == (40.0, setup.responses[:2], ("imported",))
+    assert taken(payload, setup, averages=12.5).averages == 12.5
+    with pytest.raises(InvalidInputError, match="drives elsewhere"):
+        taken(uff.write(measured()), setup)
+
+
+# --- files of other makers -------------------------------------------------------------------------
+
+FREQ = np.arange(25) * 0.78125
+RNG = np.random.default_rng(3)
+CURVES = {node: RNG.normal(size=25) + 1j * RNG.normal(size=25) for node in (1, 2, 3)}
+
+
+def function(node: int, **changed: Any) -> dict[str, Any]:
+    """An FRF, inertance at a node, as pyuff has it."""
+    fields: dict[str, Any] = {
+        "binary": 0,
+        "func_type": 4,
+        "rsp_node": node,
+        "rsp_dir": 3,
+        "ref_node": 1,
+        "ref_dir": 3,
+        "data": CURVES[node],
+        "x": FREQ,
+        "abscissa_spacing": 1,
+        "abscissa_spec_data_type": 18,
+        "ordinate_spec_data_type": 12,
+        "orddenom_spec_data_type": 13,
+    }
+    return dict(pyuff.prepare_58(**(fields | changed)))
+
+
+def coherence(node: int) -> dict[str, Any]:
+    """The coherence of that FRF."""
+    data = np.full(25, 0.9) + 0.01 * node
+    return function(
+        node, func_type=6, data=data, ord_data_type=2, ordinate_spec_data_type=0, orddenom_spec_data_type=0
+    )
+
+
+def force(**changed: Any) -> dict[str, Any]:
+    """The auto spectrum of the force."""
+    fields = {"func_type": 2, "data": np.full(25, 3.0), "ordinate_spec_data_type": 13, "ver_num": 1}
+    return function(
+        1, **(fields | {"ordinate_axis_units_lab": "N^2/Hz", "orddenom_spec_data_type": 0} | changed)
+    )
+
+
+@pytest.fixture
+def foreign(tmp_path: Path) -> Callable[..., bytes]:
+    """Return how pyuff writes datasets."""
+
+    def written(*sets: dict[str, Any], double: bool = True) -> bytes:
+        path = tmp_path / "foreign.uff"
+        path.unlink(missing_ok=True)
+        for one in sets:
+            pyuff.UFF(str(path)).write_sets([one], "add", force_double=double)
+        return path.read_bytes()
+
+    return written
+
+
+DIALECTS: dict[str, tuple[dict[str, Any], bool]] = {
+    "text, double": ({}, True),
+    "text, single": ({"ord_data_type": 5}, False),
+    "text, uneven axis": ({"abscissa_spacing": 0}, True),
+    "text, single, uneven axis": ({"abscissa_spacing": 0, "ord_data_type": 5}, False),
+    "binary": ({"binary": 1}, True),
+    "binary, uneven axis": ({"binary": 1, "abscissa_spacing": 0}, True),
+}
+
+
+# pyuff leaves files open when it writes binary data
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
+@pytest.mark.parametrize("ends", [b"\n", b"\r\n", b"      \n"])
+@pytest.mark.parametrize("dialect", DIALECTS)
+def test_dialects_are_read(foreign: Callable[..., bytes], dialect: str, ends: bytes) -> None:
+    changed, double = DIALECTS[dialect]
+    nodes = {"type": 15, "node_nums": [1.0, 2.0], "x": [0.0, 1.0], "y": [0.0, 0.0], "z": [0.0, 0.0]}
+    nodes |= {"def_cs": [0, 0], "disp_cs": [0, 0], "color": [0, 0]}
+    sets = [function(3, **changed), function(1, **changed), coherence(3), coherence(1)]
+    payload = foreign(nodes, coherence(2), *sets, function(2, **changed), double=double)
+    if not changed.get("binary"):
+        payload = payload.replace(b"\n", ends)
+    back = read(payload)
+    assert back.frf.kind is FrfKind.INERTANCE
+    assert back.frf.outputs == (Dof(3, "Z"), Dof(1, "Z"), Dof(2, "Z"))
+    wanted = np.stack([CURVES[node] for node in (3, 1, 2)], axis=1)[:, :, None]
+    # six digits in single precision, twelve in double
+    np.testing.assert_allclose(back.frf.values, wanted, rtol=1e-11 if double else 2e-5)
+    np.testing.assert_allclose(back.frf.freq, FREQ, rtol=1e-5)
+    np.testing.assert_allclose(back.coherence, np.tile([0.93, 0.91, 0.92], (25, 1)))  # type: ignore[arg-type]
+
+
+def test_a_binary_file_of_single_precision_in_the_other_byte_order_is_read() -> None:
+    payload = uff.write(measured())
+    values = measured().frf.values[:, 0, 0]
+    head, _, _ = payload.partition(values.tobytes())
+    head = head.replace(
+        b"58b     1     2          11         528", b"58b     2     2          11         264"
+    )
+    head = head.replace(b"record 1 of 12", b"")
+    head = head.replace(b"         6        33", b"         5        33")
+    big = np.stack([values.real, values.imag], axis=1).astype(">f4").tobytes()
+    for end in (b"    -1\n", b"\n    -1\n", b"\r\n    -1\r\n", b"    -1"):
+        np.testing.assert_allclose(read(head + big + end).frf.values[:, 0, 0], values, rtol=1e-7)
+
+
+def test_a_rounded_spacing_is_taken_for_the_analysers(foreign: Callable[..., bytes]) -> None:
+    spacing = 0.1953125  # written as 1.95312e-01
+    payload = foreign(function(1, x=np.arange(25) * spacing, ref_dir=2, rsp_dir=2))
+    setup = rig(1, analyser={"frequency_max": 24 * spacing, "n_lines": 25})
+    test = taken(payload, setup)
+    np.testing.assert_array_equal(test.frf.freq, setup.analyser.freq)
+
+
+def test_units_that_the_file_declares_are_converted(foreign: Callable[..., bytes]) -> None:
+    units = {"type": 164, "units_code": 5, "units_description": "mm (milli-newton)", "temp_mode": 1}
+    units |= {"length": 1e3, "force": 1e3, "temp": 1.0, "temp_offset": 273.15}
+    sets = [function(2, ordinate_axis_units_lab="mm/s^2", orddenom_axis_units_lab="mN", ver_num=1)]
+    back = read(foreign(units, *sets, force(ordinate_axis_units_lab="mN^2/Hz")))
+    np.testing.assert_allclose(back.frf.values[:, 0, 0], CURVES[2], rtol=1e-11)  # (mm/s^2)/mN is SI
+    np.testing.assert_allclose(back.force_spectrum, 3e-6)  # type: ignore[arg-type]
+
+
+def test_what_does_not_belong_to_every_frf_is_left_out_and_noted(foreign: Callable[..., bytes]) -> None:
+    frfs = [function(1), function(2)]
+    assert read(foreign(*frfs, coherence(2))).notes == ("coherence left out: not there for every FRF",)
+    (note,) = read(foreign(*frfs, force(), force())).notes
+    assert "not clear" in note
+    (note,) = read(foreign(*frfs, force(ordinate_axis_units_lab="N^2"))).notes
+    assert "per Hz" in note
+
+
+TIME = {"func_type": 1, "abscissa_spec_data_type": 17}
+NO_MEASUREMENT: dict[str, tuple[list[dict[str, Any]], str]] = {
+    "no FRF": ([coherence(1)], "file"),
+    "time signals only": ([function(1, data=np.ones(25), **TIME)], "file"),
+    "several references": ([function(1), function(2, ref_node=2)], "inputs"),
+    "one response twice": ([function(1), function(1)], "outputs"),
+    "motion per motion": ([function(1, orddenom_spec_data_type=12)], "kind"),
+    "two kinds": ([function(1), function(2, ordinate_spec_data_type=8)], "kind"),
+    "no direction": ([function(1, rsp_dir=0)], "file"),
+    "multiples of g": ([function(1, ordinate_axis_units_lab="g/N")], "units"),
+    "two axes": ([function(1), function(2, x=FREQ * 2)], "freq"),
+    "a falling axis": ([function(1, x=-FREQ)], "freq"),
+}
+
+
+@pytest.mark.parametrize("case", NO_MEASUREMENT)
+def test_functions_that_make_no_measurement_are_refused(foreign: Callable[..., bytes], case: str) -> None:
+    sets, field = NO_MEASUREMENT[case]
+    with pytest.raises(InvalidInputError) as caught:
+        read(foreign(*sets))
+    assert caught.value.context["field"] == field
+
+
+# --- damaged files ---------------------------------------------------------------------------------
+
+WHOLE = uff.write(measured())
+
+
+@given(st.integers(0, len(WHOLE) - 2))
+@settings(max_examples=150, deadline=None)
+def test_a_file_cut_anywhere_is_refused(length: int) -> None:
+    with pytest.raises(InvalidInputError):
+        taken(WHOLE[:length], measured().setup)
+
+
+def test_without_its_last_line_end_a_file_is_whole() -> None:
+    np.testing.assert_array_equal(read(WHOLE[:-1]).frf.values, measured().frf.values)
+
+
+@given(st.data())
+@settings(max_examples=60, deadline=None)
+def test_a_text_file_cut_within_a_dataset_is_refused(data: st.DataObject) -> None:
+    cut = data.draw(st.integers(0, len(TEXT) - 2))
+    with pytest.raises(InvalidInputError):
+        read(TEXT[:cut])
+
+
+@given(st.binary(max_size=200), st.integers(0, len(WHOLE) - 1))
+@settings(max_examples=100, deadline=None)
+def test_a_file_with_other_bytes_in_it_is_read_or_refused_by_name(noise: bytes, at: int) -> None:
+    try:
+        read(WHOLE[:at] + noise + WHOLE[at + len(noise) :])
+    except InvalidInputError as error:
+        assert error.context["field"]  # noqa: PT017
+
+
+def text_file(values: str = " 1.00000E+00", count: int = 6, rows: int = 2, form: int = 5) -> bytes:
+    """One FRF as text, single precision."""
+    header = [
+        "    -1",
+        "    58",
+        *["NONE"] * 5,
+        "    4         0    0         0 NONE               1   2 NONE               1   2",
+        f"{form:10d}{count:10d}         1  0.00000E+00  1.00000E+00  0.00000E+00",
+        "        18    0    0    0 NONE                 Hz",
+        "        12    0    0    0 NONE                 m/s^2",
+        "        13    0    0    0 NONE                 N",
+        "         0    0    0    0 NONE                 NONE",
+    ]
+    return "\n".join([*header, *[f"{values:>13}" * 6] * rows, "    -1", ""]).encode()
+
+
+TEXT = text_file()
+HOSTILE: dict[str, bytes] = {
+    "nothing": b"",
+    "no universal file": b"freq,values\n1,2\n",
+    "the beginning of one": b"    -1\n",
+    "NaN as text": text_file("NaN"),
+    "infinity as text": text_file("Infinity"),
+    "too large for a double": text_file("1.0E+999"),
+    "commas": text_file("1.0E+00,"),
+    "decimal commas": text_file("1,0E+00"),
+    "semicolons": text_file("1.0E+00;"),
+    "tabs": text_file("1.0E+00\t"),
+    "two numbers in a column": text_file("1.0 2.0"),
+    "more values than lines": text_file(count=60_000),
+    "1 GB declared as text": text_file(count=10**9 // 8),
+    "1 GB declared, binary": WHOLE.replace(b"        33         1", b" 125000000         1", 1),
+    "a negative count": text_file(count=-6),
+    "a data form of its own": text_file(form=9),
+    "NaN, binary": WHOLE.replace(measured().frf.values[3, 0, 0].tobytes(), np.array([np.nan, 0]).tobytes()),
+    "other floating-point numbers": WHOLE.replace(b"58b     1     2", b"58b     1     1"),
+    "32 MB of line ends": b"    -1\n    58" + b"\r\n" * 16_000_000,
+    "32 MB of line ends in an unknown dataset": b"    -1\n    15" + b"\n" * 31_900_000 + b"\n    -1\n",
+    "32 MB of marks": b"    -1\n    15\n    -1\n" * 1_500_000,
+    "32 MB of half marks": b"    -1\n    15\n" + b"    -1x\n" * 3_900_000,
+    "32 MB of numbers in one dataset": text_file(rows=400_000),
+    "32 MB of good functions, the last one cut": (text_file(count=60_000, rows=20_000) * 19)[:-9],
+    "32 MB of good functions, all of one response": text_file(count=60_000, rows=20_000) * 20,
+    "10,000 good functions, all of one response": text_file() * 10_000,
+    "200 MB": bytes(200_000_000),
+    "200 MB that begin well": b"    -1\n    58\n".ljust(200_000_000),
+}
+
+
+@pytest.mark.parametrize("case", HOSTILE)
+def test_a_hostile_file_is_refused_soon_and_in_little_memory(case: str) -> None:
+    setup, payload = measured().setup, HOSTILE[case]
+    begun = time.process_time()
+    with pytest.raises(InvalidInputError) as caught:
+        taken(payload, setup)
+    assert time.process_time() - begun < 2.0
+    assert caught.value.context["field"] in ("file", "outputs")
+    tracemalloc.start()
+    with pytest.raises(InvalidInputError):
+        taken(payload, setup)
+    _, peak = tracemalloc.get_traced_memory()
+    tracemalloc.stop()
+    assert peak < 200_000_000
