@@ -10,8 +10,9 @@ from modallab.core.arrays import FloatArray, IntArray
 from modallab.core.dof import Dof
 from modallab.fe.damping import ModalDamping, StructuralDamping, ViscousDamping
 from modallab.fe.element import ELEMENTS, Bar, ElementParts
+from modallab.fe.member_table import MemberTable
 from modallab.fe.structure import PLANE, Structure
-from modallab.fe.system import DynamicSystem, MemberTable, modal_damping
+from modallab.fe.system import DynamicSystem, modal_damping
 
 
 @dataclass(frozen=True, eq=False)

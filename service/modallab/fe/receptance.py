@@ -8,8 +8,9 @@ from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
 
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray
+from modallab.fe.attachment import Attachment
 from modallab.fe.modes import ModalResponse
-from modallab.fe.system import SMALL, Attachment, DynamicSystem
+from modallab.fe.system import SMALL, DynamicSystem
 
 FEW = 8  # attached columns up to which the Woodbury identity is the cheaper way
 

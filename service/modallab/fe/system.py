@@ -4,79 +4,17 @@ from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
-from scipy.sparse import coo_array, csc_array
+from scipy.sparse import csc_array
 
-from modallab.core.arrays import ComplexArray, FloatArray, IntArray, frozen
+from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError, UnknownDofError
-from modallab.fe.damping import Damping, StructuralDamping, ViscousDamping
+from modallab.fe.attachment import Attachment
+from modallab.fe.damping import StructuralDamping, ViscousDamping
+from modallab.fe.member_table import MemberTable
 from modallab.fe.modes import ModalBasis, modal_basis
 
 SMALL = 250  # DoFs below which a dense eigen-solution is the faster one
-
-
-@dataclass(frozen=True, eq=False)
-class Attachment:
-    """A small system that hangs on some motions of the structure: q = columns^T x.
-
-    Its matrices are (r, r); it adds `columns Z columns^T` to the dynamic stiffness, with
-    Z = k + i d + i omega c - omega^2 m.
-    """
-
-    columns: FloatArray  # (n, r)
-    mass: FloatArray | None = None
-    stiffness: FloatArray | None = None
-    damping: FloatArray | None = None  # structural
-    viscous: FloatArray | None = None
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "columns", frozen(self.columns, float, (None, None), name="columns"))
-        r = self.columns.shape[1]
-        for name in ("mass", "stiffness", "damping", "viscous"):
-            value = getattr(self, name)
-            if value is not None:
-                object.__setattr__(self, name, frozen(value, float, (r, r), name=name))
-
-    def same(self, other: "Attachment") -> bool:
-        """Return whether another attachment is equal to this one."""
-        names = ("columns", "mass", "stiffness", "damping", "viscous")
-        pairs = [(getattr(self, name), getattr(other, name)) for name in names]
-        return all(a is b or (a is not None and b is not None and np.array_equal(a, b)) for a, b in pairs)
-
-    def dynamic_stiffness(self, omega: FloatArray) -> ComplexArray:
-        """Return Z, (n_freq, r, r), N/m, at `omega` (n_freq,) rad/s."""
-        r = self.columns.shape[1]
-        w = omega[:, None, None]
-        z = np.zeros((len(omega), r, r), complex)
-        if self.mass is not None:
-            z -= w**2 * self.mass
-        if self.stiffness is not None:
-            z += self.stiffness
-        if self.damping is not None:
-            z += 1j * self.damping
-        if self.viscous is not None:
-            z += 1j * w * self.viscous
-        return z
-
-
-@dataclass(frozen=True, eq=False)
-class MemberTable:
-    """The matrices of each member as they stand in a system, and the damping law they follow."""
-
-    numbers: tuple[int, ...]
-    rows: IntArray  # (n_members, 6), -1 where a DoF is held
-    mass: FloatArray  # (n_members, 6, 6)
-    axial: FloatArray
-    bending: FloatArray
-    loss_factor: FloatArray  # (n_members,)
-    law: Damping
-
-    def position(self, number: int) -> int:
-        """Return the place of a member in the table."""
-        try:
-            return self.numbers.index(number)
-        except ValueError:
-            raise InvalidInputError(f"there is no member {number}", field="members", value=number) from None
 
 
 @dataclass(frozen=True, eq=False)
@@ -151,23 +89,7 @@ class DynamicSystem:
         table = self.members
         if table is None:
             raise InvalidInputError("the system does not know its members", field="members", value=number)
-        e = table.position(number)
-        kept = np.flatnonzero(table.rows[e] >= 0)
-        block = np.ix_(kept, kept)
-        dm = mass * table.mass[e][block]
-        dk = axial * table.axial[e][block] + bending * table.bending[e][block]
-        # Rigid motions strain nothing: a change of stiffness alone needs fewer columns than DoFs.
-        w, v = np.linalg.eigh(dk if mass == 0 else dm)
-        v = v[:, np.abs(w) > 1e-12 * np.abs(w).max(initial=0.0)]
-        dm, dk = v.T @ dm @ v, v.T @ dk @ v
-        columns = np.zeros((len(self.dofs), v.shape[1]))
-        columns[table.rows[e][kept]] = v
-        damping, viscous = table.loss_factor[e] * dk, None
-        if isinstance(table.law, StructuralDamping):
-            damping = damping + table.law.mass_coefficient * dm
-        elif isinstance(table.law, ViscousDamping):
-            viscous = table.law.mass_coefficient * dm + table.law.stiffness_coefficient * dk
-        return self.attach(Attachment(columns, mass=dm, stiffness=dk, damping=damping, viscous=viscous))
+        return self.attach(table.change(number, len(self.dofs), mass=mass, axial=axial, bending=bending))
 
     def scaled(self, *, mass: float = 1.0, stiffness: float = 1.0) -> "DynamicSystem":
         """Return the system with the mass or stiffness of every member multiplied.
@@ -186,22 +108,17 @@ class DynamicSystem:
         table = self.members
         if table is None:
             raise InvalidInputError("the system does not know its members", field="members")
-        dm = mass * self._sum(table.mass)
+        n = len(self.dofs)
+        dm = mass * table.sum(table.mass, n)
         k = table.axial + table.bending
-        dk = stiffness * self._sum(k)
+        dk = stiffness * table.sum(k, n)
         damping, viscous = self.damping, self.viscous
         if damping is not None:
-            damping = damping + stiffness * self._sum(table.loss_factor[:, None, None] * k)
+            damping = damping + stiffness * table.sum(table.loss_factor[:, None, None] * k, n)
             if isinstance(table.law, StructuralDamping):
                 damping = damping + table.law.mass_coefficient * dm
         if viscous is not None and isinstance(table.law, ViscousDamping):
             viscous = viscous + table.law.mass_coefficient * dm + table.law.stiffness_coefficient * dk
-        members = replace(
-            table,
-            mass=table.mass * (1 + mass),
-            axial=table.axial * (1 + stiffness),
-            bending=table.bending * (1 + stiffness),
-        )
         return DynamicSystem(
             csc_array(self.mass + dm),
             csc_array(self.stiffness + dk),
@@ -209,18 +126,8 @@ class DynamicSystem:
             damping,
             viscous,
             self.rigid,
-            members,
+            table.scaled(mass=1 + mass, stiffness=1 + stiffness),
         )
-
-    def _sum(self, parts: FloatArray) -> csc_array:
-        """Return the (n, n) sum of member matrices."""
-        assert self.members is not None
-        rows = self.members.rows
-        r = np.broadcast_to(rows[:, :, None], parts.shape)
-        c = np.broadcast_to(rows[:, None, :], parts.shape)
-        kept = (r >= 0) & (c >= 0)
-        n = len(self.dofs)
-        return csc_array(coo_array((parts[kept], (r[kept], c[kept])), shape=(n, n)))
 
     def folded(self) -> "DynamicSystem":
         """Return the same system with every attachment added into the matrices."""

@@ -6,8 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.fe.attachment import Attachment
 from modallab.fe.receptance import attached, attached_variants
-from modallab.fe.system import Attachment, DynamicSystem
+from modallab.fe.system import DynamicSystem
 from modallab.rig.effect import EFFECTS, Drive, Effect, NoiseLevels, Source, build
 from modallab.rig.excitation import EXCITATIONS
 from modallab.rig.setup import RigSetup, Shot

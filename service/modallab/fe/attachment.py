@@ -1,0 +1,51 @@
+"""A small system that hangs on a structure."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from modallab.core.arrays import ComplexArray, FloatArray, frozen
+
+
+@dataclass(frozen=True, eq=False)
+class Attachment:
+    """A small system that hangs on some motions of the structure: q = columns^T x.
+
+    Its matrices are (r, r); it adds `columns Z columns^T` to the dynamic stiffness, with
+    Z = k + i d + i omega c - omega^2 m.
+    """
+
+    columns: FloatArray  # (n, r)
+    mass: FloatArray | None = None
+    stiffness: FloatArray | None = None
+    damping: FloatArray | None = None  # structural
+    viscous: FloatArray | None = None
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "columns", frozen(self.columns, float, (None, None), name="columns"))
+        r = self.columns.shape[1]
+        for name in ("mass", "stiffness", "damping", "viscous"):
+            value = getattr(self, name)
+            if value is not None:
+                object.__setattr__(self, name, frozen(value, float, (r, r), name=name))
+
+    def same(self, other: "Attachment") -> bool:
+        """Return whether another attachment is equal to this one."""
+        names = ("columns", "mass", "stiffness", "damping", "viscous")
+        pairs = [(getattr(self, name), getattr(other, name)) for name in names]
+        return all(a is b or (a is not None and b is not None and np.array_equal(a, b)) for a, b in pairs)
+
+    def dynamic_stiffness(self, omega: FloatArray) -> ComplexArray:
+        """Return Z, (n_freq, r, r), N/m, at `omega` (n_freq,) rad/s."""
+        r = self.columns.shape[1]
+        w = omega[:, None, None]
+        z = np.zeros((len(omega), r, r), complex)
+        if self.mass is not None:
+            z -= w**2 * self.mass
+        if self.stiffness is not None:
+            z += self.stiffness
+        if self.damping is not None:
+            z += 1j * self.damping
+        if self.viscous is not None:
+            z += 1j * w * self.viscous
+        return z
