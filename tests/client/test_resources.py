@@ -87,6 +87,15 @@ def test_arrays_and_files_are_brought_in(lab: ModalLab, service: FakeService, tm
     (tmp_path / "frf.uff").write_bytes(b"    -1\n")
     lab.measurements.upload(tmp_path / "frf.uff", "r1")
     assert b'filename="frf.uff"' in service.requests[3].content
+    assert b"averages" not in service.requests[3].content
+    lab.measurements.upload(b"    -1\n", "r1", averages=94.8)
+    assert b'name="averages"\r\n\r\n94.8\r\n' in service.requests[6].content
+
+
+def test_a_universal_file_comes_as_its_bytes(lab: ModalLab, service: FakeService) -> None:
+    kind = {"content-type": "application/octet-stream"}
+    service.on("GET /v1/measurements/m1/frf.uff", httpx.Response(200, content=b"    -1\n", headers=kind))
+    assert lab.measurements.uff("m1") == b"    -1\n"
 
 
 def test_curves_and_truth_are_read(lab: ModalLab, service: FakeService) -> None:

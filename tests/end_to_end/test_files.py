@@ -1,0 +1,34 @@
+"""What docs/files.md tells the owner of a universal file to type."""
+
+import re
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from modallab_client import ModalLab, errors
+
+TEXT = (Path(__file__).parents[2] / "docs" / "files.md").read_text(encoding="utf-8")
+
+
+def test_a_universal_file_gives_modes_in_two_lines(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    two_lines, rig_of_it, back = re.findall(r"^```python\n(.*?)^```", TEXT, flags=re.DOTALL | re.MULTILINE)
+    assert len(two_lines.splitlines()) == 2
+    monkeypatch.chdir(tmp_path)
+    with ModalLab.embedded() as lab:
+        names: dict[str, Any] = {"lab": lab, "Path": Path}
+        exec(rig_of_it, names)
+        beam = lab.structures.catalogue("chapter-5-beam")
+        made = lab.measurements.start(beam.id, names["rig"].id, seed=1).result()
+        (tmp_path / "frf.uff").write_bytes(lab.measurements.uff(made.id))
+        exec(two_lines, names)
+        exec(back, names)
+        direct = lab.modal_models.start(made.id, method="dobson", n_modes=8).result()
+        assert len(direct.modes) == 8
+        assert names["modes"].table() == direct.table()
+        np.testing.assert_array_equal(names["modes"].shapes, direct.shapes)
+        assert (tmp_path / "out.uff").read_bytes() == (tmp_path / "frf.uff").read_bytes()
+        cut = (tmp_path / "frf.uff").read_bytes()[:-1000]
+        with pytest.raises(errors.InvalidInputError, match="dataset"):
+            lab.measurements.upload(cut, names["rig"].id)
