@@ -3,23 +3,32 @@
 from collections.abc import Mapping
 from typing import Annotated, Any
 
-from pydantic import BaseModel, ConfigDict, Field, StringConstraints
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, StringConstraints
 
 from modallab.core.dof import Dof
 from modallab.core.place import Channels, EffectSpec, Members, Place
 from modallab.rig.effect import Effect, build
 from modallab.store.base import Entry
 
+
+def _no_guess(value: Any) -> Any:
+    if isinstance(value, (bool, str)):
+        raise ValueError("Input should be a number")
+    return value
+
+
+# `true` and "20" are slips of who sent them: to read them as numbers would hide that.
+_Told = BeforeValidator(_no_guess)
 # A number beyond this has no meaning in any unit used here, and would overflow in the first product.
-Number = Annotated[float, Field(ge=-1e30, le=1e30)]
-Count = Annotated[int, Field(ge=-(2**31), le=2**31)]
+Number = Annotated[float, _Told, Field(ge=-1e30, le=1e30)]
+Count = Annotated[int, _Told, Field(ge=-(2**31), le=2**31)]
 Text = Annotated[str, StringConstraints(max_length=100, pattern=r"^[^\x00]*$")]
 DofText = Annotated[
     str,
     StringConstraints(max_length=20, pattern=r"^[^\x00]*$"),
     Field(description="node:direction, such as 5:+Y"),
 ]
-Seed = Annotated[int, Field(ge=0, le=2**63 - 1)]
+Seed = Annotated[int, _Told, Field(ge=0, le=2**63 - 1)]
 
 
 class Wire(BaseModel):

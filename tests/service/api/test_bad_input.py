@@ -63,6 +63,8 @@ STRUCTURES = {
         "invalid_request",
         "body.frame.nodes.01.[key]",
     ),
+    "yes for a length": (BEAM | {"length": True}, "invalid_request", "body.beam.length"),
+    "a word for a count": (BEAM | {"n_elements": "4"}, "invalid_request", "body.beam.n_elements"),
     "not finite": (BEAM | {"length": float("inf")}, "invalid_request", "body.beam.length"),
 }
 

@@ -5,7 +5,7 @@ from typing import Self
 from pydantic import Field
 
 from modallab.api.deps import Id
-from modallab.api.wire import EntryOut, Wire
+from modallab.api.wire import Count, EntryOut, Wire
 from modallab.correlation.mac import Correlation
 from modallab.store.base import Entry
 
@@ -15,7 +15,7 @@ class CorrelationIn(Wire):
 
     modal_model_id: Id
     structure_id: Id
-    count: int | None = Field(None, ge=1, le=100)
+    count: Count | None = Field(None, ge=1, le=100)
 
 
 class CorrelationOut(EntryOut):

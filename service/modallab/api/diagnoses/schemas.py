@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal, Self
 from pydantic import BeforeValidator, Field
 
 from modallab.api.deps import Id
-from modallab.api.wire import DofText, EntryOut, Number, Seed, Text, Wire, place_out
+from modallab.api.wire import Count, DofText, EntryOut, Number, Seed, Text, Wire, place_out
 from modallab.core.dof import Dof
 from modallab.diagnosis.result import Alias, Diagnosis, FittedEffect, Located, NextTest, Rival, Step
 from modallab.fe.structure import Structure
@@ -42,7 +42,7 @@ class DiagnosisStart(Wire):
     tolerances: Annotated[dict[Text, Number], NotOffered] = Field(default={}, max_length=0)
     follow_ups: Annotated[list[Any], NotOffered] = Field(default=[], max_length=0)
     act: Annotated[Literal[False], NotOffered] = False
-    max_effects: int = Field(default=4, ge=1, le=8)
+    max_effects: Count = Field(default=4, ge=1, le=8)
     seed: Seed = 0
 
     def to_arguments(self, structure: Structure) -> dict[str, Any]:

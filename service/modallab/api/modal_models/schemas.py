@@ -7,7 +7,7 @@ import numpy as np
 from pydantic import Field
 
 from modallab.api.deps import Id
-from modallab.api.wire import DofText, EntryOut, Number, Seed, Text, Wire
+from modallab.api.wire import Count, DofText, EntryOut, Number, Seed, Text, Wire
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.modal_model import ModalModel, Mode
@@ -33,7 +33,7 @@ Dofs = Annotated[list[DofText], Field(min_length=1, max_length=5000)]
 class SyntheticIn(Wire):
     """Modes of a structure as a test would give them."""
 
-    count: int = Field(ge=1, le=100)
+    count: Count = Field(ge=1, le=100)
     dofs: Dofs
     noise: ModeNoiseIn = ModeNoiseIn()
     seed: Seed = 0
@@ -52,7 +52,7 @@ class ModalModelStart(Wire):
     measurement_id: Id
     method: Text = "dobson"
     bands: Literal["auto"] | Annotated[list[Band], Field(min_length=1, max_length=500)] = "auto"
-    n_modes: int | None = Field(None, ge=1, le=500)
+    n_modes: Count | None = Field(None, ge=1, le=500)
 
 
 Complex = Number | tuple[Number, Number]

@@ -139,7 +139,7 @@ class BeamIn(_Described):
 
     kind: Literal["beam"]
     length: Number
-    n_elements: int = Field(ge=1, le=_MOST)
+    n_elements: Count = Field(ge=1, le=_MOST)
     section: SectionIn
     material: MaterialIn
 

@@ -36,7 +36,7 @@ class ParameterisationIn(Wire):
 class OptionsIn(Wire):
     """How an update is run; what is left out has the method's default."""
 
-    max_iterations: int | None = Field(default=None, ge=1, le=1000)
+    max_iterations: Count | None = Field(default=None, ge=1, le=1000)
     location_tolerance: Number | None = None
     tolerance: Number | None = None
     suspect_threshold: Number | None = None
