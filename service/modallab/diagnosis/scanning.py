@@ -54,8 +54,9 @@ def scan(
     chosen: dict[tuple[int, int], Start] = {}
     for w, widening in enumerate(WIDENINGS):
         order = sorted(range(len(suspects)), key=lambda i: float(costs[i][:, w].min()))
-        # The best place of each kind goes on as well: no kind is crowded out by many places of another.
-        firsts = {suspects[i].kind: i for i in reversed(order)}
+        # The best place of each kind goes on as well, and what acts everywhere: no kind is crowded out
+        # by many places of another, nor a narrow valley by many wide ones.
+        firsts = {(suspects[i].kind, suspects[i].at is None): i for i in reversed(order)}
         for i in [*order[:KEPT], *firsts.values()]:
             best = int(costs[i][:, w].argmin())
             name = next(iter(suspects[i].specs()))
