@@ -96,7 +96,7 @@ def _of_validation(_request: Request, error: Exception) -> JSONResponse:
     faults = [
         {
             "field": ".".join(str(part) for part in fault["loc"]),
-            "message": fault["msg"],
+            "message": fault["msg"].removeprefix("Value error, "),  # pydantic's word for ours
             "value": repr(fault.get("input"))[:_SHOWN],
         }
         for fault in error.errors()[:20]

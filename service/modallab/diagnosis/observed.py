@@ -95,19 +95,8 @@ class Observed:
         )
 
 
-def observe(measurement: Measurement, held_out: Sequence[Dof], *, fraction: float) -> Observed:
-    """Return what the fit sees of a measurement.
-
-    Parameters
-    ----------
-    held_out
-        Responses kept out of every fit; with none, every 1/fraction-th line is held out instead.
-
-    Raises
-    ------
-    InvalidInputError
-        If the coherence is missing: without it no residual can be weighed; or if no line is left to fit.
-    """
+def _weighable(measurement: Measurement) -> FloatArray:
+    """Return the coherence of a measurement whose random error it and the averages tell."""
     if measurement.coherence is None:
         raise InvalidInputError(
             "a diagnosis weighs residuals by their random error: give the coherence and the averages",
@@ -121,8 +110,25 @@ def observe(measurement: Measurement, held_out: Sequence[Dof], *, fraction: floa
             value=measurement.averages,
             allowed="> 2",
         )
+    return measurement.coherence
+
+
+def observe(measurement: Measurement, held_out: Sequence[Dof], *, fraction: float) -> Observed:
+    """Return what the fit sees of a measurement.
+
+    Parameters
+    ----------
+    held_out
+        Responses kept out of every fit; with none, every 1/fraction-th line is held out instead.
+
+    Raises
+    ------
+    InvalidInputError
+        If the coherence is missing: without it no residual can be weighed; or if no line is left to fit.
+    """
+    g2 = _weighable(measurement)
     analyser = measurement.setup.analyser
-    frf, g2, n = measurement.frf, measurement.coherence, measurement.averages
+    frf, n = measurement.frf, measurement.averages
     values = frf.values[:, :, 0] * (2j * np.pi * frf.freq[:, None]) ** _steps(frf.kind)
     # H1, whatever the estimator was: H2 = H1 / g2 and Hv = H1 / g.
     power = {"h1": 0.0, "h2": 1.0, "hv": 0.5}[analyser.estimator]
