@@ -96,7 +96,11 @@ def read(payload: bytes, *, largest: int) -> MeasuredFile:
             units = _factors(dataset)
     short = [f.of for f in functions if f.of is not None and f.of != len(functions)]
     if short:
-        raise refusal("the file is cut off", value=len(functions), allowed=short[0])
+        raise refusal(
+            f"the file had {short[0]} functions and has {len(functions)}: cut off, or put together of others",
+            value=len(functions),
+            allowed=short[0],
+        )
     found = [function for function in functions if function.type == FRF]
     frf = _frf(found, units)
     reader = _Companions(functions, found, frf, units)

@@ -13,9 +13,9 @@ from numpy.typing import NDArray
 
 from modallab.core.errors import InvalidInputError
 
-LARGEST = 32_000_000  # bytes of a file: 100 responses of 3,201 lines with all spectra take 13 million
+LARGEST = 24_000_000  # bytes of a file: 100 responses of 3,201 lines with all spectra take 13 million
 MOST_LINES = 100_000  # of one function
-MOST_SETS = 10_000
+MOST_SETS = 6_000
 FUNCTION, UNITS = 58, 164
 
 _OPEN = re.compile(rb"    -1 *\r?\n")
@@ -112,7 +112,9 @@ def _parsed(reader: Any, index: int, count: int) -> dict[str, Any]:
             dataset: dict[str, Any] = reader.read_sets(index)
     except Exception as error:  # pyuff raises nothing narrower
         raise refusal(f"dataset {index + 1} cannot be read: {error}", dataset=index + 1) from None
-    if dataset["type"] == FUNCTION:
+    if dataset["type"] != (FUNCTION if count else UNITS):
+        raise refusal(f"dataset {index + 1} cannot be read", dataset=index + 1)
+    if count:
         x, data = np.asarray(dataset["x"]), np.asarray(dataset["data"])
         if len(x) != count or len(data) != count:
             raise refusal(
@@ -172,6 +174,8 @@ def _function(payload: bytes, begin: int, index: int) -> tuple[bytes, int, int]:
             raise _cut_off(index)
         lines.append(payload[begin:stop].translate(_HEADER).rstrip())
         begin = stop + 1
+    # pyuff takes any line that ends so for a mark
+    lines[1:6] = [line.replace(b"    -1", b"   -1") for line in lines[1:6]]
     form = _form(lines, index)
     data, position = (_bytes if form.binary else _rows)(payload, begin, form, index)
     return b"\n".join([b"    -1", *lines, data]) + b"    -1\n", form.count, position

@@ -330,6 +330,29 @@ def text_file(values: str = " 1.00000E+00", count: int = 6, rows: int = 2, form:
 
 
 TEXT = text_file()
+
+
+@pytest.mark.parametrize(
+    "header",
+    [
+        "NONE".ljust(80).encode(),
+        "acceleration (m/s²)".encode(),
+        "acceleration (m/s²)".encode("latin-1"),
+        b"[.../Wet 36V 1/1 :1]    -1",
+        b"",
+        b"x" * 120,
+        b"a\x0bb\x0cc\x1cd",
+    ],
+)
+def test_what_others_write_in_the_first_lines_does_no_harm(header: bytes) -> None:
+    payload = TEXT.replace(b"NONE\n", header + b"\n", 3)
+    np.testing.assert_array_equal(read(payload).frf.values, np.full((6, 1, 1), 1 + 1j))
+
+
+def test_exponents_of_fortran_are_read() -> None:
+    np.testing.assert_array_equal(read(text_file("1.0D+00")).frf.values, np.full((6, 1, 1), 1 + 1j))
+
+
 HOSTILE: dict[str, bytes] = {
     "nothing": b"",
     "no universal file": b"freq,values\n1,2\n",
@@ -349,14 +372,15 @@ HOSTILE: dict[str, bytes] = {
     "a data form of its own": text_file(form=9),
     "NaN, binary": WHOLE.replace(measured().frf.values[3, 0, 0].tobytes(), np.array([np.nan, 0]).tobytes()),
     "other floating-point numbers": WHOLE.replace(b"58b     1     2", b"58b     1     1"),
-    "32 MB of line ends": b"    -1\n    58" + b"\r\n" * 16_000_000,
-    "32 MB of line ends in an unknown dataset": b"    -1\n    15" + b"\n" * 31_900_000 + b"\n    -1\n",
-    "32 MB of marks": b"    -1\n    15\n    -1\n" * 1_500_000,
-    "32 MB of half marks": b"    -1\n    15\n" + b"    -1x\n" * 3_900_000,
-    "32 MB of numbers in one dataset": text_file(rows=400_000),
-    "32 MB of good functions, the last one cut": (text_file(count=60_000, rows=20_000) * 19)[:-9],
-    "32 MB of good functions, all of one response": text_file(count=60_000, rows=20_000) * 20,
-    "10,000 good functions, all of one response": text_file() * 10_000,
+    "units that are none": b"    -1\n\r  164\n         1\n    -1\n" + TEXT,
+    "units of zero": b"    -1\n   164\n         1\n 0.0 1.0 1.0 1.0\n    -1\n" + TEXT,
+    "two files in one": WHOLE * 2,
+    "24 MB of line ends": b"    -1\n    58" + b"\r\n" * 11_900_000,
+    "24 MB of line ends in an unknown dataset": b"    -1\n    15" + b"\n" * 22_980_000 + b"\n    -1\n",
+    "24 MB of marks": b"    -1\n    15\n    -1\n" * 1_140_000,
+    "24 MB of half marks": b"    -1\n    15\n" + b"    -1x\n" * 2_980_000,
+    "24 MB of numbers in one dataset": text_file(rows=300_000),
+    "24 MB of good functions, the last one cut": (text_file(count=60_000, rows=20_000) * 15)[:-9],
     "200 MB": bytes(200_000_000),
     "200 MB that begin well": b"    -1\n    58\n".ljust(200_000_000),
 }
@@ -376,3 +400,18 @@ def test_a_hostile_file_is_refused_soon_and_in_little_memory(case: str) -> None:
     _, peak = tracemalloc.get_traced_memory()
     tracemalloc.stop()
     assert peak < 200_000_000
+
+
+# Nothing is wrong with any function by itself, so all are read before the file is refused.
+LATE = {
+    "24 MB of functions of one response": text_file(count=60_000, rows=20_000) * 15,
+    "6,000 functions of one response": text_file() * 6_000,
+}
+
+
+@pytest.mark.parametrize("case", LATE)
+def test_a_file_refused_at_its_end_is_refused_soon_too(case: str) -> None:
+    begun = time.process_time()
+    with pytest.raises(InvalidInputError, match="twice"):
+        taken(LATE[case], measured().setup)
+    assert time.process_time() - begun < 2.0
