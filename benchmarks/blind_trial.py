@@ -98,7 +98,7 @@ def _setup(periodic: bool, rng: np.random.Generator) -> RigSetup:
     noise = np.exp(rng.uniform(low, high, size=2))
     excitation = ExcitationSetting("periodic_random" if periodic else "random")
     return RigSetup(
-        drive=Dof.parse("1:+Y"),
+        drives=(Dof.parse("1:+Y"),),
         responses=tuple(Dof(n, "Y") for n in range(1, 22, 2)),
         exciter=Exciter(armature_mass=0.02),
         force_transducer=ForceTransducer(mass_below=0.01),
@@ -131,7 +131,7 @@ def _sized(kind: str, setup: RigSetup, target: float, rng: np.random.Generator) 
 
 def _with_gap(suspect: Effect, setup: RigSetup, target: float, *, more: bool) -> Effect | None:
     """Return the suspect as strong as the gap asks for; None if its bounds do not allow it."""
-    ((name, spec),) = suspect.specs().items()
+    name, spec = next(iter(suspect.specs().items()))
 
     def effect(strength: float) -> Effect:
         value = np.exp(strength if more else -strength) if spec.absent else spec.upper * np.exp(strength)
@@ -169,9 +169,9 @@ def score(case: Case, found: Diagnosis, measurement: Measurement, seconds: float
         last = found.steps[-1]
         closed = last.held_out_gap_after < 1 + 4 * last.held_out_scatter
         if right and not by_alias:
-            ((name, spec),) = case.truth.specs().items()
+            name, spec = next(iter(case.truth.specs().items()))
             true = case.truth.parameters[name]
-            error = abs(first.effect.parameters[name].value - true) / abs(true - spec.absent)
+            error = abs(first.effect.parameters[name].value - true) / abs(true - (spec.absent or 0.0))
     alarm = case.truth is None and found.verdict is not Verdict.NOTHING_MISSING
     if case.truth is None:
         right = not alarm

@@ -26,7 +26,7 @@ ALLOWED = 0.05
 def bench(excitation: str, window: str, n_lines: int, n_out: int, averages: int = 20) -> Chain:
     """Return the chapter 5 beam on a noisy rig with a roving accelerometer."""
     setup = RigSetup(
-        Dof(1, "Y"),
+        (Dof(1, "Y"),),
         tuple(Dof(node, "Y") for node in range(1, 1 + 2 * n_out, 2)),
         exciter=Exciter(armature_mass=0.02),
         accelerometers=Accelerometers(0.02, roving=True),
@@ -59,7 +59,7 @@ def scores(a: FloatArray, b: FloatArray) -> tuple[FloatArray, FloatArray]:
 def compare(whole: Chain, n_tests: int, seed: int) -> dict[str, FloatArray]:
     """Return z over the lines of H1 (real and imaginary part) and coherence."""
     rng = np.random.default_rng(seed)
-    n_run = len(whole.shots)
+    n_run = len(whole.runs)
     sampled = estimates([sampled_spectra(whole, rng, silent) for _ in range(n_tests)], n_run)
     drawn = estimates([drawn_spectra(expected_spectra(whole), rng, n_tests)], n_run)
     found: dict[str, FloatArray] = {}

@@ -48,7 +48,7 @@ def _measurement() -> Measurement:
     responses = tuple(Dof(n, "Y") for n in range(1, 12))
     values = rng.standard_normal((401, 11, 1)) + 1j * rng.standard_normal((401, 11, 1))
     frf = FrfSet(np.linspace(0, 800, 401), values, responses, (Dof(1, "Y"),), FrfKind.INERTANCE)
-    setup = RigSetup(Dof(1, "Y"), responses)
+    setup = RigSetup((Dof(1, "Y"),), responses)
     return Measurement(frf, rng.uniform(size=(401, 11)), 100.0, setup, np.abs(values))
 
 

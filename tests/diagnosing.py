@@ -50,7 +50,7 @@ def rig(
 ) -> RigSetup:
     """Return a rig with six responses and 161 lines to 400 Hz."""
     return RigSetup(
-        drive=Dof.parse("1:+Y"),
+        drives=(Dof.parse("1:+Y"),),
         responses=tuple(Dof(n, "Y") for n in (1, 2, 4, 5, 7, 9)),
         exciter=Exciter(armature_mass=0.02),
         force_transducer=ForceTransducer(mass_below=0.01),

@@ -35,4 +35,4 @@ def dofs(*nodes: int) -> tuple[Dof, ...]:
 def rig(*nodes: int, excitation: str = "periodic_random", analyser: Any = None, **parts: Any) -> RigSetup:
     """A rig that drives node 1 and listens at `nodes`; `analyser` holds what differs from the default."""
     settings = Analyser(excitation=ExcitationSetting(excitation), **(analyser or {}))
-    return RigSetup(Dof(1, "Y"), dofs(*nodes), analyser=settings, **parts)
+    return RigSetup(dofs(1), dofs(*nodes), analyser=settings, **parts)

@@ -8,18 +8,38 @@ from modallab.core.errors import InvalidInputError
 
 @dataclass(frozen=True)
 class ParameterSpec:
-    """What a fitted number means; `absent` is the value at which it has no effect."""
+    """What a fitted number means.
+
+    `absent` is the value at which it has no effect; None where it only says how the effect acts, and
+    another number how much. `tries` are values worth a first look; without any they are spread
+    about the default.
+    """
 
     unit: str
     lower: float
     upper: float
-    absent: float
+    absent: float | None
     doc: str
+    tries: tuple[float, ...] = ()
+
+    @property
+    def signed(self) -> bool:
+        """Whether it may be negative, so that no logarithm of it can be taken."""
+        return self.lower < 0
 
 
-def parameter(default: float, *, unit: str, lower: float, upper: float, doc: str, absent: float = 0.0) -> Any:
+def parameter(
+    default: float,
+    *,
+    unit: str,
+    lower: float,
+    upper: float,
+    doc: str,
+    absent: float | None = 0.0,
+    tries: tuple[float, ...] = (),
+) -> Any:
     """Declare a dataclass field that may be fitted; unit and bounds live here only."""
-    return field(default=default, metadata={"spec": ParameterSpec(unit, lower, upper, absent, doc)})
+    return field(default=default, metadata={"spec": ParameterSpec(unit, lower, upper, absent, doc, tries)})
 
 
 class Parameterised:

@@ -36,16 +36,30 @@ class Fit:
 
 @dataclass(frozen=True)
 class _Knob:
-    """One number of one effect, fitted on a logarithmic scale: all are positive by their bounds."""
+    """One number of one effect, fitted on a logarithmic scale, or on its own where it may be negative."""
 
     effect: int
     name: str
     spec: ParameterSpec
+    unit: float  # of its own scale: a believable size
 
     @property
     def bounds(self) -> tuple[float, float]:
+        if self.spec.signed:
+            return self.spec.lower / self.unit, self.spec.upper / self.unit
         low = max(self.spec.lower, 1e-9 * self.spec.upper)
         return float(np.log(low)), float(np.log(self.spec.upper))
+
+    def position(self, value: float) -> float:
+        return value / self.unit if self.spec.signed else float(np.log(max(value, 1e-300)))
+
+    def value(self, position: float) -> float:
+        value = position * self.unit if self.spec.signed else np.exp(position)
+        return float(np.clip(value, self.spec.lower, self.spec.upper))
+
+    def error(self, spread: float, value: float) -> float:
+        """Return the standard error of the number from that of its position."""
+        return spread * (self.unit if self.spec.signed else value)
 
 
 class _Panel:
@@ -53,16 +67,19 @@ class _Panel:
 
     def __init__(self, effects: Sequence[Effect]) -> None:
         self.effects = tuple(effects)
-        self.knobs = [_Knob(i, n, s) for i, e in enumerate(effects) for n, s in e.specs().items()]
+        self.knobs = [
+            _Knob(i, name, spec, abs(type(effect)().parameters[name]) or 1.0)
+            for i, effect in enumerate(effects)
+            for name, spec in effect.specs().items()
+        ]
         self.low, self.high = np.array([k.bounds for k in self.knobs]).reshape(-1, 2).T
-        start = [effects[k.effect].parameters[k.name] for k in self.knobs]
-        self.start = np.log(np.maximum(start, 1e-300)).clip(self.low + 1e-9, self.high - 1e-9)
+        start = np.array([k.position(effects[k.effect].parameters[k.name]) for k in self.knobs])
+        self.start = start.clip(self.low + 1e-9, self.high - 1e-9)
 
     def turned(self, u: FloatArray) -> list[Effect]:
         out = list(self.effects)
-        for knob, value in zip(self.knobs, np.exp(u), strict=True):
-            bounded = float(np.clip(value, knob.spec.lower, knob.spec.upper))
-            out[knob.effect] = out[knob.effect].with_parameters({knob.name: bounded})
+        for knob, position in zip(self.knobs, u, strict=True):
+            out[knob.effect] = out[knob.effect].with_parameters({knob.name: knob.value(float(position))})
         return out
 
 
@@ -86,6 +103,9 @@ def approach(
         return residual(thin, predicted, widen=widen).vector(thin.fitted)
 
     u = panel.start
+    if not panel.knobs:
+        left = vector(u, 0.0)
+        return effect, float(left @ left)
     for widen in (*(w for w in BLURRED if w <= widening), 0.0):
         u, _ = _least_squares(partial(vector, widen=widen), u, (panel.low, panel.high), evaluations=4)
     left = vector(u, 0.0)
@@ -121,8 +141,8 @@ def fit(predictor: Predictor, effects: Sequence[Effect], *, fixed: Sequence[Effe
     covariance = np.linalg.pinv(jacobian.T @ jacobian) * scale
     errors: list[dict[str, float]] = [{} for _ in effects]
     for i, knob in enumerate(panel.knobs):
-        relative = float(np.sqrt(covariance[i, i]))
-        errors[knob.effect][knob.name] = relative * final[knob.effect].parameters[knob.name]
+        spread = float(np.sqrt(covariance[i, i]))
+        errors[knob.effect][knob.name] = knob.error(spread, final[knob.effect].parameters[knob.name])
     return Fit(tuple(final), tuple(errors), left, chi_square, len(panel.knobs), len(vector))
 
 

@@ -14,10 +14,11 @@ from modallab.fe.assembly import assemble
 from modallab.fe.modes import ModalBasis
 from modallab.fe.structure import Structure
 from modallab.rig.chain import chain
+from modallab.rig.channel import Channel
 from modallab.rig.effect import Effect, build
 from modallab.rig.expected import expected_spectra, glimpse
 from modallab.rig.measurement import Measurement
-from modallab.rig.setup import RigSetup, Shot
+from modallab.rig.setup import RigSetup
 
 GLIMPSED = 130  # lines that a first look uses
 
@@ -57,7 +58,7 @@ class Predictor:
 
     def modes(self) -> ModalBasis:
         """Return the elastic modes of the model with what the first run attaches to it."""
-        first = chain(self.system, self.setup, self._own).systems[0]
+        first = chain(self.system, self.setup, self._own).runs[0].system
         top = self.setup.analyser.frequency_max
         basis = first.modes(top).elastic()
         return basis.elastic(max(1, int((basis.frequencies <= top).sum())))
@@ -71,10 +72,12 @@ class Predictor:
         freq = self.observed.freq
         if self.setup.accelerometers.roving:
             visited = chain(self.system, replace(self.setup, responses=dofs), extended)
-            return np.asarray(visited.respond(freq).inertance[..., 0].T[..., None])
-        whole = chain(self.system, self.setup, extended)
-        elsewhere = replace(whole, shots=(Shot(self.setup.drive, dofs),))
-        return np.asarray(elsewhere.respond(freq).inertance[0][..., None])
+            return np.asarray(visited.respond(freq).inertance[:, :, 0, 0].T[..., None])
+        first = chain(self.system, self.setup, extended).runs[0]
+        shot = replace(first.shot, outputs=dofs)
+        elsewhere = replace(first, shot=shot, responses=tuple(map(Channel.ideal, dofs)))
+        whole = replace(chain(self.system, self.setup), runs=(elsewhere,))
+        return np.asarray(whole.respond(freq).inertance[0])
 
 
 class Glimpses:

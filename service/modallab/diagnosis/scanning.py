@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 
@@ -27,9 +28,27 @@ class Start:
 
 
 def grid(spec: ParameterSpec, default: float) -> FloatArray:
-    """Return values to try: on both sides of `absent`, or half decades round a believable one."""
-    values = spec.absent * RATIOS if spec.absent > 0 else default * 10.0 ** np.arange(-3, 3.01, 0.5)
+    """Return values to try: on both sides of `absent`, or half decades round a believable one.
+
+    Of a number that only says how an effect acts: what it declares worth a look, or the believable one.
+    """
+    if spec.tries or spec.absent is None:
+        return np.array(spec.tries or (default,))
+    if spec.signed:
+        steps = abs(default - spec.absent) * 10.0 ** np.arange(-2, 1.01, 0.5)
+        values = spec.absent + np.concatenate([-steps[::-1], steps])
+    elif spec.absent > 0:
+        values = spec.absent * RATIOS
+    else:
+        values = default * 10.0 ** np.arange(-3, 3.01, 0.5)
     return np.asarray(values[(values > spec.lower) & (values <= spec.upper)])
+
+
+def variants(suspect: Effect) -> list[Effect]:
+    """Return a suspect with every combination of values worth a first look; itself if it has no number."""
+    own = suspect.parameters
+    choices = [[(name, v) for v in grid(spec, own[name])] for name, spec in suspect.specs().items()]
+    return [suspect.with_parameters({n: float(v) for n, v in chosen}) for chosen in product(*choices)]
 
 
 def scan(
@@ -42,9 +61,9 @@ def scan(
     glimpses
         First looks round the accepted effects.
     suspects
-        One effect of one parameter for every kind and place.
+        One effect for every kind and place.
     """
-    values: list[FloatArray] = []
+    values: list[list[Effect]] = []
     costs: list[FloatArray] = []
     for i, suspect in enumerate(suspects):
         tried, cost = _tried(glimpses, accepted, suspect)
@@ -59,34 +78,47 @@ def scan(
         firsts = {(suspects[i].kind, suspects[i].at is None): i for i in reversed(order)}
         for i in [*order[:KEPT], *firsts.values()]:
             best = int(costs[i][:, w].argmin())
-            name = next(iter(suspects[i].specs()))
-            effect = suspects[i].with_parameters({name: float(values[i][best])})
-            chosen.setdefault((i, best), Start(effect, widening))
+            chosen.setdefault((i, best), Start(values[i][best], widening))
     return list(chosen.values())
 
 
-def _tried(glimpses: Glimpses, accepted: Sequence[Effect], suspect: Effect) -> tuple[FloatArray, FloatArray]:
-    """Return the values tried and their cost at every widening, (n_values, n_widenings)."""
+def _tried(
+    glimpses: Glimpses, accepted: Sequence[Effect], suspect: Effect
+) -> tuple[list[Effect], FloatArray]:
+    """Return the variants tried and their cost at every widening, (n_variants, n_widenings)."""
     observed = glimpses.observed
     where = observed.fitted
-    ((name, spec),) = suspect.specs().items()
-    values = list(grid(spec, suspect.parameters[name]))
 
     def vectors(extra: Sequence[Effect]) -> list[FloatArray]:
         predicted = glimpses.predict([*accepted, *extra])
         return [residual(observed, predicted, widen=widen).vector(where) for widen in WIDENINGS]
 
-    found = [vectors([suspect.with_parameters({name: float(v)})]) for v in values]
-    # Where residuals are no larger than noise the best value lies between `absent` and the nearest
-    # grid point; the straight line through both says where.
-    start = vectors([])[0]
-    near = int(np.argmin(np.abs(np.array(values) - spec.absent)))
-    slope = found[near][0] - start
-    if (along := float(slope @ slope)) > 0:
-        reach = -float(slope @ start) / along * (values[near] - spec.absent)
-        low = spec.lower if spec.absent > spec.lower else spec.absent + 1e-3 * (values[near] - spec.absent)
-        value = float(np.clip(spec.absent + reach, low, spec.upper))
-        values.append(value)
-        found.append(vectors([suspect.with_parameters({name: value})]))
+    tried = variants(suspect)
+    found = [vectors([effect]) for effect in tried]
+    if between := _between(suspect, tried, vectors([])[0], [v[0] for v in found]):
+        tried.append(between)
+        found.append(vectors([between]))
     costs = [[HEAVY_TAIL * np.log1p(v**2 / HEAVY_TAIL).sum() for v in each] for each in found]
-    return np.array(values), np.array(costs)
+    return tried, np.array(costs)
+
+
+def _between(
+    suspect: Effect, tried: Sequence[Effect], start: FloatArray, found: Sequence[FloatArray]
+) -> Effect | None:
+    """Return the variant where the straight line from nothing to a small amount is lowest.
+
+    Where residuals are no larger than noise the best amount lies between `absent` and the nearest
+    one tried.
+    """
+    name, spec = next(iter(suspect.specs().items()), ("", None))
+    if spec is None or spec.absent is None:
+        return None
+    away = np.array([effect.parameters[name] for effect in tried]) - spec.absent
+    least = np.flatnonzero(np.abs(away) == np.abs(away).min())
+    near = min((int(i) for i in least), key=lambda i: float(found[i] @ found[i]))
+    slope = found[near] - start
+    if not (along := float(slope @ slope)) > 0:
+        return None
+    reach = -float(slope @ start) / along * float(away[near])
+    low = spec.lower if spec.absent > spec.lower else spec.absent + 1e-3 * float(away[near])
+    return tried[near].with_parameters({name: float(np.clip(spec.absent + reach, low, spec.upper))})

@@ -18,6 +18,7 @@ BRANCHES = 3  # first effects that are followed up where the best one does not e
 MOST = 3.0  # gap of a part above which the best first effect may be the wrong one of two
 CONVINCING = 10.0  # difference in BIC that counts as very strong (Kass and Raftery 1995)
 ALIKE = 9.0  # difference in chi-square within which two explanations cannot be told apart
+ROUNDING = 0.1  # difference in BIC of two descriptions of one and the same physics
 CLEAR = 2.0  # standard errors that a parameter keeps from `absent`
 CHANCE = 3e-5  # probability below which a gap above 1 is not put down to chance: four standard errors
 
@@ -114,7 +115,17 @@ def trials(predictor: Predictor, base: Fit, suspects: Sequence[Effect], *, progr
     for i, (_, effect) in enumerate(best):
         progress(0.75 + 0.25 * i / len(best), f"fitting {effect.kind}")
         fits.append(fit(predictor, (*accepted, effect)))
-    return sorted(fits, key=lambda one: one.bic)
+    return best_first(fits)
+
+
+def best_first(fits: Sequence[Fit]) -> list[Fit]:
+    """Return fits by BIC; of those that differ by rounding alone what belongs to the rig comes first.
+
+    A rig is changed from test to test, a model is not: the likelier place for what was forgotten.
+    """
+    order = sorted(fits, key=lambda one: one.bic)
+    tied = [one for one in order if one.bic - order[0].bic < ROUNDING]
+    return sorted(tied, key=lambda one: one.effects[-1].structural) + order[len(tied) :]
 
 
 def improves(predictor: Predictor, before: Fit, after: Fit) -> bool:
@@ -124,7 +135,7 @@ def improves(predictor: Predictor, before: Fit, after: Fit) -> bool:
         return False
     effect, errors = after.effects[-1], after.errors[-1]
     for name, spec in effect.specs().items():
-        if abs(effect.parameters[name] - spec.absent) < CLEAR * errors[name]:
+        if spec.absent is not None and abs(effect.parameters[name] - spec.absent) < CLEAR * errors[name]:
             return False
     held_before, held_after = (f.residual.gap(observed.kept) for f in (before, after))
     return held_after < held_before - scatter(observed, after.residual, observed.kept)

@@ -8,7 +8,8 @@ from typing import ClassVar, Self
 from modallab.core.dof import Dof
 from modallab.core.parameters import parameter
 from modallab.correlation.evidence import Evidence
-from modallab.rig.effect import EFFECTS, Drive, Effect
+from modallab.rig.drive import Drive
+from modallab.rig.effect import EFFECTS, Effect
 from modallab.rig.setup import RigSetup
 
 
@@ -28,7 +29,7 @@ class ExciterArmature(Effect):
     mass: float = parameter(0.02, unit="kg", lower=0.0, upper=5.0, doc="moving mass behind the force gauge")
 
     def on_drive(self, drive: Drive) -> Drive:
-        return replace(drive, mass=drive.mass + self.mass)
+        return replace(drive, mass=drive.mass + self.mass) if self.acts_on(drive.dof) else drive
 
     @classmethod
     def from_setup(cls, setup: RigSetup) -> Sequence[Self]:

@@ -10,8 +10,9 @@ import numpy as np
 from modallab.core.dof import Dof
 from modallab.core.parameters import parameter
 from modallab.correlation.evidence import Evidence
-from modallab.rig.effect import EFFECTS, Effect, NoiseLevels
+from modallab.rig.effect import EFFECTS, Effect
 from modallab.rig.setup import RigSetup
+from modallab.rig.source import NoiseLevels
 
 
 @EFFECTS.register("force_noise")

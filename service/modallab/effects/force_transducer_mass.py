@@ -26,7 +26,10 @@ class ForceTransducerMass(Effect):
     mass: float = parameter(0.01, unit="kg", lower=0.0, upper=0.5, doc="mass below the sensing element")
 
     def on_system(self, system: DynamicSystem, shot: Shot) -> DynamicSystem:
-        return system.add_mass(shot.drive.node, self.mass)
+        for drive in shot.drives:
+            if self.acts_on(drive):
+                system = system.add_mass(drive.node, self.mass)
+        return system
 
     @classmethod
     def from_setup(cls, setup: RigSetup) -> Sequence[Self]:

@@ -7,7 +7,8 @@ import numpy as np
 
 from modallab.core.parameters import parameter
 from modallab.correlation.evidence import Evidence
-from modallab.rig.effect import EFFECTS, Effect, Source
+from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.source import Source
 
 
 @EFFECTS.register("leakage")

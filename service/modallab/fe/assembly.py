@@ -135,6 +135,8 @@ class Assembly:
             viscous = law.mass_coefficient * mass + law.stiffness_coefficient * stiffness
         table = MemberTable(
             numbers=tuple(m.number for m in self.structure.members),
+            ends=tuple(m.nodes for m in self.structure.members),
+            points=np.array([[self.structure.nodes[n] for n in m.nodes] for m in self.structure.members]),
             rows=self.rows,
             mass=mass,
             axial=use.axial[:, None, None] * self.axial,

@@ -11,8 +11,9 @@ from modallab.core.arrays import ComplexArray, FloatArray, frozen
 class Attachment:
     """A small system that hangs on some motions of the structure: q = columns^T x.
 
-    Its matrices are (r, r); it adds `columns Z columns^T` to the dynamic stiffness, with
-    Z = k + i d + i omega c - omega^2 m.
+    It adds `columns Z columns^T` to the dynamic stiffness, with Z = k + i d + i omega c - omega^2 m.
+    Its matrices are (r + inner, r + inner): the last `inner` coordinates are its own, as the mass of an
+    oscillator has one, and Z is what is left of the matrices when nothing acts on those.
     """
 
     columns: FloatArray  # (n, r)
@@ -20,10 +21,11 @@ class Attachment:
     stiffness: FloatArray | None = None
     damping: FloatArray | None = None  # structural
     viscous: FloatArray | None = None
+    inner: int = 0
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "columns", frozen(self.columns, float, (None, None), name="columns"))
-        r = self.columns.shape[1]
+        r = self.columns.shape[1] + self.inner
         for name in ("mass", "stiffness", "damping", "viscous"):
             value = getattr(self, name)
             if value is not None:
@@ -33,11 +35,13 @@ class Attachment:
         """Return whether another attachment is equal to this one."""
         names = ("columns", "mass", "stiffness", "damping", "viscous")
         pairs = [(getattr(self, name), getattr(other, name)) for name in names]
-        return all(a is b or (a is not None and b is not None and np.array_equal(a, b)) for a, b in pairs)
+        return self.inner == other.inner and all(
+            a is b or (a is not None and b is not None and np.array_equal(a, b)) for a, b in pairs
+        )
 
     def dynamic_stiffness(self, omega: FloatArray) -> ComplexArray:
         """Return Z, (n_freq, r, r), N/m, at `omega` (n_freq,) rad/s."""
-        r = self.columns.shape[1]
+        r = self.columns.shape[1] + self.inner
         w = omega[:, None, None]
         z = np.zeros((len(omega), r, r), complex)
         if self.mass is not None:
@@ -48,4 +52,11 @@ class Attachment:
             z += 1j * self.damping
         if self.viscous is not None:
             z += 1j * w * self.viscous
-        return z
+        return z if self.inner == 0 else _condensed(z, self.inner)
+
+
+def _condensed(z: ComplexArray, inner: int) -> ComplexArray:
+    """Return z (n_freq, r + inner, r + inner) without its last coordinates, on which nothing acts."""
+    outer, across, back = z[:, :-inner, :-inner], z[:, :-inner, -inner:], z[:, -inner:, :-inner]
+    own = z[:, -inner:, -inner:]
+    return np.asarray(outer - across @ (back / own if inner == 1 else np.linalg.solve(own, back)))

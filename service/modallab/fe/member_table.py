@@ -16,6 +16,8 @@ class MemberTable:
     """The matrices of each member as they stand in a system, and the damping law they follow."""
 
     numbers: tuple[int, ...]
+    ends: tuple[tuple[int, int], ...]  # nodes
+    points: FloatArray  # (n_members, 2, 2) m, x and y of each end
     rows: IntArray  # (n_members, 6), -1 where a DoF is held
     mass: FloatArray  # (n_members, 6, 6)
     axial: FloatArray

@@ -128,10 +128,12 @@ def lean(system: DynamicSystem) -> DynamicSystem:
     """Return the same system with attachments folded into the matrices, where they are many.
 
     Solving for the modes again costs less than many attached columns at every frequency. Asked for
-    again with a few attachments more, the folded matrices and their modes are used again.
+    again with a few attachments more, the folded matrices and their modes are used again. Attachments
+    with coordinates of their own stay attached, so that rows go on meaning DoFs.
     """
     if system.stacked.shape[1] <= FEW:
         return system
+    plain = tuple(a for a in system.attachments if a.inner == 0)
     known = system.shared.get("folded")
     if isinstance(known, tuple):
         attachments, folded = known
@@ -139,9 +141,9 @@ def lean(system: DynamicSystem) -> DynamicSystem:
         again: DynamicSystem = replace(folded, attachments=tuple(rest))
         if len(rest) + len(attachments) == len(system.attachments) and again.stacked.shape[1] <= FEW:
             return again
-    folded = system.folded()
-    system.shared["folded"] = (system.attachments, folded)
-    return folded
+    folded = replace(system, attachments=plain).folded()
+    system.shared["folded"] = (plain, folded)
+    return replace(folded, attachments=tuple(a for a in system.attachments if a.inner))
 
 
 def _has(system: DynamicSystem, attachment: Attachment) -> bool:

@@ -79,6 +79,25 @@ class DynamicSystem:
         """Return the system with a spring, N/m (N m for a rotation), from a DoF to the ground."""
         return self.attach(Attachment(self.selection((dof,)), stiffness=np.array([[stiffness]])))
 
+    def add_damper(self, dof: Dof, viscous: float) -> "DynamicSystem":
+        """Return the system with a viscous damper, N s/m (N m s for a rotation), from a DoF to the ground."""
+        return self.attach(Attachment(self.selection((dof,)), viscous=np.array([[viscous]])))
+
+    def add_oscillator(self, dof: Dof, mass: float, frequency: float, loss_factor: float) -> "DynamicSystem":
+        """Return the system with a mass, kg, on a damped spring that hangs on a DoF.
+
+        Parameters
+        ----------
+        frequency
+            Hz, of the mass on its spring when the DoF is held.
+        loss_factor
+            Of the spring.
+        """
+        spring = (2 * np.pi * frequency) ** 2 * mass * np.array([[1.0, -1.0], [-1.0, 1.0]])
+        own = np.diag([0.0, mass])
+        column = self.selection((dof,))
+        return self.attach(Attachment(column, own, spring, loss_factor * spring, inner=1))
+
     def change_member(
         self, number: int, *, mass: float = 0.0, axial: float = 0.0, bending: float = 0.0
     ) -> "DynamicSystem":
@@ -130,17 +149,36 @@ class DynamicSystem:
         )
 
     def folded(self) -> "DynamicSystem":
-        """Return the same system with every attachment added into the matrices."""
+        """Return the same system with every attachment added into the matrices.
+
+        Coordinates of the attachments' own become rows behind those of the DoFs.
+        """
+        motions = _motions(len(self.dofs), self.attachments)
+        n = len(self.dofs) + sum(a.inner for a in self.attachments)
         out: dict[str, csc_array | None] = {}
         for name in ("mass", "stiffness", "damping", "viscous"):
-            total: csc_array | None = getattr(self, name)
-            for a in self.attachments:
-                small = getattr(a, name)
+            total = _grown(getattr(self, name), n)
+            for attachment, columns in zip(self.attachments, motions, strict=True):
+                small = getattr(attachment, name)
                 if small is not None and small.any():
-                    extra = csc_array(a.columns @ small @ a.columns.T)
+                    extra = csc_array(columns @ small @ columns.T)
                     total = extra if total is None else csc_array(total + extra)
             out[name] = total
-        return DynamicSystem(**out, dofs=self.dofs, rigid=self.rigid, members=self.members)  # type: ignore[arg-type]
+        rigid = None if self.rigid is None else self._carried(self.rigid)
+        return DynamicSystem(**out, dofs=self.dofs, rigid=rigid, members=self.members)  # type: ignore[arg-type]
+
+    def _carried(self, motions: FloatArray) -> FloatArray:
+        """Return slow motions (n, k) with those of the attachments' own coordinates below them."""
+        rows = [motions]
+        for a in self.attachments:
+            if a.inner:
+                k = np.zeros((a.inner, len(a.columns.T) + a.inner)) if a.stiffness is None else a.stiffness
+                rows.append(
+                    -np.linalg.pinv(k[-a.inner :, -a.inner :])
+                    @ k[-a.inner :, : -a.inner]
+                    @ (a.columns.T @ motions)
+                )
+        return np.vstack(rows)
 
     @property
     def stacked(self) -> FloatArray:
@@ -193,6 +231,26 @@ class DynamicSystem:
                 modal = (basis.shapes * (matrix @ basis.shapes)).sum(axis=0).real
                 lost += modal * (2 * np.pi * basis.frequencies) ** power
         return basis.frequencies, lost / (2 * basis.frequencies * (2 * np.pi) ** 2)
+
+
+def _motions(n: int, attachments: tuple[Attachment, ...]) -> list[FloatArray]:
+    """Return the (n + all inner, r + inner) columns of each attachment, its own coordinates last."""
+    out, first = [], n
+    for a in attachments:
+        columns = np.zeros((n + sum(b.inner for b in attachments), a.columns.shape[1] + a.inner))
+        columns[:n, : a.columns.shape[1]] = a.columns
+        columns[first + np.arange(a.inner), a.columns.shape[1] + np.arange(a.inner)] = 1.0
+        out.append(columns)
+        first += a.inner
+    return out
+
+
+def _grown(matrix: csc_array | None, n: int) -> csc_array | None:
+    """Return a matrix with empty rows and columns behind its own, (n, n)."""
+    if matrix is None or matrix.shape[0] == n:
+        return matrix
+    grown = matrix.tocoo()
+    return csc_array((grown.data, (grown.row, grown.col)), shape=(n, n))
 
 
 def modal_damping(system: DynamicSystem, loss_factors: tuple[float, ...]) -> Attachment:

@@ -52,12 +52,12 @@ class MeasuredFile:
         )
 
     def _responses(self, setup: RigSetup) -> tuple[Dof, ...]:
-        if self.frf.inputs != (setup.drive,):
+        if self.frf.inputs != setup.drives:
             raise InvalidInputError(
                 "the file drives elsewhere than the rig",
                 field="inputs",
                 value=", ".join(map(str, self.frf.inputs)),
-                allowed=str(setup.drive),
+                allowed=", ".join(map(str, setup.drives)),
             )
         strange = [str(dof) for dof in self.frf.outputs if dof not in setup.responses]
         if strange:

@@ -7,45 +7,21 @@ from typing import Any, ClassVar, Self
 
 import numpy as np
 
-from modallab.core.arrays import ComplexArray
+from modallab.core.arrays import FloatArray
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.parameters import Parameterised
 from modallab.core.place import Channels, EffectSpec, Members, Place
 from modallab.core.registry import Family
 from modallab.correlation.evidence import Evidence
+from modallab.estimation.spectra import CrossSpectra
 from modallab.fe.structure import Structure
 from modallab.fe.system import DynamicSystem
+from modallab.rig.acquisition import Acquisition, Batch
+from modallab.rig.channel import Channel
+from modallab.rig.drive import Drive
 from modallab.rig.setup import RigSetup, Shot
-
-
-@dataclass(frozen=True)
-class Drive:
-    """What stands between the source and the structure.
-
-    P = F + m a at the drive point, 1992 thesis eq. [5.2].
-    """
-
-    mass: float = 0.0  # kg, moved by the source behind the sensing element
-
-    def transmission(self, inertance: ComplexArray) -> ComplexArray:
-        """Return F/P = 1/(1 + m H), of the drive point's inertance H, 1/kg [5.3]."""
-        return np.asarray(1.0 / (1.0 + self.mass * inertance))
-
-
-@dataclass(frozen=True)
-class Source:
-    """How the source's power stands to the record; `continuous` of it does not repeat and leaks."""
-
-    continuous: float = 0.0
-
-
-@dataclass(frozen=True)
-class NoiseLevels:
-    """White noise of the channels as ratios to the mean noise-free spectrum of each over the band."""
-
-    force: float = 0.0
-    response: float = 0.0
+from modallab.rig.source import NoiseLevels, Source
 
 
 @dataclass(frozen=True)
@@ -60,7 +36,8 @@ class Effect(Parameterised):
     stage: ClassVar[int]
     structural: ClassVar[bool] = False  # True: it belongs to the model, else to the log book
     sits: ClassVar[tuple[type, ...]] = (NoneType,)  # what `at` may be
-    at_drive: ClassVar[bool] = False  # True: a DoF it sits at can only be the drive point
+    at_drive: ClassVar[bool] = False  # True: a DoF it sits at can only be a drive point
+    suspected: ClassVar[bool] = True  # False: a diagnosis looks for it only when told to
     at: Place = None
 
     def on_system(self, system: DynamicSystem, shot: Shot) -> DynamicSystem:
@@ -68,8 +45,12 @@ class Effect(Parameterised):
         return system
 
     def on_drive(self, drive: Drive) -> Drive:
-        """Stage 3: return what stands between source and structure."""
+        """Stage 3: return what stands between one source and the structure."""
         return drive
+
+    def on_channel(self, channel: Channel, system: DynamicSystem) -> Channel:
+        """Stage 4: return what reaches a channel and what it makes of it."""
+        return channel
 
     def on_noise(self, noise: NoiseLevels) -> NoiseLevels:
         """Stage 5: return the channels' noise."""
@@ -78,6 +59,17 @@ class Effect(Parameterised):
     def on_source(self, source: Source) -> Source:
         """Stage 6: return how the excitation stands to the record."""
         return source
+
+    def on_spectra(self, spectra: CrossSpectra, acquisition: Acquisition) -> CrossSpectra:
+        """Stages 5 and 6, expected route: return the spectra as the converter leaves them.
+
+        `spectra` may hold every few lines only: its own `freq` says which.
+        """
+        return spectra
+
+    def on_records(self, batch: Batch, acquisition: Acquisition, rng: np.random.Generator) -> FloatArray:
+        """Stages 5 and 6, sampled route: return the samples as the converter leaves them."""
+        return batch.samples
 
     def check(self, structure: Structure, setup: RigSetup | None = None) -> None:
         """Raise unless the effect can sit where it is said to, in this structure and on this rig.
@@ -93,13 +85,17 @@ class Effect(Parameterised):
             raise self._misplaced(" or ".join(_PLACES[kind] for kind in self.sits))
         if isinstance(self.at, Dof):
             structure.index(self.at)
-            if self.at_drive and setup is not None and self.at.point != setup.drive.point:
-                raise self._misplaced(f"the drive point {setup.drive}")
+            if self.at_drive and setup is not None and self.at.point not in {d.point for d in setup.drives}:
+                raise self._misplaced("a drive point: " + ", ".join(map(str, setup.drives)))
         elif isinstance(self.at, Members):
             for number in self.at.numbers:
                 structure.member(number)
             if len(set(self.at.numbers)) < len(self.at.numbers):
                 raise self._misplaced("each member once")
+        elif isinstance(self.at, Channels) and setup is not None:
+            here = {dof.point for dof in setup.responses}
+            if not self.at.dofs or any(dof.point not in here for dof in self.at.dofs):
+                raise self._misplaced("channels of this rig: " + ", ".join(map(str, setup.responses)))
 
     def _misplaced(self, allowed: str) -> InvalidInputError:
         where = "everywhere" if self.at is None else f"at {self.at}"
@@ -129,6 +125,12 @@ class Effect(Parameterised):
     def with_parameters(self, values: dict[str, float]) -> Self:
         """Return the same effect with other parameters."""
         return replace(self, **values)  # type: ignore[arg-type]
+
+    def acts_on(self, dof: Dof) -> bool:
+        """Return whether the effect, where it says a place at all, sits at this DoF or channel."""
+        if isinstance(self.at, Channels):
+            return any(dof.point == own.point for own in self.at.dofs)
+        return self.at is None or (isinstance(self.at, Dof) and self.at.point == dof.point)
 
     @property
     def parameters(self) -> dict[str, float]:

@@ -6,6 +6,7 @@ from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.estimation.averaging import effective_averages
 from modallab.estimation.spectra import CrossSpectra
 from modallab.estimation.windows import WINDOWS
+from modallab.rig.acquisition import Acquisition
 from modallab.rig.chain import Chain
 from modallab.rig.smear import Smear
 from modallab.rig.view import View, coarse_view, periodic_view, refined_view
@@ -31,12 +32,16 @@ def glimpse(chain: Chain, step: int) -> CrossSpectra:
 
 
 def noise_free(chain: Chain, step: int | None = None) -> ComplexArray:
-    """Return G_ff, G_fx and G_xx as the lines see them, side by side: (n_run, n_lines, 1 + 2 n_out).
+    """Return G_ff, G_fx and G_xx as the lines see them, side by side.
 
     Parameters
     ----------
     step
         None for every line, refined; else every `step`-th line, coarse.
+
+    Returns
+    -------
+    (n_run, n_lines, n_in^2 + n_in n_out + n_out)
     """
     analyser, share = chain.setup.analyser, chain.source.continuous
     views: list[tuple[float, View | Smear]] = []
@@ -51,37 +56,69 @@ def noise_free(chain: Chain, step: int | None = None) -> ComplexArray:
     return np.asarray(sum(parts[1:], parts[0]))
 
 
-def noise_densities(chain: Chain, clean: ComplexArray) -> tuple[FloatArray, FloatArray]:
-    """Return the flat spectra of the channels' noise, force (n_run, 1) and responses (n_run, n_out).
+def acquisition(chain: Chain, clean: ComplexArray) -> Acquisition:
+    """Return what the analyser knows of the signals.
+
+    Parameters
+    ----------
+    clean
+        `noise_free(chain)`.
+    """
+    band = chain.setup.analyser.frequency_max
+    return Acquisition(chain.setup.analyser, chain.n_in, np.sqrt(band * _autos(chain, clean).mean(axis=1)))
+
+
+def noise_densities(chain: Chain, clean: ComplexArray) -> FloatArray:
+    """Return the flat spectra of the channels' noise, (n_run, n_ch), forces first.
 
     Parameters
     ----------
     clean
         `noise_free(chain)`: the log book's ratio is to the mean of each channel's own spectrum.
     """
-    n_out = (clean.shape[-1] - 1) // 2
-    mean = clean.real.mean(axis=1)
-    return chain.noise.force * mean[:, :1], chain.noise.response * mean[:, 1 + n_out :]
+    levels = np.full(len(chain.runs[0].forces) + len(chain.runs[0].responses), chain.noise.response)
+    levels[: chain.n_in] = chain.noise.force
+    return np.asarray(levels * _autos(chain, clean).mean(axis=1))
+
+
+def _autos(chain: Chain, clean: ComplexArray) -> FloatArray:
+    """Return the auto spectra of all channels, (n_run, n_lines, n_ch), forces first."""
+    n = chain.n_in
+    n_out = len(chain.runs[0].responses)
+    return np.concatenate([clean[..., : n * n : n + 1].real, clean[..., -n_out:].real], axis=2)
 
 
 def _with_noise(chain: Chain, clean: ComplexArray, freq: FloatArray) -> CrossSpectra:
-    noise_f, noise_x = noise_densities(chain, clean)
-    n_out = (clean.shape[-1] - 1) // 2
+    n, n_out = chain.n_in, len(chain.runs[0].responses)
+    n_run, n_lines, _ = clean.shape
+    noise = noise_densities(chain, clean)
+    ff = clean[..., : n * n].reshape(n_run, n_lines, n, n).copy()
+    ff[..., np.arange(n), np.arange(n)] += noise[:, None, :n]
     analyser = chain.setup.analyser
-    return CrossSpectra(
+    spectra = CrossSpectra(
         freq,
-        (clean[..., :1] + noise_f[:, None, :])[..., None],
-        clean[:, :, None, 1 : 1 + n_out],
-        clean[..., 1 + n_out :].real + noise_x[:, None, :],
+        ff,
+        clean[..., n * n : -n_out].reshape(n_run, n_lines, n, n_out),
+        clean[..., -n_out:].real + noise[:, None, n:],
         effective_averages(analyser.averages, chain.overlap, WINDOWS[analyser.window]),
     )
+    known = acquisition(chain, clean)
+    for effect in chain.effects:
+        spectra = effect.on_spectra(spectra, known)
+    return spectra
 
 
 def _signal(chain: Chain, freq: FloatArray) -> ComplexArray:
-    """Return the true G_ff, G_fx and G_xx side by side, (n_run, n, 1 + 2 n_out)."""
+    """Return the true G_ff, G_fx and G_xx side by side, (n_run, n, n_in^2 + n_in n_out + n_out)."""
     excitation = chain.setup.analyser.excitation
     density = excitation.level**2 / chain.setup.analyser.frequency_max
-    response = chain.respond(freq)
-    force = density * np.abs(response.transmission)[:, :, None] ** 2
-    h = response.inertance
-    return np.concatenate([force.astype(complex), force * h, force * np.abs(h) ** 2], axis=2)
+    answer = chain.respond(freq)
+    f, x = answer.force, answer.response
+    if chain.n_in == 1:
+        force = density * (f.real**2 + f.imag**2)[..., 0]
+        h = x[..., 0] / f[..., 0]
+        return np.concatenate([force.astype(complex), force * h, force * (h.real**2 + h.imag**2)], axis=2)
+    back = density * f.conj()
+    parts = [back @ f.swapaxes(2, 3), back @ x.swapaxes(2, 3)]
+    flat = [part.reshape(*part.shape[:2], -1) for part in parts]
+    return np.concatenate([*flat, density * (np.abs(x) ** 2).sum(axis=3)], axis=2)

@@ -7,6 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.core.arrays import FloatArray
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.core.progress import Progress, silent
 from modallab.estimation.coherence import coherence
@@ -72,24 +73,45 @@ def measure(
 
 def measurement_of(spectra: CrossSpectra, setup: RigSetup) -> Measurement:
     """Return FRFs, coherence and auto spectra from the averaged spectra of all runs."""
-    h = ESTIMATORS[setup.analyser.estimator](spectra)  # (n_run, n_freq, n_out, 1)
-    n_run, n_freq, n_out, n_in = h.shape
+    table = _Table(setup)
+    force = spectra.ff.real[..., np.arange(spectra.ff.shape[2]), np.arange(spectra.ff.shape[2])]
+    single = len(setup.drives) == 1 or setup.exciter.kind != "hammer"
 
-    def by_line(values: NDArray[Any]) -> NDArray[Any]:
-        return values.swapaxes(0, 1).reshape(n_freq, n_run * n_out)
+    def by_response(values: FloatArray) -> FloatArray:
+        """Return one value a response, or, where the hammer roves, one for each FRF."""
+        placed = table.placed(np.broadcast_to(values[..., None], (*values.shape, spectra.ff.shape[2])))
+        return placed[:, :, 0] if single else placed
 
-    force = np.broadcast_to(spectra.ff[:, :, 0].real, (n_run, n_freq, n_out))
     return Measurement(
         frf=FrfSet(
             spectra.freq,
-            by_line(h[..., 0])[:, :, None],
+            table.placed(ESTIMATORS[setup.analyser.estimator](spectra)),
             setup.responses,
-            (setup.drive,) * n_in,
+            setup.drives,
             FrfKind.INERTANCE,
         ),
-        coherence=by_line(coherence(spectra)),
+        coherence=by_response(coherence(spectra)),
         averages=spectra.averages,
         setup=setup,
-        force_spectrum=by_line(force)[:, :, None],
-        response_spectrum=by_line(spectra.xx),
+        force_spectrum=table.placed(np.broadcast_to(force[:, :, None], spectra.fx.swapaxes(2, 3).shape)),
+        response_spectrum=by_response(spectra.xx),
     )
+
+
+class _Table:
+    """Where the channels of every run stand among all responses and drive points of a test."""
+
+    def __init__(self, setup: RigSetup) -> None:
+        rows = {dof: i for i, dof in enumerate(setup.responses)}
+        columns = {dof: i for i, dof in enumerate(setup.drives)}
+        self._size = len(rows), len(columns)
+        self._places = [
+            np.ix_([rows[d] for d in shot.outputs], [columns[d] for d in shot.drives]) for shot in setup.shots
+        ]
+
+    def placed(self, runs: NDArray[Any]) -> NDArray[Any]:
+        """Return values (n_run, n_freq, n_out, n_in) of all runs side by side, (n_freq, all, all)."""
+        whole = np.empty((runs.shape[1], *self._size), runs.dtype)
+        for run, (rows, columns) in zip(runs, self._places, strict=True):
+            whole[:, rows, columns] = run
+        return whole

@@ -12,22 +12,20 @@ from modallab.rig.setup import RigSetup
 class Measurement:
     """FRFs with coherence and auto spectra, and the rig as declared."""
 
-    frf: FrfSet  # responses (n_freq, n_out, 1)
-    coherence: FloatArray | None  # (n_freq, n_out) ordinary, 0 to 1
+    frf: FrfSet
+    coherence: FloatArray | None  # (n_freq, n_out) 0 to 1, or (n_freq, n_out, n_in) where the hammer roved
     averages: float  # effective, independent
     setup: RigSetup
-    force_spectrum: FloatArray | None = None  # (n_freq, n_out, 1) N^2/Hz, of the run of that response
-    response_spectrum: FloatArray | None = None  # (n_freq, n_out) (m/s^2)^2/Hz
+    force_spectrum: FloatArray | None = None  # (n_freq, n_out, n_in) N^2/Hz, of the run of that response
+    response_spectrum: FloatArray | None = None  # (m/s^2)^2/Hz, shaped as `coherence`
     seed: int | None = None
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:
         shape = self.frf.values.shape
-        expected = {
-            "coherence": shape[:2],
-            "force_spectrum": shape,
-            "response_spectrum": shape[:2],
-        }
+        roved = self.setup.exciter.kind == "hammer" and shape[2] > 1
+        own = shape if roved else shape[:2]
+        expected = {"coherence": own, "force_spectrum": shape, "response_spectrum": own}
         for name, wanted in expected.items():
             value = getattr(self, name)
             if value is not None:

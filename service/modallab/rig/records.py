@@ -8,9 +8,9 @@ from numpy.lib.stride_tricks import sliding_window_view
 
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.errors import InvalidInputError
+from modallab.rig.acquisition import Batch, sample_rate_of, samples_of
 from modallab.rig.chain import Chain
 
-RATE = 2.56  # sample rate over the top of the band, as analysers have it
 FORGOTTEN = 1e-6  # amplitude below which a mode has rung out
 LONGEST = 2**26  # samples of all channels of one stretch, 0.5 GB
 TOGETHER = 2**18  # samples of the records handed out at once
@@ -27,11 +27,10 @@ class Recorder:
 
     def __init__(self, chain: Chain) -> None:
         analyser, share = chain.setup.analyser, chain.source.continuous
-        self.n_samples = int(scipy.fft.next_fast_len(int(np.ceil(RATE * (analyser.n_lines - 1))), real=True))
-        self.sample_rate = self.n_samples * analyser.spacing
+        self.n_samples, self.sample_rate = samples_of(analyser), sample_rate_of(analyser)
         self._averages = analyser.averages
         self._hop = max(1, round(self.n_samples * (1 - chain.overlap)))
-        n_ch = 1 + len(chain.shots[0].outputs)
+        n_ch = chain.n_in + len(chain.runs[0].responses)
         self.shape = (n_ch, self.n_samples)
         self._batch = max(1, TOGETHER // (n_ch * self.n_samples))
         self._per_stretch = min(self._averages, self._batch)
@@ -62,8 +61,8 @@ class Recorder:
         span = 1 + (self._per_stretch - 1) * self._hop / self.n_samples
         return int(scipy.fft.next_fast_len(int(np.ceil(span + ringing)), real=True))
 
-    def blocks(self, run: int, noise: FloatArray, rng: np.random.Generator) -> Iterator[FloatArray]:
-        """Yield all records of a run in batches (n_block, n_ch, n_samples).
+    def batches(self, run: int, noise: FloatArray, rng: np.random.Generator) -> Iterator[Batch]:
+        """Yield all records of a run, some at a time.
 
         Parameters
         ----------
@@ -79,21 +78,26 @@ class Recorder:
                 samples += self._signal(self._stationary[run], 1, self._length, rng)[0, :, :span]
             records = sliding_window_view(samples, self.n_samples, axis=1)[:, :: self._hop].swapaxes(0, 1)
             records = records[: self._averages - done]
+            starts = done * self.n_samples + self._hop * np.arange(len(records))
             for start in range(0, len(records), self._batch):
                 batch = records[start : start + self._batch]
                 if self._repeating is not None:
                     batch = batch + self._signal(self._repeating[run], len(batch), self.n_samples, rng)
-                yield batch
+                yield Batch(run, starts[start : start + self._batch], batch)
             done += len(records)
 
     def _signal(self, response: ComplexArray, n: int, n_samples: int, rng: np.random.Generator) -> FloatArray:
         """Return n independent Gaussian records (n, n_ch, n_samples), periodic in their length.
 
-        `response` (n_ch, n_lines) are the channels' amplitudes for a source of unit density.
+        `response` (n_in, n_ch, n_lines) are the channels' amplitudes for sources of unit density.
         """
-        lines = rng.standard_normal((n, 1, 2 * response.shape[1])).view(complex) / np.sqrt(2)
+        n_in, _, n_lines = response.shape
+        lines = rng.standard_normal((n, n_in, 2 * n_lines)).view(complex) / np.sqrt(2)
         lines[..., 0] = np.sqrt(2) * lines[..., 0].real
-        lines = lines * response * np.sqrt(self.sample_rate * n_samples / 2)
+        heard = lines[:, :1] * response[0]
+        for source in range(1, n_in):
+            heard += lines[:, source : source + 1] * response[source]
+        lines = heard * np.sqrt(self.sample_rate * n_samples / 2)
         return np.asarray(scipy.fft.irfft(lines, n_samples, overwrite_x=True))
 
 
@@ -106,9 +110,7 @@ def _ringing(chain: Chain) -> float:
 
 
 def _per_source(chain: Chain, freq: FloatArray) -> ComplexArray:
-    """Return force and responses of all runs, (n_run, 1 + n_out, n_freq), as amplitude densities."""
+    """Return the channels' amplitude densities for each source, (n_run, n_in, n_ch, n_freq)."""
     analyser = chain.setup.analyser
     density = analyser.excitation.level**2 / analyser.frequency_max
-    answer = chain.respond(freq)
-    force = np.sqrt(density) * answer.transmission[:, None, :]
-    return np.concatenate([force, force * answer.inertance.swapaxes(1, 2)], axis=1)
+    return np.ascontiguousarray(np.sqrt(density) * chain.respond(freq).channels.transpose(0, 3, 2, 1))

@@ -1,5 +1,7 @@
 """Route b, the reference: time records of every channel, through window, transform and averages."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from modallab.core.progress import Progress
@@ -7,7 +9,7 @@ from modallab.estimation.averaging import Averager, effective_averages
 from modallab.estimation.spectra import CrossSpectra
 from modallab.estimation.windows import WINDOWS
 from modallab.rig.chain import Chain
-from modallab.rig.expected import noise_densities, noise_free
+from modallab.rig.expected import acquisition, noise_densities, noise_free
 from modallab.rig.records import Recorder
 
 
@@ -25,13 +27,16 @@ def sampled_spectra(chain: Chain, rng: np.random.Generator, progress: Progress) 
     """
     analyser, window = chain.setup.analyser, WINDOWS[chain.setup.analyser.window]
     recorder = Recorder(chain)
-    noise = np.hstack(noise_densities(chain, noise_free(chain)))
-    n_run = len(chain.shots)
+    clean = noise_free(chain)
+    noise, known = noise_densities(chain, clean), acquisition(chain, clean)
+    n_run, n_in = len(chain.runs), chain.n_in
     runs = []
     for run in range(n_run):
-        averager = Averager(window, recorder.shape, recorder.sample_rate, n_lines=analyser.n_lines, n_in=1)
-        for blocks in recorder.blocks(run, noise[run], rng):
-            averager.add(blocks)
+        averager = Averager(window, recorder.shape, recorder.sample_rate, n_lines=analyser.n_lines, n_in=n_in)
+        for batch in recorder.batches(run, noise[run], rng):
+            for effect in chain.effects:
+                batch = replace(batch, samples=effect.on_records(batch, known, rng))
+            averager.add(batch.samples)
             fraction = (run + averager.count / analyser.averages) / n_run
             progress(fraction, f"run {run + 1} of {n_run}, average {averager.count} of {analyser.averages}")
         runs.append(averager.densities())

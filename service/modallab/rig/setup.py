@@ -24,7 +24,7 @@ def _within(name: str, value: float, lower: float, upper: float) -> None:
 class Exciter:
     """What drives the structure."""
 
-    kind: Literal["shaker"] = "shaker"
+    kind: Literal["shaker", "hammer"] = "shaker"
     armature_mass: float = 0.0  # kg, behind the force transducer
 
     def __post_init__(self) -> None:
@@ -114,15 +114,24 @@ class Analyser:
 class Shot:
     """Channels acquired together: one run of the analyser."""
 
-    drive: Dof
+    drives: tuple[Dof, ...]  # driven at the same time
     outputs: tuple[Dof, ...]
+    moment: float = 0.0  # 0 for the first run of the test, 1 for the last
+
+    @property
+    def drive(self) -> Dof:
+        """The first drive point."""
+        return self.drives[0]
 
 
 @dataclass(frozen=True)
 class RigSetup:
-    """A rig as declared; parts left out are ideal."""
+    """A rig as declared; parts left out are ideal.
 
-    drive: Dof
+    Several shakers drive at the same time; a hammer strikes one drive point after the other.
+    """
+
+    drives: tuple[Dof, ...]
     responses: tuple[Dof, ...]
     exciter: Exciter = field(default_factory=Exciter)
     force_transducer: ForceTransducer = field(default_factory=ForceTransducer)
@@ -132,22 +141,37 @@ class RigSetup:
     effects: tuple[EffectSpec, ...] = ()
 
     def __post_init__(self) -> None:
-        if not self.responses:
-            raise InvalidInputError("a rig needs a response", field="responses", allowed="one DoF or more")
-        if len({r.point for r in self.responses}) < len(self.responses):
-            raise InvalidInputError("a response is named twice", field="responses")
-        for dof, name in [(self.drive, "drive"), *((r, "responses") for r in self.responses)]:
-            if not dof.translational:
-                raise InvalidInputError(
-                    f"{dof} is a rotation: a force and an accelerometer act along X, Y or Z",
-                    field=name,
-                    value=str(dof),
-                    allowed="X, Y, Z",
-                )
+        for dofs, name, part in (
+            (self.drives, "drive" if len(self.drives) == 1 else "drives", "a drive point"),
+            (self.responses, "responses", "a response"),
+        ):
+            if not dofs:
+                raise InvalidInputError(f"a rig needs {part}", field=name, allowed="one DoF or more")
+            if len({dof.point for dof in dofs}) < len(dofs):
+                raise InvalidInputError(f"{part} is named twice", field=name)
+            for dof in dofs:
+                if not dof.translational:
+                    raise InvalidInputError(
+                        f"{dof} is a rotation: a force and an accelerometer act along X, Y or Z",
+                        field=name,
+                        value=str(dof),
+                        allowed="X, Y, Z",
+                    )
+
+    @property
+    def drive(self) -> Dof:
+        """The first drive point."""
+        return self.drives[0]
 
     @property
     def shots(self) -> tuple[Shot, ...]:
-        """The runs of the test: one a response where the accelerometer roves, else one for all."""
-        if self.accelerometers.roving:
-            return tuple(Shot(self.drive, (response,)) for response in self.responses)
-        return (Shot(self.drive, self.responses),)
+        """The runs of the test.
+
+        One for each position of what roves: of the accelerometer, of the hammer, or of both.
+        """
+        roving = self.accelerometers.roving
+        outputs = [(response,) for response in self.responses] if roving else [self.responses]
+        drives = [(drive,) for drive in self.drives] if self.exciter.kind == "hammer" else [self.drives]
+        runs = [(d, o) for d in drives for o in outputs]
+        last = max(len(runs) - 1, 1)
+        return tuple(Shot(d, o, i / last) for i, (d, o) in enumerate(runs))

@@ -21,7 +21,7 @@ from modallab.rig.setup import Analyser, Noise, RigSetup
 from modallab.store.place import StorePlace, engine_of, open_store
 
 RIG = RigSetup(
-    drive=Dof(1, "Y"),
+    drives=(Dof(1, "Y"),),
     responses=(Dof(1, "Y"), Dof(9, "Y"), Dof(21, "Y")),
     analyser=Analyser(averages=20),
     noise=Noise(1e-3, 1e-3),

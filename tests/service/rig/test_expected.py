@@ -18,7 +18,7 @@ LOW = {"frequency_max": 200.0, "n_lines": 101, "window": "hann"}
 
 def inertance(bench: Chain) -> ComplexArray:
     """The FRF of the structure as it stands in the first run, by solving at every line."""
-    freq, shot, system = bench.setup.analyser.freq, bench.shots[0], bench.systems[0]
+    freq, shot, system = bench.setup.analyser.freq, bench.runs[0].shot, bench.runs[0].system
     alpha = direct_receptance(
         system, freq[1:], system.selection(shot.outputs), system.selection((shot.drive,))
     )
@@ -73,8 +73,8 @@ def brute_force(bench: Chain, points: int) -> FloatArray:
     analyser = bench.setup.analyser
     x = np.linspace(0, analyser.n_lines - 1.0, (analyser.n_lines - 1) * points + 1)
     response = bench.respond(x * analyser.spacing)
-    force = np.abs(response.transmission[0]) ** 2 * analyser.excitation.level**2 / analyser.frequency_max
-    h = response.inertance[0, :, 0]
+    force = np.abs(response.force[0, :, 0, 0]) ** 2 * analyser.excitation.level**2 / analyser.frequency_max
+    h = response.inertance[0, :, 0, 0]
     weight = np.full(len(x), 1.0 / points)
     weight[[0, -1]] /= 2
 

@@ -29,8 +29,8 @@ def test_lines_run_from_zero_hertz_to_the_top() -> None:
 
 def test_a_roving_accelerometer_takes_a_run_for_every_response() -> None:
     roving = rig(1, 7, accelerometers=Accelerometers(0.02, roving=True))
-    assert roving.shots == (Shot(Dof(1, "Y"), dofs(1)), Shot(Dof(1, "Y"), dofs(7)))
-    assert rig(1, 7).shots == (Shot(Dof(1, "Y"), dofs(1, 7)),)
+    assert roving.shots == (Shot(dofs(1), dofs(1), 0.0), Shot(dofs(1), dofs(7), 1.0))
+    assert rig(1, 7).shots == (Shot(dofs(1), dofs(1, 7)),)
 
 
 @pytest.mark.parametrize(
@@ -51,10 +51,12 @@ def test_a_roving_accelerometer_takes_a_run_for_every_response() -> None:
         ("accelerometers.mass", lambda: Accelerometers(mass=-0.01)),
         ("noise.force", lambda: Noise(force=-1.0)),
         ("noise.response", lambda: Noise(response=float("inf"))),
-        ("responses", lambda: RigSetup(Dof(1, "Y"), ())),
-        ("responses", lambda: RigSetup(Dof(1, "Y"), (Dof(3, "Y"), Dof(3, "Y", -1)))),
-        ("responses", lambda: RigSetup(Dof(1, "Y"), (Dof(3, "RZ"),))),
-        ("drive", lambda: RigSetup(Dof(1, "RZ"), (Dof(3, "Y"),))),
+        ("responses", lambda: RigSetup(dofs(1), ())),
+        ("responses", lambda: RigSetup(dofs(1), (Dof(3, "Y"), Dof(3, "Y", -1)))),
+        ("responses", lambda: RigSetup(dofs(1), (Dof(3, "RZ"),))),
+        ("drive", lambda: RigSetup((Dof(1, "RZ"),), dofs(3))),
+        ("drives", lambda: RigSetup((), dofs(3))),
+        ("drives", lambda: RigSetup(dofs(1, 1), dofs(3))),
     ],
 )
 def test_what_has_no_meaning_is_refused_by_name(field: str, make: Callable[[], object]) -> None:

@@ -19,7 +19,7 @@ from modallab.store.sql import SqlStore
 BEAM = STRUCTURES["chapter-5-beam"]()
 RESPONSES = tuple(Dof(n, "Y") for n in (1, 3, 5))
 RIG = RigSetup(
-    drive=Dof(1, "Y", -1),
+    drives=(Dof(1, "Y", -1),),
     responses=RESPONSES,
     accelerometers=Accelerometers(mass=0.02, roving=True),
     effects=(EffectSpec("leakage"), EffectSpec("extra_mass", Dof(5, "Y"), {"mass": 0.1})),

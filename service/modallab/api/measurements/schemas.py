@@ -41,7 +41,7 @@ class MeasurementStart(Wire):
         InvalidInputError
             If an effect is unknown, cannot sit where it is said to, or a value is out of bounds.
         """
-        for dof in (setup.drive, *setup.responses):
+        for dof in (*setup.drives, *setup.responses):
             structure.index(dof)
         effects = [effect.to_domain() for effect in self.effects]
         for effect in [*effects, *(build(spec) for spec in (*structure.effects, *setup.effects))]:

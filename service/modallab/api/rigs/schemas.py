@@ -112,7 +112,8 @@ class NoiseIn(Wire):
 class RigIn(Wire):
     """The log book of a test."""
 
-    drive: DofText
+    drive: DofText | None = None
+    drives: Annotated[list[DofText], Field(min_length=1, max_length=100)] | None = None
     responses: Annotated[list[DofText], Field(min_length=1, max_length=2000)]
     exciter: ExciterIn | None = None
     stinger: None = None
@@ -125,7 +126,7 @@ class RigIn(Wire):
     def to_domain(self) -> RigSetup:
         """Return the rig; `InvalidInputError` where it makes no sense or asks for too much."""
         setup = RigSetup(
-            drive=Dof.parse(self.drive, field="drive"),
+            drives=self._drives(),
             responses=tuple(Dof.parse(text, field="responses") for text in self.responses),
             exciter=(self.exciter or ExciterIn()).to_domain(),
             force_transducer=(self.force_transducer or ForceTransducerIn()).to_domain(),
@@ -134,7 +135,7 @@ class RigIn(Wire):
             noise=(self.noise or NoiseIn()).to_domain(),
             effects=tuple(effect.to_domain().spec for effect in self.effects),
         )
-        values = len(setup.responses) * setup.analyser.n_lines
+        values = len(setup.responses) * len(setup.drives) * setup.analyser.n_lines
         if values > _MOST_VALUES:
             raise InvalidInputError(
                 "lines times responses are too many",
@@ -144,11 +145,24 @@ class RigIn(Wire):
             )
         return setup
 
+    def _drives(self) -> tuple[Dof, ...]:
+        if (self.drive is None) == (self.drives is None):
+            raise InvalidInputError(
+                "a rig drives at one DoF or at several",
+                field="drive",
+                value="neither given" if self.drive is None else "both given",
+                allowed="either drive or drives",
+            )
+        if self.drive is not None:
+            return (Dof.parse(self.drive, field="drive"),)
+        return tuple(Dof.parse(text, field="drives") for text in self.drives or ())
+
 
 class RigOut(EntryOut):
     """A rig as declared, defaults filled in."""
 
     drive: str
+    drives: list[str]
     responses: list[str]
     exciter: dict[str, Any]
     force_transducer: dict[str, Any]
@@ -167,6 +181,7 @@ def setup_out(setup: RigSetup) -> dict[str, Any]:
     """Return a rig as the contract writes it."""
     return {
         "drive": str(setup.drive),
+        "drives": [str(dof) for dof in setup.drives],
         "responses": [str(dof) for dof in setup.responses],
         "exciter": asdict(setup.exciter),
         "force_transducer": asdict(setup.force_transducer),

@@ -1,0 +1,44 @@
+"""What the analyser knows of the signals when it turns them into numbers."""
+
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.fft
+
+from modallab.core.arrays import FloatArray, IntArray
+from modallab.rig.setup import Analyser
+
+RATE = 2.56  # sample rate over the top of the band, as analysers have it
+
+
+def samples_of(analyser: Analyser) -> int:
+    """Return the number of samples of a record."""
+    return int(scipy.fft.next_fast_len(int(np.ceil(RATE * (analyser.n_lines - 1))), real=True))
+
+
+def sample_rate_of(analyser: Analyser) -> float:
+    """Return the sample rate, Hz."""
+    return samples_of(analyser) * analyser.spacing
+
+
+@dataclass(frozen=True, eq=False)
+class Acquisition:
+    """The settings and the size of the signals of every run; forces come first among the channels."""
+
+    analyser: Analyser
+    n_in: int
+    rms: FloatArray  # (n_run, n_ch) of the signals over the band, noise of the sensors left out
+
+    @property
+    def sample_rate(self) -> float:
+        """Hz."""
+        return sample_rate_of(self.analyser)
+
+
+@dataclass(frozen=True, eq=False)
+class Batch:
+    """Some records of one run."""
+
+    run: int
+    starts: IntArray  # (n_block,) first sample of each record, counted from the first of the run
+    samples: FloatArray  # (n_block, n_ch, n_samples)

@@ -1,0 +1,45 @@
+"""One channel of the analyser: which motions reach it, and what it makes of them."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.core.dof import Dof
+
+Filter = Callable[[FloatArray], ComplexArray]  # omega (n_freq,) rad/s -> (n_freq,)
+
+
+@dataclass(frozen=True)
+class Channel:
+    """A force or response channel.
+
+    What reaches a response channel is a sum of the structure's accelerations; an ideal one has one
+    of weight 1. Effects add to the sum and append filters, so that their order does not matter.
+    """
+
+    dof: Dof  # that the log book names
+    force: bool = False
+    pickups: tuple[tuple[Dof, float], ...] = ()
+    filters: tuple[Filter, ...] = ()
+
+    @classmethod
+    def ideal(cls, dof: Dof, *, force: bool = False) -> "Channel":
+        """Return the channel that shows what it is said to show."""
+        return cls(dof, force, ((dof, 1.0),))
+
+    def hearing(self, dof: Dof, weight: float) -> "Channel":
+        """Return the channel with one more motion that reaches it."""
+        return replace(self, pickups=(*self.pickups, (dof, weight)))
+
+    def through(self, one: Filter) -> "Channel":
+        """Return the channel with one more filter behind it."""
+        return replace(self, filters=(*self.filters, one))
+
+    def transfer(self, omega: FloatArray) -> ComplexArray:
+        """Return what all filters together make of a signal, (n_freq,) at `omega` rad/s."""
+        product = np.ones(len(omega), complex)
+        for one in self.filters:
+            product = product * one(omega)
+        return product
