@@ -26,20 +26,14 @@ from modallab.diagnosis.result import Diagnosis, Step, Verdict
 from modallab.fe.assembly import assemble
 from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.structure import Structure
+from modallab.rig.analyser import Analyser, ExcitationSetting
 from modallab.rig.chain import chain
 from modallab.rig.effect import EFFECTS, Effect
 from modallab.rig.expected import expected_spectra
+from modallab.rig.hardware import Accelerometers, Exciter, ForceTransducer, Noise
 from modallab.rig.measure import Route, measure, measurement_of
 from modallab.rig.measurement import Measurement
-from modallab.rig.setup import (
-    Accelerometers,
-    Analyser,
-    ExcitationSetting,
-    Exciter,
-    ForceTransducer,
-    Noise,
-    RigSetup,
-)
+from modallab.rig.setup import RigSetup
 
 GAPS = (2.0, 1e4)
 NOISES = (1e-5, 1e-3)

@@ -14,11 +14,13 @@ from modallab.estimation.estimator import ESTIMATORS
 from modallab.estimation.spectra import CrossSpectra
 from modallab.fe.assembly import assemble
 from modallab.fe.catalogued import STRUCTURES
+from modallab.rig.analyser import Analyser, ExcitationSetting
 from modallab.rig.chain import Chain, chain
 from modallab.rig.drawn import drawn_spectra
 from modallab.rig.expected import expected_spectra
+from modallab.rig.hardware import Accelerometers, Exciter, Noise
 from modallab.rig.sampled import sampled_spectra
-from modallab.rig.setup import Accelerometers, Analyser, ExcitationSetting, Exciter, Noise, RigSetup
+from modallab.rig.setup import RigSetup
 
 ALLOWED = 0.05
 

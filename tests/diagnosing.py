@@ -11,21 +11,15 @@ from modallab.fe.assembly import assemble
 from modallab.fe.beam import beam
 from modallab.fe.damping import StructuralDamping
 from modallab.fe.structure import Material, Section, Structure
+from modallab.rig.analyser import Analyser, ExcitationSetting
 from modallab.rig.chain import chain
 from modallab.rig.drawn import drawn_spectra
 from modallab.rig.effect import Effect
 from modallab.rig.expected import expected_spectra
+from modallab.rig.hardware import Accelerometers, Exciter, ForceTransducer, Noise
 from modallab.rig.measure import measurement_of
 from modallab.rig.measurement import Measurement
-from modallab.rig.setup import (
-    Accelerometers,
-    Analyser,
-    ExcitationSetting,
-    Exciter,
-    ForceTransducer,
-    Noise,
-    RigSetup,
-)
+from modallab.rig.setup import RigSetup
 
 
 def model() -> Structure:

@@ -8,7 +8,8 @@ from modallab.fe.beam import beam
 from modallab.fe.damping import Damping, StructuralDamping
 from modallab.fe.structure import Material, PointMass, Section, Structure
 from modallab.fe.system import DynamicSystem
-from modallab.rig.setup import Analyser, ExcitationSetting, RigSetup
+from modallab.rig.analyser import Analyser, ExcitationSetting
+from modallab.rig.setup import RigSetup
 
 STEEL = Material(modulus=2.09e11, density=7800.0)
 BAR = Section(area=5e-4, second_moment=4.1667e-9)

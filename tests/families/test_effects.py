@@ -20,9 +20,10 @@ from modallab.rig.chain import chain
 from modallab.rig.drive import Drive
 from modallab.rig.effect import EFFECTS, Effect, build
 from modallab.rig.expected import expected_spectra
+from modallab.rig.hardware import Accelerometers, Exciter, ForceTransducer, Noise
 from modallab.rig.measure import Route, measure
 from modallab.rig.sampled import sampled_spectra
-from modallab.rig.setup import Accelerometers, Exciter, ForceTransducer, Noise, Shot
+from modallab.rig.setup import Shot
 from modallab.rig.source import NoiseLevels, Source
 from tests.rigs import beam_system, dofs, rig, steel_beam
 

@@ -6,7 +6,7 @@ import numpy as np
 import scipy.fft
 
 from modallab.core.arrays import FloatArray, IntArray
-from modallab.rig.setup import Analyser
+from modallab.rig.analyser import Analyser
 
 RATE = 2.56  # sample rate over the top of the band, as analysers have it
 

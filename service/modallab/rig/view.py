@@ -9,7 +9,7 @@ from scipy.sparse import coo_array, csr_array
 
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray
 from modallab.estimation.windows import WINDOWS, Window
-from modallab.rig.setup import Analyser
+from modallab.rig.analyser import Analyser
 from modallab.rig.smear import Smear, smear
 
 POINTS = 10  # Gauss points a panel: 1e-8 of a spectrum for panels no longer than `refined` makes them

@@ -8,7 +8,7 @@ from modallab.diagnosis.predictor import check_comparable
 from modallab.effects.stiffness_error import StiffnessError
 from modallab.fe.beam import beam
 from modallab.fe.structure import Material, Section
-from modallab.rig.setup import Analyser
+from modallab.rig.analyser import Analyser
 from tests.diagnosing import exact, model, predicting, rig
 
 STIFFER = StiffnessError(at=Members((3,)), factor=1.05)

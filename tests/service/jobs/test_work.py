@@ -17,7 +17,9 @@ from modallab.jobs.inline import InlineRunner
 from modallab.jobs.runner import JobState
 from modallab.jobs.tasks import TASKS, Destination
 from modallab.jobs.work import Reporter, perform
-from modallab.rig.setup import Analyser, Noise, RigSetup
+from modallab.rig.analyser import Analyser
+from modallab.rig.hardware import Noise
+from modallab.rig.setup import RigSetup
 from modallab.store.place import StorePlace, engine_of, open_store
 
 RIG = RigSetup(

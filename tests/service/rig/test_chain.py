@@ -13,7 +13,8 @@ from modallab.fe.damping import StructuralDamping
 from modallab.fe.receptance import direct_receptance
 from modallab.fe.structure import PointMass
 from modallab.rig.chain import all_effects, chain
-from modallab.rig.setup import Accelerometers, Exciter, ForceTransducer, Noise, RigSetup
+from modallab.rig.hardware import Accelerometers, Exciter, ForceTransducer, Noise
+from modallab.rig.setup import RigSetup
 from tests.rigs import beam_system, dofs, rig, steel_beam
 
 FREQ = np.linspace(2.0, 800.0, 57)

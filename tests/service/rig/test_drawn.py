@@ -13,7 +13,7 @@ from modallab.estimation.spectra import CrossSpectra
 from modallab.rig.chain import chain
 from modallab.rig.drawn import drawn_spectra
 from modallab.rig.expected import expected_spectra
-from modallab.rig.setup import Noise
+from modallab.rig.hardware import Noise
 from tests.rigs import beam_system, rig
 
 N_TESTS = 20_000

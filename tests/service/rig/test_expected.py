@@ -10,7 +10,7 @@ from modallab.fe.damping import StructuralDamping
 from modallab.fe.receptance import direct_receptance
 from modallab.rig.chain import Chain, chain
 from modallab.rig.expected import expected_spectra, glimpse
-from modallab.rig.setup import Exciter, Noise
+from modallab.rig.hardware import Exciter, Noise
 from tests.rigs import beam_system, rig
 
 LOW = {"frequency_max": 200.0, "n_lines": 101, "window": "hann"}

@@ -12,9 +12,9 @@ from modallab.effects.extra_mass import ExtraMass
 from modallab.fe.catalogued import STRUCTURES
 from modallab.rig.chain import chain
 from modallab.rig.effect import Effect
+from modallab.rig.hardware import Accelerometers, Exciter, ForceTransducer, Noise
 from modallab.rig.measure import Route, measure
 from modallab.rig.measurement import Measurement
-from modallab.rig.setup import Accelerometers, Exciter, ForceTransducer, Noise
 from tests.rigs import beam_system, rig, steel_beam
 
 ROVING = rig(

@@ -14,8 +14,8 @@ from modallab.fe.assembly import assemble
 from modallab.fe.damping import ModalDamping, StructuralDamping, ViscousDamping
 from modallab.rig.chain import chain
 from modallab.rig.expected import expected_spectra
+from modallab.rig.hardware import Accelerometers, Exciter, Noise
 from modallab.rig.sampled import sampled_spectra
-from modallab.rig.setup import Accelerometers, Exciter, Noise
 from tests.rigs import beam_system, rig, steel_beam
 
 NOISE = Noise(1e-2, 1e-5)

@@ -7,16 +7,9 @@ import pytest
 
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
-from modallab.rig.setup import (
-    Accelerometers,
-    Analyser,
-    ExcitationSetting,
-    Exciter,
-    ForceTransducer,
-    Noise,
-    RigSetup,
-    Shot,
-)
+from modallab.rig.analyser import Analyser, ExcitationSetting
+from modallab.rig.hardware import Accelerometers, Exciter, ForceTransducer, Noise
+from modallab.rig.setup import RigSetup, Shot
 from tests.rigs import dofs, rig
 
 

@@ -5,7 +5,7 @@ import pytest
 
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.estimation.windows import WINDOWS
-from modallab.rig.setup import Analyser
+from modallab.rig.analyser import Analyser
 from modallab.rig.view import coarse_view, periodic_view, refined_view
 
 ANALYSER = Analyser(frequency_max=120.0, n_lines=81, window="hann")  # 1.5 Hz a line

@@ -11,8 +11,9 @@ from modallab.core.frf import FrfKind, FrfSet
 from modallab.core.modal_model import ModalModel, Mode, Spread
 from modallab.core.place import Channels, EffectSpec, Members
 from modallab.fe.catalogued import STRUCTURES
+from modallab.rig.hardware import Accelerometers
 from modallab.rig.measurement import Measurement
-from modallab.rig.setup import Accelerometers, RigSetup
+from modallab.rig.setup import RigSetup
 from modallab.store.base import InUseError, Truth
 from modallab.store.sql import SqlStore
 

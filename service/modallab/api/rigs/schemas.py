@@ -1,112 +1,20 @@
 """Wire types of rigs; parts left out are ideal."""
 
 from dataclasses import asdict
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Self
 
 from pydantic import Field
 
-from modallab.api.wire import Count, DofText, Effects, EntryOut, Number, Text, Wire, effect_out
+from modallab.api.rigs.analyser import AnalyserIn
+from modallab.api.rigs.hardware import AccelerometersIn, ExciterIn, ForceTransducerIn, NoiseIn
+from modallab.api.wire import DofText, Effects, EntryOut, Wire, effect_out
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
-from modallab.estimation.estimator import ESTIMATORS
-from modallab.estimation.windows import WINDOWS
-from modallab.rig.excitation import EXCITATIONS
-from modallab.rig.setup import (
-    Accelerometers,
-    Analyser,
-    ExcitationSetting,
-    Exciter,
-    ForceTransducer,
-    Noise,
-    RigSetup,
-)
+from modallab.rig.setup import RigSetup
 from modallab.store.base import Entry
 
-_DEFAULT = Analyser()
 # Lines x responses of one test: its arrays take some hundred megabytes while they are made.
 _MOST_VALUES = 2_000_000
-
-
-class ExciterIn(Wire):
-    """What drives the structure."""
-
-    kind: Literal["shaker"] = "shaker"
-    armature_mass: Number = 0.0
-
-    def to_domain(self) -> Exciter:
-        """Return the exciter."""
-        return Exciter(self.kind, self.armature_mass)
-
-
-class ForceTransducerIn(Wire):
-    """The gauge at the drive point."""
-
-    mass_below: Number = 0.0
-    mass_cancelled: bool = False
-
-    def to_domain(self) -> ForceTransducer:
-        """Return the force transducer."""
-        return ForceTransducer(self.mass_below, self.mass_cancelled)
-
-
-class AccelerometersIn(Wire):
-    """The response transducers."""
-
-    mass: Number = 0.0
-    roving: bool = False
-
-    def to_domain(self) -> Accelerometers:
-        """Return the accelerometers."""
-        return Accelerometers(self.mass, self.roving)
-
-
-class ExcitationIn(Wire):
-    """The signal of the source, N rms from 0 Hz to the top of the band."""
-
-    kind: Text = _DEFAULT.excitation.kind
-    level: Number = _DEFAULT.excitation.level
-
-    def to_domain(self) -> ExcitationSetting:
-        """Return the excitation; an unknown kind raises."""
-        EXCITATIONS[self.kind]
-        return ExcitationSetting(self.kind, self.level)
-
-
-class AnalyserIn(Wire):
-    """Settings of the analyser; `n_lines` counts 0 Hz."""
-
-    frequency_max: Number = _DEFAULT.frequency_max
-    n_lines: Count = _DEFAULT.n_lines
-    window: Text = _DEFAULT.window
-    averages: Count = _DEFAULT.averages
-    overlap: Number = _DEFAULT.overlap
-    estimator: Text = _DEFAULT.estimator
-    excitation: ExcitationIn = ExcitationIn()
-
-    def to_domain(self) -> Analyser:
-        """Return the analyser; unknown names raise."""
-        WINDOWS[self.window]
-        ESTIMATORS[self.estimator]
-        return Analyser(
-            frequency_max=self.frequency_max,
-            n_lines=self.n_lines,
-            window=self.window,
-            averages=self.averages,
-            overlap=self.overlap,
-            estimator=self.estimator,
-            excitation=self.excitation.to_domain(),
-        )
-
-
-class NoiseIn(Wire):
-    """Noise as a ratio to the mean of each channel's noise-free spectrum."""
-
-    force: Number = 0.0
-    response: Number = 0.0
-
-    def to_domain(self) -> Noise:
-        """Return the noise."""
-        return Noise(self.force, self.response)
 
 
 class RigIn(Wire):

@@ -1,0 +1,47 @@
+"""Wire types of the analyser's settings."""
+
+from modallab.api.wire import Count, Number, Text, Wire
+from modallab.estimation.estimator import ESTIMATORS
+from modallab.estimation.windows import WINDOWS
+from modallab.rig.analyser import Analyser, ExcitationSetting
+from modallab.rig.excitation import EXCITATIONS
+
+_DEFAULT = Analyser()
+
+
+class ExcitationIn(Wire):
+    """The signal of the source, N rms from 0 Hz to the top of the band."""
+
+    kind: Text = _DEFAULT.excitation.kind
+    level: Number = _DEFAULT.excitation.level
+
+    def to_domain(self) -> ExcitationSetting:
+        """Return the excitation; an unknown kind raises."""
+        EXCITATIONS[self.kind]
+        return ExcitationSetting(self.kind, self.level)
+
+
+class AnalyserIn(Wire):
+    """Settings of the analyser; `n_lines` counts 0 Hz."""
+
+    frequency_max: Number = _DEFAULT.frequency_max
+    n_lines: Count = _DEFAULT.n_lines
+    window: Text = _DEFAULT.window
+    averages: Count = _DEFAULT.averages
+    overlap: Number = _DEFAULT.overlap
+    estimator: Text = _DEFAULT.estimator
+    excitation: ExcitationIn = ExcitationIn()
+
+    def to_domain(self) -> Analyser:
+        """Return the analyser; unknown names raise."""
+        WINDOWS[self.window]
+        ESTIMATORS[self.estimator]
+        return Analyser(
+            frequency_max=self.frequency_max,
+            n_lines=self.n_lines,
+            window=self.window,
+            averages=self.averages,
+            overlap=self.overlap,
+            estimator=self.estimator,
+            excitation=self.excitation.to_domain(),
+        )

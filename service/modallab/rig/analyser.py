@@ -1,0 +1,53 @@
+"""The settings of the FFT analyser."""
+
+from dataclasses import dataclass, field
+
+import numpy as np
+
+from modallab.core.arrays import FloatArray
+from modallab.rig.hardware import within
+
+
+@dataclass(frozen=True)
+class ExcitationSetting:
+    """Which signal the source plays, and how loud."""
+
+    kind: str = "periodic_random"
+    level: float = 1.0  # N rms, flat from 0 Hz to the top of the band
+
+    def __post_init__(self) -> None:
+        within("excitation.level", self.level, 1e-9, 1e9)
+
+
+@dataclass(frozen=True)
+class Analyser:
+    """Settings of the FFT analyser."""
+
+    frequency_max: float = 800.0  # Hz
+    n_lines: int = 401  # 0 Hz counted
+    window: str = "rectangular"
+    averages: int = 100
+    overlap: float = 0.0  # share of a record, 0 to 0.9
+    estimator: str = "h1"
+    excitation: ExcitationSetting = field(default_factory=ExcitationSetting)
+
+    def __post_init__(self) -> None:
+        within("frequency_max", self.frequency_max, 1e-3, 1e6)
+        within("n_lines", self.n_lines, 8, 20001)
+        within("averages", self.averages, 1, 100_000)
+        within("overlap", self.overlap, 0.0, 0.9)
+
+    @property
+    def freq(self) -> FloatArray:
+        """(n_lines,) Hz, from 0."""
+        return np.linspace(0.0, self.frequency_max, self.n_lines)
+
+    @property
+    def spacing(self) -> float:
+        """Distance of two lines, Hz."""
+        return self.frequency_max / (self.n_lines - 1)
+
+    @property
+    def record_length(self) -> float:
+        """Length of one record, s."""
+        return 1.0 / self.spacing
