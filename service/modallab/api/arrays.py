@@ -21,12 +21,6 @@ NPZ: dict[int | str, dict[str, Any]] = {
         "content": {MEDIA_TYPE: {"schema": {"type": "string", "format": "binary"}}},
     }
 }
-UFF: dict[int | str, dict[str, Any]] = {
-    200: {
-        "description": "Universal file, dataset 58, binary",
-        "content": {"application/octet-stream": {"schema": {"type": "string", "format": "binary"}}},
-    }
-}
 _SINGLE = {"c": np.complex64, "f": np.float32}
 
 
@@ -40,12 +34,6 @@ def npz_reply(payload: bytes, precision: Literal["double", "single"] = "double")
 def npz_of(arrays: Mapping[str, NDArray[Any]], precision: Literal["double", "single"] = "double") -> Response:
     """Return arrays as an npz reply."""
     return npz_reply(pack(arrays), precision)
-
-
-def uff_reply(payload: bytes, name: str) -> Response:
-    """Return a universal file as a reply that browsers keep under this name."""
-    headers = {"Content-Disposition": f'attachment; filename="{name}.uff"'}
-    return Response(payload, media_type="application/octet-stream", headers=headers)
 
 
 def _shortened(array: NDArray[Any]) -> NDArray[Any]:

@@ -1,9 +1,10 @@
-"""Measurements from files of unknown origin; what a file is, its content says, not its name."""
+"""Measurements and modal models from files of unknown origin: their content says what they are."""
 
 from typing import BinaryIO
 
 from modallab.core.errors import InvalidInputError
-from modallab.interchange import npz, uff
+from modallab.core.modal_model import ModalModel
+from modallab.interchange import npz, uff, uff_modes
 from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
 
@@ -41,3 +42,25 @@ def read_measurement(
     raise InvalidInputError(
         "the file is neither a universal file nor npz", field="file", allowed="universal file (58), npz"
     )
+
+
+def read_modal_model(file: BinaryIO, *, largest: int) -> ModalModel:
+    """Return the modes of a universal file (dataset 55).
+
+    Parameters
+    ----------
+    file
+        The file; no more of it is read than its format may take.
+    largest
+        Bytes it may have.
+
+    Raises
+    ------
+    InvalidInputError
+        If it is no universal file, is damaged, or holds no modes.
+    """
+    head = file.read(_HEAD)
+    if not uff.starts(head):
+        raise InvalidInputError("the file is no universal file", field="file", allowed="universal file (55)")
+    limit = min(largest, uff.LARGEST)
+    return uff_modes.read(head + file.read(limit), largest=limit)

@@ -22,7 +22,8 @@ from modallab.interchange.uff_format import (
     decode,
     encode,
 )
-from modallab.interchange.uff_records import FUNCTION, LARGEST, read_sets, refusal, starts
+from modallab.interchange.uff_records import FUNCTION, LARGEST, UNITS, read_sets, refusal, starts
+from modallab.interchange.uff_text import NOWHERE, Origin, foreign, front
 from modallab.rig.measurement import Measurement
 
 __all__ = ["LARGEST", "read", "starts", "write"]
@@ -34,11 +35,11 @@ _AXIS_ERROR = 1e-5  # the format has six digits for the line spacing
 _ROUNDED = 1e-6  # by so much a coherence of 1 may exceed it in single precision
 
 
-def write(measurement: Measurement) -> bytes:
+def write(measurement: Measurement, origin: Origin = NOWHERE) -> bytes:
     """Return FRFs, coherence and auto spectra as a universal file.
 
-    Each is a function of dataset 58, binary, double precision, in SI units. A response and the run
-    that measured it share a version number.
+    Header (151) and SI units (164) come first. Each function is a dataset 58, binary, double
+    precision. A response and the run that measured it share a version number.
 
     Raises
     ------
@@ -49,7 +50,7 @@ def write(measurement: Measurement) -> bytes:
     force, n_out = measurement.force_spectrum, len(measurement.frf.outputs)
     # Where all was measured at once there is one force.
     n_forces = 0 if force is None else 1 if (force == force[:, :1]).all() else n_out
-    return encode([f for j in range(n_out) for f in _of_response(measurement, j, n_forces)])
+    return front(origin) + encode([f for j in range(n_out) for f in _of_response(measurement, j, n_forces)])
 
 
 def _of_response(measurement: Measurement, j: int, n_forces: int) -> Iterator[Function]:
@@ -74,7 +75,8 @@ def read(payload: bytes, *, largest: int) -> MeasuredFile:
 
     FRFs of one kind and one reference are needed, in any order; coherence and auto spectra per Hz
     are taken where they belong to every FRF, else the notes say what was left out. Other datasets
-    pass by, except units (164), by which the values are converted to SI.
+    pass by, except units (164), by which the values are converted to SI, and the header (151),
+    whose program the notes name.
 
     Parameters
     ----------
@@ -88,12 +90,14 @@ def read(payload: bytes, *, largest: int) -> MeasuredFile:
     InvalidInputError
         If it is no universal file, is cut off or damaged, or its FRFs make no measurement.
     """
-    functions, units = [], (1.0, 1.0)
+    functions, units, program = [], (1.0, 1.0), ""
     for dataset in read_sets(payload, largest):
         if dataset["type"] == FUNCTION:
             functions.append(decode(dataset))
+        elif dataset["type"] == UNITS:
+            units = dataset["length"], dataset["force"]
         else:
-            units = _factors(dataset)
+            program = dataset["program"]
     short = [f.of for f in functions if f.of is not None and f.of != len(functions)]
     if short:
         raise refusal(
@@ -109,17 +113,9 @@ def read(payload: bytes, *, largest: int) -> MeasuredFile:
         coherence=reader.coherence(),
         force_spectrum=reader.force_spectrum(),
         response_spectrum=reader.response_spectrum(),
-        notes=tuple(reader.notes),
+        notes=(*foreign(program), *reader.notes),
         axis_error=_AXIS_ERROR,
     )
-
-
-def _factors(units: dict[str, Any]) -> tuple[float, float]:
-    """Return by what the file's lengths and forces are divided to be in SI."""
-    length, force = units["length"], units["force"]
-    if not (1e-12 < length < 1e12 and 1e-12 < force < 1e12):
-        raise refusal("the file's units (164) are out of bounds", value=f"{length:g}, {force:g}")
-    return length, force
 
 
 def _frf(found: Sequence[Function], units: tuple[float, float]) -> FrfSet:

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from modallab.core.arrays import FloatArray
 from modallab.core.dof import DIRECTIONS, Dof
 from modallab.core.frf import FrfKind
+from modallab.interchange.uff_text import number
 
 AUTO_SPECTRUM, FRF, COHERENCE, DENSITY = 2, 4, 6, 9  # function types
 FORCE, FREQUENCY = 13, 18  # specific data types
@@ -63,7 +64,7 @@ def encode(functions: Sequence[Function]) -> bytes:
     return b"".join(_encoded(one, i + 1, len(functions)) for i, one in enumerate(functions))
 
 
-def _encoded(function: Function, number: int, of: int) -> bytes:
+def _encoded(function: Function, record: int, of: int) -> bytes:
     # Not by pyuff 2.5: it rounds the line spacing to six digits and states half the bytes of complex data.
     is_complex = np.iscomplexobj(function.data)
     data = np.ascontiguousarray(function.data, "<c16" if is_complex else "<f8").tobytes()
@@ -74,10 +75,10 @@ def _encoded(function: Function, number: int, of: int) -> bytes:
         "    -1",
         f"{58:6d}b{1:6d}{2:6d}{11:12d}{len(data):12d}{0:6d}{0:6d}{0:12d}{0:12d}",
         f"{function.response} / {function.reference}",
-        f"modallab, record {number} of {of}",
+        f"modallab, record {record} of {of}",
         *["NONE"] * 3,
-        f"{function.type:5d}{number:10d}{function.run:5d}{0:10d} {ends[0]} {ends[1]}",
-        f"{6 if is_complex else 4:10d}{count:10d}{1:10d}{_number(freq[0])}{_number(spacing)}{_number(0.0)}",
+        f"{function.type:5d}{record:10d}{function.run:5d}{0:10d} {ends[0]} {ends[1]}",
+        f"{6 if is_complex else 4:10d}{count:10d}{1:10d}{number(freq[0])}{number(spacing)}{number(0.0)}",
         _axis(FREQUENCY, "Hz"),
         _axis(function.numerator, function.units[0]),
         _axis(function.denominator, function.units[1]),
@@ -94,9 +95,3 @@ def _end(dof: Dof | None) -> str:
 
 def _axis(kind: int, unit: str) -> str:
     return f"{kind:10d}{0:5d}{0:5d}{0:5d} {'NONE':<20} {unit:<20}"
-
-
-def _number(value: float) -> str:
-    """Return a number in 13 columns with as many digits as fit: E13.5 would keep six."""
-    texts = (f"{value:#.{digits}g}" for digits in range(11, 4, -1))
-    return f"{next(text for text in texts if len(text) <= 12):>13}"

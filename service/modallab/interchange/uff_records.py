@@ -2,7 +2,7 @@
 
 import re
 import tempfile
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -12,11 +12,12 @@ import pyuff
 from numpy.typing import NDArray
 
 from modallab.core.errors import InvalidInputError
+from modallab.interchange.uff_text import program_of
 
 LARGEST = 24_000_000  # bytes of a file: 100 responses of 3,201 lines with all spectra take 13 million
 MOST_LINES = 100_000  # of one function
 MOST_SETS = 6_000
-FUNCTION, UNITS = 58, 164
+FUNCTION, UNITS, HEADER = 58, 164, 151
 
 _OPEN = re.compile(rb"    -1 *\r?\n")
 _CLOSE = re.compile(rb"\n    -1 *\r?(?:\n|\Z)")
@@ -25,7 +26,7 @@ _BLANK = re.compile(rb"\s*")
 _LONGEST_HEADER = 400  # bytes of a line; 80 characters by the format, some write more
 _LONGEST_ROW = 100  # bytes of a line of numbers
 _HEADER_LINES = 12
-_UNITS_BYTES = 1_000
+SMALL = 1_000  # bytes that header and units may have; larger ones pass by
 _CONTROL = bytes(range(32)) + b"\x7f"
 _HEADER = bytes.maketrans(_CONTROL, b" " * len(_CONTROL))
 _FORTRAN = bytes.maketrans(b"dD", b"EE")
@@ -71,7 +72,7 @@ def starts(payload: bytes) -> bool:
 
 
 def read_sets(payload: bytes, largest: int) -> Iterator[dict[str, Any]]:
-    """Yield the functions (58) and units (164) of a universal file as pyuff has them.
+    """Yield header (151: `program`), units (164: `length, force`) and functions (58: as pyuff has them).
 
     Parameters
     ----------
@@ -85,17 +86,21 @@ def read_sets(payload: bytes, largest: int) -> Iterator[dict[str, Any]]:
     InvalidInputError
         If it is no universal file, is cut off, or declares more or other numbers than it holds.
     """
-    limit = min(largest, LARGEST)
-    if len(payload) > limit:
-        raise refusal(f"the universal file is larger than {limit} bytes", allowed=limit)
     counts = []
     # pyuff works on paths only
     with tempfile.TemporaryDirectory(prefix="modallab-") as folder:
         path = Path(folder) / "tidy.uff"
         with path.open("wb") as file:
-            for text, count in _split(payload):
-                file.write(text)
-                counts.append(count)
+            for number, text, count in _split(_limited(payload, largest), {UNITS: SMALL, HEADER: SMALL}):
+                # Not by pyuff: it refuses headers with lines missing, of which no harm comes.
+                if number == HEADER:
+                    yield {"type": HEADER, "program": program_of(text.decode("ascii", "replace"))}
+                elif number == UNITS:
+                    length, force = factors(text.decode("ascii", "replace"))
+                    yield {"type": UNITS, "length": length, "force": force}
+                else:
+                    file.write(text)
+                    counts.append(count)
         try:
             reader = pyuff.UFF(str(path))
         except Exception as error:  # pyuff raises nothing narrower
@@ -106,25 +111,71 @@ def read_sets(payload: bytes, largest: int) -> Iterator[dict[str, Any]]:
             yield _parsed(reader, index, count)
 
 
+def read_texts(payload: bytes, largest: int, wanted: Mapping[int, int]) -> Iterator[tuple[int, str]]:
+    """Yield the number and the lines of text datasets, without mark and number.
+
+    Parameters
+    ----------
+    payload
+        The file.
+    largest
+        Bytes it may have.
+    wanted
+        The datasets' numbers, and the bytes beyond which each passes by.
+
+    Raises
+    ------
+    InvalidInputError
+        If it is no universal file, or is cut off.
+    """
+    for number, text, _ in _split(_limited(payload, largest), wanted):
+        if number in wanted:
+            yield number, text.decode("ascii", "replace")
+
+
+def factors(units: str) -> tuple[float, float]:
+    """Return by what lengths and forces are divided to be in SI, from the text of dataset 164.
+
+    Raises
+    ------
+    InvalidInputError
+        If they are missing, or of a size that no unit has.
+    """
+    fields = " ".join(units.upper().replace("D", "E").split("\n")[1:]).split()[:2]
+    try:
+        length, force = (float(field) for field in fields)
+    except ValueError:
+        raise refusal("the file's units (164) cannot be read", value=" ".join(fields)[:40]) from None
+    if not (1e-12 < length < 1e12 and 1e-12 < force < 1e12):  # NaN fails too
+        raise refusal("the file's units (164) are out of bounds", value=f"{length:g}, {force:g}")
+    return length, force
+
+
+def _limited(payload: bytes, largest: int) -> bytes:
+    limit = min(largest, LARGEST)
+    if len(payload) > limit:
+        raise refusal(f"the universal file is larger than {limit} bytes", allowed=limit)
+    return payload
+
+
 def _parsed(reader: Any, index: int, count: int) -> dict[str, Any]:
     try:
         with np.errstate(all="ignore"):
             dataset: dict[str, Any] = reader.read_sets(index)
     except Exception as error:  # pyuff raises nothing narrower
         raise refusal(f"dataset {index + 1} cannot be read: {error}", dataset=index + 1) from None
-    if dataset["type"] != (FUNCTION if count else UNITS):
+    if dataset["type"] != FUNCTION:
         raise refusal(f"dataset {index + 1} cannot be read", dataset=index + 1)
-    if count:
-        x, data = np.asarray(dataset["x"]), np.asarray(dataset["data"])
-        if len(x) != count or len(data) != count:
-            raise refusal(
-                f"dataset {index + 1} holds another number of values than it declares",
-                dataset=index + 1,
-                value=len(data),
-                allowed=count,
-            )
-        _check_finite(data, index)
-        _check_finite(x, index)
+    x, data = np.asarray(dataset["x"]), np.asarray(dataset["data"])
+    if len(x) != count or len(data) != count:
+        raise refusal(
+            f"dataset {index + 1} holds another number of values than it declares",
+            dataset=index + 1,
+            value=len(data),
+            allowed=count,
+        )
+    _check_finite(data, index)
+    _check_finite(x, index)
     return dataset
 
 
@@ -133,8 +184,11 @@ def _check_finite(values: NDArray[Any], index: int) -> None:
         raise refusal(f"dataset {index + 1} holds a value that is not finite", dataset=index + 1)
 
 
-def _split(payload: bytes) -> Iterator[tuple[bytes, int]]:
-    """Yield the datasets that matter, tidied for pyuff, and how many values each declares."""
+def _split(payload: bytes, wanted: Mapping[int, int]) -> Iterator[tuple[int, bytes, int]]:
+    """Yield a dataset's number, text, and how many values it declares.
+
+    Functions come with marks, tidied for pyuff; wanted text datasets as lines after the number.
+    """
     position = 0
     for index in range(MOST_SETS + 1):
         text = _BLANK.match(payload, position).end()  # type: ignore[union-attr]
@@ -145,19 +199,21 @@ def _split(payload: bytes) -> Iterator[tuple[bytes, int]]:
         if opening is None:
             raise refusal(f"dataset {index + 1} does not begin with its mark, `-1`", dataset=index + 1)
         begin = opening.end()
-        number = payload[begin : begin + 6].strip()
-        if not number.isdigit():
+        field = payload[begin : begin + 6].strip()
+        if not field.isdigit():
             raise refusal(f"dataset {index + 1} has no number", dataset=index + 1)
-        if int(number) == FUNCTION:
+        number = int(field)
+        if number == FUNCTION:
             tidy, count, position = _function(payload, begin, index)
-            yield tidy, count
+            yield number, tidy, count
             continue
         closing = _CLOSE.search(payload, begin)
         if closing is None:
             raise _cut_off(index)
-        position = closing.end()
-        if int(number) == UNITS and closing.start() - begin < _UNITS_BYTES:
-            yield b"    -1\n" + payload[begin : closing.start()] + b"\n    -1\n", 0
+        position, end = closing.end(), closing.start() + 1
+        if end - begin < wanted.get(number, 0):
+            first = payload.find(b"\n", begin, end) + 1
+            yield number, payload[first:end], 0
     raise refusal("the file has too many datasets", allowed=MOST_SETS)
 
 

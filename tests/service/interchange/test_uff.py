@@ -80,7 +80,9 @@ def test_one_force_serves_all_responses_of_one_run() -> None:
 def test_pyuff_reads_the_same_from_what_is_written(kind: FrfKind, tmp_path: Path) -> None:
     given_ = measured(kind)
     (tmp_path / "out.uff").write_bytes(uff.write(given_))
-    sets = pyuff.UFF(str(tmp_path / "out.uff")).read_sets()
+    header, units, *sets = pyuff.UFF(str(tmp_path / "out.uff")).read_sets()
+    assert (header["type"], units["type"], units["units_code"]) == (151, 164, 1)
+    assert (units["length"], units["force"]) == (1.0, 1.0)  # SI
     frfs = [one for one in sets if one["func_type"] == 4]
     assert [(one["rsp_node"], one["rsp_dir"]) for one in frfs] == [(1, 2), (12, -3), (5, 1)]
     assert {(one["ref_node"], one["ref_dir"]) for one in frfs} == {(1, -2)}

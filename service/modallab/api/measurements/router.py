@@ -5,9 +5,10 @@ from typing import Annotated
 from fastapi import APIRouter, File, Form, Query, UploadFile, status
 from starlette.responses import Response
 
-from modallab.api.arrays import NPZ, UFF, Precision, npz_reply, uff_reply
+from modallab.api.arrays import NPZ, Precision, npz_reply
 from modallab.api.deps import Id, IdPath, JobsDep, OwnerDep, SettingsDep, StoreDep
 from modallab.api.examples import example
+from modallab.api.files import UFF, origin, uff_reply
 from modallab.api.jobs import JobOut
 from modallab.api.measurements.schemas import CurvesOut, MeasurementOut, MeasurementStart, TruthOut
 from modallab.api.shelves import add_routes
@@ -68,7 +69,8 @@ def get_measurement_arrays(id: IdPath, store: StoreDep, precision: Precision = "
 
 @router.get("/{id}/frf.uff", response_class=Response, responses=UFF, summary="FRFs as a universal file")
 def get_universal_file(id: IdPath, store: StoreDep) -> Response:
-    return uff_reply(uff.write(store.measurements.get(id)), id)
+    content = origin(store.measurements.entry(id), "measurement")
+    return uff_reply(uff.write(store.measurements.get(id), content), id)
 
 
 @router.get("/{id}/curves", summary="FRFs thinned for plots")

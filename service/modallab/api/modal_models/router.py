@@ -2,16 +2,21 @@
 
 from typing import Annotated
 
-from fastapi import APIRouter, status
+from fastapi import APIRouter, File, UploadFile, status
 from starlette.responses import Response
 
 from modallab.api.arrays import NPZ, Precision, npz_reply
-from modallab.api.deps import IdPath, JobsDep, OwnerDep, StoreDep
+from modallab.api.deps import IdPath, JobsDep, OwnerDep, SettingsDep, StoreDep
 from modallab.api.examples import example
+from modallab.api.files import FILE, UFF, FormRoute, origin, uff_reply
 from modallab.api.jobs import JobOut
 from modallab.api.modal_models.schemas import ModalModelIn, ModalModelOut, ModalModelStart
 from modallab.api.shelves import add_routes
+from modallab.core.modal_model import ModalModel
 from modallab.extraction.method import EXTRACTION_METHODS
+from modallab.interchange import uff_modes
+from modallab.interchange.reading import read_modal_model
+from modallab.store.base import Store
 
 router = APIRouter(prefix="/modal-models", tags=["modal models"])
 
@@ -32,12 +37,37 @@ def start_modal_model(
     return JobOut.of(jobs.submit("extract_and_store", arguments, owner=owner))
 
 
-@router.post("/import", status_code=status.HTTP_201_CREATED, summary="Import modes from elsewhere")
+def _stored(model: ModalModel, store: Store, owner: str) -> ModalModelOut:
+    return ModalModelOut.of(model, store.modal_models.entry(store.modal_models.add(model, owner=owner)))
+
+
+def import_modal_file(
+    file: Annotated[UploadFile, File(description="universal file, dataset 55")],
+    store: StoreDep,
+    settings: SettingsDep,
+    owner: OwnerDep,
+) -> ModalModelOut:
+    return _stored(read_modal_model(file.file, largest=settings.upload_limit), store, owner)
+
+
+# Out of the document, where a path has one POST: the route below tells of both.
+router.add_api_route(
+    "/import",
+    import_modal_file,
+    methods=["POST"],
+    status_code=status.HTTP_201_CREATED,
+    include_in_schema=False,
+    route_class_override=FormRoute,
+)
+
+
+@router.post(
+    "/import", status_code=status.HTTP_201_CREATED, summary="Import modes from elsewhere", openapi_extra=FILE
+)
 def import_modal_model(
     body: Annotated[ModalModelIn, example(_IMPORT)], store: StoreDep, owner: OwnerDep
 ) -> ModalModelOut:
-    model = body.to_domain()
-    return ModalModelOut.of(model, store.modal_models.entry(store.modal_models.add(model, owner=owner)))
+    return _stored(body.to_domain(), store, owner)
 
 
 @router.get("/{id}", summary="Modes without their shapes")
@@ -50,6 +80,12 @@ def get_modal_model(id: IdPath, store: StoreDep) -> ModalModelOut:
 )
 def get_modal_model_arrays(id: IdPath, store: StoreDep, precision: Precision = "double") -> Response:
     return npz_reply(store.modal_models.npz(id), precision)
+
+
+@router.get("/{id}/modes.uff", response_class=Response, responses=UFF, summary="Modes as a universal file")
+def get_universal_file(id: IdPath, store: StoreDep) -> Response:
+    content = origin(store.modal_models.entry(id), "modal model")
+    return uff_reply(uff_modes.write(store.modal_models.get(id), content), id)
 
 
 add_routes(router, "modal_models")

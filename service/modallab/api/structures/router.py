@@ -9,12 +9,14 @@ from starlette.responses import Response
 from modallab.api.arrays import NPZ, Precision, npz_of
 from modallab.api.deps import IdPath, OwnerDep, StoreDep
 from modallab.api.examples import example, examples
+from modallab.api.files import UFF, origin, uff_reply
 from modallab.api.modal_models.schemas import ModalModelOut, SyntheticIn
 from modallab.api.shelves import add_routes
 from modallab.api.structures.changes import ChangesIn
 from modallab.api.structures.schemas import ModesOut, StructureIn, StructureOut
 from modallab.fe.changes import change
 from modallab.fe.selected import lowest_modes, synthetic_modes
+from modallab.interchange import uff_geometry
 from modallab.store.base import Store
 
 router = APIRouter(prefix="/structures", tags=["structures"])
@@ -88,6 +90,14 @@ def get_mode_arrays(
     basis, _ = lowest_modes(structure, count)
     dofs = np.array([str(dof) for dof in structure.dofs])
     return npz_of({"frequencies": basis.frequencies, "shapes": basis.shapes, "dofs": dofs}, precision)
+
+
+@router.get(
+    "/{id}/geometry.uff", response_class=Response, responses=UFF, summary="Nodes and lines: universal file"
+)
+def get_geometry(id: IdPath, store: StoreDep) -> Response:
+    structure, entry = store.structures.get(id), store.structures.entry(id)
+    return uff_reply(uff_geometry.write(structure, origin(entry, f"structure {structure.name}")), id)
 
 
 @router.post("/{id}/synthetic-modes", status_code=status.HTTP_201_CREATED, summary="Modes as if measured")

@@ -1,0 +1,89 @@
+"""What text datasets of universal files are made of: marks, records, numbers in columns; header and units."""
+
+from collections.abc import Iterable, Sequence
+from dataclasses import dataclass
+from datetime import datetime
+
+WIDTH = 13  # columns of a number
+_MONTHS = ("Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec")
+_A_ROW = 6  # numbers
+_LONGEST = 80  # characters of a line
+_SMALLEST = 1e-99  # below, an exponent takes a third digit
+PROGRAM = "modallab"
+
+
+@dataclass(frozen=True)
+class Origin:
+    """Where the content of a file comes from, as its header says."""
+
+    name: str = ""
+    content: str = ""
+    version: str = ""  # of the program that made it
+    made: datetime | None = None  # when the content was made, which never changes after
+
+
+NOWHERE = Origin()
+
+
+def dataset(number: int, lines: Iterable[str]) -> bytes:
+    """Return a text dataset between its marks."""
+    return "".join(f"{line}\n" for line in ("    -1", f"{number:6d}", *lines, "    -1")).encode("ascii")
+
+
+def label(text: str) -> str:
+    """Return a line of free text: ASCII, 80 characters, nothing that could pass for a mark."""
+    # A single blank between words: a mark has four before its -1.
+    plain = " ".join(text.split()).encode("ascii", "replace").decode()
+    return plain[:_LONGEST] or "NONE"
+
+
+def front(origin: Origin) -> bytes:
+    """Return what stands before everything else: header (151), and SI units (164).
+
+    Not by pyuff 2.5, which writes to paths only and puts the time of writing into the header, so
+    that no file would be the same twice.
+    """
+    program = label(f"{PROGRAM} {origin.version}")
+    date = "" if origin.made is None else _date(origin.made)
+    header = [label(origin.name), label(origin.content), program, f"{date:<20}{0:10d}{0:10d}{0:10d}"]
+    units = [f"{1:10d}{'SI: Meter (newton)':<20}{2:10d}", _factors(1.0, 1.0, 1.0), _factors(273.15)]
+    return dataset(151, [*header, date, program, date]) + dataset(164, units)
+
+
+def _date(moment: datetime) -> str:
+    # Not by strftime: its month is in the language of the computer.
+    day = f"{moment.day:02d}-{_MONTHS[moment.month - 1]}-{moment.year % 100:02d}"
+    return f"{day:<10}{moment:%H:%M:%S}"
+
+
+def _factors(*values: float) -> str:
+    return "".join(f"{value:25.17E}".replace("E", "D") for value in values)
+
+
+def program_of(header: str) -> str:
+    """Return the program that wrote a file, from the text of its header (151) without number and marks."""
+    lines = [label(line) for line in header.splitlines()]
+    return next((lines[i] for i in (5, 2) if i < len(lines) and lines[i] != "NONE"), "")
+
+
+def foreign(program: str) -> tuple[str, ...]:
+    """Return the note of another program's file."""
+    return () if not program or program.startswith(PROGRAM) else (f"written by {program}",)
+
+
+def number(value: float) -> str:
+    """Return a number in 13 columns with as many digits as fit: E13.5 would keep six."""
+    if abs(value) < _SMALLEST:
+        return f"{'0.0':>{WIDTH}}"
+    digits = 11
+    text = f"{value:#.{digits}g}"
+    while len(text) >= WIDTH:  # a column stays blank, for readers that split at blanks
+        digits -= len(text) - WIDTH + 1
+        text = f"{value:#.{digits}g}"
+    return f"{text:>{WIDTH}}"
+
+
+def rows(values: Sequence[float]) -> list[str]:
+    """Return numbers in lines of six."""
+    texts = [number(value) for value in values]
+    return ["".join(texts[i : i + _A_ROW]) for i in range(0, len(texts), _A_ROW)]
