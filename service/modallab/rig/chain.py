@@ -2,7 +2,6 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 
 import numpy as np
 
@@ -11,9 +10,11 @@ from modallab.core.dof import Dof
 from modallab.fe.receptance import attached, attached_variants
 from modallab.fe.system import DynamicSystem
 from modallab.rig.channel import Channel
-from modallab.rig.drive import Drive, transmission
+from modallab.rig.distortion import with_equivalents
+from modallab.rig.drive import Drive, reaction, transmission
 from modallab.rig.effect import EFFECTS, Effect, build
 from modallab.rig.excitation import EXCITATIONS
+from modallab.rig.run import Run, filtered
 from modallab.rig.setup import RigSetup, Shot
 from modallab.rig.source import NoiseLevels, Source
 
@@ -44,48 +45,30 @@ class ChannelResponse:
         return np.asarray(solved.swapaxes(2, 3))
 
 
-@dataclass(frozen=True, eq=False)
-class Run:
-    """One run of the analyser: the structure as it is loaded then, its exciters, its channels."""
+def _at_work(runs: Sequence[Run], omega: FloatArray, alpha: ComplexArray) -> ComplexArray:
+    """Return the forces on the structure per source and per nonlinear force, (n_run, n_freq, n_w, n_w).
 
-    shot: Shot
-    system: DynamicSystem
-    drives: tuple[Drive, ...]
-    forces: tuple[Channel, ...]
-    responses: tuple[Channel, ...]
-
-    @cached_property
-    def motions(self) -> tuple[Dof, ...]:
-        """What has to be known of the structure: drive points first, then what reaches the channels."""
-        heard = {dof: None for channel in self.responses for dof, _ in channel.pickups}
-        return (*self.shot.drives, *heard)
-
-    def mixed(self, heard: ComplexArray) -> ComplexArray:
-        """Return what reaches each response channel of `motions` (n_freq, n_motions, n_in)."""
-        first = len(self.shot.drives)
-        if all(channel.pickups == ((channel.dof, 1.0),) for channel in self.responses):
-            return heard[:, first:]
-        place = {dof: i for i, dof in enumerate(self.motions[first:], start=first)}
-        weights = np.zeros((len(self.responses), len(self.motions)))
-        for i, channel in enumerate(self.responses):
-            for dof, weight in channel.pickups:
-                weights[i, place[dof]] += weight
-        return np.asarray(weights @ heard)
-
-
-def _transmissions(runs: Sequence[Run], omega: FloatArray, alpha: ComplexArray) -> ComplexArray:
-    """Return the force on the structure per force of each source, (n_run, n_freq, n_in, n_in)."""
+    Parameters
+    ----------
+    alpha
+        (n_run, n_freq, n_motions, n_w) receptance, drive points and nonlinear forces first.
+    """
     if all(run.drives == runs[0].drives for run in runs):
-        return transmission(runs[0].drives, omega, alpha)
+        return _forces(runs[0].drives, omega, alpha)
     each = zip(runs, alpha, strict=True)
-    return np.array([transmission(run.drives, omega, own[None])[0] for run, own in each])
+    return np.array([_forces(run.drives, omega, own[None])[0] for run, own in each])
 
 
-def _filtered(signals: ComplexArray, channels: Sequence[Channel], omega: FloatArray) -> ComplexArray:
-    """Return signals (n_freq, n_ch, n_in) behind the filters of their channels."""
-    if not any(channel.filters for channel in channels):
-        return signals
-    return np.asarray(signals * np.array([channel.transfer(omega) for channel in channels]).T[:, :, None])
+def _forces(drives: tuple[Drive, ...], omega: FloatArray, alpha: ComplexArray) -> ComplexArray:
+    n, n_w = len(drives), alpha.shape[-1]
+    through = transmission(drives, omega, alpha[:, :, :n, :n])
+    if n_w == n:
+        return through
+    felt = reaction(drives, omega, alpha[:, :, :n, :n]) @ alpha[:, :, :n, n:]
+    forces = np.zeros((*alpha.shape[:2], n_w, n_w), complex)
+    forces[:, :, :n, :n], forces[:, :, :n, n:] = through, -felt
+    forces[:, :, np.arange(n, n_w), np.arange(n, n_w)] = 1.0
+    return forces
 
 
 @dataclass(frozen=True, eq=False)
@@ -113,9 +96,19 @@ class Chain:
         return analyser.overlap if EXCITATIONS[analyser.excitation.kind].continuous > 0 else 0.0
 
     def respond(self, freq: FloatArray) -> ChannelResponse:
-        """Return what the channels of every run show at `freq` (n_freq,) Hz."""
+        """Return what the channels of every run show at `freq` (n_freq,) Hz, per source."""
+        whole, n_in = self._answer(freq), self.n_in
+        return ChannelResponse(whole.force[..., :n_in], whole.response[..., :n_in])
+
+    def distort(self, freq: FloatArray) -> ChannelResponse:
+        """Return what the channels show per newton of each nonlinear force's residual."""
+        whole, n_in = self._answer(freq), self.n_in
+        return ChannelResponse(whole.force[..., n_in:], whole.response[..., n_in:])
+
+    def _answer(self, freq: FloatArray) -> ChannelResponse:
+        """Return both side by side."""
         top = float(freq.max())
-        parts = [self._respond(freq[i : i + AT_ONCE], top) for i in range(0, len(freq), AT_ONCE)]
+        parts = [self._part(freq[i : i + AT_ONCE], top) for i in range(0, len(freq), AT_ONCE)]
         if len(parts) == 1:
             return parts[0]
         return ChannelResponse(
@@ -123,19 +116,20 @@ class Chain:
             np.concatenate([part.response for part in parts], axis=1),
         )
 
-    def _respond(self, freq: FloatArray, top: float) -> ChannelResponse:
+    def _part(self, freq: FloatArray, top: float) -> ChannelResponse:
         omega = 2 * np.pi * np.maximum(freq, NEARLY_STILL * self.setup.analyser.spacing)
+        n_in = self.n_in
         force: list[ComplexArray] = [np.zeros(0, complex)] * len(self.runs)
         response = list(force)
         for group in self._groups():
             runs = [self.runs[i] for i in group]
             alpha = self._receptance(runs, omega, top)
-            through = _transmissions(runs, omega, alpha[:, :, : self.n_in])
+            through = _at_work(runs, omega, alpha)
             heard = -(omega**2)[None, :, None, None] * (alpha @ through)
             for place, i in enumerate(group):
-                force[i] = _filtered(through[place], self.runs[i].forces, omega)
+                force[i] = filtered(through[place, :, :n_in], self.runs[i].forces, omega)
                 mixed = self.runs[i].mixed(heard[place])
-                response[i] = _filtered(mixed, self.runs[i].responses, omega)
+                response[i] = filtered(mixed, self.runs[i].responses, omega)
         return ChannelResponse(np.array(force), np.array(response))
 
     def _groups(self) -> list[list[int]]:
@@ -146,9 +140,9 @@ class Chain:
         return list(groups.values())
 
     def _receptance(self, runs: Sequence[Run], omega: FloatArray, top: float) -> ComplexArray:
-        """Return the receptance of the motions of runs, drive points first, (n_run, n_freq, ., n_in)."""
+        """Return the receptance of the motions of runs to forces where any are at work."""
         first = runs[0].system
-        right = first.selection(runs[0].shot.drives)
+        right = first.selection(runs[0].motions[: runs[0].n_at_work])
         lefts = [first.selection(run.motions) for run in runs]
         systems = [run.system for run in runs]
         if all(system.mass is first.mass for system in systems):
@@ -163,12 +157,7 @@ class Chain:
         Of structure and sources moving together, as the spectra have them; (n_run, n_modes) each.
         """
         top = self.setup.analyser.frequency_max
-        found = []
-        for run in self.runs:
-            whole = run.system
-            for drive in run.drives:
-                whole = drive.attached_to(whole)
-            found.append(whole.resonances(top))
+        found = [run.resonances(top) for run in self.runs]
         longest = max(len(frequencies) for frequencies, _ in found)
         padded = [np.pad(pair, ((0, 0), (0, longest - len(pair[0]))), mode="edge") for pair in found]
         frequencies, widths = np.array(padded).swapaxes(0, 1)
@@ -206,6 +195,8 @@ def chain(system: DynamicSystem, setup: RigSetup, added: Sequence[Effect] = ()) 
     for effect in effects:
         noise, source = effect.on_noise(noise), effect.on_source(source)
     runs = tuple(_run(system, shot, effects) for shot in setup.shots)
+    if local := [force for effect in effects if (force := effect.on_motion()) is not None]:
+        runs = tuple(with_equivalents(run, local, setup.analyser, source) for run in runs)
     return Chain(setup, runs, noise, source, tuple(effects))
 
 

@@ -8,72 +8,108 @@ from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.dof import Dof
 from modallab.fe.attachment import Attachment
 from modallab.fe.system import DynamicSystem
+from modallab.rig.hardware import Coil
 
 RIGID = 0.01  # loss factor of what joins armature and structure: keeps their resonance finite
+FAR = 2 * np.pi * 1e6  # rad/s: what resonates on its joint above that moves as if joined rigidly
 
 
 @dataclass(frozen=True)
 class Drive:
-    """One exciter: an armature that the source's force P moves, joined to the drive point.
+    """One exciter: a ladder of masses and springs from the drive point out to the armature.
 
-    P = F + Z_a x_a, F = (x_a - x) / C: for a mass alone, rigidly joined, P = F + m a of the 1992 thesis
-    [5.2]. The coil's reaction to its own motion is part of Z_a where an amplifier keeps its voltage.
+    Outwards from the structure: a mass that moves with the drive point, the gauge's spring, the
+    stinger's near end, its axial spring, the armature on its suspension, which the source's force P
+    moves. At every mass the force passed on grows by Z x, at every spring the motion by C times the
+    force; for an armature alone that is P = F + m a of the 1992 thesis [5.2]. Where an amplifier keeps
+    the voltage of a coil, what the coil's motion induces is part of the armature's Z.
     """
 
     dof: Dof
-    mass: float = 0.0  # kg, moved by the source behind the sensing element
+    mass: float = 0.0  # kg, armature
     stiffness: float = 0.0  # N/m, armature to its frame
-    viscous: float = 0.0  # N s/m
-    compliance: float = 0.0  # m/N, between armature and structure
-    force_factor: float = 0.0  # N/A, of a coil whose voltage is kept; 0: its current is kept
-    resistance: float = 1.0  # Ohm
-    inductance: float = 0.0  # H
+    viscous: float = 0.0  # N s/m, armature to its frame
+    compliance: float = 0.0  # m/N, between the armature and what is in front of it
+    tip_mass: float = 0.0  # kg, between the gauge's spring and the stinger's
+    gauge_compliance: float = 0.0  # m/N, of the force gauge
+    cancelled_mass: float = 0.0  # kg, at the drive point and not in the force that is shown
+    coils: tuple[Coil, ...] = ()  # whose voltage is kept; where the current is kept they do not react
 
     @property
     def plain(self) -> bool:
         """Whether nothing moves behind the sensing element: F = P."""
-        return not (self.mass or self.stiffness or self.viscous or self.force_factor)
+        inert = not (self.mass or self.tip_mass or self.cancelled_mass)
+        return inert and not (self.stiffness or self.viscous or self.coils)
 
     def impedance(self, omega: FloatArray) -> ComplexArray:
-        """Return Z_a, force per displacement of the armature, (n_freq,) N/m, at `omega` rad/s."""
-        viscous = self.viscous + self.force_factor**2 / self._coil(omega)
-        return np.asarray(self.stiffness + 1j * omega * viscous - self.mass * omega**2)
+        """Return Z of the armature, force per displacement, (n_freq,) N/m, at `omega` rad/s."""
+        induced = sum(coil.force_factor**2 / _electrical(coil, omega) for coil in self.coils)
+        return np.asarray(self.stiffness + 1j * omega * (self.viscous + induced) - self.mass * omega**2)
 
-    def flexibility(self) -> complex:
-        """Return C, m/N, with the little damping it has."""
-        return self.compliance / (1 + 1j * RIGID)
+    def stations(self, omega: FloatArray) -> list[tuple[complex, ComplexArray]]:
+        """Return the ladder outwards: compliance, m/N, before a mass, and Z (n_freq,) N/m of the mass."""
+        soft = [0.0, self.gauge_compliance / (1 + 1j * RIGID), self.compliance / (1 + 1j * RIGID)]
+        near, tip = (np.asarray(-mass * omega**2 + 0j) for mass in (self.cancelled_mass, self.tip_mass))
+        return list(zip(soft, (near, tip, self.impedance(omega)), strict=True))
 
     def shaping(self, omega: FloatArray) -> ComplexArray:
-        """Return the source's force per what the amplifier is told, (n_freq,): the current lags."""
-        if not self.force_factor:
-            return np.ones(len(omega), complex)
-        return np.asarray(self.resistance / self._coil(omega))
-
-    def _coil(self, omega: FloatArray) -> ComplexArray:
-        return np.asarray(self.resistance + 1j * omega * self.inductance)
+        """Return P per what the amplifier is told, (n_freq,): the current lags behind the voltage."""
+        out = np.ones(len(omega), complex)
+        for coil in self.coils:
+            out *= coil.resistance / _electrical(coil, omega)
+        return out
 
     def attached_to(self, system: DynamicSystem) -> DynamicSystem:
         """Return the structure with the exciter's moving parts on it, for resonances of both together.
 
-        The coil's inductance is left out.
+        The coils' inductance is left out.
         """
         if self.plain:
             return system
-        column = system.selection((self.dof,))
-        viscous = self.viscous + self.force_factor**2 / self.resistance
-        own = np.array([self.mass, self.stiffness, viscous])[:, None, None]
-        if not self.compliance or not self.mass:
-            mass, stiffness, damper = own
-            return system.attach(Attachment(column, mass, stiffness, viscous=damper))
-        mass, stiffness, damper = own * np.diag([0.0, 1.0])
-        joint = np.array([[1.0, -1.0], [-1.0, 1.0]]) / self.compliance
-        return system.attach(Attachment(column, mass, stiffness + joint, RIGID * joint, damper, inner=1))
+        own, joints = self._reduced()
+        k = np.zeros((len(own), len(own)))
+        for i, joint in enumerate(joints):
+            k[i : i + 2, i : i + 2] += joint * np.array([[1.0, -1.0], [-1.0, 1.0]])
+        mass, stiffness, viscous = (np.diag(values) for values in own.T)
+        return system.attach(
+            Attachment(
+                system.selection((self.dof,)), mass, stiffness + k, RIGID * k, viscous, inner=len(joints)
+            )
+        )
+
+    def _reduced(self) -> tuple[FloatArray, list[float]]:
+        """Return mass, stiffness, viscous damping of what moves on its own, (n, 3), and joints, N/m.
+
+        What has no mass, or too little to move on its joint, goes to its neighbour inwards.
+        """
+        induced = sum(coil.force_factor**2 / coil.resistance for coil in self.coils)
+        ladder = [
+            (0.0, (self.cancelled_mass, 0.0, 0.0)),
+            (self.gauge_compliance, (self.tip_mass, 0.0, 0.0)),
+            (self.compliance, (self.mass, self.stiffness, self.viscous + induced)),
+        ]
+        own, joints, soft = [np.zeros(3)], [], 0.0
+        for compliance, values in ladder:
+            soft += compliance
+            if values[0] * soft * FAR**2 < 1:
+                share = 1 / (1 + soft * values[1])  # of the inner end's motion that arrives
+                own[-1] = own[-1] + np.array(values) * [1.0, share, share**2]
+            else:
+                own.append(np.array(values))
+                joints.append(1 / soft)
+                soft = 0.0
+        return np.array(own), joints
+
+
+def _electrical(coil: Coil, omega: FloatArray) -> ComplexArray:
+    return np.asarray(coil.resistance + 1j * omega * coil.inductance)
 
 
 def transmission(drives: tuple[Drive, ...], omega: FloatArray, alpha: ComplexArray) -> ComplexArray:
     """Return the forces on the structure per force of each source, (n_run, n_freq, n_in, n_in).
 
-    F = (I + Z_a (C + alpha))^-1 G P [5.3], for several exciters that feel each other through the structure.
+    For armatures alone F = (I + Z_a alpha)^-1 P [5.3]; several exciters feel each other through the
+    structure.
 
     Parameters
     ----------
@@ -86,10 +122,38 @@ def transmission(drives: tuple[Drive, ...], omega: FloatArray, alpha: ComplexArr
     unit = np.broadcast_to(np.eye(n_in, dtype=complex), alpha.shape)
     if all(drive.plain for drive in drives):
         return unit
-    z = np.array([drive.impedance(omega) for drive in drives]).T[:, :, None]
-    compliance = np.diag([drive.flexibility() for drive in drives])
+    force = _outwards(drives, omega, unit, alpha)
     shaping = np.array([drive.shaping(omega) for drive in drives]).T
     if n_in == 1:  # one division instead of a solver call for every line
-        return np.asarray(shaping[:, :, None] / (1 + z * (alpha + compliance)))
-    felt = np.linalg.inv(unit + z * (alpha + compliance))
-    return np.asarray(felt * shaping[:, None, :])
+        return np.asarray(shaping[:, :, None] / force)
+    return np.asarray(np.linalg.inv(force) * shaping[:, None, :])
+
+
+def reaction(drives: tuple[Drive, ...], omega: FloatArray, alpha: ComplexArray) -> ComplexArray:
+    """Return what the exciters hold against a motion of their drive points, (n_run, n_freq, n_in, n_in) N/m.
+
+    Per displacement that something else causes, the sources passive: for armatures alone
+    (I + Z_a alpha)^-1 Z_a.
+
+    Parameters
+    ----------
+    omega, alpha
+        As for `transmission`.
+    """
+    unit = np.broadcast_to(np.eye(len(drives), dtype=complex), alpha.shape)
+    held = _outwards(drives, omega, np.zeros_like(unit), unit)
+    return np.asarray(np.linalg.solve(_outwards(drives, omega, unit, alpha), held))
+
+
+def _outwards(
+    drives: tuple[Drive, ...], omega: FloatArray, force: ComplexArray, motion: ComplexArray
+) -> ComplexArray:
+    """Return the force at the sources' end of the ladders from force and motion at the structure's."""
+    for ladder in zip(*(drive.stations(omega) for drive in drives), strict=True):
+        soft = np.array([compliance for compliance, _ in ladder])
+        z = np.array([own for _, own in ladder]).T
+        if soft.any():
+            motion = motion + soft[:, None] * force
+        if z.any():
+            force = force + z[:, :, None] * motion
+    return force

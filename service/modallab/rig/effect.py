@@ -20,6 +20,7 @@ from modallab.fe.system import DynamicSystem
 from modallab.rig.acquisition import Acquisition, Batch
 from modallab.rig.channel import Channel
 from modallab.rig.drive import Drive
+from modallab.rig.local_force import LocalForce
 from modallab.rig.setup import RigSetup, Shot
 from modallab.rig.source import NoiseLevels, Source
 
@@ -43,6 +44,10 @@ class Effect(Parameterised):
     def on_system(self, system: DynamicSystem, shot: Shot) -> DynamicSystem:
         """Stage 1: return the structure with what the effect adds to it in this run."""
         return system
+
+    def on_motion(self) -> LocalForce | None:
+        """Stage 2: return the nonlinear force that the effect puts on the structure."""
+        return None
 
     def on_drive(self, drive: Drive) -> Drive:
         """Stage 3: return what stands between one source and the structure."""
@@ -131,6 +136,16 @@ class Effect(Parameterised):
         if isinstance(self.at, Channels):
             return any(dof.point == own.point for own in self.at.dofs)
         return self.at is None or (isinstance(self.at, Dof) and self.at.point == dof.point)
+
+    def acts_on_channel(self, channel: Channel) -> bool:
+        """Return whether an effect on channels acts on this one.
+
+        Everywhere means all responses: what all channels share leaves no trace in an FRF. At a DoF
+        it acts on the force gauge there.
+        """
+        if channel.force:
+            return isinstance(self.at, Dof) and self.acts_on(channel.dof)
+        return not isinstance(self.at, Dof) and self.acts_on(channel.dof)
 
     @property
     def parameters(self) -> dict[str, float]:

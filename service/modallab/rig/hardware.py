@@ -15,16 +15,47 @@ def within(name: str, value: float, lower: float, upper: float) -> None:
 
 
 # The bounds below are those of the effects that the hardware implies: what a log book may declare,
-# an effect can be (an armature may have the gauge's cancelled mass to carry as well).
+# an effect can be.
+@dataclass(frozen=True)
+class Coil:
+    """The voice coil of a shaker."""
+
+    force_factor: float  # N/A, and V s/m: B times the length of the wire
+    resistance: float  # Ohm
+    inductance: float = 0.0  # H
+
+    def __post_init__(self) -> None:
+        within("coil.force_factor", self.force_factor, 0.0, 1e3)
+        within("coil.resistance", self.resistance, 1e-3, 1e4)
+        within("coil.inductance", self.inductance, 0.0, 10.0)
+
+
 @dataclass(frozen=True)
 class Exciter:
-    """What drives the structure."""
+    """What drives the structure.
+
+    An amplifier that keeps the coil's current leaves the coil without reaction on its motion; one
+    that keeps the voltage damps it, by force_factor^2 / (resistance + i omega inductance).
+    """
 
     kind: Literal["shaker", "hammer"] = "shaker"
     armature_mass: float = 0.0  # kg, behind the force transducer
+    suspension_stiffness: float = 0.0  # N/m, armature to its frame
+    suspension_damping: float = 0.0  # N s/m
+    coil: Coil | None = None
+    amplifier: Literal["current", "voltage"] = "current"
 
     def __post_init__(self) -> None:
         within("armature_mass", self.armature_mass, 0.0, 4.5)
+        within("suspension_stiffness", self.suspension_stiffness, 0.0, 1e8)
+        within("suspension_damping", self.suspension_damping, 0.0, 1e5)
+        if self.amplifier == "voltage" and self.coil is None:
+            raise InvalidInputError(
+                "an amplifier that keeps the voltage needs to know the coil",
+                field="exciter.coil",
+                value=None,
+                allowed="force_factor, resistance and inductance of the coil",
+            )
 
 
 @dataclass(frozen=True)
@@ -33,9 +64,12 @@ class ForceTransducer:
 
     mass_below: float = 0.0  # kg, between the sensing element and the structure
     mass_cancelled: bool = False  # True: the analyser has taken that mass out of the force already
+    stiffness: float | None = None  # N/m, along its axis; None or 0: rigid
 
     def __post_init__(self) -> None:
         within("mass_below", self.mass_below, 0.0, 0.5)
+        if self.stiffness:
+            within("force_transducer.stiffness", self.stiffness, 1e3, 1e12)
 
 
 @dataclass(frozen=True)

@@ -1,0 +1,75 @@
+"""Nonlinear forces in a run: the springs and dampers they amount to, and the power of what is left."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.fe.attachment import Attachment
+from modallab.fe.receptance import receptance
+from modallab.rig.analyser import Analyser
+from modallab.rig.drive import reaction, transmission
+from modallab.rig.linearise import equivalents, residual_density
+from modallab.rig.local_force import LocalForce
+from modallab.rig.run import Run
+from modallab.rig.source import Source
+from modallab.rig.view import refined
+
+FINEST = 64  # grid points a line at most where a spectrum is steep
+
+
+def with_equivalents(run: Run, forces: Sequence[LocalForce], analyser: Analyser, source: Source) -> Run:
+    """Return the run with every nonlinear force in it: its straight line attached, the rest beside it.
+
+    What repeats with the record has its power on the lines, what does not everywhere between them.
+    """
+    share = source.continuous
+    freq, hertz = [analyser.freq[1:]], [np.full(analyser.n_lines - 1, (1 - share) * analyser.spacing)]
+    if share > 0:
+        nodes, weights = refined(analyser, *run.resonances(analyser.frequency_max))
+        freq, hertz = [*freq, nodes], [*hertz, share * weights]
+    omega, power = 2 * np.pi * np.concatenate(freq), _density(analyser) * np.concatenate(hertz)
+    driven, fed_back = _motions(run, forces, omega)
+    found = equivalents(forces, driven, fed_back, omega, power)
+    system = run.system
+    for one in found:
+        column, line = system.selection((one.force.dof,)), np.array([[one.slope]])
+        of_velocity = one.force.of_velocity
+        equal = Attachment(column, viscous=line) if of_velocity else Attachment(column, stiffness=line)
+        system = system.attach(equal)
+    return replace(run, system=system, local=found)
+
+
+def residual_densities(run: Run, analyser: Analyser, source: Source, freq: FloatArray) -> FloatArray:
+    """Return the one-sided densities of the residuals of a run's nonlinear forces, (n_freq, r) N^2/Hz."""
+    finer = 1
+    if source.continuous > 0:
+        frequencies, widths = run.resonances(analyser.frequency_max)
+        narrow = widths[frequencies < analyser.frequency_max].min(initial=analyser.spacing)
+        finer = int(np.clip(np.ceil(analyser.spacing / max(narrow, 1e-9)), 1, FINEST))
+    lines = np.linspace(0.0, analyser.frequency_max, finer * (analyser.n_lines - 1) + 1)
+    omega = 2 * np.pi * lines[1:]
+    driven, _ = _motions(run, [one.force for one in run.local], omega)
+    size = _density(analyser) * (np.abs(driven) ** 2).sum(axis=2)
+    out = np.empty((len(freq), len(run.local)))
+    for i, one in enumerate(run.local):
+        spectrum = size[:, i] * (omega**2 if one.force.of_velocity else 1.0)
+        density = residual_density(one, np.concatenate([[0.0], spectrum]), lines[1])
+        out[:, i] = np.interp(freq, lines, density)
+    return out
+
+
+def _density(analyser: Analyser) -> float:
+    return analyser.excitation.level**2 / analyser.frequency_max
+
+
+def _motions(run: Run, forces: Sequence[LocalForce], omega: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+    """Return displacement at the forces per source (n, r, n_in) and per force there (n, r, r), m/N."""
+    n = len(run.drives)
+    columns = run.system.selection((*run.shot.drives, *(force.dof for force in forces)))
+    alpha = receptance(run.system, omega / (2 * np.pi), columns, columns)
+    at_drives = alpha[None, :, :n, :n]
+    driven = alpha[:, n:, :n] @ transmission(run.drives, omega, at_drives)[0]
+    held = reaction(run.drives, omega, at_drives)[0] @ alpha[:, :n, n:]
+    return driven, alpha[:, n:, n:] - alpha[:, n:, :n] @ held

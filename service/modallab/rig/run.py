@@ -1,0 +1,69 @@
+"""One run of the analyser: what is driven, loaded and heard in it."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+
+from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.core.dof import Dof
+from modallab.fe.system import DynamicSystem
+from modallab.rig.channel import Channel
+from modallab.rig.drive import Drive
+from modallab.rig.local_force import Linearised
+from modallab.rig.setup import Shot
+
+
+@dataclass(frozen=True, eq=False)
+class Run:
+    """One run of the analyser: the structure as it is loaded then, its exciters, its channels."""
+
+    shot: Shot
+    system: DynamicSystem
+    drives: tuple[Drive, ...]
+    forces: tuple[Channel, ...]
+    responses: tuple[Channel, ...]
+    local: tuple[Linearised, ...] = ()  # nonlinear forces, their straight lines in the system already
+
+    @cached_property
+    def motions(self) -> tuple[Dof, ...]:
+        """What has to be known of the structure: drive points, nonlinear forces, what channels hear."""
+        heard = {dof: None for channel in self.responses for dof, _ in channel.pickups}
+        return (*self.shot.drives, *(one.force.dof for one in self.local), *heard)
+
+    @property
+    def n_at_work(self) -> int:
+        """How many of the motions a force acts at: the drive points and the nonlinear forces."""
+        return len(self.shot.drives) + len(self.local)
+
+    def mixed(self, heard: ComplexArray) -> ComplexArray:
+        """Return what reaches each response channel of `motions` (n_freq, n_motions, n_sources)."""
+        first = self.n_at_work
+        if all(channel.pickups == ((channel.dof, 1.0),) for channel in self.responses):
+            return heard[:, first:]
+        place = {dof: i for i, dof in enumerate(self.motions[first:], start=first)}
+        weights = np.zeros((len(self.responses), len(self.motions)))
+        for i, channel in enumerate(self.responses):
+            for dof, weight in channel.pickups:
+                weights[i, place[dof]] += weight
+        return np.asarray(weights @ heard)
+
+    def resonances(self, frequency_max: float) -> tuple[FloatArray, FloatArray]:
+        """Return frequency and half the half-power bandwidth, Hz, of structure and exciters together."""
+        return self.whole.resonances(frequency_max)
+
+    @property
+    def whole(self) -> DynamicSystem:
+        """The structure with the moving parts of the exciters on it, their sources passive."""
+        system = self.system
+        for drive in self.drives:
+            system = drive.attached_to(system)
+        return system
+
+
+def filtered(signals: ComplexArray, channels: Sequence[Channel], omega: FloatArray) -> ComplexArray:
+    """Return signals (n_freq, n_ch, n_in) behind the filters of their channels."""
+    if not any(channel.filters for channel in channels):
+        return signals
+    return np.asarray(signals * np.array([channel.transfer(omega) for channel in channels]).T[:, :, None])
