@@ -17,10 +17,10 @@ class MeasuredFile:
     """FRFs and what came with them, before anything is known of the rig."""
 
     frf: FrfSet
-    coherence: FloatArray | None = None  # (n_freq, n_out)
+    coherence: FloatArray | None = None  # (n_freq, n_out), or of each FRF (n_freq, n_out, n_in)
     averages: float | None = None
-    force_spectrum: FloatArray | None = None  # (n_freq, n_out, 1) N^2/Hz
-    response_spectrum: FloatArray | None = None  # (n_freq, n_out) unit^2/Hz
+    force_spectrum: FloatArray | None = None  # (n_freq, n_out, n_in) N^2/Hz
+    response_spectrum: FloatArray | None = None  # unit^2/Hz, shaped as `coherence`
     notes: tuple[str, ...] = ()
     axis_error: float = 1e-6  # relative error that the format leaves in the frequencies
 
@@ -43,13 +43,20 @@ class MeasuredFile:
         counts = (averages, self.averages, setup.analyser.averages)
         return Measurement(
             frf=replace(self.frf, freq=self._axis(setup)),
-            coherence=self.coherence,
+            coherence=self._shaped(self.coherence, setup),
             averages=float(next(count for count in counts if count is not None)),
             setup=replace(setup, responses=self._responses(setup)),
             force_spectrum=self.force_spectrum,
-            response_spectrum=self.response_spectrum,
+            response_spectrum=self._shaped(self.response_spectrum, setup),
             notes=("imported", *self.notes),
         )
+
+    def _shaped(self, array: FloatArray | None, setup: RigSetup) -> FloatArray | None:
+        """Return what belongs to a response once, unless a hammer roved: then it is each FRF's own."""
+        roved = setup.exciter.kind == "hammer" and len(self.frf.inputs) > 1
+        if array is None or array.ndim < 3 or roved or not (array == array[:, :, :1]).all():
+            return array
+        return array[:, :, 0]
 
     def _responses(self, setup: RigSetup) -> tuple[Dof, ...]:
         if self.frf.inputs != setup.drives:

@@ -49,15 +49,15 @@ def read(payload: bytes, *, largest: int) -> MeasuredFile:
         kind=_kind(arrays["kind"]),
     )
 
-    def optional(name: str, rank: int) -> FloatArray | None:
-        return _reals(arrays, name, rank) if name in arrays else None
+    def optional(name: str, *ranks: int) -> FloatArray | None:
+        return _reals(arrays, name, *ranks) if name in arrays else None
 
     return MeasuredFile(
         frf=frf,
-        coherence=optional("coherence", 2),
+        coherence=optional("coherence", 2, 3),
         averages=float(_reals(arrays, "averages", 0)) if "averages" in arrays else None,
         force_spectrum=optional("force_spectrum", 3),
-        response_spectrum=optional("response_spectrum", 2),
+        response_spectrum=optional("response_spectrum", 2, 3),
     )
 
 
@@ -101,22 +101,22 @@ def _array(archive: zipfile.ZipFile, info: zipfile.ZipInfo) -> NDArray[Any]:
         raise InvalidInputError(f"cannot read {info.filename!r}: {error}", field=info.filename) from None
 
 
-def _numbers(arrays: _Arrays, name: str, rank: int) -> NDArray[Any]:
+def _numbers(arrays: _Arrays, name: str, *ranks: int) -> NDArray[Any]:
     array = arrays[name]
-    if array.dtype.kind not in "iufc" or array.ndim != rank:
+    if array.dtype.kind not in "iufc" or array.ndim not in ranks:
         raise InvalidInputError(
             f"{name} has the wrong type or shape",
             field=name,
             value=f"{array.dtype} {array.shape}",
-            allowed=f"numbers in {rank} dimensions",
+            allowed=f"numbers in {' or '.join(map(str, ranks))} dimensions",
         )
     if not np.isfinite(array).all():
         raise InvalidInputError(f"{name} holds a value that is not finite", field=name, value="nan or inf")
     return array.astype(complex)
 
 
-def _reals(arrays: _Arrays, name: str, rank: int) -> FloatArray:
-    array = _numbers(arrays, name, rank)
+def _reals(arrays: _Arrays, name: str, *ranks: int) -> FloatArray:
+    array = _numbers(arrays, name, *ranks)
     if array.imag.any():
         raise InvalidInputError(f"{name} is not real", field=name, value="complex", allowed="real numbers")
     return array.real

@@ -4,18 +4,18 @@ from typing import BinaryIO
 
 from modallab.core.errors import InvalidInputError
 from modallab.core.modal_model import ModalModel
-from modallab.interchange import npz, uff, uff_modes
+from modallab.interchange import frf_text, hdf5, npz, uff, uff_modes
 from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
 
 _ZIP = b"PK"
-_HEAD = 64  # bytes that tell what a file is
+_HEAD = 1_024  # bytes that tell what a file is
 
 
 def read_measurement(
     file: BinaryIO, setup: RigSetup, *, largest: int, averages: float | None = None
 ) -> Measurement:
-    """Return the measurement of a universal file (dataset 58) or npz file, taken on a rig.
+    """Return the measurement of a universal file (dataset 58), npz, HDF5 or `.FRF` file, taken on a rig.
 
     Parameters
     ----------
@@ -31,7 +31,7 @@ def read_measurement(
     Raises
     ------
     InvalidInputError
-        If the file is neither, is damaged, holds NaN, or contradicts the rig.
+        If the file is none of these, is damaged, holds NaN, or contradicts the rig.
     """
     head = file.read(_HEAD)
     if head.startswith(_ZIP):
@@ -39,8 +39,16 @@ def read_measurement(
     if uff.starts(head):
         limit = min(largest, uff.LARGEST)
         return uff.read(head + file.read(limit), largest=limit).taken_on(setup, averages)
+    if head.startswith(hdf5.SIGNATURE):
+        file.seek(0)
+        return hdf5.read(file, largest=largest).taken_on(setup, averages)
+    if frf_text.starts(head):
+        limit = min(largest, frf_text.LARGEST)
+        return frf_text.read(head + file.read(limit), largest=limit).taken_on(setup, averages)
     raise InvalidInputError(
-        "the file is neither a universal file nor npz", field="file", allowed="universal file (58), npz"
+        "the file is neither a universal file nor npz, HDF5 or FRF text",
+        field="file",
+        allowed="universal file (58), npz, HDF5, FRF text",
     )
 
 

@@ -8,11 +8,11 @@ from starlette.responses import Response
 from modallab.api.arrays import NPZ, Precision, npz_reply
 from modallab.api.deps import Id, IdPath, JobsDep, OwnerDep, SettingsDep, StoreDep
 from modallab.api.examples import example
-from modallab.api.files import UFF, origin, uff_reply
+from modallab.api.files import FRF_TEXT, HDF5, UFF, frf_text_reply, hdf5_reply, origin, uff_reply
 from modallab.api.jobs import JobOut
 from modallab.api.measurements.schemas import CurvesOut, MeasurementOut, MeasurementStart, TruthOut
 from modallab.api.shelves import add_routes
-from modallab.interchange import uff
+from modallab.interchange import frf_text, hdf5, uff
 from modallab.interchange.reading import read_measurement
 
 router = APIRouter(prefix="/measurements", tags=["measurements"])
@@ -21,7 +21,16 @@ Averages = Annotated[
     float | None,
     Form(ge=1, le=1e9, description="effective averages; by default the file's, or else the rig's"),
 ]
+Decimals = Annotated[
+    int,
+    Query(
+        ge=frf_text.COLUMNS,
+        le=frf_text.ALL,
+        description="of every number: 3 keeps to the program's columns, 16 loses nothing",
+    ),
+]
 
+_FILE = "universal file (58), npz or HDF5 (freq, values, outputs, inputs, kind and more), or FRF text"
 _TEST = {
     "structure_id": "5f0c31",
     "rig_id": "9b2e77",
@@ -43,7 +52,7 @@ def start_measurement(
 def import_measurement(
     file: Annotated[
         UploadFile,
-        File(description="universal file (dataset 58), or npz: freq, values, outputs, inputs, kind and more"),
+        File(description=_FILE),
     ],
     rig_id: Annotated[Id, Form(description="the log book of the test")],
     store: StoreDep,
@@ -67,10 +76,25 @@ def get_measurement_arrays(id: IdPath, store: StoreDep, precision: Precision = "
     return npz_reply(store.measurements.npz(id), precision)
 
 
+@router.get("/{id}/arrays.h5", response_class=Response, responses=HDF5, summary="The same as an HDF5 file")
+def get_hdf5_file(id: IdPath, store: StoreDep) -> Response:
+    return hdf5_reply(hdf5.write(store.measurements.get(id)), id)
+
+
 @router.get("/{id}/frf.uff", response_class=Response, responses=UFF, summary="FRFs as a universal file")
 def get_universal_file(id: IdPath, store: StoreDep) -> Response:
     content = origin(store.measurements.entry(id), "measurement")
     return uff_reply(uff.write(store.measurements.get(id), content), id)
+
+
+@router.get(
+    "/{id}/thesis.frf",
+    response_class=Response,
+    responses=FRF_TEXT,
+    summary="FRFs as the thesis program has them",
+)
+def get_thesis_file(id: IdPath, store: StoreDep, decimals: Decimals = frf_text.COLUMNS) -> Response:
+    return frf_text_reply(frf_text.write(store.measurements.get(id), decimals), id)
 
 
 @router.get("/{id}/curves", summary="FRFs thinned for plots")

@@ -1,0 +1,135 @@
+"""A program of its own: the arrays of one HDF5 file, written as npz to standard output.
+
+Ends with 1 and a last line that says why where the file is refused; any other end but 0 means that
+the library could not cope with it.
+"""
+
+import io
+import sys
+from typing import Any
+
+import h5py
+import numpy as np
+from numpy.typing import NDArray
+
+NAMES = (
+    "freq",
+    "values",
+    "outputs",
+    "inputs",
+    "kind",
+    "coherence",
+    "averages",
+    "force_spectrum",
+    "response_spectrum",
+)
+_TEXTS = ("outputs", "inputs", "kind")
+_FILTERS = {1, 2, 3, 32000}  # deflate, shuffle, checksum, lzf: what the library has by itself
+_MOST_TEXTS, _LONGEST_TEXT = 10_000, 100
+_MEMORY = 190_000_000  # bytes of data; the program itself takes 40 million
+_SECONDS = 2  # of a processor
+_PIECES = 20_000  # of a dataset laid down in chunks
+
+
+class RefusedError(Exception):
+    """The file is not one to be read."""
+
+
+def main(path: str, largest: int) -> None:
+    """Write the arrays of a file to standard output."""
+    _confine()
+    try:
+        arrays = arrays_of(path, largest)
+    except (RefusedError, MemoryError) as error:
+        _refuse(str(error) or "it is larger inside than outside")
+    except Exception as error:  # whatever the library raises at damaged bytes
+        _refuse(f"damaged ({type(error).__name__})")
+    buffer = io.BytesIO()
+    np.savez(buffer, allow_pickle=False, **arrays)
+    sys.stdout.buffer.write(buffer.getbuffer())
+    sys.stdout.buffer.flush()
+
+
+def _refuse(why: str) -> None:
+    sys.stderr.write(" ".join(why.split()) + "\n")
+    raise SystemExit(1)
+
+
+def _confine() -> None:
+    """Take away memory and time, where the system can."""
+    try:
+        import resource
+    except ImportError:  # not on Windows
+        return
+    resource.setrlimit(resource.RLIMIT_CPU, (_SECONDS, _SECONDS + 1))
+    resource.setrlimit(resource.RLIMIT_DATA, (_MEMORY, _MEMORY))
+    resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+
+
+def arrays_of(path: str, largest: int) -> dict[str, NDArray[Any]]:
+    """Return the arrays that have a name among those of a measurement.
+
+    Parameters
+    ----------
+    path
+        The file.
+    largest
+        Bytes that the arrays may take, each number counted as a complex one.
+
+    Raises
+    ------
+    RefusedError
+        If a name stands for something else than numbers or strings of this very file.
+    Exception
+        Whatever h5py raises at damaged bytes.
+    """
+    with h5py.File(path, "r") as file:
+        # Not by `name in file`, which follows links.
+        found = {name: _dataset(file, name) for name in NAMES if file.id.links.exists(name.encode())}
+        total = sum(one.size * max(one.dtype.itemsize, 16) for one in found.values())
+        if total > largest:
+            raise RefusedError(f"its arrays take {total} bytes, {largest} may be")
+        return {name: _array(one, name) for name, one in found.items()}
+
+
+def _dataset(file: Any, name: str) -> Any:
+    # A link elsewhere would open what the service can open and the sender cannot.
+    if file.id.links.get_info(name.encode()).type != h5py.h5l.TYPE_HARD:
+        raise RefusedError(f"{name} is a link")
+    dataset = file[name]
+    if not isinstance(dataset, h5py.Dataset) or dataset.shape is None:
+        raise RefusedError(f"{name} is no dataset")
+    if dataset.is_virtual or dataset.external:
+        raise RefusedError(f"{name} lies in another file")
+    properties = dataset.id.get_create_plist()
+    filters = {properties.get_filter(i)[0] for i in range(properties.get_nfilters())}
+    if not filters <= _FILTERS:
+        raise RefusedError(f"{name} is packed by a filter other than gzip, lzf, shuffle and fletcher32")
+    if dataset.chunks is not None:
+        piece = int(np.prod(dataset.chunks, dtype=object))
+        along = [-(-n // c) for n, c in zip(dataset.shape, dataset.chunks, strict=True)]
+        pieces = int(np.prod(along, dtype=object))
+        if pieces > _PIECES or piece * dataset.dtype.itemsize > 2 * dataset.nbytes + 1_000_000:
+            raise RefusedError(f"{name} is laid down in too many pieces, or too large ones")
+    return dataset
+
+
+def _array(dataset: Any, name: str) -> NDArray[Any]:
+    if name not in _TEXTS:
+        if dataset.dtype.kind not in "iufc":
+            raise RefusedError(f"{name} holds {dataset.dtype}, not numbers")
+        return np.asarray(dataset[()])
+    about = h5py.check_string_dtype(dataset.dtype)
+    if about is None or dataset.size > _MOST_TEXTS:
+        raise RefusedError(f"{name} holds no strings, or too many")
+    if about.length is not None and about.length > _LONGEST_TEXT:
+        raise RefusedError(f"{name} holds strings that are too long")
+    texts = np.asarray(dataset.asstr("utf-8", "replace")[()], dtype=object)
+    if any(len(text) > _LONGEST_TEXT for text in texts.ravel()):
+        raise RefusedError(f"{name} holds strings that are too long")
+    return texts.astype(str)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1], int(sys.argv[2]))
