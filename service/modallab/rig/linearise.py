@@ -8,7 +8,7 @@ import scipy.fft
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.rig.local_force import Linearised, LocalForce
 
-SETTLED = 1e-10  # relative change of every root mean square at which the equivalents are found
+SETTLED = 1e-9  # relative change of every root mean square at which the equivalents are found
 ROUNDS = 200
 FINER = 4  # samples of an autocorrelation per one of a signal over the band: room for third harmonics
 
@@ -39,12 +39,19 @@ def equivalents(
     rms = np.sqrt(_mean_squares(forces, driven, omega, power))
     for _ in range(ROUNDS):
         found = [force.at(float(value)) for force, value in zip(forces, rms, strict=True)]
-        moved = np.asarray(np.linalg.solve(_closed(found, fed_back, omega), driven), complex)
+        moved = _moved(_closed(found, fed_back, omega), driven)
         after = np.sqrt(_mean_squares(forces, moved, omega, power))
         if (np.abs(after - rms) <= SETTLED * rms).all():
             break
         rms = np.sqrt(rms * after)
     return tuple(force.at(float(value)) for force, value in zip(forces, rms, strict=True))
+
+
+def _moved(closed: ComplexArray, driven: ComplexArray) -> ComplexArray:
+    """Return the motion with the equivalents at work, (n, r, n_in)."""
+    if closed.shape[-1] == 1:  # one division instead of a solver call for every frequency
+        return np.asarray(driven / closed)
+    return np.asarray(np.linalg.solve(closed, driven), complex)
 
 
 def dynamic_stiffness(found: Sequence[Linearised], omega: FloatArray) -> ComplexArray:

@@ -9,7 +9,7 @@ import numpy as np
 from modallab.core.arrays import FloatArray
 from modallab.core.dof import Dof
 
-ORDERS = 40  # of the Hermite series that is kept: enough for the kink of dry friction
+ORDERS = 200  # of the Hermite series that is kept: 2 % of the residual power of dry friction lies beyond
 FARTHEST, POINTS = 9.0, 4001  # of the quadrature behind it: a normal density ends to rounding there
 
 

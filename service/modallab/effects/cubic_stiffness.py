@@ -1,0 +1,51 @@
+"""A spring that hardens: its force grows with the cube of the motion."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from modallab.core.dof import Dof
+from modallab.core.parameters import parameter
+from modallab.core.place import Place
+from modallab.correlation.evidence import Evidence
+from modallab.fe.system import DynamicSystem
+from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.local_force import LocalForce
+from modallab.rig.setup import RigSetup
+
+
+@EFFECTS.register("cubic_stiffness")
+@dataclass(frozen=True)
+class CubicStiffness(Effect):
+    """f = k_3 x^3 from one DoF to the ground.
+
+    To a Gaussian motion of root mean square s it is a spring 3 k_3 s^2 and a force that has nothing in
+    common with the motion, of power 6 k_3^2 s^6: frequencies rise with the level and coherence falls.
+    """
+
+    kind: ClassVar[str] = "cubic_stiffness"
+    summary: ClassVar[str] = "a spring that hardens: frequencies rise with the level"
+    stage: ClassVar[int] = 2
+    structural: ClassVar[bool] = True
+    sits: ClassVar[tuple[type, ...]] = (Dof,)
+    stiffness: float = parameter(
+        1e12, unit="N/m^3", lower=0.0, upper=1e24, doc="force over the cube of the motion"
+    )
+
+    def on_motion(self) -> LocalForce | None:
+        assert isinstance(self.at, Dof)
+        k = self.stiffness
+        return LocalForce(self.at, lambda x: k * x**3, lambda x: 3 * k * x**2) if k > 0 else None
+
+    @classmethod
+    def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:
+        """Return every translation that the test measures."""
+        return tuple(dict.fromkeys(dof.point for dof in setup.responses))
+
+    @classmethod
+    def signature(cls, evidence: Evidence) -> float:
+        """Frequencies rise and coherence falls."""
+        drop = float(np.clip(evidence.coherence_drop.mean() / 0.01, 0.0, 1.0))
+        return 0.3 * evidence.rising + 0.4 * drop

@@ -1,0 +1,58 @@
+"""Dry friction: a force of one size against every motion."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from modallab.core.dof import Dof
+from modallab.core.parameters import parameter
+from modallab.core.place import Place
+from modallab.correlation.evidence import Evidence
+from modallab.fe.system import DynamicSystem
+from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.local_force import LocalForce
+from modallab.rig.setup import RigSetup
+
+
+@EFFECTS.register("friction")
+@dataclass(frozen=True)
+class Friction(Effect):
+    """f = f_c tanh(v / v_s) from one DoF to the ground: Coulomb's law with its step made steep, not sharp.
+
+    To a Gaussian velocity of root mean square s, well above v_s, it is a damper f_c sqrt(2/pi)/s:
+    damping falls as the level rises.
+    """
+
+    kind: ClassVar[str] = "friction"
+    summary: ClassVar[str] = "dry friction: damping falls as the level rises"
+    stage: ClassVar[int] = 2
+    structural: ClassVar[bool] = True
+    sits: ClassVar[tuple[type, ...]] = (Dof,)
+    force: float = parameter(0.05, unit="N", lower=0.0, upper=1e6, doc="Coulomb force")
+    sticking: float = parameter(
+        1e-3, unit="m/s", lower=1e-9, upper=1e3, absent=None, doc="velocity below which it acts as a damper"
+    )
+
+    def on_motion(self) -> LocalForce | None:
+        assert isinstance(self.at, Dof)
+        f, v = self.force, self.sticking
+        if f == 0:
+            return None
+        return LocalForce(
+            self.at,
+            lambda x: f * np.tanh(x / v),
+            lambda x: f / v / np.cosh(np.clip(x / v, -300.0, 300.0)) ** 2,
+            of_velocity=True,
+        )
+
+    @classmethod
+    def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:
+        """Return every translation that the test measures."""
+        return tuple(dict.fromkeys(dof.point for dof in setup.responses))
+
+    @classmethod
+    def signature(cls, evidence: Evidence) -> float:
+        """Coherence falls."""
+        return 0.5 * float(np.clip(evidence.coherence_drop.mean() / 0.01, 0.0, 1.0))

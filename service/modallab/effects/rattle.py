@@ -1,0 +1,57 @@
+"""A stop that the structure strikes when it moves too far."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from modallab.core.dof import Dof
+from modallab.core.parameters import parameter
+from modallab.core.place import Place
+from modallab.correlation.evidence import Evidence
+from modallab.fe.system import DynamicSystem
+from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.local_force import LocalForce
+from modallab.rig.setup import RigSetup
+
+
+@EFFECTS.register("rattle")
+@dataclass(frozen=True)
+class Rattle(Effect):
+    """f = k (x - g) beyond a gap g on either side, nothing within: a loose part, a bolt in its hole.
+
+    To a Gaussian motion of root mean square s it is a spring k erfc(g / (s sqrt 2)): nothing as long
+    as the motion stays within the gap, the whole stop where it is far beyond.
+    """
+
+    kind: ClassVar[str] = "rattle"
+    summary: ClassVar[str] = "stops that the structure strikes: all changes above some level"
+    stage: ClassVar[int] = 2
+    structural: ClassVar[bool] = True
+    suspected: ClassVar[bool] = False
+    sits: ClassVar[tuple[type, ...]] = (Dof,)
+    stiffness: float = parameter(1e4, unit="N/m", lower=0.0, upper=1e12, doc="of the stops")
+    gap: float = parameter(1e-4, unit="m", lower=1e-12, upper=1.0, absent=None, doc="free way to either side")
+
+    def on_motion(self) -> LocalForce | None:
+        assert isinstance(self.at, Dof)
+        k, g = self.stiffness, self.gap
+        if k == 0:
+            return None
+        return LocalForce(
+            self.at,
+            lambda x: k * (x - np.clip(x, -g, g)),
+            lambda x: np.where(np.abs(x) > g, k, 0.0),
+        )
+
+    @classmethod
+    def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:
+        """Return every translation that the test measures."""
+        return tuple(dict.fromkeys(dof.point for dof in setup.responses))
+
+    @classmethod
+    def signature(cls, evidence: Evidence) -> float:
+        """Frequencies rise and coherence falls."""
+        drop = float(np.clip(evidence.coherence_drop.mean() / 0.01, 0.0, 1.0))
+        return 0.2 * evidence.rising + 0.3 * drop

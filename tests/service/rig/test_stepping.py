@@ -1,0 +1,107 @@
+import numpy as np
+import pytest
+from scipy.integrate import solve_ivp
+
+from modallab.core.arrays import FloatArray
+from modallab.core.dof import Dof
+from modallab.effects.cubic_stiffness import CubicStiffness
+from modallab.effects.friction import Friction
+from modallab.rig.local_force import Linearised
+from modallab.rig.stepping import Feedback, Stepper, residual_forces
+
+M, F0, ZETA = 2.0, 20.0, 0.03  # one mode: kg, Hz, damping ratio
+W0 = 2 * np.pi * F0
+PERIOD, N = 1.0, 2048
+TIME = PERIOD * np.arange(N) / N
+
+
+def lines(rng: np.random.Generator) -> tuple[FloatArray, FloatArray]:
+    """A multisine of 60 lines: amplitudes in N, phases."""
+    return np.full(60, 1.0), rng.uniform(0, 2 * np.pi, 60)
+
+
+def push(t: FloatArray | float, amplitude: FloatArray, phase: FloatArray) -> FloatArray:
+    k = np.arange(1, 61)
+    angle = 2 * np.pi * np.multiply.outer(np.asarray(t), k) / PERIOD + phase
+    return np.asarray(np.cos(angle) @ amplitude)
+
+
+def stepped(one: Linearised, force: FloatArray, periods: int) -> FloatArray:
+    """The motion (n_samples,) of the last of some periods: straight line by frequency, the rest by steps."""
+    freq = np.fft.rfftfreq(N, PERIOD / N)
+    s = 2j * np.pi * freq
+    k, c = (0.0, one.slope) if one.force.of_velocity else (one.slope, 0.0)
+    receptance = 1 / (M * s**2 + (2 * ZETA * W0 * M + c) * s + M * W0**2 + k)
+    moved = np.fft.irfft(receptance * np.fft.rfft(force))
+    velocity = np.fft.irfft(s * receptance * np.fft.rfft(force))
+    omega = np.sqrt(W0**2 + k / M)
+    feedback = Feedback(
+        np.array([[1 / np.sqrt(M)]]), np.array([omega]), np.array([(2 * ZETA * W0 + c / M) / omega])
+    )
+    long = np.tile(np.stack([moved, velocity])[:, None, None, :], periods)
+    residual = residual_forces([one], long[0], long[1], Stepper(feedback, PERIOD / N))[0, 0, -N:]
+    return moved - np.fft.irfft(receptance * np.fft.rfft(residual))
+
+
+def integrated(one: Linearised, amplitude: FloatArray, phase: FloatArray, periods: int) -> FloatArray:
+    """The same by scipy, to 1e-9."""
+
+    def rate(t: float, y: FloatArray) -> list[float]:
+        own = one.force.law(np.array([y[1] if one.force.of_velocity else y[0]]))[0]
+        pull = float(push(t, amplitude, phase)) - 2 * ZETA * W0 * M * y[1] - M * W0**2 * y[0] - own
+        return [y[1], pull / M]
+
+    times = (periods - 1) * PERIOD + TIME
+    found = solve_ivp(rate, (0, periods * PERIOD), [0.0, 0.0], "DOP853", times, rtol=1e-9, atol=1e-14)
+    return np.asarray(found.y[0])
+
+
+def rms_of(amplitude: FloatArray, phase: FloatArray) -> tuple[float, float]:
+    freq = np.fft.rfftfreq(N, PERIOD / N)
+    s = 2j * np.pi * freq
+    line = np.fft.rfft(push(TIME, amplitude, phase)) / (M * s**2 + 2 * ZETA * W0 * M * s + M * W0**2)
+    return float(np.fft.irfft(line).std()), float(np.fft.irfft(s * line).std())
+
+
+@pytest.mark.parametrize("strength", [0.03, 0.3])
+def test_a_cubic_spring_distorts_the_response_as_high_accuracy_integration_has_it(strength: float) -> None:
+    amplitude, phase = lines(np.random.default_rng(3))
+    rms, _ = rms_of(amplitude, phase)
+    # so strong that its straight line is this share of the mode's own stiffness
+    force = CubicStiffness(Dof(1, "Y"), strength * M * W0**2 / (3 * rms**2)).on_motion()
+    assert force is not None
+    one = force.at(rms)
+    found = stepped(one, push(TIME, amplitude, phase), 8)
+    wanted = integrated(one, amplitude, phase, 8)
+    applied = np.fft.rfft(push(TIME, amplitude, phase))[1:61]
+    frf, exact = (np.fft.rfft(x)[1:61] / applied for x in (found, wanted))
+    s = 2j * np.pi * np.arange(1, 61)
+    undistorted = 1 / (M * s**2 + 2 * ZETA * W0 * M * s + M * W0**2)
+    distortion = np.abs(exact - undistorted)
+    # straight lines between steps of 1/34 of the highest period: (2 pi/34)^2/12 = 0.3 % of the force there
+    assert np.abs(frf - exact).max() < 0.01 * distortion.max()
+    assert distortion.max() > 0.05 * np.abs(undistorted).max(), "there is something to get right"
+
+
+def test_friction_too_follows_high_accuracy_integration() -> None:
+    amplitude, phase = lines(np.random.default_rng(4))
+    _, rms = rms_of(amplitude, phase)
+    force = Friction(Dof(1, "Y"), 0.5, 0.05 * rms).on_motion()
+    assert force is not None
+    one = force.at(rms)
+    found, wanted = stepped(one, push(TIME, amplitude, phase), 8), integrated(one, amplitude, phase, 8)
+    # the step of the law is passed within some steps of time: 1 % of the motion
+    assert np.abs(found - wanted).max() < 0.01 * np.abs(wanted).max()
+
+
+def test_forces_at_several_motions_are_solved_for_together() -> None:
+    feedback = Feedback(np.array([[0.7, 0.4], [0.2, -0.9]]), np.array([30.0, 70.0]), np.array([0.05, 0.04]))
+    stepper = Stepper(feedback, 1e-3)
+    force = CubicStiffness(Dof(1, "Y"), 1e5).on_motion()
+    assert force is not None
+    rng = np.random.default_rng(5)
+    moved = 0.01 * rng.standard_normal((3, 2, 50))
+    both = residual_forces([force.at(0.01)] * 2, moved, moved, stepper)
+    swapped = Feedback(feedback.shapes[::-1], feedback.omega, feedback.loss_factor)
+    turned = residual_forces([force.at(0.01)] * 2, moved[:, ::-1], moved[:, ::-1], Stepper(swapped, 1e-3))
+    np.testing.assert_allclose(both, turned[:, ::-1], rtol=1e-9, atol=1e-15)
