@@ -96,6 +96,34 @@ def test_a_universal_file_comes_as_its_bytes(lab: ModalLab, service: FakeService
     kind = {"content-type": "application/octet-stream"}
     service.on("GET /v1/measurements/m1/frf.uff", httpx.Response(200, content=b"    -1\n", headers=kind))
     assert lab.measurements.uff("m1") == b"    -1\n"
+    service.on("GET /v1/modal-models/o1/modes.uff", httpx.Response(200, content=b"    -1\n", headers=kind))
+    assert lab.modal_models.uff("o1") == b"    -1\n"
+    service.on("GET /v1/structures/s1/geometry.uff", httpx.Response(200, content=b"    -1\n", headers=kind))
+    assert lab.structures.geometry("s1") == b"    -1\n"
+
+
+def test_hdf5_and_text_come_as_their_bytes(lab: ModalLab, service: FakeService) -> None:
+    content, kind = b"\x89HDF\r\n\x1a\n", {"content-type": "application/x-hdf5"}
+    service.on("GET /v1/measurements/m1/arrays.h5", httpx.Response(200, content=content, headers=kind))
+    assert lab.measurements.hdf5("m1") == content
+    text = {"content-type": "text/plain; charset=utf-8"}
+    service.on("GET /v1/measurements/m1/thesis.frf", httpx.Response(200, content=b"title\n", headers=text))
+    assert lab.measurements.thesis("m1", decimals=16) == b"title\n"
+    assert service.requests[-1].url.query == b"decimals=16"
+
+
+def test_modes_are_brought_in_as_a_file(lab: ModalLab, service: FakeService, tmp_path: Path) -> None:
+    about = {"id": "o1", "modes": [MODE], "method": "imported", "dofs": ["1:+Y", "2:+Y"]}
+    service.on("POST /v1/modal-models/import", {"id": "o1"})
+    service.on("GET /v1/modal-models/o1", about)
+    arrays = npz(shapes=np.ones((2, 1), complex))
+    service.on("GET /v1/modal-models/o1/arrays", arrays)
+    (tmp_path / "modes.uff").write_bytes(b"    -1\n")
+    modes = lab.modal_models.upload(tmp_path / "modes.uff")
+    assert (modes.id, modes.dofs) == ("o1", ("1:+Y", "2:+Y"))
+    assert b'filename="modes.uff"' in service.requests[0].content
+    lab.modal_models.upload(b"    -1\n")
+    assert b'filename="modes"' in service.requests[3].content
 
 
 def test_curves_and_truth_are_read(lab: ModalLab, service: FakeService) -> None:

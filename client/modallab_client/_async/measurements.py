@@ -50,16 +50,16 @@ class AsyncMeasurements(AsyncShelf):
     async def upload(
         self, file: str | Path | bytes, rig_id: str, *, averages: float | None = None
     ) -> Measurement:
-        """Return a measurement from a universal file (dataset 58) or npz file, by path or as bytes.
+        """Return a measurement from a universal (58), npz, HDF5 or `.FRF` file, by path or as bytes.
 
         Parameters
         ----------
         file
-            Its content says which of the two it is, not its name.
+            Its content says which of them it is, not its name.
         rig_id
             The log book of the test: drive, responses, analyser.
         averages
-            Effective averages, which universal files do not hold; by default the rig's.
+            Effective averages, which text and universal files do not hold; by default the rig's.
         """
         content = file if isinstance(file, bytes) else Path(file).read_bytes()
         name = "measurement" if isinstance(file, bytes) else Path(file).name
@@ -109,4 +109,23 @@ class AsyncMeasurements(AsyncShelf):
         """Return FRFs, coherence and auto spectra as a universal file (dataset 58)."""
         path = f"/v1/measurements/{measurement_id}/frf.uff"
         content: bytes = await self._transport.request("GET", path)
+        return content
+
+    async def hdf5(self, measurement_id: str) -> bytes:
+        """Return the measurement's arrays as an HDF5 file, with units."""
+        content: bytes = await self._transport.request("GET", f"{self.path}/{measurement_id}/arrays.h5")
+        return content
+
+    async def thesis(self, measurement_id: str, decimals: int = 3) -> bytes:
+        """Return FRFs and coherence in the text layout of the thesis program.
+
+        Parameters
+        ----------
+        measurement_id
+            The measurement.
+        decimals
+            Of every number: 3 keeps to the program's columns, 16 loses nothing.
+        """
+        path = f"{self.path}/{measurement_id}/thesis.frf"
+        content: bytes = await self._transport.request("GET", path, params={"decimals": decimals})
         return content

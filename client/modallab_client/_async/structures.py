@@ -168,3 +168,8 @@ class AsyncStructures(AsyncShelf):
         path = f"/v1/structures/{structure_id}/synthetic-modes"
         reply = await self._transport.request("POST", path, json=body)
         return await AsyncModalModels(self._transport).get(reply["id"])
+
+    async def geometry(self, structure_id: str) -> bytes:
+        """Return nodes and members as a universal file (datasets 15 and 82)."""
+        content: bytes = await self._transport.request("GET", f"{self.path}/{structure_id}/geometry.uff")
+        return content

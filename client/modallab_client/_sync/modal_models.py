@@ -1,6 +1,7 @@
 """Modal models: extracted from a measurement, or brought from elsewhere."""
 
 from collections.abc import Sequence
+from pathlib import Path
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -75,3 +76,16 @@ class ModalModels(Shelf):
         body = {"modes": modes, "dofs": list(dofs), "normalisation": normalisation}
         reply = self._transport.request("POST", "/v1/modal-models/import", json=body)
         return self.get(reply["id"])
+
+    def upload(self, file: str | Path | bytes) -> ModalModel:
+        """Return a modal model from a universal file (dataset 55), by path or as bytes."""
+        content = file if isinstance(file, bytes) else Path(file).read_bytes()
+        name = "modes" if isinstance(file, bytes) else Path(file).name
+        files = {"file": (name, content)}
+        reply = self._transport.request("POST", "/v1/modal-models/import", files=files)
+        return self.get(reply["id"])
+
+    def uff(self, modal_model_id: str) -> bytes:
+        """Return the modes as a universal file (dataset 55)."""
+        content: bytes = self._transport.request("GET", f"{self.path}/{modal_model_id}/modes.uff")
+        return content

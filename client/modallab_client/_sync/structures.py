@@ -168,3 +168,8 @@ class Structures(Shelf):
         path = f"/v1/structures/{structure_id}/synthetic-modes"
         reply = self._transport.request("POST", path, json=body)
         return ModalModels(self._transport).get(reply["id"])
+
+    def geometry(self, structure_id: str) -> bytes:
+        """Return nodes and members as a universal file (datasets 15 and 82)."""
+        content: bytes = self._transport.request("GET", f"{self.path}/{structure_id}/geometry.uff")
+        return content

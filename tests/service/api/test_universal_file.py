@@ -120,3 +120,46 @@ def test_a_structure_has_its_geometry_as_a_universal_file(service: Any, beam: st
     begins = [block.split()[0] for block in first.content.decode().split("    -1\n")[1::2]]
     assert begins == ["151", "164", "15", "82"]
     assert service.request("GET", "/v1/structures/none/geometry.uff").status_code == 404
+
+
+# --- HDF5 and the thesis program's text --------------------------------------------------------------
+
+
+def test_a_measurement_comes_back_from_its_hdf5_file(service: Any, measured_id: str, short_rig: str) -> None:
+    reply = service.request("GET", f"/v1/measurements/{measured_id}/arrays.h5")
+    assert (reply.status_code, reply.headers["content-type"]) == (200, "application/x-hdf5")
+    assert f"{measured_id}.h5" in reply.headers["content-disposition"]
+    assert service.request("GET", f"/v1/measurements/{measured_id}/arrays.h5").content == reply.content
+    imported = upload(service, reply.content, short_rig)
+    assert imported.status_code == 201, imported.text
+    before, after = arrays(service, measured_id), arrays(service, imported.json()["id"])
+    assert set(before) == set(after)
+    for name in before:
+        np.testing.assert_array_equal(after[name], before[name], err_msg=name)
+
+
+def test_a_measurement_comes_back_from_the_thesis_programs_text(
+    service: Any, measured_id: str, short_rig: str
+) -> None:
+    reply = service.request("GET", f"/v1/measurements/{measured_id}/thesis.frf", params={"decimals": 16})
+    assert reply.status_code == 200
+    assert f"{measured_id}.frf" in reply.headers["content-disposition"]
+    imported = upload(service, reply.content, short_rig)
+    assert imported.status_code == 201, imported.text
+    before, after = arrays(service, measured_id), arrays(service, imported.json()["id"])
+    for name in ("freq", "values", "outputs", "inputs", "kind"):
+        np.testing.assert_array_equal(after[name], before[name], err_msg=name)
+    np.testing.assert_allclose(after["coherence"], before["coherence"], rtol=0, atol=1e-16)
+    short = service.request("GET", f"/v1/measurements/{measured_id}/thesis.frf")
+    assert len(short.content) < len(reply.content) / 2
+    assert upload(service, short.content, short_rig).status_code == 201
+    refused = service.request("GET", f"/v1/measurements/{measured_id}/thesis.frf", params={"decimals": 2})
+    assert (refused.status_code, refused.json()["code"]) == (422, "invalid_request")
+
+
+def test_a_damaged_file_of_either_kind_is_refused(service: Any, measured_id: str, short_rig: str) -> None:
+    for name in ("arrays.h5", "thesis.frf"):
+        whole = service.request("GET", f"/v1/measurements/{measured_id}/{name}").content
+        refused = upload(service, whole[: len(whole) // 2], short_rig)
+        assert (refused.status_code, refused.json()["code"]) == (422, "invalid_input"), refused.text
+        assert refused.json()["context"]["field"] == "file"
