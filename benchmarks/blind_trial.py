@@ -107,7 +107,7 @@ def opened(setup: RigSetup, effect: Effect) -> float:
     spectra = expected_spectra(chain(assemble(beam()), setup, [effect]))
     observed = observe(measurement_of(spectra, setup), (), fraction=0.0)
     left = Predictor(beam(), setup, observed).residual(())
-    return 1.0 + left.gap(observed.usable)
+    return 1.0 + replace(left, excess=None).gap(observed.usable)
 
 
 def _sized(kind: str, setup: RigSetup, target: float, rng: np.random.Generator) -> tuple[Effect, float]:

@@ -1,6 +1,6 @@
 """A measurement as the fit sees it: logarithms, their random errors, what is held out."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -30,11 +30,13 @@ class Predicted:
     coherence: FloatArray  # (n_freq, n_out)
     force: FloatArray  # (n_freq, n_run) N^2/Hz
     incoherent: FloatArray  # (n_freq, n_out) G_xx (1 - coherence), floored at rounding
-    leaking: bool  # whether power that does not repeat with the record is among it
+    # Where power leaks: by how much more the incoherent spectrum scatters than from independent records,
+    # (n_freq, n_out), worked out when a gap is judged, as it costs more than the prediction itself.
+    excess: Callable[[], FloatArray] | None = None
 
     @classmethod
-    def of(cls, spectra: CrossSpectra, *, leaking: bool) -> "Predicted":
-        """Return the channels of all runs side by side."""
+    def of(cls, spectra: CrossSpectra, excess: Callable[[], FloatArray] | None = None) -> "Predicted":
+        """Return the channels of all runs side by side; `excess` gives (n_run, n_freq, n_out)."""
         n_run, n_freq, n_out = spectra.xx.shape
         g2 = coherence(spectra)
         loose = spectra.xx * (1 - g2 + INCOHERENT)
@@ -43,7 +45,8 @@ class Predicted:
             return values.swapaxes(0, 1).reshape(n_freq, n_run * n_out)
 
         h: ComplexArray = h1(spectra)[..., 0].swapaxes(0, 1).reshape(n_freq, n_run * n_out)
-        return cls(h, flat(g2), spectra.ff[:, :, 0, 0].real.T, flat(loose), leaking)
+        later = None if excess is None else lambda: flat(excess())
+        return cls(h, flat(g2), spectra.ff[:, :, 0, 0].real.T, flat(loose), later)
 
 
 @dataclass(frozen=True, eq=False)

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 
@@ -19,6 +20,7 @@ from modallab.rig.effect import Effect, build
 from modallab.rig.expected import expected_spectra, glimpse
 from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
+from modallab.rig.succession import excess_variance
 
 GLIMPSED = 130  # lines that a first look uses
 
@@ -35,7 +37,9 @@ class Predictor:
     def predict(self, effects: Sequence[Effect]) -> Predicted:
         """Return the expected spectra."""
         whole = chain(self.system, self.setup, [*self._own, *effects])
-        return Predicted.of(expected_spectra(whole), leaking=whole.source.continuous > 0)
+        spectra = expected_spectra(whole)
+        leaking = whole.source.continuous > 0
+        return Predicted.of(spectra, partial(excess_variance, whole, spectra) if leaking else None)
 
     def residual(self, effects: Sequence[Effect]) -> Residual:
         """Return the whitened residual of the prediction at every line."""
@@ -45,12 +49,12 @@ class Predictor:
         """Return the expected spectra with every natural frequency moved by a small share of itself."""
         system = self.system.scaled(stiffness=(1 + shift) ** 2)
         whole = chain(system, self.setup, [*self._own, *effects])
-        return Predicted.of(expected_spectra(whole), leaking=whole.source.continuous > 0)
+        return Predicted.of(expected_spectra(whole))
 
     def glimpse(self, effects: Sequence[Effect]) -> Predicted:
         """Return the expected spectra at every `step`-th line, leakage coarse."""
         whole = chain(self.system, self.setup, [*self._own, *effects])
-        return Predicted.of(glimpse(whole, self.step), leaking=whole.source.continuous > 0)
+        return Predicted.of(glimpse(whole, self.step))
 
     def near(self, effects: Sequence[Effect]) -> "Glimpses":
         """Return first looks at what is added to some effects."""
@@ -104,7 +108,6 @@ class Glimpses:
             coarse.coherence,
             coarse.force * self._force,
             coarse.incoherent * self._incoherent,
-            coarse.leaking,
         )
 
 

@@ -1,13 +1,13 @@
 """Residuals of a prediction in units of their random error."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray
 from modallab.diagnosis.observed import Observed, Predicted
-
-UNEVEN = 2.0  # by how much an average correlation understates the scatter of leaking lines
 
 
 @dataclass(frozen=True, eq=False)
@@ -17,7 +17,12 @@ class Residual:
     frf: ComplexArray  # (n_freq, n_out)
     force: FloatArray | None  # (n_freq, n_run)
     response: FloatArray | None  # (n_freq, n_out)
-    leaking: bool
+    excess: Callable[[], FloatArray] | None = None  # of the response's variance, where power leaks
+
+    @property
+    def leaking(self) -> bool:
+        """Whether power that does not repeat with the record was predicted."""
+        return self.excess is not None
 
     @property
     def parts(self) -> dict[str, ComplexArray | FloatArray]:
@@ -35,11 +40,22 @@ class Residual:
             parts.append(self.response[where])
         return np.concatenate(parts)
 
+    @cached_property
+    def judged(self) -> dict[str, ComplexArray | FloatArray]:
+        """The parts, each over what it scatters by in truth, records that share their power included.
+
+        A fit goes without: its weights would depend on its parameters.
+        """
+        parts = self.parts
+        if self.response is not None and self.excess is not None:
+            parts["response"] = self.response / np.sqrt(self.excess())
+        return parts
+
     def gaps(self, where: BoolArray) -> dict[str, float]:
         """Return the mean square of each part at the lines and channels of `where`."""
         return {
             name: float((np.abs(part[_of_runs(where, part.shape[1])]) ** 2).mean()) if where.any() else 0.0
-            for name, part in self.parts.items()
+            for name, part in self.judged.items()
         }
 
     def gap(self, where: BoolArray) -> float:
@@ -68,21 +84,21 @@ def residual(observed: Observed, predicted: Predicted, *, widen: float = 0.0) ->
     if observed.incoherent is not None and observed.incoherent_variance is not None:
         spread = np.sqrt(observed.incoherent_variance + widen**2)
         response = np.log(observed.incoherent / predicted.incoherent) / spread
-    return Residual(frf, force, response, predicted.leaking)
+    return Residual(frf, force, response, predicted.excess)
 
 
 def correlations(observed: Observed, left: Residual) -> dict[str, float]:
     """Return for each part how many lines one independent line stands for.
 
     Of a window alone it is known; leakage spreads the same few random numbers of a resonance over
-    all lines, which the residuals' own correlation tells. That is an average: lines which leakage
-    rules are tied more closely, others hardly, and squares count the close ones most.
+    all lines, which the residuals' own correlation tells.
     """
     if not left.leaking:
         return dict.fromkeys(left.parts, observed.correlation)
-    usable = {name: _of_runs(observed.usable, part.shape[1]) for name, part in left.parts.items()}
-    seen = {name: _correlation(np.where(usable[name], part, 0.0)) for name, part in left.parts.items()}
-    return {name: 1 + UNEVEN * (correlation - 1) for name, correlation in seen.items()}
+    return {
+        name: _correlation(np.where(_of_runs(observed.usable, part.shape[1]), part, 0.0))
+        for name, part in left.judged.items()
+    }
 
 
 def scatters(observed: Observed, left: Residual, where: BoolArray) -> dict[str, float]:
