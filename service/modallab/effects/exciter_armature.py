@@ -33,8 +33,7 @@ class ExciterArmature(Effect):
 
     @classmethod
     def from_setup(cls, setup: RigSetup) -> Sequence[Self]:
-        gauge = setup.force_transducer
-        mass = setup.exciter.armature_mass + (gauge.mass_below if gauge.mass_cancelled else 0.0)
+        mass = setup.exciter.armature_mass
         return [cls(mass=mass)] if mass > 0 else []
 
     @classmethod

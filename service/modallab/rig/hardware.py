@@ -53,7 +53,6 @@ class Exciter:
             raise InvalidInputError(
                 "an amplifier that keeps the voltage needs to know the coil",
                 field="exciter.coil",
-                value=None,
                 allowed="force_factor, resistance and inductance of the coil",
             )
 

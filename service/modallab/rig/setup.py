@@ -7,6 +7,7 @@ from modallab.core.errors import InvalidInputError
 from modallab.core.place import EffectSpec
 from modallab.rig.analyser import Analyser
 from modallab.rig.hardware import Accelerometers, Exciter, ForceTransducer, Noise
+from modallab.rig.stinger import Stinger
 
 
 @dataclass(frozen=True)
@@ -33,6 +34,7 @@ class RigSetup:
     drives: tuple[Dof, ...]
     responses: tuple[Dof, ...]
     exciter: Exciter = field(default_factory=Exciter)
+    stinger: Stinger | None = None
     force_transducer: ForceTransducer = field(default_factory=ForceTransducer)
     accelerometers: Accelerometers = field(default_factory=Accelerometers)
     analyser: Analyser = field(default_factory=Analyser)

@@ -132,7 +132,7 @@ def test_a_mass_the_analyser_has_cancelled_leaves_the_frf_and_stays_in_the_force
     plain, found = chain(beam_system(), rig(1, 7)), chain(beam_system(), cancelled)
     # multiplied by F/P and divided by it again: rounding
     np.testing.assert_allclose(found.respond(FREQ).inertance, plain.respond(FREQ).inertance, rtol=1e-12)
-    assert found.runs[0].drives[0].mass == 0.05
+    assert found.runs[0].drives[0].cancelled_mass == 0.05
 
 
 @pytest.mark.parametrize(("drive", "response"), [("30:+Y", "1:+Y"), ("1:+Y", "30:+Y"), ("1:+X", "1:+Y")])

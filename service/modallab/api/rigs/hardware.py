@@ -3,7 +3,21 @@
 from typing import Literal
 
 from modallab.api.wire import Number, Wire
-from modallab.rig.hardware import Accelerometers, Exciter, ForceTransducer, Noise
+from modallab.core.errors import InvalidInputError
+from modallab.rig.hardware import Accelerometers, Coil, Exciter, ForceTransducer, Noise
+from modallab.rig.stinger import Stinger, StingerRod, StingerStiffness
+
+
+class CoilIn(Wire):
+    """The voice coil of a shaker."""
+
+    force_factor: Number
+    resistance: Number
+    inductance: Number = 0.0
+
+    def to_domain(self) -> Coil:
+        """Return the coil."""
+        return Coil(self.force_factor, self.resistance, self.inductance)
 
 
 class ExciterIn(Wire):
@@ -11,10 +25,53 @@ class ExciterIn(Wire):
 
     kind: Literal["shaker"] = "shaker"
     armature_mass: Number = 0.0
+    suspension_stiffness: Number = 0.0
+    suspension_damping: Number = 0.0
+    coil: CoilIn | None = None
+    amplifier: Literal["current", "voltage"] = "current"
 
     def to_domain(self) -> Exciter:
         """Return the exciter."""
-        return Exciter(self.kind, self.armature_mass)
+        return Exciter(
+            self.kind,
+            self.armature_mass,
+            self.suspension_stiffness,
+            self.suspension_damping,
+            self.coil.to_domain() if self.coil else None,
+            self.amplifier,
+        )
+
+
+class StingerIn(Wire):
+    """A stinger as a round rod, or by its stiffness."""
+
+    diameter: Number | None = None
+    length: Number | None = None
+    modulus: Number | None = None
+    density: Number | None = None
+    axial_stiffness: Number | None = None
+    bending_stiffness: Number | None = None
+    lateral_stiffness: Number | None = None
+
+    def to_domain(self) -> Stinger:
+        """Return the stinger; `InvalidInputError` unless it is one or the other, and all of a rod."""
+        rod = (self.diameter, self.length, self.modulus, self.density)
+        springs = (self.axial_stiffness, self.bending_stiffness, self.lateral_stiffness)
+        if any(value is not None for value in springs) == any(value is not None for value in rod):
+            raise _stinger("a stinger is a rod, or stiffness")
+        if all(value is None for value in rod):
+            return StingerStiffness(springs[0], springs[1] or 0.0, springs[2] or 0.0)
+        diameter, length, modulus, density = rod
+        if diameter is None or length is None or modulus is None or density is None:
+            raise _stinger("a rod needs all its dimensions")
+        return StingerRod(diameter, length, modulus, density)
+
+
+def _stinger(says: str) -> InvalidInputError:
+    allowed = (
+        "diameter, length, modulus and density; or axial_stiffness, bending_stiffness, lateral_stiffness"
+    )
+    return InvalidInputError(says, field="stinger", allowed=allowed)
 
 
 class ForceTransducerIn(Wire):
@@ -22,10 +79,11 @@ class ForceTransducerIn(Wire):
 
     mass_below: Number = 0.0
     mass_cancelled: bool = False
+    stiffness: Number | None = None
 
     def to_domain(self) -> ForceTransducer:
         """Return the force transducer."""
-        return ForceTransducer(self.mass_below, self.mass_cancelled)
+        return ForceTransducer(self.mass_below, self.mass_cancelled, self.stiffness)
 
 
 class AccelerometersIn(Wire):

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Self
 from pydantic import Field
 
 from modallab.api.rigs.analyser import AnalyserIn
-from modallab.api.rigs.hardware import AccelerometersIn, ExciterIn, ForceTransducerIn, NoiseIn
+from modallab.api.rigs.hardware import AccelerometersIn, ExciterIn, ForceTransducerIn, NoiseIn, StingerIn
 from modallab.api.wire import DofText, Effects, EntryOut, Wire, effect_out
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
@@ -24,7 +24,7 @@ class RigIn(Wire):
     drives: Annotated[list[DofText], Field(min_length=1, max_length=100)] | None = None
     responses: Annotated[list[DofText], Field(min_length=1, max_length=2000)]
     exciter: ExciterIn | None = None
-    stinger: None = None
+    stinger: StingerIn | None = None
     force_transducer: ForceTransducerIn | None = None
     accelerometers: AccelerometersIn | None = None
     analyser: AnalyserIn | None = None
@@ -37,6 +37,7 @@ class RigIn(Wire):
             drives=self._drives(),
             responses=tuple(Dof.parse(text, field="responses") for text in self.responses),
             exciter=(self.exciter or ExciterIn()).to_domain(),
+            stinger=self.stinger.to_domain() if self.stinger else None,
             force_transducer=(self.force_transducer or ForceTransducerIn()).to_domain(),
             accelerometers=(self.accelerometers or AccelerometersIn()).to_domain(),
             analyser=(self.analyser or AnalyserIn()).to_domain(),
@@ -73,6 +74,7 @@ class RigOut(EntryOut):
     drives: list[str]
     responses: list[str]
     exciter: dict[str, Any]
+    stinger: dict[str, Any] | None
     force_transducer: dict[str, Any]
     accelerometers: dict[str, Any]
     analyser: dict[str, Any]
@@ -92,6 +94,7 @@ def setup_out(setup: RigSetup) -> dict[str, Any]:
         "drives": [str(dof) for dof in setup.drives],
         "responses": [str(dof) for dof in setup.responses],
         "exciter": asdict(setup.exciter),
+        "stinger": None if setup.stinger is None else asdict(setup.stinger),
         "force_transducer": asdict(setup.force_transducer),
         "accelerometers": asdict(setup.accelerometers),
         "analyser": asdict(setup.analyser),

@@ -1,0 +1,57 @@
+"""A stinger gives way along its axis."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from types import NoneType
+from typing import ClassVar, Self
+
+from modallab.core.dof import Dof
+from modallab.core.parameters import parameter
+from modallab.correlation.evidence import Evidence
+from modallab.rig.drive import Drive
+from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.setup import RigSetup
+from modallab.rig.stinger import SOFTEST, STIFFEST
+
+
+@EFFECTS.register("stinger_axial")
+@dataclass(frozen=True)
+class StingerAxial(Effect):
+    """x_a = x + F/k: a spring between armature and force gauge, F = P/(1 + Z_a (1/k + alpha)).
+
+    The armature resonates on it, at sqrt(k/m_a)/(2 pi) where the structure holds still: 1992 thesis [D.4],
+    k = EA/L of a rod [D.5]. Above, the force falls; the FRF stays as it is. The stiffest is rigid.
+    """
+
+    kind: ClassVar[str] = "stinger_axial"
+    summary: ClassVar[str] = "the stinger gives way along its axis: armature and structure resonate on it"
+    stage: ClassVar[int] = 3
+    sits: ClassVar[tuple[type, ...]] = (NoneType, Dof)
+    at_drive: ClassVar[bool] = True
+    stiffness: float = parameter(
+        2e6,
+        unit="N/m",
+        lower=SOFTEST,
+        upper=STIFFEST,
+        absent=STIFFEST,
+        tries=(3e4, 1e5, 3e5, 1e6, 3e6, 1e7, 1e8),
+        doc="along the stinger's axis",
+    )
+
+    def on_drive(self, drive: Drive) -> Drive:
+        if not self.acts_on(drive.dof) or self.stiffness == STIFFEST:
+            return drive
+        return replace(drive, compliance=drive.compliance + 1 / self.stiffness)
+
+    @classmethod
+    def from_setup(cls, setup: RigSetup) -> Sequence[Self]:
+        declared = None if setup.stinger is None else setup.stinger.axial_stiffness
+        return [] if declared is None else [cls(stiffness=declared)]
+
+    @classmethod
+    def signature(cls, evidence: Evidence) -> float:
+        """The force spectrum is off while the FRFs are right."""
+        gaps = evidence.gaps
+        if "force" not in gaps:
+            return 0.1
+        return max(0.0, gaps["force"] - gaps["frf"]) / max(gaps["force"], 1.0)

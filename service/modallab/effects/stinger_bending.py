@@ -1,0 +1,91 @@
+"""A stinger bends with the drive point and holds it against rotation."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from types import NoneType
+from typing import ClassVar, Self
+
+import numpy as np
+
+from modallab.core.arrays import FloatArray
+from modallab.core.dof import TRANSLATIONS, Dof
+from modallab.core.parameters import parameter
+from modallab.correlation.evidence import Evidence
+from modallab.fe.attachment import Attachment
+from modallab.fe.system import DynamicSystem
+from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.setup import RigSetup, Shot
+from modallab.rig.stinger import LONGEST, SHORTEST, STIFFEST_BENDING
+
+
+@EFFECTS.register("stinger_bending")
+@dataclass(frozen=True)
+class StingerBending(Effect):
+    """The end of a slender rod, clamped in the armature, on the rotations and lateral motions of the drive.
+
+    In each plane through the axis EI [[12/L^3, 6/L^2], [6/L^2, 4/L]] on lateral motion and slope, without
+    the rod's mass: far below its first bending mode. The rod leaves the structure against the sense
+    in which it drives. It changes the structure, not what the gauge shows, so that no mass cancellation
+    takes it away: 1992 thesis, section 5.4.5 and appendix D.
+    """
+
+    kind: ClassVar[str] = "stinger_bending"
+    summary: ClassVar[str] = "the stinger holds the drive point against rotation and lateral motion"
+    stage: ClassVar[int] = 1
+    sits: ClassVar[tuple[type, ...]] = (NoneType, Dof)
+    at_drive: ClassVar[bool] = True
+    stiffness: float = parameter(
+        10.0, unit="N m/rad", lower=0.0, upper=STIFFEST_BENDING, doc="moment per rotation, 4EI/L"
+    )
+    length: float = parameter(
+        0.05,
+        unit="m",
+        lower=SHORTEST,
+        upper=LONGEST,
+        absent=None,
+        doc="of the rod: its lateral stiffness is three times the one in rotation, over length^2",
+    )
+
+    def on_system(self, system: DynamicSystem, shot: Shot) -> DynamicSystem:
+        for drive in shot.drives:
+            if self.acts_on(drive):
+                system = self._clamped(system, drive)
+        return system
+
+    def _clamped(self, system: DynamicSystem, drive: Dof) -> DynamicSystem:
+        along = TRANSLATIONS.index(drive.direction)
+        away = -drive.sign * np.eye(3)[along]
+        reach = self.length
+        end = self.stiffness * np.array([[3 / reach**2, 1.5 / reach], [1.5 / reach, 1.0]])
+        for lateral in (np.eye(3)[i] for i in range(3) if i != along):
+            columns = np.stack(
+                [
+                    _motion(system, drive.node, "", lateral),
+                    _motion(system, drive.node, "R", np.cross(away, lateral)),
+                ]
+            )
+            free = columns.any(axis=1)  # a motion that the structure does not have is no motion
+            if free.any():
+                system = system.attach(Attachment(columns[free].T, stiffness=end[np.ix_(free, free)]))
+        return system
+
+    @classmethod
+    def from_setup(cls, setup: RigSetup) -> Sequence[Self]:
+        stinger = setup.stinger
+        if stinger is None or stinger.bending_stiffness == 0:
+            return []
+        return [cls(stiffness=stinger.bending_stiffness, length=stinger.length)]
+
+    @classmethod
+    def signature(cls, evidence: Evidence) -> float:
+        """Frequencies rise in every FRF."""
+        return 0.3 + 0.4 * evidence.rising
+
+
+def _motion(system: DynamicSystem, node: int, turning: str, direction: FloatArray) -> FloatArray:
+    """Return the (n,) column of a node's translation along, or rotation about, a direction."""
+    column = np.zeros(len(system.dofs))
+    for name, share in zip(TRANSLATIONS, direction, strict=True):
+        if share and (dof := Dof(node, turning + name)) in system.dofs:
+            column[system.index(dof)] = share
+    return column

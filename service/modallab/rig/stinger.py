@@ -1,0 +1,96 @@
+"""The stinger as its drawing or its data sheet has it: a rod between armature and force gauge."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from modallab.rig.hardware import within
+
+CLAMPED = 4.730040744862704  # first root of cosh x cos x = 1
+SOFTEST, STIFFEST = 1e3, 1e12  # N/m, along the axis; the stiffest is taken as rigid
+STIFFEST_BENDING = 1e7  # N m/rad
+SHORTEST, LONGEST = 1e-3, 1e3  # m; of the longest nothing lateral is left
+HEAVIEST = 5.0  # kg
+
+
+@dataclass(frozen=True)
+class StingerRod:
+    """A round rod, clamped at both ends."""
+
+    diameter: float  # m
+    length: float  # m
+    modulus: float  # N/m^2
+    density: float  # kg/m^3
+
+    def __post_init__(self) -> None:
+        within("stinger.diameter", self.diameter, 1e-5, 0.1)
+        within("stinger.length", self.length, SHORTEST, 10.0)
+        within("stinger.modulus", self.modulus, 1e6, 1e13)
+        within("stinger.density", self.density, 1.0, 1e5)
+        # Together they make a spring and a mass that effects can be.
+        within("axial stiffness of the stinger", self.axial_stiffness, SOFTEST, STIFFEST)
+        within("bending stiffness of the stinger", self.bending_stiffness, 0.0, STIFFEST_BENDING)
+        within("mass of the stinger", self.mass, 0.0, HEAVIEST)
+
+    @property
+    def mass(self) -> float:
+        """Its mass, kg."""
+        return float(self.density * np.pi / 4 * self.diameter**2 * self.length)
+
+    @property
+    def axial_stiffness(self) -> float:
+        """EA/L, N/m: 1992 thesis [D.5]."""
+        return float(self.modulus * np.pi / 4 * self.diameter**2 / self.length)
+
+    @property
+    def bending_stiffness(self) -> float:
+        """4EI/L, N m/rad: moment per rotation of one end, the other end clamped."""
+        return float(self.modulus * np.pi / 16 * self.diameter**4 / self.length)
+
+    @property
+    def bending_frequency(self) -> float:
+        """Of the first bending mode between two clamps, Hz.
+
+        f = 0.890 d/L^2 sqrt(E/rho), where 0.890 = 4.730^2/(8 pi) is that of a Bernoulli beam. The 1992
+        thesis [D.3] has 0.883 = (3 pi/2)^2/(8 pi): cosh x cos x = 1 solved as cos x = 0, 0.7 % lower.
+        """
+        speed = np.sqrt(self.modulus / self.density)
+        return float(CLAMPED**2 / (8 * np.pi) * self.diameter / self.length**2 * speed)
+
+
+@dataclass(frozen=True)
+class StingerStiffness:
+    """A stinger by its stiffness alone; without a mass."""
+
+    axial_stiffness: float | None = None  # N/m; None: rigid
+    bending_stiffness: float = 0.0  # N m/rad at the drive point
+    lateral_stiffness: float = 0.0  # N/m at the drive point
+
+    mass: ClassVar[float] = 0.0
+
+    def __post_init__(self) -> None:
+        if self.axial_stiffness is not None:
+            within("stinger.axial_stiffness", self.axial_stiffness, SOFTEST, STIFFEST)
+        within("stinger.bending_stiffness", self.bending_stiffness, 0.0, STIFFEST_BENDING)
+        least, most = (3 * self.bending_stiffness / length**2 for length in (LONGEST, SHORTEST))
+        if self.lateral_stiffness != 0:
+            within("stinger.lateral_stiffness", self.lateral_stiffness, least, most)
+
+    @property
+    def length(self) -> float:
+        """Of the rod with this bending and this lateral stiffness, 4EI/L and 12EI/L^3, m."""
+        if self.lateral_stiffness == 0:
+            return LONGEST
+        return float(np.sqrt(3 * self.bending_stiffness / self.lateral_stiffness))
+
+
+Stinger = StingerRod | StingerStiffness
+
+
+def axial_frequency(stiffness: float, mass: float) -> float:
+    """Return the frequency, Hz, of an armature, kg, on the stinger's axial stiffness, N/m [D.4].
+
+    The structure is taken as held.
+    """
+    return float(np.sqrt(stiffness / mass) / (2 * np.pi))
