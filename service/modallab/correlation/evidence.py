@@ -50,6 +50,15 @@ class Evidence:
         return np.asarray((np.abs(self.frf) ** 2 * self.weight).sum(axis=0) / count)
 
     @property
+    def at_peaks(self) -> float:
+        """Share of what disagrees at the resonances that is size and not phase, 0 to 1: loss does that."""
+        if not len(self.mode_frequency):
+            return 0.0
+        lines = np.abs(self.freq[:, None] - self.mode_frequency).argmin(axis=0)
+        left = (self.frf * self.weight)[lines]
+        return float((left.real**2).sum() / max(float((np.abs(left) ** 2).sum()), 1e-300))
+
+    @property
     def by_line(self) -> FloatArray:
         """(n_freq,) mean square of the FRF part by line."""
         count = np.maximum(self.weight.sum(axis=1), 1.0)

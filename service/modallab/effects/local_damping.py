@@ -1,0 +1,54 @@
+"""A damper at one point that the model does not have."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+from modallab.core.dof import Dof
+from modallab.core.parameters import parameter
+from modallab.core.place import Place
+from modallab.correlation.evidence import Evidence
+from modallab.fe.structure import Structure
+from modallab.fe.system import DynamicSystem
+from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.setup import RigSetup, Shot
+
+
+@EFFECTS.register("local_damping")
+@dataclass(frozen=True)
+class LocalDamping(Effect):
+    """A viscous damper c between a translation and the ground: C + c e e^T.
+
+    A mode gains the loss factor c phi^2 / omega to first order, from the energy c omega^2 phi^2 pi that
+    the damper takes in a cycle; large dampers hold the point instead, and what they take falls again.
+    The energy balance: Ungar and Kerwin, J. Acoust. Soc. Am. 34 (1962) 954-957.
+    """
+
+    kind: ClassVar[str] = "local_damping"
+    summary: ClassVar[str] = "a damper at one point that the model lacks"
+    stage: ClassVar[int] = 1
+    structural: ClassVar[bool] = True
+    sits: ClassVar[tuple[type, ...]] = (Dof,)
+    damping: float = parameter(
+        2.0, unit="N s/m", lower=0.0, upper=1e6, doc="damper from the DoF to the ground"
+    )
+
+    def on_system(self, system: DynamicSystem, shot: Shot) -> DynamicSystem:
+        assert isinstance(self.at, Dof)
+        return system.add_damper(self.at, self.damping)
+
+    def check(self, structure: Structure, setup: RigSetup | None = None) -> None:
+        """Raise unless it sits at a translation of the structure; see `Effect.check`."""
+        super().check(structure, setup)
+        if isinstance(self.at, Dof) and not self.at.translational:
+            raise self._misplaced("a translation")
+
+    @classmethod
+    def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:
+        """Return every translation of the structure."""
+        return tuple(dof for dof in system.dofs if dof.translational)
+
+    @classmethod
+    def signature(cls, evidence: Evidence) -> float:
+        """Peaks are too high or too low, at the frequencies of the model."""
+        return 0.2 + 0.5 * evidence.at_peaks
