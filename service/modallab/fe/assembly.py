@@ -11,8 +11,10 @@ from modallab.core.dof import Dof
 from modallab.fe.damping import ModalDamping, StructuralDamping, ViscousDamping
 from modallab.fe.element import ELEMENTS, Bar, ElementParts
 from modallab.fe.member_table import MemberTable
-from modallab.fe.structure import PLANE, Structure
-from modallab.fe.system import DynamicSystem, modal_damping
+from modallab.fe.modal_damping import modal_damping
+from modallab.fe.shear import Shear
+from modallab.fe.structure import PLANE, Material, Section, Structure
+from modallab.fe.system import DynamicSystem
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,6 +43,18 @@ def coefficients_of(structure: Structure) -> Coefficients:
 @lru_cache(maxsize=512)
 def _parts(element: str, bar: Bar) -> ElementParts:
     return ELEMENTS[element](bar)
+
+
+def _bar(length: float, section: Section, material: Material) -> Bar:
+    return Bar(
+        length,
+        section.area,
+        section.second_moment,
+        material.modulus,
+        material.density,
+        material.shear_modulus,
+        section.shear_coefficient,
+    )
 
 
 class Assembly:
@@ -78,8 +92,7 @@ class Assembly:
             turn = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
             turns.append(np.kron(np.eye(2), turn))
             section, material = member.section, member.material
-            bar = Bar(length, section.area, section.second_moment, material.modulus, material.density)
-            local.append(_parts(member.element, bar))
+            local.append(_parts(member.element, _bar(length, section, material)))
         t = np.array(turns)
 
         def turned(parts: list[FloatArray]) -> FloatArray:
@@ -143,6 +156,7 @@ class Assembly:
             bending=use.bending[:, None, None] * self.bending,
             loss_factor=use.loss_factor,
             law=law,
+            shear=self._shear(use),
         )
         system = DynamicSystem(
             mass=self.matrix(mass, self._point_masses),
@@ -156,6 +170,19 @@ class Assembly:
         if isinstance(law, ModalDamping):
             system = system.attach(modal_damping(system, law.loss_factors))
         return system
+
+    def _shear(self, use: Coefficients) -> Shear:
+        structure = self.structure
+        bars = [_bar(structure.length(m), m.section, m.material) for m in structure.members]
+        lacking = np.array([m.element == "frame" for m in structure.members])
+        return Shear(
+            points=np.array([[structure.nodes[n] for n in m.nodes] for m in structure.members]),
+            rigidity=use.bending * [bar.modulus * bar.second_moment for bar in bars],
+            line_mass=use.mass * [bar.density * bar.area for bar in bars],
+            flexibility=lacking * [bar.shear_flexibility for bar in bars],
+            gyration=lacking * [bar.second_moment / bar.area for bar in bars],
+            amount=np.zeros(len(bars)),
+        )
 
     @cached_property
     def _rigid_shapes(self) -> FloatArray:

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 import numpy as np
+from scipy.sparse import csc_array
 
 from modallab.core.arrays import ComplexArray, FloatArray, frozen
 
@@ -60,3 +61,23 @@ def _condensed(z: ComplexArray, inner: int) -> ComplexArray:
     outer, across, back = z[:, :-inner, :-inner], z[:, :-inner, -inner:], z[:, -inner:, :-inner]
     own = z[:, -inner:, -inner:]
     return np.asarray(outer - across @ (back / own if inner == 1 else np.linalg.solve(own, back)))
+
+
+def motions(n: int, attachments: tuple[Attachment, ...]) -> list[FloatArray]:
+    """Return the (n + all inner, r + inner) columns of each attachment, its own coordinates last."""
+    out, first = [], n
+    for a in attachments:
+        columns = np.zeros((n + sum(b.inner for b in attachments), a.columns.shape[1] + a.inner))
+        columns[:n, : a.columns.shape[1]] = a.columns
+        columns[first + np.arange(a.inner), a.columns.shape[1] + np.arange(a.inner)] = 1.0
+        out.append(columns)
+        first += a.inner
+    return out
+
+
+def grown(matrix: csc_array | None, n: int) -> csc_array | None:
+    """Return a matrix with empty rows and columns behind its own, (n, n)."""
+    if matrix is None or matrix.shape[0] == n:
+        return matrix
+    grown = matrix.tocoo()
+    return csc_array((grown.data, (grown.row, grown.col)), shape=(n, n))

@@ -16,6 +16,14 @@ class Bar:
     second_moment: float  # m^4
     modulus: float  # N/m^2
     density: float  # kg/m^3
+    shear_modulus: float = float("inf")  # N/m^2; infinite: sections stay normal to the axis
+    shear_coefficient: float = 5 / 6  # kappa, share of the area that shears
+
+    @property
+    def shear_flexibility(self) -> float:
+        """phi = 12 E I / (kappa A G L^2): deflection from shear over that from bending."""
+        sheared = self.shear_coefficient * self.area * self.shear_modulus * self.length**2
+        return 12 * self.modulus * self.second_moment / sheared
 
 
 @dataclass(frozen=True)

@@ -1,4 +1,4 @@
-"""The members of an assembled system, and what a change of one adds to it."""
+"""The members of an assembled system, and what an alteration of one adds to it."""
 
 from dataclasses import dataclass, replace
 
@@ -7,8 +7,10 @@ from scipy.sparse import coo_array, csc_array
 
 from modallab.core.arrays import FloatArray, IntArray
 from modallab.core.errors import InvalidInputError
+from modallab.fe.alteration import Alteration, jointed, span
 from modallab.fe.attachment import Attachment
 from modallab.fe.damping import Damping, StructuralDamping, ViscousDamping
+from modallab.fe.shear import Shear
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,6 +26,7 @@ class MemberTable:
     bending: FloatArray
     loss_factor: FloatArray  # (n_members,)
     law: Damping
+    shear: Shear
 
     def position(self, number: int) -> int:
         """Return the place of a member in the table."""
@@ -32,8 +35,8 @@ class MemberTable:
         except ValueError:
             raise InvalidInputError(f"there is no member {number}", field="members", value=number) from None
 
-    def change(self, number: int, n: int, *, mass: float, axial: float, bending: float) -> Attachment:
-        """Return what a member adds to a system of `n` DoFs when its parts change by these fractions.
+    def altered(self, number: int, alteration: Alteration, n: int) -> Attachment:
+        """Return what a member adds to a system of `n` DoFs when it is altered.
 
         Its damping follows the law of the structure.
 
@@ -43,27 +46,78 @@ class MemberTable:
             If there is no such member.
         """
         e = self.position(number)
+        mass, bending = self.mass[e], self.bending[e]
+        if alteration.shear:
+            (more_mass,), (more_bending,) = self.shear.of(e).added(alteration.shear)
+            mass, bending = mass + more_mass, bending + more_bending
+        stiffness = alteration.axial * self.axial[e] + alteration.bending * bending
+        new = jointed(alteration.mass * mass, stiffness, alteration.joints)
+        now = (0, new.inner), (0, new.inner)
+        dm = new.mass - np.pad(self.mass[e], now)
+        dk = new.stiffness - np.pad(self.axial[e] + self.bending[e], now)
         kept = np.flatnonzero(self.rows[e] >= 0)
-        block = np.ix_(kept, kept)
-        dm = mass * self.mass[e][block]
-        dk = axial * self.axial[e][block] + bending * self.bending[e][block]
-        # Rigid motions strain nothing: a change of stiffness alone needs fewer columns than DoFs.
-        w, v = np.linalg.eigh(dk if mass == 0 else dm)
-        v = v[:, np.abs(w) > 1e-12 * np.abs(w).max(initial=0.0)]
-        dm, dk = v.T @ dm @ v, v.T @ dk @ v
+        # Rigid motions strain nothing: most changes need fewer columns than the member has DoFs.
+        v = span([part[kept][:, own] for part in (dm, dk) for own in (kept, slice(6, None))])
+        reach = np.zeros((6 + new.inner, v.shape[1] + new.inner))
+        reach[kept, : v.shape[1]] = v
+        reach[6:, v.shape[1] :] = np.eye(new.inner)
         columns = np.zeros((n, v.shape[1]))
         columns[self.rows[e][kept]] = v
-        damping, viscous = self.loss_factor[e] * dk, None
+        return self._attachment(e, columns, reach.T @ dm @ reach, reach.T @ dk @ reach, new.inner)
+
+    def _attachment(
+        self, e: int, columns: FloatArray, mass: FloatArray, stiffness: FloatArray, inner: int
+    ) -> Attachment:
+        damping, viscous = self.loss_factor[e] * stiffness, None
         if isinstance(self.law, StructuralDamping):
-            damping = damping + self.law.mass_coefficient * dm
+            damping = damping + self.law.mass_coefficient * mass
         elif isinstance(self.law, ViscousDamping):
-            viscous = self.law.mass_coefficient * dm + self.law.stiffness_coefficient * dk
-        return Attachment(columns, mass=dm, stiffness=dk, damping=damping, viscous=viscous)
+            viscous = self.law.mass_coefficient * mass + self.law.stiffness_coefficient * stiffness
+        return Attachment(columns, mass, stiffness, damping, viscous, inner)
+
+    def end_at(self, node: int) -> tuple[int, int]:
+        """Return the member that a joint at a node sets loose, by number, and which of its ends is there.
+
+        The first that runs into the node, else the first that starts from it: in a row of members each
+        node has its own.
+
+        Raises
+        ------
+        InvalidInputError
+            If fewer than two members meet at the node.
+        """
+        into = [n for n, ends in zip(self.numbers, self.ends, strict=True) if ends[1] == node]
+        out_of = [n for n, ends in zip(self.numbers, self.ends, strict=True) if ends[0] == node]
+        if len(into) + len(out_of) < 2:
+            raise InvalidInputError(
+                f"no two members meet at node {node}",
+                field="at",
+                value=node,
+                allowed=", ".join(map(str, self.joints)) or "none",
+            )
+        return (min(into), 1) if into else (min(out_of), 0)
+
+    @property
+    def joints(self) -> tuple[int, ...]:
+        """Nodes at which two members or more meet."""
+        nodes, counts = np.unique(np.array(self.ends), return_counts=True)
+        return tuple(int(node) for node in nodes[counts > 1])
 
     def scaled(self, *, mass: float, stiffness: float) -> "MemberTable":
         """Return the table with the mass and stiffness of every member multiplied."""
         return replace(
-            self, mass=self.mass * mass, axial=self.axial * stiffness, bending=self.bending * stiffness
+            self,
+            mass=self.mass * mass,
+            axial=self.axial * stiffness,
+            bending=self.bending * stiffness,
+            shear=self.shear.scaled(mass=mass, stiffness=stiffness),
+        )
+
+    def sheared(self, amount: float) -> "MemberTable":
+        """Return the table of members that all have so much more shear flexibility and rotary inertia."""
+        mass, bending = self.shear.added(amount)
+        return replace(
+            self, mass=self.mass + mass, bending=self.bending + bending, shear=self.shear.more(amount)
         )
 
     def sum(self, parts: FloatArray, n: int) -> csc_array:

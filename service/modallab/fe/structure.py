@@ -36,6 +36,13 @@ def not_negative(value: float, name: str) -> None:
         raise StructureError(f"{name} must not be negative", field=name, value=value, allowed=allowed)
 
 
+def within(value: float, lowest: float, highest: float, name: str) -> None:
+    """Raise `StructureError` unless the value lies between the bounds."""
+    if not lowest <= value <= highest:
+        allowed = f"{lowest:g} to {highest:g}"
+        raise StructureError(f"{name} is out of bounds", field=name, value=value, allowed=allowed)
+
+
 @dataclass(frozen=True)
 class Section:
     """A cross-section."""
@@ -43,10 +50,12 @@ class Section:
     area: float  # m^2
     second_moment: float  # m^4
     name: str = ""
+    shear_coefficient: float = 5 / 6  # kappa, share of the area that shears; 5/6: a rectangle
 
     def __post_init__(self) -> None:
         positive(self.area, "area")
         positive(self.second_moment, "second_moment")
+        within(self.shear_coefficient, 0.01, 1.0, "shear_coefficient")
 
 
 @dataclass(frozen=True)
@@ -56,10 +65,17 @@ class Material:
     modulus: float  # N/m^2
     density: float  # kg/m^3
     name: str = ""
+    poisson_ratio: float = 0.3
 
     def __post_init__(self) -> None:
         positive(self.modulus, "modulus")
         positive(self.density, "density")
+        within(self.poisson_ratio, -0.99, 0.5, "poisson_ratio")
+
+    @property
+    def shear_modulus(self) -> float:
+        """G = E / (2 (1 + nu)), N/m^2."""
+        return self.modulus / (2 * (1 + self.poisson_ratio))
 
 
 @dataclass(frozen=True)

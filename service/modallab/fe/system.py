@@ -1,5 +1,6 @@
 """The matrices of a structure, and what is attached to it without touching them."""
 
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace
 from functools import cached_property
 
@@ -9,7 +10,8 @@ from scipy.sparse import csc_array
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError, UnknownDofError
-from modallab.fe.attachment import Attachment
+from modallab.fe.alteration import Alteration
+from modallab.fe.attachment import Attachment, grown, motions
 from modallab.fe.damping import StructuralDamping, ViscousDamping
 from modallab.fe.member_table import MemberTable
 from modallab.fe.modes import ModalBasis, modal_basis
@@ -33,6 +35,7 @@ class DynamicSystem:
     rigid: FloatArray | None = None  # (n, n_rigid) motions that strain no member
     members: MemberTable | None = None
     attachments: tuple[Attachment, ...] = ()
+    altered: Mapping[int, tuple[Alteration, Attachment]] = field(default_factory=dict)  # by member
     shared: dict[str, object] = field(default_factory=dict, repr=False)  # solved once for all variants
 
     @cached_property
@@ -105,60 +108,103 @@ class DynamicSystem:
 
         Its damping follows the law of the structure, as it would in an assembly with the new factors.
         """
-        table = self.members
-        if table is None:
-            raise InvalidInputError("the system does not know its members", field="members", value=number)
-        return self.attach(table.change(number, len(self.dofs), mass=mass, axial=axial, bending=bending))
+        return self.alter(number, Alteration(1 + mass, 1 + axial, 1 + bending))
+
+    def add_joint(self, node: int, flexibility: float) -> "DynamicSystem":
+        """Return the system with a rotational spring, rad/(N m), between two sides of a node.
+
+        On one side is the first member that runs into the node, on the other side all the rest.
+
+        Raises
+        ------
+        InvalidInputError
+            If fewer than two members meet at the node.
+        """
+        number, end = self._known_members.end_at(node)
+        joints = (0.0, flexibility) if end else (flexibility, 0.0)
+        return self.alter(number, Alteration(joints=joints))
+
+    def alter(self, number: int, alteration: Alteration) -> "DynamicSystem":
+        """Return the system with a member altered, beside what was altered of it before.
+
+        One attachment stands for all alterations of a member, so that they act on one another.
+        """
+        old, attachment = self.altered.get(number, (Alteration(), None))
+        both = old.also(alteration)
+        new = self._known_members.altered(number, both, len(self.dofs))
+        rest = tuple(a for a in self.attachments if a is not attachment)
+        return replace(self, attachments=(*rest, new), altered={**self.altered, number: (both, new)})
+
+    @property
+    def _known_members(self) -> MemberTable:
+        if self.members is None:
+            raise InvalidInputError("the system does not know its members", field="members")
+        return self.members
 
     def scaled(self, *, mass: float = 1.0, stiffness: float = 1.0) -> "DynamicSystem":
         """Return the system with the mass or stiffness of every member multiplied.
 
-        Point masses and springs to ground stay as they are. Asked for again with the same numbers,
-        the same matrices come back, so that their modes are solved for once.
+        Point masses and springs to ground stay as they are.
         """
-        known = self.shared.get("scaled")
-        if not (isinstance(known, tuple) and known[0] == (mass, stiffness)):
-            known = ((mass, stiffness), self._scaled(mass - 1, stiffness - 1))
-            self.shared["scaled"] = known
-        matrices: DynamicSystem = known[1]
-        return replace(matrices, attachments=self.attachments)
+        table = self._known_members
+        return self._rebuilt(
+            "scaled", (mass, stiffness), lambda: table.scaled(mass=mass, stiffness=stiffness)
+        )
 
-    def _scaled(self, mass: float, stiffness: float) -> "DynamicSystem":
-        table = self.members
-        if table is None:
-            raise InvalidInputError("the system does not know its members", field="members")
-        n = len(self.dofs)
-        dm = mass * table.sum(table.mass, n)
-        k = table.axial + table.bending
-        dk = stiffness * table.sum(k, n)
+    def sheared(self, amount: float) -> "DynamicSystem":
+        """Return the system with so much more of shear flexibility and rotary inertia in every member.
+
+        1 turns members of Bernoulli and Euler into Timoshenko's; those that are his have it already.
+        """
+        table = self._known_members
+        return self._rebuilt("sheared", (amount,), lambda: table.sheared(amount))
+
+    def _rebuilt(
+        self, how: str, numbers: tuple[float, ...], members: Callable[[], MemberTable]
+    ) -> "DynamicSystem":
+        """Return the system of other members, with all that is attached to this one.
+
+        Asked for again with the same numbers, the same matrices come back, so that their modes are solved
+        for once; only the last ones are kept.
+        """
+        known = self.shared.get(how)
+        if not (isinstance(known, tuple) and known[0] == numbers):
+            known = (numbers, self._with(members()))
+            self.shared[how] = known
+        matrices: DynamicSystem = known[1]
+        own = [attachment for _, attachment in self.altered.values()]
+        rest = tuple(a for a in self.attachments if not any(a is b for b in own))
+        system = replace(matrices, attachments=rest)
+        for number, (alteration, _) in self.altered.items():
+            system = system.alter(number, alteration)
+        return system
+
+    def _with(self, table: MemberTable) -> "DynamicSystem":
+        old, n = self._known_members, len(self.dofs)
+        dm = table.sum(table.mass - old.mass, n)
+        more = table.axial + table.bending - old.axial - old.bending
+        dk = table.sum(more, n)
         damping, viscous = self.damping, self.viscous
         if damping is not None:
-            damping = damping + stiffness * table.sum(table.loss_factor[:, None, None] * k, n)
+            damping = damping + table.sum(table.loss_factor[:, None, None] * more, n)
             if isinstance(table.law, StructuralDamping):
                 damping = damping + table.law.mass_coefficient * dm
         if viscous is not None and isinstance(table.law, ViscousDamping):
             viscous = viscous + table.law.mass_coefficient * dm + table.law.stiffness_coefficient * dk
-        return DynamicSystem(
-            csc_array(self.mass + dm),
-            csc_array(self.stiffness + dk),
-            self.dofs,
-            damping,
-            viscous,
-            self.rigid,
-            table.scaled(mass=1 + mass, stiffness=1 + stiffness),
-        )
+        mass, stiffness = csc_array(self.mass + dm), csc_array(self.stiffness + dk)
+        return DynamicSystem(mass, stiffness, self.dofs, damping, viscous, self.rigid, table)
 
     def folded(self) -> "DynamicSystem":
         """Return the same system with every attachment added into the matrices.
 
         Coordinates of the attachments' own become rows behind those of the DoFs.
         """
-        motions = _motions(len(self.dofs), self.attachments)
+        columns_of = motions(len(self.dofs), self.attachments)
         n = len(self.dofs) + sum(a.inner for a in self.attachments)
         out: dict[str, csc_array | None] = {}
         for name in ("mass", "stiffness", "damping", "viscous"):
-            total = _grown(getattr(self, name), n)
-            for attachment, columns in zip(self.attachments, motions, strict=True):
+            total = grown(getattr(self, name), n)
+            for attachment, columns in zip(self.attachments, columns_of, strict=True):
                 small = getattr(attachment, name)
                 if small is not None and small.any():
                     extra = csc_array(columns @ small @ columns.T)
@@ -167,16 +213,16 @@ class DynamicSystem:
         rigid = None if self.rigid is None else self._carried(self.rigid)
         return DynamicSystem(**out, dofs=self.dofs, rigid=rigid, members=self.members)  # type: ignore[arg-type]
 
-    def _carried(self, motions: FloatArray) -> FloatArray:
+    def _carried(self, slow: FloatArray) -> FloatArray:
         """Return slow motions (n, k) with those of the attachments' own coordinates below them."""
-        rows = [motions]
+        rows = [slow]
         for a in self.attachments:
             if a.inner:
                 k = np.zeros((a.inner, len(a.columns.T) + a.inner)) if a.stiffness is None else a.stiffness
                 rows.append(
                     -np.linalg.pinv(k[-a.inner :, -a.inner :])
                     @ k[-a.inner :, : -a.inner]
-                    @ (a.columns.T @ motions)
+                    @ (a.columns.T @ slow)
                 )
         return np.vstack(rows)
 
@@ -231,36 +277,3 @@ class DynamicSystem:
                 modal = (basis.shapes * (matrix @ basis.shapes)).sum(axis=0).real
                 lost += modal * (2 * np.pi * basis.frequencies) ** power
         return basis.frequencies, lost / (2 * basis.frequencies * (2 * np.pi) ** 2)
-
-
-def _motions(n: int, attachments: tuple[Attachment, ...]) -> list[FloatArray]:
-    """Return the (n + all inner, r + inner) columns of each attachment, its own coordinates last."""
-    out, first = [], n
-    for a in attachments:
-        columns = np.zeros((n + sum(b.inner for b in attachments), a.columns.shape[1] + a.inner))
-        columns[:n, : a.columns.shape[1]] = a.columns
-        columns[first + np.arange(a.inner), a.columns.shape[1] + np.arange(a.inner)] = 1.0
-        out.append(columns)
-        first += a.inner
-    return out
-
-
-def _grown(matrix: csc_array | None, n: int) -> csc_array | None:
-    """Return a matrix with empty rows and columns behind its own, (n, n)."""
-    if matrix is None or matrix.shape[0] == n:
-        return matrix
-    grown = matrix.tocoo()
-    return csc_array((grown.data, (grown.row, grown.col)), shape=(n, n))
-
-
-def modal_damping(system: DynamicSystem, loss_factors: tuple[float, ...]) -> Attachment:
-    """Return the structural damping that gives the elastic modes these loss factors in rising order.
-
-    The last one holds for every mode above. D = M Phi diag(eta_r lambda_r) Phi^T M, which leaves the
-    modes as they are.
-    """
-    basis = system.base_modes(frequency_max=1e3).elastic()
-    squares = basis.eigenvalues.real
-    etas = np.full(len(squares), loss_factors[-1])
-    etas[: len(loss_factors)] = loss_factors[: len(squares)]
-    return Attachment(system.mass @ basis.shapes.real, damping=np.diag(etas * squares))

@@ -8,6 +8,7 @@ import pytest
 
 SECTION = {"area": 5e-4, "second_moment": 4.1667e-9}
 STEEL = {"modulus": 2.09e11, "density": 7800.0}
+PARTS = {"section": SECTION, "material": STEEL}
 BEAM = {
     "kind": "beam",
     "length": 1.5,
@@ -76,6 +77,43 @@ def test_a_viscous_law_gives_loss_factors_that_rise_with_frequency(service: Any)
     # 2 zeta_r = b omega_r of C = b K
     omega = 2 * np.pi * np.array(modes["frequencies"])
     np.testing.assert_allclose(modes["loss_factors"], 1e-5 * omega, rtol=1e-6)
+
+
+@pytest.mark.parametrize("body", [BEAM, FRAME])
+def test_a_structure_that_shears_has_lower_frequencies(service: Any, body: Any) -> None:
+    plain, sheared, softer = (
+        modes_of(service, service.post("/v1/structures", made)["id"], 3)["frequencies"]
+        for made in (
+            body,
+            body | {"theory": "timoshenko"},
+            with_shear(body, shear_coefficient=0.3, poisson_ratio=0.45),
+        )
+    )
+    assert (np.array(sheared) < plain).all()
+    assert (np.array(softer) < sheared).all()
+
+
+def with_shear(body: Any, *, shear_coefficient: float, poisson_ratio: float) -> Any:
+    section = SECTION | {"shear_coefficient": shear_coefficient}
+    steel = STEEL | {"poisson_ratio": poisson_ratio}
+    parts = {
+        "section": section,
+        "material": steel,
+        "sections": {"bar": section},
+        "materials": {"steel": steel},
+    }
+    return body | {name: part for name, part in parts.items() if name in body} | {"theory": "timoshenko"}
+
+
+@pytest.mark.parametrize(
+    ("part", "name", "value"),
+    [("section", "shear_coefficient", 0.0), ("material", "poisson_ratio", 0.6)],
+)
+def test_a_section_or_material_that_cannot_be_is_refused_by_name(
+    service: Any, part: str, name: str, value: float
+) -> None:
+    reply = service.request("POST", "/v1/structures", json=BEAM | {part: PARTS[part] | {name: value}})
+    assert (reply.status_code, reply.json()["context"]["field"]) == (422, name)
 
 
 def test_a_change_makes_a_new_structure_and_leaves_the_old(service: Any, beam: str) -> None:

@@ -17,14 +17,15 @@ _MOST = 2000  # nodes or members: beyond, modes take longer than a request may
 
 
 class SectionIn(Wire):
-    """A cross-section: m^2, m^4."""
+    """A cross-section: m^2, m^4, and the share of the area that shears."""
 
     area: Number
     second_moment: Number
+    shear_coefficient: Number = 5 / 6
 
     def to_domain(self, name: str = "") -> Section:
         """Return the section."""
-        return Section(self.area, self.second_moment, name)
+        return Section(self.area, self.second_moment, name, self.shear_coefficient)
 
 
 class MaterialIn(Wire):
@@ -32,10 +33,11 @@ class MaterialIn(Wire):
 
     modulus: Number
     density: Number
+    poisson_ratio: Number = 0.3
 
     def to_domain(self, name: str = "") -> Material:
         """Return the material."""
-        return Material(self.modulus, self.density, name)
+        return Material(self.modulus, self.density, name, self.poisson_ratio)
 
 
 class StructuralIn(Wire):
@@ -114,9 +116,13 @@ class _Described(Wire):
     supports: list[SupportIn] = Field([], max_length=_MOST)
     masses: list[PointMassIn] = Field([], max_length=_MOST)
     springs: list[GroundSpringIn] = Field([], max_length=_MOST)
-    theory: Literal["bernoulli_euler"] = "bernoulli_euler"
+    theory: Literal["bernoulli_euler", "timoshenko"] = "bernoulli_euler"
     effects: Effects = ()
     name: Text = ""
+
+    @property
+    def _element(self) -> str:
+        return "timoshenko" if self.theory == "timoshenko" else "frame"
 
     def _common(self) -> dict[str, Any]:
         return {
@@ -151,6 +157,7 @@ class BeamIn(_Described):
             n_elements=self.n_elements,
             section=section,
             material=material,
+            element=self._element,
             **self._common(),
         )
         return self._with_effects(plain)
@@ -187,6 +194,7 @@ class FrameIn(_Described):
                 m.nodes,
                 _named(sections, m.section, "section"),
                 _named(materials, m.material, "material"),
+                self._element,
             )
             for m in self.members
         )

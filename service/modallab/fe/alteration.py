@@ -1,0 +1,84 @@
+"""How a member departs from what the matrices hold of it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from modallab.core.arrays import FloatArray
+
+TURNING = (2, 5)  # theta of each end among (u, v, theta) of both
+STIFF = 1e-5  # flexibility times the member's own stiffness below which a joint's inertia is of no account
+
+
+@dataclass(frozen=True)
+class Alteration:
+    """Factors of a member's parts, what it gains in shear and rotary inertia, and joints at its ends."""
+
+    mass: float = 1.0
+    axial: float = 1.0
+    bending: float = 1.0
+    shear: float = 0.0  # added share of shear flexibility and rotary inertia
+    joints: tuple[float, float] = (0.0, 0.0)  # rad/(N m), of a rotational spring at each end; 0 is rigid
+
+    def also(self, other: "Alteration") -> "Alteration":
+        """Return both together, in whatever order: factors multiply, springs in series add."""
+        return Alteration(
+            self.mass * other.mass,
+            self.axial * other.axial,
+            self.bending * other.bending,
+            self.shear + other.shear,
+            (self.joints[0] + other.joints[0], self.joints[1] + other.joints[1]),
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Jointed:
+    """Matrices of a member that springs join to its nodes: (6 + k, 6 + k), the k jumps of rotation last.
+
+    A jump is measured in square roots of its flexibility, so that a rigid joint is a regular limit.
+    """
+
+    mass: FloatArray
+    stiffness: FloatArray
+
+    @property
+    def inner(self) -> int:
+        """How many jumps move on their own."""
+        return len(self.mass) - 6
+
+
+def jointed(mass: FloatArray, stiffness: FloatArray, joints: tuple[float, float]) -> Jointed:
+    """Return a member, (6, 6) each, with rotational springs between its ends and its nodes.
+
+    With g the jump's share of the member's motion u + g delta the energy is
+    (u + g delta)^T K (u + g delta) / 2 + delta^2 / (2 flexibility), and the mass likewise.
+    """
+    inner = []
+    for row, flexibility in zip(TURNING, joints, strict=True):
+        own = flexibility * stiffness[row, row]
+        if own == 0:
+            continue
+        if own > STIFF:
+            inner.append((row, flexibility))
+            continue
+        # Moves as its spring lets it: a coordinate of its own would only add a mode at infinity.
+        still = np.eye(6)
+        still[row] -= flexibility * stiffness[row] / (1 + own)
+        mass = still.T @ mass @ still
+        stiffness = stiffness - flexibility * np.outer(stiffness[row], stiffness[row]) / (1 + own)
+    with_jumps = np.eye(6, 6 + len(inner))
+    springs = np.zeros(6 + len(inner))
+    for k, (row, flexibility) in enumerate(inner, start=6):
+        with_jumps[row, k] = np.sqrt(flexibility)
+        springs[k] = 1.0
+    back = with_jumps.T
+    return Jointed(back @ mass @ with_jumps, back @ stiffness @ with_jumps + np.diag(springs))
+
+
+def span(blocks: list[FloatArray]) -> FloatArray:
+    """Return orthonormal columns (n, r) for everything that some matrices (n, .) reach."""
+    sized = [block / size for block in blocks if (size := np.abs(block).max(initial=0.0)) > 0]
+    if not sized:
+        return np.zeros((len(blocks[0]), 0))
+    u, s, _ = np.linalg.svd(np.hstack(sized), full_matrices=False)
+    return np.asarray(u[:, s > 1e-12 * s[0]])

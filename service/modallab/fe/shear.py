@@ -1,0 +1,128 @@
+"""Shear flexibility and rotary inertia: what Timoshenko's beam has and that of Bernoulli and Euler lacks."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from modallab.core.arrays import FloatArray
+
+ACROSS = [1, 2, 4, 5]  # (v, theta) at each end, among (u, v, theta)
+
+
+def _pattern(a: float, b: float, c: float, d: float, e: float, f: float) -> FloatArray:
+    """Return what the symmetry of a straight bar makes of six numbers, (4, 4)."""
+    return np.array([[a, b, c, d], [b, e, -d, f], [c, -d, a, -b], [d, f, -b, e]])
+
+
+# Coefficients of 1, phi, phi^2, with rotations measured in units of 1 / length.
+_BENT = np.array([_pattern(12, 6, -12, 6, 4, 2), _pattern(0, 0, 0, 0, 1, -1)])
+_SWAYED = np.array(
+    [
+        _pattern(156, 22, 54, -13, 4, -3) / 420,
+        _pattern(84, 11, 36, -9, 2, -2) / 120,
+        _pattern(40, 5, 20, -5, 1, -1) / 120,
+    ]
+)
+_TURNED = np.array(
+    [
+        _pattern(36, 3, -36, 3, 4, -1) / 30,
+        _pattern(0, -3, 0, -3, 1, -1) / 6,
+        _pattern(0, 0, 0, 0, 2, 1) / 6,
+    ]
+)
+
+
+def _summed(coefficients: FloatArray, length: FloatArray, phi: FloatArray) -> FloatArray:
+    powers = phi[..., None] ** np.arange(len(coefficients))
+    scale = np.stack([np.ones_like(length), length, np.ones_like(length), length], axis=-1)
+    plain = np.tensordot(powers, coefficients, axes=1)
+    return np.asarray(plain * (scale[..., :, None] * scale[..., None, :]))
+
+
+def bending_stiffness(length: FloatArray, phi: FloatArray) -> FloatArray:
+    """Return the bending stiffness of bars of E I = 1, (..., 4, 4), DoFs (v, theta) at each end.
+
+    Parameters
+    ----------
+    length
+        (...) m.
+    phi
+        (...) shear flexibility 12 E I / (kappa A G L^2); 0 is the beam of Bernoulli and Euler.
+
+    Source: Przemieniecki, Theory of Matrix Structural Analysis (1968), section 5.6.
+    """
+    return _summed(_BENT, length, phi) / (length**3 * (1 + phi))[..., None, None]
+
+
+def sway_mass(length: FloatArray, phi: FloatArray) -> FloatArray:
+    """Return the consistent mass of transverse motion of bars of rho A = 1, (..., 4, 4).
+
+    Source: Friedman and Kosmatka, Computers and Structures 47 (1993) 473-481.
+    """
+    return _summed(_SWAYED, length, phi) * (length / (1 + phi) ** 2)[..., None, None]
+
+
+def rotary_inertia(length: FloatArray, phi: FloatArray) -> FloatArray:
+    """Return the consistent mass of turning cross-sections of bars of rho I = 1, (..., 4, 4).
+
+    Source: Friedman and Kosmatka (1993).
+    """
+    return _summed(_TURNED, length, phi) / (length * (1 + phi) ** 2)[..., None, None]
+
+
+@dataclass(frozen=True, eq=False)
+class Shear:
+    """What shear and rotary inertia would add to members, and how much of it they have.
+
+    Members whose element has both by itself have `flexibility` and `gyration` 0: nothing is lacking.
+    """
+
+    points: FloatArray  # (n_members, 2, 2) m, x and y of each end
+    rigidity: FloatArray  # (n_members,) E I, N m^2
+    line_mass: FloatArray  # (n_members,) rho A, kg/m
+    flexibility: FloatArray  # (n_members,) phi
+    gyration: FloatArray  # (n_members,) I / A, m^2
+    amount: FloatArray  # (n_members,) share of both that the members have: 0 Bernoulli-Euler, 1 Timoshenko
+
+    def of(self, e: int) -> "Shear":
+        """Return the same for one member."""
+        only = slice(e, e + 1)
+        return Shear(
+            self.points[only],
+            self.rigidity[only],
+            self.line_mass[only],
+            self.flexibility[only],
+            self.gyration[only],
+            self.amount[only],
+        )
+
+    def scaled(self, *, mass: float, stiffness: float) -> "Shear":
+        """Return it for members whose mass and stiffness are multiplied."""
+        return replace(self, rigidity=self.rigidity * stiffness, line_mass=self.line_mass * mass)
+
+    def more(self, amount: float) -> "Shear":
+        """Return it for members that have more of shear and rotary inertia by this amount."""
+        return replace(self, amount=self.amount + amount)
+
+    def added(self, amount: float) -> tuple[FloatArray, FloatArray]:
+        """Return what so much more of both adds to mass and bending stiffness, (n_members, 6, 6) each."""
+        mass, bending = self._parts(self.amount + amount)
+        mass_now, bending_now = self._parts(self.amount)
+        return mass - mass_now, bending - bending_now
+
+    def _parts(self, amount: FloatArray) -> tuple[FloatArray, FloatArray]:
+        across = self.points[:, 1] - self.points[:, 0]
+        length = np.hypot(*across.T)
+        phi = amount * self.flexibility
+        sway = self.line_mass[:, None, None] * sway_mass(length, phi)
+        turned = (amount * self.line_mass * self.gyration)[:, None, None] * rotary_inertia(length, phi)
+        bent = self.rigidity[:, None, None] * bending_stiffness(length, phi)
+        # (v, theta) of each end from (X, Y, RZ) of each end
+        turn = np.zeros((len(length), 4, 6))
+        for end in (0, 1):
+            turn[:, 2 * end, 3 * end : 3 * end + 2] = (
+                np.stack([-across[:, 1], across[:, 0]], 1) / length[:, None]
+            )
+            turn[:, 2 * end + 1, 3 * end + 2] = 1.0
+        back = turn.swapaxes(1, 2)
+        return np.asarray(back @ (sway + turned) @ turn), np.asarray(back @ bent @ turn)
