@@ -1,9 +1,7 @@
 """FRFs as universal files: dataset 58, binary out, binary and text in."""
 
-import re
 from collections.abc import Iterator, Sequence
 from functools import partial
-from typing import Any
 
 import numpy as np
 
@@ -11,13 +9,14 @@ from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.dof import Dof
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.interchange.measured import MeasuredFile
+from modallab.interchange.uff_companions import Companions, not_si, same_axis
 from modallab.interchange.uff_format import (
     AUTO_SPECTRUM,
     COHERENCE,
-    DENSITY,
     FORCE,
     FRF,
     MOTIONS,
+    MULTIPLE_COHERENCE,
     Function,
     decode,
     encode,
@@ -29,54 +28,59 @@ from modallab.rig.measurement import Measurement
 __all__ = ["LARGEST", "read", "starts", "write"]
 
 _LABELS = {FrfKind.RECEPTANCE: "m", FrfKind.MOBILITY: "m/s", FrfKind.INERTANCE: "m/s^2"}
-# Units often met, which would pass for SI without a word.
-_NOT_SI = re.compile(r"(?<![A-Za-z])(g|gn|mm|um|cm|in|inch|ft|mil|ips|lb|lbf|kN|mN|dB|V|mV)(?![A-Za-z])")
 _AXIS_ERROR = 1e-5  # the format has six digits for the line spacing
-_ROUNDED = 1e-6  # by so much a coherence of 1 may exceed it in single precision
 
 
 def write(measurement: Measurement, origin: Origin = NOWHERE) -> bytes:
     """Return FRFs, coherence and auto spectra as a universal file.
 
     Header (151) and SI units (164) come first. Each function is a dataset 58, binary, double
-    precision. A response and the run that measured it share a version number.
-
-    Raises
-    ------
-    InvalidInputError
-        If the measurement has several inputs.
+    precision. What one run of the analyser measured shares a version number.
     """
-    _only(measurement.frf.inputs)
-    force, n_out = measurement.force_spectrum, len(measurement.frf.outputs)
-    # Where all was measured at once there is one force.
-    n_forces = 0 if force is None else 1 if (force == force[:, :1]).all() else n_out
-    return front(origin) + encode([f for j in range(n_out) for f in _of_response(measurement, j, n_forces)])
+    inputs, force = measurement.frf.inputs, measurement.force_spectrum
+    roved = measurement.setup.exciter.kind == "hammer" and len(inputs) > 1
+    # Where all was measured at once there is one force a drive.
+    one_force = force is not None and bool((force == force[:, :1]).all())
+    functions: list[Function] = []
+    for j in range(len(measurement.frf.outputs)):
+        for i in range(len(inputs)):
+            run = j * len(inputs) + i + 1 if roved else j + 1
+            functions += _of_frf(measurement, j, i, run)
+            if force is not None and (j == 0 or not one_force):
+                functions.append(_auto(measurement, inputs[i], run, force[:, j, i], FORCE, "N"))
+    return front(origin) + encode(functions)
 
 
-def _of_response(measurement: Measurement, j: int, n_forces: int) -> Iterator[Function]:
-    frf, force = measurement.frf, measurement.force_spectrum
-    output, source = frf.outputs[j], frf.inputs[0]
+def _of_frf(measurement: Measurement, j: int, i: int, run: int) -> Iterator[Function]:
+    """Yield an FRF, and what belongs to it or, with its first one, to its response."""
+    frf, coherence, response = measurement.frf, measurement.coherence, measurement.response_spectrum
+    output, source = frf.outputs[j], frf.inputs[i]
     motion, label = MOTIONS[frf.kind], _LABELS[frf.kind]
-    between = partial(Function, run=j + 1, response=output, reference=source, freq=frf.freq)
-    auto = partial(Function, type=AUTO_SPECTRUM, run=j + 1, freq=frf.freq)
-    yield between(type=FRF, data=frf.values[:, j, 0], numerator=motion, denominator=FORCE, units=(label, "N"))
-    if measurement.coherence is not None:
-        yield between(type=COHERENCE, data=measurement.coherence[:, j])
-    if measurement.response_spectrum is not None:
-        units, data = (f"({label})^2/Hz", "NONE"), measurement.response_spectrum[:, j]
-        yield auto(response=output, reference=output, data=data, numerator=motion, units=units)
-    if force is not None and j < n_forces:
-        data = force[:, j, 0]
-        yield auto(response=source, reference=source, data=data, numerator=FORCE, units=("N^2/Hz", "NONE"))
+    between = partial(Function, run=run, response=output, reference=source, freq=frf.freq)
+    yield between(type=FRF, data=frf.values[:, j, i], numerator=motion, denominator=FORCE, units=(label, "N"))
+    if coherence is not None and coherence.ndim == 3:
+        yield between(type=COHERENCE, data=coherence[:, j, i])
+    elif coherence is not None and len(frf.inputs) == 1:
+        yield between(type=COHERENCE, data=coherence[:, j])
+    elif coherence is not None and i == 0:
+        yield Function(MULTIPLE_COHERENCE, run, output, None, frf.freq, coherence[:, j])
+    if response is not None and (i == 0 or response.ndim == 3):
+        data = response[:, j] if response.ndim == 2 else response[:, j, i]
+        yield _auto(measurement, output, run, data, motion, label if label == "m" else f"({label})")
+
+
+def _auto(measurement: Measurement, dof: Dof, run: int, data: FloatArray, kind: int, label: str) -> Function:
+    units = (f"{label}^2/Hz", "NONE")
+    return Function(AUTO_SPECTRUM, run, dof, dof, measurement.frf.freq, data, numerator=kind, units=units)
 
 
 def read(payload: bytes, *, largest: int) -> MeasuredFile:
     """Return what a universal file holds of a measurement.
 
-    FRFs of one kind and one reference are needed, in any order; coherence and auto spectra per Hz
-    are taken where they belong to every FRF, else the notes say what was left out. Other datasets
-    pass by, except units (164), by which the values are converted to SI, and the header (151),
-    whose program the notes name.
+    FRFs of one kind are needed, in any order, one of each response and reference; coherence and
+    auto spectra per Hz are taken where they belong to every FRF, else the notes say what was left
+    out. Other datasets pass by, except units (164), by which the values are converted to SI, and
+    the header (151), whose program the notes name.
 
     Parameters
     ----------
@@ -107,7 +111,7 @@ def read(payload: bytes, *, largest: int) -> MeasuredFile:
         )
     found = [function for function in functions if function.type == FRF]
     frf = _frf(found, units)
-    reader = _Companions(functions, found, frf, units)
+    reader = Companions(functions, found, frf, units)
     return MeasuredFile(
         frf=frf,
         coherence=reader.coherence(),
@@ -123,20 +127,38 @@ def _frf(found: Sequence[Function], units: tuple[float, float]) -> FrfSet:
         raise refusal("the file holds no FRF", allowed="dataset 58 with function type 4")
     kind = _kind(found, units)
     ends = [(f.response, f.reference) for f in found]
-    outputs = tuple(response for response, _ in ends if response is not None)
-    inputs = tuple(reference for _, reference in ends if reference is not None)
-    if len(outputs) < len(found) or len(inputs) < len(found):
+    outputs = tuple(dict.fromkeys(response for response, _ in ends if response is not None))
+    inputs = tuple(dict.fromkeys(reference for _, reference in ends if reference is not None))
+    if any(response is None or reference is None for response, reference in ends):
         raise refusal("an FRF has no response or reference direction", allowed="X, Y, Z, RX, RY, RZ")
-    _only(tuple(dict.fromkeys(inputs)))
-    if len({output.point for output in outputs}) < len(outputs):
-        raise refusal("an FRF is in the file twice", field="outputs", value=", ".join(map(str, outputs)))
+    _whole(ends, outputs, inputs)
     freq = found[0].freq
-    if not all(_same_axis(f.freq, freq) for f in found):
+    if not all(same_axis(f.freq, freq) for f in found):
         raise refusal("the FRFs do not share one frequency axis", field="freq")
     length, force = units
-    values: ComplexArray = np.stack([f.data.astype(complex) for f in found], axis=1)[:, :, None]
+    curves = {(f.response, f.reference): f.data for f in found}
+    values: ComplexArray = np.empty((len(freq), len(outputs), len(inputs)), complex)
+    for j, output in enumerate(outputs):
+        for i, source in enumerate(inputs):
+            values[:, j, i] = curves[output, source]
     values *= force / length
-    return FrfSet(freq=freq, values=values, outputs=outputs, inputs=inputs[:1], kind=kind)
+    return FrfSet(freq=freq, values=values, outputs=outputs, inputs=inputs, kind=kind)
+
+
+def _whole(
+    ends: Sequence[tuple[Dof | None, Dof | None]], outputs: Sequence[Dof], inputs: Sequence[Dof]
+) -> None:
+    """Raise unless there is one FRF of each response and reference."""
+    points = [{dof.point for dof in dofs} for dofs in (outputs, inputs)]
+    if len(set(ends)) < len(ends) or [len(outputs), len(inputs)] != [len(one) for one in points]:
+        raise refusal("an FRF is in the file twice", field="outputs", value=", ".join(map(str, outputs)))
+    if len(ends) < len(outputs) * len(inputs):
+        raise refusal(
+            "not every response has an FRF of every reference",
+            field="inputs",
+            value=", ".join(map(str, inputs)),
+            allowed="all of them, or a file for each reference",
+        )
 
 
 def _kind(found: Sequence[Function], units: tuple[float, float]) -> FrfKind:
@@ -149,7 +171,7 @@ def _kind(found: Sequence[Function], units: tuple[float, float]) -> FrfKind:
             value=", ".join(f"{motion} per {source}" for motion, source in sorted(kinds)),
             allowed="data types 8, 11 or 12 per 13",
         )
-    strange = [label for f in found for label in f.units if _foreign(label, units)]
+    strange = [label for f in found for label in f.units if not_si(label, units)]
     if strange:
         raise refusal(
             f"the FRFs are not in SI units: {strange[0]!r}",
@@ -158,92 +180,3 @@ def _kind(found: Sequence[Function], units: tuple[float, float]) -> FrfKind:
             allowed="SI, or a dataset 164 that says the factors",
         )
     return next(kind for kind, number in MOTIONS.items() if number == motion)
-
-
-def _foreign(label: str, units: tuple[float, float]) -> bool:
-    return units == (1.0, 1.0) and _NOT_SI.search(label) is not None
-
-
-def _only(inputs: Sequence[Dof]) -> None:
-    if len(inputs) > 1:
-        raise refusal(
-            "FRFs of several references make several measurements: one file each",
-            field="inputs",
-            value=", ".join(map(str, inputs)),
-            allowed="one reference",
-        )
-
-
-def _same_axis(freq: FloatArray, other: FloatArray) -> bool:
-    return len(freq) == len(other) and np.allclose(freq, other, rtol=_AXIS_ERROR, atol=0.0)
-
-
-class _Companions:
-    """Picks coherence and spectra that belong to the FRFs, and notes what it leaves."""
-
-    def __init__(
-        self,
-        functions: Sequence[Function],
-        found: Sequence[Function],
-        frf: FrfSet,
-        units: tuple[float, float],
-    ) -> None:
-        self._functions = [f for f in functions if _same_axis(f.freq, frf.freq)]
-        self._found, self._frf = found, frf
-        self._units = units
-        self.notes: list[str] = []
-
-    def coherence(self) -> FloatArray | None:
-        """Return the coherence of each response, (n_freq, n_out)."""
-        source = self._frf.inputs[0].point
-        curves = {
-            f.response.point: f.data.real
-            for f in self._functions
-            if f.type == COHERENCE and f.response and f.reference and f.reference.point == source
-        }
-        values = self._stacked("coherence", curves, [dof.point for dof in self._frf.outputs])
-        if values is None:
-            return None
-        return np.where((values > 1) & (values <= 1 + _ROUNDED), 1.0, values)
-
-    def response_spectrum(self) -> FloatArray | None:
-        """Return the auto spectrum of each response, (n_freq, n_out) unit^2/Hz."""
-        motion = MOTIONS[self._frf.kind]
-        curves = {f.response.point: f.data.real for f in self._densities(motion) if f.response}
-        values = self._stacked("response spectra", curves, [dof.point for dof in self._frf.outputs])
-        return None if values is None else values / self._units[0] ** 2
-
-    def force_spectrum(self) -> FloatArray | None:
-        """Return the force's auto spectrum in the run of each response, (n_freq, n_out, 1) N^2/Hz."""
-        source = self._frf.inputs[0].point
-        forces = [f for f in self._densities(FORCE) if f.response and f.response.point == source]
-        runs = [f.run for f in self._found]
-        curves = {f.run: f.data.real for f in forces}
-        if len(forces) == 1:  # all was measured at once
-            curves = dict.fromkeys(runs, forces[0].data.real)
-        elif len(curves) < len(forces):
-            self.notes.append("force spectra left out: which belongs to which response is not clear")
-            return None
-        values = self._stacked("force spectra", curves, runs)
-        return None if values is None else values[:, :, None] / self._units[1] ** 2
-
-    def _densities(self, numerator: int) -> list[Function]:
-        spectra = [
-            f for f in self._functions if f.type in (AUTO_SPECTRUM, DENSITY) and f.numerator == numerator
-        ]
-        kept = [
-            f
-            for f in spectra
-            if (f.type == DENSITY or "/Hz" in f.units[0]) and not _foreign(f.units[0], self._units)
-        ]
-        if len(kept) < len(spectra):
-            self.notes.append("auto spectra left out: not per Hz and in SI units")
-        return kept
-
-    def _stacked(self, name: str, curves: dict[Any, FloatArray], keys: list[Any]) -> FloatArray | None:
-        if not curves:
-            return None
-        if not all(key in curves for key in keys):
-            self.notes.append(f"{name} left out: not there for every FRF")
-            return None
-        return np.stack([curves[key] for key in keys], axis=1)

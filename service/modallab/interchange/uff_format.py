@@ -13,7 +13,7 @@ from modallab.core.dof import DIRECTIONS, Dof
 from modallab.core.frf import FrfKind
 from modallab.interchange.uff_text import number
 
-AUTO_SPECTRUM, FRF, COHERENCE, DENSITY = 2, 4, 6, 9  # function types
+AUTO_SPECTRUM, FRF, COHERENCE, DENSITY, MULTIPLE_COHERENCE = 2, 4, 6, 9, 26  # function types
 FORCE, FREQUENCY = 13, 18  # specific data types
 MOTIONS = {FrfKind.RECEPTANCE: 8, FrfKind.MOBILITY: 11, FrfKind.INERTANCE: 12}
 _MOST_NODES = 999_999_999

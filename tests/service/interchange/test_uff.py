@@ -4,8 +4,9 @@ import io
 import time
 import tracemalloc
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
-from typing import Any
+from typing import Any, Literal
 
 import numpy as np
 import pytest
@@ -105,6 +106,55 @@ def test_pyuff_reads_the_same_from_what_is_written(kind: FrfKind, tmp_path: Path
     for one in sets:
         np.testing.assert_array_equal(one["x"], given_.frf.freq)
         assert one["n_bytes"] == one["data"].nbytes  # readers of other makers skip by it
+
+
+def several(exciter: Literal["shaker", "hammer"], n: int = 33) -> Measurement:
+    """Three responses to two drives: shakers at once, or a hammer at one after the other."""
+    rng = np.random.default_rng(9)
+    setup = rig(1, 5, 12, analyser={"frequency_max": 64.0, "n_lines": n})
+    drives = (Dof(1, "Y"), Dof(5, "Y", -1))
+    setup = replace(setup, drives=drives, exciter=replace(setup.exciter, kind=exciter))
+    values = rng.normal(size=(n, 3, 2)) + 1j * rng.normal(size=(n, 3, 2))
+    own = (n, 3, 2) if exciter == "hammer" else (n, 3)
+    frf = FrfSet(setup.analyser.freq, values, setup.responses, drives, FrfKind.MOBILITY)
+    force, response = rng.uniform(size=(n, 3, 2)), rng.uniform(size=own)
+    return Measurement(frf, rng.uniform(size=own), 100.0, setup, force, response)
+
+
+@pytest.mark.parametrize("exciter", ["shaker", "hammer"])
+def test_frfs_of_several_drives_come_back_with_all_that_belongs_to_them(
+    exciter: Literal["shaker", "hammer"],
+) -> None:
+    given_ = several(exciter)
+    test = taken(uff.write(given_), given_.setup)
+    assert (test.frf.outputs, test.frf.inputs) == (given_.frf.outputs, given_.frf.inputs)
+    np.testing.assert_array_equal(test.frf.values, given_.frf.values)
+    for name in ("coherence", "force_spectrum", "response_spectrum"):
+        np.testing.assert_array_equal(getattr(test, name), getattr(given_, name), err_msg=name)
+    assert test.notes == ("imported",)
+
+
+def test_several_drives_at_once_have_multiple_coherence_for_pyuff(tmp_path: Path) -> None:
+    given_ = several("shaker")
+    (tmp_path / "out.uff").write_bytes(uff.write(given_))
+    sets = pyuff.UFF(str(tmp_path / "out.uff")).read_sets()[2:]
+    frfs = [one for one in sets if one["func_type"] == 4]
+    ends = [tuple(one[name] for name in ("rsp_node", "rsp_dir", "ref_node", "ref_dir")) for one in frfs]
+    assert ends == [(node, 2, *source) for node in (1, 5, 12) for source in ((1, 2), (5, -2))]
+    np.testing.assert_array_equal(
+        np.stack([one["data"] for one in frfs], axis=1).reshape(-1, 3, 2), given_.frf.values
+    )
+    multiple = [one for one in sets if one["func_type"] == 26]
+    np.testing.assert_array_equal(np.stack([one["data"] for one in multiple], axis=1), given_.coherence)
+
+
+def test_a_force_a_drive_serves_all_responses_of_one_run() -> None:
+    given_ = several("shaker")
+    assert given_.force_spectrum is not None
+    alike = replace(given_, force_spectrum=np.repeat(given_.force_spectrum[:, :1], 3, axis=1))
+    payload = uff.write(alike)
+    assert payload.count(b"N^2/Hz") == 2
+    np.testing.assert_array_equal(taken(payload, alike.setup).force_spectrum, alike.force_spectrum)
 
 
 def test_a_spacing_of_many_digits_is_kept() -> None:
@@ -233,6 +283,80 @@ def test_a_binary_file_of_single_precision_in_the_other_byte_order_is_read() -> 
         np.testing.assert_allclose(read(head + big + end).frf.values[:, 0, 0], values, rtol=1e-7)
 
 
+BESIDE = """
+   151
+Model of another program
+NONE
+Analyser Rev 15A
+11-Oct-17 09:34:21
+11-Oct-17 09:34:21
+Analyser Rev 15A
+17-Oct-17 13:50:13
+    -1
+    -1
+   164
+         9USER_DEFINED
+  1.00000000000000000D+00  1.00000000000000000D+00  1.00000000000000000D+00
+ -2.73149999999999960D+02
+    -1
+    -1
+    18
+         1         0         0         8         1
+SYS1
+ -2.40000e+00 -9.50000e-01  0.00000e+00 -3.40000e+00 -9.50000e-01 -8.74228e-08
+ -3.40000e+00 -9.50000e-01 -1.00000e+00
+    -1
+    -1
+    82
+         1         3         8
+Ground
+         2         0         3
+    -1
+    -1
+    58
+1x : m/s²
+NONE
+30-Apr-20 19:12:52
+NONE
+NONE
+    1         0    0         0 NONE               0   0 NONE               0   0
+         2         7         1 0.00000E+000 5.00000E-005 0.00000E+000
+        17    0    0    0 Time                 s
+         1    0    0    0 1x                   m/s²
+         0    0    0    0 NONE                 NONE
+         0    0    0    0 NONE                 NONE
+ -3.81956E+00 -3.56616E+00 -2.98987E+00 -2.62207E+00 -3.22879E+00 -3.63712E+00
+ -3.90210E+00
+    -1
+    -1
+    58
+Power Spectral Density (PSD)
+NONE
+NONE
+NONE
+NONE
+    9         0    0         0 Pilot 1            0   0 NONE               0   0
+         5         3         0 0.000000E+00 0.000000E+00 0.000000E+00
+         0    0    0    0 Hz                   Hz
+         0    0    0    0 g²/Hz                g²/Hz
+         0    0    0    0 NONE                 NONE
+         0    0    0    0 NONE                 NONE
+ 0.000000E+00 0.000000E+00 0.000000E+00 1.000000E+00 1.255863E-06 0.000000E+00
+ 2.000000E+00 4.311770E-07 0.000000E+00
+    -1
+"""
+
+
+@pytest.mark.parametrize("blanks", [0, 74])
+def test_what_acquisition_systems_put_beside_frfs_passes_by(
+    foreign: Callable[..., bytes], blanks: int
+) -> None:
+    beside = ("    -1" + BESIDE).replace("    -1\n", "    -1" + " " * blanks + "\n")
+    back = read(beside.encode() + foreign(function(1)))
+    np.testing.assert_allclose(back.frf.values[:, 0, 0], CURVES[1], rtol=1e-11)
+    assert back.notes == ("written by Analyser Rev 15A",)
+
+
 def test_a_rounded_spacing_is_taken_for_the_analysers(foreign: Callable[..., bytes]) -> None:
     spacing = 0.1953125  # written as 1.95312e-01
     payload = foreign(function(1, x=np.arange(25) * spacing, ref_dir=2, rsp_dir=2))
@@ -263,7 +387,7 @@ TIME = {"func_type": 1, "abscissa_spec_data_type": 17}
 NO_MEASUREMENT: dict[str, tuple[list[dict[str, Any]], str]] = {
     "no FRF": ([coherence(1)], "file"),
     "time signals only": ([function(1, data=np.ones(25), **TIME)], "file"),
-    "several references": ([function(1), function(2, ref_node=2)], "inputs"),
+    "a reference without all responses": ([function(1), function(2, ref_node=2)], "inputs"),
     "one response twice": ([function(1), function(1)], "outputs"),
     "motion per motion": ([function(1, orddenom_spec_data_type=12)], "kind"),
     "two kinds": ([function(1), function(2, ordinate_spec_data_type=8)], "kind"),
