@@ -61,7 +61,7 @@ def test_it_says_what_it_is_and_what_its_numbers_mean(kind: str) -> None:
     cls = EFFECTS[kind]
     assert cls.kind == kind
     assert cls.summary
-    assert cls.stage in range(1, 7)
+    assert cls.stage in range(1, 8)
     for i, (name, spec) in enumerate(cls.specs().items()):
         assert spec.unit, name
         assert spec.doc, name

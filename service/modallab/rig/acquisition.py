@@ -1,12 +1,14 @@
 """What the analyser knows of the signals when it turns them into numbers."""
 
+from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
 import scipy.fft
 
-from modallab.core.arrays import FloatArray, IntArray
+from modallab.core.arrays import BoolArray, FloatArray, IntArray
 from modallab.rig.analyser import Analyser
+from modallab.rig.channel import Channel
 
 RATE = 2.56  # sample rate over the top of the band, as analysers have it
 
@@ -28,11 +30,17 @@ class Acquisition:
     analyser: Analyser
     n_in: int
     rms: FloatArray  # (n_run, n_ch) of the signals over the band, noise of the sensors left out
+    noise: FloatArray  # (n_run, n_ch) one-sided densities of the sensors' white noise, unit^2/Hz
+    channels: tuple[tuple[Channel, ...], ...]  # (n_run, n_ch)
 
     @property
     def sample_rate(self) -> float:
         """Hz."""
         return sample_rate_of(self.analyser)
+
+    def where(self, concerned: Callable[[Channel], bool]) -> BoolArray:
+        """Return which channels of every run are concerned, (n_run, n_ch)."""
+        return np.array([[concerned(channel) for channel in run] for run in self.channels])
 
 
 @dataclass(frozen=True, eq=False)

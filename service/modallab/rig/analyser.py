@@ -29,6 +29,8 @@ class Analyser:
     averages: int = 100
     overlap: float = 0.0  # share of a record, 0 to 0.9
     estimator: str = "h1"
+    bits: int | None = None  # of the converter; None: ideal, with neither steps nor a limit
+    range_factor: float = 4.0  # full scale over the rms of each channel's signal, where there are bits
     excitation: ExcitationSetting = field(default_factory=ExcitationSetting)
 
     def __post_init__(self) -> None:
@@ -36,6 +38,9 @@ class Analyser:
         within("n_lines", self.n_lines, 8, 20001)
         within("averages", self.averages, 1, 100_000)
         within("overlap", self.overlap, 0.0, 0.9)
+        # A step of twice the rms at most: with coarser ones a record may hold nothing but zeros.
+        within("bits", 32 if self.bits is None else self.bits, 4, 32)
+        within("range_factor", self.range_factor, 0.5, 16.0)
 
     @property
     def freq(self) -> FloatArray:

@@ -66,14 +66,14 @@ class Effect(Parameterised):
         return source
 
     def on_spectra(self, spectra: CrossSpectra, acquisition: Acquisition) -> CrossSpectra:
-        """Stages 5 and 6, expected route: return the spectra as the converter leaves them.
+        """Stages 5 to 7, expected route: return the spectra as the converter leaves them.
 
         `spectra` may hold every few lines only: its own `freq` says which.
         """
         return spectra
 
     def on_records(self, batch: Batch, acquisition: Acquisition, rng: np.random.Generator) -> FloatArray:
-        """Stages 5 and 6, sampled route: return the samples as the converter leaves them."""
+        """Stages 5 to 7, sampled route: return the samples as the converter leaves them."""
         return batch.samples
 
     def check(self, structure: Structure, setup: RigSetup | None = None) -> None:

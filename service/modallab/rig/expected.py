@@ -65,7 +65,13 @@ def acquisition(chain: Chain, clean: ComplexArray) -> Acquisition:
         `noise_free(chain)`.
     """
     band = chain.setup.analyser.frequency_max
-    return Acquisition(chain.setup.analyser, chain.n_in, np.sqrt(band * _autos(chain, clean).mean(axis=1)))
+    return Acquisition(
+        chain.setup.analyser,
+        chain.n_in,
+        np.sqrt(band * _autos(chain, clean).mean(axis=1)),
+        noise_densities(chain, clean),
+        tuple((*run.forces, *run.responses) for run in chain.runs),
+    )
 
 
 def noise_densities(chain: Chain, clean: ComplexArray) -> FloatArray:

@@ -30,6 +30,8 @@ class AnalyserIn(Wire):
     averages: Count = _DEFAULT.averages
     overlap: Number = _DEFAULT.overlap
     estimator: Text = _DEFAULT.estimator
+    bits: Count | None = _DEFAULT.bits
+    range_factor: Number = _DEFAULT.range_factor
     excitation: ExcitationIn = ExcitationIn()
 
     def to_domain(self) -> Analyser:
@@ -43,5 +45,7 @@ class AnalyserIn(Wire):
             averages=self.averages,
             overlap=self.overlap,
             estimator=self.estimator,
+            bits=self.bits,
+            range_factor=self.range_factor,
             excitation=self.excitation.to_domain(),
         )

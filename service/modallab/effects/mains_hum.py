@@ -1,0 +1,87 @@
+"""Mains hum on the response signals: lines that the structure never had."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from types import NoneType
+from typing import ClassVar
+
+import numpy as np
+
+from modallab.core.arrays import BoolArray, FloatArray
+from modallab.core.parameters import parameter
+from modallab.core.place import Channels, Place
+from modallab.correlation.evidence import Evidence
+from modallab.estimation.spectra import CrossSpectra
+from modallab.estimation.windows import WINDOWS
+from modallab.fe.system import DynamicSystem
+from modallab.rig.acquisition import Acquisition, Batch
+from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.setup import RigSetup
+
+ORDERS = np.array([1, 3, 5, 7])  # harmonics of a current that both half waves of the mains distort alike
+MAINS = (50.0, 60.0)
+
+
+@EFFECTS.register("mains_hum")
+@dataclass(frozen=True)
+class MainsHum(Effect):
+    """A sine of the mains frequency f and its 3rd, 5th and 7th harmonics, of 1/3, 1/5 and 1/7 its size.
+
+    Those of a square wave. Nothing ties a record to the mains, so every record starts at phases of
+    its own: in the mean the hum adds nothing to G_fx and to G_xx the power P_k of harmonic k times the
+    window's line shape at its offset, P_k (W(f - k f_m) + W(f + k f_m)) over the line spacing, the sine's
+    limit of 1992 thesis eq. [5.11]. A harmonic above the band is kept out by the anti-alias filter.
+    """
+
+    kind: ClassVar[str] = "mains_hum"
+    summary: ClassVar[str] = "mains frequency and odd harmonics on the response signals"
+    stage: ClassVar[int] = 5
+    sits: ClassVar[tuple[type, ...]] = (NoneType, Channels)
+    ratio: float = parameter(
+        0.01,
+        unit="1",
+        lower=0.0,
+        upper=10.0,
+        doc="rms of the fundamental over that of the channel's signal",
+        tries=(1e-3, 1e-2, 0.1),
+    )
+    frequency: float = parameter(
+        50.0, unit="Hz", lower=10.0, upper=500.0, doc="of the mains", absent=None, tries=MAINS
+    )
+
+    def on_spectra(self, spectra: CrossSpectra, acquisition: Acquisition) -> CrossSpectra:
+        """Return the spectra with the harmonics' lines in G_xx."""
+        spacing, orders = acquisition.analyser.spacing, self._orders(acquisition)
+        place, line = orders * self.frequency / spacing, spectra.freq[:, None] / spacing
+        shape = WINDOWS[acquisition.analyser.window].line_shape
+        power = (shape(line - place) + shape(line + place)) @ (1 / orders**2) / spacing
+        rms = (self.ratio * acquisition.rms * self._hums(acquisition))[:, acquisition.n_in :]
+        return replace(spectra, xx=spectra.xx + power[:, None] * rms[:, None, :] ** 2)
+
+    def on_records(self, batch: Batch, acquisition: Acquisition, rng: np.random.Generator) -> FloatArray:
+        """Return the samples with the hum on them, which all channels of a record hear at one phase."""
+        orders = self._orders(acquisition)
+        n_block, _, n_samples = batch.samples.shape
+        start = rng.uniform(0, 2 * np.pi, (n_block, len(ORDERS)))[:, : len(orders), None]
+        turn = 2 * np.pi * self.frequency / acquisition.sample_rate * np.arange(n_samples)
+        hum = np.sqrt(2) * ((1 / orders) @ np.sin(orders[:, None] * turn + start))
+        rms = (self.ratio * acquisition.rms * self._hums(acquisition))[batch.run]
+        return np.asarray(batch.samples + rms[:, None] * hum[:, None, :])
+
+    def _orders(self, acquisition: Acquisition) -> FloatArray:
+        inside = ORDERS * self.frequency <= acquisition.analyser.frequency_max
+        return ORDERS[inside].astype(float)
+
+    def _hums(self, acquisition: Acquisition) -> BoolArray:
+        return acquisition.where(lambda channel: not channel.force and self.acts_on(channel.dof))
+
+    @classmethod
+    def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:
+        return (None, *(Channels((dof,)) for dof in setup.responses))
+
+    @classmethod
+    def signature(cls, evidence: Evidence) -> float:
+        """Coherence is lower than it should be at the mains frequency, and not in general."""
+        drop = np.maximum(evidence.coherence_drop, 0.0).max(axis=1)
+        at_mains = max(float(drop[np.abs(evidence.freq - f).argmin()]) for f in MAINS)
+        return at_mains / (at_mains + 3 * float(drop.mean()) + 1e-12)

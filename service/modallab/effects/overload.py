@@ -1,0 +1,81 @@
+"""Overload: what exceeds the converter's range is cut off."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from types import NoneType
+from typing import ClassVar, Self
+
+import numpy as np
+
+from modallab.core.arrays import FloatArray
+from modallab.core.parameters import parameter
+from modallab.core.place import Channels, Place
+from modallab.correlation.evidence import Evidence
+from modallab.estimation.clipping import clipped_spectra
+from modallab.estimation.spectra import CrossSpectra
+from modallab.fe.system import DynamicSystem
+from modallab.rig.acquisition import Acquisition, Batch
+from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.setup import RigSetup
+
+ABSENT = 100.0
+
+
+@EFFECTS.register("overload")
+@dataclass(frozen=True)
+class Overload(Effect):
+    """Every sample beyond `level` times the channel's rms is that; everywhere: forces too.
+
+    Sampled: so it is. Expected, for Gaussian signals: a clipped signal is the signal times
+    erf(c / sqrt 2) and a distortion of exactly known power, c the level in standard deviations
+    (Bussgang 1952); the distortion's spectrum comes from the odd powers of the correlation to order
+    11 (Price 1958), the little left goes with order 13. Of signals that are not Gaussian
+    (sweeps, bursts, impacts) the expected spectra are a first approximation. Few peaks a record make the
+    distortion come in bursts: sampled coherence scatters more than drawn, from level 2 on.
+    """
+
+    kind: ClassVar[str] = "overload"
+    summary: ClassVar[str] = "samples beyond the converter's range are cut off"
+    stage: ClassVar[int] = 6
+    sits: ClassVar[tuple[type, ...]] = (NoneType, Channels)
+    level: float = parameter(
+        1.5,
+        unit="1",
+        lower=0.5,
+        upper=ABSENT,
+        absent=ABSENT,
+        doc="range of the converter over the rms of the channel's signal",
+        tries=(1.0, 1.5, 2.0, 2.5, 3.0),
+    )
+
+    def on_spectra(self, spectra: CrossSpectra, acquisition: Acquisition) -> CrossSpectra:
+        """Return the spectra of the clipped signals."""
+        levels = self._levels(acquisition)
+        return clipped_spectra(spectra, levels, acquisition.noise, acquisition.sample_rate)
+
+    def on_records(self, batch: Batch, acquisition: Acquisition, rng: np.random.Generator) -> FloatArray:
+        """Return the samples clipped."""
+        level = self._levels(acquisition)[batch.run][:, None]
+        return np.clip(batch.samples, -level, level)
+
+    def _levels(self, acquisition: Acquisition) -> FloatArray:
+        here = acquisition.where(
+            lambda channel: self.at is None or (not channel.force and self.acts_on(channel.dof))
+        )
+        return np.where(here, self.level, np.inf) * acquisition.rms
+
+    @classmethod
+    def from_setup(cls, setup: RigSetup) -> Sequence[Self]:
+        analyser = setup.analyser
+        return [cls(level=analyser.range_factor)] if analyser.bits is not None else []
+
+    @classmethod
+    def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:
+        return (None, *(Channels((dof,)) for dof in setup.responses))
+
+    @classmethod
+    def signature(cls, evidence: Evidence) -> float:
+        """Coherence is lower than it should be, at antiresonances most, and the signals are too small."""
+        low = float(np.clip(evidence.coherence_drop.mean() / 0.02, 0.0, 1.0))
+        signals = [part.mean() for part in (evidence.force, evidence.response) if part is not None]
+        return low * (0.8 if signals and min(signals) < 0 else 0.4)

@@ -1,0 +1,82 @@
+"""Quantisation: the converter knows whole steps only."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from types import NoneType
+from typing import ClassVar, Self
+
+import numpy as np
+
+from modallab.core.arrays import FloatArray
+from modallab.core.parameters import parameter
+from modallab.core.place import Channels, Place
+from modallab.correlation.evidence import Evidence
+from modallab.estimation.spectra import CrossSpectra
+from modallab.fe.system import DynamicSystem
+from modallab.rig.acquisition import Acquisition, Batch
+from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.setup import RigSetup
+
+
+@EFFECTS.register("quantisation")
+@dataclass(frozen=True)
+class Quantisation(Effect):
+    """Every sample is rounded to a whole number of steps q; everywhere: of the forces too.
+
+    A converter of b bits and a full scale of +-R has q = 2R / 2^b; the declared analyser says its bits.
+    Expected: white noise of q^2/12 from 0 Hz to half the sample rate, uncorrelated with any signal.
+    Widrow, Kollar and Liu (1996), IEEE Trans. Instrumentation and Measurement 45, 353-361: of Gaussian
+    signals of standard deviation s the error's correlation with the signal is of the order of
+    exp(-2 pi^2 s^2/q^2), 1e-8 at q = s and 1 % at q = 2 s. What comes again alike in every record, a
+    sweep without noise, is rounded alike: averages do not take that error away.
+    """
+
+    kind: ClassVar[str] = "quantisation"
+    summary: ClassVar[str] = "samples are rounded to the converter's steps"
+    stage: ClassVar[int] = 7
+    sits: ClassVar[tuple[type, ...]] = (NoneType, Channels)
+    step: float = parameter(
+        0.03,
+        unit="1",
+        lower=0.0,
+        upper=2.0,
+        doc="step of the converter over the rms of the channel's signal: 0.031 for 8 bits and a range of 4",
+        tries=(0.003, 0.03, 0.3),
+    )
+
+    def on_spectra(self, spectra: CrossSpectra, acquisition: Acquisition) -> CrossSpectra:
+        """Return the spectra with the rounding noise on those of the channels themselves."""
+        noise = self._steps(acquisition)[:, None] ** 2 / (6 * acquisition.sample_rate)
+        own = np.arange(acquisition.n_in)
+        ff = spectra.ff.copy()
+        ff[..., own, own] += noise[..., : acquisition.n_in]
+        return replace(spectra, ff=ff, xx=spectra.xx + noise[..., acquisition.n_in :])
+
+    def on_records(self, batch: Batch, acquisition: Acquisition, rng: np.random.Generator) -> FloatArray:
+        """Return the samples rounded."""
+        steps = self._steps(acquisition)[batch.run][:, None]
+        rounds = steps > 0
+        whole = np.where(rounds, steps, 1.0)
+        return np.where(rounds, np.round(batch.samples / whole) * whole, batch.samples)
+
+    def _steps(self, acquisition: Acquisition) -> FloatArray:
+        here = acquisition.where(
+            lambda channel: self.at is None or (not channel.force and self.acts_on(channel.dof))
+        )
+        return np.asarray(self.step * acquisition.rms * here)
+
+    @classmethod
+    def from_setup(cls, setup: RigSetup) -> Sequence[Self]:
+        analyser = setup.analyser
+        if analyser.bits is None:
+            return []
+        return [cls(step=2 * analyser.range_factor / 2**analyser.bits)]
+
+    @classmethod
+    def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:
+        return (None, *(Channels((dof,)) for dof in setup.responses))
+
+    @classmethod
+    def signature(cls, evidence: Evidence) -> float:
+        """Coherence is lower than it should be, as with white noise on all channels."""
+        return 0.8 * float(np.clip(evidence.coherence_drop.mean() / 0.01, 0.0, 1.0))

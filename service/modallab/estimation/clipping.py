@@ -1,0 +1,131 @@
+"""What a converter out of range leaves of Gaussian signals: the part it keeps, and where the rest goes."""
+
+from itertools import combinations
+
+import numpy as np
+import scipy.fft
+from scipy.special import erf
+
+from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.estimation.spectra import CrossSpectra
+
+ORDERS = range(3, 12, 2)  # of the signal that are told apart; what is left goes with the next one
+FAR = 30.0  # standard deviations beyond which nothing is ever clipped
+
+
+def kept_gain(level: FloatArray) -> FloatArray:
+    """Return how much of a Gaussian signal is left, erf(c / sqrt 2), for levels c in standard deviations.
+
+    Bussgang (1952), MIT Research Laboratory of Electronics, report 216: the output of any memoryless
+    element is the input times a gain plus what is uncorrelated with it.
+    """
+    return np.asarray(erf(level / np.sqrt(2)))
+
+
+def clipped_power(level: FloatArray) -> FloatArray:
+    """Return the mean square of a Gaussian signal of variance 1 clipped at +-level: closed form."""
+    inside = erf(level / np.sqrt(2))
+    return np.asarray(inside - 2 * level * _density(level) + level**2 * (1 - inside))
+
+
+def hermite_parts(level: FloatArray) -> FloatArray:
+    """Return how much of each of `ORDERS` there is in a clipped Gaussian signal, (n_orders, ...).
+
+    Coefficients of normalised Hermite polynomials, -2 phi(c) He_{n-2}(c) / sqrt(n!); even ones are 0.
+    """
+    parts = []
+    before, here = np.zeros_like(level), np.ones_like(level)  # He_n / sqrt(n!)
+    for n in range(ORDERS[-1] - 1):
+        if n + 2 in ORDERS:
+            parts.append(-2 * _density(level) * here / np.sqrt((n + 1) * (n + 2)))
+        before, here = here, (level * here - np.sqrt(n) * before) / np.sqrt(n + 1)
+    return np.array(parts)
+
+
+def clipped_spectra(
+    spectra: CrossSpectra, level: FloatArray, above: FloatArray, sample_rate: float
+) -> CrossSpectra:
+    """Return the spectra of Gaussian signals clipped at +-level.
+
+    Each spectrum times its gains, and the distortion: of the correlation rho of two signals Hermite
+    order n leaves rho^n; Price (1958), IRE Trans. Information Theory 4, 69-72. Correlations are
+    those of the samples, so that what would lie above half the sample rate folds back.
+
+    Parameters
+    ----------
+    level
+        (n_run, n_ch) in the unit of each channel, forces first.
+    above
+        (n_run, n_ch) flat spectrum of each channel above the last line.
+    """
+    n_in, n_out = spectra.fx.shape[2:]
+    one, other = _pairs(n_in, n_out)
+    n_ch, n_lines = n_in + n_out, len(spectra.freq)
+    spacing = float(spectra.freq[1] - spectra.freq[0])
+    n_samples = max(round(sample_rate / spacing), 2 * n_lines)
+    whole = np.zeros((len(level), n_samples // 2 + 1, len(one)), complex)
+    whole[:, n_lines:, :n_ch] = above[:, None]
+    seen = _beside(spectra)
+    whole[:, :n_lines] = seen
+    turns = n_samples * spacing / 2  # one-sided density a line to the two-sided sum over all
+    correlation = turns * scipy.fft.irfft(whole, n_samples, axis=1)
+    size = np.sqrt(np.maximum(correlation[:, 0, :n_ch], np.finfo(float).tiny))
+    c = np.minimum(level / size, FAR)
+    scale = size[:, one] * size[:, other]
+    correlation /= scale[:, None]
+    left = scipy.fft.rfft(_distorted(correlation, _weights(c, one, other)), axis=1)[:, :n_lines]
+    gain = kept_gain(c)
+    return _apart(spectra, (gain[:, one] * gain[:, other])[:, None] * seen + scale[:, None] / turns * left)
+
+
+def _density(level: FloatArray) -> FloatArray:
+    return np.asarray(np.exp(-(level**2) / 2) / np.sqrt(2 * np.pi))
+
+
+def _pairs(n_in: int, n_out: int) -> tuple[list[int], list[int]]:
+    """Return the channels of the spectra side by side: autos, between forces, forces to responses."""
+    n_ch = n_in + n_out
+    between = list(combinations(range(n_in), 2))
+    across = [(i, n_in + o) for i in range(n_in) for o in range(n_out)]
+    one, other = zip(*[(i, i) for i in range(n_ch)], *between, *across, strict=True)
+    return list(one), list(other)
+
+
+def _beside(spectra: CrossSpectra) -> ComplexArray:
+    """Return all spectra side by side, (n_run, n_lines, n_pairs)."""
+    n_run, n_lines, n_in, _ = spectra.fx.shape
+    own, above = np.arange(n_in), np.triu_indices(n_in, 1)
+    parts = [spectra.ff[..., own, own], spectra.xx, spectra.ff[..., *above], spectra.fx]
+    return np.concatenate([part.reshape(n_run, n_lines, -1) for part in parts], axis=2)
+
+
+def _apart(spectra: CrossSpectra, beside: ComplexArray) -> CrossSpectra:
+    """Return what `_beside` put side by side as spectra again."""
+    n_in, n_out = spectra.fx.shape[2:]
+    own, (row, column) = np.arange(n_in), np.triu_indices(n_in, 1)
+    edges = np.cumsum([n_in, n_out, len(row)])
+    autos, xx, between, fx = np.split(beside, edges, axis=2)
+    ff = np.empty_like(spectra.ff)
+    ff[..., own, own] = autos.real
+    ff[..., row, column], ff[..., column, row] = between, between.conj()
+    return CrossSpectra(spectra.freq, ff, fx.reshape(spectra.fx.shape), xx.real, spectra.averages)
+
+
+def _weights(c: FloatArray, one: list[int], other: list[int]) -> FloatArray:
+    """Return the weight of every order in every pair, and of the order after them in auto spectra."""
+    parts = hermite_parts(c)
+    rest = clipped_power(c) - kept_gain(c) ** 2 - (parts**2).sum(axis=0)
+    last = np.zeros((1, len(c), len(one)))
+    last[0, :, : c.shape[1]] = np.maximum(rest, 0.0)
+    return np.concatenate([parts[:, :, one] * parts[:, :, other], last])
+
+
+def _distorted(correlation: FloatArray, weights: FloatArray) -> FloatArray:
+    """Return sum_n weight_n rho^n over odd n from 3, by Horner's rule in rho^2."""
+    square = correlation**2
+    total = np.zeros_like(correlation)
+    for weight in weights[::-1]:
+        total += weight[:, None]
+        total *= square
+    total *= correlation
+    return total
