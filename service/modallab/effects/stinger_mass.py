@@ -16,10 +16,11 @@ from modallab.rig.stinger import HEAVIEST
 @EFFECTS.register("stinger_mass")
 @dataclass(frozen=True)
 class StingerMass(Effect):
-    """Half the mass moves with the force gauge, behind its sensing element, and half with the armature.
+    """A rod of mass m and stiffness k carries waves along its axis: t = omega sqrt(m/k).
 
-    That of a rod far below its own first axial resonance, sqrt(E/rho)/(2 L) with both ends free. The
-    FRF stays as it is.
+    Between its ends [F, F] = k t [[cot t, -1/sin t], [-1/sin t, cot t]] [x, x]; far below its own first axial
+    resonance, t = pi, half the mass moves with the force gauge, behind its sensing element, and half with the
+    armature. The FRF stays as it is. From the wave equation of a rod; k is that of `stinger_axial`.
     """
 
     kind: ClassVar[str] = "stinger_mass"
@@ -33,8 +34,7 @@ class StingerMass(Effect):
     def on_drive(self, drive: Drive) -> Drive:
         if not self.acts_on(drive.dof):
             return drive
-        half = self.mass / 2
-        return replace(drive, mass=drive.mass + half, tip_mass=drive.tip_mass + half)
+        return replace(drive, stinger_mass=drive.stinger_mass + self.mass)
 
     @classmethod
     def from_setup(cls, setup: RigSetup) -> Sequence[Self]:

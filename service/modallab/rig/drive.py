@@ -19,18 +19,19 @@ class Drive:
     """One exciter: a ladder of masses and springs from the drive point out to the armature.
 
     Outwards from the structure: a mass that moves with the drive point, the gauge's spring, the
-    stinger's near end, its axial spring, the armature on its suspension, which the source's force P
-    moves. At every mass the force passed on grows by Z x, at every spring the motion by C times the
-    force; for an armature alone that is P = F + m a of the 1992 thesis [5.2]. Where an amplifier keeps
-    the voltage of a coil, what the coil's motion induces is part of the armature's Z.
+    stinger, the armature on its suspension, which the source's force P moves. At every mass the force
+    passed on grows by Z x, at every spring the motion by C times the force; for an armature alone that
+    is P = F + m a of the 1992 thesis [5.2]. A stinger with mass m is the spring C sin(t)/t between two
+    masses m/2 tan(t/2)/(t/2), t = omega sqrt(m C): a rod that carries longitudinal waves. Where an
+    amplifier keeps the voltage of a coil, what the coil's motion induces is part of the armature's Z.
     """
 
     dof: Dof
     mass: float = 0.0  # kg, armature
     stiffness: float = 0.0  # N/m, armature to its frame
     viscous: float = 0.0  # N s/m, armature to its frame
-    compliance: float = 0.0  # m/N, between the armature and what is in front of it
-    tip_mass: float = 0.0  # kg, between the gauge's spring and the stinger's
+    compliance: float = 0.0  # m/N, of the stinger
+    stinger_mass: float = 0.0  # kg, along the stinger
     gauge_compliance: float = 0.0  # m/N, of the force gauge
     cancelled_mass: float = 0.0  # kg, at the drive point and not in the force that is shown
     coils: tuple[Coil, ...] = ()  # whose voltage is kept; where the current is kept they do not react
@@ -38,7 +39,7 @@ class Drive:
     @property
     def plain(self) -> bool:
         """Whether nothing moves behind the sensing element: F = P."""
-        inert = not (self.mass or self.tip_mass or self.cancelled_mass)
+        inert = not (self.mass or self.stinger_mass or self.cancelled_mass)
         return inert and not (self.stiffness or self.viscous or self.coils)
 
     def impedance(self, omega: FloatArray) -> ComplexArray:
@@ -46,11 +47,17 @@ class Drive:
         induced = sum(coil.force_factor**2 / _electrical(coil, omega) for coil in self.coils)
         return np.asarray(self.stiffness + 1j * omega * (self.viscous + induced) - self.mass * omega**2)
 
-    def stations(self, omega: FloatArray) -> list[tuple[complex, ComplexArray]]:
-        """Return the ladder outwards: compliance, m/N, before a mass, and Z (n_freq,) N/m of the mass."""
-        soft = [0.0, self.gauge_compliance / (1 + 1j * RIGID), self.compliance / (1 + 1j * RIGID)]
-        near, tip = (np.asarray(-mass * omega**2 + 0j) for mass in (self.cancelled_mass, self.tip_mass))
-        return list(zip(soft, (near, tip, self.impedance(omega)), strict=True))
+    def stations(self, omega: FloatArray) -> list[tuple[ComplexArray, ComplexArray]]:
+        """Return the ladder outwards: C (n_freq,) m/N before a mass, and Z (n_freq,) N/m of the mass."""
+        none = np.zeros(len(omega), complex)
+        gauge, stinger = (c / (1 + 1j * RIGID) for c in (self.gauge_compliance, self.compliance))
+        half_turn = omega / 2 * np.sqrt(self.stinger_mass * stinger) / np.pi
+        half = -(omega**2) * self.stinger_mass / 2 * np.sinc(half_turn) / np.cos(np.pi * half_turn)
+        return [
+            (none, none - self.cancelled_mass * omega**2),
+            (none + gauge, half),
+            (stinger * np.sinc(2 * half_turn), self.impedance(omega) + half),
+        ]
 
     def shaping(self, omega: FloatArray) -> ComplexArray:
         """Return P per what the amplifier is told, (n_freq,): the current lags behind the voltage."""
@@ -67,36 +74,39 @@ class Drive:
         if self.plain:
             return system
         own, joints = self._reduced()
-        k = np.zeros((len(own), len(own)))
-        for i, joint in enumerate(joints):
-            k[i : i + 2, i : i + 2] += joint * np.array([[1.0, -1.0], [-1.0, 1.0]])
         mass, stiffness, viscous = (np.diag(values) for values in own.T)
+        k = np.zeros_like(stiffness)
+        for i, (joint, along) in enumerate(joints):
+            between = np.array([[1.0, -1.0], [-1.0, 1.0]])
+            k[i : i + 2, i : i + 2] += joint * between
+            mass[i : i + 2, i : i + 2] -= along / 6 * between  # a third at either end, a sixth across
         return system.attach(
             Attachment(
                 system.selection((self.dof,)), mass, stiffness + k, RIGID * k, viscous, inner=len(joints)
             )
         )
 
-    def _reduced(self) -> tuple[FloatArray, list[float]]:
-        """Return mass, stiffness, viscous damping of what moves on its own, (n, 3), and joints, N/m.
+    def _reduced(self) -> tuple[FloatArray, list[tuple[float, float]]]:
+        """Return mass, stiffness, viscous damping of what moves on its own, (n, 3), and what joins it.
 
         What has no mass, or too little to move on its joint, goes to its neighbour inwards.
         """
-        induced = sum(coil.force_factor**2 / coil.resistance for coil in self.coils)
+        viscous = self.viscous + sum(coil.force_factor**2 / coil.resistance for coil in self.coils)
+        half = self.stinger_mass / 2
         ladder = [
-            (0.0, (self.cancelled_mass, 0.0, 0.0)),
-            (self.gauge_compliance, (self.tip_mass, 0.0, 0.0)),
-            (self.compliance, (self.mass, self.stiffness, self.viscous + induced)),
+            (0.0, 0.0, (self.cancelled_mass, 0.0, 0.0)),
+            (self.gauge_compliance, 0.0, (half, 0.0, 0.0)),
+            (self.compliance, self.stinger_mass, (self.mass + half, self.stiffness, viscous)),
         ]
         own, joints, soft = [np.zeros(3)], [], 0.0
-        for compliance, values in ladder:
+        for compliance, along, values in ladder:
             soft += compliance
             if values[0] * soft * FAR**2 < 1:
                 share = 1 / (1 + soft * values[1])  # of the inner end's motion that arrives
                 own[-1] = own[-1] + np.array(values) * [1.0, share, share**2]
             else:
                 own.append(np.array(values))
-                joints.append(1 / soft)
+                joints.append((1 / soft, along))
                 soft = 0.0
         return np.array(own), joints
 
@@ -150,10 +160,10 @@ def _outwards(
 ) -> ComplexArray:
     """Return the force at the sources' end of the ladders from force and motion at the structure's."""
     for ladder in zip(*(drive.stations(omega) for drive in drives), strict=True):
-        soft = np.array([compliance for compliance, _ in ladder])
+        soft = np.array([compliance for compliance, _ in ladder]).T
         z = np.array([own for _, own in ladder]).T
         if soft.any():
-            motion = motion + soft[:, None] * force
+            motion = motion + soft[:, :, None] * force
         if z.any():
             force = force + z[:, :, None] * motion
     return force
