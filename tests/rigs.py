@@ -1,12 +1,13 @@
 """Beams and rigs that tests of the virtual rig share."""
 
+from dataclasses import replace
 from typing import Any
 
 from modallab.core.dof import Dof
 from modallab.fe.assembly import assemble
 from modallab.fe.beam import beam
 from modallab.fe.damping import Damping, StructuralDamping
-from modallab.fe.structure import Material, PointMass, Section, Structure
+from modallab.fe.structure import PLANE, Material, PointMass, Section, Structure
 from modallab.fe.system import DynamicSystem
 from modallab.rig.analyser import Analyser, ExcitationSetting
 from modallab.rig.setup import RigSetup
@@ -21,6 +22,16 @@ def steel_beam(
     """The free beam of chapter 5: bending modes at 23, 65, 127, 210, 313, 437, 582, 747 Hz."""
     law = damping or StructuralDamping(stiffness_coefficient=0.005, mass_coefficient=100.0)
     return beam(length=1.5, n_elements=n_elements, section=BAR, material=STEEL, damping=law, masses=masses)
+
+
+def tilted_beam() -> Structure:
+    """The same beam at a slope of 3 to 4: its nodes move along X and Y together."""
+    straight = steel_beam()
+    return replace(
+        straight,
+        nodes={node: (0.8 * x, 0.6 * x) for node, (x, _) in straight.nodes.items()},
+        directions=PLANE,
+    )
 
 
 def beam_system(damping: Damping | None = None) -> DynamicSystem:

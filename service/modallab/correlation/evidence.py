@@ -50,6 +50,21 @@ class Evidence:
         return np.asarray((np.abs(self.frf) ** 2 * self.weight).sum(axis=0) / count)
 
     @property
+    def standing_out(self) -> float:
+        """How far the worst response stands out from the others, 0 to 1."""
+        channel = self.by_channel
+        return (
+            float(1 - np.median(channel) / max(float(channel.max(initial=0.0)), 1.0)) if len(channel) else 0.0
+        )
+
+    def follows(self, course: ComplexArray | FloatArray) -> float:
+        """Return the share of the worst response's residual that runs as `course` (n_freq,), 0 to 1."""
+        worst = int(self.by_channel.argmax())
+        left = self.frf[:, worst] * self.weight[:, worst]
+        size = float((np.abs(left) ** 2).sum() * (np.abs(course) ** 2).sum())
+        return min(1.0, float((course.conj() * left).real.sum()) ** 2 / max(size, 1e-300))
+
+    @property
     def at_peaks(self) -> float:
         """Share of what disagrees at the resonances that is size and not phase, 0 to 1: loss does that."""
         if not len(self.mode_frequency):

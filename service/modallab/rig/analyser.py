@@ -1,6 +1,7 @@
 """The settings of the FFT analyser."""
 
 from dataclasses import dataclass, field
+from typing import Literal
 
 import numpy as np
 
@@ -32,12 +33,17 @@ class Analyser:
     bits: int | None = None  # of the converter; None: ideal, with neither steps nor a limit
     range_factor: float = 4.0  # full scale over the rms of each channel's signal, where there are bits
     excitation: ExcitationSetting = field(default_factory=ExcitationSetting)
+    coupling: Literal["dc", "ac"] = "dc"  # of all inputs alike
+    coupling_frequency: float = 1.0  # Hz, 3 dB down where coupled "ac"
+    mass_cancellation: float = 0.0  # kg times the drive point's reading, taken out of the force
 
     def __post_init__(self) -> None:
         within("frequency_max", self.frequency_max, 1e-3, 1e6)
         within("n_lines", self.n_lines, 8, 20001)
         within("averages", self.averages, 1, 100_000)
         within("overlap", self.overlap, 0.0, 0.9)
+        within("coupling_frequency", self.coupling_frequency, 0.0, 1e4)
+        within("mass_cancellation", self.mass_cancellation, 0.0, 5.0)
         # A step of twice the rms at most: with coarser ones a record may hold nothing but zeros.
         within("bits", 32 if self.bits is None else self.bits, 4, 32)
         within("range_factor", self.range_factor, 0.5, 16.0)

@@ -9,6 +9,7 @@ from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.dof import Dof
 from modallab.fe.receptance import attached, attached_variants
 from modallab.fe.system import DynamicSystem
+from modallab.rig.cancellation import cancelled
 from modallab.rig.channel import Channel
 from modallab.rig.distortion import with_equivalents
 from modallab.rig.drive import Drive, reaction, transmission
@@ -127,9 +128,10 @@ class Chain:
             through = _at_work(runs, omega, alpha)
             heard = -(omega**2)[None, :, None, None] * (alpha @ through)
             for place, i in enumerate(group):
-                force[i] = filtered(through[place, :, :n_in], self.runs[i].forces, omega)
-                mixed = self.runs[i].mixed(heard[place])
-                response[i] = filtered(mixed, self.runs[i].responses, omega)
+                run = self.runs[i]
+                response[i] = filtered(run.mixed(heard[place]), run.responses, omega)
+                gauged = filtered(through[place, :, :n_in], run.forces, omega)
+                force[i] = cancelled(gauged, response[i], run.shot, self.setup.analyser.mass_cancellation)
         return ChannelResponse(np.array(force), np.array(response))
 
     def _groups(self) -> list[list[int]]:

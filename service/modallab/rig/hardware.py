@@ -1,9 +1,11 @@
 """The hardware of a rig as its data sheets have it; parts left out are ideal."""
 
+import math
 from dataclasses import dataclass
 from typing import Literal
 
 from modallab.core.errors import InvalidInputError
+from modallab.rig.mounting import MOUNTINGS, Mounting
 
 
 def within(name: str, value: float, lower: float, upper: float) -> None:
@@ -77,9 +79,25 @@ class Accelerometers:
 
     mass: float = 0.0  # kg each, with stud
     roving: bool = False
+    mounting: Literal["ideal", "stud", "wax", "magnet"] = "ideal"
+    mounted_frequency: float | None = None  # Hz; None: as the mounting has it
+    transverse_sensitivity: float = 0.0  # across the axis over along it
+    transverse_angle: float = 0.0  # rad about the axis, to the most sensitive direction
 
     def __post_init__(self) -> None:
         within("accelerometers.mass", self.mass, 0.0, 0.5)
+        if self.mounted_frequency is not None:
+            within("accelerometers.mounted_frequency", self.mounted_frequency, 10.0, 1e9)
+        within("accelerometers.transverse_sensitivity", self.transverse_sensitivity, -1.0, 1.0)
+        within("accelerometers.transverse_angle", self.transverse_angle, -math.pi / 2, math.pi / 2)
+
+    @property
+    def held(self) -> Mounting | None:
+        """What they ring on; None where that is ideal."""
+        mounting = MOUNTINGS.get(self.mounting)
+        if self.mounted_frequency is None:
+            return mounting
+        return Mounting(self.mounted_frequency, (mounting or MOUNTINGS["stud"]).loss)
 
 
 @dataclass(frozen=True)

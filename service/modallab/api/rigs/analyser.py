@@ -1,5 +1,7 @@
 """Wire types of the analyser's settings."""
 
+from typing import Literal
+
 from modallab.api.wire import Count, Number, Text, Wire
 from modallab.estimation.estimator import ESTIMATORS
 from modallab.estimation.windows import WINDOWS
@@ -33,6 +35,9 @@ class AnalyserIn(Wire):
     bits: Count | None = _DEFAULT.bits
     range_factor: Number = _DEFAULT.range_factor
     excitation: ExcitationIn = ExcitationIn()
+    coupling: Literal["dc", "ac"] = _DEFAULT.coupling
+    coupling_frequency: Number = _DEFAULT.coupling_frequency
+    mass_cancellation: Number = _DEFAULT.mass_cancellation
 
     def to_domain(self) -> Analyser:
         """Return the analyser; unknown names raise."""
@@ -48,4 +53,7 @@ class AnalyserIn(Wire):
             bits=self.bits,
             range_factor=self.range_factor,
             excitation=self.excitation.to_domain(),
+            coupling=self.coupling,
+            coupling_frequency=self.coupling_frequency,
+            mass_cancellation=self.mass_cancellation,
         )

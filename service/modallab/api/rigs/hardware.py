@@ -91,10 +91,21 @@ class AccelerometersIn(Wire):
 
     mass: Number = 0.0
     roving: bool = False
+    mounting: Literal["ideal", "stud", "wax", "magnet"] = "ideal"
+    mounted_frequency: Number | None = None
+    transverse_sensitivity: Number = 0.0
+    transverse_angle: Number = 0.0
 
     def to_domain(self) -> Accelerometers:
         """Return the accelerometers."""
-        return Accelerometers(self.mass, self.roving)
+        return Accelerometers(
+            self.mass,
+            self.roving,
+            self.mounting,
+            self.mounted_frequency,
+            self.transverse_sensitivity,
+            self.transverse_angle,
+        )
 
 
 class NoiseIn(Wire):

@@ -1,0 +1,65 @@
+"""A channel that does not let slow signals through."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from types import NoneType
+from typing import ClassVar, Self
+
+import numpy as np
+
+from modallab.core.dof import Dof
+from modallab.core.parameters import parameter
+from modallab.core.place import Channels, Place
+from modallab.correlation.evidence import Evidence
+from modallab.fe.system import DynamicSystem
+from modallab.rig.channel import Channel
+from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.setup import RigSetup
+
+
+@EFFECTS.register("ac_coupling")
+@dataclass(frozen=True)
+class AcCoupling(Effect):
+    """1/(1 - i f_c/f): a first-order high-pass, of an AC-coupled input or a sensor's time constant.
+
+    tau = 1/(2 pi f_c). A force gauge that sees another corner than the accelerometers turns the phase
+    of every FRF at low frequencies; corners that are alike cancel in the FRF and stay in the auto
+    spectra. Everywhere: all responses. At a DoF: the force gauge there. An analyser declared as
+    AC-coupled has both.
+    """
+
+    kind: ClassVar[str] = "ac_coupling"
+    summary: ClassVar[str] = "a channel's high-pass takes the lowest frequencies"
+    stage: ClassVar[int] = 4
+    sits: ClassVar[tuple[type, ...]] = (NoneType, Channels, Dof)
+    at_drive: ClassVar[bool] = True
+    corner: float = parameter(
+        1.0,
+        unit="Hz",
+        lower=0.0,
+        upper=1e4,
+        doc="frequency at which the reading is 3 dB down",
+        tries=(0.01, 0.1, 1.0, 10.0),
+    )
+
+    def on_channel(self, channel: Channel, system: DynamicSystem) -> Channel:
+        if not self.acts_on_channel(channel):
+            return channel
+        return channel.through(lambda omega: np.asarray(1 / (1 - 2j * np.pi * self.corner / omega)))
+
+    @classmethod
+    def from_setup(cls, setup: RigSetup) -> Sequence[Self]:
+        analyser = setup.analyser
+        if analyser.coupling == "dc":
+            return []
+        return [cls(at=at, corner=analyser.coupling_frequency) for at in (None, *setup.drives)]
+
+    @classmethod
+    def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:
+        return (None, *(d.point for d in setup.drives), *(Channels((d,)) for d in setup.responses))
+
+    @classmethod
+    def signature(cls, evidence: Evidence) -> float:
+        """The phase of the worst FRF is off in proportion to the period."""
+        slow = np.divide(1.0, evidence.freq, out=np.zeros(len(evidence.freq)), where=evidence.freq > 0)
+        return evidence.follows(np.asarray(1j * slow))

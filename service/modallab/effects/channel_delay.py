@@ -1,0 +1,58 @@
+"""A channel that is late."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from types import NoneType
+from typing import ClassVar
+
+import numpy as np
+
+from modallab.core.dof import Dof
+from modallab.core.parameters import parameter
+from modallab.core.place import Channels, Place
+from modallab.correlation.evidence import Evidence
+from modallab.fe.system import DynamicSystem
+from modallab.rig.channel import Channel
+from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.setup import RigSetup
+
+
+@EFFECTS.register("channel_delay")
+@dataclass(frozen=True)
+class ChannelDelay(Effect):
+    """exp(-i omega tau): a channel is sampled later, or its anti-alias filter takes longer, than the rest.
+
+    What all channels share does not show: only the mismatch turns the phase of an FRF, in proportion to
+    frequency, and damping of high modes with it. Everywhere: all responses after the force. At a DoF:
+    the force gauge there. Negative: early. Bendat and Piersol, Random Data (2010), section 5.1.
+    """
+
+    kind: ClassVar[str] = "channel_delay"
+    summary: ClassVar[str] = "a channel lags the others by a constant time"
+    stage: ClassVar[int] = 4
+    sits: ClassVar[tuple[type, ...]] = (NoneType, Channels, Dof)
+    at_drive: ClassVar[bool] = True
+    delay: float = parameter(
+        1e-5,
+        unit="s",
+        lower=-1e-2,
+        upper=1e-2,
+        doc="how late the channel is",
+        tries=(-1e-3, -1e-4, -1e-5, -1e-6, 1e-6, 1e-5, 1e-4, 1e-3),
+    )
+
+    def on_channel(self, channel: Channel, system: DynamicSystem) -> Channel:
+        if not self.acts_on_channel(channel):
+            return channel
+        return channel.through(lambda omega: np.exp(-1j * omega * self.delay))
+
+    @classmethod
+    def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:
+        """Return all responses, each, and each force where there are several."""
+        forces = tuple(dof.point for dof in setup.drives) if len(setup.drives) > 1 else ()
+        return (None, *forces, *(Channels((dof,)) for dof in setup.responses))
+
+    @classmethod
+    def signature(cls, evidence: Evidence) -> float:
+        """The phase of the worst FRF is off in proportion to frequency."""
+        return evidence.follows(np.asarray(1j * evidence.freq))

@@ -1,0 +1,56 @@
+"""A channel that shows too much or too little."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from types import NoneType
+from typing import ClassVar
+
+import numpy as np
+
+from modallab.core.dof import Dof
+from modallab.core.parameters import parameter
+from modallab.core.place import Channels, Place
+from modallab.correlation.evidence import Evidence
+from modallab.fe.system import DynamicSystem
+from modallab.rig.channel import Channel
+from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.setup import RigSetup
+
+
+@EFFECTS.register("gain_error")
+@dataclass(frozen=True)
+class GainError(Effect):
+    """The reading of a channel is multiplied: its sensitivity is not what the log book says.
+
+    At a DoF: of the force gauge there, which divides every FRF. Frequencies, damping and coherence
+    stay as they are; modal constants do not. Ewins, Modal Testing (2000), section 3.10, on calibration.
+    """
+
+    kind: ClassVar[str] = "gain_error"
+    summary: ClassVar[str] = "a channel's sensitivity is not the one declared"
+    stage: ClassVar[int] = 4
+    sits: ClassVar[tuple[type, ...]] = (NoneType, Channels, Dof)
+    at_drive: ClassVar[bool] = True
+    factor: float = parameter(
+        1.1,
+        unit="1",
+        lower=0.05,
+        upper=20.0,
+        absent=1.0,
+        doc="reading over what it should be",
+        tries=(0.1, 0.5, 0.9, 0.99, 1.01, 1.1, 2.0, 10.0),
+    )
+
+    def on_channel(self, channel: Channel, system: DynamicSystem) -> Channel:
+        if not self.acts_on_channel(channel):
+            return channel
+        return channel.through(lambda omega: np.full(len(omega), self.factor, complex))
+
+    @classmethod
+    def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:
+        return (None, *(d.point for d in setup.drives), *(Channels((d,)) for d in setup.responses))
+
+    @classmethod
+    def signature(cls, evidence: Evidence) -> float:
+        """The worst FRF is off by the same factor at every line."""
+        return evidence.follows(np.ones(len(evidence.freq)))

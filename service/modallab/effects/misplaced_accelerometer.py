@@ -1,0 +1,57 @@
+"""An accelerometer that sits beside its node."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+from modallab.core.parameters import parameter
+from modallab.core.place import Channels, Place
+from modallab.correlation.evidence import Evidence
+from modallab.fe.interpolation import motion_beside
+from modallab.fe.system import DynamicSystem
+from modallab.rig.channel import Channel
+from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.setup import RigSetup
+
+
+@EFFECTS.register("misplaced_accelerometer")
+@dataclass(frozen=True)
+class MisplacedAccelerometer(Effect):
+    """The reading is that of a point of the member beside the node, by the member's shape functions.
+
+    Linear along it and cubic across it, as Przemieniecki, Theory of Matrix Structural Analysis (1968),
+    section 5.6, has them; beyond a free end it sits on a rigid arm. Modes with a short wave are read
+    most wrongly. The accelerometer's mass stays at the node: moved by d it would shift frequencies by
+    2 d phi'/phi of what the mass itself does, far less than the reading.
+    """
+
+    kind: ClassVar[str] = "misplaced_accelerometer"
+    summary: ClassVar[str] = "the accelerometer sits beside the node that the log book names"
+    stage: ClassVar[int] = 4
+    sits: ClassVar[tuple[type, ...]] = (Channels,)
+    distance: float = parameter(
+        0.01,
+        unit="m",
+        lower=-1.0,
+        upper=1.0,
+        doc="along the member that starts at the node; negative: back along the one that ends there",
+        tries=(-0.03, -0.003, 0.003, 0.03),
+    )
+
+    def on_channel(self, channel: Channel, system: DynamicSystem) -> Channel:
+        if channel.force or system.members is None or not self.acts_on(channel.dof):
+            return channel
+        dof = channel.dof
+        channel = channel.hearing(dof, -1.0)
+        for row, weight in motion_beside(system.members, dof.node, self.distance, dof.direction):
+            channel = channel.hearing(system.dofs[row], dof.sign * weight)
+        return channel
+
+    @classmethod
+    def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:
+        return tuple(Channels((dof,)) for dof in setup.responses) if system.members else ()
+
+    @classmethod
+    def signature(cls, evidence: Evidence) -> float:
+        """One FRF stands out from the others."""
+        return 0.7 * evidence.standing_out

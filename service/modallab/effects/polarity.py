@@ -1,0 +1,52 @@
+"""A channel whose sign is turned."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from types import NoneType
+from typing import ClassVar
+
+import numpy as np
+
+from modallab.core.dof import Dof
+from modallab.core.place import Channels, Place
+from modallab.correlation.evidence import Evidence
+from modallab.fe.system import DynamicSystem
+from modallab.rig.channel import Channel
+from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.setup import RigSetup
+
+
+@EFFECTS.register("polarity")
+@dataclass(frozen=True)
+class Polarity(Effect):
+    """The reading times -1: a sensor that looks the other way, or a cable with its wires exchanged.
+
+    The phase of the FRF turns by pi; auto spectra and coherence know nothing of it. Everywhere: all
+    responses, which is the same as the force gauge. At a DoF: the force gauge there, where several
+    forces act. The drive-point FRF tells: its imaginary part (inertance) has one sign.
+    """
+
+    kind: ClassVar[str] = "polarity"
+    summary: ClassVar[str] = "a channel's sign is turned"
+    stage: ClassVar[int] = 4
+    sits: ClassVar[tuple[type, ...]] = (NoneType, Channels, Dof)
+    at_drive: ClassVar[bool] = True
+
+    def on_channel(self, channel: Channel, system: DynamicSystem) -> Channel:
+        if not self.acts_on_channel(channel):
+            return channel
+        return channel.through(lambda omega: np.full(len(omega), -1.0 + 0j))
+
+    @classmethod
+    def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:
+        """Return all responses, each, and each force where there are several."""
+        forces = tuple(dof.point for dof in setup.drives) if len(setup.drives) > 1 else ()
+        return (None, *forces, *(Channels((dof,)) for dof in setup.responses))
+
+    @classmethod
+    def signature(cls, evidence: Evidence) -> float:
+        """The worst FRF has its size right and its phase wrong at every line."""
+        worst = int(evidence.by_channel.argmax())
+        left = evidence.frf[:, worst] * evidence.weight[:, worst]
+        size = float((np.abs(left) ** 2).sum())
+        return min(1.0, float((left.imag**2).sum()) / size) if size > 0 else 0.0

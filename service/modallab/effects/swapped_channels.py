@@ -1,0 +1,62 @@
+"""Two channels that stand for each other."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+from typing import ClassVar
+
+import numpy as np
+
+from modallab.core.place import Channels, Place
+from modallab.correlation.evidence import Evidence
+from modallab.fe.structure import Structure
+from modallab.fe.system import DynamicSystem
+from modallab.rig.channel import Channel
+from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.setup import RigSetup
+
+
+@EFFECTS.register("swapped_channels")
+@dataclass(frozen=True)
+class SwappedChannels(Effect):
+    """Each of two channels shows the motion that the log book writes beside the other.
+
+    Two cables exchanged, or two lines of the log book; each FRF is right but for its name. The motions
+    change places: what else is wrong with a channel stays with its name, and so does the mass of an
+    accelerometer that roves.
+    """
+
+    kind: ClassVar[str] = "swapped_channels"
+    summary: ClassVar[str] = "two channels stand for each other"
+    stage: ClassVar[int] = 4
+    sits: ClassVar[tuple[type, ...]] = (Channels,)
+
+    def on_channel(self, channel: Channel, system: DynamicSystem) -> Channel:
+        if channel.force or not self.acts_on(channel.dof):
+            return channel
+        assert isinstance(self.at, Channels)
+        (other,) = (dof for dof in self.at.dofs if dof.point != channel.dof.point)
+        return channel.hearing(channel.dof, -1.0).hearing(other, 1.0)
+
+    def check(self, structure: Structure, setup: RigSetup | None = None) -> None:
+        """Raise unless it names two channels, each with the sense it has in the log book."""
+        super().check(structure, setup)
+        dofs = self.at.dofs if isinstance(self.at, Channels) else ()
+        if len({dof.point for dof in dofs}) != 2 or len(dofs) != 2:
+            raise self._misplaced("two channels")
+        if setup is not None and any(dof not in setup.responses for dof in dofs):
+            raise self._misplaced("channels of this rig: " + ", ".join(map(str, setup.responses)))
+
+    @classmethod
+    def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:
+        """Return neighbours in the log book: of all pairs those that are exchanged most easily."""
+        return tuple(Channels(pair) for pair in pairwise(setup.responses))
+
+    @classmethod
+    def signature(cls, evidence: Evidence) -> float:
+        """Two FRFs disagree, the others do not."""
+        channel = np.sort(evidence.by_channel)
+        if len(channel) < 2:
+            return 0.0
+        rest = float(np.median(channel[:-2])) if len(channel) > 2 else 0.0
+        return float(np.clip(1 - rest / max(float(channel[-2]), 1.0), 0.0, 1.0))

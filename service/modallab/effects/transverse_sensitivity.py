@@ -1,0 +1,90 @@
+"""An accelerometer hears motion across its axis."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from types import NoneType
+from typing import ClassVar, Self
+
+import numpy as np
+
+from modallab.core.dof import TRANSLATIONS, Dof
+from modallab.core.parameters import parameter
+from modallab.core.place import Channels, Place
+from modallab.correlation.evidence import Evidence
+from modallab.fe.structure import Structure
+from modallab.fe.system import DynamicSystem
+from modallab.rig.channel import Channel
+from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.setup import RigSetup
+
+
+def _across(dof: Dof) -> tuple[Dof, Dof]:
+    first, second = (direction for direction in TRANSLATIONS if direction != dof.direction)
+    return Dof(dof.node, first), Dof(dof.node, second)
+
+
+@EFFECTS.register("transverse_sensitivity")
+@dataclass(frozen=True)
+class TransverseSensitivity(Effect):
+    """a + s (cos(angle) a_t + sin(angle) a_u): t and u are the node's other two translations.
+
+    In the order X, Y, Z, each counted positive along the structure's axis; what the structure does not
+    have does not move, so that in a plane frame only s cos(angle) counts. Reciprocal FRFs no longer
+    agree. ISO 16063-31 measures s and the angle of an accelerometer; a good one has 0.01 to 0.05.
+    """
+
+    kind: ClassVar[str] = "transverse_sensitivity"
+    summary: ClassVar[str] = "the accelerometer hears motion across its axis"
+    stage: ClassVar[int] = 4
+    sits: ClassVar[tuple[type, ...]] = (NoneType, Channels)
+    sensitivity: float = parameter(
+        0.03,
+        unit="1",
+        lower=-1.0,
+        upper=1.0,
+        doc="across the axis over along it",
+        tries=(-0.1, -0.01, 0.01, 0.1),
+    )
+    angle: float = parameter(
+        0.0,
+        unit="rad",
+        lower=-np.pi / 2,
+        upper=np.pi / 2,
+        absent=None,
+        doc="about the axis, to the most sensitive direction",
+    )
+
+    def on_channel(self, channel: Channel, system: DynamicSystem) -> Channel:
+        if channel.force or not self.acts_on(channel.dof):
+            return channel
+        shares = self.sensitivity * np.array([np.cos(self.angle), np.sin(self.angle)])
+        for dof, share in zip(_across(channel.dof), shares, strict=True):
+            if dof in system.dofs:
+                channel = channel.hearing(dof, float(share))
+        return channel
+
+    def check(self, structure: Structure, setup: RigSetup | None = None) -> None:
+        """Raise unless there is motion across the axis of a channel it sits at."""
+        super().check(structure, setup)
+        named = self.at.dofs if isinstance(self.at, Channels) else setup.responses if setup else ()
+        if named and not any(other in structure.dofs for dof in named for other in _across(dof)):
+            raise self._misplaced("channels of nodes that move across the channel's axis as well")
+
+    @classmethod
+    def from_setup(cls, setup: RigSetup) -> Sequence[Self]:
+        used = setup.accelerometers
+        if used.transverse_sensitivity == 0:
+            return []
+        return [cls(sensitivity=used.transverse_sensitivity, angle=used.transverse_angle)]
+
+    @classmethod
+    def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:
+        """Return the channels of nodes that move across the channel's axis as well, together and each."""
+        here = set(system.dofs)
+        each = [Channels((dof,)) for dof in setup.responses if not here.isdisjoint(_across(dof))]
+        return (None, *each) if each else ()
+
+    @classmethod
+    def signature(cls, evidence: Evidence) -> float:
+        """One FRF stands out, most where the motion along its axis is small."""
+        return 0.5 * evidence.standing_out

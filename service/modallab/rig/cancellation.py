@@ -1,0 +1,29 @@
+"""Mass cancellation: the analyser takes the inertia of a mass at the drive point out of the force."""
+
+from modallab.core.arrays import ComplexArray
+from modallab.rig.setup import Shot
+
+
+def cancelled(force: ComplexArray, response: ComplexArray, shot: Shot, mass: float) -> ComplexArray:
+    """Return F - m a, with a the reading at the drive point, where that is heard in the same run.
+
+    Exact for a mass that moves along the gauge's axis with an accelerometer that reads right; what it
+    does across the axis, or turning, stays in the FRF (1992 thesis, section 5.4.5). A run that does not
+    hear its drive point keeps its force: a roving accelerometer is cancelled in its first run at most.
+
+    Parameters
+    ----------
+    force, response
+        (n_freq, n_in, n_sources) and (n_freq, n_out, n_sources) as the channels show them.
+    mass
+        kg.
+    """
+    if mass == 0:
+        return force
+    force = force.copy()
+    heard = {dof.point: (j, dof.sign) for j, dof in enumerate(shot.outputs)}
+    for i, drive in enumerate(shot.drives):
+        if drive.point in heard:
+            j, sign = heard[drive.point]
+            force[:, i] -= mass * drive.sign * sign * response[:, j]
+    return force

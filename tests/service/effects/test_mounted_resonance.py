@@ -1,0 +1,63 @@
+"""An accelerometer rings on what holds it."""
+
+import numpy as np
+import pytest
+
+from modallab.core.place import Channels
+from modallab.effects.mounted_resonance import MountedResonance
+from modallab.rig.chain import chain
+from modallab.rig.effect import Effect
+from modallab.rig.hardware import Accelerometers
+from tests.rigs import beam_system, dofs, rig
+
+SETUP = rig(1, 7, 16)
+
+
+@pytest.mark.parametrize("loss", [0.01, 0.3])
+def test_it_reads_what_a_seismic_mass_on_the_beam_strains_its_spring(loss: float) -> None:
+    """The finer model: a mass on spring and dashpot at 7:+Y, solved with the beam line by line. Its spring
+    is strained by -a/w_0^2 at low frequencies, which is how the sensor is calibrated."""
+    natural, seismic = 2 * np.pi * 600.0, 1e-7  # rad/s; kg, too light to load the beam
+    freq = np.linspace(10.0, 800.0, 80)
+    w = 2 * np.pi * freq[:, None, None]
+    system = beam_system()
+    assert system.damping is not None
+    mass, stiffness, damping = (
+        np.pad(part.toarray(), (0, 1)) for part in (system.mass, system.stiffness, system.damping)
+    )
+    strain = np.append(-system.selection(dofs(7)), 1.0)
+    held = seismic * np.outer(strain, strain)
+    mass[-1, -1] = seismic
+    z = stiffness + 1j * damping - w**2 * mass + (natural**2 + 1j * w * loss * natural) * held
+    force = np.append(system.selection(dofs(1)), 0.0)
+    wanted = -(natural**2) * np.linalg.solve(z, force[None, :, None])[..., 0] @ strain
+    effect = MountedResonance(at=Channels(dofs(7)), frequency=600.0, loss=loss)
+    found = chain(system, SETUP, [effect]).respond(freq).inertance[0, :, 1, 0]
+    # 1e-7 kg on a beam of 5.85 kg, times 100 where it rings and 100 where the beam does
+    np.testing.assert_allclose(found, wanted, rtol=1e-4, atol=1e-5 * np.abs(wanted).max())
+
+
+@pytest.mark.parametrize(("part", "percent"), [(3, 12.5), (5, 4.1667)])
+def test_at_a_third_it_reads_an_eighth_too_high_and_at_a_fifth_a_twenty_fourth(
+    part: int, percent: float
+) -> None:
+    """1/(1 - 1/9) and 1/(1 - 1/25): what the rules of thumb call 10 % and 5 %."""
+    pair: tuple[list[Effect], ...] = [], [MountedResonance(frequency=part * 400.0, loss=1e-3)]
+    bare, found = (chain(beam_system(), SETUP, e).respond(np.array([400.0])).inertance for e in pair)
+    # a loss of 1e-3 takes (1e-3/3)^2/2 of it
+    np.testing.assert_allclose(100 * (np.abs(found / bare) - 1), percent, rtol=1e-4)
+
+
+@pytest.mark.parametrize(("mounting", "frequency"), [("stud", 31e3), ("wax", 29e3), ("magnet", 7e3)])
+def test_declared_mountings_ring_where_handbooks_say(mounting: str, frequency: float) -> None:
+    declared = rig(7, accelerometers=Accelerometers(mounting=mounting))  # type: ignore[arg-type]
+    (effect,) = MountedResonance.from_setup(declared)
+    assert effect.frequency == frequency
+    given = rig(7, accelerometers=Accelerometers(mounting=mounting, mounted_frequency=9e3))  # type: ignore[arg-type]
+    (other,) = MountedResonance.from_setup(given)
+    assert (other.frequency, other.loss) == (9e3, effect.loss)
+
+
+def test_a_mounted_frequency_alone_is_enough() -> None:
+    (effect,) = MountedResonance.from_setup(rig(7, accelerometers=Accelerometers(mounted_frequency=4e3)))
+    assert effect.frequency == 4e3
