@@ -1,6 +1,6 @@
 """A first look at every effect at every place, cheap enough for hundreds of them."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
 
@@ -44,10 +44,19 @@ def grid(spec: ParameterSpec, default: float) -> FloatArray:
     return np.asarray(values[(values > spec.lower) & (values <= spec.upper)])
 
 
-def variants(suspect: Effect) -> list[Effect]:
-    """Return a suspect with every combination of values worth a first look; itself if it has no number."""
+def variants(suspect: Effect, looks: Mapping[str, Sequence[float]]) -> list[Effect]:
+    """Return a suspect with every combination of values worth a first look; itself if it has no number.
+
+    Parameters
+    ----------
+    looks
+        What the suspect says is worth a look in this test, by parameter.
+    """
     own = suspect.parameters
-    choices = [[(name, v) for v in grid(spec, own[name])] for name, spec in suspect.specs().items()]
+    choices = [
+        [(name, v) for v in looks.get(name, ()) or grid(spec, own[name])]
+        for name, spec in suspect.specs().items()
+    ]
     return [suspect.with_parameters({n: float(v) for n, v in chosen}) for chosen in product(*choices)]
 
 
@@ -93,7 +102,8 @@ def _tried(
         predicted = glimpses.predict([*accepted, *extra])
         return [residual(observed, predicted, widen=widen).vector(where) for widen in WIDENINGS]
 
-    tried = variants(suspect)
+    predictor = glimpses.predictor
+    tried = variants(suspect, suspect.looks(predictor.system, predictor.setup))
     found = [vectors([effect]) for effect in tried]
     if between := _between(suspect, tried, vectors([])[0], [v[0] for v in found]):
         tried.append(between)

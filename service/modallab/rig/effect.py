@@ -1,6 +1,6 @@
 """What an effect is: one way in which a test departs from the ideal, with the number that says how far."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
 from types import NoneType
 from typing import Any, ClassVar, Self
@@ -121,6 +121,13 @@ class Effect(Parameterised):
     def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:
         """Return where in this test an effect of this kind could sit."""
         return (None,)
+
+    def looks(self, system: DynamicSystem, setup: RigSetup) -> Mapping[str, Sequence[float]]:
+        """Return values worth a first look, by parameter, that depend on the structure or the band.
+
+        They stand in for what the parameter itself declares.
+        """
+        return {}
 
     @classmethod
     def signature(cls, evidence: Evidence) -> float:

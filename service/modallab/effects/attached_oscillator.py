@@ -1,0 +1,71 @@
+"""A small system on the structure with a resonance of its own."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from modallab.core.dof import Dof
+from modallab.core.parameters import parameter
+from modallab.core.place import Place
+from modallab.correlation.evidence import Evidence
+from modallab.fe.structure import Structure
+from modallab.fe.system import DynamicSystem
+from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.setup import RigSetup, Shot
+
+IN_BAND = (0.03, 0.1, 0.22, 0.4, 0.65, 0.9)  # shares of the band at which a first look is taken
+
+
+@EFFECTS.register("attached_oscillator")
+@dataclass(frozen=True)
+class AttachedOscillator(Effect):
+    """A mass on a damped spring at one DoF: Z = -omega^2 m s / (s - omega^2 m), s = (2 pi f)^2 m (1 + i eta).
+
+    Below its own frequency it weighs, above it stiffens, at it the DoF stands still: two resonances for
+    one. Den Hartog, Mechanical Vibrations, chapter 3 (the dynamic vibration absorber).
+    """
+
+    kind: ClassVar[str] = "attached_oscillator"
+    summary: ClassVar[str] = "a part on the structure with a resonance of its own"
+    stage: ClassVar[int] = 1
+    structural: ClassVar[bool] = True
+    sits: ClassVar[tuple[type, ...]] = (Dof,)
+    mass: float = parameter(0.05, unit="kg", lower=0.0, upper=100.0, doc="mass that moves on the spring")
+    frequency: float = parameter(
+        100.0, unit="Hz", lower=1e-3, upper=1e6, absent=None, doc="of the mass on its spring, DoF held"
+    )
+    loss_factor: float = parameter(0.05, unit="1", lower=1e-6, upper=2.0, absent=None, doc="of the spring")
+
+    def on_system(self, system: DynamicSystem, shot: Shot) -> DynamicSystem:
+        assert isinstance(self.at, Dof)
+        if self.mass == 0:
+            return system
+        return system.add_oscillator(self.at, self.mass, self.frequency, self.loss_factor)
+
+    def check(self, structure: Structure, setup: RigSetup | None = None) -> None:
+        """Raise unless it sits at a translation of the structure; see `Effect.check`."""
+        super().check(structure, setup)
+        if isinstance(self.at, Dof) and not self.at.translational:
+            raise self._misplaced("a translation")
+
+    @classmethod
+    def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:
+        """Return every translation."""
+        return tuple(dof for dof in system.dofs if dof.translational)
+
+    def looks(self, system: DynamicSystem, setup: RigSetup) -> Mapping[str, Sequence[float]]:
+        """Return frequencies spread over the band, and masses a decade apart."""
+        top = setup.analyser.freq[-1]
+        weight = float(system.mass.diagonal()[[dof.translational for dof in system.dofs]].sum())
+        masses = [m for share in (1e-3, 1e-2, 1e-1) if (m := share * weight) <= self.specs()["mass"].upper]
+        return {"frequency": [float(share * top) for share in IN_BAND], "mass": masses}
+
+    @classmethod
+    def signature(cls, evidence: Evidence) -> float:
+        """Some frequencies fall and others rise."""
+        moved = np.abs(evidence.frequency_shift).sum()
+        if not moved > 0:
+            return 0.3
+        return float(0.3 + 0.4 * (1 - np.abs(evidence.frequency_shift.sum()) / moved))

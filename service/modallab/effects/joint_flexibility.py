@@ -1,0 +1,70 @@
+"""A crack or a loose joint: the members on both sides of a node need not turn alike."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from modallab.core.dof import Dof
+from modallab.core.parameters import parameter
+from modallab.core.place import Place
+from modallab.correlation.evidence import Evidence
+from modallab.fe.structure import Structure
+from modallab.fe.system import DynamicSystem
+from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.setup import RigSetup, Shot
+
+LOOKS = np.logspace(-1.5, 2.5, 9)  # flexibility of the joint over that of one member's end
+
+
+@EFFECTS.register("joint_flexibility")
+@dataclass(frozen=True)
+class JointFlexibility(Effect):
+    """The rotation jumps by `flexibility` times the bending moment at a node, the deflection does not.
+
+    On one side of the rotational spring is the first member that runs into the node, on the other all
+    the rest. To first order d(omega^2) / omega^2 = -flexibility M(x)^2 / 2U, with M the bending moment
+    and U the strain energy of the mode (Rayleigh). A crack as such a spring: Chondros and Dimarogonas,
+    Journal of Sound and Vibration 69 (1980) 531-538.
+    """
+
+    kind: ClassVar[str] = "joint_flexibility"
+    summary: ClassVar[str] = "a crack or loose joint that gives in bending"
+    stage: ClassVar[int] = 1
+    structural: ClassVar[bool] = True
+    sits: ClassVar[tuple[type, ...]] = (Dof,)
+    flexibility: float = parameter(
+        1e-4, unit="rad/(N m)", lower=0.0, upper=1e6, doc="rotation of one side against the other per moment"
+    )
+
+    def on_system(self, system: DynamicSystem, shot: Shot) -> DynamicSystem:
+        assert isinstance(self.at, Dof)
+        return system.add_joint(self.at.node, self.flexibility)
+
+    def check(self, structure: Structure, setup: RigSetup | None = None) -> None:
+        """Raise unless it sits where members can turn against one another; see `Effect.check`."""
+        super().check(structure, setup)
+        assert isinstance(self.at, Dof)
+        meeting = [m.number for m in structure.members if self.at.node in m.nodes]
+        if self.at.direction != "RZ" or len(meeting) < 2:
+            raise self._misplaced("RZ of a node where two members meet")
+
+    @classmethod
+    def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:
+        """Return the rotation of every node where two members or more meet."""
+        joints = system.members.joints if system.members else ()
+        return tuple(dof for dof in system.dofs if dof.direction == "RZ" and dof.node in joints)
+
+    def looks(self, system: DynamicSystem, setup: RigSetup) -> Mapping[str, Sequence[float]]:
+        """Return flexibilities on both sides of that of the member's own end."""
+        assert isinstance(self.at, Dof)
+        assert system.members is not None
+        own = 1 / system.members.end_stiffness(self.at.node)
+        upper = self.specs()["flexibility"].upper
+        return {"flexibility": [float(own * share) for share in LOOKS if own * share <= upper]}
+
+    @classmethod
+    def signature(cls, evidence: Evidence) -> float:
+        """Frequencies fall, but not of modes without a bending moment at the node."""
+        return 0.3 + 0.4 * evidence.falling
