@@ -18,8 +18,9 @@ _LARGEST_NODE = 999_999_999
 _HIGHEST = 1e9  # Hz
 _A_ROW = 10  # frequencies; the last row may be filled up
 _STRANGE = re.compile(r"[^0-9+\-.eEdD \t]")
-_TOUCHING = re.compile(r"(?<=[0-9.])(?=[+-])")
-_FORTRAN = str.maketrans("dD", "EE")
+# Of F7.1, which the program lists frequencies in.
+_TOUCHING_LISTED = re.compile(r"(?<=\.[0-9])(?=[0-9]{5}\.[0-9])")
+_FORTRAN = str.maketrans("dDe", "EEE")
 _COUNTED = re.compile(r"modallab, FRF \d+ of (\d+)")
 
 
@@ -130,6 +131,12 @@ def _block(reader: "_Reader") -> Block:
     )
 
 
+def _apart(row: str) -> str:
+    """Return a row with a blank before every number that its minus joins to the one before."""
+    # Not by a regular expression: this is what the time goes into.
+    return row.translate(_FORTRAN).replace("-", " -").replace("E -", "E-")
+
+
 class _Reader:
     """Reads a file's lines, numbers in columns or with blanks between."""
 
@@ -176,7 +183,7 @@ class _Reader:
         start, step = self._parsed(" ".join(fields[1:]), 2)
         if not (0 <= start <= _HIGHEST and 0 < step <= _HIGHEST):
             raise self.refusal("has frequencies that do not rise from 0 Hz or above", text)
-        mantissa, _, exponent = fields[2].translate(_FORTRAN).upper().partition("E")
+        mantissa, _, exponent = fields[2].translate(_FORTRAN).partition("E")
         digits = len(mantissa.partition(".")[2]) - int(exponent or 0)
         return count, start, step, 0.5 * 10.0 ** -min(max(digits, -9), 20)
 
@@ -184,9 +191,13 @@ class _Reader:
         """Return numbers from as many lines as they take; up to `filled` may stand there."""
         rows, found = [], 0
         while found < count:
-            row = _TOUCHING.sub(" ", self.line())
+            row = self.line()
+            fields = row.split()
+            if row.count(".") > len(fields):  # columns touch
+                row = _TOUCHING_LISTED.sub(" ", row) if filled else _apart(row)
+                fields = row.split()
             rows.append(row)
-            found += len(row.split())
+            found += len(fields)
             if len(rows) > count:
                 raise self.refusal("has empty lines")
         if found > max(count, filled):
