@@ -7,15 +7,14 @@ from typing import ClassVar, Self
 
 import numpy as np
 
-from modallab.core.arrays import FloatArray
-from modallab.core.dof import TRANSLATIONS, Dof
+from modallab.core.dof import Dof
 from modallab.core.parameters import parameter
 from modallab.correlation.evidence import Evidence
 from modallab.fe.attachment import Attachment
 from modallab.fe.system import DynamicSystem
 from modallab.rig.effect import EFFECTS, Effect
 from modallab.rig.setup import RigSetup, Shot
-from modallab.rig.stinger import LONGEST, SHORTEST, STIFFEST_BENDING
+from modallab.rig.stinger import LONGEST, SHORTEST, STIFFEST_BENDING, lateral_ends
 
 
 @EFFECTS.register("stinger_bending")
@@ -47,26 +46,12 @@ class StingerBending(Effect):
     )
 
     def on_system(self, system: DynamicSystem, shot: Shot) -> DynamicSystem:
-        for drive in shot.drives:
-            if self.acts_on(drive):
-                system = self._clamped(system, drive)
-        return system
-
-    def _clamped(self, system: DynamicSystem, drive: Dof) -> DynamicSystem:
-        along = TRANSLATIONS.index(drive.direction)
-        away = -drive.sign * np.eye(3)[along]
         reach = self.length
         end = self.stiffness * np.array([[3 / reach**2, 1.5 / reach], [1.5 / reach, 1.0]])
-        for lateral in (np.eye(3)[i] for i in range(3) if i != along):
-            columns = np.stack(
-                [
-                    _motion(system, drive.node, "", lateral),
-                    _motion(system, drive.node, "R", np.cross(away, lateral)),
-                ]
-            )
-            free = columns.any(axis=1)  # a motion that the structure does not have is no motion
-            if free.any():
-                system = system.attach(Attachment(columns[free].T, stiffness=end[np.ix_(free, free)]))
+        for drive in shot.drives:
+            if self.acts_on(drive):
+                for columns, free in lateral_ends(system, drive):
+                    system = system.attach(Attachment(columns, stiffness=end[np.ix_(free, free)]))
         return system
 
     @classmethod
@@ -80,12 +65,3 @@ class StingerBending(Effect):
     def signature(cls, evidence: Evidence) -> float:
         """Frequencies rise in every FRF."""
         return 0.3 + 0.4 * evidence.rising
-
-
-def _motion(system: DynamicSystem, node: int, turning: str, direction: FloatArray) -> FloatArray:
-    """Return the (n,) column of a node's translation along, or rotation about, a direction."""
-    column = np.zeros(len(system.dofs))
-    for name, share in zip(TRANSLATIONS, direction, strict=True):
-        if share and (dof := Dof(node, turning + name)) in system.dofs:
-            column[system.index(dof)] = share
-    return column

@@ -5,12 +5,16 @@ from dataclasses import dataclass, replace
 from types import NoneType
 from typing import ClassVar, Self
 
+import numpy as np
+
 from modallab.core.dof import Dof
 from modallab.core.parameters import parameter
+from modallab.fe.attachment import Attachment
+from modallab.fe.system import DynamicSystem
 from modallab.rig.drive import Drive
 from modallab.rig.effect import EFFECTS, Effect
-from modallab.rig.setup import RigSetup
-from modallab.rig.stinger import HEAVIEST
+from modallab.rig.setup import RigSetup, Shot
+from modallab.rig.stinger import HEAVIEST, LONGEST, SHORTEST, lateral_ends
 
 
 @EFFECTS.register("stinger_mass")
@@ -20,7 +24,9 @@ class StingerMass(Effect):
 
     Between its ends [F, F] = k t [[cot t, -1/sin t], [-1/sin t, cot t]] [x, x]; far below its own first axial
     resonance, t = pi, half the mass moves with the force gauge, behind its sensing element, and half with the
-    armature. The FRF stays as it is. From the wave equation of a rod; k is that of `stinger_axial`.
+    armature. Lateral motion and slope of the drive point move m/420 [[156, 22 L], [22 L, 4 L^2]], which the
+    gauge does not show. From the wave equation of a rod, and the cubic deflection of one that is clamped in
+    the armature; k is that of `stinger_axial`.
     """
 
     kind: ClassVar[str] = "stinger_mass"
@@ -30,6 +36,18 @@ class StingerMass(Effect):
     at_drive: ClassVar[bool] = True
     suspected: ClassVar[bool] = False
     mass: float = parameter(1e-3, unit="kg", lower=0.0, upper=HEAVIEST, doc="of the whole stinger")
+    length: float = parameter(
+        0.05, unit="m", lower=SHORTEST, upper=LONGEST, absent=None, doc="from armature to force gauge"
+    )
+
+    def on_system(self, system: DynamicSystem, shot: Shot) -> DynamicSystem:
+        reach = self.length
+        end = self.mass / 420 * np.array([[156.0, 22 * reach], [22 * reach, 4 * reach**2]])
+        for drive in shot.drives:
+            if self.acts_on(drive):
+                for columns, free in lateral_ends(system, drive):
+                    system = system.attach(Attachment(columns, mass=end[np.ix_(free, free)]))
+        return system
 
     def on_drive(self, drive: Drive) -> Drive:
         if not self.acts_on(drive.dof):
@@ -38,4 +56,8 @@ class StingerMass(Effect):
 
     @classmethod
     def from_setup(cls, setup: RigSetup) -> Sequence[Self]:
-        return [] if setup.stinger is None or setup.stinger.mass == 0 else [cls(mass=setup.stinger.mass)]
+        return (
+            []
+            if setup.stinger is None or setup.stinger.mass == 0
+            else [cls(mass=setup.stinger.mass, length=setup.stinger.length)]
+        )

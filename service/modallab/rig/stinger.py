@@ -1,10 +1,15 @@
 """The stinger as its drawing or its data sheet has it: a rod between armature and force gauge."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import ClassVar
 
 import numpy as np
+from numpy.typing import NDArray
 
+from modallab.core.arrays import FloatArray
+from modallab.core.dof import TRANSLATIONS, Dof
+from modallab.fe.system import DynamicSystem
 from modallab.rig.hardware import within
 
 CLAMPED = 4.730040744862704  # first root of cosh x cos x = 1
@@ -94,3 +99,37 @@ def axial_frequency(stiffness: float, mass: float) -> float:
     The structure is taken as held.
     """
     return float(np.sqrt(stiffness / mass) / (2 * np.pi))
+
+
+def lateral_ends(system: DynamicSystem, drive: Dof) -> Iterator[tuple[FloatArray, NDArray[np.bool_]]]:
+    """Yield what a rod behind a drive point follows of it, in each plane through the rod's axis.
+
+    The rod leaves the structure against the sense in which it drives.
+
+    Yields
+    ------
+    columns
+        (n_dof, 1 or 2): lateral motion, and slope of the rod away from the structure; what the structure
+        does not have is left out.
+    free
+        (2,) which of the two it has.
+    """
+    along = TRANSLATIONS.index(drive.direction)
+    away = -drive.sign * np.eye(3)[along]
+    for lateral in (np.eye(3)[i] for i in range(3) if i != along):
+        turning = np.cross(away, lateral)
+        columns = np.stack(
+            [_motion(system, drive.node, "", lateral), _motion(system, drive.node, "R", turning)], axis=1
+        )
+        free = np.asarray(columns.any(axis=0))
+        if free.any():
+            yield columns[:, free], free
+
+
+def _motion(system: DynamicSystem, node: int, turning: str, direction: FloatArray) -> FloatArray:
+    """Return the (n_dof,) column of a node's translation along, or rotation about, a direction."""
+    column = np.zeros(len(system.dofs))
+    for name, share in zip(TRANSLATIONS, direction, strict=True):
+        if share and (dof := Dof(node, turning + name)) in system.dofs:
+            column[system.index(dof)] = share
+    return column

@@ -1,0 +1,64 @@
+"""Whether a stinger's own resonances stay out of the band: 1992 thesis, appendix D."""
+
+from dataclasses import dataclass
+from typing import ClassVar
+
+from modallab.rig.setup import RigSetup
+from modallab.rig.stinger import StingerRod, axial_frequency
+
+
+@dataclass(frozen=True)
+class StingerBendingCheck:
+    """How far a stinger's first bending mode lies from the band."""
+
+    name: ClassVar[str] = "stinger_bending"
+    rule: ClassVar[str] = "the stinger's first bending frequency is above the band"
+    bending_frequency: float  # Hz, between two clamps
+    frequency_max: float  # Hz
+    ratio: float  # of the two
+
+    @property
+    def fulfilled(self) -> bool:
+        """Whether it does not bend within the band."""
+        return self.ratio > 1
+
+
+@dataclass(frozen=True)
+class StingerAxialCheck:
+    """How far the armature's resonance on stinger and force gauge lies from the band."""
+
+    name: ClassVar[str] = "stinger_axial"
+    rule: ClassVar[str] = "the armature's resonance on the stinger is above the band"
+    axial_frequency: float  # Hz, the structure held
+    frequency_max: float  # Hz
+    ratio: float  # of the two
+
+    @property
+    def fulfilled(self) -> bool:
+        """Whether the source's force arrives within the band."""
+        return self.ratio > 1
+
+
+def stinger_bending_check(setup: RigSetup) -> StingerBendingCheck | None:
+    """Return where a rod's first bending mode lies; None where no rod is declared."""
+    if not isinstance(setup.stinger, StingerRod):
+        return None
+    frequency, band = setup.stinger.bending_frequency, setup.analyser.frequency_max
+    return StingerBendingCheck(frequency, band, frequency / band)
+
+
+def stinger_axial_check(setup: RigSetup) -> StingerAxialCheck | None:
+    """Return where the armature resonates on stinger and gauge; None where either mass or spring is ideal."""
+    declared = (setup.stinger.axial_stiffness if setup.stinger else None, setup.force_transducer.stiffness)
+    compliance = sum(1 / stiffness for stiffness in declared if stiffness)
+    if compliance == 0 or setup.exciter.armature_mass == 0:
+        return None
+    band = setup.analyser.frequency_max
+    frequency = axial_frequency(1 / compliance, setup.exciter.armature_mass)
+    return StingerAxialCheck(frequency, band, frequency / band)
+
+
+def stinger_checks(setup: RigSetup) -> tuple[StingerBendingCheck | StingerAxialCheck, ...]:
+    """Return the checks that the declared stinger, gauge and armature allow."""
+    both = (stinger_bending_check(setup), stinger_axial_check(setup))
+    return tuple(check for check in both if check is not None)
