@@ -1,6 +1,7 @@
 """What the log book and a list of effects predict for a measurement."""
 
 from collections.abc import Sequence
+from copy import copy
 from dataclasses import replace
 from functools import partial
 
@@ -55,6 +56,13 @@ class Predictor:
         """Return the expected spectra at every `step`-th line, leakage coarse."""
         whole = chain(self.system, self.setup, [*self._own, *effects])
         return Predicted.of(glimpse(whole, self.step))
+
+    def without_lines(self, every: int) -> "Predictor":
+        """Return the same with every so many lines held out of its fits as well."""
+        lines = np.arange(len(self.observed.freq)) % every == every // 2
+        other = copy(self)
+        other.observed = replace(self.observed, held_lines=self.observed.held_lines | lines)
+        return other
 
     def near(self, effects: Sequence[Effect]) -> "Glimpses":
         """Return first looks at what is added to some effects."""

@@ -6,8 +6,11 @@ from dataclasses import dataclass, field
 import numpy as np
 from scipy.stats import chi2
 
+from modallab.core.arrays import BoolArray
+from modallab.core.place import Channels
 from modallab.core.progress import Progress
 from modallab.diagnosis.fitting import Fit, approach, fit
+from modallab.diagnosis.observed import Observed
 from modallab.diagnosis.predictor import Predictor
 from modallab.diagnosis.residual import Residual, correlations, scatter, scatters
 from modallab.diagnosis.scanning import scan
@@ -19,6 +22,7 @@ MOST = 3.0  # gap of a part above which the best first effect may be the wrong o
 CONVINCING = 10.0  # difference in BIC that counts as very strong (Kass and Raftery 1995)
 ALIKE = 9.0  # difference in chi-square within which two explanations cannot be told apart
 ROUNDING = 0.1  # difference in BIC of two descriptions of one and the same physics
+LINES_APART = 4  # lines of a channel that are held out: every so many
 CLEAR = 2.0  # standard errors that a parameter keeps from `absent`
 CHANCE = 3e-5  # probability below which a gap above 1 is not put down to chance: four standard errors
 
@@ -137,8 +141,23 @@ def improves(predictor: Predictor, before: Fit, after: Fit) -> bool:
     for name, spec in effect.specs().items():
         if spec.absent is not None and abs(effect.parameters[name] - spec.absent) < CLEAR * errors[name]:
             return False
-    held_before, held_after = (f.residual.gap(observed.kept) for f in (before, after))
-    return held_after < held_before - scatter(observed, after.residual, observed.kept)
+    where = observed.kept
+    if (alone := _known_to_no_other(observed, effect)) is not None:
+        # No other FRF can bear it out: it has to predict lines of its own that it was not fitted to.
+        predictor = predictor.without_lines(LINES_APART)
+        where = observed.usable & predictor.observed.held_lines[:, None] & alone
+        after = fit(predictor, after.effects)
+    held_before, held_after = (f.residual.gap(where) for f in (before, after))
+    return held_after < held_before - scatter(observed, after.residual, where)
+
+
+def _known_to_no_other(observed: Observed, effect: Effect) -> BoolArray | None:
+    """Return the channels (n_out,) an effect acts on, if it leaves all that are held out as they were."""
+    if not isinstance(effect.at, Channels):
+        return None
+    alone = np.array([effect.acts_on(dof) for dof in observed.outputs])
+    held = observed.held_out
+    return alone if held.any() and not (alone & held).any() else None
 
 
 def temperature(predictor: Predictor, best: Fit) -> float:
