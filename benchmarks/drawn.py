@@ -7,27 +7,38 @@ from modallab.estimation.spectra import CrossSpectra
 from modallab.rig.drawn import drawn_spectra
 
 N_TESTS, N_FREQ, N_OUT, AVERAGES = 1000, 401, 11, 100
+FEWER = 200  # tests of several forces
 
 
 def run() -> list[tuple[str, float, float]]:
-    """Return the time of 1,000 tests over that of as many Gamma and normal variables."""
-    shape = (1, N_FREQ, N_OUT)
+    """Return the time of many tests over that of as many Gamma and normal variables."""
+    name = f"against their random numbers, 11 x {N_FREQ}"
+    return [
+        (f"drawn: 1,000 tests, {name}", against_numbers(1, N_TESTS), 2.0),
+        (f"drawn: two forces, {FEWER} tests, {name}", against_numbers(2, FEWER), 3.0),
+    ]
+
+
+def against_numbers(n_in: int, n_tests: int) -> float:
+    """Return the time of tests with `n_in` forces over that of the random numbers they are made of."""
     expected = CrossSpectra(
         np.linspace(0, 800, N_FREQ),
-        np.ones((1, N_FREQ, 1, 1), complex),
-        np.full((1, N_FREQ, 1, N_OUT), 1 + 1j),
-        np.full(shape, 2.1),
+        np.tile(np.eye(n_in, dtype=complex), (1, N_FREQ, 1, 1)),
+        np.full((1, N_FREQ, n_in, N_OUT), 1 + 1j),
+        np.full((1, N_FREQ, N_OUT), 2.1 * n_in),
         AVERAGES,
     )
+    ties = n_in * (n_in - 1) // 2
 
     def drawn() -> None:
-        drawn_spectra(expected, np.random.default_rng(0), N_TESTS)
+        drawn_spectra(expected, np.random.default_rng(0), n_tests)
 
     def numbers() -> None:
         rng = np.random.default_rng(0)
-        for _ in range(N_TESTS):
-            rng.standard_gamma(AVERAGES, N_FREQ)
-            rng.standard_normal((N_FREQ, N_OUT, 2))
-            rng.standard_gamma(AVERAGES - 1, (N_FREQ, N_OUT))
+        for _ in range(n_tests):
+            rng.standard_gamma(AVERAGES, (N_FREQ, n_in))
+            rng.standard_normal((N_FREQ, ties, 2))
+            rng.standard_normal((N_FREQ, n_in, N_OUT, 2))
+            rng.standard_gamma(AVERAGES - n_in, (N_FREQ, N_OUT))
 
-    return [("drawn: 1,000 tests of 11 x 401, against their random numbers", ratio(drawn, numbers, 5), 2.0)]
+    return ratio(drawn, numbers, 5)

@@ -187,6 +187,7 @@ def measurement(data: Json, given: Arrays) -> models.Measurement:
         averages=None if averages is None or not averages.size else float(averages.reshape(-1)[0]),
         force_spectrum=given.get("force_spectrum"),
         response_spectrum=given.get("response_spectrum"),
+        input_condition=given.get("input_condition"),
         rig_id=data.get("rig_id"),
     )
 

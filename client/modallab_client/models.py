@@ -116,6 +116,7 @@ class Measurement:
     averages: float | None
     force_spectrum: FloatArray | None = field(default=None, repr=False)  # (n, n_out, n_in) N^2/Hz
     response_spectrum: FloatArray | None = field(default=None, repr=False)  # as coherence, unit^2/Hz
+    input_condition: FloatArray | None = field(default=None, repr=False)  # (n,) with several forces at once
     rig_id: str | None = None
 
     def __repr__(self) -> str:

@@ -9,3 +9,5 @@ from modallab.estimation.spectra import CrossSpectra
 Estimator = Callable[[CrossSpectra], ComplexArray]  # (n_run, n_freq, n_out, n_in), response per N
 
 ESTIMATORS: Family[Estimator] = Family("estimator", home="modallab.estimation.estimators")
+
+SEVERAL_FORCES = ("h1",)  # what is defined where several forces act at once

@@ -4,6 +4,7 @@ import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.estimation.spectra import CrossSpectra
+from modallab.rig.drawn_forces import drawn_of_several
 
 IN_CACHE = 2**14  # spectral values drawn at once: larger batches run at the speed of memory
 
@@ -20,7 +21,7 @@ def drawn_spectra(spectra: CrossSpectra, rng: np.random.Generator, n_tests: int 
     Parameters
     ----------
     spectra
-        Expected, with one force a run.
+        Expected.
     n_tests
         How often the test is repeated; the runs of a test follow one another.
 
@@ -28,7 +29,9 @@ def drawn_spectra(spectra: CrossSpectra, rng: np.random.Generator, n_tests: int 
     -------
     Spectra of `n_tests * n_run` runs.
     """
-    n_run, n_freq, _, n_out = spectra.fx.shape
+    n_run, n_freq, n_in, n_out = spectra.fx.shape
+    if n_in > 1:
+        return drawn_of_several(spectra, rng, n_tests)
     ff = np.empty((n_tests, n_run, n_freq))
     fx = np.empty((n_tests, n_run, n_freq, n_out), complex)
     xx = np.empty((n_tests, n_run, n_freq, n_out))

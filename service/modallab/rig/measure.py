@@ -11,6 +11,7 @@ from modallab.core.arrays import FloatArray
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.core.progress import Progress, silent
 from modallab.estimation.coherence import coherence
+from modallab.estimation.condition import input_condition
 from modallab.estimation.estimator import ESTIMATORS
 from modallab.estimation.spectra import CrossSpectra
 from modallab.fe.assembly import assemble
@@ -95,6 +96,8 @@ def measurement_of(spectra: CrossSpectra, setup: RigSetup) -> Measurement:
         setup=setup,
         force_spectrum=table.placed(np.broadcast_to(force[:, :, None], spectra.fx.swapaxes(2, 3).shape)),
         response_spectrum=by_response(spectra.xx),
+        # of all runs the worst: none of the FRFs is worse off
+        input_condition=input_condition(spectra).max(axis=0) if spectra.ff.shape[2] > 1 else None,
     )
 
 

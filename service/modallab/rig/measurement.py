@@ -18,6 +18,7 @@ class Measurement:
     setup: RigSetup
     force_spectrum: FloatArray | None = None  # (n_freq, n_out, n_in) N^2/Hz, of the run of that response
     response_spectrum: FloatArray | None = None  # (m/s^2)^2/Hz, shaped as `coherence`
+    input_condition: FloatArray | None = None  # (n_freq,) of G_ff, where several forces act at once
     seed: int | None = None
     notes: tuple[str, ...] = ()
 
@@ -26,6 +27,7 @@ class Measurement:
         roved = self.setup.exciter.kind == "hammer" and shape[2] > 1
         own = shape if roved else shape[:2]
         expected = {"coherence": own, "force_spectrum": shape, "response_spectrum": own}
+        expected["input_condition"] = shape[:1]
         for name, wanted in expected.items():
             value = getattr(self, name)
             if value is not None:

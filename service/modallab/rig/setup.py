@@ -5,6 +5,9 @@ from dataclasses import dataclass, field
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.place import EffectSpec
+from modallab.estimation.averaging import effective_averages
+from modallab.estimation.estimator import SEVERAL_FORCES
+from modallab.estimation.windows import WINDOWS
 from modallab.rig.analyser import Analyser
 from modallab.rig.hardware import Accelerometers, Exciter, ForceTransducer, Noise
 from modallab.rig.stinger import Stinger
@@ -58,6 +61,27 @@ class RigSetup:
                         value=str(dof),
                         allowed="X, Y, Z",
                     )
+        if len(self.drives) > 1 and self.exciter.kind != "hammer":
+            self._check_told_apart()
+
+    def _check_told_apart(self) -> None:
+        """Raise unless the analyser can tell apart the forces that act at once."""
+        analyser, n_in = self.analyser, len(self.drives)
+        if analyser.estimator not in SEVERAL_FORCES:
+            raise InvalidInputError(
+                f"{analyser.estimator} is defined for one force, and {n_in} act at once",
+                field="estimator",
+                value=analyser.estimator,
+                allowed=", ".join(SEVERAL_FORCES),
+            )
+        worth = effective_averages(analyser.averages, analyser.overlap, WINDOWS[analyser.window])
+        if worth < n_in:
+            raise InvalidInputError(
+                "too few averages to tell apart the forces that act at once",
+                field="averages",
+                value=round(worth, 2),
+                allowed=f">= {n_in}, as independent records count",
+            )
 
     @property
     def drive(self) -> Dof:

@@ -62,6 +62,7 @@ def _take_measurement(thing: Measurement) -> tuple[Json, Arrays]:
             "averages": np.array(thing.averages),
             "force_spectrum": thing.force_spectrum,
             "response_spectrum": thing.response_spectrum,
+            "input_condition": thing.input_condition,
         }
     )
     return {"setup": to_plain(thing.setup)[0], "seed": thing.seed, "notes": list(thing.notes)}, arrays
@@ -76,6 +77,7 @@ def _put_measurement(body: Json, arrays: _Given) -> Measurement:
         setup=from_plain(RigSetup, body["setup"], {}),
         force_spectrum=arrays.get("force_spectrum"),
         response_spectrum=arrays.get("response_spectrum"),
+        input_condition=arrays.get("input_condition"),
         seed=body["seed"],
         notes=tuple(body["notes"]),
     )
