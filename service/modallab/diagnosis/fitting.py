@@ -47,7 +47,7 @@ class _Knob:
     def bounds(self) -> tuple[float, float]:
         if self.spec.signed:
             return self.spec.lower / self.unit, self.spec.upper / self.unit
-        low = max(self.spec.lower, 1e-9 * self.spec.upper)
+        low = max(self.spec.lower, 1e-12 * self.unit)  # upper bounds may lie far beyond what is believable
         return float(np.log(low)), float(np.log(self.spec.upper))
 
     def position(self, value: float) -> float:

@@ -1,8 +1,10 @@
 import numpy as np
 
+from modallab.core.dof import Dof
 from modallab.core.place import Members
 from modallab.diagnosis.fitting import approach, fit
 from modallab.effects.accelerometer_mass import AccelerometerMass
+from modallab.effects.joint_flexibility import JointFlexibility
 from modallab.effects.stiffness_error import StiffnessError
 from tests.diagnosing import drawn, predicting, rig
 
@@ -45,3 +47,12 @@ def test_a_parameter_stays_within_its_bounds() -> None:
     found = fit(predictor, [AccelerometerMass(mass=0.4)])
     # Nothing is missing: driven towards zero, which lies infinitely far on the fit's logarithmic scale.
     assert 0 <= found.effects[0].parameters["mass"] < 2e-3
+
+
+def test_a_number_far_below_its_upper_bound_is_fitted() -> None:
+    true = JointFlexibility(at=Dof(4, "RZ"), flexibility=2e-5)
+    assert true.flexibility < 1e-9 * true.specs()["flexibility"].upper
+    predictor, _ = predicting(drawn(rig(), [true]))
+    found = fit(predictor, [true.with_parameters({"flexibility": 3e-5})])
+    error = found.errors[0]["flexibility"]
+    assert abs(found.effects[0].parameters["flexibility"] - 2e-5) < 4 * error  # four standard errors
