@@ -31,13 +31,13 @@ class CubicStiffness(Effect):
     structural: ClassVar[bool] = True
     sits: ClassVar[tuple[type, ...]] = (Dof,)
     stiffness: float = parameter(
-        1e12, unit="N/m^3", lower=0.0, upper=1e24, doc="force over the cube of the motion"
+        1e9, unit="N/m^3", lower=0.0, upper=1e24, doc="force over the cube of the motion"
     )
 
     def on_motion(self) -> LocalForce | None:
         assert isinstance(self.at, Dof)
         k = self.stiffness
-        return LocalForce(self.at, lambda x: k * x**3, lambda x: 3 * k * x**2) if k > 0 else None
+        return LocalForce(self.at, lambda x: k * (x * x * x), lambda x: 3 * k * (x * x)) if k > 0 else None
 
     @classmethod
     def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:

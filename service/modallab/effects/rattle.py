@@ -32,7 +32,7 @@ class Rattle(Effect):
     suspected: ClassVar[bool] = False
     sits: ClassVar[tuple[type, ...]] = (Dof,)
     stiffness: float = parameter(1e4, unit="N/m", lower=0.0, upper=1e12, doc="of the stops")
-    gap: float = parameter(1e-4, unit="m", lower=1e-12, upper=1.0, absent=None, doc="free way to either side")
+    gap: float = parameter(1e-5, unit="m", lower=1e-12, upper=1.0, absent=None, doc="free way to either side")
 
     def on_motion(self) -> LocalForce | None:
         assert isinstance(self.at, Dof)

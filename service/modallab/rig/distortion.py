@@ -30,7 +30,7 @@ def with_equivalents(run: Run, forces: Sequence[LocalForce], analyser: Analyser,
         nodes, weights = refined(analyser, *run.resonances(analyser.frequency_max))
         freq, hertz = [*freq, nodes], [*hertz, share * weights]
     omega, power = 2 * np.pi * np.concatenate(freq), _density(analyser) * np.concatenate(hertz)
-    driven, fed_back = _motions(run, forces, omega)
+    driven, fed_back = motions(run, forces, omega)
     found = equivalents(forces, driven, fed_back, omega, power)
     system = run.system
     for one in found:
@@ -50,7 +50,7 @@ def residual_densities(run: Run, analyser: Analyser, source: Source, freq: Float
         finer = int(np.clip(np.ceil(analyser.spacing / max(narrow, 1e-9)), 1, FINEST))
     lines = np.linspace(0.0, analyser.frequency_max, finer * (analyser.n_lines - 1) + 1)
     omega = 2 * np.pi * lines[1:]
-    driven, _ = _motions(run, [one.force for one in run.local], omega)
+    driven, _ = motions(run, [one.force for one in run.local], omega)
     size = _density(analyser) * (np.abs(driven) ** 2).sum(axis=2)
     out = np.empty((len(freq), len(run.local)))
     for i, one in enumerate(run.local):
@@ -64,7 +64,7 @@ def _density(analyser: Analyser) -> float:
     return analyser.excitation.level**2 / analyser.frequency_max
 
 
-def _motions(run: Run, forces: Sequence[LocalForce], omega: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+def motions(run: Run, forces: Sequence[LocalForce], omega: FloatArray) -> tuple[ComplexArray, ComplexArray]:
     """Return displacement at the forces per source (n, r, n_in) and per force there (n, r, r), m/N."""
     n = len(run.drives)
     columns = run.system.selection((*run.shot.drives, *(force.dof for force in forces)))

@@ -2,7 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, lru_cache
 
 import numpy as np
 
@@ -45,18 +45,18 @@ class Linearised:
     @cached_property
     def _series(self) -> FloatArray:
         """(ORDERS,) a_n = E[f(s z) He_n(z)] / sqrt(n!) of a normal z, so that E[f^2] = sum a_n^2."""
-        z = np.linspace(-FARTHEST, FARTHEST, POINTS)
-        weights = np.exp(-(z**2) / 2) / np.sqrt(2 * np.pi) * (z[1] - z[0])
+        z, weights = _normal()
         terms = np.zeros((ORDERS, POINTS))
         terms[0], terms[1] = 1.0, z
         for n in range(2, ORDERS):  # normalised Hermite polynomials
             terms[n] = (z * terms[n - 1] - np.sqrt(n - 1) * terms[n - 2]) / np.sqrt(n)
         return np.asarray((terms * weights) @ self.force.law(self.rms * z))
 
-    @property
+    @cached_property
     def slope(self) -> float:
         """The equivalent stiffness, N/m, or viscous damping, N s/m."""
-        return float(self._series[1] / self.rms) if self.rms > 0 else 0.0
+        z, weights = _normal()
+        return float((weights * z) @ self.force.law(self.rms * z) / self.rms) if self.rms > 0 else 0.0
 
     def residual(self, x: FloatArray) -> FloatArray:
         """Return the force less its straight line, N."""
@@ -75,3 +75,10 @@ class Linearised:
         powers = self._series**2
         powers[:2] = 0.0
         return np.asarray(np.polynomial.polynomial.polyval(correlation, powers))
+
+
+@lru_cache(maxsize=1)
+def _normal() -> tuple[FloatArray, FloatArray]:
+    """Return points and weights for means over a normal number."""
+    z = np.linspace(-FARTHEST, FARTHEST, POINTS)
+    return z, np.exp(-(z**2) / 2) / np.sqrt(2 * np.pi) * (z[1] - z[0])

@@ -1,0 +1,100 @@
+"""Nonlinear structures: stepped records against straight lines with their residuals' power."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from modallab.core.dof import Dof
+from modallab.core.progress import silent
+from modallab.effects.cubic_stiffness import CubicStiffness
+from modallab.effects.friction import Friction
+from modallab.effects.rattle import Rattle
+from modallab.estimation.coherence import coherence, coherence_error, frf_error
+from modallab.estimation.estimators.h1 import h1
+from modallab.estimation.spectra import CrossSpectra
+from modallab.fe.assembly import assemble
+from modallab.fe.damping import StructuralDamping
+from modallab.fe.structure import Support
+from modallab.rig.analyser import Analyser, ExcitationSetting
+from modallab.rig.chain import Chain, chain
+from modallab.rig.effect import Effect
+from modallab.rig.expected import expected_spectra
+from modallab.rig.hardware import Exciter
+from modallab.rig.sampled import sampled_spectra
+from modallab.rig.setup import RigSetup
+from tests.rigs import dofs, steel_beam
+
+TIP = Dof(9, "Y")
+CANTILEVER = assemble(
+    replace(
+        steel_beam(StructuralDamping(stiffness_coefficient=0.08), n_elements=8),
+        supports=(Support(1, ("Y", "RZ")),),
+    )
+)
+AVERAGES = 200
+MILD: list[Effect] = [
+    CubicStiffness(TIP, 5e6),
+    Friction(TIP, 0.3, 3e-3),
+    Rattle(TIP, 300.0, 1.5e-4),
+]
+
+
+def bench(effect: Effect, excitation: str, level: float = 5.0) -> Chain:
+    """A cantilever to 200 Hz, modes at 10, 64 and 180 Hz, its shaker with an armature."""
+    analyser = Analyser(
+        200.0, 101, "hann", averages=AVERAGES, excitation=ExcitationSetting(excitation, level)
+    )
+    return chain(
+        CANTILEVER, RigSetup(dofs(5), dofs(5, 9), Exciter(armature_mass=0.05), analyser=analyser), [effect]
+    )
+
+
+def drawn_and_expected(effect: Effect, excitation: str) -> tuple[CrossSpectra, CrossSpectra]:
+    whole = bench(effect, excitation)
+    return sampled_spectra(whole, np.random.default_rng(8), silent), expected_spectra(whole)
+
+
+@pytest.mark.parametrize("excitation", ["periodic_random", "random"])
+@pytest.mark.parametrize("effect", MILD, ids=lambda effect: effect.kind)
+def test_stepped_records_and_straight_lines_agree_where_the_force_is_mild(
+    effect: Effect, excitation: str
+) -> None:
+    sampled, expected = drawn_and_expected(effect, excitation)
+    g2 = coherence(expected)[:, 1:]
+    ratio = np.abs(h1(sampled) / h1(expected))[:, 1:, :, 0]
+    # of normal errors 99.7 % lie within three; the motion is Gaussian to first order only
+    assert (np.abs(ratio - 1) < 3 * frf_error(g2, AVERAGES) + 1e-3).mean() >= 0.99
+    within = np.abs(coherence(sampled)[:, 1:] / g2 - 1) < 4 * coherence_error(g2, AVERAGES) + 2e-3
+    assert within.mean() >= 0.97
+    power = np.abs(sampled.xx / expected.xx - 1)[:, 1:] < 3 / np.sqrt(AVERAGES)
+    assert power.mean() >= 0.97
+
+
+@pytest.mark.parametrize("effect", MILD, ids=lambda effect: effect.kind)
+def test_the_force_is_seen_in_frf_and_coherence(effect: Effect) -> None:
+    with_it, without = (
+        expected_spectra(bench(one, "periodic_random"))
+        for one in (effect, effect.with_parameters({next(iter(effect.specs())): 0.0}))
+    )
+    error = frf_error(coherence(with_it), AVERAGES)[:, 1:]
+    assert (np.abs(h1(with_it) / h1(without) - 1)[:, 1:, :, 0] / error).max() > 3
+    assert coherence(with_it)[:, 1:].min() < 0.97
+
+
+def test_a_hardening_spring_raises_the_resonance_with_the_level_and_friction_loses_its_damping() -> None:
+    def first(effect: Effect, level: float) -> tuple[float, float]:
+        frequencies, widths = bench(effect, "periodic_random", level).poles()
+        return float(frequencies[0, 0]), float(widths[0, 0])
+
+    soft, hard = (first(CubicStiffness(TIP, 5e6), level)[0] for level in (1.0, 10.0))
+    assert hard > 1.05 * soft
+    stuck, loose = (first(Friction(TIP, 0.3, 3e-3), level)[1] for level in (1.0, 10.0))
+    assert loose < 0.9 * stuck
+
+
+def test_the_same_seed_gives_the_same_bytes() -> None:
+    one, other = (
+        sampled_spectra(bench(MILD[0], "periodic_random"), np.random.default_rng(2), silent) for _ in range(2)
+    )
+    assert one.fx.tobytes() == other.fx.tobytes()
