@@ -17,6 +17,7 @@ class Alteration:
     mass: float = 1.0
     axial: float = 1.0
     bending: float = 1.0
+    loss: float = 1.0  # of what it loses in proportion to its stiffness
     shear: float = 0.0  # added share of shear flexibility and rotary inertia
     joints: tuple[float, float] = (0.0, 0.0)  # rad/(N m), of a rotational spring at each end; 0 is rigid
 
@@ -26,6 +27,7 @@ class Alteration:
             self.mass * other.mass,
             self.axial * other.axial,
             self.bending * other.bending,
+            self.loss * other.loss,
             self.shear + other.shear,
             (self.joints[0] + other.joints[0], self.joints[1] + other.joints[1]),
         )

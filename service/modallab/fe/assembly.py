@@ -8,10 +8,11 @@ from scipy.sparse import csc_array
 
 from modallab.core.arrays import FloatArray, IntArray
 from modallab.core.dof import Dof
-from modallab.fe.damping import ModalDamping, StructuralDamping, ViscousDamping
+from modallab.fe.damping import ModalDamping, StructuralDamping
 from modallab.fe.element import ELEMENTS, Bar, ElementParts
+from modallab.fe.losses import Losses
 from modallab.fe.member_table import MemberTable
-from modallab.fe.modal_damping import modal_damping
+from modallab.fe.modal_damping import ModalLoss
 from modallab.fe.shear import Shear
 from modallab.fe.structure import PLANE, Material, Section, Structure
 from modallab.fe.system import DynamicSystem
@@ -139,13 +140,9 @@ class Assembly:
         use = coefficients_of(self.structure) if coefficients is None else coefficients
         mass = use.mass[:, None, None] * self.mass
         stiffness = use.axial[:, None, None] * self.axial + use.bending[:, None, None] * self.bending
-        damping = use.loss_factor[:, None, None] * stiffness
-        viscous: FloatArray | None = None
         law = self.structure.damping
-        if isinstance(law, StructuralDamping):
-            damping = damping + law.mass_coefficient * mass
-        elif isinstance(law, ViscousDamping):
-            viscous = law.mass_coefficient * mass + law.stiffness_coefficient * stiffness
+        losses = Losses.of(law, use.loss_factor)
+        damping, viscous = losses.matrices(mass, stiffness)
         table = MemberTable(
             numbers=tuple(m.number for m in self.structure.members),
             ends=tuple(m.nodes for m in self.structure.members),
@@ -154,22 +151,20 @@ class Assembly:
             mass=mass,
             axial=use.axial[:, None, None] * self.axial,
             bending=use.bending[:, None, None] * self.bending,
-            loss_factor=use.loss_factor,
+            losses=losses,
             law=law,
             shear=self._shear(use),
         )
-        system = DynamicSystem(
+        return DynamicSystem(
             mass=self.matrix(mass, self._point_masses),
             stiffness=self.matrix(stiffness, self._ground),
             damping=self.matrix(damping) if damping.any() else None,
-            viscous=None if viscous is None else self.matrix(viscous),
+            viscous=self.matrix(viscous) if viscous.any() else None,
             dofs=self.structure.dofs,
             rigid=self._rigid_shapes,
             members=table,
+            modal=ModalLoss(law.loss_factors) if isinstance(law, ModalDamping) else None,
         )
-        if isinstance(law, ModalDamping):
-            system = system.attach(modal_damping(system, law.loss_factors))
-        return system
 
     def _shear(self, use: Coefficients) -> Shear:
         structure = self.structure

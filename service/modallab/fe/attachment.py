@@ -81,3 +81,25 @@ def grown(matrix: csc_array | None, n: int) -> csc_array | None:
         return matrix
     grown = matrix.tocoo()
     return csc_array((grown.data, (grown.row, grown.col)), shape=(n, n))
+
+
+def carried(slow: FloatArray, attachments: tuple[Attachment, ...]) -> FloatArray:
+    """Return slow motions (n, k) with those of the attachments' own coordinates below them."""
+    rows = [slow]
+    for a in attachments:
+        if a.inner:
+            k = np.zeros((a.inner, len(a.columns.T) + a.inner)) if a.stiffness is None else a.stiffness
+            own, outer = k[-a.inner :, -a.inner :], k[-a.inner :, : -a.inner]
+            rows.append(-np.linalg.pinv(own) @ outer @ (a.columns.T @ slow))
+    return np.vstack(rows)
+
+
+def block_diagonal(blocks: list[ComplexArray], n: int) -> ComplexArray:
+    """Return matrices (n, r, r) block by block, (n, R, R)."""
+    sizes = [block.shape[1] for block in blocks]
+    out = np.zeros((n, sum(sizes), sum(sizes)), complex)
+    start = 0
+    for block, size in zip(blocks, sizes, strict=True):
+        out[:, start : start + size, start : start + size] = block
+        start += size
+    return out

@@ -9,7 +9,8 @@ from modallab.core.arrays import FloatArray, IntArray
 from modallab.core.errors import InvalidInputError
 from modallab.fe.alteration import TURNING, Alteration, jointed, span
 from modallab.fe.attachment import Attachment
-from modallab.fe.damping import Damping, StructuralDamping, ViscousDamping
+from modallab.fe.damping import Damping
+from modallab.fe.losses import Losses
 from modallab.fe.shear import Shear
 
 
@@ -24,7 +25,7 @@ class MemberTable:
     mass: FloatArray  # (n_members, 6, 6)
     axial: FloatArray
     bending: FloatArray
-    loss_factor: FloatArray  # (n_members,)
+    losses: Losses
     law: Damping
     shear: Shear
 
@@ -56,24 +57,29 @@ class MemberTable:
         dm = new.mass - np.pad(self.mass[e], now)
         dk = new.stiffness - np.pad(self.axial[e] + self.bending[e], now)
         kept = np.flatnonzero(self.rows[e] >= 0)
+        lossy = (alteration.loss - 1) * new.stiffness
         # Rigid motions strain nothing: most changes need fewer columns than the member has DoFs.
-        v = span([part[kept][:, own] for part in (dm, dk) for own in (kept, slice(6, None))])
+        v = span([part[kept][:, own] for part in (dm, dk, lossy) for own in (kept, slice(6, None))])
         reach = np.zeros((6 + new.inner, v.shape[1] + new.inner))
         reach[kept, : v.shape[1]] = v
         reach[6:, v.shape[1] :] = np.eye(new.inner)
         columns = np.zeros((n, v.shape[1]))
         columns[self.rows[e][kept]] = v
-        return self._attachment(e, columns, reach.T @ dm @ reach, reach.T @ dk @ reach, new.inner)
+        lost = self.losses
+        damping = lost.mass[e] * dm + lost.stiffness[e] * (dk + lossy)
+        viscous = lost.viscous_mass[e] * dm + lost.viscous_stiffness[e] * (dk + lossy)
+        dm, dk, damping, viscous = (reach.T @ part @ reach for part in (dm, dk, damping, viscous))
+        return Attachment(columns, dm, dk, damping, viscous, new.inner)
 
-    def _attachment(
-        self, e: int, columns: FloatArray, mass: FloatArray, stiffness: FloatArray, inner: int
-    ) -> Attachment:
-        damping, viscous = self.loss_factor[e] * stiffness, None
-        if isinstance(self.law, StructuralDamping):
-            damping = damping + self.law.mass_coefficient * mass
-        elif isinstance(self.law, ViscousDamping):
-            viscous = self.law.mass_coefficient * mass + self.law.stiffness_coefficient * stiffness
-        return Attachment(columns, mass, stiffness, damping, viscous, inner)
+    @property
+    def loss_factor(self) -> FloatArray:
+        """(n_members,) hysteretic loss in proportion to stiffness, over it."""
+        return self.losses.stiffness
+
+    @property
+    def damping(self) -> tuple[FloatArray, FloatArray]:
+        """Hysteretic D_e and viscous C_e, (n_members, 6, 6) each."""
+        return self.losses.matrices(self.mass, self.axial + self.bending)
 
     def end_at(self, node: int) -> tuple[int, int]:
         """Return the member that a joint at a node sets loose, by number, and which of its ends is there.
@@ -108,13 +114,14 @@ class MemberTable:
         nodes, counts = np.unique(np.array(self.ends), return_counts=True)
         return tuple(int(node) for node in nodes[counts > 1])
 
-    def scaled(self, *, mass: float, stiffness: float) -> "MemberTable":
-        """Return the table with the mass and stiffness of every member multiplied."""
+    def scaled(self, *, mass: float, stiffness: float, loss: float = 1.0) -> "MemberTable":
+        """Return the table with the mass, stiffness and the loss by stiffness of every member multiplied."""
         return replace(
             self,
             mass=self.mass * mass,
             axial=self.axial * stiffness,
             bending=self.bending * stiffness,
+            losses=self.losses.scaled(loss),
             shear=self.shear.scaled(mass=mass, stiffness=stiffness),
         )
 

@@ -1,6 +1,6 @@
 """Modes of mass, stiffness and damping, and the receptance they add up to."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
@@ -11,6 +11,7 @@ from scipy.sparse.linalg import LinearOperator, eigsh, splu
 
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.errors import InvalidInputError
+from modallab.fe.modal_damping import ModalLoss
 from modallab.fe.remainder import Remainder
 
 COUPLED = 1e-9  # off-diagonal modal damping, relative to the diagonal, above which modes turn complex
@@ -40,6 +41,33 @@ class ModalBasis:
         keep = slice(self.n_rigid_body, stop)
         viscous = None if self.viscous is None else self.viscous[keep, keep]
         return ModalBasis(self.eigenvalues[keep], self.shapes[:, keep], 0, viscous, self.frequency_max)
+
+    def damped(
+        self, damping: csc_array | None, viscous: csc_array | None, modal: ModalLoss | None = None
+    ) -> "ModalBasis":
+        """Return these undamped modes with damping; shapes turn complex only where it couples them."""
+        squares = self.eigenvalues.real
+        d, c = (None if part is None else self.shapes.T @ (part @ self.shapes) for part in (damping, viscous))
+        if modal is not None:
+            lost = np.zeros(len(squares))
+            lost[self.n_rigid_body :] = modal.lost(squares[self.n_rigid_body :])
+            d = np.diag(modal.structural * lost) + (0.0 if d is None else d)
+            if modal.viscous:
+                c = np.diag(modal.viscous * lost) + (0.0 if c is None else c)
+        values, turn = (self.eigenvalues, None) if d is None else _damped(squares, np.asarray(d))
+        shapes = self.shapes if turn is None else self.shapes @ turn
+        if turn is not None and c is not None:
+            c = turn.T @ c @ turn
+        return replace(self, eigenvalues=values, shapes=shapes, viscous=c)
+
+    def stretched(self, factor: float) -> "ModalBasis":
+        """Return undamped modes of the same shapes whose eigenvalues are so many times as large."""
+        return replace(
+            self,
+            eigenvalues=self.eigenvalues * factor,
+            frequency_max=self.frequency_max * np.sqrt(factor),
+            remainder=None if self.remainder is None else self.remainder.stretched(factor),
+        )
 
     @property
     def frequencies(self) -> FloatArray:
@@ -147,6 +175,14 @@ def modal_basis(
     rigid
         (n, n_rigid) motions of the geometry that strain no member.
     """
+    undamped = undamped_basis(mass, stiffness, rigid, frequency_max=frequency_max)
+    return undamped.damped(damping, viscous)
+
+
+def undamped_basis(
+    mass: csc_array, stiffness: csc_array, rigid: FloatArray | None, *, frequency_max: float = np.inf
+) -> ModalBasis:
+    """Return the modes of a system without damping; see `modal_basis`."""
     bodies = rigid_body_modes(mass, stiffness, rigid)
     remainder = None
     if np.isinf(frequency_max):
@@ -156,25 +192,19 @@ def modal_basis(
         squares = np.concatenate([np.zeros(n_rigid), squares[n_rigid:]])
     else:
         squares, shapes, remainder = _lowest(mass, stiffness, bodies, (2 * np.pi * frequency_max) ** 2)
-    eigenvalues, shapes = _damped(squares, shapes, damping)
-    c = None if viscous is None else np.asarray(shapes.T @ (viscous @ shapes))
-    return ModalBasis(eigenvalues, shapes, bodies.shape[1], c, frequency_max, remainder)
+    return ModalBasis(squares.astype(complex), shapes, bodies.shape[1], None, frequency_max, remainder)
 
 
-def _damped(
-    squares: FloatArray, shapes: FloatArray, damping: csc_array | None
-) -> tuple[ComplexArray, FloatArray | ComplexArray]:
-    """Return eigenvalues and shapes with structural damping, complex only where it couples modes."""
-    if damping is None:
-        return squares.astype(complex), shapes
-    modal = shapes.T @ (damping @ shapes)
+def _damped(squares: FloatArray, modal: FloatArray) -> tuple[ComplexArray, ComplexArray | None]:
+    """Return eigenvalues with structural damping Phi^T D Phi, and the modes in terms of the undamped
+    ones where damping couples them."""
     loss = np.diag(modal)
     size = np.abs(loss)  # a rigid-body mode's may be a rounding error below zero
     least = np.maximum(COUPLED * np.sqrt(np.outer(size, size)), ROUNDING * size.max(initial=0.0))
     n_groups, group = connected_components(np.abs(modal - np.diag(loss)) > least, directed=False)
     values = squares + 1j * loss
     if n_groups == len(values):
-        return values, shapes
+        return values, None
     # Group by group: solved for together, modes that damping leaves alone, above all rigid-body
     # modes of one and the same eigenvalue, would come back mixed and no longer orthogonal.
     turn = np.eye(len(values), dtype=complex)
@@ -183,7 +213,7 @@ def _damped(
             block = np.ix_(members, members)
             values[members], turn[block] = _coupled(squares[members], modal[block])
     order = np.argsort(values.real, kind="stable")
-    return values[order], shapes @ turn[:, order]
+    return values[order], turn[:, order]
 
 
 def _coupled(squares: FloatArray, modal: FloatArray) -> tuple[ComplexArray, ComplexArray]:

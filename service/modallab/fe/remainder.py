@@ -42,3 +42,11 @@ class Remainder:
         above = loads - self.mass @ (self.shapes @ (self.shapes.T @ loads))
         moved = self.solve(np.ascontiguousarray(above))
         return np.asarray(moved - self.shapes @ (self.shapes.T @ (self.mass @ moved)))
+
+    def stretched(self, factor: float) -> "Remainder":
+        """Return what modes of the same shapes add whose eigenvalues are so many times as large."""
+
+        def solve(loads: FloatArray) -> FloatArray:
+            return self.solve(loads) / factor
+
+        return Remainder(self.mass, solve, self.shift * factor, self.shapes)

@@ -11,11 +11,14 @@ from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError, UnknownDofError
 from modallab.fe.alteration import Alteration
-from modallab.fe.attachment import Attachment, grown, motions
-from modallab.fe.damping import StructuralDamping, ViscousDamping
+from modallab.fe.attachment import Attachment, block_diagonal, carried, grown, motions
+from modallab.fe.damping import ViscousDamping
 from modallab.fe.member_table import MemberTable
-from modallab.fe.modes import ModalBasis, modal_basis
+from modallab.fe.modal_damping import ModalLoss
+from modallab.fe.modes import ModalBasis, undamped_basis
+from modallab.fe.rebuilding import grounded, kept, rebuilt
 
+MODAL_BAND = 2e3  # Hz, of modes of a large structure that modal damping is written out for
 SMALL = 250  # DoFs below which a dense eigen-solution is the faster one
 
 
@@ -35,6 +38,9 @@ class DynamicSystem:
     rigid: FloatArray | None = None  # (n, n_rigid) motions that strain no member
     members: MemberTable | None = None
     attachments: tuple[Attachment, ...] = ()
+    modal: ModalLoss | None = None  # of the matrices alone
+    # A system with the same undamped shapes, and how many times its eigenvalues these are: solved for there.
+    alike: "tuple[DynamicSystem, float] | None" = None
     altered: Mapping[int, tuple[Alteration, Attachment]] = field(default_factory=dict)  # by member
     shared: dict[str, object] = field(default_factory=dict, repr=False)  # solved once for all variants
 
@@ -141,90 +147,102 @@ class DynamicSystem:
             raise InvalidInputError("the system does not know its members", field="members")
         return self.members
 
-    def scaled(self, *, mass: float = 1.0, stiffness: float = 1.0) -> "DynamicSystem":
-        """Return the system with the mass or stiffness of every member multiplied.
+    def scaled(self, *, mass: float = 1.0, stiffness: float = 1.0, loss: float = 1.0) -> "DynamicSystem":
+        """Return the system with the mass, stiffness or loss of every member multiplied.
 
-        Point masses and springs to ground stay as they are.
+        Point masses and springs to ground stay as they are. `loss` is what members lose in proportion to
+        their stiffness, beside what they do as that changes; of modal damping it is all.
         """
+        if mass == stiffness == loss == 1:
+            return self
         table = self._known_members
+        modal = self.modal and self.modal.scaled(loss)
+        solved = mass == 1 and (stiffness == 1 or not grounded(self.shared, self.stiffness, table))
         return self._rebuilt(
-            "scaled", (mass, stiffness), lambda: table.scaled(mass=mass, stiffness=stiffness)
+            ("scaled", mass, stiffness, loss),
+            lambda: table.scaled(mass=mass, stiffness=stiffness, loss=loss),
+            modal,
+            stiffness if solved else None,
         )
+
+    def converted(self, share: float, omega: float) -> "DynamicSystem":
+        """Return the system with a share of its members' loss under the other law, alike at `omega` rad/s.
+
+        Viscous damping turns hysteretic where the structure's law is viscous; else it is the other way.
+        """
+        table, modal = self._known_members, self.modal
+        if isinstance(table.law, ViscousDamping):
+            losses = table.losses.to_hysteretic(share, omega)
+        else:
+            losses = table.losses.to_viscous(share, omega)
+            modal = modal and modal.to_viscous(share, omega)
+        members = replace(table, losses=losses)
+        return self._rebuilt(("converted", share, omega), lambda: members, modal, stretch=1.0)
 
     def sheared(self, amount: float) -> "DynamicSystem":
         """Return the system with so much more of shear flexibility and rotary inertia in every member.
 
         1 turns members of Bernoulli and Euler into Timoshenko's; those that are his have it already.
         """
-        table = self._known_members
-        return self._rebuilt("sheared", (amount,), lambda: table.sheared(amount))
+        return self._rebuilt(("sheared", amount), lambda: self._known_members.sheared(amount), self.modal)
 
     def _rebuilt(
-        self, how: str, numbers: tuple[float, ...], members: Callable[[], MemberTable]
+        self,
+        key: tuple[object, ...],
+        members: Callable[[], MemberTable],
+        modal: ModalLoss | None,
+        stretch: float | None = None,
     ) -> "DynamicSystem":
         """Return the system of other members, with all that is attached to this one.
 
-        Asked for again with the same numbers, the same matrices come back, so that their modes are solved
-        for once; only the last ones are kept.
+        Asked for again with the same key, the same matrices come back, so that their modes are solved for
+        once. `stretch` says how many times their eigenvalues are this system's, where shapes are its own.
         """
-        known = self.shared.get(how)
-        if not (isinstance(known, tuple) and known[0] == numbers):
-            known = (numbers, self._with(members()))
-            self.shared[how] = known
-        matrices: DynamicSystem = known[1]
+
+        def make() -> DynamicSystem:
+            table = members()
+            matrices = rebuilt(self._matrices, len(self.dofs), self._known_members, table)
+            alike = None if stretch is None else (replace(self, attachments=(), altered={}), stretch)
+            rest = {"rigid": self.rigid, "members": table, "modal": modal, "alike": alike}
+            return DynamicSystem(**matrices, dofs=self.dofs, **rest)  # type: ignore[arg-type]
+
         own = [attachment for _, attachment in self.altered.values()]
         rest = tuple(a for a in self.attachments if not any(a is b for b in own))
-        system = replace(matrices, attachments=rest)
+        system = replace(kept(self.shared, key, make), attachments=rest, altered={})
         for number, (alteration, _) in self.altered.items():
             system = system.alter(number, alteration)
         return system
 
-    def _with(self, table: MemberTable) -> "DynamicSystem":
-        old, n = self._known_members, len(self.dofs)
-        dm = table.sum(table.mass - old.mass, n)
-        more = table.axial + table.bending - old.axial - old.bending
-        dk = table.sum(more, n)
-        damping, viscous = self.damping, self.viscous
-        if damping is not None:
-            damping = damping + table.sum(table.loss_factor[:, None, None] * more, n)
-            if isinstance(table.law, StructuralDamping):
-                damping = damping + table.law.mass_coefficient * dm
-        if viscous is not None and isinstance(table.law, ViscousDamping):
-            viscous = viscous + table.law.mass_coefficient * dm + table.law.stiffness_coefficient * dk
-        mass, stiffness = csc_array(self.mass + dm), csc_array(self.stiffness + dk)
-        return DynamicSystem(mass, stiffness, self.dofs, damping, viscous, self.rigid, table)
+    @property
+    def _matrices(self) -> dict[str, csc_array | None]:
+        return {name: getattr(self, name) for name in ("mass", "stiffness", "damping", "viscous")}
 
     def folded(self) -> "DynamicSystem":
         """Return the same system with every attachment added into the matrices.
 
         Coordinates of the attachments' own become rows behind those of the DoFs.
         """
-        columns_of = motions(len(self.dofs), self.attachments)
-        n = len(self.dofs) + sum(a.inner for a in self.attachments)
-        out: dict[str, csc_array | None] = {}
-        for name in ("mass", "stiffness", "damping", "viscous"):
-            total = grown(getattr(self, name), n)
-            for attachment, columns in zip(self.attachments, columns_of, strict=True):
+        hung = self._hung
+        columns_of = motions(len(self.dofs), hung)
+        n = len(self.dofs) + sum(a.inner for a in hung)
+        out = {name: grown(matrix, n) for name, matrix in self._matrices.items()}
+        for attachment, columns in zip(hung, columns_of, strict=True):
+            for name, total in out.items():
                 small = getattr(attachment, name)
                 if small is not None and small.any():
                     extra = csc_array(columns @ small @ columns.T)
-                    total = extra if total is None else csc_array(total + extra)
-            out[name] = total
-        rigid = None if self.rigid is None else self._carried(self.rigid)
+                    out[name] = extra if total is None else csc_array(total + extra)
+        rigid = None if self.rigid is None else carried(self.rigid, hung)
         return DynamicSystem(**out, dofs=self.dofs, rigid=rigid, members=self.members)  # type: ignore[arg-type]
 
-    def _carried(self, slow: FloatArray) -> FloatArray:
-        """Return slow motions (n, k) with those of the attachments' own coordinates below them."""
-        rows = [slow]
-        for a in self.attachments:
-            if a.inner:
-                k = np.zeros((a.inner, len(a.columns.T) + a.inner)) if a.stiffness is None else a.stiffness
-                rows.append(
-                    -np.linalg.pinv(k[-a.inner :, -a.inner :])
-                    @ k[-a.inner :, : -a.inner]
-                    @ (a.columns.T @ slow)
-                )
-        return np.vstack(rows)
+    @property
+    def _hung(self) -> tuple[Attachment, ...]:
+        """All attachments, and modal damping as one."""
+        if self.modal is None:
+            return self.attachments
+        basis = self._undamped(MODAL_BAND).elastic()
+        modal = self.modal.attachment(self.mass, basis.eigenvalues.real, basis.shapes.real)
+        return (*self.attachments, modal)
 
     @property
     def stacked(self) -> FloatArray:
@@ -233,13 +251,7 @@ class DynamicSystem:
 
     def attached_stiffness(self, omega: FloatArray) -> ComplexArray:
         """Return the dynamic stiffness of all attachments, (n_freq, R, R), block by block."""
-        sizes = [a.columns.shape[1] for a in self.attachments]
-        z = np.zeros((len(omega), sum(sizes), sum(sizes)), complex)
-        start = 0
-        for attachment, size in zip(self.attachments, sizes, strict=True):
-            z[:, start : start + size, start : start + size] = attachment.dynamic_stiffness(omega)
-            start += size
-        return z
+        return block_diagonal([a.dynamic_stiffness(omega) for a in self.attachments], len(omega))
 
     def base_modes(self, frequency_max: float) -> ModalBasis:
         """Return modes of the matrices alone, attachments left out: all of them below `SMALL` DoFs,
@@ -247,15 +259,24 @@ class DynamicSystem:
         known = self.shared.get("basis")
         if isinstance(known, ModalBasis) and known.frequency_max >= 2 * frequency_max:
             return known
-        basis = modal_basis(
-            self.mass,
-            self.stiffness,
-            self.damping,
-            self.viscous,
-            self.rigid,
-            frequency_max=np.inf if len(self.dofs) < SMALL else 2 * frequency_max,
-        )
+        basis = self._undamped(2 * frequency_max).damped(self.damping, self.viscous, self.modal)
         self.shared["basis"] = basis
+        return basis
+
+    def _undamped(self, limit: float) -> ModalBasis:
+        """Return undamped modes of the matrices alone, up to `limit`, Hz, or all."""
+        known = self.shared.get("undamped")
+        if isinstance(known, ModalBasis) and known.frequency_max >= limit:
+            return known
+        if self.alike:
+            other, stretch = self.alike
+            # In few steps, or systems that get softer bit by bit would each ask for a little more.
+            wider = 1.25 ** np.ceil(max(-np.log(stretch) / 2 / np.log(1.25), 0.0))
+            basis = other._undamped(limit * wider).stretched(stretch)
+        else:
+            top = np.inf if len(self.dofs) < SMALL else limit
+            basis = undamped_basis(self.mass, self.stiffness, self.rigid, frequency_max=top)
+        self.shared["undamped"] = basis
         return basis
 
     def modes(self, frequency_max: float = 0.0) -> ModalBasis:
@@ -269,8 +290,8 @@ class DynamicSystem:
         Damping between modes is left out: near enough to say where a spectrum is steep, and several
         times faster than complex modes.
         """
-        whole = self.folded()
-        basis = replace(whole, damping=None, viscous=None).base_modes(frequency_max).elastic()
+        whole = self.folded() if self.attachments or self.modal else self
+        basis = whole._undamped(2 * frequency_max).elastic()
         lost = np.zeros(len(basis.eigenvalues))
         for matrix, power in ((whole.damping, 0), (whole.viscous, 1)):
             if matrix is not None:

@@ -11,6 +11,7 @@ from modallab.estimation.windows import WINDOWS
 from modallab.rig.analyser import Analyser
 from modallab.rig.hardware import Accelerometers, Exciter, ForceTransducer, Noise
 from modallab.rig.stinger import Stinger
+from modallab.rig.suspension import Suspension
 
 
 @dataclass(frozen=True)
@@ -42,6 +43,7 @@ class RigSetup:
     accelerometers: Accelerometers = field(default_factory=Accelerometers)
     analyser: Analyser = field(default_factory=Analyser)
     noise: Noise = field(default_factory=Noise)
+    suspension: Suspension = field(default_factory=Suspension)
     effects: tuple[EffectSpec, ...] = ()
 
     def __post_init__(self) -> None:

@@ -1,11 +1,15 @@
 """Wire types of the hardware; parts left out are ideal."""
 
-from typing import Literal
+from typing import Annotated, Literal
 
-from modallab.api.wire import Number, Wire
+from pydantic import Field
+
+from modallab.api.wire import DofText, Number, Wire
+from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.rig.hardware import Accelerometers, Coil, Exciter, ForceTransducer, Noise
 from modallab.rig.stinger import Stinger, StingerRod, StingerStiffness
+from modallab.rig.suspension import Suspension
 
 
 class CoilIn(Wire):
@@ -95,6 +99,7 @@ class AccelerometersIn(Wire):
     mounted_frequency: Number | None = None
     transverse_sensitivity: Number = 0.0
     transverse_angle: Number = 0.0
+    cable_mass: Number = 0.0
 
     def to_domain(self) -> Accelerometers:
         """Return the accelerometers."""
@@ -105,6 +110,7 @@ class AccelerometersIn(Wire):
             self.mounted_frequency,
             self.transverse_sensitivity,
             self.transverse_angle,
+            self.cable_mass,
         )
 
 
@@ -117,3 +123,16 @@ class NoiseIn(Wire):
     def to_domain(self) -> Noise:
         """Return the noise."""
         return Noise(self.force, self.response)
+
+
+class SuspensionIn(Wire):
+    """The elastic bands that the structure hangs on, all alike."""
+
+    at: Annotated[list[DofText], Field(min_length=1, max_length=100)]
+    stiffness: Number
+    loss_factor: Number = 0.0
+
+    def to_domain(self) -> Suspension:
+        """Return the suspension."""
+        at = tuple(Dof.parse(text, field="suspension.at") for text in self.at)
+        return Suspension(at, self.stiffness, self.loss_factor)

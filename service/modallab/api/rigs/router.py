@@ -2,12 +2,13 @@
 
 from typing import Annotated
 
-from fastapi import APIRouter, status
+from fastapi import APIRouter, Query, status
 
-from modallab.api.deps import IdPath, OwnerDep, StoreDep
+from modallab.api.deps import Id, IdPath, OwnerDep, StoreDep
 from modallab.api.examples import example
-from modallab.api.rigs.schemas import RigIn, RigOut
+from modallab.api.rigs.schemas import CheckOut, ChecksOut, RigIn, RigOut
 from modallab.api.shelves import add_routes
+from modallab.rig.checks import checks
 
 router = APIRouter(prefix="/rigs", tags=["rigs"])
 
@@ -31,6 +32,14 @@ def create_rig(body: Annotated[RigIn, example(_RIG)], store: StoreDep, owner: Ow
 @router.get("/{id}", summary="A rig as declared")
 def get_rig(id: IdPath, store: StoreDep) -> RigOut:
     return RigOut.of(store.rigs.get(id), store.rigs.entry(id))
+
+
+@router.get("/{id}/checks", summary="Rules of good testing, on a structure")
+def get_checks(
+    id: IdPath, structure_id: Annotated[Id, Query(description="what the rig tests")], store: StoreDep
+) -> ChecksOut:
+    found = checks(store.structures.get(structure_id), store.rigs.get(id))
+    return ChecksOut(rig_id=id, structure_id=structure_id, checks=[CheckOut.of(check) for check in found])
 
 
 add_routes(router, "rigs")

@@ -3,14 +3,23 @@
 from dataclasses import asdict
 from typing import Annotated, Any, Self
 
-from pydantic import Field
+from pydantic import BaseModel, Field
 
 from modallab.api.rigs.analyser import AnalyserIn
-from modallab.api.rigs.hardware import AccelerometersIn, ExciterIn, ForceTransducerIn, NoiseIn, StingerIn
+from modallab.api.rigs.hardware import (
+    AccelerometersIn,
+    ExciterIn,
+    ForceTransducerIn,
+    NoiseIn,
+    StingerIn,
+    SuspensionIn,
+)
 from modallab.api.wire import DofText, Effects, EntryOut, Wire, effect_out
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
+from modallab.rig.checks import Check, figures
 from modallab.rig.setup import RigSetup
+from modallab.rig.suspension import Suspension
 from modallab.store.base import Entry
 
 # Lines x responses of one test: its arrays take some hundred megabytes while they are made.
@@ -29,6 +38,7 @@ class RigIn(Wire):
     accelerometers: AccelerometersIn | None = None
     analyser: AnalyserIn | None = None
     noise: NoiseIn | None = None
+    suspension: SuspensionIn | None = None
     effects: Effects = ()
 
     def to_domain(self) -> RigSetup:
@@ -42,6 +52,7 @@ class RigIn(Wire):
             accelerometers=(self.accelerometers or AccelerometersIn()).to_domain(),
             analyser=(self.analyser or AnalyserIn()).to_domain(),
             noise=(self.noise or NoiseIn()).to_domain(),
+            suspension=self.suspension.to_domain() if self.suspension else Suspension(),
             effects=tuple(effect.to_domain().spec for effect in self.effects),
         )
         values = len(setup.responses) * len(setup.drives) * setup.analyser.n_lines
@@ -79,6 +90,7 @@ class RigOut(EntryOut):
     accelerometers: dict[str, Any]
     analyser: dict[str, Any]
     noise: dict[str, Any]
+    suspension: dict[str, Any]
     effects: list[dict[str, Any]]
 
     @classmethod
@@ -99,5 +111,28 @@ def setup_out(setup: RigSetup) -> dict[str, Any]:
         "accelerometers": asdict(setup.accelerometers),
         "analyser": asdict(setup.analyser),
         "noise": asdict(setup.noise),
+        "suspension": asdict(setup.suspension) | {"at": [str(dof) for dof in setup.suspension.at]},
         "effects": [effect_out(spec) for spec in setup.effects],
     }
+
+
+class CheckOut(BaseModel):
+    """A rule of good testing, the figures it looks at, in SI units, and whether it is kept."""
+
+    name: str
+    rule: str
+    fulfilled: bool
+    figures: dict[str, float]
+
+    @classmethod
+    def of(cls, check: Check) -> Self:
+        """Return what the contract shows of a check."""
+        return cls(name=check.name, rule=check.rule, fulfilled=check.fulfilled, figures=figures(check))
+
+
+class ChecksOut(BaseModel):
+    """All checks of a rig on a structure."""
+
+    rig_id: str
+    structure_id: str
+    checks: list[CheckOut]

@@ -1,0 +1,65 @@
+"""Damping that follows another law than the model's."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from modallab.core.parameters import parameter
+from modallab.core.place import Place
+from modallab.correlation.evidence import Evidence
+from modallab.fe.system import DynamicSystem
+from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.setup import RigSetup, Shot
+
+
+@EFFECTS.register("damping_law")
+@dataclass(frozen=True)
+class DampingLaw(Effect):
+    """A share s of the loss is viscous where the model has it hysteretic, or the other way round.
+
+    i D becomes i (1 - s) D + i omega s C with C = D / omega_f: both laws lose alike at the reference
+    frequency f; below it viscous damping takes less, above it more, so that a mode's loss factor
+    becomes eta_r (1 - s + s omega_r / omega_f). Of a viscous model, C becomes (1 - s) C and D = s omega_f C.
+    Bishop and Johnson, The Mechanics of Vibration (1960), chapter 9. Only the loss of the structure's
+    law changes: members' own loss factors under a viscous law stay, as do dampers that hang on it.
+    """
+
+    kind: ClassVar[str] = "damping_law"
+    summary: ClassVar[str] = "viscous damping that the model has as structural, or the other way round"
+    stage: ClassVar[int] = 1
+    structural: ClassVar[bool] = True
+    share: float = parameter(
+        0.5, unit="1", lower=0.0, upper=1.0, doc="of the loss that follows the other law"
+    )
+    frequency: float = parameter(
+        150.0,
+        unit="Hz",
+        lower=0.01,
+        upper=1e6,
+        absent=None,
+        doc="at which both laws lose alike",
+        tries=(30.0, 150.0, 750.0),
+    )
+
+    def on_system(self, system: DynamicSystem, shot: Shot) -> DynamicSystem:
+        return system.converted(self.share, 2 * np.pi * self.frequency) if self.share else system
+
+    @classmethod
+    def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:
+        """Return everywhere, of a structure that has losses."""
+        lossy = system.damping is not None or system.viscous is not None or system.modal
+        return (None,) if system.members and lossy else ()
+
+    @classmethod
+    def signature(cls, evidence: Evidence) -> float:
+        """Peaks are too high at one end of the band and too low at the other."""
+        if len(evidence.mode_frequency) < 2:
+            return 0.2
+        lines = np.abs(evidence.freq[:, None] - evidence.mode_frequency).argmin(axis=0)
+        left = (evidence.frf.real * evidence.weight)[lines].sum(axis=1)
+        order = np.argsort(evidence.mode_frequency)
+        steady = np.linspace(-1.0, 1.0, len(order))
+        size = float(np.sqrt((left**2).sum() * (steady**2).sum()))
+        return 0.2 + 0.5 * evidence.at_peaks * abs(float(left[order] @ steady)) / max(size, 1e-300)

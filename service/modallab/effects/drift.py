@@ -1,0 +1,50 @@
+"""A structure that changes while it is tested."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+from modallab.core.parameters import parameter
+from modallab.core.place import Place
+from modallab.correlation.evidence import Evidence
+from modallab.fe.system import DynamicSystem
+from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.setup import RigSetup, Shot
+
+
+@EFFECTS.register("drift")
+@dataclass(frozen=True)
+class Drift(Effect):
+    """The stiffness of all members grows or falls linearly from the first run of a test to the last.
+
+    K (1 + change tau), tau from 0 to 1 in even steps: natural frequencies follow as
+    sqrt(1 + change tau), and shapes stay, so that every FRF belongs to another structure. A steel beam that
+    warms by 10 K loses 0.3 % of its modulus. Non-stationarity of a test, 1992 thesis, chapter 5. The
+    damping that the law ties to stiffness goes with it; a test of one run does not see it.
+    """
+
+    kind: ClassVar[str] = "drift"
+    summary: ClassVar[str] = "stiffness changes between the runs of a test, as with temperature"
+    stage: ClassVar[int] = 1
+    structural: ClassVar[bool] = True
+    change: float = parameter(
+        -0.01, unit="1", lower=-0.3, upper=0.3, doc="of stiffness from the first run to the last, relative"
+    )
+
+    def on_system(self, system: DynamicSystem, shot: Shot) -> DynamicSystem:
+        return system.scaled(stiffness=1 + self.change * shot.moment)
+
+    @classmethod
+    def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:
+        """Return everywhere, of a test that takes several runs."""
+        return (None,) if system.members and len(setup.shots) > 1 else ()
+
+    @classmethod
+    def signature(cls, evidence: Evidence) -> float:
+        """Responses that are measured late disagree more than those measured early."""
+        channel = evidence.by_channel
+        third = max(len(channel) // 3, 1)
+        if len(channel) < 2 or channel.sum() == 0:
+            return 0.2
+        early, late = float(channel[:third].mean()), float(channel[-third:].mean())
+        return 0.2 + 0.5 * max(0.0, late - early) / (late + early + 1e-300)

@@ -1,0 +1,88 @@
+"""Members that lose more or less than the model has them lose."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+from types import NoneType
+from typing import ClassVar
+
+from modallab.core.parameters import parameter
+from modallab.core.place import Members, Place
+from modallab.correlation.evidence import Evidence
+from modallab.fe.alteration import Alteration
+from modallab.fe.damping import ModalDamping, StructuralDamping
+from modallab.fe.structure import Structure
+from modallab.fe.system import DynamicSystem
+from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.setup import RigSetup, Shot
+
+
+@EFFECTS.register("loss_factor_error")
+@dataclass(frozen=True)
+class LossFactorError(Effect):
+    """What some members, or all, lose in proportion to their stiffness is another multiple of the model's.
+
+    D_e = factor eta K_e, as the damping coefficients c_i of the 1992 thesis [6.2], and the share b K_e of
+    viscous damping alike. What the law ties to mass (a of a M + b K) is no property of their material and
+    stays. Modal damping belongs to no member: everywhere, all its loss factors are multiplied.
+    """
+
+    kind: ClassVar[str] = "loss_factor_error"
+    summary: ClassVar[str] = "members lose more or less than modelled"
+    stage: ClassVar[int] = 1
+    structural: ClassVar[bool] = True
+    sits: ClassVar[tuple[type, ...]] = (NoneType, Members)
+    factor: float = parameter(
+        2.0, unit="1", lower=0.0, upper=100.0, absent=1.0, doc="true loss factor over the model's"
+    )
+
+    def on_system(self, system: DynamicSystem, shot: Shot) -> DynamicSystem:
+        if isinstance(self.at, Members):
+            for number in self.at.numbers:
+                system = system.alter(number, Alteration(loss=self.factor))
+            return system
+        return system.scaled(loss=self.factor)
+
+    def check(self, structure: Structure, setup: RigSetup | None = None) -> None:
+        """Raise unless its members are there and have a loss of their own; see `Effect.check`."""
+        super().check(structure, setup)
+        if isinstance(self.at, Members) and isinstance(structure.damping, ModalDamping):
+            own = [m.number for m in structure.members if m.loss_factor]
+            if not set(self.at.numbers) & set(own):
+                raise self._misplaced(f"null, as modal damping belongs to no member; or members {own}")
+
+    def added_to(self, structure: Structure) -> Structure:
+        """Return the model with the loss factors corrected, where a model has a number for them."""
+        law = structure.damping
+        if isinstance(self.at, Members):
+            if not isinstance(law, StructuralDamping):
+                return super().added_to(structure)
+            wrong, common = set(self.at.numbers), law.stiffness_coefficient
+        else:
+            wrong, common = {m.number for m in structure.members if m.loss_factor is not None}, 0.0
+            if isinstance(law, ModalDamping):
+                law = ModalDamping(tuple(self.factor * eta for eta in law.loss_factors))
+            else:
+                law = replace(law, stiffness_coefficient=self.factor * law.stiffness_coefficient)
+        members = tuple(
+            replace(m, loss_factor=self.factor * (common if m.loss_factor is None else m.loss_factor))
+            if m.number in wrong
+            else m
+            for m in structure.members
+        )
+        return replace(structure, members=members, damping=law)
+
+    @classmethod
+    def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:
+        """Return everywhere and every member, of what there is to multiply."""
+        table = system.members
+        if table is None:
+            return ()
+        losses = table.losses
+        lossy = (losses.stiffness + losses.viscous_stiffness) > 0
+        each = [Members((number,)) for number, own in zip(table.numbers, lossy, strict=True) if own]
+        return (None, *each) if each or system.modal else ()
+
+    @classmethod
+    def signature(cls, evidence: Evidence) -> float:
+        """Peaks are too high or too low, at the frequencies of the model."""
+        return 0.2 + 0.6 * evidence.at_peaks

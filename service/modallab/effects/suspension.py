@@ -1,0 +1,69 @@
+"""The elastic bands that a structure hangs on."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from typing import ClassVar, Self
+
+import numpy as np
+
+from modallab.core.dof import Dof
+from modallab.core.parameters import parameter
+from modallab.core.place import Place
+from modallab.correlation.evidence import Evidence
+from modallab.fe.attachment import Attachment
+from modallab.fe.structure import Structure
+from modallab.fe.system import DynamicSystem
+from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.setup import RigSetup, Shot
+
+
+@EFFECTS.register("suspension")
+@dataclass(frozen=True)
+class Suspension(Effect):
+    """One soft, lossy spring k (1 + i eta) to the ground; a rig's suspension is one for each band.
+
+    Rigid-body modes move off zero: a body of mass M bounces on two bands at sqrt(2 k / M). A free
+    structure needs them below a tenth of the first elastic mode. Ewins, Modal Testing (2000), chapter 3.
+    """
+
+    kind: ClassVar[str] = "suspension"
+    summary: ClassVar[str] = "an elastic band holds a structure that should be free"
+    stage: ClassVar[int] = 1
+    sits: ClassVar[tuple[type, ...]] = (Dof,)
+    stiffness: float = parameter(100.0, unit="N/m", lower=0.0, upper=1e9, doc="of the band")
+    loss_factor: float = parameter(
+        0.05, unit="1", lower=0.0, upper=1.0, absent=None, doc="of the band, hysteretic"
+    )
+
+    def on_system(self, system: DynamicSystem, shot: Shot) -> DynamicSystem:
+        assert isinstance(self.at, Dof)
+        spring = np.array([[self.stiffness]])
+        return system.attach(
+            Attachment(system.selection((self.at,)), stiffness=spring, damping=self.loss_factor * spring)
+        )
+
+    def check(self, structure: Structure, setup: RigSetup | None = None) -> None:
+        """Raise unless the band pulls at a translation of the structure; see `Effect.check`."""
+        super().check(structure, setup)
+        if isinstance(self.at, Dof) and not self.at.translational:
+            raise self._misplaced("a translation")
+
+    @classmethod
+    def from_setup(cls, setup: RigSetup) -> Sequence[Self]:
+        bands = setup.suspension
+        if bands.stiffness == 0:
+            return []
+        return [cls(at=dof, stiffness=bands.stiffness, loss_factor=bands.loss_factor) for dof in bands.at]
+
+    @classmethod
+    def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:
+        """Return every translation of a structure that is free to move; none of one that is held."""
+        free = system.rigid is not None and system.rigid.shape[1] > 0
+        return tuple(dof for dof in system.dofs if dof.translational) if free else ()
+
+    @classmethod
+    def signature(cls, evidence: Evidence) -> float:
+        """What disagrees lies below the first elastic mode."""
+        below = evidence.freq < 0.5 * evidence.mode_frequency.min(initial=np.inf)
+        line = evidence.by_line
+        return 0.1 + 0.6 * float(line[below].sum() / max(line.sum(), 1e-300)) if below.any() else 0.1

@@ -1,0 +1,60 @@
+"""What each member loses, and how that follows from its mass and stiffness."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from modallab.core.arrays import FloatArray
+from modallab.fe.damping import Damping, StructuralDamping, ViscousDamping
+
+
+@dataclass(frozen=True, eq=False)
+class Losses:
+    """D_e = a M_e + b K_e, hysteretic, and C_e = a' M_e + b' K_e, viscous; (n_members,) each."""
+
+    stiffness: FloatArray  # b, a member's loss factor
+    mass: FloatArray  # a, rad^2/s^2
+    viscous_stiffness: FloatArray  # b', s
+    viscous_mass: FloatArray  # a', 1/s
+
+    @classmethod
+    def of(cls, law: Damping, loss_factor: FloatArray) -> "Losses":
+        """Return what a law gives members that have these loss factors, (n_members,)."""
+        none = np.zeros(len(loss_factor))
+        if isinstance(law, StructuralDamping):
+            return cls(loss_factor, none + law.mass_coefficient, none, none)
+        if isinstance(law, ViscousDamping):
+            return cls(loss_factor, none, none + law.stiffness_coefficient, none + law.mass_coefficient)
+        return cls(loss_factor, none, none, none)
+
+    def scaled(self, factor: float) -> "Losses":
+        """Return losses whose share in proportion to stiffness is multiplied."""
+        return Losses(self.stiffness * factor, self.mass, self.viscous_stiffness * factor, self.viscous_mass)
+
+    def to_viscous(self, share: float, omega: float) -> "Losses":
+        """Return losses of which a share of the hysteretic ones is viscous, alike at `omega` rad/s."""
+        kept, gained = 1 - share, share / omega
+        return Losses(
+            kept * self.stiffness,
+            kept * self.mass,
+            self.viscous_stiffness + gained * self.stiffness,
+            self.viscous_mass + gained * self.mass,
+        )
+
+    def to_hysteretic(self, share: float, omega: float) -> "Losses":
+        """Return losses of which a share of the viscous ones is hysteretic, alike at `omega` rad/s."""
+        kept, gained = 1 - share, share * omega
+        return Losses(
+            self.stiffness + gained * self.viscous_stiffness,
+            self.mass + gained * self.viscous_mass,
+            kept * self.viscous_stiffness,
+            kept * self.viscous_mass,
+        )
+
+    def matrices(self, mass: FloatArray, stiffness: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return D_e and C_e of members of that mass and stiffness, (n_members, 6, 6) each."""
+        a, b, c, d = (
+            part[:, None, None]
+            for part in (self.mass, self.stiffness, self.viscous_mass, self.viscous_stiffness)
+        )
+        return a * mass + b * stiffness, c * mass + d * stiffness

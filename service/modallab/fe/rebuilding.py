@@ -1,0 +1,52 @@
+"""Matrices of a system whose members are others, and keeping the latest of them."""
+
+from collections.abc import Callable
+from typing import TypeVar
+
+import numpy as np
+from scipy.sparse import csc_array
+
+from modallab.fe.member_table import MemberTable
+
+T = TypeVar("T")
+KEPT = 16  # variants with other matrices that are kept
+ROUNDING = 1e-12  # relative, of a sum over members
+
+
+def kept(shared: dict[str, object], key: object, make: Callable[[], T]) -> T:
+    """Return what was made for a key before, or else make it; the latest few are kept."""
+    variants: dict[object, T] = shared.setdefault("variants", {})  # type: ignore[assignment]
+    found = variants.pop(key) if key in variants else make()
+    variants[key] = found  # behind all others: the first one is what was not asked for longest
+    if len(variants) > KEPT:
+        del variants[next(iter(variants))]
+    return found
+
+
+def grounded(shared: dict[str, object], stiffness: csc_array, table: MemberTable) -> bool:
+    """Return whether a matrix (n, n) holds stiffness beside that of the members; found out once."""
+    if "grounded" not in shared:
+        rest = stiffness - table.sum(table.axial + table.bending, stiffness.shape[0])
+        shared["grounded"] = bool(abs(rest).max() > ROUNDING * abs(stiffness).max())
+    return shared["grounded"] is True
+
+
+def rebuilt(
+    matrices: dict[str, csc_array | None], n: int, old: MemberTable, new: MemberTable
+) -> dict[str, csc_array | None]:
+    """Return mass, stiffness, damping and viscous, (n, n) and in this order, of other members."""
+    parts = [dict(zip(matrices, (t.mass, t.axial + t.bending, *t.damping), strict=True)) for t in (old, new)]
+    out: dict[str, csc_array | None] = {}
+    for name, matrix in matrices.items():
+        before, now = (part[name] for part in parts)
+        largest = max(np.abs(before).max(), np.abs(now).max())
+        if matrix is None and largest == 0:
+            out[name] = None
+            continue
+        if matrix is not None and np.array_equal(before, now):
+            out[name] = csc_array(matrix)  # the same numbers, but another system's
+            continue
+        more = new.sum(now - before, n)
+        total = csc_array(more if matrix is None else matrix + more)
+        out[name] = total if abs(total).max() > ROUNDING * largest else None
+    return out

@@ -1,0 +1,88 @@
+"""Rules that a rig should keep for its measurements to mean what they seem to."""
+
+from collections.abc import Callable
+from dataclasses import dataclass, fields
+from typing import ClassVar, Protocol
+
+from modallab.core.arrays import FloatArray
+from modallab.fe.assembly import assemble
+from modallab.fe.structure import Structure
+from modallab.fe.system import DynamicSystem
+from modallab.rig.effect import EFFECTS, build
+from modallab.rig.setup import RigSetup, Shot
+
+SOFT = 0.1  # of the first elastic frequency, which rigid-body modes on a suspension should stay below
+
+
+class Check(Protocol):
+    """A frozen dataclass of figures that says whether a rule is kept."""
+
+    name: ClassVar[str]
+    rule: ClassVar[str]
+
+    @property
+    def fulfilled(self) -> bool:
+        """Whether the rule is kept."""
+        ...
+
+
+@dataclass(frozen=True)
+class SuspensionCheck:
+    """How far a suspension moves rigid-body modes towards the elastic ones."""
+
+    name: ClassVar[str] = "suspension"
+    rule: ClassVar[str] = "the highest rigid-body frequency is under 10 % of the first elastic one"
+    highest_rigid_frequency: float  # Hz, 0 where nothing holds the structure or it has no such mode
+    first_elastic_frequency: float  # Hz, as suspended
+    ratio: float
+
+    @property
+    def fulfilled(self) -> bool:
+        """Whether the structure is as good as free."""
+        return self.ratio < SOFT
+
+
+def suspension_check(structure: Structure, setup: RigSetup) -> SuspensionCheck:
+    """Return where the rigid-body modes of a structure lie on the suspension of a rig.
+
+    Rigid-body modes are as many as the structure has without the suspension, and the lowest with it.
+    Ewins, Modal Testing (2000), chapter 3.
+
+    Raises
+    ------
+    UnknownDofError
+        If the structure lacks a DoF that a band holds.
+    """
+    system = assemble(structure)
+    everywhere = Shot(setup.drives, setup.responses)
+    for effect in [build(spec) for spec in structure.effects]:
+        system = effect.on_system(system, everywhere)
+    free = system.modes().n_rigid_body
+    named = [build(spec) for spec in setup.effects if spec.kind == "suspension"]
+    for band in [*EFFECTS["suspension"].from_setup(setup), *named]:
+        band.check(structure, setup)
+        system = band.on_system(system, everywhere)
+    frequencies = _lowest(system, free + 1)
+    highest, elastic = float(frequencies[free - 1]) if free else 0.0, float(frequencies[free])
+    return SuspensionCheck(highest, elastic, highest / elastic)
+
+
+def _lowest(system: DynamicSystem, count: int) -> FloatArray:
+    # A large structure is solved up to a frequency, not for a number: widen until there are enough.
+    limit = 1.0  # Hz
+    while len(found := system.modes(limit).frequencies) < count:
+        limit *= 4
+    return found
+
+
+CHECKS: tuple[Callable[[Structure, RigSetup], Check], ...] = (suspension_check,)
+
+
+def checks(structure: Structure, setup: RigSetup) -> tuple[Check, ...]:
+    """Return every check of a rig on a structure."""
+    return tuple(check(structure, setup) for check in CHECKS)
+
+
+def figures(check: Check) -> dict[str, float]:
+    """Return the figures of a check by name."""
+    return {field.name: getattr(check, field.name) for field in fields(check)}  # type: ignore[arg-type]
