@@ -34,9 +34,11 @@ class SwappedChannels(Effect):
     def on_channel(self, channel: Channel, system: DynamicSystem) -> Channel:
         if channel.force or not self.acts_on(channel.dof):
             return channel
-        assert isinstance(self.at, Channels)
-        (other,) = (dof for dof in self.at.dofs if dof.point != channel.dof.point)
-        return channel.hearing(channel.dof, -1.0).hearing(other, 1.0)
+        named = self.at.dofs if isinstance(self.at, Channels) else ()
+        others = [dof for dof in named if dof.point != channel.dof.point]
+        if len(others) != 1:
+            raise self._misplaced("two channels")
+        return channel.hearing(channel.dof, -1.0).hearing(others[0], 1.0)
 
     def check(self, structure: Structure, setup: RigSetup | None = None) -> None:
         """Raise unless it names two channels, each with the sense it has in the log book."""

@@ -87,6 +87,26 @@ RIGS: dict[str, tuple[dict[str, Any], str, str]] = {
     "digits of another script": ({"drive": "\u0661:+Y"}, "invalid_input", "drive"),
     "a force along a rotation": ({"drive": "1:+RZ"}, "invalid_input", "drive"),
     "negative mass": ({"accelerometers": {"mass": -0.1}}, "invalid_input", "accelerometers.mass"),
+    "unknown mounting": (
+        {"accelerometers": {"mounting": "glue"}},
+        "invalid_request",
+        "body.accelerometers.mounting",
+    ),
+    "an accelerometer that rings at once": (
+        {"accelerometers": {"mounted_frequency": 0.0}},
+        "invalid_input",
+        "accelerometers.mounted_frequency",
+    ),
+    "a mass that is added instead": (
+        {"analyser": {"mass_cancellation": -0.1}},
+        "invalid_input",
+        "mass_cancellation",
+    ),
+    "a high-pass of no frequency": (
+        {"analyser": {"coupling_frequency": -1.0}},
+        "invalid_input",
+        "coupling_frequency",
+    ),
     "no response": ({"responses": []}, "invalid_request", "body.responses"),
 }
 
@@ -119,6 +139,11 @@ def test_a_rig_that_does_not_fit_the_structure_is_refused_before_the_work(
         {"kind": "stiffness_error", "at": {"members": [99]}},
         {"kind": "response_noise", "at": {"channels": ["1:+Y"]}},
         {"kind": "exciter_armature", "at": "7:+Y"},
+        {"kind": "gain_error", "at": "7:+Y"},
+        {"kind": "polarity", "at": {"channels": ["20:+Y"]}},
+        {"kind": "swapped_channels"},
+        {"kind": "swapped_channels", "at": {"channels": ["1:+Y"]}},
+        {"kind": "transverse_sensitivity", "at": {"channels": ["1:+Y"]}},
     ],
 )
 def test_an_effect_without_sense_is_refused_before_the_work(

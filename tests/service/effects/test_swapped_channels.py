@@ -48,6 +48,12 @@ def test_two_channels_as_the_log_book_has_them_are_swapped_and_no_others(at: tup
         SwappedChannels(at=Channels(at)).check(steel_beam(), SETUP)
 
 
+@pytest.mark.parametrize("at", [None, Channels(dofs(7)), Channels(dofs(1, 7, 16))], ids=str)
+def test_a_log_book_that_names_other_than_two_is_refused_when_it_is_used(at: Channels | None) -> None:
+    with pytest.raises(InvalidInputError, match="swapped_channels"):
+        chain(beam_system(), SETUP, [SwappedChannels(at=at)])
+
+
 def test_neighbours_in_the_log_book_are_suspected() -> None:
     places = SwappedChannels.places(beam_system(), rig(1, 3, 5, 7))
     assert places == (Channels(dofs(1, 3)), Channels(dofs(3, 5)), Channels(dofs(5, 7)))
