@@ -30,11 +30,11 @@ class ExciterCoil(Effect):
     sits: ClassVar[tuple[type, ...]] = (NoneType, Dof)
     at_drive: ClassVar[bool] = True
     suspected: ClassVar[bool] = False
-    force_factor: float = parameter(8.0, unit="N/A", lower=0.0, upper=1e3, doc="force per current, BL")
+    force_factor: float = parameter(8.0, unit="N/A", lower=0.0, upper=100.0, doc="force per current, BL")
     resistance: float = parameter(
-        2.0, unit="Ohm", lower=1e-3, upper=1e4, absent=None, doc="of coil and amplifier"
+        2.0, unit="Ohm", lower=0.1, upper=1e4, absent=None, doc="of coil and amplifier"
     )
-    inductance: float = parameter(2e-4, unit="H", lower=0.0, upper=10.0, absent=0.0, doc="of the coil")
+    inductance: float = parameter(2e-4, unit="H", lower=0.0, upper=0.1, absent=0.0, doc="of the coil")
 
     def on_drive(self, drive: Drive) -> Drive:
         if not self.acts_on(drive.dof):

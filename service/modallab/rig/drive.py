@@ -42,10 +42,20 @@ class Drive:
         inert = not (self.mass or self.stinger_mass or self.cancelled_mass)
         return inert and not (self.stiffness or self.viscous or self.coils)
 
+    @property
+    def decays(self) -> tuple[float, ...]:
+        """R/L of inductive coils, rad/s: above, they damp less and stiffen more."""
+        return tuple(coil.resistance / coil.inductance for coil in self.coils if coil.inductance > 0)
+
     def impedance(self, omega: FloatArray) -> ComplexArray:
         """Return Z of the armature, force per displacement, (n_freq,) N/m, at `omega` rad/s."""
-        induced = sum(coil.force_factor**2 / _electrical(coil, omega) for coil in self.coils)
-        return np.asarray(self.stiffness + 1j * omega * (self.viscous + induced) - self.mass * omega**2)
+        viscous = self.viscous + self._induced(omega)
+        return np.asarray(self.stiffness + 1j * omega * viscous - self.mass * omega**2)
+
+    def _induced(self, omega: FloatArray) -> ComplexArray:
+        """Return what the coils' motion induces, force per velocity, (n_freq,) N s/m."""
+        none = np.zeros(len(omega), complex)
+        return sum((coil.force_factor**2 / _electrical(coil, omega) for coil in self.coils), none)
 
     def stations(self, omega: FloatArray) -> list[tuple[ComplexArray, ComplexArray]]:
         """Return the ladder outwards: C (n_freq,) m/N before a mass, and Z (n_freq,) N/m of the mass."""
@@ -66,14 +76,14 @@ class Drive:
             out *= coil.resistance / _electrical(coil, omega)
         return out
 
-    def attached_to(self, system: DynamicSystem) -> DynamicSystem:
+    def attached_to(self, system: DynamicSystem, omega: float = 0.0) -> DynamicSystem:
         """Return the structure with the exciter's moving parts on it, for resonances of both together.
 
-        The coils' inductance is left out.
+        Inductive coils are taken as the spring and the damper that they are at `omega`, rad/s.
         """
         if self.plain:
             return system
-        own, joints = self._reduced()
+        own, joints = self._reduced(omega)
         mass, stiffness, viscous = (np.diag(values) for values in own.T)
         k = np.zeros_like(stiffness)
         for i, (joint, along) in enumerate(joints):
@@ -86,17 +96,18 @@ class Drive:
             )
         )
 
-    def _reduced(self) -> tuple[FloatArray, list[tuple[float, float]]]:
+    def _reduced(self, omega: float) -> tuple[FloatArray, list[tuple[float, float]]]:
         """Return mass, stiffness, viscous damping of what moves on its own, (n, 3), and what joins it.
 
         What has no mass, or too little to move on its joint, goes to its neighbour inwards.
         """
-        viscous = self.viscous + sum(coil.force_factor**2 / coil.resistance for coil in self.coils)
+        induced = self._induced(np.array([omega]))[0]
+        held = (self.stiffness - omega * induced.imag, self.viscous + induced.real)
         half = self.stinger_mass / 2
         ladder = [
             (0.0, 0.0, (self.cancelled_mass, 0.0, 0.0)),
             (self.gauge_compliance, 0.0, (half, 0.0, 0.0)),
-            (self.compliance, self.stinger_mass, (self.mass + half, self.stiffness, viscous)),
+            (self.compliance, self.stinger_mass, (self.mass + half, *held)),
         ]
         own, joints, soft = [np.zeros(3)], [], 0.0
         for compliance, along, values in ladder:

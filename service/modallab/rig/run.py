@@ -50,15 +50,28 @@ class Run:
         return np.asarray(weights @ heard)
 
     def resonances(self, frequency_max: float) -> tuple[FloatArray, FloatArray]:
-        """Return frequency and half the half-power bandwidth, Hz, of structure and exciters together."""
-        return self.whole.resonances(frequency_max)
+        """Return frequency and half the half-power bandwidth, Hz, of structure and exciters together.
+
+        Twice where coils are inductive: as they are at 0 Hz and at the top of the band. Between, what
+        moves a resonance damps it as much. A current dies away as a resonance at 0 Hz does.
+        """
+        found = [self._whole_at(0.0).resonances(frequency_max)]
+        if any(drive.decays for drive in self.drives):
+            found.append(self._whole_at(2 * np.pi * frequency_max).resonances(frequency_max))
+            decays = np.array([rate for drive in self.drives for rate in drive.decays]) / (2 * np.pi)
+            found.append((np.zeros_like(decays), decays))
+        frequencies, widths = zip(*found, strict=True)
+        return np.concatenate(frequencies), np.concatenate(widths)
 
     @property
     def whole(self) -> DynamicSystem:
         """The structure with the moving parts of the exciters on it, their sources passive."""
+        return self._whole_at(0.0)
+
+    def _whole_at(self, omega: float) -> DynamicSystem:
         system = self.system
         for drive in self.drives:
-            system = drive.attached_to(system)
+            system = drive.attached_to(system, omega)
         return system
 
 

@@ -8,15 +8,22 @@ import pytest
 
 from modallab.core.arrays import ComplexArray
 from modallab.core.dof import Dof
+from modallab.core.progress import silent
+from modallab.estimation.coherence import coherence, frf_error
+from modallab.estimation.estimator import ESTIMATORS
 from modallab.fe.receptance import receptance
 from modallab.rig.chain import chain
 from modallab.rig.drive import Drive, reaction, transmission
 from modallab.rig.expected import expected_spectra
-from modallab.rig.hardware import Coil, Exciter
+from modallab.rig.hardware import Coil, Exciter, ForceTransducer, Noise
+from modallab.rig.sampled import sampled_spectra
+from modallab.rig.stinger import StingerRod
+from modallab.rig.view import refined_view
 from tests.rigs import beam_system, dofs, rig
 from tests.shakers import Shaker, solved
 
 SYSTEM = beam_system()
+ROD = StingerRod(diameter=4e-3, length=50e-3, modulus=2.07e11, density=7850.0)
 FREQ = np.linspace(3.0, 800.0, 97)
 OMEGA = 2 * np.pi * FREQ
 HERE, THERE = (
@@ -147,3 +154,43 @@ def test_resonances_of_beam_and_shaker_together_are_those_of_a_stinger_cut_in_pi
     # the stinger's mass is spread linearly, (800 Hz/8.6 kHz)^2 of its 7 % of what moves; pieces err by 1/40^2
     np.testing.assert_allclose(found[: len(wanted)], wanted, rtol=1e-4)
     assert (widths > 0).all()
+
+
+@pytest.mark.parametrize("inductance", [0.0, 3e-4, 3e-2])
+def test_leakage_is_integrated_as_finely_as_beam_and_shaker_together_need(inductance: float) -> None:
+    exciter = Exciter("shaker", 0.05, 2e4, 3.0, Coil(7.0, 1.5, inductance), "voltage")
+    setup = rig(1, 7, excitation="random", exciter=exciter, stinger=ROD, analyser={"n_lines": 201})
+    bench = chain(SYSTEM, setup)
+    frequencies, widths = bench.poles()
+    everywhere = np.arange(0.0, 800.0, 2.0)
+    finer = refined_view(
+        setup.analyser,
+        np.concatenate([frequencies.ravel(), everywhere]),
+        np.concatenate([widths.ravel() / 30, np.full(len(everywhere), 0.05)]),
+    )
+    answer = bench.respond(finer.nodes)
+    density = np.abs(answer.force[..., 0]) ** 2 / 800.0
+    wanted = finer.through(density.astype(complex))[0, :, 0]
+    # a panel errs by 2.4^-20 = 2e-8 of the largest that reaches a line
+    np.testing.assert_allclose(expected_spectra(bench).ff[0, :, 0, 0], wanted, rtol=1e-6)
+
+
+@pytest.mark.parametrize("excitation", ["periodic_random", "random"])
+def test_records_of_a_rig_with_all_of_it_scatter_about_the_expected_spectra(excitation: str) -> None:
+    averages = 200
+    setup = rig(
+        1,
+        7,
+        excitation=excitation,
+        exciter=Exciter("shaker", 0.05, 2e4, 3.0, Coil(7.0, 1.5, 3e-4), "voltage"),
+        stinger=ROD,
+        force_transducer=ForceTransducer(0.01, mass_cancelled=True, stiffness=4e7),
+        noise=Noise(1e-3, 1e-4),
+        analyser={"averages": averages},
+    )
+    bench = chain(SYSTEM, setup)
+    expected, sampled = expected_spectra(bench), sampled_spectra(bench, np.random.default_rng(7), silent)
+    error = frf_error(coherence(expected), averages)
+    ratio = np.abs(ESTIMATORS["h1"](sampled) / ESTIMATORS["h1"](expected))[..., 0]
+    assert (np.abs(ratio - 1) < 3 * error).mean() >= 0.99  # 0.997 if normal
+    assert (np.abs(sampled.ff / expected.ff - 1) < 3 / np.sqrt(averages)).mean() >= 0.99
