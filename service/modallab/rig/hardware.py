@@ -83,9 +83,11 @@ class Accelerometers:
     mounted_frequency: float | None = None  # Hz; None: as the mounting has it
     transverse_sensitivity: float = 0.0  # across the axis over along it
     transverse_angle: float = 0.0  # rad about the axis, to the most sensitive direction
+    cable_mass: float = 0.0  # kg each, of the cable that moves with it
 
     def __post_init__(self) -> None:
         within("accelerometers.mass", self.mass, 0.0, 0.5)
+        within("accelerometers.cable_mass", self.cable_mass, 0.0, 0.5)
         if self.mounted_frequency is not None:
             within("accelerometers.mounted_frequency", self.mounted_frequency, 10.0, 1e9)
         within("accelerometers.transverse_sensitivity", self.transverse_sensitivity, -1.0, 1.0)
