@@ -10,6 +10,7 @@ from modallab.fe.structure import Structure
 from modallab.fe.system import DynamicSystem
 from modallab.rig.effect import EFFECTS, build
 from modallab.rig.setup import RigSetup, Shot
+from modallab.rig.stinger_check import stinger_checks
 
 SOFT = 0.1  # of the first elastic frequency, which rigid-body modes on a suspension should stay below
 
@@ -79,8 +80,8 @@ CHECKS: tuple[Callable[[Structure, RigSetup], Check], ...] = (suspension_check,)
 
 
 def checks(structure: Structure, setup: RigSetup) -> tuple[Check, ...]:
-    """Return every check of a rig on a structure."""
-    return tuple(check(structure, setup) for check in CHECKS)
+    """Return every check of a rig on a structure; of a stinger those that its declaration allows."""
+    return (*(check(structure, setup) for check in CHECKS), *stinger_checks(setup))
 
 
 def figures(check: Check) -> dict[str, float]:

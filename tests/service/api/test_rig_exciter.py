@@ -55,3 +55,18 @@ def test_hardware_that_cannot_be_is_refused(service: Any, wrong: dict[str, Any])
     reply = service.request("POST", "/v1/rigs", json=RIG | wrong)
     assert reply.status_code == 422
     assert reply.headers["content-type"] == "application/problem+json"
+
+
+def test_the_stinger_s_own_resonances_are_checked_against_the_band(service: Any, beam: str) -> None:
+    """The long rod of the 1992 thesis, appendix D: 1,515 Hz by its rounded constant, and 2,630 Hz."""
+    rod = {"diameter": 1.5e-3, "length": 67e-3, "modulus": 2.07e11, "density": 7850.0}
+    body = RIG | {"exciter": {"armature_mass": 0.02}, "stinger": rod, "analyser": {"frequency_max": 1600.0}}
+    rig = service.post("/v1/rigs", body)["id"]
+    found = service.get(f"/v1/rigs/{rig}/checks", params={"structure_id": beam})["checks"]
+    bending, axial = (
+        next(one for one in found if one["name"] == name) for name in ("stinger_bending", "stinger_axial")
+    )
+    assert bending["figures"]["bending_frequency"] == pytest.approx(1515 * 0.890 / 0.883, rel=1e-3)
+    assert not bending["fulfilled"]
+    assert axial["figures"]["axial_frequency"] == pytest.approx(2630, abs=1.0)
+    assert axial["fulfilled"]
