@@ -28,6 +28,7 @@ from modallab.rig.sampled import sampled_spectra
 from modallab.rig.setup import RigSetup, Shot
 from modallab.rig.source import NoiseLevels, Source
 from modallab.rig.stinger import StingerStiffness
+from modallab.rig.suspension import Suspension
 from tests.rigs import beam_system, dofs, rig, steel_beam, tilted_beam
 
 KINDS = sorted(EFFECTS)
@@ -142,8 +143,9 @@ def test_the_heaviest_and_noisiest_hardware_of_a_log_book_is_within_its_bounds(
         exciter=Exciter("shaker", 4.5, 1e8, 1e5, Coil(100.0, 1e4, 0.1), "voltage"),
         stinger=StingerStiffness(1e12, 1e7, 3e13),
         force_transducer=ForceTransducer(0.5, mass_cancelled=cancelled, stiffness=1e12),
-        accelerometers=Accelerometers(0.5, True, "magnet", 10.0, 1.0, np.pi / 2),
+        accelerometers=Accelerometers(0.5, True, "magnet", 10.0, 1.0, np.pi / 2, cable_mass=0.5),
         noise=Noise(force=10.0, response=10.0),
+        suspension=Suspension(dofs(1, 21), stiffness=1e9, loss_factor=1.0),
     )
     for effect in EFFECTS[kind].from_setup(heaviest):
         assert build(effect.spec) == effect
