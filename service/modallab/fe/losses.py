@@ -27,6 +27,11 @@ class Losses:
             return cls(loss_factor, none, none + law.stiffness_coefficient, none + law.mass_coefficient)
         return cls(loss_factor, none, none, none)
 
+    def mean(self, omega: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return a + omega a' and b + omega b' in the mean of all members, (n_freq,) at `omega` rad/s."""
+        by_mass = self.mass.mean() + omega * self.viscous_mass.mean()
+        return by_mass, self.stiffness.mean() + omega * self.viscous_stiffness.mean()
+
     def scaled(self, factor: float) -> "Losses":
         """Return losses whose share in proportion to stiffness is multiplied."""
         return Losses(self.stiffness * factor, self.mass, self.viscous_stiffness * factor, self.viscous_mass)

@@ -11,6 +11,7 @@ from scipy.sparse.linalg import LinearOperator, eigsh, splu
 
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.errors import InvalidInputError
+from modallab.fe.losses import Losses
 from modallab.fe.modal_damping import ModalLoss
 from modallab.fe.remainder import Remainder
 
@@ -43,9 +44,16 @@ class ModalBasis:
         return ModalBasis(self.eigenvalues[keep], self.shapes[:, keep], 0, viscous, self.frequency_max)
 
     def damped(
-        self, damping: csc_array | None, viscous: csc_array | None, modal: ModalLoss | None = None
+        self,
+        damping: csc_array | None,
+        viscous: csc_array | None,
+        modal: ModalLoss | None = None,
+        losses: Losses | None = None,
     ) -> "ModalBasis":
-        """Return these undamped modes with damping; shapes turn complex only where it couples them."""
+        """Return these undamped modes with damping; shapes turn complex only where it couples them.
+
+        `losses` of the members are for the modes that were left out.
+        """
         squares = self.eigenvalues.real
         d, c = (None if part is None else self.shapes.T @ (part @ self.shapes) for part in (damping, viscous))
         if modal is not None:
@@ -58,7 +66,8 @@ class ModalBasis:
         shapes = self.shapes if turn is None else self.shapes @ turn
         if turn is not None and c is not None:
             c = turn.T @ c @ turn
-        return replace(self, eigenvalues=values, shapes=shapes, viscous=c)
+        remainder = None if self.remainder is None else replace(self.remainder, losses=losses)
+        return replace(self, eigenvalues=values, shapes=shapes, viscous=c, remainder=remainder)
 
     def stretched(self, factor: float) -> "ModalBasis":
         """Return undamped modes of the same shapes whose eigenvalues are so many times as large."""

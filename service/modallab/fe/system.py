@@ -259,7 +259,8 @@ class DynamicSystem:
         known = self.shared.get("basis")
         if isinstance(known, ModalBasis) and known.frequency_max >= 2 * frequency_max:
             return known
-        basis = self._undamped(2 * frequency_max).damped(self.damping, self.viscous, self.modal)
+        losses = None if self.members is None else self.members.losses
+        basis = self._undamped(2 * frequency_max).damped(self.damping, self.viscous, self.modal, losses)
         self.shared["basis"] = basis
         return basis
 
@@ -287,8 +288,7 @@ class DynamicSystem:
     def resonances(self, frequency_max: float) -> tuple[FloatArray, FloatArray]:
         """Return frequency and half the half-power bandwidth of each elastic mode, Hz.
 
-        Damping between modes is left out: near enough to say where a spectrum is steep, and several
-        times faster than complex modes.
+        Damping between modes is left out: several times faster, and near enough for widths.
         """
         whole = self.folded() if self.attachments or self.modal else self
         basis = whole._undamped(2 * frequency_max).elastic()

@@ -10,9 +10,10 @@ from hypothesis import strategies as st
 from modallab.core.dof import Dof
 from modallab.fe.assembly import assemble
 from modallab.fe.catalogued import STRUCTURES
-from modallab.fe.damping import StructuralDamping
+from modallab.fe.damping import StructuralDamping, ViscousDamping
 from modallab.fe.receptance import attached, attached_variants, direct_receptance, lean, receptance
 from modallab.fe.system import DynamicSystem
+from tests.rigs import steel_beam
 from tests.strategies import loaded_systems
 
 FREQ = np.array([3.0, 17.0, 61.0, 240.0, 800.0])
@@ -98,3 +99,19 @@ def test_many_attachments_are_folded_once_and_for_all_that_follow() -> None:
         # modes of other matrices against the Woodbury identity: rounding, magnified at antiresonances
         np.testing.assert_allclose(folded, direct_receptance(loaded, FREQ, at, at), rtol=1e-6)
     assert lean(few_more).mass is lean(system).mass
+
+
+@pytest.mark.parametrize("law", [StructuralDamping(0.005, 100.0), ViscousDamping(1e-6, 3.0)])
+def test_a_member_that_is_all_but_taken_out_of_a_large_structure_leaves_the_exact_receptance(
+    law: StructuralDamping | ViscousDamping,
+) -> None:
+    system = assemble(steel_beam(law, n_elements=150))
+    points = np.eye(len(system.dofs))[:, [0, 8, -2]]
+    freq = np.linspace(3.0, 800.0, 40)
+    for softened in (system.add_joint(70, 1e-3), system.change_member(49, bending=-0.95)):
+        found = receptance(softened, freq, points, points)
+        beyond = np.zeros((sum(a.inner for a in softened.attachments), 3))
+        all_points = np.vstack([points, beyond])
+        wanted = direct_receptance(softened, freq, all_points, all_points)
+        # the series for high modes leaves out (1/4)^4 of what they add at the top of the band
+        np.testing.assert_allclose(found, wanted, rtol=4e-3, atol=1e-5 * np.abs(wanted).max())
