@@ -3,7 +3,10 @@
 import numpy as np
 
 from modallab.core.arrays import FloatArray
+from modallab.core.errors import InvalidInputError
 from modallab.estimation.spectra import CrossSpectra
+
+INDISTINCT = 1e12  # condition of the input matrix beyond which H1 is rounding
 
 
 def input_condition(spectra: CrossSpectra) -> FloatArray:
@@ -17,3 +20,22 @@ def input_condition(spectra: CrossSpectra) -> FloatArray:
     greatest, least = virtual[..., -1], virtual[..., 0]
     tiny = np.finfo(float).eps * greatest
     return np.asarray(np.where(greatest > 0, greatest, 1.0) / np.where(greatest > 0, least.clip(tiny), 1.0))
+
+
+def told_apart(spectra: CrossSpectra) -> FloatArray:
+    """Return `input_condition` of forces that can be told apart, (n_run, n_freq).
+
+    Raises
+    ------
+    InvalidInputError
+        If they are not independent of each other at some line.
+    """
+    condition = input_condition(spectra)
+    if condition.max() > INDISTINCT:
+        raise InvalidInputError(
+            "the forces that act at once are not independent of each other",
+            field="excitation.kind",
+            value=f"condition number {condition.max():.3g} of the input matrix",
+            allowed="exciters whose signals have nothing in common",
+        )
+    return condition

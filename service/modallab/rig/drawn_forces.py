@@ -3,7 +3,7 @@
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
-from modallab.core.errors import InvalidInputError
+from modallab.estimation.condition import told_apart
 from modallab.estimation.spectra import CrossSpectra
 
 TOGETHER = 2**16  # spectral values drawn at once: enough to make little of the calls, few enough for a cache
@@ -57,15 +57,8 @@ class _Law:
         # At 0 Hz the transform of a record is real: half as many independent squares an average.
         self.real = np.flatnonzero(spectra.freq == 0)
         squares = np.where(spectra.freq == 0, self.n / 2, self.n)[:, None]
-        try:
-            self.root = np.linalg.cholesky(spectra.ff) / np.sqrt(self.n)
-        except np.linalg.LinAlgError:
-            raise InvalidInputError(
-                "the forces of the exciters are not independent",
-                field="drives",
-                value=self.n_in,
-                allowed="exciters whose signals have nothing in common",
-            ) from None
+        told_apart(spectra)
+        self.root = np.linalg.cholesky(spectra.ff) / np.sqrt(self.n)
         self.h = np.linalg.solve(spectra.ff, spectra.fx)
         unexplained = spectra.xx - (spectra.fx.conj() * self.h).sum(axis=2).real
         self.residual = np.maximum(unexplained, 0.0) / squares

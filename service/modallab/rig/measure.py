@@ -11,7 +11,7 @@ from modallab.core.arrays import FloatArray
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.core.progress import Progress, silent
 from modallab.estimation.coherence import coherence
-from modallab.estimation.condition import input_condition
+from modallab.estimation.condition import told_apart
 from modallab.estimation.estimator import ESTIMATORS
 from modallab.estimation.spectra import CrossSpectra
 from modallab.fe.assembly import assemble
@@ -73,7 +73,14 @@ def measure(
 
 
 def measurement_of(spectra: CrossSpectra, setup: RigSetup) -> Measurement:
-    """Return FRFs, coherence and auto spectra from the averaged spectra of all runs."""
+    """Return FRFs, coherence and auto spectra from the averaged spectra of all runs.
+
+    Raises
+    ------
+    InvalidInputError
+        If several forces act at once and are not independent of each other.
+    """
+    condition = told_apart(spectra) if spectra.ff.shape[2] > 1 else None
     table = _Table(setup)
     force = spectra.ff.real[..., np.arange(spectra.ff.shape[2]), np.arange(spectra.ff.shape[2])]
     single = len(setup.drives) == 1 or setup.exciter.kind != "hammer"
@@ -97,7 +104,7 @@ def measurement_of(spectra: CrossSpectra, setup: RigSetup) -> Measurement:
         force_spectrum=table.placed(np.broadcast_to(force[:, :, None], spectra.fx.swapaxes(2, 3).shape)),
         response_spectrum=by_response(spectra.xx),
         # of all runs the worst: none of the FRFs is worse off
-        input_condition=input_condition(spectra).max(axis=0) if spectra.ff.shape[2] > 1 else None,
+        input_condition=None if condition is None else condition.max(axis=0),
     )
 
 

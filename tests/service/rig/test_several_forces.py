@@ -19,7 +19,7 @@ from modallab.rig.drawn import drawn_spectra
 from modallab.rig.drawn_forces import drawn_of_several
 from modallab.rig.expected import expected_spectra
 from modallab.rig.hardware import Accelerometers, Exciter, Noise
-from modallab.rig.measure import Route, measure
+from modallab.rig.measure import Route, measure, measurement_of
 from modallab.rig.sampled import sampled_spectra
 from modallab.rig.setup import RigSetup
 from tests.rigs import beam_system, dofs, steel_beam
@@ -262,6 +262,10 @@ def test_forces_that_are_one_are_refused_by_name() -> None:
     with pytest.raises(InvalidInputError, match="not independent"):
         drawn_spectra(together, np.random.default_rng(1))
     assert input_condition(together)[0, 0] > 1e14
+    setup = RigSetup(DRIVES, RESPONSES[:1], analyser=Analyser(n_lines=8))
+    with pytest.raises(InvalidInputError, match="not independent") as caught:
+        measurement_of(together, setup)
+    assert caught.value.context["field"] == "excitation.kind"
 
 
 def test_a_diagnosis_of_several_forces_at_once_is_refused_by_name() -> None:
