@@ -87,7 +87,11 @@ def test_the_latest_few_are_kept() -> None:
     made: list[int] = []
 
     def ask(key: int) -> int:
-        return kept(shared, key, lambda: made.append(key) or key)  # type: ignore[func-returns-value]
+        def make() -> int:
+            made.append(key)
+            return key
+
+        return kept(shared, key, make)
 
     for key in range(KEPT):
         assert ask(key) == key
