@@ -8,6 +8,7 @@ from modallab.core.arrays import FloatArray
 from modallab.fe.assembly import assemble
 from modallab.fe.structure import Structure
 from modallab.fe.system import DynamicSystem
+from modallab.rig.accelerometer_check import accelerometer_checks
 from modallab.rig.effect import EFFECTS, build
 from modallab.rig.setup import RigSetup, Shot
 from modallab.rig.stinger_check import stinger_checks
@@ -80,8 +81,9 @@ CHECKS: tuple[Callable[[Structure, RigSetup], Check], ...] = (suspension_check,)
 
 
 def checks(structure: Structure, setup: RigSetup) -> tuple[Check, ...]:
-    """Return every check of a rig on a structure; of a stinger those that its declaration allows."""
-    return (*(check(structure, setup) for check in CHECKS), *stinger_checks(setup))
+    """Return every check of a rig on a structure; of hardware those that its declaration allows."""
+    whole = (check(structure, setup) for check in CHECKS)
+    return (*whole, *stinger_checks(setup), *accelerometer_checks(setup))
 
 
 def figures(check: Check) -> dict[str, float]:
