@@ -44,9 +44,10 @@ class Analyser:
         within("overlap", self.overlap, 0.0, 0.9)
         within("coupling_frequency", self.coupling_frequency, 0.0, 1e4)
         within("mass_cancellation", self.mass_cancellation, 0.0, 5.0)
-        # A step of twice the rms at most: with coarser ones a record may hold nothing but zeros.
-        within("bits", 32 if self.bits is None else self.bits, 4, 32)
-        within("range_factor", self.range_factor, 0.5, 16.0)
+        within("range_factor", self.range_factor, 0.5, 100.0)
+        if self.bits is not None:
+            # A step of twice the rms at most: with coarser ones a record may hold nothing but zeros.
+            within("bits", self.bits, max(4, int(np.ceil(np.log2(self.range_factor)))), 32)
 
     @property
     def freq(self) -> FloatArray:

@@ -44,7 +44,8 @@ def test_two_shakers_measure_a_matrix_of_frfs_and_say_how_well_they_are_told_apa
         ("bits", {"bits": 2}),
         ("bits", {"bits": 64}),
         ("range_factor", {"range_factor": 0.0}),
-        ("range_factor", {"bits": None, "range_factor": 100.0}),
+        ("range_factor", {"bits": None, "range_factor": 101.0}),
+        ("bits", {"bits": 4, "range_factor": 20.0}),
     ],
 )
 def test_what_cannot_be_measured_so_is_refused_by_name(

@@ -6,6 +6,7 @@ from scipy.integrate import quad
 from scipy.stats import norm
 
 from modallab.core.arrays import FloatArray
+from modallab.core.errors import InvalidInputError
 from modallab.core.place import Channels
 from modallab.core.progress import silent
 from modallab.effects.quantisation import Quantisation
@@ -13,6 +14,7 @@ from modallab.estimation.estimator import ESTIMATORS
 from modallab.rig.acquisition import samples_of
 from modallab.rig.analyser import Analyser
 from modallab.rig.chain import all_effects, chain
+from modallab.rig.effect import build
 from modallab.rig.expected import expected_spectra
 from modallab.rig.sampled import sampled_spectra
 from tests.rigs import beam_system, dofs, rig
@@ -114,6 +116,14 @@ def test_declared_bits_round_and_clip_and_an_ideal_converter_does_neither() -> N
     assert implied == {"overload": {"level": 5.0}, "quantisation": {"step": 10 / 4096}}
     assert all_effects(rig(1), []) == []
     assert bits.bits == 12
+
+
+def test_the_coarsest_converter_of_a_log_book_is_within_the_bounds_of_its_effects() -> None:
+    for bits, factor in ((4, 16.0), (4, 0.5), (7, 100.0), (32, 100.0)):
+        implied = all_effects(rig(1, analyser={"bits": bits, "range_factor": factor}), [])
+        assert [build(effect.spec) for effect in implied] == implied
+    with pytest.raises(InvalidInputError, match="bits"):
+        Analyser(bits=6, range_factor=100.0)
 
 
 def test_sixteen_bits_leave_the_frf_as_it_is() -> None:
