@@ -5,7 +5,8 @@ import pytest
 
 from modallab.estimation.windows import WINDOWS
 
-KINDS = sorted(WINDOWS)
+KINDS = [kind for kind in sorted(WINDOWS) if not WINDOWS[kind].transient]
+TRANSIENT = [kind for kind in sorted(WINDOWS) if WINDOWS[kind].transient]
 
 
 @pytest.mark.parametrize("kind", KINDS)
@@ -46,3 +47,26 @@ def test_the_quick_form_of_the_line_shape_is_the_plain_one(kind: str) -> None:
     plain = window.line_shape(lines[:, None] - place)
     # sin(pi x) near a whole x loses what x has of digits: 1e-16 * 40 / 1e-3, of the largest
     np.testing.assert_allclose(window.line_shapes(lines, place), plain, atol=1e-12)
+
+
+@pytest.mark.parametrize("kind", TRANSIENT)
+def test_a_window_of_transients_weighs_responses_as_its_line_shape_says(kind: str) -> None:
+    window, n = WINDOWS[kind], 4096
+    lines = np.abs(np.fft.rfft(window.samples(n))[:11] / n) ** 2 / window.power
+    # a sum of n samples for an integral: half of the jump between the ends, 0.5/n, of 0.2, and squared
+    np.testing.assert_allclose(lines, window.line_shape(np.arange(11.0)), rtol=6 / n, atol=1e-7)
+
+
+@pytest.mark.parametrize("kind", TRANSIENT)
+def test_a_window_of_transients_leaves_the_start_of_a_record_and_takes_noise(kind: str) -> None:
+    window = WINDOWS[kind]
+    weights = window.weights(1000, 1, 2)
+    np.testing.assert_array_equal(weights[:, 0], 1.0)
+    assert (np.diff(weights, axis=1) <= 0).all()
+    shares = window.noise_shares(1, 2)
+    assert shares[0] < 1
+    assert shares[1] == shares[2] >= shares[0]
+    if window.end < 1:  # the mean of exp(-2 sigma t) over the record; samples for an integral
+        assert np.isclose(shares[1], (1 - window.end**2) / (-2 * np.log(window.end)), rtol=2e-3)
+    if window.force_width < 1:
+        assert (weights[0, int(1000 * window.force_width) :] < 1e-9).all()

@@ -12,7 +12,6 @@ from modallab.core.parameters import parameter
 from modallab.core.place import Channels, Place
 from modallab.correlation.evidence import Evidence
 from modallab.estimation.spectra import CrossSpectra
-from modallab.estimation.windows import WINDOWS
 from modallab.fe.system import DynamicSystem
 from modallab.rig.acquisition import Acquisition, Batch
 from modallab.rig.effect import EFFECTS, Effect
@@ -53,7 +52,7 @@ class MainsHum(Effect):
         """Return the spectra with the harmonics' lines in G_xx."""
         spacing, orders = acquisition.analyser.spacing, self._orders(acquisition)
         place, line = orders * self.frequency / spacing, spectra.freq[:, None] / spacing
-        shape = WINDOWS[acquisition.analyser.window].line_shape
+        shape = acquisition.analyser.line_window.line_shape
         power = (shape(line - place) + shape(line + place)) @ (1 / orders**2) / spacing
         rms = (self.ratio * acquisition.rms * self._hums(acquisition))[:, acquisition.n_in :]
         return replace(spectra, xx=spectra.xx + power[:, None] * rms[:, None, :] ** 2)

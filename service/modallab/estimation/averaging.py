@@ -43,7 +43,7 @@ class Averager:
         n_ch, n_samples = shape
         n_out = n_ch - n_in
         self.count = 0
-        self._w = window.samples(n_samples)
+        self._w = window.weights(n_samples, n_in, n_out)
         self._batch = max(1, IN_CACHE // (n_ch * n_samples))
         self._windowed = np.empty((self._batch, *shape))
         self._scale = 2 / (sample_rate * n_samples * window.power)

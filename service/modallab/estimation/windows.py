@@ -8,35 +8,69 @@ from modallab.core.arrays import FloatArray
 from modallab.core.registry import Family
 
 WINDOWS: Family["Window"] = Family("window", home=__name__)
+FINE = 4096  # samples of a window for its mean square
+
+
+EDGE = 0.1  # share of a force window over which it falls to zero
 
 
 @dataclass(frozen=True)
 class Window:
-    """A sum of cosines over the record: w = a_0 - a_1 cos(2 pi t/T) + a_2 cos(4 pi t/T) - ..."""
+    """A sum of cosines over the record: w = a_0 - a_1 cos(2 pi t/T) + a_2 cos(4 pi t/T) - ...
+
+    Windows for signals that begin and end within a record are none of it, but weigh its parts: forces
+    are let through until the pulse is over, and all channels fall exponentially to `end` at the end.
+    """
 
     summary: str
-    coefficients: tuple[float, ...]
+    coefficients: tuple[float, ...] = (1.0,)
+    force_width: float = 1.0  # share of the record after which a force channel is cut off
+    end: float = 1.0
+
+    @property
+    def transient(self) -> bool:
+        """Whether it weighs parts of a record, so that a signal has to begin and end within it."""
+        return self.force_width < 1 or self.end < 1
 
     @property
     def power(self) -> float:
-        """Mean square of the window."""
+        """Mean square of the sum of cosines: what spectra are divided by.
+
+        Weights of parts of a record leave a pulse at its start as it is, and so the size of spectra.
+        """
         a = np.array(self.coefficients)
         return float(a[0] ** 2 + (a[1:] ** 2).sum() / 2)
 
     def samples(self, n: int) -> FloatArray:
-        """Return the window (n,), periodic in the record."""
+        """Return the window (n,) of a response channel; a sum of cosines is periodic in the record."""
         angle = 2 * np.pi * np.arange(n) / n
         signs = (-1.0) ** np.arange(len(self.coefficients))
         terms = [
             s * a * np.cos(k * angle) for k, (s, a) in enumerate(zip(signs, self.coefficients, strict=True))
         ]
-        return np.asarray(np.sum(terms, axis=0))
+        return np.asarray(np.sum(terms, axis=0) * self.end ** (np.arange(n) / n))
+
+    def weights(self, n: int, n_in: int, n_out: int) -> FloatArray:
+        """Return the windows of all channels, (n_in + n_out, n), forces first."""
+        response = self.samples(n)
+        left = (self.force_width - np.arange(n) / n) / (EDGE * self.force_width)
+        passed = np.sin(np.pi / 2 * np.clip(left, 0.0, 1.0)) ** 2 if self.force_width < 1 else np.ones(n)
+        return np.vstack([np.tile(response * passed, (n_in, 1)), np.tile(response, (n_out, 1))])
+
+    def noise_shares(self, n_in: int, n_out: int) -> FloatArray:
+        """Return what a channel's spectrum keeps of white noise, (n_in + n_out,), forces first."""
+        return np.asarray((self.weights(FINE, n_in, n_out) ** 2).mean(axis=1) / self.power)
 
     def line_shape(self, offset: FloatArray) -> FloatArray:
         """Return the power that a line takes from a signal `offset` lines away, unit area over lines.
 
-        The power window of 1992 thesis eq. [5.12], [5.13] times the line spacing; closed form.
+        The power window of 1992 thesis eq. [5.12], [5.13] times the line spacing; closed form. Of a window
+        that weighs parts of a record: of its response channels, as much below unit area as it takes away.
         """
+        if self.transient:
+            decay = -np.log(self.end) + 2j * np.pi * offset
+            whole = np.where(decay == 0, 1.0, decay)
+            return np.asarray(np.abs(np.where(decay == 0, 1.0, -np.expm1(-decay) / whole)) ** 2)
         amplitude = self.coefficients[0] * np.sinc(offset)
         for k, a in enumerate(self.coefficients[1:], start=1):
             amplitude = amplitude + a / 2 * (np.sinc(offset - k) + np.sinc(offset + k))
@@ -83,3 +117,37 @@ WINDOWS.register("flat_top")(
         (0.21557895, 0.41663158, 0.277263158, 0.083578947, 0.006947368),
     )
 )
+WINDOWS.register("force")(
+    Window(
+        "of impacts: the force is let through until the pulse is over, its noise after that is not",
+        force_width=0.2,
+    )
+)
+WINDOWS.register("exponential")(
+    Window("of impacts: all channels fall exponentially, which adds a known damping", end=0.01)
+)
+WINDOWS.register("force_exponential")(
+    Window(
+        "of impacts: exponential on all channels, and the force cut off after its pulse",
+        force_width=0.2,
+        end=0.01,
+    )
+)
+
+
+def added_loss_factor(end: float, record_length: float, frequency: FloatArray) -> FloatArray:
+    """Return by how much an exponential window raises the loss factors of modes, (n_modes,).
+
+    exp(-sigma t) on force and response moves every pole by -sigma, whatever its damping: a mode of
+    frequency f looks as if its loss factor were larger by 2 sigma / (2 pi f), sigma = -ln(end)/T.
+
+    Parameters
+    ----------
+    end
+        Height of the window at the end of the record, 1 where there is none.
+    record_length
+        T, s.
+    frequency
+        (n_modes,) Hz.
+    """
+    return np.asarray(-np.log(end) / (np.pi * record_length * frequency))

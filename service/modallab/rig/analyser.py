@@ -1,23 +1,16 @@
 """The settings of the FFT analyser."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from typing import Literal
 
 import numpy as np
 
 from modallab.core.arrays import FloatArray
+from modallab.estimation.windows import WINDOWS, Window
+from modallab.rig.excitation import EXCITATIONS, ExcitationSetting
 from modallab.rig.hardware import within
 
-
-@dataclass(frozen=True)
-class ExcitationSetting:
-    """Which signal the source plays, and how loud."""
-
-    kind: str = "periodic_random"
-    level: float = 1.0  # N rms, flat from 0 Hz to the top of the band
-
-    def __post_init__(self) -> None:
-        within("excitation.level", self.level, 1e-9, 1e9)
+__all__ = ["Analyser", "ExcitationSetting"]
 
 
 @dataclass(frozen=True)
@@ -36,10 +29,14 @@ class Analyser:
     coupling: Literal["dc", "ac"] = "dc"  # of all inputs alike
     coupling_frequency: float = 1.0  # Hz, 3 dB down where coupled "ac"
     mass_cancellation: float = 0.0  # kg times the drive point's reading, taken out of the force
+    window_end: float = 0.01  # height of an exponential window at the end of the record
+    force_width: float = 0.2  # share of the record that a force window lets through
 
     def __post_init__(self) -> None:
         within("frequency_max", self.frequency_max, 1e-3, 1e6)
         within("n_lines", self.n_lines, 8, 20001)
+        within("window_end", self.window_end, 1e-6, 0.999)
+        within("force_width", self.force_width, 1e-3, 0.999)
         within("averages", self.averages, 1, 100_000)
         within("overlap", self.overlap, 0.0, 0.9)
         within("coupling_frequency", self.coupling_frequency, 0.0, 1e4)
@@ -63,3 +60,18 @@ class Analyser:
     def record_length(self) -> float:
         """Length of one record, s."""
         return 1.0 / self.spacing
+
+    @property
+    def line_window_kind(self) -> str:
+        """The window that lines are seen through: none where each is measured on its own."""
+        return "rectangular" if EXCITATIONS[self.excitation.kind].one_by_one else self.window
+
+    @property
+    def line_window(self) -> Window:
+        """The same, with what it is set to."""
+        window = WINDOWS[self.line_window_kind]
+        return replace(
+            window,
+            force_width=self.force_width if window.force_width < 1 else 1.0,
+            end=self.window_end if window.end < 1 else 1.0,
+        )

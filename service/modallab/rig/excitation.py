@@ -1,19 +1,96 @@
-"""What an excitation is: how its power stands to the analyser's record."""
+"""What an excitation is: which signal the source plays, and how it stands to the analyser's record."""
 
-from dataclasses import dataclass
+from collections.abc import Callable
+from dataclasses import dataclass, fields
 
+import numpy as np
+
+from modallab.core.arrays import FloatArray
+from modallab.core.parameters import ParameterSpec, parameter
 from modallab.core.registry import Family
+from modallab.rig.hardware import within
+from modallab.rig.transient import Transient
+
+Phases = Callable[[int], FloatArray]  # number of lines -> rad, 0 at 0 Hz
+
+
+def swept_phases(n_lines: int) -> FloatArray:
+    """Return phases, rad, (n_lines,), whose group delay rises evenly over the record: -pi k^2/n.
+
+    Line k comes k/n of the record after line 0, and no peak stands out. Schroeder (1970), IEEE Trans.
+    Information Theory 16, 85-89.
+    """
+    return np.asarray(-np.pi * np.arange(n_lines) ** 2 / (n_lines - 1))
+
+
+@dataclass(frozen=True)
+class ExcitationSetting:
+    """Which signal the source plays, and how loud.
+
+    The mean square of a signal over the band is level^2, whatever its kind; of a burst and of a blow
+    that of the record as a whole, a blow's as if its spectrum stayed what it is at low frequency.
+    """
+
+    kind: str = "periodic_random"
+    level: float = parameter(
+        1.0, unit="N", lower=1e-9, upper=1e9, absent=None, doc="rms of the source, flat over the band"
+    )
+    burst: float = parameter(
+        0.5, unit="1", lower=0.01, upper=1.0, absent=None, doc="share of the record in which the source plays"
+    )
+    tip_stiffness: float = parameter(
+        1e7, unit="N/m", lower=1e3, upper=1e11, absent=None, doc="hammer's tip: rubber 1e6, steel 1e8"
+    )
+    hammer_mass: float = parameter(
+        0.2, unit="kg", lower=1e-3, upper=20.0, absent=None, doc="of the hammer's head"
+    )
+    pre_trigger: float = parameter(
+        0.05, unit="1", lower=0.0, upper=0.5, absent=None, doc="share of the record before the blow"
+    )
+    level_scatter: float = parameter(
+        0.0, unit="1", lower=0.0, upper=1.0, doc="standard deviation of the logarithm of a blow's size"
+    )
+    place_scatter: float = parameter(
+        0.0, unit="m", lower=0.0, upper=1.0, doc="standard deviation of a blow's place along the member"
+    )
+    angle_scatter: float = parameter(
+        0.0, unit="rad", lower=0.0, upper=0.8, doc="standard deviation of a blow's tilt to either side"
+    )
+
+    def __post_init__(self) -> None:
+        EXCITATIONS[self.kind]
+        for name, spec in self.specs().items():
+            within(f"excitation.{name}", getattr(self, name), spec.lower, spec.upper)
+
+    @classmethod
+    def specs(cls) -> dict[str, ParameterSpec]:
+        """Return unit, bounds and meaning of every number by name."""
+        return {f.name: f.metadata["spec"] for f in fields(cls) if "spec" in f.metadata}
 
 
 @dataclass(frozen=True)
 class Excitation:
     """A kind of signal the source can play.
 
-    `continuous` is the share of its power that does not repeat with the record, and so leaks.
+    Unless it says otherwise, a signal is Gaussian, drawn anew for every record and periodic in it.
     """
 
     summary: str
-    continuous: float  # 0: periodic in the record, 1: a stationary random signal
+    continuous: float = 0.0  # share of its power that does not repeat with the record, and so leaks
+    phases: Phases | None = None  # of its lines, all of one size, where every record has the same
+    one_by_one: bool = False  # every line is measured on its own: no window, all of the power in a line
+    transient: Transient | None = None  # it begins and ends within a record, on a structure at rest
+    settings: tuple[str, ...] = ("level",)  # what of `ExcitationSetting` it asks for
+
+    def specs(self) -> dict[str, ParameterSpec]:
+        """Return unit, bounds and meaning of the numbers it asks for, by name."""
+        known = ExcitationSetting.specs()
+        return {name: known[name] for name in self.settings}
+
+    def noise_share(self, n_lines: int) -> float:
+        """Return the noise of a line over that of a signal of the same rms spread over the band."""
+        return 1 / (n_lines - 1) if self.one_by_one else 1.0
 
 
 EXCITATIONS: Family[Excitation] = Family("excitation", home="modallab.rig.excitations")
+"""Excitations, one file each."""

@@ -5,10 +5,13 @@ import numpy as np
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.estimation.averaging import effective_averages
 from modallab.estimation.spectra import CrossSpectra
-from modallab.estimation.windows import WINDOWS
 from modallab.rig.acquisition import Acquisition
-from modallab.rig.chain import Chain
+from modallab.rig.chain import Chain, ChannelResponse
+from modallab.rig.distortion import residual_densities
+from modallab.rig.excitation import EXCITATIONS
+from modallab.rig.ringing import transient_of, transient_spectra
 from modallab.rig.smear import Smear
+from modallab.rig.steady import fixed_signals
 from modallab.rig.view import View, coarse_view, periodic_view, refined_view
 
 
@@ -44,16 +47,43 @@ def noise_free(chain: Chain, step: int | None = None) -> ComplexArray:
     (n_run, n_lines, n_in^2 + n_in n_out + n_out)
     """
     analyser, share = chain.setup.analyser, chain.source.continuous
-    views: list[tuple[float, View | Smear]] = []
+    parts: list[ComplexArray] = []
     if share < 1:
-        views.append((1 - share, periodic_view(analyser, step or 1)))
+        parts.append((1 - share) * _repeating(chain, step or 1))
     if share > 0:
         fine = step is None
-        views.append(
-            (share, refined_view(analyser, *chain.poles()) if fine else coarse_view(analyser, step or 1))
-        )
-    parts = [weight * view.through(_signal(chain, view.nodes)) for weight, view in views]
+        view = refined_view(analyser, *chain.poles()) if fine else coarse_view(analyser, step or 1)
+        parts.append(share * _through(view, chain))
     return np.asarray(sum(parts[1:], parts[0]))
+
+
+def _repeating(chain: Chain, step: int) -> ComplexArray:
+    """Return the same of what repeats with the record, or begins and ends within it, at full power."""
+    if transient_of(chain) is not None:
+        return transient_spectra(chain)[:, ::step] + _distorted(chain, step)
+    seen = fixed_signals(chain)
+    if seen is not None:
+        return _products(seen[:, ::step]) + _distorted(chain, step)
+    return _through(periodic_view(chain.setup.analyser, step), chain)
+
+
+def _distorted(chain: Chain, step: int) -> ComplexArray | float:
+    """Return what nonlinear forces leave of straight lines, as if of a Gaussian signal of the same power."""
+    if not chain.runs[0].local:
+        return 0.0
+    view = periodic_view(chain.setup.analyser, step)
+    return view.through(_residual(chain, view.nodes))
+
+
+def _through(view: View | Smear, chain: Chain) -> ComplexArray:
+    signal = _signal(chain, view.nodes)
+    return view.through(signal + _residual(chain, view.nodes) if chain.runs[0].local else signal)
+
+
+def _products(seen: ComplexArray) -> ComplexArray:
+    """Return G_ff, G_fx and G_xx side by side of the lines (n_run, n_lines, 1 + n_out) of one source."""
+    force, response = seen[..., :1], seen[..., 1:]
+    return np.concatenate([np.abs(force) ** 2, force.conj() * response, np.abs(response) ** 2], axis=2)
 
 
 def acquisition(chain: Chain, clean: ComplexArray) -> Acquisition:
@@ -80,10 +110,13 @@ def noise_densities(chain: Chain, clean: ComplexArray) -> FloatArray:
     Parameters
     ----------
     clean
-        `noise_free(chain)`: the log book's ratio is to the mean of each channel's own spectrum.
+        `noise_free(chain)`: the log book's ratio is to the mean of each channel's own spectrum, of a test
+        with the signal's power spread over the band.
     """
     levels = np.full(len(chain.runs[0].forces) + len(chain.runs[0].responses), chain.noise.response)
     levels[: chain.n_in] = chain.noise.force
+    analyser = chain.setup.analyser
+    levels *= EXCITATIONS[analyser.excitation.kind].noise_share(analyser.n_lines)
     return np.asarray(levels * _autos(chain, clean).mean(axis=1))
 
 
@@ -97,7 +130,7 @@ def _autos(chain: Chain, clean: ComplexArray) -> FloatArray:
 def _with_noise(chain: Chain, clean: ComplexArray, freq: FloatArray) -> CrossSpectra:
     n, n_out = chain.n_in, len(chain.runs[0].responses)
     n_run, n_lines, _ = clean.shape
-    noise = noise_densities(chain, clean)
+    noise = noise_densities(chain, clean) * chain.setup.analyser.line_window.noise_shares(n, n_out)
     ff = clean[..., : n * n].reshape(n_run, n_lines, n, n).copy()
     ff[..., np.arange(n), np.arange(n)] += noise[:, None, :n]
     analyser = chain.setup.analyser
@@ -106,7 +139,7 @@ def _with_noise(chain: Chain, clean: ComplexArray, freq: FloatArray) -> CrossSpe
         ff,
         clean[..., n * n : -n_out].reshape(n_run, n_lines, n, n_out),
         clean[..., -n_out:].real + noise[:, None, n:],
-        effective_averages(analyser.averages, chain.overlap, WINDOWS[analyser.window]),
+        effective_averages(analyser.averages, chain.overlap, analyser.line_window),
     )
     known = acquisition(chain, clean)
     for effect in chain.effects:
@@ -119,12 +152,32 @@ def _signal(chain: Chain, freq: FloatArray) -> ComplexArray:
     excitation = chain.setup.analyser.excitation
     density = excitation.level**2 / chain.setup.analyser.frequency_max
     answer = chain.respond(freq)
+    return _powers(answer, np.full((1, 1, chain.n_in), density))
+
+
+def _residual(chain: Chain, freq: FloatArray) -> ComplexArray:
+    """Return the same of what the nonlinear forces leave of their straight lines."""
+    left = [residual_densities(run, chain.setup.analyser, chain.source, freq) for run in chain.runs]
+    return _powers(chain.distort(freq), np.array(left))
+
+
+def _powers(answer: ChannelResponse, density: FloatArray) -> ComplexArray:
+    """Return G_ff, G_fx and G_xx side by side of sources that have nothing in common.
+
+    Parameters
+    ----------
+    answer
+        Of the channels per newton of each source.
+    density
+        (n_run, n, n_sources) N^2/Hz, or what broadcasts to it.
+    """
     f, x = answer.force, answer.response
-    if chain.n_in == 1:
-        force = density * (f.real**2 + f.imag**2)[..., 0]
-        h = x[..., 0] / f[..., 0]
-        return np.concatenate([force.astype(complex), force * h, force * (h.real**2 + h.imag**2)], axis=2)
-    back = density * f.conj()
+    n_in, n_sources = f.shape[2:]
+    if n_in == n_sources == 1:  # products number by number instead of matrix by matrix
+        f, x = f[..., 0], x[..., 0]
+        force, power = (density * (one.real**2 + one.imag**2) for one in (f, x))
+        return np.concatenate([force.astype(complex), density * f.conj() * x, power], axis=2)
+    back = density[:, :, None, :] * f.conj()
     parts = [back @ f.swapaxes(2, 3), back @ x.swapaxes(2, 3)]
     flat = [part.reshape(*part.shape[:2], -1) for part in parts]
-    return np.concatenate([*flat, density * (np.abs(x) ** 2).sum(axis=3)], axis=2)
+    return np.concatenate([*flat, (density[:, :, None, :] * np.abs(x) ** 2).sum(axis=3)], axis=2)

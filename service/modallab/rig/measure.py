@@ -16,13 +16,16 @@ from modallab.estimation.estimator import ESTIMATORS
 from modallab.estimation.spectra import CrossSpectra
 from modallab.fe.assembly import assemble
 from modallab.fe.structure import Structure
-from modallab.rig.chain import chain
+from modallab.rig.chain import Chain, chain
+from modallab.rig.compatibility import check_compatible
 from modallab.rig.drawn import drawn_spectra
+from modallab.rig.drawn_steady import drawn_about
 from modallab.rig.effect import Effect, build
-from modallab.rig.expected import expected_spectra
+from modallab.rig.expected import expected_spectra, noise_densities, noise_free
 from modallab.rig.measurement import Measurement
 from modallab.rig.sampled import sampled_spectra
 from modallab.rig.setup import RigSetup
+from modallab.rig.steady import steady_runs
 
 
 class Route(StrEnum):
@@ -58,18 +61,30 @@ def measure(
     InvalidInputError
         If an effect, declared or not, cannot sit where it is said to.
     """
+    check_compatible(setup)
     own = [build(spec) for spec in structure.effects]
     for effect in [*own, *(build(spec) for spec in setup.effects), *effects]:
         effect.check(structure, setup)
     whole = chain(assemble(structure), setup, [*own, *effects])
     if route is Route.SAMPLED:
         spectra = sampled_spectra(whole, rng, progress)
+    elif route is Route.DRAWN:
+        spectra = draw(whole, rng)
     else:
         spectra = expected_spectra(whole)
-        if route is Route.DRAWN:
-            spectra = drawn_spectra(spectra, rng)
     progress(1.0, "measured")
     return measurement_of(spectra, setup)
+
+
+def draw(chain: Chain, rng: np.random.Generator) -> CrossSpectra:
+    """Return spectra from the law that averages follow round the expected ones."""
+    expected, steady = expected_spectra(chain), steady_runs(chain)
+    if steady is None:
+        return drawn_spectra(expected, rng)
+    clean = noise_free(chain)
+    n_out = len(chain.runs[0].responses)
+    seen = chain.setup.analyser.line_window.noise_shares(chain.n_in, n_out)
+    return drawn_about(expected, clean, (noise_densities(chain, clean) * seen)[:, 0], steady, rng)
 
 
 def measurement_of(spectra: CrossSpectra, setup: RigSetup) -> Measurement:

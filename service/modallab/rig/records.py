@@ -6,10 +6,13 @@ import numpy as np
 import scipy.fft
 from numpy.lib.stride_tricks import sliding_window_view
 
-from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.core.arrays import ComplexArray, FloatArray, IntArray
 from modallab.core.errors import InvalidInputError
 from modallab.rig.acquisition import Batch, sample_rate_of, samples_of
 from modallab.rig.chain import Chain
+from modallab.rig.distorted_records import Distorter, Played
+from modallab.rig.ringing import answers_of, transient_of
+from modallab.rig.steady import fixed_lines
 
 FORGOTTEN = 1e-6  # amplitude below which a mode has rung out
 LONGEST = 2**26  # samples of all channels of one stretch, 0.5 GB
@@ -27,6 +30,7 @@ class Recorder:
 
     def __init__(self, chain: Chain) -> None:
         analyser, share = chain.setup.analyser, chain.source.continuous
+        self._chain = chain
         self.n_samples, self.sample_rate = samples_of(analyser), sample_rate_of(analyser)
         self._averages = analyser.averages
         self._hop = max(1, round(self.n_samples * (1 - chain.overlap)))
@@ -48,9 +52,18 @@ class Recorder:
             repeats = self._lay_out(min(max(RECORDS, ringing), room - ringing), ringing)
             freq = np.linspace(0.0, analyser.frequency_max, (analyser.n_lines - 1) * repeats + 1)
             self._stationary = np.sqrt(share) * _per_source(chain, freq)
+            self._repeats = repeats
             self._stationary[..., -1] *= np.sqrt(0.5)  # half of the last fine line lies beyond the band
             self._length = repeats * self.n_samples
-        if share < 1:
+        self._transient, self._fixed = transient_of(chain), fixed_lines(analyser)
+        if self._transient is not None and chain.runs[0].local:
+            raise InvalidInputError(
+                "nonlinear forces are not stepped through signals that end within a record",
+                field="excitation.kind",
+                value=analyser.excitation.kind,
+                allowed="an excitation that goes on, or the route expected",
+            )
+        if share < 1 and self._transient is None:
             self._repeating = np.sqrt(1 - share) * _per_source(chain, analyser.freq)
 
     def _lay_out(self, records: float, ringing: float) -> int:
@@ -70,30 +83,61 @@ class Recorder:
             (n_ch,) one-sided densities of the white noise of each channel, unit^2/Hz.
         """
         rms = np.sqrt(noise * self.sample_rate / 2)
+        distorter = Distorter(self._chain, run) if self._chain.runs[run].local else None
+        answers = None if self._transient is None else answers_of(self._chain, run)
         span = self.n_samples + (self._per_stretch - 1) * self._hop
         done = 0
         while done < self._averages:
             samples = rms[:, None] * rng.standard_normal((len(rms), span))
+            stretch = None
             if self._stationary is not None:
-                samples += self._signal(self._stationary[run], 1, self._length, rng)[0, :, :span]
+                stretch = self._drawn(self._stationary[run], 1, rng)
+                samples += self._heard(self._stationary[run], stretch, self._length)[0, :, :span]
             records = sliding_window_view(samples, self.n_samples, axis=1)[:, :: self._hop].swapaxes(0, 1)
             records = records[: self._averages - done]
-            starts = done * self.n_samples + self._hop * np.arange(len(records))
+            starts = self._hop * np.arange(len(records))
             for start in range(0, len(records), self._batch):
-                batch = records[start : start + self._batch]
+                batch, first = records[start : start + self._batch], starts[start : start + self._batch]
+                lines = None
                 if self._repeating is not None:
-                    batch = batch + self._signal(self._repeating[run], len(batch), self.n_samples, rng)
-                yield Batch(run, starts[start : start + self._batch], batch)
+                    lines = self._repeated(self._repeating[run], len(batch), rng)
+                    batch = batch + self._heard(self._repeating[run], lines, self.n_samples)
+                if self._transient is not None and answers is not None:
+                    setting, share = self._chain.setup.analyser.excitation, self._chain.source.continuous
+                    own = self._transient.drawn(answers, setting, len(batch), rng)
+                    batch = batch + np.sqrt(1 - share) * own
+                if distorter is not None:
+                    batch = batch + distorter.added(self._played(stretch, lines, first))
+                yield Batch(run, done * self.n_samples + first, batch)
             done += len(records)
 
-    def _signal(self, response: ComplexArray, n: int, n_samples: int, rng: np.random.Generator) -> FloatArray:
-        """Return n independent Gaussian records (n, n_ch, n_samples), periodic in their length.
+    def _played(
+        self, stretch: ComplexArray | None, lines: ComplexArray | None, starts: IntArray
+    ) -> list[Played]:
+        """Return what the sources play in some records: out of one stretch, and anew in each."""
+        share = self._chain.source.continuous
+        found = [] if stretch is None else [Played(stretch, share, self._repeats, starts)]
+        anew = [] if lines is None else [Played(lines, 1 - share, 1, np.zeros_like(starts))]
+        return [*found, *anew]
 
-        `response` (n_in, n_ch, n_lines) are the channels' amplitudes for sources of unit density.
-        """
+    def _repeated(self, response: ComplexArray, n: int, rng: np.random.Generator) -> ComplexArray:
+        """Return what n records repeat: lines of their own, or, (1, 1, n_lines), the same in all of them."""
+        return self._drawn(response, n, rng) if self._fixed is None else self._fixed[None, None]
+
+    @staticmethod
+    def _drawn(response: ComplexArray, n: int, rng: np.random.Generator) -> ComplexArray:
+        """Return what the sources play n times, line by line, (n, n_in, n_lines), of unit density."""
         n_in, _, n_lines = response.shape
         lines = rng.standard_normal((n, n_in, 2 * n_lines)).view(complex) / np.sqrt(2)
         lines[..., 0] = np.sqrt(2) * lines[..., 0].real
+        return np.asarray(lines)
+
+    def _heard(self, response: ComplexArray, lines: ComplexArray, n_samples: int) -> FloatArray:
+        """Return the channels' records (n, n_ch, n_samples), periodic in their length.
+
+        `response` (n_in, n_ch, n_lines) are the channels' amplitudes for sources of unit density.
+        """
+        n_in = len(response)
         heard = lines[:, :1] * response[0]
         for source in range(1, n_in):
             heard += lines[:, source : source + 1] * response[source]

@@ -7,7 +7,6 @@ import numpy as np
 from modallab.core.progress import Progress
 from modallab.estimation.averaging import Averager, effective_averages
 from modallab.estimation.spectra import CrossSpectra
-from modallab.estimation.windows import WINDOWS
 from modallab.rig.chain import Chain
 from modallab.rig.expected import acquisition, noise_densities, noise_free
 from modallab.rig.records import Recorder
@@ -25,7 +24,7 @@ def sampled_spectra(chain: Chain, rng: np.random.Generator, progress: Progress) 
     InvalidInputError
         If a mode rings too long for stationary records to be simulated.
     """
-    analyser, window = chain.setup.analyser, WINDOWS[chain.setup.analyser.window]
+    analyser, window = chain.setup.analyser, chain.setup.analyser.line_window
     recorder = Recorder(chain)
     clean = noise_free(chain)
     noise, known = noise_densities(chain, clean), acquisition(chain, clean)

@@ -1,6 +1,8 @@
 """What the source plays, and the noise of the channels that listen."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+
+from modallab.rig.channel import Filter
 
 
 @dataclass(frozen=True)
@@ -8,6 +10,11 @@ class Source:
     """How the source's power stands to the record; `continuous` of it does not repeat and leaks."""
 
     continuous: float = 0.0
+    shaping: tuple[Filter, ...] = ()  # of what begins and ends within a record
+
+    def through(self, one: Filter) -> "Source":
+        """Return the source with one more filter on what it plays."""
+        return replace(self, shaping=(*self.shaping, one))
 
 
 @dataclass(frozen=True)

@@ -10,7 +10,6 @@ from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.estimation.coherence import coherence
 from modallab.estimation.estimators.h1 import h1
 from modallab.estimation.spectra import CrossSpectra
-from modallab.estimation.windows import WINDOWS
 from modallab.rig.chain import Chain
 from modallab.rig.view import refined_view
 
@@ -49,7 +48,7 @@ def excess_variance(chain: Chain, spectra: CrossSpectra) -> FloatArray:
     hop = (1 - chain.overlap) * analyser.record_length
     leaked = np.array(list(leaked_covariances(chain, spectra, len(lags))))
     # The rest comes anew at every instant: records have it in common as far as they overlap.
-    flat = _overlapping(WINDOWS[analyser.window].samples(FINE), hop / analyser.record_length * lags)
+    flat = _overlapping(analyser.line_window.samples(FINE), hop / analyser.record_length * lags)
     turned = flat[:, None] * np.exp(2j * np.pi * analyser.freq * lags[:, None] * hop)
     tied = leaked[1:] + turned[:, None, :, None] * (whole - leaked[0].real)
     ratio = np.abs(tied / whole) ** 2

@@ -8,7 +8,6 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array, csr_array
 
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray
-from modallab.estimation.windows import WINDOWS, Window
 from modallab.rig.analyser import Analyser
 from modallab.rig.smear import Smear, smear
 
@@ -43,7 +42,7 @@ class View:
 @lru_cache(maxsize=16)
 def periodic_view(analyser: Analyser, step: int = 1) -> View:
     """Return how every `step`-th line sees a signal that repeats with the record: lines see lines."""
-    window, n = WINDOWS[analyser.window], analyser.n_lines
+    window, n = analyser.line_window, analyser.n_lines
     reach = len(window.coefficients) - 1  # farther off, its line shape is 0 at whole lines
     if reach == 0:  # and 1 at its own line
         return View(analyser.freq[::step])
@@ -67,14 +66,14 @@ def refined_view(analyser: Analyser, poles: FloatArray, widths: FloatArray) -> S
         Frequencies and half bandwidths, Hz, of any shape.
     """
     grid = refined(analyser, poles, widths)
-    return smear(analyser.window, analyser.n_lines, analyser.spacing, *grid)
+    return smear(analyser.line_window_kind, analyser.n_lines, analyser.spacing, *grid)
 
 
 @lru_cache(maxsize=16)
 def coarse_view(analyser: Analyser, step: int) -> View:
     """Return how every `step`-th line sees a stationary signal, on a grid that knows no resonance."""
     nodes, weights = _gauss(analyser.freq[:-1], analyser.freq[1:], COARSE)
-    window: Window = WINDOWS[analyser.window]
+    window = analyser.line_window
     lines = np.arange(0, analyser.n_lines, step, dtype=float)
     place, share = nodes / analyser.spacing, weights / analyser.spacing
     near, mirrored = window.line_shapes(lines, place), window.line_shapes(lines, -place)

@@ -18,12 +18,14 @@ from modallab.api.wire import DofText, Effects, EntryOut, Wire, effect_out
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.rig.checks import Check, figures
+from modallab.rig.compatibility import check_compatible
 from modallab.rig.setup import RigSetup
 from modallab.rig.suspension import Suspension
 from modallab.store.base import Entry
 
 # Lines x responses of one test: its arrays take some hundred megabytes while they are made.
 _MOST_VALUES = 2_000_000
+_USUAL = {"shaker": "periodic_random", "hammer": "impact"}  # excitations, where none is named
 
 
 class RigIn(Wire):
@@ -43,18 +45,20 @@ class RigIn(Wire):
 
     def to_domain(self) -> RigSetup:
         """Return the rig; `InvalidInputError` where it makes no sense or asks for too much."""
+        exciter = (self.exciter or ExciterIn()).to_domain()
         setup = RigSetup(
             drives=self._drives(),
             responses=tuple(Dof.parse(text, field="responses") for text in self.responses),
-            exciter=(self.exciter or ExciterIn()).to_domain(),
+            exciter=exciter,
             stinger=self.stinger.to_domain() if self.stinger else None,
             force_transducer=(self.force_transducer or ForceTransducerIn()).to_domain(),
             accelerometers=(self.accelerometers or AccelerometersIn()).to_domain(),
-            analyser=(self.analyser or AnalyserIn()).to_domain(),
+            analyser=(self.analyser or AnalyserIn()).to_domain(_USUAL[exciter.kind]),
             noise=(self.noise or NoiseIn()).to_domain(),
             suspension=self.suspension.to_domain() if self.suspension else Suspension(),
             effects=tuple(effect.to_domain().spec for effect in self.effects),
         )
+        check_compatible(setup)
         values = len(setup.responses) * len(setup.drives) * setup.analyser.n_lines
         if values > _MOST_VALUES:
             raise InvalidInputError(

@@ -1,0 +1,81 @@
+"""Burst random excitation."""
+
+from collections.abc import Iterator
+
+import numpy as np
+import scipy.fft
+
+from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.rig.excitation import EXCITATIONS, Excitation, ExcitationSetting
+from modallab.rig.transient import Answers
+
+MOMENTS = 512  # of a burst for its mean spectra: exact to as many samples, resonances resolved beyond
+AT_ONCE = 2**20  # samples of the records handed out at once
+GOLDEN = 0.6180339887498949
+
+
+class Burst:
+    """White noise for a share of the record from its start, anew in each; then silence.
+
+    White noise is a sum of impulses at all moments, none of which has anything to do with another: its
+    mean spectra are those of single impulses, averaged over the moments of the burst.
+    """
+
+    def spectrum(self, omega: FloatArray, setting: ExcitationSetting) -> ComplexArray:
+        """Return 1: it is white."""
+        return np.ones(len(omega), complex)
+
+    def strays(self, setting: ExcitationSetting) -> bool:
+        """Return False: exciters are mounted."""
+        return False
+
+    def typical(self, answers: Answers, setting: ExcitationSetting) -> Iterator[FloatArray]:
+        """Yield the records of single impulses."""
+        length, n = self._samples(answers, setting), answers.n_samples
+        edges = np.linspace(0, length, min(length, MOMENTS) + 1)
+        # One moment of each equal part, at no equal distances: these would take fast beats for slow ones.
+        place = (GOLDEN * np.arange(len(edges) - 1)) % 1.0
+        moments = np.floor(edges[:-1] + place * np.diff(edges)).astype(int)
+        size = np.sqrt(n * answers.n_in)
+        batch = max(1, AT_ONCE // (n * answers.samples.shape[0] * answers.samples.shape[1]))
+        for start in range(0, len(moments), batch):
+            records = answers.after(moments[start : start + batch])
+            yield size * records.reshape(-1, *records.shape[2:])
+
+    def drawn(
+        self, answers: Answers, setting: ExcitationSetting, n: int, rng: np.random.Generator
+    ) -> FloatArray:
+        """Return n records, (n, n_ch, n_samples)."""
+        length, n_samples = self._samples(answers, setting), answers.n_samples
+        played = rng.standard_normal((n, answers.n_in, length)) * np.sqrt(n_samples / length)
+        lines = scipy.fft.rfft(played, 2 * n_samples)
+        # Time 0 of the answers is in their middle: what wraps around falls on what is cut off.
+        answer = scipy.fft.rfft(np.roll(answers.samples, n_samples, axis=-1))
+        heard = np.einsum("nsf,scf->ncf", lines, answer)
+        return np.asarray(scipy.fft.irfft(heard, 2 * n_samples, overwrite_x=True)[..., :n_samples])
+
+    def recurring(self, answers: Answers, setting: ExcitationSetting) -> None:
+        """Return None: it is Gaussian."""
+
+    def weights(
+        self, answers: Answers, setting: ExcitationSetting, n: int, rng: np.random.Generator
+    ) -> FloatArray:
+        """Return no weights: nothing comes back."""
+        return np.zeros((n, 0))
+
+    def moments(self, answers: Answers, setting: ExcitationSetting) -> FloatArray:
+        """Return no moments."""
+        return np.zeros((0, 0))
+
+    def _samples(self, answers: Answers, setting: ExcitationSetting) -> int:
+        """Return how many samples the burst lasts."""
+        return max(1, round(setting.burst * answers.n_samples))
+
+
+EXCITATIONS.register("burst_random")(
+    Excitation(
+        summary="random for a share of the record, then silence while the response dies out: leaks little",
+        transient=Burst(),
+        settings=("level", "burst"),
+    )
+)

@@ -1,0 +1,90 @@
+"""Impact of a hammer."""
+
+from collections.abc import Iterator
+
+import numpy as np
+
+from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.rig.excitation import EXCITATIONS, Excitation, ExcitationSetting
+from modallab.rig.hammer import pulse_spectrum, pulse_width, tilt_moments, tilted
+from modallab.rig.transient import Answers
+
+
+class Blow:
+    """Half a sine as long as the head touches, after a pre-trigger; sizes scatter from blow to blow.
+
+    A blow beside its point is the same force and a lever's moment with it, one at an angle less force
+    along the axis and some across; the gauge in the hammer shows all of it. Sizes are log-normal, their
+    mean square that of a blow of the declared level.
+    """
+
+    def spectrum(self, omega: FloatArray, setting: ExcitationSetting) -> ComplexArray:
+        """Return the pulse's transform over its value at 0 Hz."""
+        return pulse_spectrum(omega, pulse_width(setting.tip_stiffness, setting.hammer_mass))
+
+    def strays(self, setting: ExcitationSetting) -> bool:
+        """Return whether blows fall beside their point or off their axis."""
+        return setting.place_scatter > 0 or setting.angle_scatter > 0
+
+    def typical(self, answers: Answers, setting: ExcitationSetting) -> Iterator[FloatArray]:
+        """Yield blows, as many as there are ways to stray, that have the mean products of all blows."""
+        size, turned = np.linalg.eigh(self.moments(answers, setting))
+        ways = turned.T * np.sqrt(len(size) * size.clip(min=0.0))[:, None]
+        yield np.tensordot(ways, self.recurring(answers, setting), axes=1)
+
+    def drawn(
+        self, answers: Answers, setting: ExcitationSetting, n: int, rng: np.random.Generator
+    ) -> FloatArray:
+        """Return n records, (n, n_ch, n_samples)."""
+        weights = self.weights(answers, setting, n, rng)
+        return np.asarray(np.tensordot(weights, self.recurring(answers, setting), axes=1))
+
+    def recurring(self, answers: Answers, setting: ExcitationSetting) -> FloatArray:
+        """Return the records of a blow; where it strays, first its force alone, then the responses to it
+        along the axis, per metre beside the point, and across."""
+        moment = round(setting.pre_trigger * answers.n_samples)
+        records = np.sqrt(answers.n_samples) * answers.after(np.array([moment]))[0]
+        if not self.strays(setting):
+            return np.asarray(records)
+        force, along = records[:1].copy(), records[:1].copy()
+        force[:, answers.n_in :], along[:, : answers.n_in] = 0.0, 0.0
+        return np.concatenate([force, along, records[1:]])
+
+    def weights(
+        self, answers: Answers, setting: ExcitationSetting, n: int, rng: np.random.Generator
+    ) -> FloatArray:
+        """Return the weights of n blows, (n, k)."""
+        s = setting.level_scatter
+        size = np.exp(s * rng.standard_normal((n, 1)) - s**2)
+        if not self.strays(setting):
+            return np.asarray(size)
+        beside = setting.place_scatter * rng.standard_normal((n, 1))
+        along, across = tilted(setting.angle_scatter, n, answers.samples.shape[0] - 2, rng)
+        return np.asarray(size * np.hstack([np.ones((n, 1)), along[:, None], beside, across]))
+
+    def moments(self, answers: Answers, setting: ExcitationSetting) -> FloatArray:
+        """Return the mean products of the weights, (k, k)."""
+        if not self.strays(setting):
+            return np.eye(1)
+        n_lateral = answers.samples.shape[0] - 2
+        along, spread, across = tilt_moments(setting.angle_scatter, n_lateral)
+        mean = np.array([1.0, along, 0.0, *[0.0] * n_lateral])
+        own = [0.0, spread, setting.place_scatter**2, *[across] * n_lateral]
+        return np.asarray(np.outer(mean, mean) + np.diag(own))
+
+
+EXCITATIONS.register("impact")(
+    Excitation(
+        summary="the blow of a hammer: a pulse as short as its tip is hard and its head light",
+        transient=Blow(),
+        settings=(
+            "level",
+            "tip_stiffness",
+            "hammer_mass",
+            "pre_trigger",
+            "level_scatter",
+            "place_scatter",
+            "angle_scatter",
+        ),
+    )
+)
