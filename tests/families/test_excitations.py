@@ -88,9 +88,11 @@ def test_every_route_agrees_with_the_expected_spectra_within_the_random_error(
         pairs = (found.ff.real, expected.ff.real), (found.xx, expected.xx)
         powers += [np.abs(one / other - 1) < 3 / np.sqrt(AVERAGES) for one, other in pairs]
     assert np.mean(h) >= 0.99  # 0.997 if normal
-    # skew where coherence is near 1; records that follow one another share what leaks
-    assert np.mean(coherent) >= (0.97 if EXCITATIONS[kind].continuous else 0.98)
-    assert np.mean(np.concatenate([part.ravel() for part in powers])) >= 0.99  # less if it comes back
+    # skew where coherence is near 1; of a leaking signal records that follow one another share what leaks
+    leaks = EXCITATIONS[kind].continuous > 0
+    assert np.mean(coherent) >= (0.97 if leaks else 0.98)
+    within = np.concatenate([part.ravel() for part in powers])
+    assert within.mean() >= (0.97 if leaks else 0.99)  # 0.997 if Gaussian, less scatter if it comes back
 
 
 @pytest.mark.parametrize("kind", KINDS)
