@@ -80,6 +80,13 @@ class Evidence:
         return np.asarray((np.abs(self.frf) ** 2 * self.weight).sum(axis=1) / count)
 
     @property
+    def excess(self) -> float:
+        """By how many of its errors a line's incoherent response is too strong, on average; at least 0."""
+        if self.response is None:
+            return 0.0
+        return max(0.0, float((self.response * self.weight).sum() / max(self.weight.sum(), 1.0)))
+
+    @property
     def falling(self) -> float:
         """How many more modes fell in frequency than rose, as a share of all, 0 to 1."""
         return _surplus(-self.frequency_shift)

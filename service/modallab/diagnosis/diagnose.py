@@ -28,6 +28,7 @@ from modallab.diagnosis.search import (
     ALIKE,
     Accepted,
     Path,
+    Suspects,
     only_noise_left,
     probabilities,
     search,
@@ -40,6 +41,7 @@ from modallab.rig.setup import RigSetup
 
 FEW = 4  # FRFs below which lines are held out instead of FRFs
 MOST_ALIKE = 3
+RULED_OUT = 0.05  # suspicion below which a kind is not looked for unless it is named
 
 
 def diagnose(
@@ -80,9 +82,8 @@ def diagnose(
     held, unmeasured = _held_out(structure, measurement, hold_out_fraction, hold_out, seed)
     observed = observe(measurement, held, fraction=hold_out_fraction)
     predictor = Predictor(structure, measurement.setup, observed)
-    candidates = suspected(predictor, suspects)
     evidence = gather(predictor, [])
-    candidates.sort(key=lambda e: -type(e).signature(evidence))
+    candidates = Suspects(suspected(predictor, suspects), RULED_OUT if suspects is None else 0.0)
     path = search(predictor, candidates, max_effects=max_effects, progress=progress)
     progress(0.97, "writing down what was found")
     steps = tuple(_step(predictor, accepted, path.fit) for accepted in path.steps)
@@ -108,12 +109,18 @@ def diagnose(
 def suspected(predictor: Predictor, kinds: Sequence[str] | None) -> list[Effect]:
     """Return one effect for every kind and place that may be missing.
 
+    Parameters
+    ----------
+    kinds
+        None for all but those that only the user can suspect.
+
     Raises
     ------
     InvalidInputError
         If a kind is unknown or none is left.
     """
-    chosen = list(EFFECTS) if kinds is None else list(dict.fromkeys(kinds))
+    everything = [kind for kind, cls in EFFECTS.items() if cls.suspected]
+    chosen = everything if kinds is None else list(dict.fromkeys(kinds))
     found = [
         EFFECTS[kind](at=place)
         for kind in chosen

@@ -1,5 +1,7 @@
 """From residuals to evidence: shifts of modes, drops of coherence, bands and channels that disagree."""
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from modallab.core.arrays import BoolArray, FloatArray
@@ -15,7 +17,7 @@ SMALL_SHIFT = 1e-5  # to differentiate by
 DISAGREES = 3.0  # mean squared residual above which a band or a channel is named
 
 
-def gather(predictor: Predictor, effects: list[Effect]) -> Evidence:
+def gather(predictor: Predictor, effects: Sequence[Effect]) -> Evidence:
     """Return what disagrees between the measurement and the prediction with some effects."""
     observed, predicted = predictor.observed, predictor.predict(effects)
     left = residual(observed, predicted)

@@ -9,6 +9,7 @@ from scipy.stats import chi2
 from modallab.core.arrays import BoolArray
 from modallab.core.place import Channels
 from modallab.core.progress import Progress
+from modallab.diagnosis.evidence import gather
 from modallab.diagnosis.fitting import Fit, approach, fit
 from modallab.diagnosis.observed import Observed
 from modallab.diagnosis.predictor import Predictor
@@ -70,7 +71,22 @@ def highest_by_chance(error: float) -> float:
     return float(chi2.isf(CHANCE, freedom) / freedom)
 
 
-def search(predictor: Predictor, suspects: Sequence[Effect], *, max_effects: int, progress: Progress) -> Path:
+@dataclass(frozen=True)
+class Suspects:
+    """What may be missing, one effect a kind and place; below a suspicion of `least` passed over."""
+
+    effects: Sequence[Effect]
+    least: float = 0.0
+
+    def of(self, predictor: Predictor, accepted: Sequence[Effect]) -> list[Effect]:
+        """Return those that what disagrees with some effects accepted points at, the likeliest first."""
+        evidence = gather(predictor, accepted)
+        likely = {cls: cls.signature(evidence) for cls in {type(effect) for effect in self.effects}}
+        left = [effect for effect in self.effects if likely[type(effect)] >= self.least]
+        return sorted(left, key=lambda effect: -likely[type(effect)])
+
+
+def search(predictor: Predictor, suspects: Suspects, *, max_effects: int, progress: Progress) -> Path:
     """Return the effects that explain the measurement, each better than noise could.
 
     Greedy, all accepted effects fitted together at every step; where the best first effect does not
@@ -103,11 +119,12 @@ def search(predictor: Predictor, suspects: Sequence[Effect], *, max_effects: int
     return _ordered(predictor, _pruned(predictor, best))
 
 
-def trials(predictor: Predictor, base: Fit, suspects: Sequence[Effect], *, progress: Progress) -> list[Fit]:
+def trials(predictor: Predictor, base: Fit, suspects: Suspects, *, progress: Progress) -> list[Fit]:
     """Return fits of the accepted effects with one suspect more, best first, one a kind and place."""
     accepted = base.effects
     glimpses = predictor.near(accepted)
-    starts = scan(glimpses, accepted, suspects, _part(progress, 0.0, 0.5))
+    likely = suspects.of(predictor, accepted)
+    starts = scan(glimpses, accepted, likely, _part(progress, 0.0, 0.5))
     near: dict[tuple[str, str], tuple[float, Effect]] = {}
     for i, start in enumerate(starts):
         progress(0.5 + 0.25 * i / len(starts), f"approaching {start.effect.kind}")
@@ -168,7 +185,7 @@ def temperature(predictor: Predictor, best: Fit) -> float:
 
 
 def _extended(
-    predictor: Predictor, path: Path, suspects: Sequence[Effect], max_effects: int, progress: Progress
+    predictor: Predictor, path: Path, suspects: Suspects, max_effects: int, progress: Progress
 ) -> Path:
     while len(path.steps) < max_effects and not only_noise_left(predictor, path.fit.residual):
         found = trials(predictor, path.fit, suspects, progress=progress)

@@ -4,8 +4,6 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
-import numpy as np
-
 from modallab.core.dof import Dof
 from modallab.core.parameters import parameter
 from modallab.core.place import Place
@@ -46,6 +44,5 @@ class CubicStiffness(Effect):
 
     @classmethod
     def signature(cls, evidence: Evidence) -> float:
-        """Frequencies rise and coherence falls."""
-        drop = float(np.clip(evidence.coherence_drop.mean() / 0.01, 0.0, 1.0))
-        return 0.3 * evidence.rising + 0.4 * drop
+        """Frequencies rise, and part of the response has nothing in common with the force."""
+        return min(1.0, evidence.excess) * (0.5 + 0.3 * evidence.rising)

@@ -54,5 +54,5 @@ class Friction(Effect):
 
     @classmethod
     def signature(cls, evidence: Evidence) -> float:
-        """Coherence falls."""
-        return 0.5 * float(np.clip(evidence.coherence_drop.mean() / 0.01, 0.0, 1.0))
+        """Part of the response has nothing in common with the force."""
+        return 0.6 * min(1.0, evidence.excess)

@@ -52,6 +52,5 @@ class Rattle(Effect):
 
     @classmethod
     def signature(cls, evidence: Evidence) -> float:
-        """Frequencies rise and coherence falls."""
-        drop = float(np.clip(evidence.coherence_drop.mean() / 0.01, 0.0, 1.0))
-        return 0.2 * evidence.rising + 0.3 * drop
+        """Frequencies rise, and part of the response has nothing in common with the force."""
+        return min(1.0, evidence.excess) * (0.5 + 0.3 * evidence.rising)

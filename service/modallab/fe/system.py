@@ -79,10 +79,13 @@ class DynamicSystem:
 
     def add_mass(self, node: int, mass: float) -> "DynamicSystem":
         """Return the system with a mass, kg, that moves with every translation of a node."""
+        return self.attach(kept(self.shared, "masses", (node, mass), lambda: self._mass(node, mass)))
+
+    def _mass(self, node: int, mass: float) -> Attachment:
         moved = tuple(d for d in self.dofs if d.node == node and d.translational)
         if not moved:
             raise UnknownDofError(f"node {node} has no translation to carry a mass", field="node", value=node)
-        return self.attach(Attachment(self.selection(moved), mass=mass * np.eye(len(moved))))
+        return Attachment(self.selection(moved), mass=mass * np.eye(len(moved)))
 
     def add_spring(self, dof: Dof, stiffness: float) -> "DynamicSystem":
         """Return the system with a spring, N/m (N m for a rotation), from a DoF to the ground."""
@@ -208,7 +211,7 @@ class DynamicSystem:
 
         own = [attachment for _, attachment in self.altered.values()]
         rest = tuple(a for a in self.attachments if not any(a is b for b in own))
-        system = replace(kept(self.shared, key, make), attachments=rest, altered={})
+        system = replace(kept(self.shared, "scaled", key, make), attachments=rest, altered={})
         for number, (alteration, _) in self.altered.items():
             system = system.alter(number, alteration)
         return system

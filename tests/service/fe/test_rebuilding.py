@@ -91,7 +91,7 @@ def test_the_latest_few_are_kept() -> None:
             made.append(key)
             return key
 
-        return kept(shared, key, make)
+        return kept(shared, "numbers", key, make)
 
     for key in range(KEPT):
         assert ask(key) == key
