@@ -23,6 +23,7 @@ from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
 from modallab.rig.succession import excess_variance
 
+GOLDEN = (5**0.5 - 1) / 2
 GLIMPSED = 130  # lines that a first look uses
 
 
@@ -58,8 +59,11 @@ class Predictor:
         return Predicted.of(glimpse(whole, self.step))
 
     def without_lines(self, every: int) -> "Predictor":
-        """Return the same with every so many lines held out of its fits as well."""
-        lines = np.arange(len(self.observed.freq)) % every == every // 2
+        """Return the same with one of so many lines held out of its fits as well.
+
+        At steps of the golden section: at even steps harmonics would all be held out, or none of them.
+        """
+        lines = np.arange(len(self.observed.freq)) * GOLDEN % 1 < 1 / every
         other = copy(self)
         other.observed = replace(self.observed, held_lines=self.observed.held_lines | lines)
         return other
