@@ -156,7 +156,14 @@ def test_sizes_of_blows_scatter_about_the_declared_level_on_both_routes() -> Non
     # log-normal sizes a of mean square 1: var(a^2) = exp(4 s^2) - 1
     spread = np.sqrt((np.exp(4 * scatter**2) - 1) / n)
     rng = np.random.default_rng(1)
-    for route in (lambda: draw(bench, rng), lambda: sampled_spectra(bench, rng, silent)):
+
+    def drawn() -> CrossSpectra:
+        return draw(bench, rng)
+
+    def sampled() -> CrossSpectra:
+        return sampled_spectra(bench, rng, silent)
+
+    for route in (drawn, sampled):
         found = np.array([route().ff[0, 1:, 0, 0].real for _ in range(n_tests)]) / expected
         # all lines of a test share it; without noise the coherence stays 1
         np.testing.assert_allclose(found[:, 0] * found[0, -1] / found[0, 0], found[:, -1], rtol=1e-9)
