@@ -208,6 +208,22 @@ def _curve(data: Json) -> models.Curve:
     )
 
 
+def measurement_log(data: Json) -> models.MeasurementLog:
+    """Return what was declared and asked of a measurement."""
+    return models.MeasurementLog(
+        id=data["id"],
+        created=data["created"],
+        version=data["version"],
+        libraries=data.get("libraries") or {},
+        rig_id=data["rig_id"],
+        rig=data["rig"],
+        route=data["route"],
+        seed=data["seed"],
+        averages=float(data["averages"]),
+        notes=texts(data.get("notes") or ()),
+    )
+
+
 def truth(data: Json) -> models.Truth:
     """Return what a measurement was made with."""
     return models.Truth(data["structure_id"], tuple(data["effects"]))

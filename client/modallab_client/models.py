@@ -169,6 +169,22 @@ class Curves:
 
 
 @dataclass(frozen=True)
+class MeasurementLog:
+    """What was declared and asked; `rigs.create(**log.rig)` declares the same rig again."""
+
+    id: str
+    created: str  # ISO 8601, UTC
+    version: str  # of modallab that measured
+    libraries: Mapping[str, str]  # whose rounding is in the numbers: name -> version
+    rig_id: str
+    rig: Mapping[str, Any]
+    route: str | None  # None where it was brought from elsewhere
+    seed: int | None
+    averages: float
+    notes: tuple[str, ...] = ()
+
+
+@dataclass(frozen=True)
 class Truth:
     """What a measurement was made with; for its owner."""
 

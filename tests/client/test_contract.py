@@ -88,6 +88,9 @@ def test_a_measurement_goes_out_and_comes_back_with_await(here: ModalLab) -> Non
             np.testing.assert_array_equal(back.values, test.values)
             assert len((await lab.measurements.curves(test.id, points=20)).curves) == 2
             assert (await lab.measurements.truth(test.id)).structure_id == beam.id
+            log = await lab.measurements.log(test.id)
+            same = await lab.rigs.create(**log.rig)
+            assert (same.responses, same.analyser) == (rig.responses, rig.analyser)
 
     asyncio.run(talk())
 

@@ -136,6 +136,24 @@ def test_curves_and_truth_are_read(lab: ModalLab, service: FakeService) -> None:
     assert lab.measurements.truth("m1").effects == (effect,)
 
 
+def test_a_log_is_read(lab: ModalLab, service: FakeService) -> None:
+    rig = {"drives": ["1:+Y"], "responses": ["3:+Y"]}
+    log = {
+        "id": "m1",
+        "created": "2026-01-01",
+        "version": "0.1.0",
+        "rig_id": "r1",
+        "rig": rig,
+        "averages": 100,
+    }
+    service.on(
+        "GET /v1/measurements/m1/log", log | {"route": "drawn", "seed": 5, "libraries": {"numpy": "2"}}
+    )
+    read = lab.measurements.log("m1")
+    assert (read.route, read.seed, read.version, read.libraries) == ("drawn", 5, "0.1.0", {"numpy": "2"})
+    assert (read.rig_id, read.rig, read.averages, read.notes) == ("r1", rig, 100.0, ())
+
+
 def test_a_rig_comes_back_as_declared(lab: ModalLab, service: FakeService) -> None:
     declared = {
         "drive": "1:+Y",

@@ -49,7 +49,7 @@ def bias_of_h2(spacing: float, **noise: float) -> tuple[FloatArray, FloatArray]:
 
 
 def test_every_natural_frequency_falls_as_the_accelerometer_grows_heavier() -> None:
-    masses = np.linspace(*LOADING["masses"], 5)
+    masses = np.linspace(LOADING["masses"][0], LOADING["masses"][1], 5)
     frequencies = np.array([loaded(mass).frequencies for mass in masses])
     assert (np.diff(frequencies, axis=0) < 0).all()
     falls = 1 - frequencies[-1] / frequencies[0]

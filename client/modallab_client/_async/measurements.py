@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from modallab_client import _wire
 from modallab_client._async.jobs import AsyncJob
 from modallab_client._async.shelf import AsyncShelf
-from modallab_client.models import Curves, Measurement, Truth
+from modallab_client.models import Curves, Measurement, MeasurementLog, Truth
 
 Given = Mapping[str, Any]
 
@@ -99,6 +99,11 @@ class AsyncMeasurements(AsyncShelf):
         """Return the FRFs thinned to about that many lines, for plots."""
         path = f"{self.path}/{measurement_id}/curves"
         return _wire.read(_wire.curves, await self._transport.request("GET", path, params={"points": points}))
+
+    async def log(self, measurement_id: str) -> MeasurementLog:
+        """Return what was declared and asked; with the truth it is enough to make the same bytes again."""
+        path = f"{self.path}/{measurement_id}/log"
+        return _wire.read(_wire.measurement_log, await self._transport.request("GET", path))
 
     async def truth(self, measurement_id: str) -> Truth:
         """Return what the measurement was made with; for its owner only."""

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from modallab_client import _wire
 from modallab_client._sync.jobs import Job
 from modallab_client._sync.shelf import Shelf
-from modallab_client.models import Curves, Measurement, Truth
+from modallab_client.models import Curves, Measurement, MeasurementLog, Truth
 
 Given = Mapping[str, Any]
 
@@ -95,6 +95,11 @@ class Measurements(Shelf):
         """Return the FRFs thinned to about that many lines, for plots."""
         path = f"{self.path}/{measurement_id}/curves"
         return _wire.read(_wire.curves, self._transport.request("GET", path, params={"points": points}))
+
+    def log(self, measurement_id: str) -> MeasurementLog:
+        """Return what was declared and asked; with the truth it is enough to make the same bytes again."""
+        path = f"{self.path}/{measurement_id}/log"
+        return _wire.read(_wire.measurement_log, self._transport.request("GET", path))
 
     def truth(self, measurement_id: str) -> Truth:
         """Return what the measurement was made with; for its owner only."""

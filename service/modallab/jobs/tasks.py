@@ -11,6 +11,7 @@ from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
+import scipy
 
 from modallab.core.dof import Dof
 from modallab.core.place import EffectSpec
@@ -43,6 +44,10 @@ class Destination:
         return hashlib.sha256(f"{self.id}/{name}".encode()).hexdigest()[:24]
 
 
+# The same numbers in another order round otherwise: to the byte, a measurement is theirs too.
+_LIBRARIES = {"numpy": np.__version__, "scipy": scipy.__version__}
+
+
 def measure_and_store(
     store: Store,
     progress: Progress,
@@ -67,7 +72,7 @@ def measure_and_store(
     )
     with store.together() as batch:
         batch.measurements.add(
-            replace(measurement, seed=seed),
+            replace(measurement, seed=seed, route=route, libraries=_LIBRARIES),
             owner=into.owner,
             inputs={"rig_id": rig_id},
             seed=seed,

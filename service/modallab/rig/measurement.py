@@ -1,6 +1,7 @@
 """What a test hands over: arrays, and the rig as its log book declares it. Nothing of the truth."""
 
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, field
 
 from modallab.core.arrays import FloatArray, frozen
 from modallab.core.errors import InvalidInputError
@@ -20,6 +21,8 @@ class Measurement:
     response_spectrum: FloatArray | None = None  # (m/s^2)^2/Hz, shaped as `coherence`
     input_condition: FloatArray | None = None  # (n_freq,) of G_ff, where several forces act at once
     seed: int | None = None
+    route: str | None = None  # a `Route`; None where it was brought from elsewhere
+    libraries: Mapping[str, str] = field(default_factory=dict)  # whose rounding is in it: name -> version
     notes: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:

@@ -65,7 +65,8 @@ def _take_measurement(thing: Measurement) -> tuple[Json, Arrays]:
             "input_condition": thing.input_condition,
         }
     )
-    return {"setup": to_plain(thing.setup)[0], "seed": thing.seed, "notes": list(thing.notes)}, arrays
+    body = {"setup": to_plain(thing.setup)[0], "seed": thing.seed, "notes": list(thing.notes)}
+    return body | {"route": thing.route, "libraries": dict(thing.libraries)}, arrays
 
 
 def _put_measurement(body: Json, arrays: _Given) -> Measurement:
@@ -79,6 +80,8 @@ def _put_measurement(body: Json, arrays: _Given) -> Measurement:
         response_spectrum=arrays.get("response_spectrum"),
         input_condition=arrays.get("input_condition"),
         seed=body["seed"],
+        route=body.get("route"),
+        libraries=body.get("libraries", {}),
         notes=tuple(body["notes"]),
     )
 

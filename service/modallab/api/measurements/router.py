@@ -10,6 +10,7 @@ from modallab.api.deps import Id, IdPath, JobsDep, OwnerDep, SettingsDep, StoreD
 from modallab.api.examples import example
 from modallab.api.files import FRF_TEXT, HDF5, UFF, frf_text_reply, hdf5_reply, origin, uff_reply
 from modallab.api.jobs import JobOut
+from modallab.api.measurements.log import LogOut
 from modallab.api.measurements.schemas import CurvesOut, MeasurementOut, MeasurementStart, TruthOut
 from modallab.api.shelves import add_routes
 from modallab.interchange import frf_text, hdf5, uff
@@ -100,6 +101,11 @@ def get_thesis_file(id: IdPath, store: StoreDep, decimals: Decimals = frf_text.C
 @router.get("/{id}/curves", summary="FRFs thinned for plots")
 def get_curves(id: IdPath, store: StoreDep, points: Points = 800) -> CurvesOut:
     return CurvesOut.of(store.measurements.get(id), points)
+
+
+@router.get("/{id}/log", summary="What was declared and asked: enough, with the truth, to measure it again")
+def get_log(id: IdPath, store: StoreDep) -> LogOut:
+    return LogOut.of(store.measurements.get(id), store.measurements.entry(id))
 
 
 @router.get("/{id}/truth", summary="How it was made: for its owner")
