@@ -43,14 +43,19 @@ ACROSS = {kind for kind in KINDS if EFFECTS[kind].places(TILTED, SETUP)} - {
 }
 STRUCTURES = {kind: tilted_beam() if kind in ACROSS else steel_beam() for kind in KINDS}
 SYSTEMS = {kind: assemble(structure) for kind, structure in STRUCTURES.items()}
-# What changes from run to run finds several where the accelerometer roves.
-LASTING = {kind for kind in KINDS if not EFFECTS[kind].places(SYSTEMS[kind], SETUP)}
+# What a hand does finds a blow, and what changes from run to run several where the accelerometer roves.
+STRUCK = {kind for kind in KINDS if not EFFECTS[kind].places(SYSTEMS[kind], SETUP)} & {
+    kind for kind in KINDS if EFFECTS[kind].places(SYSTEMS[kind], rig(1, 7, 16, excitation="impact"))
+}
+LASTING = {kind for kind in KINDS if not EFFECTS[kind].places(SYSTEMS[kind], SETUP)} - STRUCK
 SHOT = Shot(SETUP.drives, SETUP.responses, moment=1.0)
 
 
-def rig_for(*kinds: str, **parts: Any) -> RigSetup:
+def rig_for(*kinds: str, excitation: str = "periodic_random", **parts: Any) -> RigSetup:
     """A rig on which the effects can be seen."""
-    return rig(1, 7, 16, accelerometers=Accelerometers(roving=not LASTING.isdisjoint(kinds)), **parts)
+    roving = Accelerometers(roving=not LASTING.isdisjoint(kinds))
+    signal = excitation if STRUCK.isdisjoint(kinds) else "impact"
+    return rig(1, 7, 16, accelerometers=roving, excitation=signal, **parts)
 
 
 def some_places(kind: str) -> list[Place]:
@@ -228,8 +233,10 @@ def test_effects_of_a_stage_commute(one: str, other: str) -> None:
             near(there.xx.astype(complex), back.xx.astype(complex))
 
 
+# What is nonlinear agrees to first order, on a structure of its own: tests/service/rig/
+# test_distorted_records.py.
 @pytest.mark.parametrize("excitation", ["periodic_random", "random"])
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", [kind for kind in KINDS if EFFECTS[kind].stage != 2])
 def test_records_and_expected_spectra_agree_within_their_random_error(kind: str, excitation: str) -> None:
     averages = 200
     setup = rig(

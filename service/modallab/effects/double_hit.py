@@ -1,0 +1,66 @@
+"""Double hit: the hammer comes back before it is drawn away."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+from typing import ClassVar
+
+import numpy as np
+
+from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.core.parameters import parameter
+from modallab.core.place import Place
+from modallab.correlation.evidence import Evidence
+from modallab.fe.system import DynamicSystem
+from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.setup import RigSetup
+from modallab.rig.source import Source
+
+
+@EFFECTS.register("double_hit")
+@dataclass(frozen=True)
+class DoubleHit(Effect):
+    """Every blow is followed by a second one, `ratio` times as large, `delay` later.
+
+    The source's spectrum is times 1 + r exp(-i omega tau): the force spectrum ripples between (1 - r)^2 and
+    (1 + r)^2 of itself with the period 1/tau, and so do all responses. The FRF is untouched but where noise
+    shows in the valleys of the ripple, or a window takes the second blow out of the force and leaves it in
+    the response. Halvorsen and Brown (1977), Sound and Vibration 11(11), 8-21.
+    """
+
+    kind: ClassVar[str] = "double_hit"
+    summary: ClassVar[str] = "the hammer strikes a second time within the record"
+    stage: ClassVar[int] = 5
+    ratio: float = parameter(
+        0.3, unit="1", lower=0.0, upper=1.0, doc="size of the second blow over that of the first"
+    )
+    delay: float = parameter(
+        0.02,
+        unit="s",
+        lower=1e-5,
+        upper=100.0,
+        doc="of the second blow",
+        absent=None,
+        tries=(5e-3, 0.02, 0.05),
+    )
+
+    def on_source(self, source: Source) -> Source:
+        return source.through(self._shaping)
+
+    def _shaping(self, omega: FloatArray) -> ComplexArray:
+        return np.asarray(1 + self.ratio * np.exp(-1j * omega * self.delay))
+
+    @classmethod
+    def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:
+        return (None,) if setup.analyser.excitation.kind == "impact" else ()
+
+    def looks(self, system: DynamicSystem, setup: RigSetup) -> Mapping[str, Sequence[float]]:
+        """Return delays from some lines of ripple over the band to a ripple of some lines."""
+        length, band = setup.analyser.record_length, setup.analyser.frequency_max
+        return {"delay": tuple(np.geomspace(2 / band, length / 4, 8))}
+
+    @classmethod
+    def signature(cls, evidence: Evidence) -> float:
+        """The force spectrum is not the one of a single blow."""
+        if evidence.force is None:
+            return 0.3
+        return float(np.clip(evidence.force.std() / (np.abs(evidence.frf).mean() + 1.0), 0.1, 1.0))
