@@ -20,12 +20,13 @@ from modallab.rig.setup import RigSetup
 @EFFECTS.register("ac_coupling")
 @dataclass(frozen=True)
 class AcCoupling(Effect):
-    """1/(1 - i f_c/f): a first-order high-pass, of an AC-coupled input or a sensor's time constant.
+    """H' = H / (1 - i f_c/f): a first-order high-pass, of an AC-coupled input or a sensor's time constant.
 
     tau = 1/(2 pi f_c). A force gauge that sees another corner than the accelerometers turns the phase
     of every FRF at low frequencies; corners that are alike cancel in the FRF and stay in the auto
     spectra. Everywhere: all responses. At a DoF: the force gauge there. An analyser declared as
-    AC-coupled has both.
+    AC-coupled has both. Serridge and Licht, Piezoelectric Accelerometers and Vibration Preamplifiers
+    (1987), on lower limiting frequencies.
     """
 
     kind: ClassVar[str] = "ac_coupling"

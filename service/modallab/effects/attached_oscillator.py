@@ -24,7 +24,7 @@ class AttachedOscillator(Effect):
     """A mass on a damped spring at one DoF: Z = -omega^2 m s / (s - omega^2 m), s = (2 pi f)^2 m (1 + i eta).
 
     Below its own frequency it weighs, above it stiffens, at it the DoF stands still: two resonances for
-    one. Den Hartog, Mechanical Vibrations, chapter 3 (the dynamic vibration absorber).
+    one. Den Hartog, Mechanical Vibrations (1956), chapter 3 (the dynamic vibration absorber).
     """
 
     kind: ClassVar[str] = "attached_oscillator"

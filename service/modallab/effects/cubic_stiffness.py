@@ -21,6 +21,7 @@ class CubicStiffness(Effect):
 
     To a Gaussian motion of root mean square s it is a spring 3 k_3 s^2 and a force that has nothing in
     common with the motion, of power 6 k_3^2 s^6: frequencies rise with the level and coherence falls.
+    Booton (1954), IRE Trans. Circuit Theory 1, 9-18.
     """
 
     kind: ClassVar[str] = "cubic_stiffness"

@@ -17,7 +17,11 @@ from modallab.rig.setup import RigSetup, Shot
 @EFFECTS.register("density_error")
 @dataclass(frozen=True)
 class DensityError(Effect):
-    """The mass matrix of some members, or of all, is another multiple of the model's."""
+    """The mass matrix of some members, or of all, is another multiple of the model's.
+
+    M' = M + (factor - 1) sum M_e. To first order omega^2 falls by (factor - 1) times the members' share
+    of a mode's kinetic energy: Rayleigh, The Theory of Sound (1894), chapter IV.
+    """
 
     kind: ClassVar[str] = "density_error"
     summary: ClassVar[str] = "members heavier or lighter than modelled"

@@ -18,7 +18,11 @@ from modallab.rig.setup import RigSetup, Shot
 @EFFECTS.register("extra_mass")
 @dataclass(frozen=True)
 class ExtraMass(Effect):
-    """A point mass at one node, in every run; it moves with every translation of the node."""
+    """A point mass at one node, in every run; it moves with every translation of the node.
+
+    M' = M + m sum e e^T. To first order omega falls by m phi^2 / 2 of itself, phi the mode's motion
+    there at unit modal mass: Rayleigh, The Theory of Sound (1894), chapter IV.
+    """
 
     kind: ClassVar[str] = "extra_mass"
     summary: ClassVar[str] = "a mass at one node that the model lacks"

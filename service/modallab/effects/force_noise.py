@@ -18,7 +18,11 @@ from modallab.rig.source import NoiseLevels
 @EFFECTS.register("force_noise")
 @dataclass(frozen=True)
 class ForceNoise(Effect):
-    """White noise on the force signal; it biases H1 low where the force drops out [5.6]."""
+    """White noise on the force signal; it biases H1 low where the force drops out.
+
+    H1 = H / (1 + r), r the noise over the noise-free force spectrum at a line; coherence is 1 / (1 + r):
+    1992 thesis [5.6, 5.8].
+    """
 
     kind: ClassVar[str] = "force_noise"
     summary: ClassVar[str] = "white noise on the force channel"

@@ -16,7 +16,11 @@ from modallab.rig.setup import RigSetup, Shot
 @EFFECTS.register("force_transducer_mass")
 @dataclass(frozen=True)
 class ForceTransducerMass(Effect):
-    """A mass at the drive point, in every run; 1992 thesis, section 5.4.1."""
+    """A mass at the drive point, in every run: the structure that is measured has it.
+
+    M' = M + m e e^T, or F' = F + m a, what the gauge shows and what the structure gets; 1992 thesis,
+    section 5.4.1.
+    """
 
     kind: ClassVar[str] = "force_transducer_mass"
     summary: ClassVar[str] = "mass below the force gauge that was not cancelled"

@@ -19,7 +19,8 @@ class ForceTransducerStiffness(Effect):
     """A spring between the drive point and what is behind the gauge: x_2 = x + F/k.
 
     In series with the stinger: the armature resonates on both. The gauge shows the force through it, so
-    that the FRF stays as it is. The stiffest is rigid.
+    that the FRF stays as it is. The stiffest is rigid. McConnell, Vibration Testing (1995), on force
+    transducers.
     """
 
     kind: ClassVar[str] = "force_transducer_stiffness"

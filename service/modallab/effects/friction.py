@@ -22,7 +22,7 @@ class Friction(Effect):
     """f = f_c tanh(v / v_s) from one DoF to the ground: Coulomb's law with its step made steep, not sharp.
 
     To a Gaussian velocity of root mean square s, well above v_s, it is a damper f_c sqrt(2/pi)/s:
-    damping falls as the level rises.
+    damping falls as the level rises. Booton (1954), IRE Trans. Circuit Theory 1, 9-18.
     """
 
     kind: ClassVar[str] = "friction"

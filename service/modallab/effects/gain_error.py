@@ -20,7 +20,7 @@ from modallab.rig.setup import RigSetup
 @EFFECTS.register("gain_error")
 @dataclass(frozen=True)
 class GainError(Effect):
-    """The reading of a channel is multiplied: its sensitivity is not what the log book says.
+    """H' = factor H: the reading of a channel is multiplied, its sensitivity is not what the log book says.
 
     At a DoF: of the force gauge there, which divides every FRF. Frequencies, damping and coherence
     stay as they are; modal constants do not. Ewins, Modal Testing (2000), section 3.10, on calibration.

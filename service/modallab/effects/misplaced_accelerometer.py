@@ -17,12 +17,13 @@ from modallab.rig.setup import RigSetup
 @EFFECTS.register("misplaced_accelerometer")
 @dataclass(frozen=True)
 class MisplacedAccelerometer(Effect):
-    """The reading is that of a point of the member beside the node, by the member's shape functions.
+    """a' = N(distance) q: the reading is that of a point of the member beside the node.
 
-    Linear along it and cubic across it, as Przemieniecki, Theory of Matrix Structural Analysis (1968),
-    section 5.6, has them; beyond a free end it sits on a rigid arm. Modes with a short wave are read
-    most wrongly. The accelerometer's mass stays at the node: moved by d it would shift frequencies by
-    2 d phi'/phi of what the mass itself does, far less than the reading.
+    N are the member's shape functions, q the motion of its ends. Linear along it and cubic across it, as
+    Przemieniecki, Theory of Matrix Structural Analysis (1968), section 5.6, has them; beyond a free end
+    it sits on a rigid arm. Modes with a short wave are read most wrongly. The accelerometer's mass stays
+    at the node: moved by d it would shift frequencies by 2 d phi'/phi of what the mass itself does, far
+    less than the reading.
     """
 
     kind: ClassVar[str] = "misplaced_accelerometer"

@@ -24,14 +24,14 @@ ABSENT = 100.0
 @EFFECTS.register("overload")
 @dataclass(frozen=True)
 class Overload(Effect):
-    """Every sample beyond `level` times the channel's rms is that; everywhere: forces too.
+    """x' = min(max(x, -c), c), c = `level` times the channel's rms; everywhere: forces too.
 
-    Sampled: so it is. Expected, for Gaussian signals: a clipped signal is the signal times
-    erf(c / sqrt 2) and a distortion of exactly known power, c the level in standard deviations
-    (Bussgang 1952); the distortion's spectrum comes from the odd powers of the correlation to order
-    11 (Price 1958), the little left goes with order 13. Of signals that are not Gaussian
-    (sweeps, bursts, impacts) the expected spectra are a first approximation. Few peaks a record make the
-    distortion come in bursts: sampled coherence scatters more than drawn, from level 2 on.
+    Sampled: so it is. Expected, for Gaussian signals: a clipped signal is the signal times erf(level /
+    sqrt 2) and a distortion of exactly known power (Bussgang 1952); the distortion's spectrum comes from
+    the odd powers of the correlation to order 11 (Price 1958), the little left goes with order 13. Of
+    signals that are not Gaussian (sweeps, bursts, impacts) the expected spectra are a first
+    approximation. Few peaks a record make the distortion come in bursts: sampled coherence scatters more
+    than drawn, from level 2 on.
     """
 
     kind: ClassVar[str] = "overload"

@@ -19,11 +19,12 @@ from modallab.rig.setup import RigSetup
 @EFFECTS.register("polarity")
 @dataclass(frozen=True)
 class Polarity(Effect):
-    """The reading times -1: a sensor that looks the other way, or a cable with its wires exchanged.
+    """H' = -H: a sensor that looks the other way, or a cable with its wires exchanged.
 
     The phase of the FRF turns by pi; auto spectra and coherence know nothing of it. Everywhere: all
     responses, which is the same as the force gauge. At a DoF: the force gauge there, where several
-    forces act. The drive-point FRF tells: its imaginary part (inertance) has one sign.
+    forces act. The drive-point FRF tells: of its inertance the imaginary part has one sign, since a structure
+    only takes power (Cremer and Heckl, Structure-Borne Sound, 1973, chapter IV).
     """
 
     kind: ClassVar[str] = "polarity"

@@ -22,7 +22,8 @@ class Rattle(Effect):
     """f = k (x - g) beyond a gap g on either side, nothing within: a loose part, a bolt in its hole.
 
     To a Gaussian motion of root mean square s it is a spring k erfc(g / (s sqrt 2)): nothing as long
-    as the motion stays within the gap, the whole stop where it is far beyond.
+    as the motion stays within the gap, the whole stop where it is far beyond. Booton (1954), IRE Trans.
+    Circuit Theory 1, 9-18.
     """
 
     kind: ClassVar[str] = "rattle"

@@ -19,7 +19,9 @@ from modallab.rig.setup import RigSetup, Shot
 class StiffnessError(Effect):
     """The stiffness matrix of some members, or of all, is another multiple of the model's.
 
-    The damping that the law ties to stiffness goes with it.
+    K' = K + (factor - 1) sum K_e, and the damping that the law ties to stiffness goes with it. To first
+    order omega^2 rises by (factor - 1) times the members' share of a mode's strain energy: Rayleigh, The
+    Theory of Sound (1894), chapter IV.
     """
 
     kind: ClassVar[str] = "stiffness_error"

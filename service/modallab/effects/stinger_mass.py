@@ -26,7 +26,8 @@ class StingerMass(Effect):
     resonance, t = pi, half the mass moves with the force gauge, behind its sensing element, and half with the
     armature. Lateral motion and slope of the drive point move m/420 [[156, 22 L], [22 L, 4 L^2]], which the
     gauge does not show. From the wave equation of a rod, and the cubic deflection of one that is clamped in
-    the armature; k is that of `stinger_axial`.
+    the armature; k is that of `stinger_axial`. Bishop and Johnson, The Mechanics of Vibration (1960), on
+    rods.
     """
 
     kind: ClassVar[str] = "stinger_mass"

@@ -22,7 +22,7 @@ from modallab.rig.setup import RigSetup, Shot
 class Suspension(Effect):
     """One soft, lossy spring k (1 + i eta) to the ground; a rig's suspension is one for each band.
 
-    Rigid-body modes move off zero: a body of mass M bounces on two bands at sqrt(2 k / M). A free
+    Rigid-body modes move off zero: a body of mass M bounces on two bands at omega = sqrt(2 k / M). A free
     structure needs them below a tenth of the first elastic mode. Ewins, Modal Testing (2000), chapter 3.
     """
 

@@ -19,11 +19,12 @@ from modallab.rig.setup import RigSetup
 @EFFECTS.register("swapped_channels")
 @dataclass(frozen=True)
 class SwappedChannels(Effect):
-    """Each of two channels shows the motion that the log book writes beside the other.
+    """H_1' = H_2, H_2' = H_1: two channels show each what the log book writes beside the other.
 
     Two cables exchanged, or two lines of the log book; each FRF is right but for its name. The motions
     change places: what else is wrong with a channel stays with its name, and so does the mass of an
-    accelerometer that roves.
+    accelerometer that roves. Reciprocal FRFs no longer agree: Rayleigh, The Theory of Sound (1894),
+    chapter V.
     """
 
     kind: ClassVar[str] = "swapped_channels"

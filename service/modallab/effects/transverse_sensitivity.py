@@ -26,7 +26,7 @@ def _across(dof: Dof) -> tuple[Dof, Dof]:
 @EFFECTS.register("transverse_sensitivity")
 @dataclass(frozen=True)
 class TransverseSensitivity(Effect):
-    """a + s (cos(angle) a_t + sin(angle) a_u): t and u are the node's other two translations.
+    """a' = a + s (cos(angle) a_t + sin(angle) a_u): t and u are the node's other two translations.
 
     In the order X, Y, Z, each counted positive along the structure's axis; what the structure does not
     have does not move, so that in a plane frame only s cos(angle) counts. Reciprocal FRFs no longer
