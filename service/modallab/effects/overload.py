@@ -16,6 +16,7 @@ from modallab.estimation.spectra import CrossSpectra
 from modallab.fe.system import DynamicSystem
 from modallab.rig.acquisition import Acquisition, Batch
 from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.excitation import EXCITATIONS
 from modallab.rig.setup import RigSetup
 
 ABSENT = 100.0
@@ -29,9 +30,9 @@ class Overload(Effect):
     Sampled: so it is. Expected, for Gaussian signals: a clipped signal is the signal times erf(level /
     sqrt 2) and a distortion of exactly known power (Bussgang 1952); the distortion's spectrum comes from
     the odd powers of the correlation to order 11 (Price 1958), the little left goes with order 13. Of
-    signals that are not Gaussian (sweeps, bursts, impacts) the expected spectra are a first
-    approximation. Few peaks a record make the distortion come in bursts: sampled coherence scatters more
-    than drawn, from level 2 on.
+    signals that are not Gaussian (sweeps, bursts, impacts) the expected spectra are no more than a guess,
+    far off where the peak of a blow is cut, and a diagnosis does not suspect it. Few peaks a record make
+    the distortion come in bursts: sampled coherence scatters more than drawn, from level 2 on.
     """
 
     kind: ClassVar[str] = "overload"
@@ -71,6 +72,9 @@ class Overload(Effect):
 
     @classmethod
     def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:
+        excitation = EXCITATIONS[setup.analyser.excitation.kind]
+        if excitation.phases is not None or excitation.transient is not None:
+            return ()  # what is expected of signals that are not Gaussian is no evidence
         return (None, *(Channels((dof,)) for dof in setup.responses))
 
     @classmethod

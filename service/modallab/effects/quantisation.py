@@ -46,11 +46,12 @@ class Quantisation(Effect):
 
     def on_spectra(self, spectra: CrossSpectra, acquisition: Acquisition) -> CrossSpectra:
         """Return the spectra with the rounding noise on those of the channels themselves."""
-        noise = self._steps(acquisition)[:, None] ** 2 / (6 * acquisition.sample_rate)
-        own = np.arange(acquisition.n_in)
+        n_in, n_out = spectra.fx.shape[2:]
+        seen = acquisition.analyser.line_window.noise_shares(n_in, n_out)
+        noise = self._steps(acquisition)[:, None] ** 2 / (6 * acquisition.sample_rate) * seen
         ff = spectra.ff.copy()
-        ff[..., own, own] += noise[..., : acquisition.n_in]
-        return replace(spectra, ff=ff, xx=spectra.xx + noise[..., acquisition.n_in :])
+        ff[..., np.arange(n_in), np.arange(n_in)] += noise[..., :n_in]
+        return replace(spectra, ff=ff, xx=spectra.xx + noise[..., n_in:])
 
     def on_records(self, batch: Batch, acquisition: Acquisition, rng: np.random.Generator) -> FloatArray:
         """Return the samples rounded."""

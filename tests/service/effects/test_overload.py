@@ -128,3 +128,9 @@ def test_a_first_look_sees_what_every_line_sees() -> None:
     # A third of the lines knows the power of sharp resonances to some ten per cent, and with it the level.
     np.testing.assert_allclose(some.ff, every.ff[:, ::3], rtol=0.02)
     assert np.median(np.abs(some.xx / every.xx[:, ::3] - 1)) < 0.15
+
+
+@pytest.mark.parametrize("excitation", ["impact", "burst_random", "chirp"])
+def test_it_is_not_suspected_where_signals_are_not_gaussian(excitation: str) -> None:
+    assert Overload.places(beam_system(), rig(1, 7)) == (None, Channels(dofs(1)), Channels(dofs(7)))
+    assert not Overload.places(beam_system(), rig(1, 7, excitation=excitation))

@@ -16,6 +16,7 @@ from modallab.rig.analyser import Analyser
 from modallab.rig.chain import all_effects, chain
 from modallab.rig.effect import build
 from modallab.rig.expected import expected_spectra
+from modallab.rig.hardware import Exciter, Noise
 from modallab.rig.sampled import sampled_spectra
 from tests.rigs import beam_system, dofs, rig
 
@@ -80,6 +81,27 @@ def test_rounded_records_have_the_expected_spectra(excitation: str, step: float)
     # where the noise is all there is, at the antiresonances, it must be right on its own
     quiet = wanted.xx < 2 * np.min(wanted.xx, axis=1, keepdims=True)
     assert np.isclose((sampled.xx / wanted.xx)[quiet].mean(), 1, atol=4 / np.sqrt(1000 * quiet.sum() / 2))
+
+
+def test_windows_of_impacts_let_through_as_much_of_the_rounding_as_of_any_noise() -> None:
+    settings = {"n_lines": 201, "window": "force_exponential", "averages": 400}
+    setup = rig(
+        *(1, 7),
+        excitation="impact",
+        exciter=Exciter("hammer"),
+        noise=Noise(0.03, 0.03),  # two thirds of a step, or every blow is rounded alike
+        analyser=settings,
+    )
+    whole = chain(beam_system(), setup, [Quantisation(step=0.3)])
+    sampled, wanted = sampled_spectra(whole, np.random.default_rng(2), silent), expected_spectra(whole)
+    bare = expected_spectra(chain(beam_system(), setup))
+    quiet = wanted.xx < 3 * wanted.xx.min()
+    ratio = (sampled.xx / wanted.xx)[quiet]
+    error = ratio.std() / np.sqrt(len(ratio) / 2)  # the exponential window ties two lines
+    assert abs(ratio.mean() - 1) < 4 * error
+    assert (wanted.xx / bare.xx)[
+        quiet
+    ].mean() - 1 > 4 * error  # it can be seen; unweighted it were nine times as much
 
 
 def relative(found: FloatArray, wanted: FloatArray, averages: int) -> float:
