@@ -19,7 +19,7 @@ from modallab.rig.setup import RigSetup, Shot
 class AccelerometerMass(Effect):
     """The accelerometers of a run add their mass where they sit; one that roves, in each run elsewhere.
 
-    M + m e e^T, at every channel of the run: a rigid body's f becomes f sqrt(M / (M + m)). At a DoF: one
+    M' = M + m e e^T, at every channel of the run: a rigid body's f becomes f sqrt(M / (M + m)). At a DoF: one
     accelerometer that stays there in every run. 1992 thesis, section 5.4.1.
     """
 

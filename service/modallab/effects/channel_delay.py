@@ -20,7 +20,7 @@ from modallab.rig.setup import RigSetup
 @EFFECTS.register("channel_delay")
 @dataclass(frozen=True)
 class ChannelDelay(Effect):
-    """exp(-i omega tau): a channel is sampled later, or its anti-alias filter takes longer, than the rest.
+    """H' = H exp(-i omega tau): a channel is sampled, or leaves its anti-alias filter, later than the rest.
 
     What all channels share does not show: only the mismatch turns the phase of an FRF, in proportion to
     frequency, and damping of high modes with it. Everywhere: all responses after the force. At a DoF:

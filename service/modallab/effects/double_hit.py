@@ -21,7 +21,7 @@ from modallab.rig.source import Source
 class DoubleHit(Effect):
     """Every blow is followed by a second one, `ratio` times as large, `delay` later.
 
-    The source's spectrum is times 1 + r exp(-i omega tau): the force spectrum ripples between (1 - r)^2 and
+    P' = P (1 + r exp(-i omega tau)): the force spectrum ripples between (1 - r)^2 and
     (1 + r)^2 of itself with the period 1/tau, and so do all responses. The FRF is untouched but where noise
     shows in the valleys of the ripple, or a window takes the second blow out of the force and leaves it in
     the response. Halvorsen and Brown (1977), Sound and Vibration 11(11), 8-21.

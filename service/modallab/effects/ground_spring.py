@@ -18,7 +18,7 @@ from modallab.rig.setup import RigSetup, Shot
 @EFFECTS.register("ground_spring")
 @dataclass(frozen=True)
 class GroundSpring(Effect):
-    """k_g between a translation and the ground, without loss: K + k_g e e^T.
+    """k_g between a translation and the ground, without loss: K' = K + k_g e e^T.
 
     A support that gives, a fixture, a string that holds sideways. To first order a mode rises by
     k_g phi^2 / (2 omega^2) of its frequency; a free body of mass M on it bounces at sqrt(k_g/M). Meirovitch,

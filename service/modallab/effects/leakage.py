@@ -17,8 +17,8 @@ class Leakage(Effect):
     """A share of the source's power is stationary random instead of periodic in the record.
 
     A pure random excitation has it whole, a periodic one whose period is not kept has some of it.
-    Of the spectra G the lines see (1 - share) G + share G * W, a convolution with the window's line shape W:
-    1992 thesis [5.11].
+    The lines see G' = (1 - share) G + share G * W, a convolution with the window's line shape W: 1992
+    thesis [5.11].
     """
 
     kind: ClassVar[str] = "leakage"

@@ -17,7 +17,7 @@ from modallab.rig.setup import RigSetup, Shot
 @EFFECTS.register("local_damping")
 @dataclass(frozen=True)
 class LocalDamping(Effect):
-    """A viscous damper c between a translation and the ground: C + c e e^T.
+    """A viscous damper c between a translation and the ground: C' = C + c e e^T.
 
     A mode gains the loss factor c phi^2 / omega to first order, from the energy c omega^2 phi^2 pi that
     the damper takes in a cycle; large dampers hold the point instead, and what they take falls again.

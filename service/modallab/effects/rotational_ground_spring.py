@@ -18,7 +18,7 @@ from modallab.rig.setup import RigSetup, Shot
 @EFFECTS.register("rotational_ground_spring")
 @dataclass(frozen=True)
 class RotationalGroundSpring(Effect):
-    """k_t between a rotation and the ground, without loss: K + k_t e e^T.
+    """k_t between a rotation and the ground, without loss: K' = K + k_t e e^T.
 
     A clamp that gives, or a pin that does not turn freely: from none to infinite it leads from the
     pinned to the clamped end. Frequencies against k_t L / (E I): Blevins, Formulas for Natural Frequency and

@@ -22,8 +22,8 @@ from modallab.rig.stinger import LONGEST, SHORTEST, STIFFEST_BENDING, lateral_en
 class StingerBending(Effect):
     """The end of a slender rod, clamped in the armature, on the rotations and lateral motions of the drive.
 
-    In each plane through the axis EI [[12/L^3, 6/L^2], [6/L^2, 4/L]] on lateral motion and slope, without
-    the rod's mass: far below its first bending mode. The rod leaves the structure against the sense
+    In each plane through the axis [F, M] = EI [[12/L^3, 6/L^2], [6/L^2, 4/L]] [lateral motion, slope],
+    without the rod's mass: far below its first bending mode. The rod leaves the structure against the sense
     in which it drives. It changes the structure, not what the gauge shows, so that no mass cancellation
     takes it away: 1992 thesis, section 5.4.5 and appendix D.
     """
