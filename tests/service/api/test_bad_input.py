@@ -108,6 +108,52 @@ RIGS: dict[str, tuple[dict[str, Any], str, str]] = {
         "coupling_frequency",
     ),
     "no response": ({"responses": []}, "invalid_request", "body.responses"),
+    "a window that cuts off a signal that goes on": (
+        {"analyser": {"window": "force_exponential"}},
+        "invalid_input",
+        "analyser.window",
+    ),
+    "a window that never falls": ({"analyser": {"window_end": 1.0}}, "invalid_input", "window_end"),
+    "a burst longer than the record": (
+        {"analyser": {"excitation": {"kind": "burst_random", "burst": 1.5}}},
+        "invalid_input",
+        "excitation.burst",
+    ),
+    "a tip without stiffness": (
+        {"analyser": {"excitation": {"kind": "impact", "tip_stiffness": 0}}},
+        "invalid_input",
+        "excitation.tip_stiffness",
+    ),
+    "a hammer that hums": (
+        {"exciter": {"kind": "hammer"}, "analyser": {"excitation": {"kind": "random"}}},
+        "invalid_input",
+        "excitation.kind",
+    ),
+    "a hammer with an armature": (
+        {"exciter": {"kind": "hammer", "armature_mass": 0.02}},
+        "invalid_input",
+        "exciter.armature_mass",
+    ),
+    "a hammer with a coil": (
+        {"exciter": {"kind": "hammer", "coil": {"force_factor": 10.0, "resistance": 1.0}}},
+        "invalid_input",
+        "exciter.coil",
+    ),
+    "a hammer that leaves its gauge": (
+        {"exciter": {"kind": "hammer"}, "force_transducer": {"mass_below": 0.01}},
+        "invalid_input",
+        "force_transducer",
+    ),
+    "a hammer on a stinger": (
+        {"exciter": {"kind": "hammer"}, "stinger": {"axial_stiffness": 2e6}},
+        "invalid_input",
+        "stinger",
+    ),
+    "shakers that all play the same": (
+        {"drive": None, "drives": ["1:+Y", "5:+Y"], "analyser": {"excitation": {"kind": "chirp"}}},
+        "invalid_input",
+        "excitation.kind",
+    ),
 }
 
 

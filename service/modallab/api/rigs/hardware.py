@@ -27,7 +27,7 @@ class CoilIn(Wire):
 class ExciterIn(Wire):
     """What drives the structure."""
 
-    kind: Literal["shaker"] = "shaker"
+    kind: Literal["shaker", "hammer"] = "shaker"
     armature_mass: Number = 0.0
     suspension_stiffness: Number = 0.0
     suspension_damping: Number = 0.0
