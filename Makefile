@@ -4,7 +4,7 @@ BIN := .venv/bin
 STAMP := .venv/.installed
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: setup check test demo serve bench sync-client lock
+.PHONY: setup check test demo serve bench docs sync-client lock
 
 $(STAMP): pyproject.toml requirements.lock
 	$(PYTHON) -m venv .venv
@@ -31,6 +31,9 @@ serve: setup ## the service on http://127.0.0.1:8000
 
 bench: setup ## speed as ratios against a limit or a peer of the same run
 	$(BIN)/python -m benchmarks
+
+docs: setup ## pages and pictures of all effects
+	$(BIN)/python -m docs.gallery
 
 sync-client: setup ## write the synchronous client from the asynchronous one
 	$(BIN)/python client/unasync.py

@@ -1,0 +1,26 @@
+"""Write pictures and pages of all effects; `make docs`."""
+
+from pathlib import Path
+
+from docs.gallery.drawing import draw, png
+from docs.gallery.pages import index, page
+from modallab.rig.effect import EFFECTS
+
+FOLDER = Path(__file__).parents[1] / "effects"
+
+
+def main(folder: Path = FOLDER) -> None:
+    """Write the gallery, and take away what no effect is behind any more."""
+    folder.mkdir(exist_ok=True)
+    wanted = {"README.md": index().encode()}
+    for kind in EFFECTS:
+        wanted |= {f"{kind}.md": page(kind).encode(), f"{kind}.png": png(draw(kind))}
+    for path in folder.iterdir():
+        if path.suffix in (".md", ".png") and path.name not in wanted:
+            path.unlink()
+    for name, content in wanted.items():
+        (folder / name).write_bytes(content)
+
+
+if __name__ == "__main__":
+    main()
