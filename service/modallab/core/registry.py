@@ -21,9 +21,12 @@ class Family(Mapping[str, T]):
         self.name = name
         self._home = home
         self._members: dict[str, T] = {}
+        self._whole = False
 
     def _known(self) -> dict[str, T]:
-        importlib.import_module(self._home)
+        if not self._whole:
+            importlib.import_module(self._home)
+            self._whole = True
         return self._members
 
     def register(self, kind: str) -> Callable[[T], T]:

@@ -45,12 +45,8 @@ class Linearised:
     @cached_property
     def _series(self) -> FloatArray:
         """(ORDERS,) a_n = E[f(s z) He_n(z)] / sqrt(n!) of a normal z, so that E[f^2] = sum a_n^2."""
-        z, weights = _normal()
-        terms = np.zeros((ORDERS, POINTS))
-        terms[0], terms[1] = 1.0, z
-        for n in range(2, ORDERS):  # normalised Hermite polynomials
-            terms[n] = (z * terms[n - 1] - np.sqrt(n - 1) * terms[n - 2]) / np.sqrt(n)
-        return np.asarray((terms * weights) @ self.force.law(self.rms * z))
+        z, _ = _normal()
+        return np.asarray(_polynomials() @ self.force.law(self.rms * z))
 
     @cached_property
     def slope(self) -> float:
@@ -82,3 +78,14 @@ def _normal() -> tuple[FloatArray, FloatArray]:
     """Return points and weights for means over a normal number."""
     z = np.linspace(-FARTHEST, FARTHEST, POINTS)
     return z, np.exp(-(z**2) / 2) / np.sqrt(2 * np.pi) * (z[1] - z[0])
+
+
+@lru_cache(maxsize=1)
+def _polynomials() -> FloatArray:
+    """Return the normalised Hermite polynomials times the weights of the mean, (ORDERS, POINTS)."""
+    z, weights = _normal()
+    terms = np.zeros((ORDERS, POINTS))
+    terms[0], terms[1] = 1.0, z
+    for n in range(2, ORDERS):
+        terms[n] = (z * terms[n - 1] - np.sqrt(n - 1) * terms[n - 2]) / np.sqrt(n)
+    return terms * weights
