@@ -17,9 +17,10 @@ from modallab.core.dof import Dof
 from modallab.core.place import EffectSpec
 from modallab.core.progress import Progress
 from modallab.diagnosis.diagnose import diagnose
-from modallab.estimation.windows import WINDOWS
+from modallab.estimation.windows import WINDOWS, added_loss_factor
 from modallab.extraction.extract import extract
 from modallab.extraction.leakage import Leakage
+from modallab.extraction.window_damping import without_added
 from modallab.rig.effect import build
 from modallab.rig.excitation import EXCITATIONS
 from modallab.rig.measure import Route, measure
@@ -103,6 +104,7 @@ def extract_and_store(
     method: str,
     bands: list[tuple[float, float]] | None,
     n_modes: int | None,
+    correct_window_damping: bool = False,
 ) -> None:
     """Read the modes from a measurement and keep them."""
     measurement = store.measurements.get(measurement_id)
@@ -116,6 +118,10 @@ def extract_and_store(
         leakage=_leakage(measurement.setup),
         progress=progress,
     )
+    analyser = measurement.setup.analyser
+    if correct_window_damping and analyser.line_window.end < 1:
+        end = analyser.line_window.end
+        model = without_added(model, added_loss_factor(end, analyser.record_length, model.frequencies))
     store.modal_models.add(model, owner=into.owner, inputs={"measurement_id": measurement_id}, id=into.id)
 
 

@@ -16,6 +16,7 @@ from modallab.estimation.estimator import ESTIMATORS
 from modallab.estimation.spectra import CrossSpectra
 from modallab.fe.assembly import assemble
 from modallab.fe.structure import Structure
+from modallab.rig.analyser import Analyser
 from modallab.rig.chain import Chain, chain
 from modallab.rig.compatibility import check_compatible
 from modallab.rig.drawn import drawn_spectra
@@ -120,6 +121,19 @@ def measurement_of(spectra: CrossSpectra, setup: RigSetup) -> Measurement:
         response_spectrum=by_response(spectra.xx),
         # of all runs the worst: none of the FRFs is worse off
         input_condition=None if condition is None else condition.max(axis=0),
+        notes=_notes(setup.analyser),
+    )
+
+
+def _notes(analyser: Analyser) -> tuple[str, ...]:
+    """Return what the analyser did to the FRFs that their reader has to know."""
+    end = analyser.line_window.end
+    if end == 1:
+        return ()
+    sigma = -np.log(end) / analyser.record_length
+    return (
+        f"the exponential window adds 2 sigma/omega, sigma = {sigma:.4g} 1/s, to every loss factor: "
+        f"{sigma / np.pi:.4g} over the frequency in Hz",
     )
 
 

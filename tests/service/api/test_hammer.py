@@ -69,6 +69,30 @@ def test_every_pair_of_a_roving_hammer_and_fixed_accelerometers_is_reciprocal(
     assert (found["inputs"] == found["outputs"]).all()
 
 
+def test_the_damping_of_an_exponential_window_is_told_and_taken_out_on_request(
+    service: Any, beam: str
+) -> None:
+    rig = hammer() | {"drive": "1:+Y", "responses": POINTS}
+    rig["analyser"] |= {"window": "force_exponential", "window_end": 1e-3}
+    id = measured(service, beam, rig)
+    (note,) = service.get(f"/v1/measurements/{id}")["notes"]
+    assert "sigma = 6.908 1/s" in note  # ln(1000) over a record of 1 s
+    found = []
+    for correct in (False, True):
+        body = {"measurement_id": id, "n_modes": 4, "correct_window_damping": correct}
+        found.append(service.get(f"/v1/modal-models/{service.result_of('/v1/modal-models', body)}"))
+    truth = service.get(f"/v1/structures/{beam}/modes", params={"count": 6})
+    raw, corrected = ([mode["loss_factor"] for mode in model["modes"]] for model in found)
+    frequency = np.array([mode["frequency"] for mode in found[0]["modes"]])
+    same = np.abs(np.subtract.outer(frequency, truth["frequencies"])).argmin(axis=1)
+    wanted = np.array(truth["loss_factors"])[same]
+    np.testing.assert_allclose(np.subtract(raw, corrected), 6.908 / np.pi / frequency, rtol=1e-3)
+    # a hysteretic pole moves as a viscous one to first order in its loss factor, 3 % at most
+    np.testing.assert_allclose(corrected, wanted, rtol=0.01)
+    assert (np.array(raw) > 2 * wanted).all()
+    assert "exponential window" in " ".join(found[1]["notes"])
+
+
 def test_the_catalogue_says_what_an_excitation_asks_for(service: Any) -> None:
     kinds = {entry["kind"]: entry for entry in service.get("/v1/catalog/excitations")}
     assert set(kinds) >= {

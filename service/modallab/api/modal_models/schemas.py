@@ -53,6 +53,9 @@ class ModalModelStart(Wire):
     method: Text = "dobson"
     bands: Literal["auto"] | Annotated[list[Band], Field(min_length=1, max_length=500)] = "auto"
     n_modes: Count | None = Field(None, ge=1, le=500)
+    correct_window_damping: bool = Field(
+        False, description="take what an exponential window added out of the loss factors"
+    )
 
 
 Complex = Number | tuple[Number, Number]
