@@ -1,5 +1,6 @@
 """Impulse responses of a run's channels, and what transient signals make of them."""
 
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
@@ -16,6 +17,7 @@ from modallab.rig.transient import Answers, Transient
 
 FORGOTTEN = 1e-6  # amplitude below which a mode has rung out
 LONGEST = 2**26  # samples of all channels, 0.5 GB
+AT_ONCE = 2**22  # samples of all channels of the runs that are solved for together
 
 
 def transient_of(chain: Chain) -> Transient | None:
@@ -35,24 +37,36 @@ def answers_of(chain: Chain, run: int) -> Answers:
     InvalidInputError
         If a mode rings too long.
     """
-    alone = replace(chain, runs=(chain.runs[run],))
-    analyser = chain.setup.analyser
-    n, rate = samples_of(analyser), sample_rate_of(analyser)
-    whole = n * _repeats(alone, n)
-    freq = scipy.fft.rfftfreq(whole, 1 / rate)
-    setting, transient = analyser.excitation, transient_of(chain)
+    return _answers(replace(chain, runs=(chain.runs[run],)))[0]
+
+
+def all_answers(chain: Chain) -> Iterator[Answers]:
+    """Yield the same of every run; runs that fit into memory share their solutions."""
+    whole = samples_of(chain.setup.analyser) * _repeats(replace(chain, runs=chain.runs[:1]))
+    n_ch = chain.n_in + len(chain.runs[0].responses)
+    together = max(1, AT_ONCE // (whole * n_ch))
+    for first in range(0, len(chain.runs), together):
+        yield from _answers(replace(chain, runs=chain.runs[first : first + together]))
+
+
+def _answers(group: Chain) -> list[Answers]:
+    analyser, transient = group.setup.analyser, transient_of(group)
     assert transient is not None  # asked for by transient excitations only
+    n, rate, setting = samples_of(analyser), sample_rate_of(analyser), analyser.excitation
+    whole = n * _repeats(group)
+    freq = scipy.fft.rfftfreq(whole, 1 / rate)
     omega = 2 * np.pi * np.maximum(freq, NEARLY_STILL * analyser.spacing)
     played = transient.spectrum(omega, setting) * _anti_alias(freq, analyser.frequency_max, rate / 2)
-    for shaping in chain.source.shaping:
+    for shaping in group.source.shaping:
         played = played * shaping(omega)
-    heard = alone.respond(freq).channels[0]
-    if transient.strays(setting):
-        heard = np.concatenate([heard, stray_responses(alone, freq)], axis=2)
-    density = setting.level**2 / analyser.frequency_max
-    lines = np.sqrt(density * rate / 2) * played * heard.transpose(2, 1, 0)
-    samples = scipy.fft.irfft(lines, whole)
-    return Answers(np.concatenate([samples[..., -n:], samples[..., :n]], axis=-1), chain.n_in)
+    played = played * np.sqrt(setting.level**2 / analyser.frequency_max * rate / 2)
+    found = []
+    for run, heard in zip(group.runs, group.respond(freq).channels, strict=True):
+        if transient.strays(setting):
+            heard = np.concatenate([heard, stray_responses(replace(group, runs=(run,)), freq)], axis=2)
+        samples = scipy.fft.irfft(played * heard.transpose(2, 1, 0), whole)
+        found.append(Answers(np.concatenate([samples[..., -n:], samples[..., :n]], axis=-1), group.n_in))
+    return found
 
 
 def transient_spectra(chain: Chain) -> ComplexArray:
@@ -60,8 +74,7 @@ def transient_spectra(chain: Chain) -> ComplexArray:
     analyser, transient = chain.setup.analyser, transient_of(chain)
     assert transient is not None
     runs = []
-    for run in range(len(chain.runs)):
-        answers = answers_of(chain, run)
+    for answers in all_answers(chain):
         shape = answers.samples.shape[1], answers.n_samples
         averager = Averager(
             analyser.line_window,
@@ -82,13 +95,13 @@ def _anti_alias(freq: FloatArray, top: float, nyquist: float) -> FloatArray:
     return np.asarray(np.cos(np.pi / 2 * place) ** 2)
 
 
-def _repeats(alone: Chain, n_samples: int) -> int:
+def _repeats(group: Chain) -> int:
     """Return over how many records the impulse responses are found: an even number."""
-    analyser = alone.setup.analyser
-    frequencies, widths = alone.poles()
+    analyser = group.setup.analyser
+    frequencies, widths = group.poles()
     slowest = widths[frequencies < analyser.frequency_max + analyser.spacing].min(initial=np.inf)
     ringing = -np.log(FORGOTTEN) / (2 * np.pi * slowest) * analyser.spacing if slowest > 0 else np.inf
-    room = LONGEST / ((1 + len(alone.runs[0].responses)) * n_samples)
+    room = LONGEST / ((1 + len(group.runs[0].responses)) * samples_of(analyser))
     if ringing > room:
         raise InvalidInputError(
             f"a mode rings for {ringing:.3g} records: too long to follow what a transient leaves",

@@ -12,8 +12,8 @@ from modallab.rig.acquisition import sample_rate_of
 from modallab.rig.analyser import Analyser
 from modallab.rig.chain import Chain
 from modallab.rig.excitation import EXCITATIONS
-from modallab.rig.ringing import answers_of, transient_of
-from modallab.rig.transient import Transient
+from modallab.rig.ringing import all_answers, transient_of
+from modallab.rig.transient import Answers, Transient
 
 Weights = Callable[[int, np.random.Generator], FloatArray]  # number of averages -> (n, k)
 
@@ -51,14 +51,13 @@ def steady_runs(chain: Chain) -> tuple[Steady, ...] | None:
     if transient is None:
         seen, share = fixed_signals(chain), np.sqrt(1 - chain.source.continuous)
         return None if seen is None else tuple(Steady(share * run[None], np.eye(1), _once) for run in seen)
-    runs = [_blows(chain, transient, run) for run in range(len(chain.runs))]
+    runs = [_blows(chain, transient, answers) for answers in all_answers(chain)]
     return None if None in runs else tuple(run for run in runs if run is not None)
 
 
-def _blows(chain: Chain, transient: Transient, run: int) -> Steady | None:
+def _blows(chain: Chain, transient: Transient, answers: Answers) -> Steady | None:
     """Return the signals of a run that begin and end within a record; None where they are Gaussian."""
-    analyser = chain.setup.analyser
-    answers, setting = answers_of(chain, run), analyser.excitation
+    analyser, setting = chain.setup.analyser, chain.setup.analyser.excitation
     records = transient.recurring(answers, setting)
     if records is None:
         return None
