@@ -1,5 +1,6 @@
 """What every excitation must be: one signal, on every route to a measurement."""
 
+import tracemalloc
 from dataclasses import replace
 
 import numpy as np
@@ -156,3 +157,17 @@ def test_a_first_look_sees_the_same_lines(kind: str) -> None:
     tolerance = 0.3 if EXCITATIONS[kind].continuous else 1e-2
     force: FloatArray = quick.ff.real / full.ff[:, ::4].real
     np.testing.assert_allclose(force, 1.0, rtol=tolerance)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_memory_of_a_sampled_test_does_not_grow_with_the_averages(kind: str) -> None:
+    peaks = []
+    for averages in (400, 4000):
+        settings = {"n_lines": 101, "averages": averages}
+        whole = chain(beam_system(), rig(1, 11, excitation=kind, noise=NOISE, analyser=settings))
+        expected_spectra(whole)  # what is kept for the next time is not counted
+        tracemalloc.start()
+        sampled_spectra(whole, np.random.default_rng(1), silent)
+        peaks.append(tracemalloc.get_traced_memory()[1])
+        tracemalloc.stop()
+    assert peaks[1] < 1.2 * peaks[0]  # averages are shared out to equal batches, a tenth longer or shorter
