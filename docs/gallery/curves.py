@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
+from functools import lru_cache
 from typing import Any
 
 import numpy as np
@@ -15,18 +16,22 @@ from modallab.rig.measure import Route, measure
 from modallab.rig.measurement import Measurement
 
 LINES = 801
+FINEST = 4  # times as many lines at most, where a narrow band is drawn
 # What the eye finds in a picture: a change of |H| or a spectrum, dB, of phase, degrees, of coherence.
 VISIBLE = {"magnitude": 0.2, "ratio": 0.2, "force": 0.2, "response": 0.2, "phase": 1.0, "turn": 1.0}
 VISIBLE |= {"coherence": 0.01}
+TOUCHABLE = ("magnitude", "phase", "coherence", "force", "response")
+TOUCH_LINES = 401  # enough for the resonances of every band to show, and quick
 CHOICE = ("magnitude", "phase", "coherence", "force")  # where an example names no panels
 
 
 @dataclass(frozen=True)
 class Curve:
-    """One measurement and what the legend calls it."""
+    """A measurement with the effect, what the legend calls it, and the same one without the effect."""
 
     label: str
     measurement: Measurement
+    bare: Measurement
 
 
 @dataclass(frozen=True)
@@ -72,15 +77,15 @@ class Picture:
 
     @property
     def shown(self) -> Any:
-        """Which lines lie in the band that is drawn; at rest there is rounding and nothing else."""
-        return (self.freq > 0) & (self.freq >= self.example.band[0])
+        """Which lines are drawn: without 0 Hz, where rounding is, and the last, where the signal ends."""
+        return (self.freq > 0) & (self.freq >= self.example.band[0]) & (self.freq < self.freq[-1])
 
     def change(self, panel: Panel) -> float:
         """Return the largest change that the effect makes in a panel, in the panel's unit."""
-        bare = panel.of(self.before, self.before)
         largest = 0.0
         for curve in self.after:
-            step = np.abs(panel.of(curve.measurement, self.before) - bare)[self.shown]
+            bare, loaded = (panel.of(one, curve.bare) for one in (curve.bare, curve.measurement))
+            step = np.abs(loaded - bare)[self.shown]
             if panel.quantity in ("phase", "turn"):  # 359 degrees are 1
                 step = np.minimum(step, 360 - step)
             largest = max(largest, float(step.max()))
@@ -102,7 +107,9 @@ def merged(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]
 
 def rig_body(example: Example, n_lines: int = LINES) -> dict[str, Any]:
     """Return the log book of the test without the effect, as the service takes it."""
-    analyser = {"frequency_max": example.band[1], "n_lines": n_lines}
+    low, top = example.band
+    finer = min(round(top / (top - low)), FINEST)  # of what is drawn, not of what is measured
+    analyser = {"frequency_max": top, "n_lines": (n_lines - 1) * finer + 1}
     plain = {"drive": "1:+Y", "responses": ["7:+Y"], "analyser": analyser}
     return merged(plain, example.rig)
 
@@ -113,6 +120,7 @@ def effect_body(kind: str) -> dict[str, Any]:
     return {"kind": kind, "at": example.at, "parameters": dict(example.parameters)}
 
 
+@lru_cache(maxsize=256)
 def picture(kind: str, n_lines: int = LINES) -> Picture:
     """Return the curves of an effect's picture.
 
@@ -125,14 +133,21 @@ def picture(kind: str, n_lines: int = LINES) -> Picture:
     bare = rig_body(example, n_lines)
     more = {"effects": [effect_body(kind)]} if example.declared is None else example.declared
     loaded = merged(bare, more)
-    after = [Curve("with", _measured(example, loaded))]
-    if example.levels:
-        at = [{"analyser": {"excitation": {"level": level}}} for level in example.levels]
-        labels = [f"with, {level:g} N" for level in example.levels]
-        after = [Curve(la, _measured(example, merged(loaded, le))) for la, le in zip(labels, at, strict=True)]
-    before = _measured(example, bare)
-    whole = Picture(kind, example, before, tuple(after), ())
+    after = []
+    for level in example.levels or (None,):
+        loud = {} if level is None else {"analyser": {"excitation": {"level": level}}}
+        label = "with" if level is None else f"with, {level:g} N"
+        with_it, without = (_measured(example, merged(body, loud)) for body in (loaded, bare))
+        after.append(Curve(label, with_it, without))
+    whole = Picture(kind, example, after[0].bare, tuple(after), ())
     return replace(whole, panels=_panels(whole))
+
+
+def touched(kind: str) -> tuple[str, ...]:
+    """Return which quantities the effect changes visibly at any response of its picture."""
+    whole = picture(kind, TOUCH_LINES)
+    outputs = whole.before.frf.outputs
+    return tuple(name for name in TOUCHABLE if any(whole.visible(Panel(name, output)) for output in outputs))
 
 
 def _measured(example: Example, body: Mapping[str, Any]) -> Measurement:

@@ -5,7 +5,7 @@ import json
 from types import NoneType
 from typing import Any
 
-from docs.gallery.curves import effect_body, rig_body
+from docs.gallery.curves import TOUCHABLE, effect_body, rig_body, touched
 from docs.gallery.example import DESCRIBED, Example
 from docs.gallery.examples import GROUPS, example_of, group_of
 from docs.gallery.words import ALIKE, HARDWARE
@@ -14,6 +14,13 @@ from modallab.core.place import Channels, Members
 from modallab.rig.effect import EFFECTS, Effect
 
 MADE = "<!-- Written by `make docs` from the effect's class and docs/gallery: edit those. -->\n"
+_NAMES = {
+    "magnitude": "\\|H\\|",
+    "phase": "its phase",
+    "coherence": "coherence",
+    "force": "the force spectrum",
+    "response": "the response spectrum",
+}
 _HOOKS = ("on_motion", "on_spectra", "on_records", "on_source", "on_noise")
 _NONLINEAR = """`expected` puts the best straight line in the force's place, for a Gaussian motion of the size
 that this line itself allows, and adds what the line leaves as a force that is not coherent with the source.
@@ -62,7 +69,20 @@ def index() -> str:
             f"| {_thumbnail(kind)} | [`{kind}`]({kind}.md): {EFFECTS[kind].summary} |" for kind in members
         ]
         parts.append("\n".join([f"## {group}\n", "| | |", "|---|---|", *rows]))
-    return "\n\n".join(parts) + "\n"
+    return "\n\n".join([*parts, f"## What each of them touches\n\n{_overview()}"]) + "\n"
+
+
+def _overview() -> str:
+    """Return which quantities every effect changes, in its picture, as a table."""
+    names = [_NAMES[name].removeprefix("the ").removeprefix("its ") for name in TOUCHABLE]
+    rows = []
+    for kind in EFFECTS:
+        changed = touched(kind)
+        marks = ["x" if name in changed else "" for name in TOUCHABLE]
+        rows.append(f"| [`{kind}`]({kind}.md) | {' | '.join(marks)} |")
+    head = f"| effect | {' | '.join(names)} |\n|---{'|---' * len(names)}|"
+    note = "By more than 0.2 dB, 1 degree or 0.01 of coherence somewhere in the band of its picture."
+    return "\n".join([f"{note}\n\n{head}", *rows])
 
 
 def parameter_table(cls: type[Effect]) -> str:
@@ -95,7 +115,19 @@ def _caption(kind: str, example: Example) -> str:
         said += ", measured at " + ", ".join(f"`{dof}`" for dof in rig["responses"])
     used = {name: value for name, value in example.rig.items() if name not in ("drive", "responses")}
     both = f", with `{json.dumps(used)}` in both" if used else ""
-    return f"{said}{both}. The difference is `{json.dumps(_added(kind, example))}`."
+    loud = (
+        f", the source at {' and '.join(f'{level:g} N' for level in example.levels)}"
+        if example.levels
+        else ""
+    )
+    return f"{said}{both}. The difference is `{json.dumps(_added(kind, example))}`{loud}.\n\n{_touches(kind)}"
+
+
+def _touches(kind: str) -> str:
+    changed = touched(kind)
+    left = [_NAMES[name] for name in TOUCHABLE if name not in changed]
+    said = "It changes " + ", ".join(_NAMES[name] for name in changed)
+    return f"{said}; it leaves {', '.join(left)} as they are." if left else f"{said}."
 
 
 def _added(kind: str, example: Example) -> Any:

@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from docs.gallery.curves import Curve, Panel, Picture, picture
+from docs.gallery.curves import TOUCH_LINES, Curve, Panel, Picture, picture, touched
 from docs.gallery.drawing import SIZE, draw, drawn, png
 from docs.gallery.pages import index, page, parameter_table
 from docs.gallery.words import ALIKE, HARDWARE
@@ -21,7 +21,7 @@ from modallab.rig.effect import EFFECTS, Effect
 KINDS = sorted(EFFECTS)
 FOLDER = Path(__file__).parents[2] / "docs" / "effects"
 STALE = "run `make docs`"
-COARSE = 161  # lines: enough for the resonances of every band to show, and quick
+COARSE = TOUCH_LINES
 
 
 def written(name: str) -> str:
@@ -99,8 +99,18 @@ def test_a_picture_can_be_drawn_and_the_effect_seen_in_it(kind: str) -> None:
 
 def test_a_picture_without_the_effect_shows_no_change() -> None:
     whole = picture("extra_mass", COARSE)
-    same = replace(whole, after=(Curve("with", whole.before),))
+    same = replace(whole, after=(Curve("with", whole.before, whole.before),))
     assert not any(same.visible(panel) for panel in same.panels)
+
+
+def test_what_an_effect_touches_is_what_theory_says() -> None:
+    # the force on the structure falls and rises, and the response with it; the ratio stays
+    assert touched("exciter_armature") == ("force", "response")
+    assert touched("polarity") == ("phase",)
+    assert touched("channel_delay") == ("phase",)
+    assert touched("gain_error") == ("magnitude", "response")
+    # of H1, which noise on the response does not bias
+    assert touched("response_noise") == ("coherence", "response")
 
 
 def test_half_a_turn_is_the_largest_change_of_phase() -> None:
@@ -118,7 +128,7 @@ def test_the_same_picture_has_the_same_bytes() -> None:
 
 def test_an_effect_that_nobody_described_is_shown_too(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("docs.gallery.examples.GROUPS", {})
-    whole: Picture = picture("extra_mass", COARSE)
+    whole: Picture = picture.__wrapped__("extra_mass", COARSE)  # past what is remembered
     assert whole.visible(whole.panels[0])
     assert "extra_mass.png" in page("extra_mass")
 
