@@ -17,6 +17,11 @@ class FrfKind(StrEnum):
     MOBILITY = "mobility"  # m/(s N)
     INERTANCE = "inertance"  # m/(s^2 N)
 
+    def steps_to(self, other: "FrfKind") -> int:
+        """Return how many times a response of this kind is differentiated to be of another."""
+        order = list(FrfKind)
+        return order.index(other) - order.index(self)
+
 
 @dataclass(frozen=True, eq=False)
 class FrfSet:
@@ -43,8 +48,7 @@ class FrfSet:
         InvalidInputError
             If the line at 0 Hz would have to be integrated: drop it with `between` first.
         """
-        order = list(FrfKind)
-        steps = order.index(kind) - order.index(self.kind)
+        steps = self.kind.steps_to(kind)
         if steps < 0 and self.freq[0] == 0:
             raise InvalidInputError(f"{self.kind} at 0 Hz has no {kind}", field="freq", value=0.0)
         factor = (2j * np.pi * self.freq) ** steps

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from typing import TypeVar
 
 import numpy as np
 from scipy.special import digamma, polygamma
@@ -20,6 +21,8 @@ NUMERICAL = 1e-6  # relative error of the prediction itself: a floor under every
 INCOHERENT = 1e-8  # share of a response below which what is not coherent counts as rounding
 FAINT = 1e-6  # coherence below which there is no response at all
 USABLE = 0.3  # coherence below which the logarithm of an FRF is no longer near normal
+
+Numbers = TypeVar("Numbers", FloatArray, ComplexArray)
 
 
 @dataclass(frozen=True, eq=False)
@@ -116,6 +119,18 @@ def _weighable(measurement: Measurement) -> FloatArray:
     return measurement.coherence
 
 
+def _on_the_axis(measurement: Measurement) -> Measurement:
+    """Return a measurement that starts above 0 Hz with a line there of which nothing is known."""
+    if measurement.frf.freq[0] == 0:
+        return measurement
+    return measurement.by_line(lambda array: np.concatenate([np.zeros_like(array[:1]), array]))
+
+
+def _nowhere_zero(array: Numbers) -> Numbers:
+    """Return an array whose logarithm is a number at lines that nothing was seen at and none looks at."""
+    return np.where(array != 0, array, np.ones_like(array))
+
+
 def observe(measurement: Measurement, held_out: Sequence[Dof], *, fraction: float) -> Observed:
     """Return what the fit sees of a measurement.
 
@@ -129,13 +144,13 @@ def observe(measurement: Measurement, held_out: Sequence[Dof], *, fraction: floa
     InvalidInputError
         If the coherence is missing: without it no residual can be weighed; or if no line is left to fit.
     """
+    measurement = _on_the_axis(measurement.to(FrfKind.INERTANCE))
     g2 = _weighable(measurement)
     analyser = measurement.setup.analyser
     frf, n = measurement.frf, measurement.averages
-    values = frf.values[:, :, 0] * (2j * np.pi * frf.freq[:, None]) ** _steps(frf.kind)
     # H1, whatever the estimator was: H2 = H1 / g2 and Hv = H1 / g.
     power = {"h1": 0.0, "h2": 1.0, "hv": 0.5}[analyser.estimator]
-    h = values * g2**power
+    h = frf.values[:, :, 0] * g2**power
     usable = (g2 > USABLE) & (frf.freq > 0)[:, None] & (np.abs(h) > 0)
     error = np.sqrt((1 - g2) / (2 * np.maximum(g2, FAINT) * (n - 2)) + NUMERICAL**2)
     force, incoherent, spread = measurement.force_spectrum, None, None
@@ -155,12 +170,12 @@ def observe(measurement: Measurement, held_out: Sequence[Dof], *, fraction: floa
     observed = Observed(
         freq=frf.freq,
         outputs=frf.outputs,
-        h=np.where(np.abs(h) > 0, h, 1.0),
+        h=_nowhere_zero(h),
         error=error,
         coherence=g2,
-        force=None if force is None else force[:, runs, 0] * np.exp(np.log(n) - digamma(n)),
+        force=None if force is None else _nowhere_zero(force[:, runs, 0]) * np.exp(np.log(n) - digamma(n)),
         force_variance=float(polygamma(1, n)) + NUMERICAL**2,
-        incoherent=incoherent,
+        incoherent=None if incoherent is None else _nowhere_zero(incoherent),
         incoherent_variance=spread,
         usable=usable,
         held_out=out,
@@ -184,8 +199,3 @@ def _check_something_is_left(observed: Observed) -> None:
         raise InvalidInputError(
             "with these held out nothing is left to fit", field="hold_out", value=", ".join(held)
         )
-
-
-def _steps(kind: FrfKind) -> int:
-    order = list(FrfKind)
-    return order.index(FrfKind.INERTANCE) - order.index(kind)

@@ -129,7 +129,7 @@ def check_comparable(structure: Structure, measurement: Measurement) -> None:
     Raises
     ------
     InvalidInputError
-        If the frequency axis is not the log book's, or several forces act at once.
+        If the frequency axis is not the log book's, 0 Hz apart, or several forces act at once.
     UnknownDofError
         If the model lacks a measured DoF.
     """
@@ -138,6 +138,8 @@ def check_comparable(structure: Structure, measurement: Measurement) -> None:
     if measurement.frf.values.shape[2] != 1:
         raise InvalidInputError("one force at a time", field="inputs", allowed="1")
     axis, freq = measurement.setup.analyser.freq, measurement.frf.freq
+    if freq[0] > 0:
+        axis = axis[1:]
     if len(axis) != len(freq) or not np.allclose(axis, freq, rtol=1e-6, atol=1e-6 * axis[-1]):
         raise InvalidInputError(
             "the frequency axis is not the one that the log book declares",

@@ -31,7 +31,7 @@ class MeasuredFile:
         ----------
         setup
             The log book of the test; responses that the file lacks are dropped from it. The
-            frequencies are the analyser's, of which the file may hold a rounded copy.
+            frequencies are the analyser's, of which the file may hold a rounded copy, and may lack 0 Hz.
         averages
             Effective averages; by default the file's, or else the rig's.
 
@@ -78,6 +78,8 @@ class MeasuredFile:
 
     def _axis(self, setup: RigSetup) -> FloatArray:
         freq, lines = self.frf.freq, setup.analyser.freq
+        if len(freq) == len(lines) - 1:  # receptance at rest is often no number
+            lines = lines[1:]
         if len(lines) != len(freq) or not np.allclose(
             lines, freq, rtol=self.axis_error, atol=1e-6 * lines[1]
         ):
@@ -85,6 +87,6 @@ class MeasuredFile:
                 "the file's frequency axis is not the analyser's",
                 field="freq",
                 value=f"{len(freq)} lines from {freq[0]:g} to {freq[-1]:g} Hz",
-                allowed=f"{len(lines)} lines from 0 to {lines[-1]:g} Hz",
+                allowed=f"{len(setup.analyser.freq)} lines from 0 to {lines[-1]:g} Hz, or all but 0 Hz",
             )
         return lines

@@ -1,11 +1,15 @@
 """What a test hands over: arrays, and the rig as its log book declares it. Nothing of the truth."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, field, replace
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
 
 from modallab.core.arrays import FloatArray, frozen
 from modallab.core.errors import InvalidInputError
-from modallab.core.frf import FrfSet
+from modallab.core.frf import FrfKind, FrfSet
 from modallab.rig.setup import RigSetup
 
 
@@ -18,7 +22,7 @@ class Measurement:
     averages: float  # effective, independent
     setup: RigSetup
     force_spectrum: FloatArray | None = None  # (n_freq, n_out, n_in) N^2/Hz, of the run of that response
-    response_spectrum: FloatArray | None = None  # (m/s^2)^2/Hz, shaped as `coherence`
+    response_spectrum: FloatArray | None = None  # of `frf.kind`'s motion, unit^2/Hz, shaped as `coherence`
     input_condition: FloatArray | None = None  # (n_freq,) of G_ff, where several forces act at once
     seed: int | None = None
     route: str | None = None  # a `Route`; None where it was brought from elsewhere
@@ -47,3 +51,29 @@ class Measurement:
             raise InvalidInputError(
                 "a measurement needs an average", field="averages", value=self.averages, allowed=">= 1"
             )
+
+    def to(self, kind: FrfKind) -> "Measurement":
+        """Return the same measurement as another kind of FRF: itself where it is of that kind.
+
+        FRFs take a factor i omega a step, the auto spectra of responses omega^2; forces and
+        coherence stay. At 0 Hz nothing can be integrated: towards receptance that line is left out
+        of every array, and a note says so.
+        """
+        steps = self.frf.kind.steps_to(kind)
+        if steps == 0:
+            return self
+        if steps < 0 and self.frf.freq[0] == 0:
+            note = f"{self.frf.kind} at 0 Hz has no {kind}: that line is left out"
+            return replace(self.by_line(lambda array: array[1:]), notes=(*self.notes, note)).to(kind)
+        spectrum = self.response_spectrum
+        if spectrum is not None:
+            size = (2 * np.pi * self.frf.freq) ** (2 * steps)
+            spectrum = spectrum * size.reshape(-1, *[1] * (spectrum.ndim - 1))
+        return replace(self, frf=self.frf.to(kind), response_spectrum=spectrum)
+
+    def by_line(self, change: Callable[[NDArray[Any]], NDArray[Any]]) -> "Measurement":
+        """Return the measurement with every array that has a frequency axis changed alike."""
+        names = ("coherence", "force_spectrum", "response_spectrum", "input_condition")
+        held: dict[str, Any] = {n: change(array) for n in names if (array := getattr(self, n)) is not None}
+        frf = replace(self.frf, freq=change(self.frf.freq), values=change(self.frf.values))
+        return replace(self, frf=frf, **held)

@@ -4,8 +4,10 @@ import numpy as np
 import pytest
 
 from modallab.core.errors import InvalidInputError
+from modallab.core.frf import FrfKind
 from modallab.diagnosis.observed import observe
-from tests.diagnosing import drawn, exact, predicting, rig
+from modallab.diagnosis.predictor import check_comparable
+from tests.diagnosing import drawn, exact, model, predicting, rig
 
 
 # 12 tests of 160 lines and 1 to 6 channels: means of 1,900 to 11,500 squares, known to 1 to 3 %; at
@@ -77,3 +79,36 @@ def test_a_noise_free_measurement_has_a_finite_gap() -> None:
     predictor, observed = predicting(exact(rig(noise=0.0)))
     # The prediction is the measurement; what is left is rounding, far below the numerical floor.
     assert predictor.residual(()).gap(observed.usable) < 1e-3
+
+
+@pytest.mark.parametrize("kind", [FrfKind.MOBILITY, FrfKind.RECEPTANCE])
+def test_a_test_of_another_kind_is_seen_as_the_same_test(kind: FrfKind) -> None:
+    inertance = drawn(rig(noise=3e-3))
+    predictor, observed = predicting(inertance)
+    other = inertance.to(kind)  # without 0 Hz, where it has no value
+    check_comparable(model(), other)
+    same_predictor, same = predicting(other)
+    assert same.freq.tolist() == observed.freq.tolist()
+    np.testing.assert_array_equal(same.usable, observed.usable)
+    for name in ("h", "incoherent", "force", "error"):
+        # factors of omega and back: rounding
+        np.testing.assert_allclose(
+            getattr(same, name)[1:], getattr(observed, name)[1:], rtol=1e-12, err_msg=name
+        )
+    gaps = predictor.residual(()).gaps(observed.usable)
+    found = same_predictor.residual(()).gaps(same.usable)
+    # a residual is a difference of logarithms over its error of 0.1 %: rounding times a thousand
+    assert found == pytest.approx(gaps, rel=1e-9)
+
+
+def test_receptance_with_a_line_at_rest_is_weighed_above_it() -> None:
+    receptance = drawn(rig(noise=3e-3)).to(FrfKind.RECEPTANCE)
+    # there, receptance of a free body is any number, or none
+    still = receptance.by_line(
+        lambda array: np.concatenate([array[:1], array]) if array.ndim > 1 else np.r_[0.0, array]
+    )
+    predictor, observed = predicting(still)
+    assert not observed.usable[0].any()
+    gaps = predictor.residual(()).gaps(observed.usable)
+    without, same = predicting(receptance)
+    assert gaps == pytest.approx(without.residual(()).gaps(same.usable), rel=1e-9)  # rounding
