@@ -30,7 +30,7 @@ def write(measurement: Measurement) -> bytes:
 
     Datasets `freq, values, outputs, inputs, kind, averages`, and where there are such `coherence,
     force_spectrum, response_spectrum`, shaped as in a measurement's npz file. Those of numbers
-    have an attribute `unit`.
+    have an attribute `unit`, and the file has the measurement's `notes` as one.
     """
     frf, motion = measurement.frf, _MOTIONS[measurement.frf.kind]
     arrays = {
@@ -44,6 +44,8 @@ def write(measurement: Measurement) -> bytes:
     buffer = io.BytesIO()
     with h5py.File(buffer, "w") as file:
         file.attrs["format"] = "modallab measurement 1"
+        if measurement.notes:
+            file.attrs["notes"] = "\n".join(measurement.notes)
         for name, dofs in (("outputs", frf.outputs), ("inputs", frf.inputs)):
             file.create_dataset(name, data=np.array([str(dof) for dof in dofs], dtype=bytes))
         file.create_dataset("kind", data=np.bytes_(frf.kind.value))

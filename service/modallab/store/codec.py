@@ -50,8 +50,9 @@ def _there(arrays: Mapping[str, NDArray[Any] | None]) -> Arrays:
     return {name: array for name, array in arrays.items() if array is not None}
 
 
-def _take_measurement(thing: Measurement) -> tuple[Json, Arrays]:
-    arrays = _there(
+def arrays_of(thing: Measurement) -> Arrays:
+    """Return a measurement's arrays by the names that the API serves them under."""
+    return _there(
         {
             "freq": thing.frf.freq,
             "values": thing.frf.values,
@@ -65,6 +66,10 @@ def _take_measurement(thing: Measurement) -> tuple[Json, Arrays]:
             "input_condition": thing.input_condition,
         }
     )
+
+
+def _take_measurement(thing: Measurement) -> tuple[Json, Arrays]:
+    arrays = arrays_of(thing)
     body = {"setup": to_plain(thing.setup)[0], "seed": thing.seed, "notes": list(thing.notes)}
     return body | {"route": thing.route, "libraries": dict(thing.libraries)}, arrays
 

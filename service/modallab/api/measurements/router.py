@@ -2,19 +2,22 @@
 
 from typing import Annotated
 
+import numpy as np
 from fastapi import APIRouter, File, Form, Query, UploadFile, status
 from starlette.responses import Response
 
-from modallab.api.arrays import NPZ, Precision, npz_reply
+from modallab.api.arrays import NPZ, Precision, npz_of, npz_reply
 from modallab.api.deps import Id, IdPath, JobsDep, OwnerDep, SettingsDep, StoreDep
 from modallab.api.examples import example
 from modallab.api.files import FRF_TEXT, HDF5, UFF, frf_text_reply, hdf5_reply, origin, uff_reply
 from modallab.api.jobs import JobOut
+from modallab.api.kinds import KindWanted, measured_as
 from modallab.api.measurements.log import LogOut
 from modallab.api.measurements.schemas import CurvesOut, MeasurementOut, MeasurementStart, TruthOut
 from modallab.api.shelves import add_routes
 from modallab.interchange import frf_text, hdf5, uff
 from modallab.interchange.reading import read_measurement
+from modallab.store.codec import arrays_of
 
 router = APIRouter(prefix="/measurements", tags=["measurements"])
 Points = Annotated[int, Query(ge=2, le=20_000, description="lines of each curve, about")]
@@ -73,19 +76,26 @@ def get_measurement(id: IdPath, store: StoreDep) -> MeasurementOut:
 
 
 @router.get("/{id}/arrays", response_class=Response, responses=NPZ, summary="FRFs, coherence, spectra: npz")
-def get_measurement_arrays(id: IdPath, store: StoreDep, precision: Precision = "double") -> Response:
-    return npz_reply(store.measurements.npz(id), precision)
+def get_measurement_arrays(
+    id: IdPath, store: StoreDep, precision: Precision = "double", kind: KindWanted = None
+) -> Response:
+    if kind is None:
+        return npz_reply(store.measurements.npz(id), precision)
+    measurement = measured_as(kind, store.measurements.get(id))
+    return npz_of(arrays_of(measurement) | {"notes": np.array(measurement.notes, dtype=str)}, precision)
 
 
 @router.get("/{id}/arrays.h5", response_class=Response, responses=HDF5, summary="The same as an HDF5 file")
-def get_hdf5_file(id: IdPath, store: StoreDep) -> Response:
-    return hdf5_reply(hdf5.write(store.measurements.get(id)), id)
+def get_hdf5_file(id: IdPath, store: StoreDep, kind: KindWanted = None) -> Response:
+    return hdf5_reply(hdf5.write(measured_as(kind, store.measurements.get(id))), id)
 
 
 @router.get("/{id}/frf.uff", response_class=Response, responses=UFF, summary="FRFs as a universal file")
-def get_universal_file(id: IdPath, store: StoreDep) -> Response:
-    content = origin(store.measurements.entry(id), "measurement")
-    return uff_reply(uff.write(store.measurements.get(id), content), id)
+def get_universal_file(id: IdPath, store: StoreDep, kind: KindWanted = None) -> Response:
+    measured = store.measurements.get(id)
+    wanted = measured_as(kind, measured)
+    content = "; ".join(["measurement", *wanted.notes[len(measured.notes) :]])
+    return uff_reply(uff.write(wanted, origin(store.measurements.entry(id), content)), id)
 
 
 @router.get(
@@ -94,13 +104,15 @@ def get_universal_file(id: IdPath, store: StoreDep) -> Response:
     responses=FRF_TEXT,
     summary="FRFs as the thesis program has them",
 )
-def get_thesis_file(id: IdPath, store: StoreDep, decimals: Decimals = frf_text.COLUMNS) -> Response:
-    return frf_text_reply(frf_text.write(store.measurements.get(id), decimals), id)
+def get_thesis_file(
+    id: IdPath, store: StoreDep, decimals: Decimals = frf_text.COLUMNS, kind: KindWanted = None
+) -> Response:
+    return frf_text_reply(frf_text.write(measured_as(kind, store.measurements.get(id)), decimals), id)
 
 
 @router.get("/{id}/curves", summary="FRFs thinned for plots")
-def get_curves(id: IdPath, store: StoreDep, points: Points = 800) -> CurvesOut:
-    return CurvesOut.of(store.measurements.get(id), points)
+def get_curves(id: IdPath, store: StoreDep, points: Points = 800, kind: KindWanted = None) -> CurvesOut:
+    return CurvesOut.of(measured_as(kind, store.measurements.get(id)), points)
 
 
 @router.get("/{id}/log", summary="What was declared and asked: enough, with the truth, to measure it again")

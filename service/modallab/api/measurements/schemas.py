@@ -114,6 +114,7 @@ class CurvesOut(BaseModel):
     freq: list[float]
     kind: str
     curves: list[CurveOut]
+    notes: list[str]
 
     @classmethod
     def of(cls, measurement: Measurement, points: int) -> Self:
@@ -133,16 +134,18 @@ class CurvesOut(BaseModel):
                 value=points,
                 allowed=f"points x FRFs <= {_MOST_JSON // 3}",
             )
-        curves = []
+        curves, g2 = [], measurement.coherence
         for j, output in enumerate(frf.outputs):
-            coherence = None if measurement.coherence is None else measurement.coherence[keep, j].tolist()
             for i, given in enumerate(frf.inputs):
                 h = frf.values[keep, j, i]
+                own = None if g2 is None else g2[keep, j] if g2.ndim == 2 else g2[keep, j, i]
+                coherence = None if own is None else own.tolist()
                 values = list(zip(h.real.tolist(), h.imag.tolist(), strict=True))
                 curves.append(
                     CurveOut(output=str(output), input=str(given), values=values, coherence=coherence)
                 )
-        return cls(freq=frf.freq[keep].tolist(), kind=frf.kind.value, curves=curves)
+        freq, notes = frf.freq[keep].tolist(), list(measurement.notes)
+        return cls(freq=freq, kind=frf.kind.value, curves=curves, notes=notes)
 
 
 def _thinned(magnitude: Any, points: int) -> IntArray:
