@@ -1,6 +1,7 @@
 """The gallery of effects: whole, true to the classes, and every picture shows its effect."""
 
 import io
+import json
 import re
 from dataclasses import replace
 from pathlib import Path
@@ -10,13 +11,15 @@ import numpy as np
 import pytest
 from PIL import Image
 
-from docs.gallery.curves import TOUCH_LINES, Curve, Panel, Picture, picture, touched
+from docs.gallery.curves import TOUCH_LINES, Curve, Panel, Picture, merged, picture, rig_body, touched
 from docs.gallery.drawing import SIZE, draw, drawn, png
+from docs.gallery.example import structure
+from docs.gallery.examples import example_of
 from docs.gallery.pages import index, page, parameter_table
 from docs.gallery.words import ALIKE, HARDWARE
 from modallab.api.rigs.schemas import RigIn
 from modallab.core.dof import Dof
-from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.effect import EFFECTS, Effect, build
 
 KINDS = sorted(EFFECTS)
 FOLDER = Path(__file__).parents[2] / "docs" / "effects"
@@ -146,6 +149,16 @@ def test_hardware_that_a_page_declares_implies_the_effect(kind: str) -> None:
     if by_hardware:
         assert kind in implied(kind, HARDWARE[kind])
         assert implied(kind, {}) == []
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_what_a_page_gives_to_copy_is_accepted(kind: str) -> None:
+    example = example_of(kind)
+    for text in re.findall(r"```json\n(.*?)\n```", page(kind)):
+        setup = RigIn.model_validate(merged(rig_body(example), json.loads(text))).to_domain()
+        for spec in setup.effects:
+            assert spec.kind == kind
+            build(spec).check(structure(example.structure), setup)
 
 
 def test_every_word_about_look_alikes_names_effects_there_are() -> None:
