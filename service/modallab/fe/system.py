@@ -13,6 +13,7 @@ from modallab.core.errors import InvalidInputError, UnknownDofError
 from modallab.fe.alteration import Alteration
 from modallab.fe.attachment import Attachment, block_diagonal, carried, grown, motions
 from modallab.fe.damping import ViscousDamping
+from modallab.fe.loaded import half_power, loaded_modes, only_loads
 from modallab.fe.member_table import MemberTable
 from modallab.fe.modal_damping import ModalLoss
 from modallab.fe.modes import ModalBasis, undamped_basis
@@ -293,11 +294,8 @@ class DynamicSystem:
 
         Damping between modes is left out: several times faster, and near enough for widths.
         """
+        if len(self.dofs) < SMALL and self.modal is None and only_loads(self.attachments):
+            basis = loaded_modes(self._undamped(np.inf), self.attachments)
+            return half_power(basis, self.damping, self.viscous, self.attachments)
         whole = self.folded() if self.attachments or self.modal else self
-        basis = whole._undamped(2 * frequency_max).elastic()
-        lost = np.zeros(len(basis.eigenvalues))
-        for matrix, power in ((whole.damping, 0), (whole.viscous, 1)):
-            if matrix is not None:
-                modal = (basis.shapes * (matrix @ basis.shapes)).sum(axis=0).real
-                lost += modal * (2 * np.pi * basis.frequencies) ** power
-        return basis.frequencies, lost / (2 * basis.frequencies * (2 * np.pi) ** 2)
+        return half_power(whole._undamped(2 * frequency_max).elastic(), whole.damping, whole.viscous)

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -22,7 +23,7 @@ from modallab.rig.source import NoiseLevels, Source
 # Of a line: 0 Hz is taken as a limit, where inertance stays finite. Near enough to be within 1e-6 of it,
 # far enough for omega^2 to stand above the rounding in a free body's modal damping.
 NEARLY_STILL = 1e-3
-AT_ONCE = 4096  # frequencies at which the structure is asked at once: bounds the memory
+AT_ONCE = 2048  # frequencies at which the structure is asked at once: what then lies in the cache
 
 
 @dataclass(frozen=True, eq=False)
@@ -158,6 +159,10 @@ class Chain:
 
         Of structure and sources moving together, as the spectra have them; (n_run, n_modes) each.
         """
+        return self._poles
+
+    @cached_property
+    def _poles(self) -> tuple[FloatArray, FloatArray]:
         top = self.setup.analyser.frequency_max
         found = [run.resonances(top) for run in self.runs]
         longest = max(len(frequencies) for frequencies, _ in found)

@@ -13,10 +13,12 @@ from modallab.rig.chain import Chain
 from modallab.rig.distorted_records import Distorter, Played
 from modallab.rig.ringing import answers_of, transient_of
 from modallab.rig.steady import fixed_lines
+from modallab.rig.transient import Answers
 
 FORGOTTEN = 1e-6  # amplitude below which a mode has rung out
 LONGEST = 2**26  # samples of all channels of one stretch, 0.5 GB
-TOGETHER = 2**18  # samples of the records handed out at once
+TOGETHER = 2**18  # samples of noise made at once for records that do not go on
+IN_CACHE = 2**15  # samples of the records handed out at once
 RECORDS = 32  # lengths of a record in a stretch, where the averages ask for so many
 
 
@@ -36,8 +38,9 @@ class Recorder:
         self._hop = max(1, round(self.n_samples * (1 - chain.overlap)))
         n_ch = chain.n_in + len(chain.runs[0].responses)
         self.shape = (n_ch, self.n_samples)
-        self._batch = max(1, TOGETHER // (n_ch * self.n_samples))
-        self._per_stretch = min(self._averages, self._batch)
+        self._batch = max(1, IN_CACHE // (n_ch * self.n_samples))
+        self._per_stretch = min(self._averages, max(1, TOGETHER // (n_ch * self.n_samples)))
+        self._repeats = self._per_stretch
         self._repeating = self._stationary = None
         if share > 0:
             ringing = _ringing(chain) / analyser.record_length
@@ -49,12 +52,11 @@ class Recorder:
                     value=analyser.excitation.kind,
                     allowed="a periodic excitation, or more damping",
                 )
-            repeats = self._lay_out(min(max(RECORDS, ringing), room - ringing), ringing)
-            freq = np.linspace(0.0, analyser.frequency_max, (analyser.n_lines - 1) * repeats + 1)
+            self._repeats = self._lay_out(min(max(RECORDS, ringing), room - ringing), ringing)
+            freq = np.linspace(0.0, analyser.frequency_max, (analyser.n_lines - 1) * self._repeats + 1)
             self._stationary = np.sqrt(share) * _per_source(chain, freq)
-            self._repeats = repeats
             self._stationary[..., -1] *= np.sqrt(0.5)  # half of the last fine line lies beyond the band
-            self._length = repeats * self.n_samples
+            self._length = self._repeats * self.n_samples
         self._transient, self._fixed = transient_of(chain), fixed_lines(analyser)
         if self._transient is not None and chain.runs[0].local:
             raise InvalidInputError(
@@ -65,6 +67,11 @@ class Recorder:
             )
         if share < 1 and self._transient is None:
             self._repeating = np.sqrt(1 - share) * _per_source(chain, analyser.freq)
+
+    @property
+    def stretch(self) -> tuple[int, int]:
+        """How many records are taken out of what is made at once, and how many lengths of one that has."""
+        return self._per_stretch, self._repeats
 
     def _lay_out(self, records: float, ringing: float) -> int:
         """Share the averages out to equal stretches of about `records`; return what one takes."""
@@ -85,31 +92,52 @@ class Recorder:
         rms = np.sqrt(noise * self.sample_rate / 2)
         distorter = Distorter(self._chain, run) if self._chain.runs[run].local else None
         answers = None if self._transient is None else answers_of(self._chain, run)
-        span = self.n_samples + (self._per_stretch - 1) * self._hop
         done = 0
         while done < self._averages:
-            samples = rms[:, None] * rng.standard_normal((len(rms), span))
-            stretch = None
-            if self._stationary is not None:
-                stretch = self._drawn(self._stationary[run], 1, rng)
-                samples += self._heard(self._stationary[run], stretch, self._length)[0, :, :span]
-            records = sliding_window_view(samples, self.n_samples, axis=1)[:, :: self._hop].swapaxes(0, 1)
-            records = records[: self._averages - done]
-            starts = self._hop * np.arange(len(records))
-            for start in range(0, len(records), self._batch):
-                batch, first = records[start : start + self._batch], starts[start : start + self._batch]
-                lines = None
-                if self._repeating is not None:
-                    lines = self._repeated(self._repeating[run], len(batch), rng)
-                    batch = batch + self._heard(self._repeating[run], lines, self.n_samples)
-                if self._transient is not None and answers is not None:
-                    setting, share = self._chain.setup.analyser.excitation, self._chain.source.continuous
-                    own = self._transient.drawn(answers, setting, len(batch), rng)
-                    batch = batch + np.sqrt(1 - share) * own
+            n = min(self._per_stretch, self._averages - done)
+            records, stretch = self._stretch_of(run, rms, rng)
+            for start in range(0, n, self._batch):
+                some = slice(start, min(start + self._batch, n))
+                first = self._hop * np.arange(some.start, some.stop)
+                own, lines = self._anew(run, some.stop - some.start, answers, rng)
+                # in place: what is made anew for every record is nobody else's
+                batch = records[some] if own is None else np.add(own, records[some], out=own)
                 if distorter is not None:
                     batch = batch + distorter.added(self._played(stretch, lines, first))
                 yield Batch(run, done * self.n_samples + first, batch)
-            done += len(records)
+                del own, batch  # or two of them would be there at a time
+            del records
+            done += n
+
+    def _stretch_of(
+        self, run: int, rms: FloatArray, rng: np.random.Generator
+    ) -> tuple[FloatArray, ComplexArray | None]:
+        """Return the noise and what goes on from record to record, cut into them, and its lines."""
+        span = self.n_samples + (self._per_stretch - 1) * self._hop
+        samples = rng.standard_normal((len(rms), span))
+        samples *= rms[:, None]
+        stretch = None
+        if self._stationary is not None:
+            stretch = self._drawn(self._stationary[run], 1, rng)
+            samples += self._heard(self._stationary[run], stretch, self._length)[0, :, :span]
+        records = sliding_window_view(samples, self.n_samples, axis=1)[:, :: self._hop]
+        return records.swapaxes(0, 1), stretch
+
+    def _anew(
+        self, run: int, n: int, answers: Answers | None, rng: np.random.Generator
+    ) -> tuple[FloatArray | None, ComplexArray | None]:
+        """Return what is made for each of n records, (n, n_ch, n_samples), and the lines of what repeats."""
+        own, lines = None, None
+        if self._repeating is not None:
+            lines = self._repeated(self._repeating[run], n, rng)
+            own = self._heard(self._repeating[run], lines, self.n_samples)
+            if len(own) < n:
+                own = np.repeat(own, n, axis=0)
+        if self._transient is not None and answers is not None:
+            setting, share = self._chain.setup.analyser.excitation, self._chain.source.continuous
+            blow = np.sqrt(1 - share) * self._transient.drawn(answers, setting, n, rng)
+            own = blow if own is None else own + blow
+        return own, lines
 
     def _played(
         self, stretch: ComplexArray | None, lines: ComplexArray | None, starts: IntArray
@@ -128,7 +156,8 @@ class Recorder:
     def _drawn(response: ComplexArray, n: int, rng: np.random.Generator) -> ComplexArray:
         """Return what the sources play n times, line by line, (n, n_in, n_lines), of unit density."""
         n_in, _, n_lines = response.shape
-        lines = rng.standard_normal((n, n_in, 2 * n_lines)).view(complex) / np.sqrt(2)
+        lines = rng.standard_normal((n, n_in, 2 * n_lines)).view(complex)
+        lines *= np.sqrt(0.5)
         lines[..., 0] = np.sqrt(2) * lines[..., 0].real
         return np.asarray(lines)
 
@@ -137,12 +166,15 @@ class Recorder:
 
         `response` (n_in, n_ch, n_lines) are the channels' amplitudes for sources of unit density.
         """
-        n_in = len(response)
-        heard = lines[:, :1] * response[0]
+        n_in, n_ch, n_lines = response.shape
+        scale = np.sqrt(self.sample_rate * n_samples / 2)
+        # As many lines as the transform asks for: it would copy fewer to fill them up.
+        heard = np.zeros((len(lines), n_ch, n_samples // 2 + 1), complex)
+        first = heard[..., :n_lines]
+        np.multiply(lines[:, :1], scale * response[0], out=first)
         for source in range(1, n_in):
-            heard += lines[:, source : source + 1] * response[source]
-        lines = heard * np.sqrt(self.sample_rate * n_samples / 2)
-        return np.asarray(scipy.fft.irfft(lines, n_samples, overwrite_x=True))
+            first += lines[:, source : source + 1] * (scale * response[source])
+        return np.asarray(scipy.fft.irfft(heard, n_samples, overwrite_x=True))
 
 
 def _ringing(chain: Chain) -> float:

@@ -36,6 +36,7 @@ def sampled_spectra(chain: Chain, rng: np.random.Generator, progress: Progress) 
             for effect in chain.effects:
                 batch = replace(batch, samples=effect.on_records(batch, known, rng))
             averager.add(batch.samples)
+            del batch  # not kept while the next one is made
             fraction = (run + averager.count / analyser.averages) / n_run
             progress(fraction, f"run {run + 1} of {n_run}, average {averager.count} of {analyser.averages}")
         runs.append(averager.densities())

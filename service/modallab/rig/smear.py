@@ -29,22 +29,31 @@ class Smear:
     near: csr_array  # (n_lines, n_nodes)
     mirrored: csr_array
     gather: csr_array  # (DEGREE * n_lines, n_nodes): onto points about every line
-    far: ComplexArray  # (DEGREE, n_fft, 1): transform of what a line takes from such points
+    far: ComplexArray  # (DEGREE, n_fft // 2 + 1, 1): transform of what a line takes from such points
+    n_fft: int
 
     def through(self, spectrum: ComplexArray) -> ComplexArray:
         """Return a spectrum at the nodes (n_run, n_nodes, k) as the lines see it, (n_run, n_lines, k)."""
         n_run, n_nodes, k = spectrum.shape
         n_lines = self.near.shape[0]
         flat = np.ascontiguousarray(spectrum.swapaxes(0, 1)).reshape(n_nodes, n_run * k)
-        seen = self.near @ flat + self.mirrored @ flat.conj()
-        above = (self.gather @ flat).reshape(DEGREE, n_lines, -1)
-        both = np.zeros((DEGREE, self.far.shape[1], n_run * k), complex)
+        # Real and imaginary parts each on their own: an auto spectrum, which has but one, costs half.
+        turning = flat.imag.any(axis=0)
+        n_real = flat.shape[1]
+        parts = np.concatenate([flat.real, flat.imag[:, turning]], axis=1)
+        sign = np.ones(parts.shape[1])
+        sign[n_real:] = -1.0  # of the mirror
+        seen = self.near @ parts + sign * (self.mirrored @ parts)
+        above = (self.gather @ parts).reshape(DEGREE, n_lines, -1)
+        both = np.zeros((DEGREE, self.n_fft, parts.shape[1]))
         both[:, n_lines - 1 : 2 * n_lines - 1] = above
-        both[:, n_lines - 1 :: -1] += above[::-1].conj()
-        lines = scipy.fft.fft(both, axis=1, overwrite_x=True)
+        both[:, n_lines - 1 :: -1] += sign * above[::-1]
+        lines = scipy.fft.rfft(both, axis=1, overwrite_x=True)
         lines *= self.far
-        seen += scipy.fft.ifft(lines.sum(axis=0), axis=0)[n_lines - 1 : 2 * n_lines - 1]
-        return np.asarray(seen.reshape(n_lines, n_run, k).swapaxes(0, 1))
+        seen += scipy.fft.irfft(lines.sum(axis=0), self.n_fft, axis=0)[n_lines - 1 : 2 * n_lines - 1]
+        whole = seen[:, :n_real].astype(complex)
+        whole.imag[:, turning] = seen[:, n_real:]
+        return np.asarray(whole.reshape(n_lines, n_run, k).swapaxes(0, 1))
 
 
 def smear(window: str, n_lines: int, spacing: float, nodes: FloatArray, weights: FloatArray) -> Smear:
@@ -71,6 +80,7 @@ def smear(window: str, n_lines: int, spacing: float, nodes: FloatArray, weights:
         matrix(reach - own, shape.envelope(reach + offset) * share, n_lines),
         matrix(own + n_lines * np.arange(DEGREE)[:, None], _lagrange(offset) * share, DEGREE * n_lines),
         _far(window, n_lines),
+        _n_fft(n_lines),
     )
 
 
@@ -85,18 +95,26 @@ def _points() -> FloatArray:
 
 def _lagrange(offset: FloatArray) -> FloatArray:
     """Return the polynomials that are 1 at one point and 0 at the others, (DEGREE, n) at `offset` (n,)."""
-    points, own = _points(), np.eye(DEGREE, dtype=bool)
-    apart = np.where(own, 1.0, points - points[:, None])
-    ratios = np.where(own[:, :, None], 1.0, (offset - points[:, None, None]) / apart[:, :, None])
-    return np.asarray(ratios.prod(axis=0))
+    points = _points()
+    off = offset - points[:, None]
+    apart = np.where(np.eye(DEGREE, dtype=bool), 1.0, points[:, None] - points).prod(axis=1)
+    below, above = np.ones_like(off), np.ones_like(off)  # products over the points on either side
+    for i in range(1, DEGREE):
+        below[i] = below[i - 1] * off[i - 1]
+        above[-1 - i] = above[-i] * off[-i]
+    return np.asarray(below * above / apart[:, None])
 
 
 @lru_cache(maxsize=8)
 def _far(window: str, n_lines: int) -> ComplexArray:
     """Return the transform of what a line takes from points about lines that are not near."""
-    n_fft = scipy.fft.next_fast_len(3 * n_lines)
+    n_fft = _n_fft(n_lines)
     steps = np.arange(1 - n_lines, 2 * n_lines - 1)
     kernel = np.zeros((DEGREE, n_fft))
     far = steps[np.abs(steps) >= _nearby(WINDOWS[window])]
     kernel[:, far % n_fft] = WINDOWS[window].envelope(far - _points()[:, None])
-    return np.asarray(scipy.fft.fft(kernel, axis=1)[:, :, None])
+    return np.asarray(scipy.fft.rfft(kernel, axis=1)[:, :, None])
+
+
+def _n_fft(n_lines: int) -> int:
+    return int(scipy.fft.next_fast_len(3 * n_lines, real=True))

@@ -1,0 +1,119 @@
+"""Whole measurements against what they cannot do without: eigensolutions, random numbers, transforms.
+
+The test is the thesis's: its beam of 42 DoFs with hidden errors, an accelerometer roving over 11 places, a
+gauge, an armature, noise on both sides, 801 lines.
+"""
+
+from collections.abc import Callable
+
+import numpy as np
+import scipy.fft
+import scipy.linalg
+
+from benchmarks.timing import ratio
+from modallab.core.dof import Dof
+from modallab.fe.assembly import assemble
+from modallab.fe.catalogued import STRUCTURES
+from modallab.rig.analyser import Analyser, ExcitationSetting
+from modallab.rig.chain import chain
+from modallab.rig.drawn import drawn_spectra
+from modallab.rig.expected import expected_spectra
+from modallab.rig.hardware import Accelerometers, Exciter, ForceTransducer, Noise
+from modallab.rig.measure import Route, measure
+from modallab.rig.records import Recorder
+from modallab.rig.setup import RigSetup
+
+N_LINES, AVERAGES = 801, 100
+NODES = range(1, 22, 2)
+GAUGE, ARMATURE, SENSOR = 0.01, 0.02, 0.02  # kg
+
+
+def setup(excitation: str, window: str = "rectangular", averages: int = AVERAGES) -> RigSetup:
+    """Return the rig."""
+    return RigSetup(
+        (Dof(1, "Y"),),
+        tuple(Dof(node, "Y") for node in NODES),
+        Exciter(armature_mass=ARMATURE),
+        force_transducer=ForceTransducer(GAUGE),
+        accelerometers=Accelerometers(SENSOR, roving=True),
+        noise=Noise(1e-3, 1e-3),
+        analyser=Analyser(800.0, N_LINES, window, averages, excitation=ExcitationSetting(excitation)),
+    )
+
+
+def measuring(rig: RigSetup, route: Route) -> Callable[[], object]:
+    """Return what measures once, from the structure's elements to FRFs and coherence."""
+    beam = STRUCTURES["chapter-5-beam"]()
+    return lambda: measure(beam, rig, route=route, rng=np.random.default_rng(0))
+
+
+def eigensolutions() -> Callable[[], object]:
+    """Return what solves for all modes of the structure, the accelerometer at each of its places."""
+    beam = assemble(STRUCTURES["chapter-5-beam"]()).add_mass(1, GAUGE)
+    pairs = [
+        (loaded.stiffness.toarray(), loaded.mass.toarray())
+        for loaded in (beam.add_mass(node, SENSOR) for node in NODES)
+    ]
+    return lambda: [scipy.linalg.eigh(*pair, check_finite=False) for pair in pairs]
+
+
+def bare_numbers() -> Callable[[], object]:
+    """Return what draws the numbers of one test: two Gamma and two normal variables a line and response."""
+    shape = (len(NODES), N_LINES)
+
+    def draw() -> None:
+        rng = np.random.default_rng(0)
+        rng.standard_gamma(AVERAGES, shape)
+        rng.standard_normal((*shape, 2))
+        rng.standard_gamma(AVERAGES - 1, shape)
+
+    return draw
+
+
+def bare_transforms(rig: RigSetup) -> Callable[[], object]:
+    """Return what draws source and noise, and takes both channels of each run there and back, no more.
+
+    A signal that repeats with the record takes one transform a record; one that does not, a stretch of
+    records with what it takes for the modes to ring out, of the length that the recorder lays out.
+    """
+    recorder = Recorder(chain(assemble(STRUCTURES["chapter-5-beam"]()), rig))
+    taken, long = recorder.stretch
+    shape = recorder.shape
+    stationary = rig.analyser.excitation.kind == "random"
+
+    def bare() -> None:
+        rng = np.random.default_rng(0)
+        for _ in NODES:
+            for start in range(0, AVERAGES, taken):
+                n = min(taken, AVERAGES - start)
+                rng.standard_normal((shape[0], n * shape[1]))
+                each, length = (1, long) if stationary else (n, 1)
+                source = rng.standard_normal((each, 1, 2 * ((N_LINES - 1) * length + 1))).view(complex)
+                both = np.broadcast_to(source, (each, shape[0], source.shape[2]))
+                heard = scipy.fft.irfft(both, length * shape[1])
+                records = heard.reshape(-1, *shape) if stationary else heard
+                for record in records[:n]:
+                    scipy.fft.rfft(record)
+
+    return bare
+
+
+def run() -> list[tuple[str, float, float]]:
+    """Return (name, time over that of the peer, limit)."""
+    test = f"11 roving FRFs x {N_LINES} lines"
+    solving, numbers = eigensolutions(), bare_numbers()
+    found = []
+    for name, kind, window in (("periodic", "periodic_random", "rectangular"), ("random", "random", "hann")):
+        rig = setup(kind, window)
+        expected = measuring(rig, Route.EXPECTED)
+        found.append((f"expected, {name}: {test}, against 11 eigensolutions", ratio(expected, solving), 5.0))
+        sampled, bare = measuring(rig, Route.SAMPLED), bare_transforms(rig)
+        found.append((f"sampled, {name}: {test}, against rng + rfft", ratio(sampled, bare, 5), 2.0))
+    spectra = expected_spectra(chain(assemble(STRUCTURES["chapter-5-beam"]()), setup("periodic_random")))
+    drawn = ratio(lambda: drawn_spectra(spectra, np.random.default_rng(0)), numbers)
+    return [*found, (f"drawn: {test} round their expectation, against rng", drawn, 3.0)]
+
+
+if __name__ == "__main__":
+    for line in run():
+        print(line)
