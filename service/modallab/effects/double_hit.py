@@ -15,6 +15,8 @@ from modallab.rig.effect import EFFECTS, Effect
 from modallab.rig.setup import RigSetup
 from modallab.rig.source import Source
 
+LOOKS = 100  # delays worth a first look, half a period of the band's top apart
+
 
 @EFFECTS.register("double_hit")
 @dataclass(frozen=True)
@@ -54,9 +56,9 @@ class DoubleHit(Effect):
         return (None,) if setup.analyser.excitation.kind == "impact" else ()
 
     def looks(self, system: DynamicSystem, setup: RigSetup) -> Mapping[str, Sequence[float]]:
-        """Return delays from some lines of ripple over the band to a ripple of some lines."""
-        length, band = setup.analyser.record_length, setup.analyser.frequency_max
-        return {"delay": tuple(np.geomspace(2 / band, length / 4, 8))}
+        """Return delays so close that between two of them a ripple stays in step over the band."""
+        band = setup.analyser.frequency_max
+        return {"delay": tuple(np.arange(1, LOOKS + 1) / (2 * band)), "ratio": (0.4,)}
 
     @classmethod
     def signature(cls, evidence: Evidence) -> float:

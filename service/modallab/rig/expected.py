@@ -9,7 +9,7 @@ from modallab.rig.acquisition import Acquisition
 from modallab.rig.chain import Chain, ChannelResponse
 from modallab.rig.distortion import residual_densities
 from modallab.rig.excitation import EXCITATIONS
-from modallab.rig.ringing import transient_of, transient_spectra
+from modallab.rig.ringing import FORGOTTEN, NEARLY, transient_of, transient_spectra
 from modallab.rig.smear import Smear
 from modallab.rig.steady import fixed_signals
 from modallab.rig.view import View, coarse_view, periodic_view, refined_view
@@ -60,10 +60,11 @@ def noise_free(chain: Chain, step: int | None = None) -> ComplexArray:
 def _repeating(chain: Chain, step: int) -> ComplexArray:
     """Return the same of what repeats with the record, or begins and ends within it, at full power."""
     if transient_of(chain) is not None:
-        return transient_spectra(chain)[:, ::step] + _distorted(chain, step)
-    seen = fixed_signals(chain)
-    if seen is not None:
-        return _products(seen[:, ::step]) + _distorted(chain, step)
+        seen = transient_spectra(chain, FORGOTTEN if step == 1 else NEARLY)
+        return seen[:, ::step] + _distorted(chain, step)
+    lines = fixed_signals(chain)
+    if lines is not None:
+        return _products(lines[:, ::step]) + _distorted(chain, step)
     return _through(periodic_view(chain.setup.analyser, step), chain)
 
 

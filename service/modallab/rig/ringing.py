@@ -16,6 +16,7 @@ from modallab.rig.strays import stray_responses
 from modallab.rig.transient import Answers, Transient
 
 FORGOTTEN = 1e-6  # amplitude below which a mode has rung out
+NEARLY = 0.03  # the same for a first look over many hypotheses
 LONGEST = 2**26  # samples of all channels, 0.5 GB
 AT_ONCE = 2**22  # samples of all channels of the runs that are solved for together
 
@@ -37,23 +38,23 @@ def answers_of(chain: Chain, run: int) -> Answers:
     InvalidInputError
         If a mode rings too long.
     """
-    return _answers(replace(chain, runs=(chain.runs[run],)))[0]
+    return _answers(replace(chain, runs=(chain.runs[run],)), FORGOTTEN)[0]
 
 
-def all_answers(chain: Chain) -> Iterator[Answers]:
+def all_answers(chain: Chain, forgotten: float = FORGOTTEN) -> Iterator[Answers]:
     """Yield the same of every run; runs that fit into memory share their solutions."""
-    whole = samples_of(chain.setup.analyser) * _repeats(replace(chain, runs=chain.runs[:1]))
+    whole = samples_of(chain.setup.analyser) * _repeats(replace(chain, runs=chain.runs[:1]), forgotten)
     n_ch = chain.n_in + len(chain.runs[0].responses)
     together = max(1, AT_ONCE // (whole * n_ch))
     for first in range(0, len(chain.runs), together):
-        yield from _answers(replace(chain, runs=chain.runs[first : first + together]))
+        yield from _answers(replace(chain, runs=chain.runs[first : first + together]), forgotten)
 
 
-def _answers(group: Chain) -> list[Answers]:
+def _answers(group: Chain, forgotten: float) -> list[Answers]:
     analyser, transient = group.setup.analyser, transient_of(group)
     assert transient is not None  # asked for by transient excitations only
     n, rate, setting = samples_of(analyser), sample_rate_of(analyser), analyser.excitation
-    whole = n * _repeats(group)
+    whole = n * _repeats(group, forgotten)
     freq = scipy.fft.rfftfreq(whole, 1 / rate)
     omega = 2 * np.pi * np.maximum(freq, NEARLY_STILL * analyser.spacing)
     played = transient.spectrum(omega, setting) * _anti_alias(freq, analyser.frequency_max, rate / 2)
@@ -69,12 +70,18 @@ def _answers(group: Chain) -> list[Answers]:
     return found
 
 
-def transient_spectra(chain: Chain) -> ComplexArray:
-    """Return the expected G_ff, G_fx and G_xx side by side, (n_run, n_lines, n_in^2 + n_in n_out + n_out)."""
+def transient_spectra(chain: Chain, forgotten: float = FORGOTTEN) -> ComplexArray:
+    """Return the expected G_ff, G_fx and G_xx side by side, (n_run, n_lines, n_in^2 + n_in n_out + n_out).
+
+    Parameters
+    ----------
+    forgotten
+        Share of an impulse response that may still ring when it is taken for over.
+    """
     analyser, transient = chain.setup.analyser, transient_of(chain)
     assert transient is not None
     runs = []
-    for answers in all_answers(chain):
+    for answers in all_answers(chain, forgotten):
         shape = answers.samples.shape[1], answers.n_samples
         averager = Averager(
             analyser.line_window,
@@ -95,12 +102,12 @@ def _anti_alias(freq: FloatArray, top: float, nyquist: float) -> FloatArray:
     return np.asarray(np.cos(np.pi / 2 * place) ** 2)
 
 
-def _repeats(group: Chain) -> int:
+def _repeats(group: Chain, forgotten: float) -> int:
     """Return over how many records the impulse responses are found: an even number."""
     analyser = group.setup.analyser
     frequencies, widths = group.poles()
     slowest = widths[frequencies < analyser.frequency_max + analyser.spacing].min(initial=np.inf)
-    ringing = -np.log(FORGOTTEN) / (2 * np.pi * slowest) * analyser.spacing if slowest > 0 else np.inf
+    ringing = -np.log(forgotten) / (2 * np.pi * slowest) * analyser.spacing if slowest > 0 else np.inf
     room = LONGEST / ((1 + len(group.runs[0].responses)) * samples_of(analyser))
     if ringing > room:
         raise InvalidInputError(

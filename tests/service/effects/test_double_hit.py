@@ -4,16 +4,20 @@ import numpy as np
 import pytest
 
 from modallab.core.arrays import ComplexArray
+from modallab.diagnosis.diagnose import diagnose
 from modallab.effects.double_hit import DoubleHit
 from modallab.estimation.coherence import coherence
 from modallab.estimation.estimator import ESTIMATORS
 from modallab.estimation.spectra import CrossSpectra
 from modallab.fe.damping import StructuralDamping
+from modallab.rig.analyser import Analyser, ExcitationSetting
 from modallab.rig.chain import chain
 from modallab.rig.expected import expected_spectra
-from modallab.rig.hardware import Noise
+from modallab.rig.hardware import Exciter, Noise
+from modallab.rig.measure import Route, measure
 from modallab.rig.ringing import answers_of
-from tests.rigs import beam_system, rig
+from modallab.rig.setup import RigSetup
+from tests.rigs import beam_system, dofs, rig, steel_beam
 
 HEAVY = StructuralDamping(stiffness_coefficient=0.2)  # rings out within a record
 SETUP = rig(1, 7, excitation="impact")
@@ -79,3 +83,22 @@ def test_a_force_window_that_cuts_the_second_blow_off_spoils_the_frf(window: str
 def test_it_is_looked_for_where_something_strikes() -> None:
     assert DoubleHit.places(beam_system(), SETUP) == (None,)
     assert DoubleHit.places(beam_system(), rig(1, 7)) == ()
+
+
+def test_a_diagnosis_names_it_with_its_size_and_its_delay() -> None:
+    setting = ExcitationSetting("impact")
+    analyser = Analyser(400.0, 201, averages=20, excitation=setting)
+    setup = RigSetup(
+        dofs(1), dofs(1, 7), exciter=Exciter("hammer"), noise=Noise(1e-4, 1e-4), analyser=analyser
+    )
+    hit = DoubleHit(ratio=0.25, delay=0.0137)
+    rng = np.random.default_rng(1)
+    measured = measure(steel_beam(HEAVY), setup, [hit], route=Route.SAMPLED, rng=rng)
+    found = diagnose(steel_beam(HEAVY), measured, suspects=["double_hit", "gain_error"])
+    (step,) = found.steps
+    assert step.effect.kind == "double_hit"
+    for name, value in hit.parameters.items():
+        fitted = step.effect.parameters[name]
+        assert abs(fitted.value - value) < 4 * fitted.standard_error, name
+    # the weights are those of a Gaussian force, which scatters more than blows of one size do
+    assert found.remaining_gap < 1.1
