@@ -1,0 +1,53 @@
+"""Memory of sampled measurements: as much for 10,000 averages as for 100.
+
+Each in a process of its own, by the most that the system ever gave it; a process that only imports what
+is needed is taken off.
+"""
+
+import resource
+import subprocess
+import sys
+from dataclasses import replace
+
+import numpy as np
+
+from benchmarks.measuring import setup
+from modallab.core.progress import silent
+from modallab.fe.assembly import assemble
+from modallab.fe.catalogued import STRUCTURES
+from modallab.rig.chain import chain
+from modallab.rig.sampled import sampled_spectra
+
+FEW, MANY = 100, 10_000
+LIMIT = 1.25  # what does not repeat is made in stretches, of 25 records for 100 averages and of 32 for 10,000
+
+
+def peak(kind: str, averages: int) -> int:
+    """Return the memory, kB, that a process with such a test in it takes at most."""
+    code = f"from benchmarks import memory; memory.measure({kind!r}, {averages})"
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    return int(run.stdout)
+
+
+def measure(kind: str, averages: int) -> None:
+    """Run a test of one response, and print the most memory, kB, that this process had; 0: only get ready."""
+    rig = setup(kind, "hann", max(averages, 1))
+    whole = chain(assemble(STRUCTURES["chapter-5-beam"]()), replace(rig, responses=rig.responses[:1]))
+    if averages:
+        sampled_spectra(whole, np.random.default_rng(0), silent)
+    print(resource.getrusage(resource.RUSAGE_SELF).ru_maxrss)
+
+
+def run() -> list[tuple[str, float, float]]:
+    """Return (name, memory of many averages over that of few, limit)."""
+    found = []
+    for kind in ("periodic_random", "random"):
+        idle, few, many = (peak(kind, averages) for averages in (0, FEW, MANY))
+        name = f"memory of {MANY:,} sampled averages against {FEW}, {kind}"
+        found.append((name, (many - idle) / (few - idle), LIMIT))
+    return found
+
+
+if __name__ == "__main__":
+    for kind in ("periodic_random", "random"):
+        print(kind, [f"{averages}: {peak(kind, averages) / 1e3:.1f} MB" for averages in (0, FEW, MANY)])
