@@ -24,6 +24,7 @@ class ModalModels(Shelf):
         method: str = "dobson",
         bands: str | Sequence[Sequence[float]] = "auto",
         n_modes: int | None = None,
+        correct_window_damping: bool = False,
     ) -> Job[ModalModel]:
         """Start the extraction of modes; `result` of the job gives the modal model.
 
@@ -37,8 +38,16 @@ class ModalModels(Shelf):
             `auto`, or one (lower, upper) in Hz for each mode.
         n_modes
             Modes wanted; left out: as many as show.
+        correct_window_damping
+            Take what an exponential window added out of the loss factors.
         """
-        body = _wire.body(measurement_id=measurement_id, method=method, bands=bands, n_modes=n_modes)
+        body = _wire.body(
+            measurement_id=measurement_id,
+            method=method,
+            bands=bands,
+            n_modes=n_modes,
+            correct_window_damping=correct_window_damping or None,  # left out, it is not done
+        )
         job = self._transport.request("POST", "/v1/modal-models", json=body)
         return Job(job["id"], self._transport, self.get)
 
