@@ -189,12 +189,31 @@ def measurement(data: Json, given: Arrays) -> models.Measurement:
         response_spectrum=given.get("response_spectrum"),
         input_condition=given.get("input_condition"),
         rig_id=data.get("rig_id"),
+        notes=_notes(data, given),
     )
+
+
+def frf(given: Arrays) -> models.Frf:
+    """Return exact FRFs from their arrays."""
+    return models.Frf(
+        freq=given["freq"],
+        values=given["values"],
+        outputs=texts(given["outputs"]),
+        inputs=texts(given["inputs"]),
+        kind=str(given["kind"]),
+        notes=_notes({}, given),
+    )
+
+
+def _notes(data: Json, given: Arrays) -> tuple[str, ...]:
+    # Arrays of another kind than measured say what was left out of them.
+    return texts(given["notes"]) if "notes" in given else tuple(data.get("notes") or ())
 
 
 def curves(data: Json) -> models.Curves:
     """Return thinned FRFs."""
-    return models.Curves(floats(data["freq"]), data["kind"], tuple(_curve(one) for one in data["curves"]))
+    each = tuple(_curve(one) for one in data["curves"])
+    return models.Curves(floats(data["freq"]), data["kind"], each, tuple(data.get("notes") or ()))
 
 
 def _curve(data: Json) -> models.Curve:

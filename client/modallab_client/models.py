@@ -89,6 +89,23 @@ class ModeShapes:
     dofs: tuple[str, ...]
 
 
+@dataclass(frozen=True, eq=False)
+class Frf:
+    """Exact FRFs of a structure, without a rig."""
+
+    freq: FloatArray  # (n,) Hz
+    values: ComplexArray  # (n, n_out, 1), unit of `kind`
+    outputs: tuple[str, ...]
+    inputs: tuple[str, ...]
+    kind: str  # receptance, mobility or inertance
+    notes: tuple[str, ...] = ()
+
+    def __repr__(self) -> str:
+        n, n_out, _ = self.values.shape
+        last = f"{n} lines from {self.freq[0]:g} to {self.freq[-1]:g} Hz"
+        return f"Frf({self.kind}, {n_out} outputs / {self.inputs[0]}, {last})"
+
+
 @dataclass(frozen=True)
 class Rig:
     """A stored rig: the log book of a test, defaults filled in."""
@@ -118,6 +135,7 @@ class Measurement:
     response_spectrum: FloatArray | None = field(default=None, repr=False)  # as coherence, unit^2/Hz
     input_condition: FloatArray | None = field(default=None, repr=False)  # (n,) with several forces at once
     rig_id: str | None = None
+    notes: tuple[str, ...] = ()
 
     def __repr__(self) -> str:
         n, n_out, n_in = self.values.shape
@@ -166,6 +184,7 @@ class Curves:
     freq: FloatArray  # (n,) Hz
     kind: str
     curves: tuple[Curve, ...]
+    notes: tuple[str, ...] = ()
 
 
 @dataclass(frozen=True)

@@ -87,6 +87,22 @@ def test_a_measurement_goes_out_and_comes_back_with_await(here: ModalLab) -> Non
             )
             np.testing.assert_array_equal(back.values, test.values)
             assert len((await lab.measurements.curves(test.id, points=20)).curves) == 2
+            other = await lab.measurements.get(test.id, kind="receptance")
+            assert (other.kind, len(other.freq)) == ("receptance", 200)
+            assert other.notes == ("inertance at 0 Hz has no receptance: that line is left out",)
+            curves = await lab.measurements.curves(test.id, kind="receptance")
+            assert (curves.kind, curves.notes) == ("receptance", other.notes)
+            exact = await lab.structures.frf(
+                beam.id, drive="1:+Y", responses=["1:+Y", "7:+Y"], kind="receptance", n_lines=201
+            )
+            # no noise, no leakage, no masses: the same sum of modes
+            np.testing.assert_allclose(exact.values, other.values, rtol=1e-9)
+            for file in (
+                await lab.measurements.uff(test.id, kind="mobility"),
+                await lab.measurements.hdf5(test.id, kind="mobility"),
+                await lab.measurements.thesis(test.id, decimals=16, kind="mobility"),
+            ):
+                assert (await lab.measurements.upload(file, rig.id)).kind == "mobility"
             assert (await lab.measurements.truth(test.id)).structure_id == beam.id
             log = await lab.measurements.log(test.id)
             same = await lab.rigs.create(**log.rig)

@@ -89,16 +89,26 @@ class AsyncMeasurements(AsyncShelf):
         content = _wire.npz(values=values, coherence=coherence, averages=averages, **axes, **spectra)
         return await self.upload(content, rig_id)
 
-    async def get(self, measurement_id: str) -> Measurement:
-        """Return a measurement with its arrays."""
+    async def get(self, measurement_id: str, *, kind: str | None = None) -> Measurement:
+        """Return a measurement with its arrays.
+
+        Parameters
+        ----------
+        measurement_id
+            The measurement.
+        kind
+            Of its FRFs: `receptance`, `mobility` or `inertance`; left out: as measured. Where a line at
+            0 Hz cannot be of that kind it is left out, and `notes` say so.
+        """
         about = await self._transport.request("GET", f"/v1/measurements/{measurement_id}")
-        arrays = await self._transport.npz(f"/v1/measurements/{measurement_id}/arrays")
+        arrays = await self._transport.npz(f"/v1/measurements/{measurement_id}/arrays", _wire.body(kind=kind))
         return _wire.read(_wire.measurement, about, arrays)
 
-    async def curves(self, measurement_id: str, points: int = 800) -> Curves:
-        """Return the FRFs thinned to about that many lines, for plots."""
+    async def curves(self, measurement_id: str, points: int = 800, *, kind: str | None = None) -> Curves:
+        """Return the FRFs thinned to about that many lines, for plots; of the kind measured or another."""
         path = f"{self.path}/{measurement_id}/curves"
-        return _wire.read(_wire.curves, await self._transport.request("GET", path, params={"points": points}))
+        params = _wire.body(points=points, kind=kind)
+        return _wire.read(_wire.curves, await self._transport.request("GET", path, params=params))
 
     async def log(self, measurement_id: str) -> MeasurementLog:
         """Return what was declared and asked; with the truth it is enough to make the same bytes again."""
@@ -110,18 +120,19 @@ class AsyncMeasurements(AsyncShelf):
         path = f"{self.path}/{measurement_id}/truth"
         return _wire.read(_wire.truth, await self._transport.request("GET", path))
 
-    async def uff(self, measurement_id: str) -> bytes:
-        """Return FRFs, coherence and auto spectra as a universal file (dataset 58)."""
+    async def uff(self, measurement_id: str, *, kind: str | None = None) -> bytes:
+        """Return FRFs, coherence and auto spectra as a universal file (dataset 58), as in `get`."""
         path = f"/v1/measurements/{measurement_id}/frf.uff"
-        content: bytes = await self._transport.request("GET", path)
+        content: bytes = await self._transport.request("GET", path, params=_wire.body(kind=kind))
         return content
 
-    async def hdf5(self, measurement_id: str) -> bytes:
-        """Return the measurement's arrays as an HDF5 file, with units."""
-        content: bytes = await self._transport.request("GET", f"{self.path}/{measurement_id}/arrays.h5")
+    async def hdf5(self, measurement_id: str, *, kind: str | None = None) -> bytes:
+        """Return the measurement's arrays as an HDF5 file, with units; `kind` as in `get`."""
+        path = f"{self.path}/{measurement_id}/arrays.h5"
+        content: bytes = await self._transport.request("GET", path, params=_wire.body(kind=kind))
         return content
 
-    async def thesis(self, measurement_id: str, decimals: int = 3) -> bytes:
+    async def thesis(self, measurement_id: str, decimals: int = 3, *, kind: str | None = None) -> bytes:
         """Return FRFs and coherence in the text layout of the thesis program.
 
         Parameters
@@ -130,7 +141,10 @@ class AsyncMeasurements(AsyncShelf):
             The measurement.
         decimals
             Of every number: 3 keeps to the program's columns, 16 loses nothing.
+        kind
+            As in `get`.
         """
         path = f"{self.path}/{measurement_id}/thesis.frf"
-        content: bytes = await self._transport.request("GET", path, params={"decimals": decimals})
+        params = _wire.body(decimals=decimals, kind=kind)
+        content: bytes = await self._transport.request("GET", path, params=params)
         return content

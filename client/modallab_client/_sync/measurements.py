@@ -85,16 +85,26 @@ class Measurements(Shelf):
         content = _wire.npz(values=values, coherence=coherence, averages=averages, **axes, **spectra)
         return self.upload(content, rig_id)
 
-    def get(self, measurement_id: str) -> Measurement:
-        """Return a measurement with its arrays."""
+    def get(self, measurement_id: str, *, kind: str | None = None) -> Measurement:
+        """Return a measurement with its arrays.
+
+        Parameters
+        ----------
+        measurement_id
+            The measurement.
+        kind
+            Of its FRFs: `receptance`, `mobility` or `inertance`; left out: as measured. Where a line at
+            0 Hz cannot be of that kind it is left out, and `notes` say so.
+        """
         about = self._transport.request("GET", f"/v1/measurements/{measurement_id}")
-        arrays = self._transport.npz(f"/v1/measurements/{measurement_id}/arrays")
+        arrays = self._transport.npz(f"/v1/measurements/{measurement_id}/arrays", _wire.body(kind=kind))
         return _wire.read(_wire.measurement, about, arrays)
 
-    def curves(self, measurement_id: str, points: int = 800) -> Curves:
-        """Return the FRFs thinned to about that many lines, for plots."""
+    def curves(self, measurement_id: str, points: int = 800, *, kind: str | None = None) -> Curves:
+        """Return the FRFs thinned to about that many lines, for plots; of the kind measured or another."""
         path = f"{self.path}/{measurement_id}/curves"
-        return _wire.read(_wire.curves, self._transport.request("GET", path, params={"points": points}))
+        params = _wire.body(points=points, kind=kind)
+        return _wire.read(_wire.curves, self._transport.request("GET", path, params=params))
 
     def log(self, measurement_id: str) -> MeasurementLog:
         """Return what was declared and asked; with the truth it is enough to make the same bytes again."""
@@ -106,18 +116,19 @@ class Measurements(Shelf):
         path = f"{self.path}/{measurement_id}/truth"
         return _wire.read(_wire.truth, self._transport.request("GET", path))
 
-    def uff(self, measurement_id: str) -> bytes:
-        """Return FRFs, coherence and auto spectra as a universal file (dataset 58)."""
+    def uff(self, measurement_id: str, *, kind: str | None = None) -> bytes:
+        """Return FRFs, coherence and auto spectra as a universal file (dataset 58), as in `get`."""
         path = f"/v1/measurements/{measurement_id}/frf.uff"
-        content: bytes = self._transport.request("GET", path)
+        content: bytes = self._transport.request("GET", path, params=_wire.body(kind=kind))
         return content
 
-    def hdf5(self, measurement_id: str) -> bytes:
-        """Return the measurement's arrays as an HDF5 file, with units."""
-        content: bytes = self._transport.request("GET", f"{self.path}/{measurement_id}/arrays.h5")
+    def hdf5(self, measurement_id: str, *, kind: str | None = None) -> bytes:
+        """Return the measurement's arrays as an HDF5 file, with units; `kind` as in `get`."""
+        path = f"{self.path}/{measurement_id}/arrays.h5"
+        content: bytes = self._transport.request("GET", path, params=_wire.body(kind=kind))
         return content
 
-    def thesis(self, measurement_id: str, decimals: int = 3) -> bytes:
+    def thesis(self, measurement_id: str, decimals: int = 3, *, kind: str | None = None) -> bytes:
         """Return FRFs and coherence in the text layout of the thesis program.
 
         Parameters
@@ -126,7 +137,10 @@ class Measurements(Shelf):
             The measurement.
         decimals
             Of every number: 3 keeps to the program's columns, 16 loses nothing.
+        kind
+            As in `get`.
         """
         path = f"{self.path}/{measurement_id}/thesis.frf"
-        content: bytes = self._transport.request("GET", path, params={"decimals": decimals})
+        params = _wire.body(decimals=decimals, kind=kind)
+        content: bytes = self._transport.request("GET", path, params=params)
         return content

@@ -6,7 +6,7 @@ from typing import Any
 from modallab_client import _wire
 from modallab_client._sync.modal_models import ModalModels
 from modallab_client._sync.shelf import Shelf
-from modallab_client.models import ModalModel, ModeShapes, Structure, StructureModes
+from modallab_client.models import Frf, ModalModel, ModeShapes, Structure, StructureModes
 
 Given = Mapping[str, Any]
 
@@ -139,6 +139,36 @@ class Structures(Shelf):
         """Return the first elastic modes with their shapes."""
         path = f"/v1/structures/{structure_id}/modes/arrays"
         return _wire.read(_wire.mode_shapes, self._transport.npz(path, {"count": count}))
+
+    def frf(
+        self,
+        structure_id: str,
+        *,
+        drive: str,
+        responses: Sequence[str],
+        kind: str | None = None,
+        frequency_max: float | None = None,
+        n_lines: int | None = None,
+    ) -> Frf:
+        """Return the exact FRFs of the structure, without a rig.
+
+        Parameters
+        ----------
+        structure_id
+            The structure.
+        drive, responses
+            DoFs: `"1:+Y"`, `["1:+Y", "5:+Y"]`.
+        kind
+            `inertance` (the default), `mobility` or `receptance`; these two start above 0 Hz.
+        frequency_max
+            Hz; left out: 800.
+        n_lines
+            0 Hz counted; left out: 401.
+        """
+        asked = _wire.body(drive=drive, responses=list(responses), kind=kind)
+        lines = _wire.body(frequency_max=frequency_max, n_lines=n_lines)
+        path = f"{self.path}/{structure_id}/frf"
+        return _wire.read(_wire.frf, self._transport.npz(path, asked | lines))
 
     def synthetic_modes(
         self,

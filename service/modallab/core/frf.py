@@ -49,10 +49,16 @@ class FrfSet:
             If the line at 0 Hz would have to be integrated: drop it with `between` first.
         """
         steps = self.kind.steps_to(kind)
-        if steps < 0 and self.freq[0] == 0:
+        if self.left_out(kind):
             raise InvalidInputError(f"{self.kind} at 0 Hz has no {kind}", field="freq", value=0.0)
         factor = (2j * np.pi * self.freq) ** steps
         return replace(self, values=self.values * factor[:, None, None], kind=kind)
+
+    def left_out(self, kind: FrfKind) -> tuple[str, ...]:
+        """Return a note where the line at 0 Hz has no value of a kind, as it would have to be integrated."""
+        if self.kind.steps_to(kind) >= 0 or self.freq[0] > 0:
+            return ()
+        return (f"{self.kind} at 0 Hz has no {kind}: that line is left out",)
 
     def between(self, lower: float, upper: float) -> "FrfSet":
         """Return the lines with lower < f <= upper, Hz."""

@@ -62,9 +62,8 @@ class Measurement:
         steps = self.frf.kind.steps_to(kind)
         if steps == 0:
             return self
-        if steps < 0 and self.frf.freq[0] == 0:
-            note = f"{self.frf.kind} at 0 Hz has no {kind}: that line is left out"
-            return replace(self.by_line(lambda array: array[1:]), notes=(*self.notes, note)).to(kind)
+        if note := self.frf.left_out(kind):
+            return replace(self.by_line(lambda array: array[1:]), notes=(*self.notes, *note)).to(kind)
         spectrum = self.response_spectrum
         if spectrum is not None:
             size = (2 * np.pi * self.frf.freq) ** (2 * steps)

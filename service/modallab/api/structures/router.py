@@ -13,6 +13,7 @@ from modallab.api.files import UFF, origin, uff_reply
 from modallab.api.modal_models.schemas import ModalModelOut, SyntheticIn
 from modallab.api.shelves import add_routes
 from modallab.api.structures.changes import ChangesIn
+from modallab.api.structures.frf import FrfQuery
 from modallab.api.structures.schemas import ModesOut, StructureIn, StructureOut
 from modallab.fe.changes import change
 from modallab.fe.selected import lowest_modes, synthetic_modes
@@ -90,6 +91,11 @@ def get_mode_arrays(
     basis, _ = lowest_modes(structure, count)
     dofs = np.array([str(dof) for dof in structure.dofs])
     return npz_of({"frequencies": basis.frequencies, "shapes": basis.shapes, "dofs": dofs}, precision)
+
+
+@router.get("/{id}/frf", response_class=Response, responses=NPZ, summary="Exact FRFs without a rig: npz")
+def get_frf(id: IdPath, store: StoreDep, wanted: FrfQuery) -> Response:
+    return npz_of(wanted.arrays(store.structures.get(id)))
 
 
 @router.get(

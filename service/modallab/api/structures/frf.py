@@ -1,0 +1,81 @@
+"""The exact FRFs of a structure, at once: what was asked for, and how much of it."""
+
+from collections.abc import Mapping
+from typing import Annotated, Any
+
+import numpy as np
+from fastapi import Query
+from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict, Field
+
+from modallab.api.wire import DofText
+from modallab.core.dof import Dof
+from modallab.core.errors import InvalidInputError
+from modallab.core.frf import FrfKind
+from modallab.fe.structure import Structure
+from modallab.rig.exact import exact_frf
+
+MOST_VALUES = 200_000  # lines times responses: 3 MB
+MOST_DOFS = 1_000  # of a structure that is solved while its reader waits
+
+
+class FrfWanted(BaseModel):
+    """A drive point, responses, lines, and the kind of FRF."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    drive: DofText
+    responses: list[DofText] = Field(min_length=1, max_length=1_000)
+    kind: FrfKind = Field(FrfKind.INERTANCE, description="receptance and mobility leave the line at 0 Hz out")
+    frequency_max: float = Field(800.0, description="Hz, of the last line; the first is at 0 Hz")
+    n_lines: int = Field(401, description="0 Hz counted")
+
+    def arrays(self, structure: Structure) -> Mapping[str, NDArray[Any]]:
+        """Return `freq, values, outputs, inputs, kind, notes`, as of a measurement.
+
+        Raises
+        ------
+        InvalidInputError
+            If this is too much to wait for, or out of bounds.
+        UnknownDofError
+            If the structure has no such DoF.
+        """
+        self._check_small(structure)
+        frf = exact_frf(
+            structure,
+            Dof.parse(self.drive, field="drive"),
+            [Dof.parse(text, field="responses") for text in self.responses],
+            frequency_max=self.frequency_max,
+            n_lines=self.n_lines,
+        )
+        notes = frf.left_out(self.kind)
+        if notes:
+            frf = frf.between(0.0, np.inf)
+        return {
+            "freq": frf.freq,
+            "values": frf.to(self.kind).values,
+            "outputs": np.array([str(dof) for dof in frf.outputs]),
+            "inputs": np.array([str(dof) for dof in frf.inputs]),
+            "kind": np.array(self.kind.value),
+            "notes": np.array(notes, dtype=str),
+        }
+
+    def _check_small(self, structure: Structure) -> None:
+        size = self.n_lines * len(self.responses)
+        if size > MOST_VALUES:
+            raise InvalidInputError(
+                "too many numbers to wait for: measure them by the expected route on an ideal rig",
+                field="n_lines",
+                value=size,
+                allowed=f"lines x responses <= {MOST_VALUES}",
+            )
+        if len(structure.dofs) > MOST_DOFS:
+            raise InvalidInputError(
+                "too large a structure to wait for: measure it by the expected route on an ideal rig",
+                field="structure_id",
+                value=len(structure.dofs),
+                allowed=f"<= {MOST_DOFS} degrees of freedom",
+            )
+
+
+FrfQuery = Annotated[FrfWanted, Query()]

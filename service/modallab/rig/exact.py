@@ -1,0 +1,41 @@
+"""The exact FRFs of a structure, without a rig."""
+
+from collections.abc import Sequence
+
+from modallab.core.dof import Dof
+from modallab.core.frf import FrfKind, FrfSet
+from modallab.fe.assembly import assemble
+from modallab.fe.structure import Structure
+from modallab.rig.analyser import Analyser
+from modallab.rig.chain import chain
+from modallab.rig.effect import build
+from modallab.rig.setup import RigSetup
+
+
+def exact_frf(
+    structure: Structure, drive: Dof, responses: Sequence[Dof], *, frequency_max: float, n_lines: int
+) -> FrfSet:
+    """Return what a rig without masses, noise and leakage shows: inertance, 1/kg, (n_lines, n_out, 1).
+
+    The line at 0 Hz is the limit from above, to 1e-5. Nonlinear forces are their straight lines under
+    a random force of 1 N rms.
+
+    Parameters
+    ----------
+    frequency_max
+        Hz, of the last line; the first is at 0 Hz.
+    n_lines
+        How many, 0 Hz counted.
+
+    Raises
+    ------
+    UnknownDofError
+        If the structure has no such DoF.
+    InvalidInputError
+        If the lines are out of bounds, or a DoF is a rotation or named twice.
+    """
+    analyser = Analyser(frequency_max=frequency_max, n_lines=n_lines)
+    setup = RigSetup(drives=(drive,), responses=tuple(responses), analyser=analyser)
+    ideal = chain(assemble(structure), setup, [build(spec) for spec in structure.effects])
+    values = ideal.respond(analyser.freq).inertance[0]
+    return FrfSet(analyser.freq, values, setup.responses, setup.drives, FrfKind.INERTANCE)
