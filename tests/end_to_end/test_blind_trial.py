@@ -12,8 +12,18 @@ from modallab.effects.extra_mass import ExtraMass
 from modallab.effects.response_noise import ResponseNoise
 
 SEED = 7
-HIDDEN = 9  # one of every kind
-CASES = cases(HIDDEN + 1, SEED, nothing=1)
+KINDS = (
+    "accelerometer_mass",
+    "density_error",
+    "exciter_armature",
+    "extra_mass",
+    "force_noise",
+    "force_transducer_mass",
+    "leakage",
+    "response_noise",
+    "stiffness_error",
+)
+CASES = cases(len(KINDS) + 1, SEED, nothing=1, kinds=KINDS)
 
 
 def periodic(case: Case) -> bool:
