@@ -1,6 +1,6 @@
 """A spring that hardens: its force grows with the cube of the motion."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -10,6 +10,7 @@ from modallab.core.place import Place
 from modallab.correlation.evidence import Evidence
 from modallab.fe.system import DynamicSystem
 from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.likely_motion import likely_motion
 from modallab.rig.local_force import LocalForce
 from modallab.rig.setup import RigSetup
 
@@ -42,6 +43,14 @@ class CubicStiffness(Effect):
     def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:
         """Return every translation that the test measures."""
         return tuple(dict.fromkeys(dof.point for dof in setup.responses))
+
+    def looks(self, system: DynamicSystem, setup: RigSetup) -> Mapping[str, Sequence[float]]:
+        """Return what makes a spring of a thousandth to all of the stiffness that the DoF feels."""
+        assert isinstance(self.at, Dof)
+        motion = likely_motion(system, setup, self.at)
+        whole = motion.stiffness / (3 * motion.displacement**2)
+        top = self.specs()["stiffness"].upper
+        return {"stiffness": [min(share * whole, top) for share in (1e-3, 1e-2, 1e-1, 1.0)]}
 
     @classmethod
     def signature(cls, evidence: Evidence) -> float:

@@ -1,6 +1,6 @@
 """Dry friction: a force of one size against every motion."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import ClassVar
 
@@ -12,8 +12,11 @@ from modallab.core.place import Place
 from modallab.correlation.evidence import Evidence
 from modallab.fe.system import DynamicSystem
 from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.likely_motion import likely_motion
 from modallab.rig.local_force import LocalForce
 from modallab.rig.setup import RigSetup
+
+STICKING = 0.1  # of a motion's own velocity, at which a first look supposes friction to let go
 
 
 @EFFECTS.register("friction")
@@ -51,6 +54,15 @@ class Friction(Effect):
     def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:
         """Return every translation that the test measures."""
         return tuple(dict.fromkeys(dof.point for dof in setup.responses))
+
+    def looks(self, system: DynamicSystem, setup: RigSetup) -> Mapping[str, Sequence[float]]:
+        """Return what makes a damper of a hundredth to all of the damping that the DoF feels."""
+        assert isinstance(self.at, Dof)
+        motion = likely_motion(system, setup, self.at)
+        whole = motion.viscous * motion.velocity * np.sqrt(np.pi / 2)
+        top = self.specs()["force"].upper
+        sticking = float(np.clip(STICKING * motion.velocity, 1e-9, 1e3))
+        return {"force": [min(share * whole, top) for share in (1e-2, 1e-1, 1.0)], "sticking": [sticking]}
 
     @classmethod
     def signature(cls, evidence: Evidence) -> float:

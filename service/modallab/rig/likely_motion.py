@@ -1,0 +1,36 @@
+"""How a structure is likely to move in a test, to know which nonlinear forces could be seen in it."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from modallab.core.dof import Dof
+from modallab.fe.receptance import receptance
+from modallab.fe.system import DynamicSystem
+from modallab.rig.setup import RigSetup
+
+
+@dataclass(frozen=True)
+class LikelyMotion:
+    """Root mean squares at a DoF, and the stiffness and damping that it feels there."""
+
+    displacement: float  # m
+    velocity: float  # m/s
+    stiffness: float  # N/m, one over the middle of the receptances over the band
+    viscous: float  # N s/m, the same of mobilities
+
+
+def likely_motion(system: DynamicSystem, setup: RigSetup, dof: Dof) -> LikelyMotion:
+    """Return how a DoF moves when the rig drives the bare structure with its declared level."""
+    analyser = setup.analyser
+    freq = analyser.freq[1:]
+    columns = system.selection((dof, setup.drive))
+    alpha = np.abs(receptance(system, freq, columns, columns[:, :1])[:, :, 0])
+    omega = 2 * np.pi * freq
+    power = analyser.excitation.level**2 / len(freq)
+    return LikelyMotion(
+        displacement=float(np.sqrt(power * (alpha[:, 1] ** 2).sum())),
+        velocity=float(np.sqrt(power * ((omega * alpha[:, 1]) ** 2).sum())),
+        stiffness=float(1 / np.median(alpha[:, 0])),
+        viscous=float(1 / np.median(omega * alpha[:, 0])),
+    )
