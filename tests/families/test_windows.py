@@ -24,6 +24,26 @@ def test_the_line_shape_is_the_transform_of_the_samples(kind: str) -> None:
     np.testing.assert_allclose(amplitude**2 / window.power, window.line_shape(offset), atol=1e-7)
 
 
+@pytest.mark.parametrize("n", [18, 64])
+@pytest.mark.parametrize("kind", [*KINDS, *TRANSIENT])
+def test_the_line_shape_of_sampled_records_is_the_transform_of_the_samples(kind: str, n: int) -> None:
+    window, rng = WINDOWS[kind], np.random.default_rng(n)
+    whole = np.arange(-n, n + 1.0)  # where it comes again, too
+    offset = np.concatenate([rng.uniform(-n, n, 300), whole])
+    turned = window.samples(n) * np.exp(-2j * np.pi * np.outer(offset, np.arange(n)) / n)
+    wanted = np.abs(turned.mean(axis=1)) ** 2 / window.power
+    np.testing.assert_allclose(window.line_shape(offset, n), wanted, atol=1e-10)  # rounding beside a 0/0
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_the_quick_form_holds_for_sampled_records(kind: str) -> None:
+    window, n, lines = WINDOWS[kind], 64, np.arange(26.0)
+    place = np.random.default_rng(1).uniform(-25, 25, 300)
+    plain = window.line_shape(lines[:, None] - place, n)
+    # the sine loses what its argument has of digits, beside the poles: as below
+    np.testing.assert_allclose(window.line_shapes(lines, place, n), plain, atol=1e-12)
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_the_line_shape_has_unit_area(kind: str) -> None:
     window = WINDOWS[kind]

@@ -13,7 +13,7 @@ from modallab.core.place import Channels, Place
 from modallab.correlation.evidence import Evidence
 from modallab.estimation.spectra import CrossSpectra
 from modallab.fe.system import DynamicSystem
-from modallab.rig.acquisition import Acquisition, Batch
+from modallab.rig.acquisition import Acquisition, Batch, samples_of
 from modallab.rig.effect import EFFECTS, Effect
 from modallab.rig.setup import RigSetup
 
@@ -53,8 +53,8 @@ class MainsHum(Effect):
         """Return the spectra with the harmonics' lines in G_xx."""
         spacing, orders = acquisition.analyser.spacing, self._orders(acquisition)
         place, line = orders * self.frequency / spacing, spectra.freq[:, None] / spacing
-        shape = acquisition.analyser.line_window.line_shape
-        power = (shape(line - place) + shape(line + place)) @ (1 / orders**2) / spacing
+        shape, n = acquisition.analyser.line_window.line_shape, samples_of(acquisition.analyser)
+        power = (shape(line - place, n) + shape(line + place, n)) @ (1 / orders**2) / spacing
         rms = (self.ratio * acquisition.rms * self._hums(acquisition))[:, acquisition.n_in :]
         return replace(spectra, xx=spectra.xx + power[:, None] * rms[:, None, :] ** 2)
 

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from modallab.core.arrays import FloatArray
+from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.registry import Family
 
 WINDOWS: Family["Window"] = Family("window", home=__name__)
@@ -61,40 +61,56 @@ class Window:
         """Return what a channel's spectrum keeps of white noise, (n_in + n_out,), forces first."""
         return np.asarray((self.weights(FINE, n_in, n_out) ** 2).mean(axis=1) / self.power)
 
-    def line_shape(self, offset: FloatArray) -> FloatArray:
+    def line_shape(self, offset: FloatArray, n: int | None = None) -> FloatArray:
         """Return the power that a line takes from a signal `offset` lines away, unit area over lines.
 
         The power window of 1992 thesis eq. [5.12], [5.13] times the line spacing; closed form. Of a window
         that weighs parts of a record: of its response channels, as much below unit area as it takes away.
+
+        Parameters
+        ----------
+        n
+            Samples of a record: the shape comes again every n lines. None: of continuous time.
         """
         if self.transient:
             decay = -np.log(self.end) + 2j * np.pi * offset
-            whole = np.where(decay == 0, 1.0, decay)
+            short = decay if n is None else -n * np.expm1(-decay / n)
+            whole = np.where(decay == 0, 1.0, short)
             return np.asarray(np.abs(np.where(decay == 0, 1.0, -np.expm1(-decay) / whole)) ** 2)
-        amplitude = self.coefficients[0] * np.sinc(offset)
+        amplitude = self.coefficients[0] * _kernel(offset, n)
         for k, a in enumerate(self.coefficients[1:], start=1):
-            amplitude = amplitude + a / 2 * (np.sinc(offset - k) + np.sinc(offset + k))
-        return np.asarray(amplitude**2 / self.power)
+            amplitude = amplitude + a / 2 * (_kernel(offset - k, n) + _kernel(offset + k, n))
+        return np.asarray(np.abs(amplitude) ** 2 / self.power)
 
-    def envelope(self, offset: FloatArray) -> FloatArray:
-        """Return `line_shape(offset) / sin(pi offset)^2`: a rational function, smooth but for its poles.
+    def envelope(self, offset: FloatArray, n: int | None = None) -> FloatArray:
+        """Return `line_shape(offset, n) / sin(pi offset)^2`: smooth but for its poles.
+
+        In continuous time a rational function of the offset y; of records of n samples the same one of
+        s = sin(pi y/n), times 1 - s^2, and what the window has at its first sample.
 
         Parameters
         ----------
         offset
             In lines, none of them whole: there the poles are, out to the number of cosines.
         """
-        rational = self.coefficients[0] / offset
-        if len(self.coefficients) > 1:
-            square = offset * offset
-            for k, a in enumerate(self.coefficients[1:], start=1):
-                rational += (-1) ** k * a * offset / (square - k**2)
+        place = offset if n is None else np.sin(np.pi / n * offset)
+        poles = np.arange(len(self.coefficients), dtype=float)
+        poles = poles if n is None else np.sin(np.pi / n * poles)
+        rational = self.coefficients[0] / place
+        square = place * place
+        for k, a in enumerate(self.coefficients[1:], start=1):
+            rational += (-1) ** k * a * place / (square - poles[k] ** 2)
         rational *= rational
-        rational /= np.pi**2 * self.power
+        if n is None:
+            rational /= np.pi**2 * self.power
+            return rational
+        rational *= 1 - square
+        rational += self.samples(1)[0] ** 2
+        rational /= n**2 * self.power
         return rational
 
-    def line_shapes(self, lines: FloatArray, place: FloatArray) -> FloatArray:
-        """Return `line_shape(lines - place)`, (n_lines, n_places), ten times faster.
+    def line_shapes(self, lines: FloatArray, place: FloatArray, n: int | None = None) -> FloatArray:
+        """Return `line_shape(lines - place, n)`, (n_lines, n_places), ten times faster.
 
         Parameters
         ----------
@@ -102,11 +118,26 @@ class Window:
             (n_lines,) whole numbers.
         place
             (n_places,) in lines, none of them whole: sin(pi (line - place)) is then +-sin(pi place), one
-            sine a place, over a rational function.
+            sine a place, over a smooth function.
+        n
+            Samples of a record; None: of continuous time.
         """
-        shapes = self.envelope(lines[:, None] - place)
+        shapes = self.envelope(lines[:, None] - place, n)
         shapes *= np.sin(np.pi * (place - np.round(place))) ** 2
         return shapes
+
+
+def _kernel(offset: FloatArray, n: int | None) -> ComplexArray | FloatArray:
+    """Return what a line sees of a signal of amplitude 1 at mid-record, `offset` lines away, no window."""
+    if n is None:
+        return np.sinc(offset)
+    below = np.sinc(offset / n)
+    # over the whole period: where the sine below the line is 0 again, the one above is too
+    again = np.abs(below) < 1e-12
+    size = np.where(
+        again, np.cos(np.pi * (n - 1) * offset / n), np.sinc(offset) / np.where(again, 1.0, below)
+    )
+    return np.asarray(size * np.exp(1j * np.pi * offset / n))
 
 
 WINDOWS.register("rectangular")(Window("none: right for signals that repeat with the record", (1.0,)))

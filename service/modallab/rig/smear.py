@@ -56,16 +56,29 @@ class Smear:
         return np.asarray(whole.reshape(n_lines, n_run, k).swapaxes(0, 1))
 
 
-def smear(window: str, n_lines: int, spacing: float, nodes: FloatArray, weights: FloatArray) -> Smear:
+def smear(
+    window: str,
+    n_lines: int,
+    spacing: float,
+    nodes: FloatArray,
+    weights: FloatArray,
+    n_samples: int | None = None,
+) -> Smear:
     """Return how lines, `spacing` Hz apart from 0, see a density integrated with nodes and weights, Hz.
 
     Nodes lie between the first and the last line, none of them on a line.
+
+    Parameters
+    ----------
+    n_samples
+        Of a record, 2.5 n_lines and more; None: of continuous time.
     """
     shape = WINDOWS[window]
     line = np.round(nodes / spacing)
     offset = nodes / spacing - line
     share = np.sin(np.pi * offset) ** 2 * weights / spacing
-    reach = np.arange(1 - _nearby(shape), _nearby(shape))[:, None]
+    nearby = _nearby(shape, n_lines)
+    reach = np.arange(1 - nearby, nearby)[:, None]
     own = line.astype(int)
     column = np.arange(len(nodes))
 
@@ -76,16 +89,18 @@ def smear(window: str, n_lines: int, spacing: float, nodes: FloatArray, weights:
 
     return Smear(
         nodes,
-        matrix(own + reach, shape.envelope(reach - offset) * share, n_lines),
-        matrix(reach - own, shape.envelope(reach + offset) * share, n_lines),
+        matrix(own + reach, shape.envelope(reach - offset, n_samples) * share, n_lines),
+        matrix(reach - own, shape.envelope(reach + offset, n_samples) * share, n_lines),
         matrix(own + n_lines * np.arange(DEGREE)[:, None], _lagrange(offset) * share, DEGREE * n_lines),
-        _far(window, n_lines),
+        _far(window, n_lines, n_samples),
         _n_fft(n_lines),
     )
 
 
-def _nearby(window: Window) -> int:
-    return NEAR + len(window.coefficients) - 1
+def _nearby(window: Window, n_lines: int) -> int:
+    reach = NEAR + len(window.coefficients) - 1
+    # The poles of a sampled line shape come again after n_samples: among few lines nowhere is far from all.
+    return reach if n_lines > 2 * reach else 2 * n_lines
 
 
 def _points() -> FloatArray:
@@ -106,13 +121,13 @@ def _lagrange(offset: FloatArray) -> FloatArray:
 
 
 @lru_cache(maxsize=8)
-def _far(window: str, n_lines: int) -> ComplexArray:
+def _far(window: str, n_lines: int, n_samples: int | None) -> ComplexArray:
     """Return the transform of what a line takes from points about lines that are not near."""
     n_fft = _n_fft(n_lines)
     steps = np.arange(1 - n_lines, 2 * n_lines - 1)
     kernel = np.zeros((DEGREE, n_fft))
-    far = steps[np.abs(steps) >= _nearby(WINDOWS[window])]
-    kernel[:, far % n_fft] = WINDOWS[window].envelope(far - _points()[:, None])
+    far = steps[np.abs(steps) >= _nearby(WINDOWS[window], n_lines)]
+    kernel[:, far % n_fft] = WINDOWS[window].envelope(far - _points()[:, None], n_samples)
     return np.asarray(scipy.fft.rfft(kernel, axis=1)[:, :, None])
 
 

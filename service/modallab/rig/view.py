@@ -8,6 +8,7 @@ from numpy.typing import NDArray
 from scipy.sparse import coo_array, csr_array
 
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray
+from modallab.rig.acquisition import samples_of
 from modallab.rig.analyser import Analyser
 from modallab.rig.smear import Smear, smear
 
@@ -66,7 +67,8 @@ def refined_view(analyser: Analyser, poles: FloatArray, widths: FloatArray) -> S
         Frequencies and half bandwidths, Hz, of any shape.
     """
     grid = refined(analyser, poles, widths)
-    return smear(analyser.line_window_kind, analyser.n_lines, analyser.spacing, *grid)
+    window, n_samples = analyser.line_window_kind, samples_of(analyser)
+    return smear(window, analyser.n_lines, analyser.spacing, *grid, n_samples)
 
 
 @lru_cache(maxsize=16)
@@ -76,7 +78,8 @@ def coarse_view(analyser: Analyser, step: int) -> View:
     window = analyser.line_window
     lines = np.arange(0, analyser.n_lines, step, dtype=float)
     place, share = nodes / analyser.spacing, weights / analyser.spacing
-    near, mirrored = window.line_shapes(lines, place), window.line_shapes(lines, -place)
+    n = samples_of(analyser)
+    near, mirrored = window.line_shapes(lines, place, n), window.line_shapes(lines, -place, n)
     near *= share
     mirrored *= share
     return View(nodes, near, mirrored)

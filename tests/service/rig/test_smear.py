@@ -10,26 +10,32 @@ from modallab.rig.smear import smear
 SPACING = 0.5
 
 
-def plain(window: str, n_lines: int, nodes: FloatArray, weights: FloatArray, s: ComplexArray) -> ComplexArray:
+def plain(
+    window: str, n_lines: int, nodes: FloatArray, weights: FloatArray, s: ComplexArray, n: int | None
+) -> ComplexArray:
     shape, line = WINDOWS[window], np.arange(n_lines)[:, None]
     place = nodes / SPACING
-    above, below = shape.line_shape(line - place), shape.line_shape(line + place)
+    above, below = shape.line_shape(line - place, n), shape.line_shape(line + place, n)
     share = weights[:, None] / SPACING
     seen = [above @ (share * one) + below @ (share * one.conj()) for one in s]
     return np.array(seen)
 
 
 @pytest.mark.parametrize("window", [kind for kind in sorted(WINDOWS) if not WINDOWS[kind].transient])
-@pytest.mark.parametrize("n_lines", [2, 5, 12, 67])
-def test_every_line_takes_from_every_node_what_the_line_shape_says(window: str, n_lines: int) -> None:
+@pytest.mark.parametrize("n_lines", [2, 5, 12, 19, 67])
+@pytest.mark.parametrize("sampled", [False, True])
+def test_every_line_takes_from_every_node_what_the_line_shape_says(
+    window: str, n_lines: int, sampled: bool
+) -> None:
+    n_samples = int(np.ceil(2.56 * (n_lines - 1))) if sampled else None
     rng = np.random.default_rng(n_lines)
     nodes = rng.uniform(0, (n_lines - 1) * SPACING, 40 * n_lines)
     weights = rng.uniform(0, 1, nodes.shape)
     spectrum = rng.standard_normal((2, len(nodes), 3)) + 1j * rng.standard_normal((2, len(nodes), 3))
     spectrum *= 10 ** rng.uniform(-3, 3, (1, len(nodes), 1))
-    seen = smear(window, n_lines, SPACING, nodes, weights).through(spectrum)
+    seen = smear(window, n_lines, SPACING, nodes, weights, n_samples).through(spectrum)
     # 1e-9 of what comes from afar, and that is at most 1e-3 of what is near
-    wanted = plain(window, n_lines, nodes, weights, spectrum)
+    wanted = plain(window, n_lines, nodes, weights, spectrum, n_samples)
     np.testing.assert_allclose(seen, wanted, atol=1e-12 * np.abs(wanted).max())
 
 
