@@ -8,6 +8,7 @@ from scipy.linalg import expm
 
 from modallab.core.arrays import FloatArray
 from modallab.core.dof import Dof
+from modallab.core.errors import DivergedError
 from modallab.fe.system import DynamicSystem
 from modallab.rig.local_force import Linearised
 
@@ -91,6 +92,11 @@ def residual_forces(
     moved, velocity
         (n, r, n_samples) m and m/s at the local forces, of the linearised structure, for records that
         are stepped side by side.
+
+    Raises
+    ------
+    DivergedError
+        If a force is too steep for the steps.
     """
     n, r, n_samples = moved.shape
     which = np.array([int(one.force.of_velocity) for one in found])
@@ -100,11 +106,18 @@ def residual_forces(
     out = np.empty((n_samples, n, r))
     state = np.zeros((n, len(stepper.turn)))
     force = np.zeros((n, r))
-    for t in range(n_samples):
-        state = state @ stepper.turn
-        force = _balanced(found, given[t] + state @ reading, at_once, force)
-        state += force @ stepper.push
-        out[t] = force
+    with np.errstate(over="ignore", invalid="ignore"):
+        for t in range(n_samples):
+            state = state @ stepper.turn
+            force = _balanced(found, given[t] + state @ reading, at_once, force)
+            state += force @ stepper.push
+            out[t] = force
+    if not np.isfinite(out).all():
+        raise DivergedError(
+            "a nonlinear force is too steep to be stepped through time at this level",
+            field="excitation.level",
+            allowed="a lower level, or the expected route",
+        )
     return np.asarray(-out.transpose(1, 2, 0))
 
 

@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from modallab.core.dof import Dof
+from modallab.core.errors import DivergedError
 from modallab.core.progress import silent
 from modallab.effects.cubic_stiffness import CubicStiffness
 from modallab.effects.friction import Friction
@@ -14,6 +15,7 @@ from modallab.estimation.coherence import coherence, coherence_error, frf_error
 from modallab.estimation.estimators.h1 import h1
 from modallab.estimation.spectra import CrossSpectra
 from modallab.fe.assembly import assemble
+from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.damping import StructuralDamping
 from modallab.fe.structure import Support
 from modallab.rig.analyser import Analyser, ExcitationSetting
@@ -98,3 +100,12 @@ def test_the_same_seed_gives_the_same_bytes() -> None:
         sampled_spectra(bench(MILD[0], "periodic_random"), np.random.default_rng(2), silent) for _ in range(2)
     )
     assert one.fx.tobytes() == other.fx.tobytes()
+
+
+def test_a_force_too_steep_to_be_stepped_is_refused_by_name() -> None:
+    analyser = Analyser(40.0, 401, averages=4, excitation=ExcitationSetting("periodic_random", 100.0))
+    long = assemble(STRUCTURES["cantilever"]())
+    # steps of 3 ms, and at 100 N a spring that throws the tip back within one of them
+    whole = chain(long, RigSetup(dofs(6), dofs(21), analyser=analyser), [CubicStiffness(Dof(21, "Y"), 1e9)])
+    with pytest.raises(DivergedError, match="too steep"):
+        sampled_spectra(whole, np.random.default_rng(1), silent)
