@@ -25,6 +25,9 @@ from modallab.rig.setup import RigSetup
 
 N_LINES, AVERAGES = 801, 100
 NODES = range(1, 22, 2)
+# Kind, window, limits of expected and sampled. What does not repeat with the record leaks: expected, it takes
+# FRFs at 8,140 frequencies and a convolution; sampled, FRFs at 36,001 lines of a stretch, and what is expected.
+SIGNALS = (("periodic_random", "rectangular", 5.0, 2.0), ("random", "hann", 30.0, 2.5))
 GAUGE, ARMATURE, SENSOR = 0.01, 0.02, 0.02  # kg
 
 
@@ -103,12 +106,12 @@ def run() -> list[tuple[str, float, float]]:
     test = f"11 roving FRFs x {N_LINES} lines"
     solving, numbers = eigensolutions(), bare_numbers()
     found = []
-    for name, kind, window in (("periodic", "periodic_random", "rectangular"), ("random", "random", "hann")):
+    for kind, window, most_expected, most_sampled in SIGNALS:
         rig = setup(kind, window)
-        expected = measuring(rig, Route.EXPECTED)
-        found.append((f"expected, {name}: {test}, against 11 eigensolutions", ratio(expected, solving), 5.0))
-        sampled, bare = measuring(rig, Route.SAMPLED), bare_transforms(rig)
-        found.append((f"sampled, {name}: {test}, against rng + rfft", ratio(sampled, bare, 5), 2.0))
+        measured = ratio(measuring(rig, Route.EXPECTED), solving)
+        found.append((f"expected, {kind}: {test}, against 11 eigensolutions", measured, most_expected))
+        measured = ratio(measuring(rig, Route.SAMPLED), bare_transforms(rig), 5)
+        found.append((f"sampled, {kind}: {test}, against rng + rfft", measured, most_sampled))
     spectra = expected_spectra(chain(assemble(STRUCTURES["chapter-5-beam"]()), setup("periodic_random")))
     drawn = ratio(lambda: drawn_spectra(spectra, np.random.default_rng(0)), numbers)
     return [*found, (f"drawn: {test} round their expectation, against rng", drawn, 3.0)]

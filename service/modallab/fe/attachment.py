@@ -34,6 +34,8 @@ class Attachment:
 
     def same(self, other: "Attachment") -> bool:
         """Return whether another attachment is equal to this one."""
+        if self is other:
+            return True
         names = ("columns", "mass", "stiffness", "damping", "viscous")
         pairs = [(getattr(self, name), getattr(other, name)) for name in names]
         return self.inner == other.inner and all(

@@ -110,8 +110,11 @@ def _attached_pairs(
         grid = np.indices((used.shape[1], n_columns)).reshape(2, -1)
         to_b = response.pairs(used[:, grid[0]], columns[:, grid[1]]).reshape(-1, n_columns, alpha.shape[1])
         effective = _effective_stiffness(response, system)
-        forces = (effective * to_b[:, None]).sum(axis=2)
-        alpha = alpha - (to_b[a] * forces[b]).sum(axis=1)
+        if n_columns == 1:  # no sums over one
+            alpha = alpha - to_b[a, 0] * (effective[0] * to_b[:, 0])[b]
+        else:
+            forces = (effective * to_b[:, None]).sum(axis=2)
+            alpha = alpha - (to_b[a] * forces[b]).sum(axis=1)
     return np.asarray(alpha[place.ravel()].T)
 
 

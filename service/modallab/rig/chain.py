@@ -110,13 +110,16 @@ class Chain:
     def _answer(self, freq: FloatArray) -> ChannelResponse:
         """Return both side by side."""
         top = float(freq.max())
-        parts = [self._part(freq[i : i + AT_ONCE], top) for i in range(0, len(freq), AT_ONCE)]
-        if len(parts) == 1:
-            return parts[0]
-        return ChannelResponse(
-            np.concatenate([part.force for part in parts], axis=1),
-            np.concatenate([part.response for part in parts], axis=1),
-        )
+        part = self._part(freq[:AT_ONCE], top)
+        if len(freq) <= AT_ONCE:
+            return part
+        shapes = [(one.shape[0], len(freq), *one.shape[2:]) for one in (part.force, part.response)]
+        force, response = (np.empty(shape, complex) for shape in shapes)
+        for start in range(0, len(freq), AT_ONCE):
+            some = slice(start, start + AT_ONCE)
+            part = part if start == 0 else self._part(freq[some], top)
+            force[:, some], response[:, some] = part.force, part.response
+        return ChannelResponse(force, response)
 
     def _part(self, freq: FloatArray, top: float) -> ChannelResponse:
         omega = 2 * np.pi * np.maximum(freq, NEARLY_STILL * self.setup.analyser.spacing)
@@ -127,7 +130,10 @@ class Chain:
             runs = [self.runs[i] for i in group]
             alpha = self._receptance(runs, omega, top)
             through = _at_work(runs, omega, alpha)
-            heard = -(omega**2)[None, :, None, None] * (alpha @ through)
+            if through.shape[-1] == 1:  # one product instead of a matrix product for every line
+                heard = alpha * (-(omega**2)[:, None, None] * through)
+            else:
+                heard = -(omega**2)[None, :, None, None] * (alpha @ through)
             for place, i in enumerate(group):
                 run = self.runs[i]
                 response[i] = filtered(run.mixed(heard[place]), run.responses, omega)

@@ -54,9 +54,9 @@ class Recorder:
                 )
             self._repeats = self._lay_out(min(max(RECORDS, ringing), room - ringing), ringing)
             freq = np.linspace(0.0, analyser.frequency_max, (analyser.n_lines - 1) * self._repeats + 1)
-            self._stationary = np.sqrt(share) * _per_source(chain, freq)
-            self._stationary[..., -1] *= np.sqrt(0.5)  # half of the last fine line lies beyond the band
             self._length = self._repeats * self.n_samples
+            self._stationary = _per_source(chain, freq, share * self._length)
+            self._stationary[..., -1] *= np.sqrt(0.5)  # half of the last fine line lies beyond the band
         self._transient, self._fixed = transient_of(chain), fixed_lines(analyser)
         if self._transient is not None and chain.runs[0].local:
             raise InvalidInputError(
@@ -66,7 +66,7 @@ class Recorder:
                 allowed="an excitation that goes on, or the route expected",
             )
         if share < 1 and self._transient is None:
-            self._repeating = np.sqrt(1 - share) * _per_source(chain, analyser.freq)
+            self._repeating = _per_source(chain, analyser.freq, (1 - share) * self.n_samples)
 
     @property
     def stretch(self) -> tuple[int, int]:
@@ -164,16 +164,15 @@ class Recorder:
     def _heard(self, response: ComplexArray, lines: ComplexArray, n_samples: int) -> FloatArray:
         """Return the channels' records (n, n_ch, n_samples), periodic in their length.
 
-        `response` (n_in, n_ch, n_lines) are the channels' amplitudes for sources of unit density.
+        `response` (n_in, n_ch, n_lines) are the channels' lines for sources of unit density.
         """
         n_in, n_ch, n_lines = response.shape
-        scale = np.sqrt(self.sample_rate * n_samples / 2)
         # As many lines as the transform asks for: it would copy fewer to fill them up.
         heard = np.zeros((len(lines), n_ch, n_samples // 2 + 1), complex)
         first = heard[..., :n_lines]
-        np.multiply(lines[:, :1], scale * response[0], out=first)
+        np.multiply(lines[:, :1], response[0], out=first)
         for source in range(1, n_in):
-            first += lines[:, source : source + 1] * (scale * response[source])
+            first += lines[:, source : source + 1] * response[source]
         return np.asarray(scipy.fft.irfft(heard, n_samples, overwrite_x=True))
 
 
@@ -185,8 +184,20 @@ def _ringing(chain: Chain) -> float:
     return float(-np.log(FORGOTTEN) / (2 * np.pi * slowest)) if slowest > 0 else np.inf
 
 
-def _per_source(chain: Chain, freq: FloatArray) -> ComplexArray:
-    """Return the channels' amplitude densities for each source, (n_run, n_in, n_ch, n_freq)."""
-    analyser = chain.setup.analyser
+def _per_source(chain: Chain, freq: FloatArray, samples: float) -> ComplexArray:
+    """Return the channels' lines for each source, (n_run, n_in, n_ch, n_freq), as a transform has them.
+
+    Parameters
+    ----------
+    samples
+        That it is taken of, times the share of the power.
+    """
+    analyser, n_in = chain.setup.analyser, chain.n_in
     density = analyser.excitation.level**2 / analyser.frequency_max
-    return np.ascontiguousarray(np.sqrt(density) * chain.respond(freq).channels.transpose(0, 3, 2, 1))
+    size = np.sqrt(density * sample_rate_of(analyser) * samples / 2)
+    answer = chain.respond(freq)
+    n_run, n_freq, n_out, _ = answer.response.shape
+    out = np.empty((n_run, n_in, n_in + n_out, n_freq), complex)
+    for part, place in ((answer.force, slice(n_in)), (answer.response, slice(n_in, None))):
+        np.multiply(part.transpose(0, 3, 2, 1), size, out=out[:, :, place])
+    return out
