@@ -6,6 +6,7 @@ from dataclasses import replace
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.core.errors import InvalidInputError
 from modallab.fe.attachment import Attachment
 from modallab.fe.receptance import receptance
 from modallab.rig.analyser import Analyser
@@ -16,6 +17,7 @@ from modallab.rig.run import Run
 from modallab.rig.source import Source
 from modallab.rig.view import refined
 
+STRONG = 1.0  # mean square of the motion by residuals, over that by sources, at which first order ends
 FINEST = 64  # grid points a line at most where a spectrum is steep
 
 
@@ -39,6 +41,35 @@ def with_equivalents(run: Run, forces: Sequence[LocalForce], analyser: Analyser,
         equal = Attachment(column, viscous=line) if of_velocity else Attachment(column, stiffness=line)
         system = system.attach(equal)
     return replace(run, system=system, local=found)
+
+
+def check_first_order(runs: Sequence[Run], analyser: Analyser, source: Source) -> None:
+    """Raise unless what straight lines leave moves the structure less than the sources do.
+
+    The expected spectra take the residual of a nonlinear force for a source of its own that does not
+    alter the motion: where it moves the structure as much as the true sources, they mean nothing.
+
+    Raises
+    ------
+    InvalidInputError
+        If they do not hold.
+    """
+    omega = 2 * np.pi * analyser.freq[1:]
+    for run in runs:
+        if not run.local:
+            return
+        driven, fed_back = motions(run, [one.force for one in run.local], omega)
+        left = residual_densities(run, analyser, source, analyser.freq[1:])
+        by_residuals = (np.abs(fed_back) ** 2 * left[:, None, :]).sum(axis=(0, 2))
+        by_sources = _density(analyser) * (np.abs(driven) ** 2).sum(axis=(0, 2))
+        if (by_residuals > STRONG * by_sources).any():
+            worst = run.local[int((by_residuals / by_sources).argmax())].force.dof
+            raise InvalidInputError(
+                f"the nonlinear force at {worst} is too strong at this level for expected spectra",
+                field="route",
+                value="expected or drawn",
+                allowed="sampled, or a lower level",
+            )
 
 
 def residual_densities(run: Run, analyser: Analyser, source: Source, freq: FloatArray) -> FloatArray:

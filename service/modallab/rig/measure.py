@@ -19,6 +19,7 @@ from modallab.fe.structure import Structure
 from modallab.rig.analyser import Analyser
 from modallab.rig.chain import Chain, chain
 from modallab.rig.compatibility import check_compatible
+from modallab.rig.distortion import check_first_order
 from modallab.rig.drawn import drawn_spectra
 from modallab.rig.drawn_steady import drawn_about
 from modallab.rig.effect import Effect, build
@@ -67,6 +68,8 @@ def measure(
     for effect in [*own, *(build(spec) for spec in setup.effects), *effects]:
         effect.check(structure, setup)
     whole = chain(assemble(structure), setup, [*own, *effects])
+    if route is not Route.SAMPLED:
+        check_first_order(whole.runs, setup.analyser, whole.source)
     if route is Route.SAMPLED:
         spectra = sampled_spectra(whole, rng, progress)
     elif route is Route.DRAWN:

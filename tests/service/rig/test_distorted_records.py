@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from modallab.core.arrays import FloatArray
 from modallab.core.dof import Dof
-from modallab.core.errors import DivergedError
+from modallab.core.errors import DivergedError, InvalidInputError
 from modallab.core.progress import silent
 from modallab.effects.cubic_stiffness import CubicStiffness
 from modallab.effects.friction import Friction
@@ -23,6 +24,7 @@ from modallab.rig.chain import Chain, chain
 from modallab.rig.effect import Effect
 from modallab.rig.expected import expected_spectra
 from modallab.rig.hardware import Exciter
+from modallab.rig.measure import Route, measure
 from modallab.rig.sampled import sampled_spectra
 from modallab.rig.setup import RigSetup
 from tests.rigs import dofs, steel_beam
@@ -109,3 +111,22 @@ def test_a_force_too_steep_to_be_stepped_is_refused_by_name() -> None:
     whole = chain(long, RigSetup(dofs(6), dofs(21), analyser=analyser), [CubicStiffness(Dof(21, "Y"), 1e9)])
     with pytest.raises(DivergedError, match="too steep"):
         sampled_spectra(whole, np.random.default_rng(1), silent)
+
+
+def test_a_force_too_strong_for_straight_lines_is_measured_by_steps_only() -> None:
+    def measured(level: float, route: Route) -> FloatArray:
+        analyser = Analyser(40.0, 81, averages=10, excitation=ExcitationSetting("periodic_random", level))
+        setup = RigSetup(dofs(6), dofs(6, 21), analyser=analyser)
+        effects = [CubicStiffness(Dof(21, "Y"), 1e9)]
+        rng = np.random.default_rng(1)
+        found = measure(STRUCTURES["cantilever"](), setup, effects, route=route, rng=rng)
+        assert found.response_spectrum is not None
+        return np.asarray(np.sqrt(found.response_spectrum[1:].sum(axis=0)))
+
+    # at 1 N residuals cause 1 % of the mean square of the motion; ten averages scatter by 10 %
+    np.testing.assert_allclose(measured(1.0, Route.SAMPLED), measured(1.0, Route.EXPECTED), rtol=0.2)
+    assert np.isfinite(measured(10.0, Route.SAMPLED)).all()
+    for route in (Route.EXPECTED, Route.DRAWN):
+        with pytest.raises(InvalidInputError, match="too strong at this level") as caught:
+            measured(10.0, route)
+        assert caught.value.context["field"] == "route"
