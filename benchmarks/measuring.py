@@ -26,7 +26,7 @@ from modallab.rig.setup import RigSetup
 N_LINES, AVERAGES = 801, 100
 NODES = range(1, 22, 2)
 # Kind, window, limits of expected and sampled. What does not repeat with the record leaks: expected, it takes
-# FRFs at 8,140 frequencies and a convolution; sampled, FRFs at 36,001 lines of a stretch, and what is expected.
+# FRFs at 8,140 frequencies and a convolution; sampled, FRFs at 36,001 lines and what is expected.
 SIGNALS = (("periodic_random", "rectangular", 5.0, 2.0), ("random", "hann", 30.0, 2.5))
 GAUGE, ARMATURE, SENSOR = 0.01, 0.02, 0.02  # kg
 
