@@ -45,12 +45,14 @@ class Smear:
         sign[n_real:] = -1.0  # of the mirror
         seen = self.near @ parts + sign * (self.mirrored @ parts)
         above = (self.gather @ parts).reshape(DEGREE, n_lines, -1)
-        both = np.zeros((DEGREE, self.n_fft, parts.shape[1]))
-        both[:, n_lines - 1 : 2 * n_lines - 1] = above
-        both[:, n_lines - 1 :: -1] += sign * above[::-1]
-        lines = scipy.fft.rfft(both, axis=1, overwrite_x=True)
-        lines *= self.far
-        seen += scipy.fft.irfft(lines.sum(axis=0), self.n_fft, axis=0)[n_lines - 1 : 2 * n_lines - 1]
+        both = np.zeros((self.n_fft, parts.shape[1]))
+        lines = np.zeros((self.far.shape[1], parts.shape[1]), complex)
+        for far, own, mirror in zip(self.far, above, above[::-1], strict=True):  # each lies in the cache
+            both[: n_lines - 1] = both[2 * n_lines - 1 :] = 0.0
+            both[n_lines - 1 : 2 * n_lines - 1] = own
+            both[n_lines - 1 :: -1] += sign * mirror
+            lines += far * scipy.fft.rfft(both, axis=0)
+        seen += scipy.fft.irfft(lines, self.n_fft, axis=0)[n_lines - 1 : 2 * n_lines - 1]
         whole = seen[:, :n_real].astype(complex)
         whole.imag[:, turning] = seen[:, n_real:]
         return np.asarray(whole.reshape(n_lines, n_run, k).swapaxes(0, 1))
