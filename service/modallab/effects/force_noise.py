@@ -34,6 +34,8 @@ class ForceNoise(Effect):
     )
 
     def on_noise(self, noise: NoiseLevels) -> NoiseLevels:
+        if isinstance(self.at, Dof):
+            return replace(noise, gauges=(*noise.gauges, (self.at, self.ratio)))
         return replace(noise, force=noise.force + self.ratio)
 
     @classmethod

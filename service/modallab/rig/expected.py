@@ -114,8 +114,9 @@ def noise_densities(chain: Chain, clean: ComplexArray) -> FloatArray:
         `noise_free(chain)`: the log book's ratio is to the mean of each channel's own spectrum, of a test
         with the signal's power spread over the band.
     """
-    levels = np.full(len(chain.runs[0].forces) + len(chain.runs[0].responses), chain.noise.response)
-    levels[: chain.n_in] = chain.noise.force
+    n_ch = len(chain.runs[0].forces) + len(chain.runs[0].responses)
+    levels = np.full((len(chain.runs), n_ch), chain.noise.response)
+    levels[:, : chain.n_in] = [[chain.noise.of_gauge(d) for d in run.shot.drives] for run in chain.runs]
     analyser = chain.setup.analyser
     levels *= EXCITATIONS[analyser.excitation.kind].noise_share(analyser.n_lines)
     return np.asarray(levels * _autos(chain, clean).mean(axis=1))

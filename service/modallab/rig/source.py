@@ -2,6 +2,7 @@
 
 from dataclasses import dataclass, replace
 
+from modallab.core.dof import Dof
 from modallab.rig.channel import Filter
 
 
@@ -23,3 +24,8 @@ class NoiseLevels:
 
     force: float = 0.0
     response: float = 0.0
+    gauges: tuple[tuple[Dof, float], ...] = ()  # of force gauges at single drive points, beside `force`
+
+    def of_gauge(self, drive: Dof) -> float:
+        """Return the ratio of the force gauge at a drive point."""
+        return self.force + sum(ratio for dof, ratio in self.gauges if dof.point == drive.point)
