@@ -16,6 +16,7 @@ from modallab.rig.effect import Effect
 WIDENINGS = (0.0, 0.03, 0.3)  # from residuals of the size of noise to modes that sit elsewhere
 HEAVY_TAIL = 9.0  # squared residual beyond which a line only says "wrong", not how wrong
 KEPT = 5  # starts that each widening sends on
+USEFUL = 0.99  # of the cost without it that a kind must come below to be sent on beside those
 RATIOS = np.array([0.1, 0.3, 0.6, 0.85, 0.98, 0.998, 1.002, 1.02, 1.2, 1.6, 3.0, 8.0])
 
 
@@ -74,42 +75,56 @@ def scan(
     """
     values: list[list[Effect]] = []
     costs: list[FloatArray] = []
+    nothing = _vectors(glimpses, accepted)
     for i, suspect in enumerate(suspects):
-        tried, cost = _tried(glimpses, accepted, suspect)
+        tried, cost = _tried(glimpses, accepted, suspect, nothing)
         values.append(tried)
         costs.append(cost)
         progress(i / len(suspects), f"scanning {suspect.kind}")
     chosen: dict[tuple[int, int], Start] = {}
     for w, widening in enumerate(WIDENINGS):
         order = sorted(range(len(suspects)), key=lambda i: float(costs[i][:, w].min()))
-        # The best place of each kind goes on as well, and what acts everywhere: no kind is crowded out
-        # by many places of another, nor a narrow valley by many wide ones.
-        firsts = {(suspects[i].kind, suspects[i].at is None): i for i in reversed(order)}
+        # The best place of each kind goes on as well, if it is of any use: no kind is crowded out by many
+        # places of another. So does what acts on all of a model: its narrow valley may lie between values.
+        useful = USEFUL * _cost(nothing[w])
+        firsts = {
+            (suspects[i].kind, suspects[i].at is None): i
+            for i in reversed(order)
+            if float(costs[i][:, w].min()) < useful or (suspects[i].at is None and suspects[i].structural)
+        }
         for i in [*order[:KEPT], *firsts.values()]:
             best = int(costs[i][:, w].argmin())
             chosen.setdefault((i, best), Start(values[i][best], widening))
     return list(chosen.values())
 
 
+def _vectors(glimpses: Glimpses, effects: Sequence[Effect]) -> list[FloatArray]:
+    """Return the residuals of a first look at every widening."""
+    observed, predicted = glimpses.observed, glimpses.predict(effects)
+    return [residual(observed, predicted, widen=widen).vector(observed.fitted) for widen in WIDENINGS]
+
+
+def _cost(vector: FloatArray) -> float:
+    return float(HEAVY_TAIL * np.log1p(vector**2 / HEAVY_TAIL).sum())
+
+
 def _tried(
-    glimpses: Glimpses, accepted: Sequence[Effect], suspect: Effect
+    glimpses: Glimpses, accepted: Sequence[Effect], suspect: Effect, nothing: Sequence[FloatArray]
 ) -> tuple[list[Effect], FloatArray]:
-    """Return the variants tried and their cost at every widening, (n_variants, n_widenings)."""
-    observed = glimpses.observed
-    where = observed.fitted
+    """Return the variants tried and their cost at every widening, (n_variants, n_widenings).
 
-    def vectors(extra: Sequence[Effect]) -> list[FloatArray]:
-        predicted = glimpses.predict([*accepted, *extra])
-        return [residual(observed, predicted, widen=widen).vector(where) for widen in WIDENINGS]
-
+    Parameters
+    ----------
+    nothing
+        Residuals without any variant at every widening.
+    """
     predictor = glimpses.predictor
     tried = variants(suspect, suspect.looks(predictor.system, predictor.setup))
-    found = [vectors([effect]) for effect in tried]
-    if between := _between(suspect, tried, vectors([])[0], [v[0] for v in found]):
+    found = [_vectors(glimpses, [*accepted, effect]) for effect in tried]
+    if between := _between(suspect, tried, nothing[0], [v[0] for v in found]):
         tried.append(between)
-        found.append(vectors([between]))
-    costs = [[HEAVY_TAIL * np.log1p(v**2 / HEAVY_TAIL).sum() for v in each] for each in found]
-    return tried, np.array(costs)
+        found.append(_vectors(glimpses, [*accepted, between]))
+    return tried, np.array([[_cost(vector) for vector in each] for each in found])
 
 
 def _between(
