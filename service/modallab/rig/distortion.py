@@ -12,12 +12,14 @@ from modallab.fe.receptance import receptance
 from modallab.rig.analyser import Analyser
 from modallab.rig.drive import reaction, transmission
 from modallab.rig.linearise import equivalents, residual_density
-from modallab.rig.local_force import LocalForce
+from modallab.rig.local_force import Linearised, LocalForce
 from modallab.rig.run import Run
 from modallab.rig.source import Source
 from modallab.rig.view import refined
 
 STRONG = 1.0  # mean square of the motion by residuals, over that by sources, at which first order ends
+NARROWEST = 1e-6  # of a line, that quadrature takes a resonance to be
+REFINEMENTS = 8  # of the quadrature towards resonances that nonlinear forces have moved
 FINEST = 64  # grid points a line at most where a spectrum is steep
 
 
@@ -27,13 +29,37 @@ def with_equivalents(run: Run, forces: Sequence[LocalForce], analyser: Analyser,
     What repeats with the record has its power on the lines, what does not everywhere between them.
     """
     share = source.continuous
-    freq, hertz = [analyser.freq[1:]], [np.full(analyser.n_lines - 1, (1 - share) * analyser.spacing)]
-    if share > 0:
-        nodes, weights = refined(analyser, *run.resonances(analyser.frequency_max))
-        freq, hertz = [*freq, nodes], [*hertz, share * weights]
-    omega, power = 2 * np.pi * np.concatenate(freq), _density(analyser) * np.concatenate(hertz)
-    driven, fed_back = motions(run, forces, omega)
-    found = equivalents(forces, driven, fed_back, omega, power)
+    known = run.resonances(analyser.frequency_max)
+    for _ in range(REFINEMENTS):
+        freq, hertz = [analyser.freq[1:]], [np.full(analyser.n_lines - 1, (1 - share) * analyser.spacing)]
+        if share > 0:
+            nodes, weights = refined(analyser, *known)
+            freq, hertz = [*freq, nodes], [*hertz, share * weights]
+        omega, power = 2 * np.pi * np.concatenate(freq), _density(analyser) * np.concatenate(hertz)
+        driven, fed_back = motions(run, forces, omega)
+        loaded = _with_lines(run, equivalents(forces, driven, fed_back, omega, power))
+        if share == 0:
+            break
+        # Where a spring has moved a resonance, quadrature must be fine there as well.
+        moved = loaded.resonances(analyser.frequency_max)
+        if _resolved(moved, known, analyser):
+            break
+        known = np.concatenate([known[0], moved[0]]), np.concatenate([known[1], moved[1]])
+    return loaded
+
+
+def _resolved(
+    moved: tuple[FloatArray, FloatArray], known: tuple[FloatArray, FloatArray], analyser: Analyser
+) -> bool:
+    """Return whether every resonance lies within its half bandwidth of one known to be as narrow."""
+    (at, half), (there, width) = moved, known
+    inside = at < analyser.frequency_max + analyser.spacing
+    at, half = at[inside], np.maximum(half[inside], NARROWEST * analyser.spacing)
+    near = np.abs(at[:, None] - there) <= half[:, None]
+    return bool((near & (width <= 2 * half[:, None])).any(axis=1).all())
+
+
+def _with_lines(run: Run, found: tuple[Linearised, ...]) -> Run:
     system = run.system
     for one in found:
         column, line = system.selection((one.force.dof,)), np.array([[one.slope]])
