@@ -24,7 +24,7 @@ PARAMETERS = parameterise(automatic_groups(BEAM))
 
 def measured(structure: Structure, dofs: tuple[Dof, ...] = DOFS, seed: int | None = None) -> ModalModel:
     noise = ModeNoise() if seed is None else ModeNoise(eigenvalue=0.002, eigenvector=0.01)
-    return synthetic_modes(structure, 8, dofs, noise=noise, rng=np.random.default_rng(seed))
+    return synthetic_modes(assemble(structure), 8, dofs, noise=noise, rng=np.random.default_rng(seed))
 
 
 WRONG = change(BEAM, [MemberChange((9, 10, 11, 12), MemberProperty.MODULUS, factor=1.4)])

@@ -7,6 +7,7 @@ import pytest
 
 from modallab.core.dof import Dof
 from modallab.core.modal_model import ModalModel
+from modallab.fe.assembly import assemble
 from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.changes import MemberChange, MemberProperty, change
 from modallab.fe.selected import ModeNoise, synthetic_modes
@@ -20,7 +21,7 @@ BEAM, FRAMES = table("beam_1992"), table("frames_1992")
 
 
 def exact_modes(structure: Structure, count: int, dofs: tuple[Dof, ...]) -> ModalModel:
-    return synthetic_modes(structure, count, dofs, noise=ModeNoise(), rng=np.random.default_rng(0))
+    return synthetic_modes(assemble(structure), count, dofs, noise=ModeNoise(), rng=np.random.default_rng(0))
 
 
 @cache

@@ -1,6 +1,6 @@
 """A few modes of a structure, and a measured set made of them."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 
 import numpy as np
@@ -9,13 +9,11 @@ from modallab.core.arrays import FloatArray
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.modal_model import ModalModel, Mode
-from modallab.fe.assembly import assemble
 from modallab.fe.modes import ModalBasis
-from modallab.fe.structure import Structure
-from modallab.fe.system import SMALL
+from modallab.fe.system import SMALL, DynamicSystem
 
 
-def lowest_modes(structure: Structure, count: int) -> tuple[ModalBasis, int]:
+def lowest_modes(system: DynamicSystem, count: int) -> tuple[ModalBasis, int]:
     """Return the first elastic modes, fewer where there are fewer, and the number of rigid-body modes.
 
     Raises
@@ -23,7 +21,6 @@ def lowest_modes(structure: Structure, count: int) -> tuple[ModalBasis, int]:
     InvalidInputError
         If no mode is asked for.
     """
-    system = assemble(structure)
     frequency_max = 1.0  # Hz
     basis = system.modes(frequency_max)
     # A large structure is solved up to a frequency, not for a number: widen until there are enough.
@@ -32,13 +29,15 @@ def lowest_modes(structure: Structure, count: int) -> tuple[ModalBasis, int]:
             break
         frequency_max *= 4
         basis = system.modes(frequency_max)
-    return basis.elastic(count), basis.n_rigid_body
+    lowest = basis.elastic(count)
+    # Rows behind the DoFs are coordinates of what is attached.
+    return replace(lowest, shapes=lowest.shapes[: len(system.dofs)]), basis.n_rigid_body
 
 
-def exact_modes(structure: Structure, count: int) -> ModalModel:
+def exact_modes(system: DynamicSystem, count: int) -> ModalModel:
     """Return the first elastic modes of a structure at all its DoFs."""
     rng = np.random.default_rng(0)  # not drawn from: there is no noise
-    return synthetic_modes(structure, count, structure.dofs, noise=ModeNoise(), rng=rng)
+    return synthetic_modes(system, count, system.dofs, noise=ModeNoise(), rng=rng)
 
 
 class Distribution(StrEnum):
@@ -74,7 +73,7 @@ class ModeNoise:
 
 
 def synthetic_modes(
-    structure: Structure,
+    system: DynamicSystem,
     count: int,
     dofs: tuple[Dof, ...],
     *,
@@ -95,8 +94,8 @@ def synthetic_modes(
     UnknownDofError
         If the structure has no such DoF.
     """
-    basis, _ = lowest_modes(structure, count)
-    rows = [structure.index(dof) for dof in dofs]
+    basis, _ = lowest_modes(system, count)
+    rows = [system.index(dof) for dof in dofs]
     signs = np.array([dof.sign for dof in dofs])
     squares = basis.eigenvalues.real * noise.factors(noise.eigenvalue, len(basis.eigenvalues), rng)
     noisy = noise.eigenvalue > 0 or noise.eigenvector > 0

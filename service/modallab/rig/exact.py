@@ -1,4 +1,4 @@
-"""The exact FRFs of a structure, without a rig."""
+"""A structure as its model has it, effects included, and its exact FRFs without a rig."""
 
 from collections.abc import Sequence
 
@@ -6,10 +6,23 @@ from modallab.core.dof import Dof
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.fe.assembly import assemble
 from modallab.fe.structure import Structure
+from modallab.fe.system import DynamicSystem
 from modallab.rig.analyser import Analyser
 from modallab.rig.chain import chain
 from modallab.rig.effect import build
-from modallab.rig.setup import RigSetup
+from modallab.rig.setup import RigSetup, Shot
+
+
+def as_modelled(structure: Structure) -> DynamicSystem:
+    """Return the matrices of a structure with the linear effects that its model carries.
+
+    What differs from run to run is as in the first run of a test.
+    """
+    effects = sorted((build(spec) for spec in structure.effects), key=lambda effect: effect.at is not None)
+    system = assemble(structure)
+    for effect in effects:
+        system = effect.on_system(system, Shot((), ()))
+    return system
 
 
 def exact_frf(

@@ -5,6 +5,7 @@ import pytest
 
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError, UnknownDofError
+from modallab.fe.assembly import assemble
 from modallab.fe.beam import beam
 from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.selected import Distribution, ModeNoise, lowest_modes, synthetic_modes
@@ -16,12 +17,12 @@ DOFS = (Dof(1, "X"), Dof(5, "Y", -1), Dof(13, "X"))
 
 
 def draw(noise: ModeNoise, seed: int = 0, count: int = 10) -> np.ndarray:
-    return synthetic_modes(BAY, count, DOFS, noise=noise, rng=np.random.default_rng(seed)).shapes
+    return synthetic_modes(assemble(BAY), count, DOFS, noise=noise, rng=np.random.default_rng(seed)).shapes
 
 
 def test_modes_without_noise_are_those_of_the_structure_in_the_sensors_sense() -> None:
-    model = synthetic_modes(BAY, 5, DOFS, noise=ModeNoise(), rng=np.random.default_rng(0))
-    basis, n_rigid = lowest_modes(BAY, 5)
+    model = synthetic_modes(assemble(BAY), 5, DOFS, noise=ModeNoise(), rng=np.random.default_rng(0))
+    basis, n_rigid = lowest_modes(assemble(BAY), 5)
     np.testing.assert_allclose(model.frequencies, basis.frequencies, rtol=1e-12)
     np.testing.assert_allclose(model.shapes[1], -basis.shapes[BAY.index(DOFS[1])], rtol=1e-12)
     assert n_rigid == 3
@@ -37,7 +38,7 @@ def test_noise_scatters_as_its_standard_error_says(distribution: Distribution) -
     assert ratios.std() == pytest.approx(noise.standard_error(0.05), rel=0.06)
     if distribution is Distribution.UNIFORM:
         assert np.abs(ratios).max() <= 0.05 * (1 + 1e-9)
-    mode = synthetic_modes(BAY, 2, DOFS, noise=noise, rng=np.random.default_rng(1)).modes[0]
+    mode = synthetic_modes(assemble(BAY), 2, DOFS, noise=noise, rng=np.random.default_rng(1)).modes[0]
     assert mode.standard_errors["frequency"] == pytest.approx(noise.standard_error(0.01) / 2 * mode.frequency)
 
 
@@ -54,15 +55,15 @@ def test_a_large_structure_is_solved_until_there_are_enough_modes() -> None:
         section=Section(5e-4, 4.1667e-9),
         material=Material(2.09e11, 7800.0),
     )
-    coarse = lowest_modes(STRUCTURES["chapter-5-beam"](), 8)[0].frequencies
+    coarse = lowest_modes(assemble(STRUCTURES["chapter-5-beam"]()), 8)[0].frequencies
     # twenty elements are right to (beta h)^4/1440, at mode 8 (26.7/20)^4/1440 = 2.2e-3
-    np.testing.assert_allclose(lowest_modes(fine, 8)[0].frequencies, coarse, rtol=2.5e-3)
+    np.testing.assert_allclose(lowest_modes(assemble(fine), 8)[0].frequencies, coarse, rtol=2.5e-3)
 
 
 def test_what_cannot_be_drawn_is_refused() -> None:
     with pytest.raises(InvalidInputError):
         ModeNoise(eigenvalue=-0.1)
     with pytest.raises(InvalidInputError):
-        lowest_modes(BAY, 0)
+        lowest_modes(assemble(BAY), 0)
     with pytest.raises(UnknownDofError):
-        synthetic_modes(BAY, 2, (Dof(99, "X"),), noise=ModeNoise(), rng=np.random.default_rng(0))
+        synthetic_modes(assemble(BAY), 2, (Dof(99, "X"),), noise=ModeNoise(), rng=np.random.default_rng(0))

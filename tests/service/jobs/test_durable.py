@@ -12,6 +12,7 @@ import pytest
 from anyio import to_thread
 
 from modallab.core.errors import NotFoundError
+from modallab.fe.assembly import assemble
 from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.selected import ModeNoise, synthetic_modes
 from modallab.jobs.book import JobBook
@@ -41,7 +42,7 @@ def arguments(places: Places, options: UpdateOptions) -> dict[str, Any]:
     """Return the arguments of an update in these places."""
     store, beam = open_store(places[0]), STRUCTURES["chapter-5-beam"]()
     noise, rng = ModeNoise(eigenvalue=0.01, eigenvector=0.02), np.random.default_rng(0)
-    modes = synthetic_modes(beam, 5, beam.dofs, noise=noise, rng=rng)
+    modes = synthetic_modes(assemble(beam), 5, beam.dofs, noise=noise, rng=rng)
     return {
         "structure_id": store.structures.add(beam, owner="me"),
         "modal_model_id": store.modal_models.add(modes, owner="me"),

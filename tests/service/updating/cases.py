@@ -4,6 +4,7 @@ import numpy as np
 
 from modallab.core.dof import Dof
 from modallab.core.modal_model import ModalModel
+from modallab.fe.assembly import assemble
 from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.changes import MemberChange, MemberProperty, change
 from modallab.fe.selected import ModeNoise, synthetic_modes
@@ -38,4 +39,4 @@ def modes_of(
 ) -> ModalModel:
     """Return modes as measured, exact unless there is noise."""
     rng = np.random.default_rng(seed)
-    return synthetic_modes(structure, count, dofs, noise=noise or ModeNoise(), rng=rng)
+    return synthetic_modes(assemble(structure), count, dofs, noise=noise or ModeNoise(), rng=rng)

@@ -10,6 +10,7 @@ from modallab.api.examples import example
 from modallab.api.shelves import add_routes
 from modallab.correlation.mac import compare
 from modallab.fe.selected import exact_modes
+from modallab.rig.exact import as_modelled
 
 router = APIRouter(prefix="/correlations", tags=["correlations"])
 
@@ -21,7 +22,8 @@ def create_correlation(
     body: Annotated[CorrelationIn, example(_BODY)], store: StoreDep, owner: OwnerDep
 ) -> CorrelationOut:
     measured = store.modal_models.get(body.modal_model_id)
-    model = exact_modes(store.structures.get(body.structure_id), body.count or min(len(measured.modes), 100))
+    system = as_modelled(store.structures.get(body.structure_id))
+    model = exact_modes(system, body.count or min(len(measured.modes), 100))
     found = compare(model, measured)
     inputs = {"modal_model_id": body.modal_model_id, "structure_id": body.structure_id}
     stored = store.correlations.add(found, owner=owner, inputs=inputs)

@@ -18,6 +18,7 @@ from modallab.api.structures.schemas import ModesOut, StructureIn, StructureOut
 from modallab.fe.changes import change
 from modallab.fe.selected import lowest_modes, synthetic_modes
 from modallab.interchange import uff_geometry
+from modallab.rig.exact import as_modelled
 from modallab.store.base import Store
 
 router = APIRouter(prefix="/structures", tags=["structures"])
@@ -74,7 +75,7 @@ def change_structure(
 
 @router.get("/{id}/modes", summary="Elastic modes")
 def get_modes(id: IdPath, store: StoreDep, count: Count = 10) -> ModesOut:
-    basis, n_rigid_body = lowest_modes(store.structures.get(id), count)
+    basis, n_rigid_body = lowest_modes(as_modelled(store.structures.get(id)), count)
     return ModesOut(
         **ModesOut.fields(store.structures.entry(id)),
         frequencies=basis.frequencies.tolist(),
@@ -88,7 +89,7 @@ def get_mode_arrays(
     id: IdPath, store: StoreDep, count: Count = 10, precision: Precision = "double"
 ) -> Response:
     structure = store.structures.get(id)
-    basis, _ = lowest_modes(structure, count)
+    basis, _ = lowest_modes(as_modelled(structure), count)
     dofs = np.array([str(dof) for dof in structure.dofs])
     return npz_of({"frequencies": basis.frequencies, "shapes": basis.shapes, "dofs": dofs}, precision)
 
@@ -110,9 +111,9 @@ def get_geometry(id: IdPath, store: StoreDep) -> Response:
 def make_synthetic_modes(
     id: IdPath, body: Annotated[SyntheticIn, example(_SYNTHETIC)], store: StoreDep, owner: OwnerDep
 ) -> ModalModelOut:
-    structure = store.structures.get(id)
+    system = as_modelled(store.structures.get(id))
     rng = np.random.default_rng(body.seed)
-    model = synthetic_modes(structure, body.count, body.places(), noise=body.noise.to_domain(), rng=rng)
+    model = synthetic_modes(system, body.count, body.places(), noise=body.noise.to_domain(), rng=rng)
     stored = store.modal_models.add(model, owner=owner, inputs={"structure_id": id}, seed=body.seed)
     return ModalModelOut.of(model, store.modal_models.entry(stored))
 
