@@ -31,7 +31,7 @@ class CubicStiffness(Effect):
     structural: ClassVar[bool] = True
     sits: ClassVar[tuple[type, ...]] = (Dof,)
     stiffness: float = parameter(
-        1e9, unit="N/m^3", lower=0.0, upper=1e24, doc="force over the cube of the motion"
+        3e8, unit="N/m^3", lower=0.0, upper=1e24, doc="force over the cube of the motion"
     )
 
     def on_motion(self) -> LocalForce | None:
