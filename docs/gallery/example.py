@@ -14,6 +14,7 @@ Wire = Mapping[str, Any]  # a body, or a part of one, as the service takes it
 STEEL = Material(modulus=2.09e11, density=7800.0)
 BAR = Section(area=5e-4, second_moment=4.1667e-9)
 LAW = StructuralDamping(stiffness_coefficient=0.005)
+DAMPED = StructuralDamping(stiffness_coefficient=0.05)
 
 
 @dataclass(frozen=True)
@@ -41,8 +42,10 @@ def structure(name: str) -> Structure:
     return _MADE[name]()
 
 
-def _beam(length: float = 1.5, supports: tuple[Support, ...] = ()) -> Structure:
-    return beam(length=length, n_elements=20, section=BAR, material=STEEL, damping=LAW, supports=supports)
+def _beam(
+    length: float = 1.5, supports: tuple[Support, ...] = (), damping: StructuralDamping = LAW
+) -> Structure:
+    return beam(length=length, n_elements=20, section=BAR, material=STEEL, damping=damping, supports=supports)
 
 
 def _frame() -> Structure:
@@ -57,12 +60,14 @@ def _frame() -> Structure:
 _MADE = {
     "free beam": _beam,
     "clamped beam": lambda: _beam(supports=(Support(1, ("Y", "RZ")),)),
+    "damped beam": lambda: _beam(supports=(Support(1, ("Y", "RZ")),), damping=DAMPED),
     "short beam": lambda: _beam(0.3),
     "frame": _frame,
 }
 DESCRIBED = {
     "free beam": "a free steel beam, 1.5 m of 50 mm by 10 mm in 20 members, 5.85 kg",
     "clamped beam": "a steel beam, 1.5 m of 50 mm by 10 mm in 20 members, clamped at node 1",
+    "damped beam": "a steel beam, 1.5 m of 50 mm by 10 mm in 20 members, clamped at node 1, loss factor 0.05",
     "short beam": "a free steel beam, 0.3 m of 50 mm by 10 mm in 20 members, 1.17 kg",
     "frame": "a steel frame of 50 mm by 10 mm, clamped at node 1: 0.7 m up to node 8, 0.5 m across to 13",
 }
