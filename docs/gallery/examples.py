@@ -70,7 +70,7 @@ STRUCTURE = {
         levels=(0.5, 5.0),
         panels=("magnitude", "coherence"),
         band=(2.0, 50.0),
-        shows="The first resonance rises with the level; coherence falls there and at three times its frequency.",
+        shows="The first resonance rises with the level; coherence falls there and at three times that.",
     ),
     "friction": Example(
         structure="clamped beam",
