@@ -82,9 +82,17 @@ class Evidence:
     @property
     def excess(self) -> float:
         """By how many of its errors a line's incoherent response is too strong, on average; at least 0."""
-        if self.response is None:
+        return self._surplus_of(self.response)
+
+    @property
+    def force_excess(self) -> float:
+        """The same of the force."""
+        return self._surplus_of(self.force)
+
+    def _surplus_of(self, part: FloatArray | None) -> float:
+        if part is None:
             return 0.0
-        return max(0.0, float((self.response * self.weight).sum() / max(self.weight.sum(), 1.0)))
+        return max(0.0, float((part * self.weight).sum() / max(self.weight.sum(), 1.0)))
 
     @property
     def falling(self) -> float:

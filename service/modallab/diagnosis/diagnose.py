@@ -41,7 +41,7 @@ from modallab.rig.setup import RigSetup
 
 FEW = 4  # FRFs below which lines are held out instead of FRFs
 MOST_ALIKE = 3
-RULED_OUT = 0.05  # suspicion below which a kind is not looked for unless it is named
+RULED_OUT = 0.01  # suspicion below which a kind is not looked for unless it is named
 
 
 def diagnose(

@@ -44,5 +44,6 @@ class ForceNoise(Effect):
 
     @classmethod
     def signature(cls, evidence: Evidence) -> float:
-        """Coherence is lower than it should be."""
-        return float(np.clip(evidence.coherence_drop.mean() / 0.01, 0.0, 1.0))
+        """Coherence is lower than it should be, or the force too strong."""
+        drop = float(np.clip(evidence.coherence_drop.mean() / 0.01, 0.0, 1.0))
+        return min(1.0, max(drop, evidence.excess, evidence.force_excess))

@@ -39,4 +39,5 @@ class ResponseNoise(Effect):
     @classmethod
     def signature(cls, evidence: Evidence) -> float:
         """Coherence is lower than it should be."""
-        return float(np.clip(evidence.coherence_drop.mean() / 0.01, 0.0, 1.0))
+        drop = float(np.clip(evidence.coherence_drop.mean() / 0.01, 0.0, 1.0))
+        return min(1.0, max(drop, evidence.excess))
