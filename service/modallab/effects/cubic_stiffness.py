@@ -42,7 +42,7 @@ class CubicStiffness(Effect):
     @classmethod
     def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:
         """Return every translation that the test measures."""
-        return tuple(dict.fromkeys(dof.point for dof in setup.responses))
+        return tuple(dof.point for dof in setup.responses)
 
     def looks(self, system: DynamicSystem, setup: RigSetup) -> Mapping[str, Sequence[float]]:
         """Return what makes a spring of a thousandth to all of the stiffness that the DoF feels."""

@@ -53,7 +53,7 @@ class Friction(Effect):
     @classmethod
     def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:
         """Return every translation that the test measures."""
-        return tuple(dict.fromkeys(dof.point for dof in setup.responses))
+        return tuple(dof.point for dof in setup.responses)
 
     def looks(self, system: DynamicSystem, setup: RigSetup) -> Mapping[str, Sequence[float]]:
         """Return what makes a damper of a hundredth to all of the damping that the DoF feels."""

@@ -49,7 +49,7 @@ class Rattle(Effect):
     @classmethod
     def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:
         """Return every translation that the test measures."""
-        return tuple(dict.fromkeys(dof.point for dof in setup.responses))
+        return tuple(dof.point for dof in setup.responses)
 
     @classmethod
     def signature(cls, evidence: Evidence) -> float:
