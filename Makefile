@@ -4,7 +4,7 @@ BIN := .venv/bin
 STAMP := .venv/.installed
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: setup check test demo serve bench docs sync-client lock
+.PHONY: setup check test demo serve bench trial docs sync-client lock
 
 $(STAMP): pyproject.toml requirements.lock
 	$(PYTHON) -m venv .venv
@@ -31,6 +31,14 @@ serve: setup ## the service on http://127.0.0.1:8000
 
 bench: setup ## speed as ratios against a limit or a peer of the same run
 	$(BIN)/python -m benchmarks
+
+trial: setup ## the blind trial of the diagnosis, for hours; may be cut and continued; writes docs/trial.md
+	mkdir -p build/trial
+	$(BIN)/python -m benchmarks.blind_trial --set 1 --cases 416 --out build/trial/1.jsonl --resume
+	$(BIN)/python -m benchmarks.blind_trial --set 2 --cases 156 --out build/trial/2.jsonl --resume
+	$(BIN)/python -m benchmarks.blind_trial --set 3 --cases 156 --out build/trial/3.jsonl --resume
+	$(BIN)/python -m benchmarks.blind_trial --set 3a --cases 156 --types single --out build/trial/3a.jsonl --resume
+	$(BIN)/python -m benchmarks.blind_trial --out build/trial/*.jsonl --report docs/trial.md
 
 docs: setup ## pages and pictures of all effects
 	$(BIN)/python -m docs.gallery

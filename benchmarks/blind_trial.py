@@ -1,261 +1,121 @@
 """A blind trial of the diagnosis: hidden effects, sealed truths, a score.
 
-Each case is a measurement by the `sampled` route of a structure and a rig with one hidden effect, or
-none. Kind and place are drawn; the effect's size is chosen so that the gap it opens is log-uniform
-from 2 to 10,000. The diagnosis sees the measurement with its log book and the model; the scorer alone
-knows the truth.
+Each case is a measurement by the `sampled` route of a structure and a rig in which effects are hidden: one,
+two, none, one that no catalogue holds, or a mistake in the log book. Place and sense are drawn; the strength
+is such that the gap it opens is log-uniform from 2 to 10,000. The diagnosis is given the model and the
+measurement with its log book; the scorer alone knows the truth.
 
-    python -m benchmarks.blind_trial --cases 40 --seed 1
+Sets: 1 exact model, periodic random; 2 pure random through a Hann window; 3 with tolerances, all varied; 3a
+the same with up to two of the proposed tests done. A case is the same whatever others are run with it: a
+trial may be cut and continued, and its cases run one by one.
+
+    python -m benchmarks.blind_trial --set 1 --cases 416 --seed 1 --workers 2 --out set1.jsonl --resume
+    python -m benchmarks.blind_trial --out set1.jsonl set2.jsonl --report docs/trial.md
 """
 
 import argparse
-import time
-from collections.abc import Sequence
-from concurrent.futures import ProcessPoolExecutor
-from dataclasses import dataclass, replace
+import json
+import traceback
+from collections.abc import Iterable, Sequence
+from concurrent.futures import ProcessPoolExecutor, as_completed
+from pathlib import Path
+from typing import Any
 
-import numpy as np
-from scipy.optimize import brentq
+from benchmarks.trial.cases import ROUND, SETS, case, type_of
+from benchmarks.trial.reporting import report, row
+from benchmarks.trial.running import run
 
-from modallab.core.dof import Dof
-from modallab.diagnosis.diagnose import diagnose
-from modallab.diagnosis.observed import observe
-from modallab.diagnosis.predictor import Predictor
-from modallab.diagnosis.residual import residual
-from modallab.diagnosis.result import Diagnosis, Step, Verdict
-from modallab.fe.assembly import assemble
-from modallab.fe.catalogued import STRUCTURES
-from modallab.fe.structure import Structure
-from modallab.rig.analyser import Analyser, ExcitationSetting
-from modallab.rig.chain import chain
-from modallab.rig.effect import EFFECTS, Effect
-from modallab.rig.expected import expected_spectra
-from modallab.rig.hardware import Accelerometers, Exciter, ForceTransducer, Noise
-from modallab.rig.measure import Route, measure, measurement_of
-from modallab.rig.measurement import Measurement
-from modallab.rig.setup import RigSetup
+TITLE = """# The blind trial
 
-GAPS = (2.0, 1e4)
-NOISES = (1e-5, 1e-3)
-WIDEST = float(np.log(1e5))  # from its believable size that an effect's strength is drawn
+Effects are hidden in simulated tests, and a diagnosis that knows model, log book and measurement alone has
+to name them. `python -m benchmarks.blind_trial` draws the cases, runs them and writes this page; its
+docstring says what the sets are. An answer by another name counts as right where the two predictions are
+closer than the random error of all data together, which the scorer works out from the truth.
+"""
 
 
-@dataclass(frozen=True)
-class Case:
-    """One sealed case."""
-
-    number: int
-    setup: RigSetup
-    truth: Effect | None
-    gap: float  # that the effect opens in expectation
-    seed: int
+def one(number: int, seed: int, which: str) -> dict[str, Any]:
+    """Return the score of one case by its number; a case that cannot be drawn says why."""
+    try:
+        return run(case(number, seed, which)) | {"seed": seed}
+    except Exception:  # nothing was asked of the diagnosis: the case does not count
+        return {"number": number, "set": which, "seed": seed, "void": traceback.format_exc(limit=-3)}
 
 
-@dataclass(frozen=True)
-class Score:
-    """What became of a case."""
-
-    case: Case
-    verdict: str
-    named: str
-    right: bool
-    by_alias: bool
-    false_alarm: bool
-    held_out_closed: bool
-    relative_error: float
-    seconds: float
-
-
-def beam() -> Structure:
-    """Return the model of all cases."""
-    return STRUCTURES["chapter-5-beam"]()
-
-
-def cases(count: int, seed: int, *, nothing: int = 6, kinds: Sequence[str] = ()) -> list[Case]:
-    """Return sealed cases: kinds in turn at a random place, and `nothing` without an effect.
-
-    Parameters
-    ----------
-    kinds
-        All that a diagnosis looks for and this rig can show, if none is given.
-    """
-    rng = np.random.default_rng(seed)
-    kinds = kinds or _shown(_setup(True, rng))
-    found: list[Case] = []
-    for number in range(count):
-        hidden = number < count - nothing
-        kind = kinds[number % len(kinds)] if hidden else None
-        # Signals that do not repeat leak already: hidden leakage shows with a periodic one only.
-        periodic = kind == "leakage" or bool(rng.integers(2))
-        setup = _setup(periodic, rng)
-        target = _drawn_gap(rng)
-        truth, gap = (None, 1.0) if kind is None else _sized(kind, setup, target, rng)
-        found.append(Case(number, setup, truth, gap, int(rng.integers(2**31))))
+def numbers(text: str) -> list[int]:
+    """Return case numbers from `3,7,10-14`."""
+    found: list[int] = []
+    for part in text.split(","):
+        first, _, last = part.partition("-")
+        found += range(int(first), int(last or first) + 1)
     return found
 
 
-def _shown(setup: RigSetup) -> list[str]:
-    system = assemble(beam())
-    return [kind for kind, cls in EFFECTS.items() if cls.suspected and cls.places(system, setup)]
+def read(paths: Iterable[Path]) -> list[dict[str, Any]]:
+    """Return the lines of earlier runs, the last of each case; one that was cut off does not count."""
+    found: dict[tuple[str, int, int], dict[str, Any]] = {}
+    for path in paths:
+        for text in path.read_text().splitlines() if path.exists() else []:
+            try:
+                line = json.loads(text)
+            except json.JSONDecodeError:
+                continue
+            found[line["set"], line["seed"], line["number"]] = line
+    return list(found.values())
 
 
-def _setup(periodic: bool, rng: np.random.Generator) -> RigSetup:
-    low, high = np.log(NOISES)
-    noise = np.exp(rng.uniform(low, high, size=2))
-    excitation = ExcitationSetting("periodic_random" if periodic else "random")
-    return RigSetup(
-        drives=(Dof.parse("1:+Y"),),
-        responses=tuple(Dof(n, "Y") for n in range(1, 22, 2)),
-        exciter=Exciter(armature_mass=0.02),
-        force_transducer=ForceTransducer(mass_below=0.01),
-        accelerometers=Accelerometers(mass=0.02, roving=True),
-        noise=Noise(float(noise[0]), float(noise[1])),
-        analyser=Analyser(window="rectangular" if periodic else "hann", excitation=excitation),
-    )
+def _write(line: dict[str, Any], path: Path) -> None:
+    whole = not path.exists() or path.read_bytes()[-1:] in (b"", b"\n")
+    with path.open("a") as file:
+        file.write(("" if whole else "\n") + json.dumps(line) + "\n")
 
 
-def opened(setup: RigSetup, effect: Effect) -> float:
-    """Return the gap that an effect opens in expectation, random error included."""
-    spectra = expected_spectra(chain(assemble(beam()), setup, [effect]))
-    observed = observe(measurement_of(spectra, setup), (), fraction=0.0)
-    left = Predictor(beam(), setup, observed).residual(())
-    return 1.0 + replace(left, excess=None).gap(observed.usable)
-
-
-def _sized(kind: str, setup: RigSetup, target: float, rng: np.random.Generator) -> tuple[Effect, float]:
-    """Return an effect at a random place with the gap that it opens: the target, where bounds allow."""
-    system = assemble(beam())
-    places = EFFECTS[kind].places(system, setup)
-    for _ in range(20):
-        suspect = EFFECTS[kind](at=places[int(rng.integers(len(places)))])
-        sized = _with_gap(suspect, setup, target, more=bool(rng.integers(2)))
-        if sized is not None:
-            return sized, opened(setup, sized)
-        target = _drawn_gap(rng)  # out of this kind's reach: another one
-    return suspect, opened(setup, suspect)  # as weak or as strong as it is believable
-
-
-def _with_gap(suspect: Effect, setup: RigSetup, target: float, *, more: bool) -> Effect | None:
-    """Return the suspect as strong as the gap asks for; None if its bounds do not allow it."""
-    if not suspect.specs():
-        return suspect
-    name, spec = next(iter(suspect.specs().items()))
-    usual = type(suspect)().parameters[name]
-
-    def effect(strength: float) -> Effect:
-        if spec.signed:
-            value = (usual if more else -usual) * np.exp(strength)
-        elif spec.absent == 1:
-            value = np.exp(strength if more else -strength)
-        else:
-            value = usual * np.exp(strength)
-        return suspect.with_parameters({name: float(np.clip(value, spec.lower, spec.upper))})
-
-    def off(strength: float) -> float:
-        return float(np.log(opened(setup, effect(strength)) / target))
-
-    low, high = (1e-7, float(np.log(8.0))) if spec.absent == 1 else (-WIDEST, WIDEST)
-    if off(low) * off(high) >= 0:
-        return None
-    return effect(brentq(off, low, high, xtol=1e-3, maxiter=40))
-
-
-def _drawn_gap(rng: np.random.Generator) -> float:
-    return float(np.exp(rng.uniform(*np.log(GAPS))))
-
-
-def sealed(case: Case) -> Measurement:
-    """Return the measurement of a case: arrays and the rig as declared."""
-    hidden = [] if case.truth is None else [case.truth]
-    rng = np.random.default_rng(case.seed)
-    return measure(beam(), case.setup, hidden, route=Route.SAMPLED, rng=rng)
-
-
-def score(case: Case, found: Diagnosis, measurement: Measurement, seconds: float) -> Score:
-    """Return whether the first named effect is the hidden one, or cannot be told from it."""
-    first = found.steps[0] if found.steps else None
-    right = by_alias = closed = False
-    error = np.nan
-    if case.truth is not None and first is not None:
-        right = (first.effect.kind, first.effect.at) == (case.truth.kind, case.truth.at)
-        if not right and len(first.rivals_alike) <= 3:
-            by_alias = right = indistinguishable(case, first, measurement)
-        last = found.steps[-1]
-        closed = last.held_out_gap_after < 1 + 4 * last.held_out_scatter
-        if right and not by_alias and case.truth.specs():
-            name, spec = next(iter(case.truth.specs().items()))
-            true = case.truth.parameters[name]
-            error = abs(first.effect.parameters[name].value - true) / abs(true - (spec.absent or 0.0))
-    alarm = case.truth is None and found.verdict is not Verdict.NOTHING_MISSING
-    if case.truth is None:
-        right = not alarm
-    named = "nothing" if first is None else f"{first.effect.kind} at {first.effect.at}"
-    return Score(case, found.verdict.value, named, right, by_alias, alarm, closed, float(error), seconds)
-
-
-def indistinguishable(case: Case, step: Step, measurement: Measurement) -> bool:
-    """Return whether what was named predicts the same as the truth, within the random error."""
-    assert case.truth is not None
-    values = {name: p.value for name, p in step.effect.parameters.items()}
-    named = EFFECTS[step.effect.kind](at=step.effect.at).with_parameters(values)
-    observed = observe(measurement, (), fraction=0.0)
-    predictor = Predictor(beam(), case.setup, observed)
-    true, other = predictor.predict([case.truth]), predictor.predict([named])
-    apart = replace(observed, h=np.where(observed.usable, true.h, 1.0))
-    if observed.force is not None:
-        apart = replace(apart, force=true.force)
-    if observed.incoherent is not None:
-        apart = replace(apart, incoherent=true.incoherent)
-    return residual(apart, other).gap(observed.usable) < 1.0
-
-
-def run_case(case: Case) -> Score:
-    """Measure, diagnose and score one case."""
-    measurement = sealed(case)
-    start = time.process_time()
-    found = diagnose(beam(), measurement)
-    return score(case, found, measurement, time.process_time() - start)
-
-
-def table(scores: Sequence[Score]) -> str:
-    """Return the scores as text."""
+def trial(
+    wanted: Sequence[int], seed: int, which: str, out: Path | None, workers: int
+) -> list[dict[str, Any]]:
+    """Run cases, each written down as soon as it is done."""
     lines = []
-    for s in scores:
-        truth = "nothing" if s.case.truth is None else f"{s.case.truth.kind} at {s.case.truth.at}"
-        mark = "alias" if s.by_alias else "right" if s.right else "WRONG"
-        kind = s.case.setup.analyser.excitation.kind
-        closed = "held-out closed" if s.held_out_closed else "held-out OPEN"
-        lines.append(
-            f"{s.case.number:3d} {mark:5s} {kind:16s} gap {s.case.gap:8.1f}  {truth:38s} named {s.named:38s}"
-            f" {s.verdict:15s} error {s.relative_error:8.1e} {closed:15s} {s.seconds:5.1f} s"
-        )
-    hidden = [s for s in scores if s.case.truth is not None]
-    right = [s for s in hidden if s.right]
-    lines.append(
-        f"named first {len(right)} of {len(hidden)} ({100 * len(right) / max(len(hidden), 1):.0f} %), "
-        f"{sum(s.by_alias for s in right)} of them by an alias; "
-        f"held-out gap back to its scatter in {sum(s.held_out_closed for s in right)} of {len(right)}; "
-        f"false alarms {sum(s.false_alarm for s in scores)} of {len(scores) - len(hidden)}; "
-        f"median {np.median([s.seconds for s in scores]):.1f} s"
-    )
-    return "\n".join(lines)
+    with ProcessPoolExecutor(workers) as pool:
+        tasks = [pool.submit(one, number, seed, which) for number in wanted]
+        for done, task in enumerate(as_completed(tasks), 1):
+            line = task.result()
+            lines.append(line)
+            if out is not None:
+                _write(line, out)
+            told = (
+                f"{line['number']:4d} void {line['void'].splitlines()[-1]}" if "void" in line else row(line)
+            )
+            print(f"[{done}/{len(tasks)}] {told}", flush=True)
+    return lines
 
 
 def main() -> None:
-    """Run the trial on all cores."""
-    parser = argparse.ArgumentParser(description=__doc__)
-    parser.add_argument("--cases", type=int, default=40)
+    """Run cases, or write the page from those that were run."""
+    parser = argparse.ArgumentParser(
+        description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter, allow_abbrev=False
+    )
+    parser.add_argument("--set", choices=SETS, default="1")
+    parser.add_argument("--cases", type=int, default=ROUND, help="numbers 0 to this; a round has 52")
+    parser.add_argument("--only", type=numbers, help="case numbers instead, such as 3,7,10-14")
+    parser.add_argument("--types", nargs="*", choices=sorted({type_of(n) for n in range(ROUND)}))
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--workers", type=int, default=2)
-    parser.add_argument("--kinds", nargs="*", default=(), help="of hidden effects; all by default")
-    wanted = parser.parse_args()
-    drawn = cases(wanted.cases, wanted.seed, kinds=wanted.kinds)
-    with ProcessPoolExecutor(wanted.workers) as pool:
-        scores = []
-        for one in pool.map(run_case, drawn):
-            scores.append(one)
-            print(table([one]).splitlines()[0], flush=True)
-    print(table(scores).splitlines()[-1])
+    parser.add_argument("--out", type=Path, nargs="*", default=[], help="lines of results, one a case")
+    parser.add_argument("--resume", action="store_true", help="leave out cases that are in --out already")
+    parser.add_argument("--report", type=Path, help="write tables of --out to this file and run nothing")
+    told = parser.parse_args()
+    if told.report:
+        lines = [line for line in read(told.out) if "void" not in line]
+        told.report.write_text(TITLE + "\n" + report(lines))
+        return
+    wanted = told.only if told.only is not None else range(told.cases)
+    if told.types:
+        wanted = [number for number in wanted if type_of(number) in told.types]
+    if told.resume:
+        known = {(line["set"], line["seed"], line["number"]) for line in read(told.out)}
+        wanted = [number for number in wanted if (told.set, told.seed, number) not in known]
+    lines = trial(wanted, told.seed, told.set, told.out[0] if told.out else None, told.workers)
+    print(report([line for line in lines if "void" not in line]))
 
 
 if __name__ == "__main__":

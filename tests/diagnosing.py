@@ -5,8 +5,8 @@ from collections.abc import Sequence
 import numpy as np
 
 from modallab.core.dof import Dof
-from modallab.diagnosis.observed import Observed, observe
-from modallab.diagnosis.predictor import Predictor
+from modallab.diagnosis.observing.observed import Observed, observe
+from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.fe.assembly import assemble
 from modallab.fe.beam import beam
 from modallab.fe.damping import StructuralDamping

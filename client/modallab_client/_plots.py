@@ -83,29 +83,34 @@ def update(result: "Update") -> "Axes":
     return axes  # type: ignore[no-any-return]
 
 
-def diagnosis(found: "Diagnosis") -> "Axes":
-    """Draw the gap by step; return the axes."""
-    _, axes = _pyplot().subplots(layout="constrained")
-    steps = found.steps
-    names = ["as given", *(f"+ {step.effect.kind}" for step in steps)]
-    gaps = [steps[0].gap_before, *(s.gap_after for s in steps)] if steps else [found.remaining_gap]
-    axes.plot(range(len(gaps)), gaps, "o-", label="all FRFs")
-    if steps and steps[0].held_out_gap_before is not None:
-        held_out = [steps[0].held_out_gap_before, *(s.held_out_gap_after for s in steps)]
-        axes.plot(range(len(held_out)), held_out, "s--", label="held out")
-    axes.axhline(1.0, color="grey", linewidth=0.8, label="only random error left")
-    axes.set(yscale="log", ylabel="gap", title=found.verdict)
-    axes.set_xticks(range(len(names)), names)
-    axes.legend()
-    return axes  # type: ignore[no-any-return]
+def diagnosis(found: "Diagnosis") -> "tuple[Axes, ...]":
+    """Draw the gap by step, and where there are curves what they tell; return the axes."""
+    from modallab_client import _diagnosis_plot as parts
+
+    pyplot = _pyplot()
+    if found.curves is None:
+        _, axes = pyplot.subplots(layout="constrained")
+        parts.gap_by_step(axes, found)
+        axes.set_title(parts.heading(found))
+        return (axes,)
+    figure, grid = pyplot.subplots(2, 2, figsize=(11, 7), layout="constrained")
+    figure.suptitle(parts.heading(found))
+    parts.gap_by_step(grid[0, 0], found)
+    parts.where(grid[0, 1], found.curves)
+    parts.enlarged(grid[1, 0], grid[1, 1], found.curves, added=bool(found.steps))
+    return tuple(grid.flat)
 
 
 def curves(found: "DiagnosisCurves", output: str) -> "Axes":
     """Draw one response of a diagnosis to its first input; return the axes."""
     _, axes = _pyplot().subplots(layout="constrained")
     i = found.outputs.index(output)
-    for name, values in (("measured", found.measured), ("before", found.before), ("after", found.after)):
-        axes.semilogy(found.freq, np.abs(values[:, i, 0]), label=name, linewidth=0.9)
-    axes.set(xlabel="frequency, Hz", ylabel=f"|H| {output} / {found.inputs[0]}")
+    shown = found.freq > 0  # at rest there is rounding and nothing else
+    for name, style in (("measured", "k-"), ("before", "C1-"), ("after", "C0--")):
+        size = np.abs(getattr(found, name)[shown, i, 0])
+        axes.semilogy(found.freq[shown], size, style, label=name, linewidth=0.9)
+    held = ", held out of every fit" if found.held_out[i] else ""
+    axes.set(xlabel="frequency, Hz", ylabel="|inertance|, m/(s² N)")
+    axes.set_title(f"response {output} / {found.inputs[0]}{held}")
     axes.legend()
     return axes  # type: ignore[no-any-return]

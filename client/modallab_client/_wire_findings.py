@@ -1,10 +1,13 @@
 """JSON and npz to correlations, updates and diagnoses; pure."""
 
 from collections.abc import Mapping
-from typing import Any
+from dataclasses import fields
+from typing import Any, TypeVar
 
-from modallab_client import findings
+from modallab_client import findings, located
 from modallab_client._wire import Arrays, Json, floats, number, texts
+
+T = TypeVar("T")
 
 
 def correlation(data: Json) -> findings.Correlation:
@@ -80,21 +83,52 @@ def diagnosis(data: Json) -> findings.Diagnosis:
         structure_id=data.get("structure_id"),
         rig_id=data.get("rig_id"),
         remaining_scatter=data.get("remaining_scatter"),
+        follow_ups=tuple(
+            findings.FollowUp(one["measurement_id"], one.get("changed") or {})
+            for one in data.get("follow_ups") or ()
+        ),
         notes=texts(data.get("notes") or ()),
+        tolerated=tuple(_tolerated(one) for one in data.get("tolerated") or ()),
     )
 
 
-def _located(data: Json) -> findings.Located:
-    return findings.Located(
+def _located(data: Json) -> located.Located:
+    return located.Located(
         bands=tuple((float(low), float(high)) for low, high in data.get("bands", ())),
         dofs=texts(data.get("dofs", ())),
         modes=tuple(map(int, data.get("modes", ()))),
         words=texts(data.get("words", ())),
+        signs=texts(data.get("signs", ())),
+        mode_shifts=tuple(_known(located.ModeShift, one) for one in data.get("mode_shifts", ())),
+        responses=tuple(_known(located.ResponseMisfit, one) for one in data.get("responses", ())),
+        level_dependence=data.get("level_dependence"),
+    )
+
+
+def _known(cls: type[T], data: Json) -> T:
+    """Return the fields of a reply that a result knows; later versions may say more."""
+    return cls(**{one.name: data.get(one.name) for one in fields(cls)})  # type: ignore[arg-type]
+
+
+def _tolerated(data: Json) -> findings.Tolerated:
+    return findings.Tolerated(
+        name=data["name"],
+        value=float(data["value"]),
+        standard_error=data.get("standard_error"),
+        tolerance=float(data["tolerance"]),
+        unit=data.get("unit") or "",
+        at=data.get("at"),
+        mode=data.get("mode"),
     )
 
 
 def _next_test(data: Json) -> findings.NextTest:
-    return findings.NextTest(data["why"], data.get("change") or {}, texts(data.get("separates") or ()))
+    return findings.NextTest(
+        why=data["why"],
+        change=data.get("change") or {},
+        separates=texts(data.get("separates") or ()),
+        expected_separation=data.get("expected_separation"),
+    )
 
 
 def _step(data: Json) -> findings.Step:

@@ -1,10 +1,13 @@
 """What the lab finds out: correlations, updated models, diagnoses."""
 
+import math
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, field
+from html import escape
 from typing import TYPE_CHECKING, Any
 
 from modallab_client import _plots, _tables
+from modallab_client.located import Located as Located
 from modallab_client.models import ComplexArray, FloatArray
 
 if TYPE_CHECKING:
@@ -101,6 +104,30 @@ class Parameter:
     standard_error: float | None
     unit: str
 
+    def __str__(self) -> str:
+        unit = "" if self.unit in ("", "1") else f" {self.unit}"
+        error = self.standard_error
+        if error is None or not math.isfinite(error) or error <= 0:
+            return f"{self.value:.4g}{unit}"
+        power = math.floor(math.log10(max(abs(self.value), error)))
+        scale = power if not -3 <= power <= 5 else 0
+        digits = max(0, 1 - math.floor(math.log10(error / 10.0**scale)))  # two of the error
+        text = f"{self.value / 10.0**scale:.{digits}f} ± {error / 10.0**scale:.{digits}f}"
+        return f"({text})e{scale}{unit}" if scale else f"{text}{unit}"
+
+
+@dataclass(frozen=True)
+class Tolerated:
+    """A number that may differ a little, as it was fitted: true over declared, or a delay in s."""
+
+    name: str
+    value: float
+    standard_error: float | None
+    tolerance: float  # one standard deviation, beforehand
+    unit: str
+    at: str | Mapping[str, Any] | None = None  # a channel of its own
+    mode: int | None = None  # elastic mode of the model, from 1
+
 
 @dataclass(frozen=True)
 class FittedEffect:
@@ -111,10 +138,8 @@ class FittedEffect:
     parameters: Mapping[str, Parameter]
 
     def __str__(self) -> str:
-        numbers = ", ".join(f"{name} {p.value:.4g} {p.unit}".strip() for name, p in self.parameters.items())
-        return (
-            f"{self.kind} at {place(self.at)}: {numbers}" if numbers else f"{self.kind} at {place(self.at)}"
-        )
+        numbers = ", ".join(f"{name} {number}" for name, number in self.parameters.items())
+        return f"{named(self.kind, self.at)}: {numbers}" if numbers else named(self.kind, self.at)
 
 
 @dataclass(frozen=True)
@@ -143,22 +168,21 @@ class Step:
 
 
 @dataclass(frozen=True)
-class Located:
-    """Where prediction and measurement differ."""
-
-    bands: tuple[tuple[float, float], ...] = ()  # Hz
-    dofs: tuple[str, ...] = ()
-    modes: tuple[int, ...] = ()  # counted from 1
-    words: tuple[str, ...] = ()  # the same in sentences
-
-
-@dataclass(frozen=True)
 class NextTest:
     """The test that would tell more, and between what it decides."""
 
     why: str
-    change: Mapping[str, Any]
+    change: Mapping[str, Any]  # as `changed` of a follow-up takes it
     separates: tuple[str, ...] = ()
+    expected_separation: float | None = None  # of the closest of them, in standard deviations
+
+
+@dataclass(frozen=True)
+class FollowUp:
+    """A further test that was explained together with the first."""
+
+    measurement_id: str
+    changed: Mapping[str, Any]  # against the first test
 
 
 @dataclass(frozen=True)
@@ -175,7 +199,10 @@ class Diagnosis:
     structure_id: str | None  # the model with what was added
     rig_id: str | None  # the rig with what was added
     remaining_scatter: float | None = None  # random error of the remaining gap if nothing is missing
+    follow_ups: tuple[FollowUp, ...] = ()  # those sent, and those that `act` has run
     notes: tuple[str, ...] = ()
+    tolerated: tuple[Tolerated, ...] = ()
+    curves: "DiagnosisCurves | None" = field(default=None, repr=False, compare=False)
 
     def table(self) -> str:
         """Return effect, place, probability and gaps of each step as text."""
@@ -191,8 +218,11 @@ class Diagnosis:
             rows.append((str(number), str(step.effect), *cells))
         return head, rows
 
-    def plot(self) -> "Axes":
-        """Draw the gap by step, on all FRFs and on the held-out ones; return the axes.
+    def plot(self) -> "tuple[Axes, ...]":
+        """Draw what was found; return the axes.
+
+        The gap by step; with curves also where model and measurement part, by response and frequency,
+        and magnitude and phase where the prediction as given is clearly off, measured, before and after.
 
         Raises
         ------
@@ -203,7 +233,22 @@ class Diagnosis:
 
     def _repr_html_(self) -> str:
         left = "" if self.remaining_gap is None else f", remaining gap {self.remaining_gap:.3g}"
-        return _tables.html(*self._rows(), caption=f"Diagnosis {self.id}: {self.verdict}{left}")
+        verdict = self.verdict.replace("_", " ")
+        table = _tables.html(*self._rows(), caption=f"Diagnosis {self.id}: {verdict}{left}")
+        return table + "".join(f"<p>{escape(text)}</p>" for text in self.left_open())
+
+    def left_open(self) -> list[str]:
+        """Return in sentences what this test cannot tell apart, and which test could."""
+        told = [
+            f"This test cannot tell {named(step.effect.kind, step.effect.at)} from "
+            f"{' or '.join(named(other.kind, other.at) for other in step.rivals_alike)}."
+            for step in self.steps
+            if step.rivals_alike
+        ]
+        if self.next_test is not None:
+            change = ", ".join(f"{name} {value}" for name, value in self.next_test.change.items())
+            told.append(f"Next test: {change.replace('_', ' ')}; {self.next_test.why}.")
+        return told
 
 
 @dataclass(frozen=True, eq=False)
@@ -226,10 +271,19 @@ class DiagnosisCurves:
         return _plots.curves(self, self.outputs[0] if output is None else output)
 
 
+def named(kind: str, at: str | Mapping[str, Any] | None) -> str:
+    """Return kind and place of an effect in words."""
+    name = kind.replace("_", " ")
+    return name if at is None else f"{name} at {place(at)}"
+
+
 def place(at: str | Mapping[str, Any] | None) -> str:
     """Return in words where an effect sits."""
     if at is None:
         return "everywhere"
     if isinstance(at, str):
         return at
-    return "; ".join(f"{name} {', '.join(map(str, where))}" for name, where in at.items())
+    return "; ".join(
+        f"{name if len(where) > 1 else name.removesuffix('s')} {', '.join(map(str, where))}"
+        for name, where in at.items()
+    )

@@ -24,7 +24,7 @@ _NAMES = {
 _HOOKS = ("on_motion", "on_spectra", "on_records", "on_source", "on_noise")
 _NONLINEAR = """`expected` puts the best straight line in the force's place, for a Gaussian motion of the size
 that this line itself allows, and adds what the line leaves as a force that is not coherent with the source.
-`sampled` steps the force itself through time. They agree to first order. They part where the motion is not
+`sampled` steps the force itself through time. They agree to second order. They part where the motion is not
 Gaussian: one narrow resonance far into the nonlinearity, jumps between two states of motion, and the scatter
 of coherence from record to record."""
 _CONVERTED = """`expected` adds to the spectra what the fault leaves on average of signals that are Gaussian.

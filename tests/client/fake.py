@@ -112,7 +112,13 @@ DIAGNOSIS = {
     "remaining_scatter": 0.02,
     "notes": ["n"],
     "gaps": {"before": {"frf": 812.0}, "after": {"frf": 1.04}},
-    "next_test": {"why": "w", "change": {"level_factor": 3.0}, "separates": ["a", "b"]},
+    "next_test": {
+        "why": "w",
+        "change": {"level_factor": 3.0},
+        "separates": ["a", "b"],
+        "expected_separation": 12.5,
+    },
+    "follow_ups": [{"measurement_id": "m2", "changed": {"drive": "5:+Y"}}],
     "structure_id": "s2",
     "rig_id": "r2",
 }

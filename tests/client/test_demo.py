@@ -21,7 +21,7 @@ def found(*effects: findings.FittedEffect, alike: tuple[findings.Rival, ...] = (
 
 
 TRUTH = hidden.Hidden("extra_mass", "9:+Y", "mass", 0.05, "kg")
-RIGHT = findings.FittedEffect("extra_mass", "9:+Y", {"mass": findings.Parameter(0.05, 4e-5, "kg")})
+RIGHT = findings.FittedEffect("extra_mass", "9:+Y", {"mass": findings.Parameter(0.0501, 4e-5, "kg")})
 WRONG = findings.FittedEffect("leakage", None, {"share": findings.Parameter(0.1, None, "1")})
 
 
@@ -58,9 +58,21 @@ def test_the_demo_is_honest_about_what_was_named(diagnosis: findings.Diagnosis, 
 
 
 def test_an_effect_is_said_with_place_size_and_error() -> None:
-    assert hidden.sized(RIGHT) == "extra mass at 9:+Y, mass 0.05 ± 4e-05 kg"
+    assert hidden.sized(RIGHT) == "extra mass at 9:+Y, mass 0.050100 ± 0.000040 kg"
     assert hidden.sized(WRONG) == "leakage, share 0.1"
     assert hidden.closed(found(RIGHT).steps[0]) == ("50 → 1", "40 → 1.1")
+
+
+@pytest.mark.parametrize(
+    ("diagnosis", "words"),
+    [
+        (found(RIGHT), "Its mass is 0.2 % off the hidden 0.05, which is 2.5 standard errors."),
+        (found(WRONG), ""),
+        (found(), ""),
+    ],
+)
+def test_the_size_is_held_against_the_truth(diagnosis: findings.Diagnosis, words: str) -> None:
+    assert hidden.compared(TRUTH, diagnosis) == words
 
 
 def test_a_table_has_the_lab_above_the_thesis() -> None:
@@ -100,6 +112,10 @@ def test_the_demo_reproduces_the_thesis_names_the_hidden_effect_and_writes_one_p
     assert model == printed  # the analytical frequencies, to the printed digit
     assert "suspected elements: 4 for mass (4), 12 for stiffness (12)" in told
     assert "It was named first" in told
+    assert "Now the truth. Hidden was:" in told
+    assert re.search(r"Its \w+ is .* % off the hidden", told)
+    assert str((tmp_path / "out" / "report.html").resolve()) in told
+    assert "<h1>Explained" in (tmp_path / "out" / "report.html").read_text(encoding="utf-8")
     page = (tmp_path / "out" / "demo.html").read_text(encoding="utf-8")
     assert str((tmp_path / "out" / "demo.html").resolve()) in told
     # all of it in the page: images as data, the report as a document within it

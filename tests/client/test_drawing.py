@@ -1,6 +1,7 @@
 """Results in a notebook: drawn and tabulated."""
 
 from collections.abc import Iterator
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
@@ -9,7 +10,8 @@ from matplotlib import pyplot
 from matplotlib.patches import Rectangle
 
 from modallab_client import _wire, _wire_findings
-from modallab_client.models import Measurement
+from modallab_client.findings import DiagnosisCurves, Parameter
+from modallab_client.models import ComplexArray, Measurement
 from tests.client.fake import DIAGNOSIS, MEASUREMENT, MODE, UPDATE
 
 MODEL = {"id": "mm1", "modes": [MODE], "method": "dobson", "dofs": ["1:+Y", "3:+Y"]}
@@ -37,17 +39,81 @@ def test_a_measurement_shows_magnitude_over_coherence() -> None:
     np.testing.assert_array_equal(lower.lines[0].get_xdata(), [2.0, 4.0], "nothing moves at 0 Hz")
 
 
-def test_the_gap_is_drawn_by_step() -> None:
-    axes = _wire_findings.diagnosis(DIAGNOSIS).plot()
-    np.testing.assert_array_equal(axes.lines[0].get_ydata(), [812.0, 1.04])
-    np.testing.assert_array_equal(axes.lines[1].get_ydata(), [790.0, 1.06])
-    assert [tick.get_text() for tick in axes.get_xticklabels()] == ["as given", "+ extra_mass"]
+def lengths(axes: Any) -> list[float]:
+    """Return where the bars of a drawing end."""
+    return [bar.get_x() + bar.get_width() for bar in axes.patches if isinstance(bar, Rectangle)]
+
+
+def test_the_gap_is_drawn_by_step_over_fitted_and_held_out_frfs() -> None:
+    (axes,) = _wire_findings.diagnosis(DIAGNOSIS).plot()
+    np.testing.assert_allclose(lengths(axes), [812.0, 1.04, 790.0, 1.06])
+    assert [tick.get_text() for tick in axes.get_yticklabels()] == ["as given", "+ extra mass\nat 7:+Y"]
+    assert "mass 0.05000 ± 0.00040 kg" in axes.get_title()
 
 
 def test_a_diagnosis_without_steps_draws_its_one_gap() -> None:
     nothing: dict[str, Any] = {**DIAGNOSIS, "steps": [], "verdict": "nothing_missing", "next_test": None}
-    axes = _wire_findings.diagnosis(nothing).plot()
-    np.testing.assert_array_equal(axes.lines[0].get_ydata(), [1.06])
+    (axes,) = _wire_findings.diagnosis(nothing).plot()
+    np.testing.assert_allclose(lengths(axes), [1.06])
+    assert axes.get_title() == "nothing missing"
+
+
+def test_with_curves_a_diagnosis_draws_where_it_parts_and_the_clearest_difference() -> None:
+    found = replace(_wire_findings.diagnosis(DIAGNOSIS), curves=resonances())
+    gap, where, size, turn = found.plot()
+    assert len(lengths(gap)) == 4
+    # 40 lines of two responses, one of them held out
+    assert np.asarray(where.collections[0].get_array()).shape == (2, 40)
+    assert [tick.get_text() for tick in where.get_yticklabels()] == ["1:+Y", "3:+Y *"]
+    before, after, measured = (np.asarray(line.get_xydata()) for line in size.lines[:3])
+    assert size.get_title() == "response 3:+Y / 1:+Y, held out of every fit"
+    # enlarged: the resonance at 120 Hz, and not all 40 lines
+    assert before[0, 0] < 120 < before[-1, 0]
+    assert len(before) < 30
+    np.testing.assert_array_equal(after[:, 1], measured[:, 1])
+    assert (np.abs(before[:, 1] / measured[:, 1] - 1) > 0.1).any()
+    assert turn.get_ylabel() == "phase, degrees"
+
+
+def test_curves_that_agree_are_drawn_over_all_lines() -> None:
+    agreeing = replace(resonances(), before=resonances().after)
+    nothing: dict[str, Any] = {**DIAGNOSIS, "steps": [], "verdict": "nothing_missing", "next_test": None}
+    _, _, size, _ = replace(_wire_findings.diagnosis(nothing), curves=agreeing).plot()
+    assert len(np.asarray(size.lines[0].get_xdata())) == 39  # nothing moves at 0 Hz
+
+
+def test_a_difference_that_curves_do_not_show_is_drawn_as_a_ratio() -> None:
+    curves = resonances()
+    high = replace(curves, before=curves.after / 1.05, random_error=np.full((40, 2, 1), 0.002))
+    *_, size, turn = replace(_wire_findings.diagnosis(DIAGNOSIS), curves=high).plot()
+    assert size.get_ylabel() == "magnitude against the prediction, %"
+    np.testing.assert_allclose(np.asarray(size.lines[0].get_ydata()), 0.0, atol=1e-12)
+    np.testing.assert_allclose(np.asarray(size.lines[1].get_ydata()), 5.0, rtol=1e-9)
+    np.testing.assert_allclose(np.asarray(turn.lines[1].get_ydata()), 0.0, atol=1e-9)
+
+
+def test_what_is_left_open_stands_under_the_table() -> None:
+    words = _wire_findings.diagnosis(DIAGNOSIS)._repr_html_()
+    assert "This test cannot tell extra mass at 7:+Y from force transducer mass." in words
+    assert "Next test: level factor 3.0; w." in words
+
+
+@pytest.mark.parametrize(
+    ("value", "error", "unit", "words"),
+    [
+        (0.05, 4e-4, "kg", "0.05000 ± 0.00040 kg"),
+        (1.2, 3e-5, "1", "1.200000 ± 0.000030"),
+        (2.0e6, 3.1e4, "N/m", "(2.000 ± 0.031)e6 N/m"),
+        (2.0e-5, 1e-7, "s", "(2.000 ± 0.010)e-5 s"),
+        (5e4, 700.0, "N/m", "50000 ± 700 N/m"),
+        (0.05, None, "kg", "0.05 kg"),
+        (0.0, 0.002, "", "0.0000 ± 0.0020"),
+    ],
+)
+def test_a_number_has_two_digits_of_its_error(
+    value: float, error: float | None, unit: str, words: str
+) -> None:
+    assert str(Parameter(value, error, unit)) == words
 
 
 def test_modes_coefficients_and_mac_draw_themselves() -> None:
@@ -62,26 +128,38 @@ def test_modes_coefficients_and_mac_draw_themselves() -> None:
     )
 
 
+def resonances() -> DiagnosisCurves:
+    """Return a resonance at 120 Hz that was predicted 5 % too high, and after an addition as it is."""
+    freq = np.linspace(0.0, 390.0, 40)
+
+    def frf(resonance: float) -> ComplexArray:
+        one = -(freq**2) / (resonance**2 * (1 + 0.05j) - freq**2)
+        return np.asarray(one[:, None, None] * np.array([1.0, 2.0])[:, None], complex)
+
+    return DiagnosisCurves(
+        freq=freq,
+        measured=frf(120.0),
+        before=frf(126.0),
+        after=frf(120.0),
+        random_error=np.full((40, 2, 1), 0.01),
+        held_out=np.array([False, True]),
+        outputs=("1:+Y", "3:+Y"),
+        inputs=("1:+Y",),
+    )
+
+
 def test_the_curves_of_a_diagnosis_are_measured_before_and_after() -> None:
-    frf = np.ones((3, 2, 1)) + 0j
-    arrays = {
-        "freq": np.arange(3.0),
-        "measured": frf,
-        "before": 2 * frf,
-        "after": frf,
-        "random_error": frf.real,
-        "held_out": np.array([False, True]),
-        "outputs": np.array(["1:+Y", "3:+Y"]),
-        "inputs": np.array(["1:+Y"]),
-    }
-    axes = _wire_findings.diagnosis_curves(arrays).plot("3:+Y")
+    curves = resonances()
+    axes = curves.plot("3:+Y")
     assert [line.get_label() for line in axes.lines] == ["measured", "before", "after"]
-    np.testing.assert_array_equal(axes.lines[1].get_ydata(), 2.0)
+    np.testing.assert_array_equal(axes.lines[1].get_ydata(), np.abs(curves.before[1:, 1, 0]))
+    assert axes.get_title() == "response 3:+Y / 1:+Y, held out of every fit"
 
 
 def test_tables_are_escaped_for_the_notebook() -> None:
+    diagnosed = _wire_findings.diagnosis(DIAGNOSIS)._repr_html_()
     assert "Measurement m&lt;1&gt;" in measurement()._repr_html_()
-    assert "<td>extra_mass at 7:+Y: mass 0.05 kg</td>" in _wire_findings.diagnosis(DIAGNOSIS)._repr_html_()
+    assert "<td>extra mass at 7:+Y: mass 0.05000 ± 0.00040 kg</td>" in diagnosed
     assert "<th>coefficient</th>" in _wire_findings.update(UPDATE)._repr_html_()
     assert "dobson" in _wire.modal_model(MODEL, SHAPES)._repr_html_()
     modes = _wire.structure_modes({"frequencies": [1.0], "loss_factors": [0.1], "n_rigid_body": 2})

@@ -9,6 +9,7 @@ import pytest
 
 from modallab_client import ModalLab
 from modallab_client.errors import UnexpectedReplyError
+from modallab_client.findings import FollowUp
 from tests.client.fake import DIAGNOSIS, MEASUREMENT, MODE, UPDATE, FakeService, events, npz
 
 STRUCTURE = {"id": "s1", "n_nodes": 21, "n_dofs": 42, "members": 20, "created_at": "later"}
@@ -239,6 +240,13 @@ def test_a_diagnosis_reads_as_it_is_written_in_the_contract(lab: ModalLab, servi
     service.on("POST /v1/diagnoses", ACCEPTED)
     finish(service, "d1")
     service.on("GET /v1/diagnoses/d1", DIAGNOSIS)
+    frf = np.ones((3, 1, 1)) + 0j
+    curves = {"freq": np.arange(3.0), "measured": frf, "before": 2 * frf, "after": frf}
+    names = {"outputs": np.array(["7:+Y"]), "inputs": np.array(["1:+Y"])}
+    service.on(
+        "GET /v1/diagnoses/d1/arrays",
+        npz(**curves, **names, random_error=frf.real, held_out=np.array([True])),
+    )
     found = lab.diagnoses.start("s1", "m1", hold_out={"fraction": 0.25}, max_effects=2).result()
     assert service.body(0) == {
         "structure_id": "s1",
@@ -258,8 +266,11 @@ def test_a_diagnosis_reads_as_it_is_written_in_the_contract(lab: ModalLab, servi
     assert found.located.bands == ((22.0, 24.0),)
     assert (found.remaining_gap, found.remaining_scatter, found.notes) == (1.06, 0.02, ("n",))
     assert found.next_test is not None
-    assert found.next_test.separates == ("a", "b")
-    assert "extra_mass at 7:+Y: mass 0.05 kg" in found.table()
+    assert (found.next_test.separates, found.next_test.expected_separation) == (("a", "b"), 12.5)
+    assert found.follow_ups == (FollowUp("m2", {"drive": "5:+Y"}),)
+    assert "extra mass at 7:+Y: mass 0.05000 ± 0.00040 kg" in found.table()
+    assert found.curves is not None
+    np.testing.assert_array_equal(found.curves.before, 2 * frf)
 
 
 def test_the_catalogue_lists_what_can_be_chosen(lab: ModalLab, service: FakeService) -> None:

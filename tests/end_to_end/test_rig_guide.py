@@ -38,8 +38,9 @@ def test_every_block_of_the_guide_runs_and_gives_what_the_guide_says(
     ]
     figures = {(float(level), route): (float(peak), float(g2)) for level, route, peak, g2 in lines}
     (expected, straight), (stepped, by_steps) = figures[1.0, "expected"], figures[1.0, "sampled"]
-    # 0.3 % and two digits of coherence are the guide's words; the peak of 50 averages scatters by 0.1 %
-    assert stepped == pytest.approx(expected, rel=0.005)
+    # 1 % and two digits of coherence are the guide's words; the peak of 50 averages scatters by 0.9 % (four
+    # tests of 200 averages: 28.85 with a standard error of 0.06, where 28.89 is expected)
+    assert stepped == pytest.approx(expected, rel=0.018)
     assert (round(straight, 2), round(by_steps, 2)) == (0.93, 0.92)
 
 

@@ -1,6 +1,7 @@
 """Diagnoses: what a model lacks to explain a measurement."""
 
 from collections.abc import Mapping, Sequence
+from dataclasses import replace
 from typing import Any
 
 from modallab_client import _wire, _wire_findings
@@ -24,6 +25,7 @@ class Diagnoses(Shelf):
         tolerances: Mapping[str, float] | None = None,
         follow_ups: Sequence[Mapping[str, Any]] | None = None,
         act: bool | None = None,
+        noise_floor: float | None = None,
         max_effects: int | None = None,
         seed: int = 0,
     ) -> Job[Diagnosis]:
@@ -43,6 +45,9 @@ class Diagnoses(Shelf):
             Further tests: `[{"measurement_id", "changed": {"level_factor": 3.0}}]`.
         act
             Run the proposed next test where the rig is ours.
+        noise_floor
+            Relative random error of every FRF, of its median where it is below that: beside what coherence
+            tells, and alone where there is none.
         max_effects
             Effects added at most.
         seed
@@ -50,14 +55,15 @@ class Diagnoses(Shelf):
         """
         body = {"structure_id": structure_id, "measurement_id": measurement_id, "suspects": suspects}
         more = _wire.body(hold_out=hold_out, tolerances=tolerances, follow_ups=follow_ups)
-        how = _wire.body(act=act, max_effects=max_effects, seed=seed)
+        how = _wire.body(act=act, noise_floor=noise_floor, max_effects=max_effects, seed=seed)
         job = self._transport.request("POST", "/v1/diagnoses", json={**body, **more, **how})
         return Job(job["id"], self._transport, self.get)
 
     def get(self, diagnosis_id: str) -> Diagnosis:
-        """Return a finished diagnosis."""
+        """Return a finished diagnosis with its curves."""
         reply = self._transport.request("GET", f"/v1/diagnoses/{diagnosis_id}")
-        return _wire.read(_wire_findings.diagnosis, reply)
+        found = _wire.read(_wire_findings.diagnosis, reply)
+        return replace(found, curves=self.curves(diagnosis_id))
 
     def curves(self, diagnosis_id: str) -> DiagnosisCurves:
         """Return the FRFs measured, and predicted before and after what was added."""

@@ -42,16 +42,21 @@ def run(seed: int, folder: Path) -> None:
     say("the service is stopped; drawing")
     page = _draw(found, case, seed, folder)
     say(f"done: open {page.resolve()}")
+    say(f"the diagnosis alone: {page.with_name('report.html').resolve()}")
 
 
 def _told(case: Case) -> str:
     """Return the diagnosis beside the truth."""
-    rows = [(hidden.sized(step.effect), *hidden.closed(step)) for step in case.found.steps]
-    table = _tables.text(("named", "gap", "gap on held-out FRFs"), rows)
-    return (
-        f"Verdict: {case.found.verdict} (a gap of 1 means that only random error is left)\n{table}\n"
-        f"Hidden was: {case.hidden}\n{hidden.outcome(case.hidden, case.found)}"
-    )
+    found = case.found
+    rows = [
+        (hidden.sized(step.effect), hidden.share(step), *hidden.closed(step)) for step in case.found.steps
+    ]
+    table = _tables.text(("named", "probability", "gap", "gap on held-out FRFs"), rows)
+    verdict = f"Verdict: {found.verdict.replace('_', ' ')}; a gap of 1 means that only random error is left."
+    words = [verdict, table, *found.left_open(), "", f"Now the truth. Hidden was: {case.hidden}."]
+    return "\n".join(
+        [*words, hidden.outcome(case.hidden, found), hidden.compared(case.hidden, found)]
+    ).rstrip()
 
 
 def _draw(found: Chapter5, case: Case, seed: int, folder: Path) -> Path:
@@ -66,8 +71,10 @@ def _draw(found: Chapter5, case: Case, seed: int, folder: Path) -> Path:
     folder.mkdir(parents=True, exist_ok=True)
     place = folder / "demo.html"
     place.write_text(page(found, case, seed=seed), encoding="utf-8")
+    (folder / "report.html").write_text(case.report, encoding="utf-8")
     heading = f"Hidden: {case.hidden}. {hidden.outcome(case.hidden, case.found)}"
-    picture = figures.overview(found.test, found.modes, found.update, case.curves, heading=heading)
+    assert case.found.curves is not None
+    picture = figures.overview(found.test, found.modes, found.update, case.found.curves, heading=heading)
     (folder / "demo.png").write_bytes(picture)
     return place
 

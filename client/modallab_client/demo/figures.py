@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from matplotlib import pyplot
 
+from modallab_client import _diagnosis_plot
 from modallab_client.findings import DiagnosisCurves, Iteration, Update
 from modallab_client.models import ComplexArray, FloatArray, Measurement, ModalModel
 
@@ -81,20 +82,19 @@ def _paths(history: tuple[Iteration, ...], part: str) -> Mapping[int, list[float
 
 
 def explained(axes: "Axes", curves: DiagnosisCurves) -> None:
-    """Draw a response that took no part in the fit: measured, and predicted before and after."""
-    shown = curves.freq > 0
-    apart = np.abs(np.log(np.abs(curves.before[shown] / curves.measured[shown])))[..., 0].mean(axis=0)
-    output = int(np.argmax(np.where(curves.held_out, apart, -1.0)))
+    """Draw the clearest difference: measured lines of one response, predicted before and after."""
+    output, lines = _diagnosis_plot.clearest(curves)
     styles = {
         "before": ("C1-", "predicted, effect not known"),
-        "measured": ("k-", "measured"),
         "after": ("C0--", "predicted, effect added"),
+        "measured": ("k.", "measured"),
     }
     for name, (style, label) in styles.items():
-        magnitude = np.abs(getattr(curves, name)[shown, output, 0])
-        axes.semilogy(curves.freq[shown], magnitude, style, linewidth=1.0, label=label)
+        magnitude = np.abs(getattr(curves, name)[lines, output, 0])
+        axes.semilogy(curves.freq[lines], magnitude, style, linewidth=1.2, markersize=5, label=label)
     axes.set(xlabel="frequency, Hz", ylabel="|inertance|, m/(s² N)")
-    axes.set_title(f"response {curves.outputs[output]}, held out of every fit")
+    held = ", held out of every fit" if curves.held_out[output] else ""
+    axes.set_title(f"response {curves.outputs[output]}{held}")
     axes.legend(fontsize="small")
 
 

@@ -64,25 +64,26 @@ class Case:
     hidden: Hidden
     test: Measurement
     found: findings.Diagnosis
-    curves: findings.DiagnosisCurves
     report: str
 
 
 def named(kind: str, at: str | Mapping[str, Any] | None) -> str:
     """Return kind and place of an effect in words."""
     name = kind.replace("_", " ")
-    return name if at is None else f"{name} at {findings.place(at).replace('members', 'element')}"
+    return name if at is None else f"{name} at {findings.place(at).replace('member', 'element')}"
 
 
 def sized(effect: findings.FittedEffect) -> str:
     """Return an effect that was found, its size with the standard error."""
-    numbers = [f"{name} {_number(one)}" for name, one in effect.parameters.items()]
+    numbers = [f"{name} {one}" for name, one in effect.parameters.items()]
     return ", ".join([named(effect.kind, effect.at), *numbers])
 
 
-def _number(one: findings.Parameter) -> str:
-    error = "" if one.standard_error is None else f" ± {one.standard_error:.2g}"
-    return f"{one.value:.5g}{error} {'' if one.unit == '1' else one.unit}".strip()
+def share(step: findings.Step) -> str:
+    """Return how probable a step is; never certain."""
+    if step.probability is None:
+        return ""
+    return "> 0.999" if step.probability > 0.999 else f"{step.probability:.3f}"
 
 
 def closed(step: findings.Step) -> tuple[str, str]:
@@ -121,9 +122,9 @@ def run(lab: ModalLab, model_id: str, rig_id: str, hidden: Hidden, *, seed: int,
     job = lab.measurements.start(model_id, rig_id, effects=[hidden.effect], seed=seed + 1)
     test = job.result()
     say("diagnosing: every suspect at every place")
-    diagnosis = lab.diagnoses.start(model_id, test.id, seed=seed)
+    diagnosis = lab.diagnoses.start(model_id, test.id, seed=seed, act=True)
     found = diagnosis.result(on_progress=_milestones(say))
-    return Case(hidden, test, found, lab.diagnoses.curves(found.id), lab.diagnoses.report(found.id))
+    return Case(hidden, test, found, lab.diagnoses.report(found.id))
 
 
 def _milestones(say: Say) -> Callable[[float, str], None]:
@@ -136,6 +137,21 @@ def _milestones(say: Say) -> Callable[[float, str], None]:
             say(f"  {fraction:4.0%} {message}")
 
     return tell
+
+
+def compared(hidden: Hidden, found: findings.Diagnosis) -> str:
+    """Return how far the size that was found is from the hidden one; nothing if it was not named."""
+    for step in found.steps:
+        one = step.effect.parameters.get(hidden.parameter)
+        if (step.effect.kind, step.effect.at) != (hidden.kind, hidden.at) or one is None:
+            continue
+        off = one.value - hidden.value
+        share = f"{100 * abs(off) / abs(hidden.value):.2g} % off the hidden {hidden.value:.5g}"
+        if not one.standard_error:
+            return f"Its {hidden.parameter} is {share}."
+        errors = f"{abs(off) / one.standard_error:.1f} standard errors"
+        return f"Its {hidden.parameter} is {share}, which is {errors}."
+    return ""
 
 
 def outcome(hidden: Hidden, found: findings.Diagnosis) -> str:

@@ -4,7 +4,7 @@ from base64 import b64encode
 from html import escape
 from typing import TYPE_CHECKING, cast
 
-from modallab_client import _tables, findings
+from modallab_client import _tables
 from modallab_client.demo import chapter_5, figures, hidden
 from modallab_client.demo.chapter_5 import Chapter5
 from modallab_client.demo.hidden import Case
@@ -89,25 +89,19 @@ def _update(found: Chapter5) -> list[str]:
 
 def _diagnosis(case: Case) -> list[str]:
     found = case.found
-    drawing = figures.alone(lambda axes: figures.explained(axes, case.curves))
-    rows = [(hidden.sized(step.effect), _share(step), *hidden.closed(step)) for step in found.steps]
+    drawing = cast("Figure", found.plot()[0].figure)
+    rows = [(hidden.sized(step.effect), hidden.share(step), *hidden.closed(step)) for step in found.steps]
     head = ("named", "probability", "gap", "gap on held-out FRFs")
     caption = f"Verdict: {found.verdict.replace('_', ' ')}. At a gap of 1 only random error is left."
     return [
         "<h2>A hidden effect named</h2>",
         f"<p class='named'>Hidden: <b>{escape(str(case.hidden))}</b>.<br>"
-        f"{escape(hidden.outcome(case.hidden, found))}</p>",
+        f"{escape(f'{hidden.outcome(case.hidden, found)} {hidden.compared(case.hidden, found)}')}</p>",
         _tables.html(head, rows, caption=caption),
-        _figure(drawing, "A response that the fit never saw"),
+        _figure(drawing, "The gap by step, where the model as given is off, and a response before and after"),
         "<details open><summary>The service's own report of this diagnosis</summary>"
         f'<iframe title="diagnosis" srcdoc="{escape(case.report)}"></iframe></details>',
     ]
-
-
-def _share(step: findings.Step) -> str:
-    if step.probability is None:
-        return ""
-    return "> 0.999" if step.probability > 0.999 else f"{step.probability:.3f}"
 
 
 def _figure(drawing: "Figure", words: str) -> str:

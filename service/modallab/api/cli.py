@@ -1,6 +1,7 @@
 """The `modallab` command: what starts the service."""
 
 import os
+import shlex
 import sqlite3
 import subprocess
 import sys
@@ -22,11 +23,19 @@ Executor = Annotated[str | None, typer.Option(help="A lasting name, one a proces
 _THREADS = ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS", "MKL_NUM_THREADS")
 
 
-def _settings(**given: Any) -> Any:
+def _file(text: str) -> Any:
+    return typer.Option(exists=True, dir_okay=False, readable=True, help=text)
+
+
+def _one_thread() -> None:
     # Before numpy is imported, here and in the worker processes, which inherit it: two threads a
     # process on cores that other processes keep busy cost three quarters of the throughput.
     for name in _THREADS:
         os.environ.setdefault(name, "1")
+
+
+def _settings(**given: Any) -> Any:
+    _one_thread()
     from pydantic import ValidationError
 
     from modallab.api.settings import Settings
@@ -114,6 +123,115 @@ def worker(data: Data = None, executor_id: Executor = None) -> None:
 def init(data: Data = None) -> None:
     """Create the tables, or bring them up to date: once before the service is started or upgraded."""
     _prepare(_settings(data=data))
+
+
+@app.command()
+def diagnose(
+    model: Annotated[Path, _file("Body of POST /v1/structures, JSON.")],
+    measured: Annotated[Path, _file("FRFs: universal file, npz, HDF5, or the thesis program's text.")],
+    rig: Annotated[Path, _file("Body of POST /v1/rigs, JSON: the log book of the test.")],
+    report: Annotated[
+        Path | None, typer.Option(help="Write the report, one HTML page, to this file.")
+    ] = None,
+    suspects: Annotated[
+        list[str] | None, typer.Option(help="A kind of effect to look for; may be repeated. Default: all.")
+    ] = None,
+    hold_out: Annotated[
+        list[str] | None,
+        typer.Option(
+            help="A share of the FRFs to keep out of every fit (default 0.25), or a DoF: kept out if it was "
+            "measured, else predicted. May be repeated."
+        ),
+    ] = None,
+    tolerance: Annotated[
+        list[str] | None,
+        typer.Option(help="name=value: what may differ a little, one standard deviation. May be repeated."),
+    ] = None,
+    max_effects: Annotated[int, typer.Option(help="Effects added at most.")] = 4,
+    averages: Annotated[
+        float | None, typer.Option(help="Effective averages; default: the file's, or else the rig's.")
+    ] = None,
+    noise_floor: Annotated[
+        float | None,
+        typer.Option(
+            help="Relative random error of every FRF beside what coherence tells, alone if there is none."
+        ),
+    ] = None,
+    seed: Annotated[int, typer.Option(help="Draws the FRFs that are held out.")] = 0,
+    as_json: Annotated[bool, typer.Option("--json", help="Print the whole result as JSON.")] = False,
+) -> None:
+    """Say what a model or a log book lacks to explain measured FRFs: what, where, how much, how sure.
+
+    Ends with 0 whatever the verdict, and with 2 if a file or an option is at fault.
+    """
+    _one_thread()
+    from modallab.api.from_files import Files, diagnose_files, in_words
+    from modallab.core.errors import ModalLabError
+    from modallab.diagnosis.reporting.report import report as page
+    from modallab.diagnosis.reporting.summary import summary
+
+    asked = _asked(suspects, hold_out, tolerance) | {"max_effects": max_effects, "seed": seed}
+    asked |= {} if noise_floor is None else {"noise_floor": noise_floor}
+    tell = _Teller()
+    try:
+        found = diagnose_files(Files(model, rig, measured), asked, averages=averages, progress=tell)
+    except ModalLabError as error:
+        typer.echo(f"modallab diagnose: {in_words(error)}", err=True)
+        raise typer.Exit(2) from None
+    finally:
+        tell.end()
+    typer.echo(found.json() if as_json else summary(found.diagnosis))
+    if report is not None:
+        made = {"call": shlex.join(["modallab", *sys.argv[1:]]), "version": found.entry.version}
+        report.write_text(page(found.diagnosis, made), encoding="utf-8")
+        typer.echo(f"The report: {report.resolve()}", err=as_json)
+
+
+def _asked(
+    suspects: list[str] | None, hold_out: list[str] | None, tolerance: list[str] | None
+) -> dict[str, Any]:
+    """Return the part of a request's body that the options stand for; what is left out has its default."""
+    asked: dict[str, Any] = {"suspects": suspects} if suspects else {}
+    shares = [text for text in hold_out or () if _number(text) is not None]
+    if len(shares) > 1:
+        raise typer.BadParameter("one share, and any number of DoFs", param_hint="--hold-out")
+    dofs = [text for text in hold_out or () if text not in shares]
+    if hold_out:
+        asked["hold_out"] = {"dofs": dofs} | ({"fraction": float(shares[0])} if shares else {})
+    for text in tolerance or ():
+        name, _, value = text.partition("=")
+        if not name or _number(value) is None:
+            raise typer.BadParameter(f"{text!r} is not name=value", param_hint="--tolerance")
+        asked.setdefault("tolerances", {})[name] = float(value)
+    return asked
+
+
+def _number(text: str) -> float | None:
+    try:
+        return float(text)
+    except ValueError:
+        return None
+
+
+class _Teller:
+    """Says how far the work is: on one line of a terminal, else on a line of its own every tenth."""
+
+    def __init__(self) -> None:
+        self._told = -1
+
+    def __call__(self, fraction: float, message: str) -> None:
+        line = f"{fraction:4.0%}  {message}"
+        if sys.stderr.isatty():
+            sys.stderr.write(f"\r\033[K{line}")
+        elif int(10 * fraction) > self._told:
+            self._told = int(10 * fraction)
+            sys.stderr.write(f"{line}\n")
+        sys.stderr.flush()
+
+    def end(self) -> None:
+        """Leave the line to what follows."""
+        if sys.stderr.isatty():
+            sys.stderr.write("\r\033[K")
 
 
 @app.command()

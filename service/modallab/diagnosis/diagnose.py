@@ -3,44 +3,29 @@
 from collections.abc import Sequence
 from dataclasses import replace
 
-import numpy as np
-
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
-from modallab.core.progress import Progress, silent
-from modallab.diagnosis.evidence import gather, locate
-from modallab.diagnosis.fitting import Fit
-from modallab.diagnosis.observed import Observed, observe
-from modallab.diagnosis.predictor import Predictor, check_comparable
-from modallab.diagnosis.residual import scatter
-from modallab.diagnosis.result import (
-    Alias,
-    Curves,
-    Diagnosis,
-    FittedEffect,
-    FittedParameter,
-    NextTest,
-    Rival,
-    Step,
-    Verdict,
-)
-from modallab.diagnosis.search import (
-    ALIKE,
-    Accepted,
-    Path,
-    Suspects,
-    only_noise_left,
-    probabilities,
-    search,
-    temperature,
-)
+from modallab.core.progress import Progress, Pulse, part, silent
+from modallab.diagnosis.findings import curves, extended, rivals, step, tolerated
+from modallab.diagnosis.locating.evidence import gather
+from modallab.diagnosis.locating.locating import locate
+from modallab.diagnosis.numbers.tolerances import NONE, Tolerances, nuisances
+from modallab.diagnosis.observing.observed import Observed, observe
+from modallab.diagnosis.observing.residual import scatter
+from modallab.diagnosis.predicting.holding_out import held_out
+from modallab.diagnosis.predicting.joint import FollowUp, Further, Joint
+from modallab.diagnosis.predicting.limitations import limitations
+from modallab.diagnosis.predicting.predictor import Predictor, check_comparable
+from modallab.diagnosis.proposing.proposal import next_test
+from modallab.diagnosis.result import Diagnosis, Step, Verdict
+from modallab.diagnosis.searching.judging import only_noise_left
+from modallab.diagnosis.searching.search import search
+from modallab.diagnosis.searching.trials import Suspects
 from modallab.fe.structure import Structure
 from modallab.rig.effect import EFFECTS, Effect
 from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
 
-FEW = 4  # FRFs below which lines are held out instead of FRFs
-MOST_ALIKE = 3
 RULED_OUT = 0.01  # suspicion below which a kind is not looked for unless it is named
 
 
@@ -51,6 +36,8 @@ def diagnose(
     suspects: Sequence[str] | None = None,
     hold_out_fraction: float = 0.25,
     hold_out: Sequence[Dof] = (),
+    tolerances: Tolerances = NONE,
+    follow_ups: Sequence[FollowUp] = (),
     max_effects: int = 4,
     seed: int = 0,
     progress: Progress = silent,
@@ -68,42 +55,82 @@ def diagnose(
     hold_out_fraction, hold_out
         Share of the FRFs that is kept out of every fit, and responses that are kept out in any case;
         a response that was not measured is predicted.
+    tolerances
+        What may differ a little and is no missing effect: fitted with everything else, within limits.
+    follow_ups
+        Further tests of the same structure, explained together with the first by the same effects.
     seed
         Draws the FRFs that are held out.
 
     Raises
     ------
     InvalidInputError
-        If the measurement cannot be weighed or compared, or no suspect is left.
+        If a measurement cannot be weighed or compared, contradicts what is said to have been changed
+        for it, or no suspect is left.
     UnknownDofError
         If the model lacks a measured DoF.
     """
-    check_comparable(structure, measurement)
-    held, unmeasured = _held_out(structure, measurement, hold_out_fraction, hold_out, seed)
-    observed = observe(measurement, held, fraction=hold_out_fraction)
-    predictor = Predictor(structure, measurement.setup, observed)
-    evidence = gather(predictor, [])
+    further = [one.taken_after(measurement) for one in follow_ups]
+    for test in (measurement, *further):
+        check_comparable(structure, test)
+    held, unmeasured = held_out(structure, measurement, hold_out_fraction, hold_out, seed)
+    tests = [measurement, *further]
+    seen = [observe(test, held, fraction=hold_out_fraction) for test in tests]
+    pulse = Pulse(progress)
+    pulse(0.0, "predicting what the model and the log book say")
+    predictor = _predicting(structure, tests, seen, tolerances, pulse)
+    observed = predictor.observed
+    evidence = gather(predictor.tests[0], [])
     candidates = Suspects(suspected(predictor, suspects), RULED_OUT if suspects is None else 0.0)
-    path = search(predictor, candidates, max_effects=max_effects, progress=progress)
-    progress(0.97, "writing down what was found")
-    steps = tuple(_step(predictor, accepted, path.fit) for accepted in path.steps)
-    verdict = _verdict(predictor, path, steps)
-    extended, log_book = _with(structure, measurement.setup, path.fit.effects)
+    path = search(predictor, candidates, max_effects=max_effects, progress=pulse)
+    pulse(0.94, "writing down what was found")
+    explained = only_noise_left(predictor, path.fit.residual)
+    steps = tuple(step(predictor, accepted, path.fit, explained=explained) for accepted in path.steps)
+    verdict = _verdict(explained, steps)
+    model, log_book = extended(structure, measurement.setup, path.fit.effects)
     start, left = path.start.residual, path.fit.residual
     return Diagnosis(
         verdict=verdict,
-        located=locate(evidence),
+        located=locate(predictor, evidence),
         steps=steps,
         remaining_gap=left.gap(observed.usable),
         remaining_scatter=scatter(observed, left, observed.usable),
         gaps={"before": start.gaps(observed.usable), "after": left.gaps(observed.usable)},
-        structure=extended,
+        structure=model,
         setup=log_book,
-        curves=_curves(predictor, measurement, path.fit, unmeasured),
-        candidates=_rivals(predictor, path.steps[0].tried, skip=0) if path.steps else (),
-        next_test=_next_test(steps) if verdict is Verdict.AMBIGUOUS else None,
+        curves=curves(predictor, measurement, path.fit, unmeasured),
+        candidates=rivals(predictor, path.steps[0].tried) if path.steps else (),
+        next_test=next_test(predictor, path, [one.change for one in follow_ups], part(pulse, 0.94, 1.0)),
+        tolerated=tolerated(predictor, path.fit),
+        follow_ups=tuple(one.change.plain for one in follow_ups),
         seed=seed,
+        notes=limitations(measurement, predictor.tests[0].observed),
     )
+
+
+def _predicting(
+    structure: Structure,
+    tests: Sequence[Measurement],
+    seen: Sequence[Observed],
+    tolerances: Tolerances,
+    pulse: Pulse,
+) -> Predictor:
+    """Return what predicts all tests, with the numbers of model and rig free within tolerances."""
+    first = Predictor(structure, tests[0].setup, seen[0])
+    first.alive = pulse.beat
+    everywhere = _wherever_heard([test.setup for test in tests])
+    first = first.allowing(nuisances(tolerances, first.system, everywhere))
+    rest = [Further(first, test.setup, one) for test, one in zip(tests[1:], seen[1:], strict=True)]
+    return Joint([first, *rest]) if rest else first
+
+
+def _wherever_heard(setups: Sequence[RigSetup]) -> RigSetup:
+    """Return the first log book with the responses of all: each has a transducer that may be a little off."""
+    heard: dict[Dof, Dof] = {}
+    for setup in setups:
+        for dof in setup.responses:
+            heard.setdefault(dof.point, dof)
+    return replace(setups[0], responses=tuple(heard.values()))
 
 
 def suspected(predictor: Predictor, kinds: Sequence[str] | None) -> list[Effect]:
@@ -131,114 +158,9 @@ def suspected(predictor: Predictor, kinds: Sequence[str] | None) -> list[Effect]
     return found
 
 
-def _held_out(
-    structure: Structure, measurement: Measurement, fraction: float, named: Sequence[Dof], seed: int
-) -> tuple[list[Dof], tuple[Dof, ...]]:
-    """Return the measured responses to hold out, and the unmeasured ones to predict."""
-    if not 0 <= fraction <= 0.5:
-        raise InvalidInputError(
-            "at most half of the FRFs can be held out",
-            field="hold_out.fraction",
-            value=fraction,
-            allowed="0 to 0.5",
-        )
-    outputs = {dof.point: dof for dof in measurement.frf.outputs}
-    for dof in named:
-        structure.index(dof)
-    held = [outputs[dof.point] for dof in named if dof.point in outputs]
-    unmeasured = tuple(dof for dof in named if dof.point not in outputs)
-    # The drive point stays in the fit: it alone ties the FRFs to the force.
-    free = [d for d in outputs.values() if d not in held and d.point != measurement.setup.drive.point]
-    wanted = int(fraction * len(outputs)) - len(held)
-    if len(outputs) >= FEW and wanted > 0:
-        drawn = np.random.default_rng(seed).choice(len(free), size=min(wanted, len(free)), replace=False)
-        held += [free[i] for i in sorted(drawn)]
-    return held, unmeasured
-
-
-def _fitted(fit: Fit, i: int) -> FittedEffect:
-    effect, errors = fit.effects[i], fit.errors[i]
-    numbers = {
-        name: FittedParameter(effect.parameters[name], errors[name], spec.unit)
-        for name, spec in effect.specs().items()
-    }
-    return FittedEffect(effect.kind, effect.at, numbers)
-
-
-def _rivals(predictor: Predictor, tried: Sequence[Fit], *, skip: int) -> tuple[Rival, ...]:
-    where = predictor.observed.fitted
-    shares = probabilities(predictor, tried)
-    return tuple(
-        Rival(f.effects[-1].kind, f.effects[-1].at, share, f.residual.gap(where))
-        for f, share in list(zip(tried, shares, strict=True))[skip:]
-    )
-
-
-def _step(predictor: Predictor, accepted: Accepted, final: Fit) -> Step:
-    observed, tried = predictor.observed, accepted.tried
-    near = ALIKE * temperature(predictor, tried[0])
-    chosen = next(f for f in tried if (f.effects[-1].kind, str(f.effects[-1].at)) == accepted.kind_and_place)
-    alike = [f for f in tried if f is not chosen and abs(f.chi_square - chosen.chi_square) < near]
-    shares = dict(zip(map(id, tried), probabilities(predictor, tried), strict=True))
-    # Sizes from the last fit: what was missing beside an effect still distorts its own round's.
-    position = [(e.kind, str(e.at)) for e in final.effects].index(accepted.kind_and_place)
-    return Step(
-        effect=_fitted(final, position),
-        probability=shares[id(chosen)],
-        gap_before=accepted.before.residual.gap(observed.fitted),
-        gap_after=accepted.after.residual.gap(observed.fitted),
-        held_out_gap_before=accepted.before.residual.gap(observed.kept),
-        held_out_gap_after=accepted.after.residual.gap(observed.kept),
-        held_out_scatter=scatter(observed, accepted.after.residual, observed.kept),
-        rivals=_rivals(predictor, tried, skip=1),
-        rivals_alike=tuple(Alias(f.effects[-1].kind, f.effects[-1].at) for f in alike[:MOST_ALIKE]),
-    )
-
-
-def _verdict(predictor: Predictor, path: Path, steps: Sequence[Step]) -> Verdict:
-    if not only_noise_left(predictor, path.fit.residual):
+def _verdict(explained: bool, steps: Sequence[Step]) -> Verdict:
+    if not explained:
         return Verdict.UNEXPLAINED
     if not steps:
         return Verdict.NOTHING_MISSING
     return Verdict.AMBIGUOUS if any(step.rivals_alike for step in steps) else Verdict.EXPLAINED
-
-
-def _with(structure: Structure, setup: RigSetup, effects: Sequence[Effect]) -> tuple[Structure, RigSetup]:
-    """Return model and log book with what was added."""
-    for effect in effects:
-        if effect.structural:
-            structure = effect.added_to(structure)
-        else:
-            setup = replace(setup, effects=(*setup.effects, effect.spec))
-    return structure, setup
-
-
-def _next_test(steps: Sequence[Step]) -> NextTest:
-    """Return the measurement that would tell the first ambiguous step from what looks like it."""
-    step = next(s for s in steps if s.rivals_alike)
-    names = (step.effect.kind, *(alias.kind for alias in step.rivals_alike))
-    sides = {EFFECTS[name].structural for name in names}
-    if len(sides) == 2:
-        return NextTest(
-            "what belongs to the rig moves with the drive point, what belongs to the structure stays",
-            {"drive": "another DoF"},
-            names,
-        )
-    return NextTest("a smaller random error tells near places apart", {"averages_factor": 10.0}, names)
-
-
-def _curves(predictor: Predictor, measurement: Measurement, best: Fit, unmeasured: tuple[Dof, ...]) -> Curves:
-    observed: Observed = predictor.observed
-    predicted = predictor.unmeasured(best.effects, unmeasured) if unmeasured else None
-    return Curves(
-        freq=observed.freq,
-        measured=observed.h[..., None],
-        before=predictor.predict(()).h[..., None],
-        after=predictor.predict(best.effects).h[..., None],
-        random_error=observed.error[..., None],
-        held_out=observed.held_out,
-        outputs=measurement.frf.outputs,
-        inputs=measurement.frf.inputs,
-        predicted=predicted,
-        predicted_outputs=unmeasured,
-    )

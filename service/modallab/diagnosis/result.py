@@ -4,6 +4,8 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 
+import numpy as np
+
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, frozen
 from modallab.core.dof import Dof
 from modallab.core.place import Place
@@ -39,6 +41,19 @@ class FittedEffect:
 
 
 @dataclass(frozen=True)
+class Tolerated:
+    """A number that may differ a little, as it was fitted beside what was missing."""
+
+    name: str  # as `tolerances.Tolerances` has it
+    value: float  # true over declared; of a delay, s
+    standard_error: float
+    tolerance: float  # one standard deviation, beforehand
+    unit: str
+    at: Place = None  # a channel of its own
+    mode: int | None = None  # elastic mode of the model, from 1
+
+
+@dataclass(frozen=True)
 class Rival:
     """Another explanation, and what it leaves unexplained."""
 
@@ -71,6 +86,54 @@ class Step:
     rivals_alike: tuple[Alias, ...] = ()
 
 
+class Sign(StrEnum):
+    """What is telling about where a gap sits."""
+
+    FORCE_ONLY = "force_only"  # FRFs and what is not coherent agree
+    COHERENCE_ONLY = "coherence_only"  # FRFs and forces agree
+    ONE_RESPONSE = "one_response"  # all others agree
+    DRIVE_POINT_ONLY = "drive_point_only"
+    LOW_FREQUENCY = "low_frequency"  # in the lowest quarter of the band alone
+    HIGH_FREQUENCY = "high_frequency"  # in the highest quarter
+    LEVEL_DEPENDENCE = "level_dependence"  # tests at other force levels differ
+
+
+@dataclass(frozen=True)
+class ModeShift:
+    """How a resonance differs from the model's, with standard errors; nan where the test does not tell."""
+
+    mode: int  # elastic modes of the model, from 1
+    frequency: float  # Hz, of the model
+    frequency_shift: float  # measured over the model's, minus 1
+    frequency_error: float
+    loss_factor_shift: float  # the same of the loss factor
+    loss_factor_error: float
+
+
+class Course(StrEnum):
+    """How a response differs over frequency."""
+
+    GAIN = "gain"  # by a factor
+    POLARITY = "polarity"  # by the sign
+    DELAY = "delay"  # by a phase that grows with frequency
+    RISING_GAIN = "rising_gain"  # by a factor that grows with the square of frequency
+
+
+@dataclass(frozen=True)
+class ResponseMisfit:
+    """How the FRF of one response differs, on average over all lines, with standard errors."""
+
+    dof: Dof
+    gap: float  # mean squared residual
+    amplitude: float  # measured over predicted
+    amplitude_error: float
+    phase: float  # rad, measured minus predicted
+    phase_error: float
+    delay: float  # s by which the measured one lags behind
+    delay_error: float
+    course: Course | None = None  # what accounts for nearly all of its gap; None: not one of these alone
+
+
 @dataclass(frozen=True)
 class Located:
     """Where the model without additions parts from the measurement."""
@@ -79,6 +142,10 @@ class Located:
     dofs: tuple[Dof, ...] = ()
     modes: tuple[int, ...] = ()  # elastic modes of the model, from 1
     words: tuple[str, ...] = ()
+    signs: tuple[Sign, ...] = ()
+    mode_shifts: tuple[ModeShift, ...] = ()
+    responses: tuple[ResponseMisfit, ...] = ()
+    level_dependence: float | None = None  # gap between tests at two levels; None: one level only
 
 
 @dataclass(frozen=True)
@@ -86,13 +153,30 @@ class NextTest:
     """The further measurement that would separate what this one cannot."""
 
     why: str
-    change: Mapping[str, object]
+    change: Mapping[str, object]  # as `rig.change.Change.read` reads it
     separates: tuple[str, ...]
+    expected_separation: float = float("nan")  # of the two closest of them, in standard deviations
+
+
+@dataclass(frozen=True, eq=False)
+class Spectra:
+    """An auto spectrum that the diagnosis compared, one-sided."""
+
+    measured: FloatArray  # (n_freq, n_channel) unit^2/Hz
+    before: FloatArray  # the same, predicted without additions
+    after: FloatArray  # the same, with what was added
+    random_error: FloatArray  # (n_freq, n_channel) of its logarithm
+
+    def __post_init__(self) -> None:
+        for name in ("measured", "before", "after", "random_error"):
+            object.__setattr__(
+                self, name, frozen(getattr(self, name), float, np.shape(self.measured), name=name)
+            )
 
 
 @dataclass(frozen=True, eq=False)
 class Curves:
-    """The FRFs that the diagnosis compared, H1 as inertance."""
+    """The FRFs that the diagnosis compared, H1 as inertance, and the auto spectra where measured."""
 
     freq: FloatArray  # (n_freq,) Hz
     measured: ComplexArray  # (n_freq, n_out, n_in) m/(s^2 N)
@@ -104,6 +188,8 @@ class Curves:
     inputs: tuple[Dof, ...]
     predicted: ComplexArray | None = None  # (n_freq, n_pred, n_in) at DoFs that were not measured
     predicted_outputs: tuple[Dof, ...] = ()
+    force: Spectra | None = None  # of each run, N^2/Hz
+    incoherent: Spectra | None = None  # of each response, what is not coherent with the force, (m/s^2)^2/Hz
 
     def __post_init__(self) -> None:
         shape = (len(self.freq), len(self.outputs), len(self.inputs))
@@ -134,5 +220,8 @@ class Diagnosis:
     curves: Curves
     candidates: tuple[Rival, ...] = ()  # all that were fitted in the first round, best first
     next_test: NextTest | None = None
+    tolerated: tuple[Tolerated, ...] = ()
+    follow_ups: tuple[Mapping[str, object], ...] = ()  # what was changed for each further test
     seed: int | None = None
+    asked: Mapping[str, object] = field(default_factory=dict)  # the request's options, to ask the same again
     notes: tuple[str, ...] = field(default=())

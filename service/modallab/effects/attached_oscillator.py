@@ -15,7 +15,7 @@ from modallab.fe.system import DynamicSystem
 from modallab.rig.effect import EFFECTS, Effect
 from modallab.rig.setup import RigSetup, Shot
 
-IN_BAND = (0.03, 0.1, 0.22, 0.4, 0.65, 0.9)  # shares of the band at which a first look is taken
+IN_BAND = np.arange(0.03, 1.0, 0.03)  # shares of the band at which a first look is taken
 
 
 @EFFECTS.register("attached_oscillator")

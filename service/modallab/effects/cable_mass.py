@@ -34,7 +34,6 @@ class CableMass(Effect):
     summary: ClassVar[str] = "an accelerometer's cable loads the structure and damps it"
     stage: ClassVar[int] = 1
     sits: ClassVar[tuple[type, ...]] = (NoneType, Dof)
-    suspected: ClassVar[bool] = False  # with little drag nothing tells it from a heavier accelerometer
     mass: float = parameter(
         0.005, unit="kg", lower=0.0, upper=0.5, doc="cable that moves with each accelerometer"
     )

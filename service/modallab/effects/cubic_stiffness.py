@@ -10,7 +10,7 @@ from modallab.core.place import Place
 from modallab.correlation.evidence import Evidence
 from modallab.fe.system import DynamicSystem
 from modallab.rig.effect import EFFECTS, Effect
-from modallab.rig.likely_motion import likely_motion
+from modallab.rig.likely_motion import distortion, likely_motion
 from modallab.rig.local_force import LocalForce
 from modallab.rig.setup import RigSetup
 
@@ -28,6 +28,7 @@ class CubicStiffness(Effect):
     kind: ClassVar[str] = "cubic_stiffness"
     summary: ClassVar[str] = "a spring that hardens: frequencies rise with the level"
     stage: ClassVar[int] = 2
+    bursts: ClassVar[bool] = True
     structural: ClassVar[bool] = True
     sits: ClassVar[tuple[type, ...]] = (Dof,)
     stiffness: float = parameter(
@@ -37,7 +38,9 @@ class CubicStiffness(Effect):
     def on_motion(self) -> LocalForce | None:
         assert isinstance(self.at, Dof)
         k = self.stiffness
-        return LocalForce(self.at, lambda x: k * (x * x * x), lambda x: 3 * k * (x * x)) if k > 0 else None
+        if k == 0:
+            return None
+        return LocalForce(self.at, lambda x: k * (x * x * x), lambda x: 3 * k * (x * x), degree=3)
 
     @classmethod
     def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:
@@ -45,14 +48,14 @@ class CubicStiffness(Effect):
         return tuple(dof.point for dof in setup.responses)
 
     def looks(self, system: DynamicSystem, setup: RigSetup) -> Mapping[str, Sequence[float]]:
-        """Return what makes a spring of a thousandth to all of the stiffness that the DoF feels."""
+        """Return what makes a spring of 1e-4 of the stiffness that the DoF feels to all of it."""
         assert isinstance(self.at, Dof)
         motion = likely_motion(system, setup, self.at)
         whole = motion.stiffness / (3 * motion.displacement**2)
         top = self.specs()["stiffness"].upper
-        return {"stiffness": [min(share * whole, top) for share in (1e-3, 1e-2, 1e-1, 1.0)]}
+        return {"stiffness": [min(share * whole, top) for share in (1e-4, 1e-3, 1e-2, 1e-1, 1.0)]}
 
     @classmethod
     def signature(cls, evidence: Evidence) -> float:
         """Frequencies rise, and part of the response has nothing in common with the force."""
-        return min(1.0, evidence.excess) * (0.5 + 0.3 * evidence.rising)
+        return distortion(evidence) * (0.5 + 0.3 * evidence.rising)

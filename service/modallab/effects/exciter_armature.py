@@ -12,6 +12,10 @@ from modallab.rig.drive import Drive
 from modallab.rig.effect import EFFECTS, Effect
 from modallab.rig.setup import RigSetup
 
+# Armature and structure resonate together, and the peaks move with the mass: a step of a fifth stays within
+# one valley of what is left of the force spectrum.
+TRIES = tuple(5.0 * 10.0 ** (-i / 12) for i in range(64))
+
 
 @EFFECTS.register("exciter_armature")
 @dataclass(frozen=True)
@@ -26,7 +30,9 @@ class ExciterArmature(Effect):
     stage: ClassVar[int] = 3
     sits: ClassVar[tuple[type, ...]] = (NoneType, Dof)
     at_drive: ClassVar[bool] = True
-    mass: float = parameter(0.02, unit="kg", lower=0.0, upper=5.0, doc="moving mass behind the force gauge")
+    mass: float = parameter(
+        0.02, unit="kg", lower=0.0, upper=5.0, doc="moving mass behind the force gauge", tries=TRIES
+    )
 
     def on_drive(self, drive: Drive) -> Drive:
         return replace(drive, mass=drive.mass + self.mass) if self.acts_on(drive.dof) else drive

@@ -12,7 +12,7 @@ from modallab.core.place import Place
 from modallab.correlation.evidence import Evidence
 from modallab.fe.system import DynamicSystem
 from modallab.rig.effect import EFFECTS, Effect
-from modallab.rig.likely_motion import likely_motion
+from modallab.rig.likely_motion import distortion, likely_motion
 from modallab.rig.local_force import LocalForce
 from modallab.rig.setup import RigSetup
 
@@ -31,6 +31,7 @@ class Friction(Effect):
     kind: ClassVar[str] = "friction"
     summary: ClassVar[str] = "dry friction: damping falls as the level rises"
     stage: ClassVar[int] = 2
+    bursts: ClassVar[bool] = True
     structural: ClassVar[bool] = True
     sits: ClassVar[tuple[type, ...]] = (Dof,)
     force: float = parameter(0.05, unit="N", lower=0.0, upper=1e6, doc="Coulomb force")
@@ -56,15 +57,16 @@ class Friction(Effect):
         return tuple(dof.point for dof in setup.responses)
 
     def looks(self, system: DynamicSystem, setup: RigSetup) -> Mapping[str, Sequence[float]]:
-        """Return what makes a damper of a hundredth to all of the damping that the DoF feels."""
+        """Return what makes a damper of a thousandth to all of the damping that the DoF feels."""
         assert isinstance(self.at, Dof)
         motion = likely_motion(system, setup, self.at)
         whole = motion.viscous * motion.velocity * np.sqrt(np.pi / 2)
         top = self.specs()["force"].upper
         sticking = float(np.clip(STICKING * motion.velocity, 1e-9, 1e3))
-        return {"force": [min(share * whole, top) for share in (1e-2, 1e-1, 1.0)], "sticking": [sticking]}
+        forces = [min(share * whole, top) for share in (1e-3, 1e-2, 1e-1, 1.0)]
+        return {"force": forces, "sticking": [sticking]}
 
     @classmethod
     def signature(cls, evidence: Evidence) -> float:
         """Part of the response has nothing in common with the force."""
-        return 0.6 * min(1.0, evidence.excess)
+        return 0.6 * distortion(evidence)

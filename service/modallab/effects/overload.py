@@ -38,6 +38,7 @@ class Overload(Effect):
     kind: ClassVar[str] = "overload"
     summary: ClassVar[str] = "samples beyond the converter's range are cut off"
     stage: ClassVar[int] = 6
+    bursts: ClassVar[bool] = True
     sits: ClassVar[tuple[type, ...]] = (NoneType, Channels)
     level: float = parameter(
         1.5,
@@ -46,7 +47,7 @@ class Overload(Effect):
         upper=ABSENT,
         absent=ABSENT,
         doc="range of the converter over the rms of the channel's signal",
-        tries=(1.0, 1.5, 2.0, 2.5, 3.0),
+        tries=(1.0, 1.25, 1.5, 1.75, 2.0, 2.25, 2.5, 2.75, 3.0, 3.25, 3.5, 3.75, 4.0),
     )
 
     def on_spectra(self, spectra: CrossSpectra, acquisition: Acquisition) -> CrossSpectra:
@@ -80,6 +81,7 @@ class Overload(Effect):
     @classmethod
     def signature(cls, evidence: Evidence) -> float:
         """Coherence is lower than it should be, at antiresonances most, and the signals are too small."""
-        low = float(np.clip(evidence.coherence_drop.mean() / 0.02, 0.0, 1.0))
+        drop = float(np.clip(evidence.coherence_drop.mean() / 0.02, 0.0, 1.0))
+        low = min(1.0, max(drop, evidence.excess, evidence.force_excess))
         signals = [part.mean() for part in (evidence.force, evidence.response) if part is not None]
         return low * (0.8 if signals and min(signals) < 0 else 0.4)

@@ -80,4 +80,5 @@ class Quantisation(Effect):
     @classmethod
     def signature(cls, evidence: Evidence) -> float:
         """Coherence is lower than it should be, as with white noise on all channels."""
-        return 0.8 * float(np.clip(evidence.coherence_drop.mean() / 0.01, 0.0, 1.0))
+        drop = float(np.clip(evidence.coherence_drop.mean() / 0.01, 0.0, 1.0))
+        return 0.8 * min(1.0, max(drop, evidence.excess, evidence.force_excess))

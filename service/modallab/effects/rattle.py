@@ -12,6 +12,7 @@ from modallab.core.place import Place
 from modallab.correlation.evidence import Evidence
 from modallab.fe.system import DynamicSystem
 from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.likely_motion import distortion
 from modallab.rig.local_force import LocalForce
 from modallab.rig.setup import RigSetup
 
@@ -29,6 +30,7 @@ class Rattle(Effect):
     kind: ClassVar[str] = "rattle"
     summary: ClassVar[str] = "stops that the structure strikes: all changes above some level"
     stage: ClassVar[int] = 2
+    bursts: ClassVar[bool] = True
     structural: ClassVar[bool] = True
     suspected: ClassVar[bool] = False
     sits: ClassVar[tuple[type, ...]] = (Dof,)
@@ -54,4 +56,4 @@ class Rattle(Effect):
     @classmethod
     def signature(cls, evidence: Evidence) -> float:
         """Frequencies rise, and part of the response has nothing in common with the force."""
-        return min(1.0, evidence.excess) * (0.5 + 0.3 * evidence.rising)
+        return distortion(evidence) * (0.5 + 0.3 * evidence.rising)

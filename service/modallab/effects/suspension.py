@@ -30,7 +30,6 @@ class Suspension(Effect):
     summary: ClassVar[str] = "an elastic band holds a structure that should be free"
     stage: ClassVar[int] = 1
     sits: ClassVar[tuple[type, ...]] = (Dof,)
-    suspected: ClassVar[bool] = False  # with little loss it is a ground_spring: nothing tells them apart
     stiffness: float = parameter(100.0, unit="N/m", lower=0.0, upper=1e9, doc="of the band")
     loss_factor: float = parameter(
         0.05, unit="1", lower=0.0, upper=1.0, absent=None, doc="of the band, hysteretic"

@@ -1,4 +1,4 @@
-"""Resonances of a system with masses and dampers hung on it, in the coordinates of its own modes."""
+"""Resonances of a system with masses, springs and dampers hung on it, in its own modes' coordinates."""
 
 from collections.abc import Sequence
 
@@ -12,12 +12,19 @@ from modallab.fe.modes import ModalBasis
 
 
 def only_loads(attachments: Sequence[Attachment]) -> bool:
-    """Return whether attachments leave rigid-body modes rigid: no springs, no coordinates of their own."""
-    return all(a.inner == 0 and (a.stiffness is None or not a.stiffness.any()) for a in attachments)
+    """Return whether attachments have no coordinates of their own, and their springs go to the ground."""
+    return all(a.inner == 0 and (_springs(a) is None or a.columns.shape[1] == 1) for a in attachments)
+
+
+def _springs(attachment: Attachment) -> FloatArray | None:
+    """Return the stiffness of an attachment, None if it has none."""
+    return attachment.stiffness if attachment.stiffness is not None and attachment.stiffness.any() else None
 
 
 def loaded_modes(basis: ModalBasis, attachments: Sequence[Attachment]) -> ModalBasis:
     """Return the elastic modes of a system with attachments that `only_loads`, undamped.
+
+    Every motion that strains nothing is one rigid-body mode less where a spring resists it.
 
     Parameters
     ----------
@@ -25,13 +32,17 @@ def loaded_modes(basis: ModalBasis, attachments: Sequence[Attachment]) -> ModalB
         All undamped modes of the system without them: the same modes as of its matrices, which need
         not be put together again.
     """
-    mass = np.eye(len(basis.eigenvalues))
+    mass, stiffness = np.eye(len(basis.eigenvalues)), np.diag(basis.eigenvalues.real)
+    held = [np.zeros((basis.n_rigid_body, 0))]
     for a in attachments:
+        seen = basis.shapes.real.T @ a.columns
         if a.mass is not None:
-            seen = basis.shapes.real.T @ a.columns
             mass += seen @ a.mass @ seen.T
-    values, turn = eigh(np.diag(basis.eigenvalues.real), mass, check_finite=False)
-    elastic = slice(basis.n_rigid_body, None)
+        if (springs := _springs(a)) is not None:
+            stiffness += seen @ springs @ seen.T
+            held.append(seen[: basis.n_rigid_body])
+    values, turn = eigh(stiffness, mass, check_finite=False)
+    elastic = slice(basis.n_rigid_body - int(np.linalg.matrix_rank(np.hstack(held))), None)
     return ModalBasis(values[elastic].astype(complex), basis.shapes.real @ turn[:, elastic], 0)
 
 

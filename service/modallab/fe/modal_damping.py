@@ -1,6 +1,7 @@
 """Damping that is known mode by mode."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from itertools import zip_longest
 
 import numpy as np
 from scipy.sparse import csc_array
@@ -19,15 +20,26 @@ class ModalLoss:
     loss_factors: tuple[float, ...]
     structural: float = 1.0
     viscous: float = 0.0  # s
+    more: tuple[float, ...] = ()  # structural loss factor that the lowest elastic modes have besides
 
     def scaled(self, factor: float) -> "ModalLoss":
         """Return it multiplied."""
-        return ModalLoss(self.loss_factors, factor * self.structural, factor * self.viscous)
+        return replace(
+            self,
+            structural=factor * self.structural,
+            viscous=factor * self.viscous,
+            more=tuple(factor * one for one in self.more),
+        )
+
+    def losing(self, more: tuple[float, ...]) -> "ModalLoss":
+        """Return it with so much more of a structural loss factor for each of the lowest modes."""
+        both = zip_longest(self.more, more, fillvalue=0.0)
+        return replace(self, more=tuple(a + b for a, b in both))
 
     def to_viscous(self, share: float, omega: float) -> "ModalLoss":
         """Return it with a share of the hysteretic part viscous, alike at `omega` rad/s."""
         gained = share / omega * self.structural
-        return ModalLoss(self.loss_factors, (1 - share) * self.structural, self.viscous + gained)
+        return replace(self, structural=(1 - share) * self.structural, viscous=self.viscous + gained)
 
     def lost(self, squares: FloatArray) -> FloatArray:
         """Return eta_r lambda_r of elastic modes from their lambda_r in rising order, (m,) rad^2/s^2."""
@@ -35,7 +47,17 @@ class ModalLoss:
         etas[: len(self.loss_factors)] = self.loss_factors[: len(squares)]
         return np.asarray(etas * squares)
 
+    def hysteretic(self, squares: FloatArray) -> FloatArray:
+        """Return eta_r lambda_r of structural damping from lambda_r in rising order, (m,) rad^2/s^2."""
+        total = self.structural * self.lost(squares)
+        n = min(len(self.more), len(squares))
+        total[:n] += np.array(self.more[:n]) * squares[:n]
+        return np.asarray(total)
+
     def attachment(self, mass: csc_array, squares: FloatArray, shapes: FloatArray) -> Attachment:
         """Return it hung on the undamped elastic modes (m,), (n, m) of a structure of that mass."""
-        lost = np.diag(self.lost(squares))
-        return Attachment(mass @ shapes, damping=self.structural * lost, viscous=self.viscous * lost)
+        return Attachment(
+            mass @ shapes,
+            damping=np.diag(self.hysteretic(squares)),
+            viscous=np.diag(self.viscous * self.lost(squares)),
+        )

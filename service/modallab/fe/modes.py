@@ -11,6 +11,7 @@ from scipy.sparse.linalg import LinearOperator, eigsh, splu
 
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.errors import InvalidInputError
+from modallab.fe.coupled import CoupledModes
 from modallab.fe.losses import Losses
 from modallab.fe.modal_damping import ModalLoss
 from modallab.fe.remainder import Remainder
@@ -57,11 +58,11 @@ class ModalBasis:
         squares = self.eigenvalues.real
         d, c = (None if part is None else self.shapes.T @ (part @ self.shapes) for part in (damping, viscous))
         if modal is not None:
-            lost = np.zeros(len(squares))
-            lost[self.n_rigid_body :] = modal.lost(squares[self.n_rigid_body :])
-            d = np.diag(modal.structural * lost) + (0.0 if d is None else d)
+            rigid, elastic = np.zeros(self.n_rigid_body), squares[self.n_rigid_body :]
+            d = np.diag(np.concatenate([rigid, modal.hysteretic(elastic)])) + (0.0 if d is None else d)
             if modal.viscous:
-                c = np.diag(modal.viscous * lost) + (0.0 if c is None else c)
+                lost = np.concatenate([rigid, modal.viscous * modal.lost(elastic)])
+                c = np.diag(lost) + (0.0 if c is None else c)
         values, turn = (self.eigenvalues, None) if d is None else _damped(squares, np.asarray(d))
         shapes = self.shapes if turn is None else self.shapes @ turn
         if turn is not None and c is not None:
@@ -104,21 +105,20 @@ class ModalResponse:
         self.basis, self.omega = basis, omega
         direct = basis.eigenvalues - (omega**2)[:, None]
         c = basis.viscous
-        self._inverse: ComplexArray | None = None
+        self._coupled: CoupledModes | None = None
         if c is not None:
             loss = np.diag(c)
             direct = direct + 1j * omega[:, None] * loss
             coupling = c - np.diag(loss)
             if np.abs(coupling).max(initial=0.0) > COUPLED * np.abs(loss).max():
-                full = 1j * omega[:, None, None] * coupling + direct[:, :, None] * np.eye(len(loss))
-                self._inverse = np.asarray(np.linalg.inv(full), complex)
+                self._coupled = CoupledModes(direct, coupling, omega)
         self._d = 1.0 / direct  # (n_freq, m)
 
     def receptance(self, left: FloatArray, right: FloatArray) -> ComplexArray:
         """Return left^T alpha right, (n_freq, n_left, n_right), m/N, for columns (n, .)."""
         phi_l, phi_r = left.T @ self.basis.shapes, right.T @ self.basis.shapes
-        coupled = self._inverse
-        alpha = self._sum(phi_l, phi_r) if coupled is None else phi_l @ coupled @ phi_r.T
+        coupled = self._coupled
+        alpha = self._sum(phi_l, phi_r) if coupled is None else coupled.receptance(phi_l, phi_r)
         if self.basis.remainder is not None:
             alpha = alpha + self.basis.remainder.at(self.omega, left, right)
         return alpha
@@ -128,8 +128,9 @@ class ModalResponse:
 
         Frequency last: each pair lies in one piece.
         """
-        if self._inverse is not None or self.basis.remainder is not None:
-            return np.asarray(np.einsum("fii->if", self.receptance(left, right)))
+        if self._coupled is not None or self.basis.remainder is not None:
+            (left, row), (right, column) = _distinct(left), _distinct(right)
+            return np.asarray(self.receptance(left, right)[:, row, column].T)
         return self._products((left.T @ self.basis.shapes) * (right.T @ self.basis.shapes))
 
     def _sum(self, phi_l: FloatArray | ComplexArray, phi_r: FloatArray | ComplexArray) -> ComplexArray:
@@ -150,6 +151,13 @@ class ModalResponse:
         """(2 n_freq, m): real and imaginary part of every line's `_d`."""
         parts = self._d.view(float).reshape(*self._d.shape, 2)
         return np.ascontiguousarray(parts.swapaxes(1, 2)).reshape(2 * len(self._d), -1)
+
+
+def _distinct(columns: FloatArray) -> tuple[FloatArray, list[int]]:
+    """Return columns (n, k) without those that come back, and where each one is among them."""
+    seen: dict[bytes, int] = {}
+    place = [seen.setdefault(column.tobytes(), len(seen)) for column in columns.T]
+    return columns[:, [place.index(i) for i in range(len(seen))]], place
 
 
 def rigid_body_modes(mass: csc_array, stiffness: csc_array, candidates: FloatArray | None) -> FloatArray:

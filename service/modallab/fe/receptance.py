@@ -51,7 +51,20 @@ def _woodbury(alpha: ComplexArray, z: ComplexArray) -> ComplexArray:
         return np.asarray(alpha[..., :-1, :-1] - to_b * (z / (1 + z * within)) * from_b)
     inner = z @ within
     inner[..., np.arange(r), np.arange(r)] += 1.0
-    return np.asarray(alpha[..., :-r, :-r] - to_b @ np.linalg.solve(inner, z @ from_b))
+    return np.asarray(alpha[..., :-r, :-r] - to_b @ solved(inner, z @ from_b))
+
+
+def solved(matrix: ComplexArray, right: ComplexArray) -> ComplexArray:
+    """Return what `np.linalg.solve` does; of one or two unknowns without a call for every line."""
+    if matrix.shape[-1] == 1:
+        return np.asarray(right / matrix)
+    if matrix.shape[-1] != 2:
+        return np.asarray(np.linalg.solve(matrix, right))
+    a, b, c, d = (matrix[..., i, j, None] for i in (0, 1) for j in (0, 1))
+    first, second = right[..., 0, :], right[..., 1, :]
+    return np.asarray(
+        np.stack([d * first - b * second, a * second - c * first], axis=-2) / (a * d - b * c)[..., None]
+    )
 
 
 def attached_variants(
@@ -70,11 +83,10 @@ def attached_variants(
     lefts, right
         (n, n_out) for each variant, of one width, and (n, n_in) for all.
     """
-    shared = [a for a in systems[0].attachments if all(_has(s, a) for s in systems[1:])]
-    whole = lean(replace(systems[0], attachments=tuple(shared)))
+    shared, own = parted(systems)
+    whole = lean(replace(systems[0], attachments=shared))
     response = whole.base_modes(float(omega.max()) / (2 * np.pi)).at(omega)
-    own = [[a for a in s.attachments if not any(a.same(b) for b in shared)] for s in systems]
-    variants = [replace(s, attachments=tuple(a)) for s, a in zip(systems, own, strict=True)]
+    variants = [replace(s, attachments=a) for s, a in zip(systems, own, strict=True)]
     widths = {v.stacked.shape[1] for v in variants}
     if len(widths) > 1:  # variants that cannot be stacked
         response = systems[0].base_modes(float(omega.max()) / (2 * np.pi)).at(omega)
@@ -124,7 +136,7 @@ def _effective_stiffness(response: ModalResponse, system: DynamicSystem) -> Comp
     z = system.attached_stiffness(response.omega)
     inner = z @ np.ascontiguousarray(response.receptance(columns, columns))
     inner[:, np.arange(z.shape[1]), np.arange(z.shape[1])] += 1.0
-    return np.ascontiguousarray(np.linalg.solve(inner, z).transpose(1, 2, 0))
+    return np.ascontiguousarray(solved(inner, z).transpose(1, 2, 0))
 
 
 def lean(system: DynamicSystem) -> DynamicSystem:
@@ -149,8 +161,14 @@ def lean(system: DynamicSystem) -> DynamicSystem:
     return replace(folded, attachments=tuple(a for a in system.attachments if a.inner))
 
 
-def _has(system: DynamicSystem, attachment: Attachment) -> bool:
-    return any(attachment.same(other) for other in system.attachments)
+def parted(
+    systems: Sequence[DynamicSystem],
+) -> tuple[tuple[Attachment, ...], list[tuple[Attachment, ...]]]:
+    """Return what all variants of a structure carry, and what each carries besides."""
+    first, *rest = systems
+    shared = [a for a in first.attachments if all(any(a.same(b) for b in s.attachments) for s in rest)]
+    own = [tuple(a for a in s.attachments if not any(a.same(b) for b in shared)) for s in systems]
+    return tuple(shared), own
 
 
 def receptance(system: DynamicSystem, freq: FloatArray, left: FloatArray, right: FloatArray) -> ComplexArray:

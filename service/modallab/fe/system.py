@@ -183,6 +183,17 @@ class DynamicSystem:
         members = replace(table, losses=losses)
         return self._rebuilt(("converted", share, omega), lambda: members, modal, stretch=1.0)
 
+    def losing(self, more: tuple[float, ...]) -> "DynamicSystem":
+        """Return the system whose lowest elastic modes have so much more of a loss factor each.
+
+        Structural damping sum eta_r lambda_r (M phi_r)(M phi_r)^T of the matrices' own modes, without what
+        is attached; a loss factor may be less than none as long as the whole is not.
+        """
+        if not any(more):
+            return self
+        modal = (self.modal or ModalLoss((0.0,))).losing(more)
+        return self._rebuilt(("losing", more), lambda: self._known_members, modal, stretch=1.0)
+
     def sheared(self, amount: float) -> "DynamicSystem":
         """Return the system with so much more of shear flexibility and rotary inertia in every member.
 
@@ -244,9 +255,13 @@ class DynamicSystem:
         """All attachments, and modal damping as one."""
         if self.modal is None:
             return self.attachments
-        basis = self._undamped(MODAL_BAND).elastic()
-        modal = self.modal.attachment(self.mass, basis.eigenvalues.real, basis.shapes.real)
-        return (*self.attachments, modal)
+        modal = self.modal
+
+        def make() -> Attachment:
+            basis = self._undamped(MODAL_BAND).elastic()
+            return modal.attachment(self.mass, basis.eigenvalues.real, basis.shapes.real)
+
+        return (*self.attachments, kept(self.shared, "modal", modal, make))
 
     @property
     def stacked(self) -> FloatArray:
@@ -294,8 +309,8 @@ class DynamicSystem:
 
         Damping between modes is left out: several times faster, and near enough for widths.
         """
-        if len(self.dofs) < SMALL and self.modal is None and only_loads(self.attachments):
+        if len(self.dofs) < SMALL and only_loads(self.attachments):
             basis = loaded_modes(self._undamped(np.inf), self.attachments)
-            return half_power(basis, self.damping, self.viscous, self.attachments)
+            return half_power(basis, self.damping, self.viscous, self._hung)
         whole = self.folded() if self.attachments or self.modal else self
         return half_power(whole._undamped(2 * frequency_max).elastic(), whole.damping, whole.viscous)

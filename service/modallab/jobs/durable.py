@@ -17,6 +17,7 @@ from anyio import BrokenWorkerProcess, CapacityLimiter, to_process, to_thread
 from dbos import DBOS, DBOSClient, Serializer
 from dbos import error as dbos_error
 
+from modallab.jobs.answering import answers_apart
 from modallab.jobs.book import JobBook
 from modallab.jobs.runner import Job
 from modallab.jobs.work import INTERNAL, perform
@@ -58,6 +59,11 @@ class _Site:
 _site: _Site | None = None  # DBOS is one a process, and its workflows are module-level functions
 
 
+def _perform_apart(place: StorePlace, job_id: str) -> str | None:
+    with answers_apart():
+        return perform(place, job_id)
+
+
 def _broke(error: BaseException) -> bool:
     return isinstance(error, BrokenWorkerProcess)
 
@@ -72,7 +78,9 @@ def _broke(error: BaseException) -> bool:
 )
 async def _perform(job_id: str) -> None:
     assert _site is not None
-    fault = await to_process.run_sync(perform, _site.place, job_id, cancellable=True, limiter=_site.limiter)
+    fault = await to_process.run_sync(
+        _perform_apart, _site.place, job_id, cancellable=True, limiter=_site.limiter
+    )
     if fault is not None:
         _log.error("job failed", job=job_id, fault=fault)
 

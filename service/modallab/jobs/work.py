@@ -8,7 +8,8 @@ from typing import Any
 
 from modallab.core.errors import CancelledError, ModalLabError
 from modallab.jobs.book import JobBook
-from modallab.jobs.tasks import TASKS, Destination
+from modallab.jobs.destination import Destination
+from modallab.jobs.tasks import TASKS
 from modallab.store.place import StorePlace, engine_of, open_store
 
 _INTERVAL = 0.1  # s between two entries of progress in the book

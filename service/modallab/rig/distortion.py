@@ -1,51 +1,108 @@
 """Nonlinear forces in a run: the springs and dampers they amount to, and the power of what is left."""
 
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Iterator, Sequence
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.errors import InvalidInputError
 from modallab.fe.attachment import Attachment
-from modallab.fe.receptance import receptance
+from modallab.fe.receptance import attached_variants
 from modallab.rig.analyser import Analyser
 from modallab.rig.drive import reaction, transmission
-from modallab.rig.linearise import equivalents, residual_density
-from modallab.rig.local_force import Linearised, LocalForce
+from modallab.rig.linearise import Taken, at_work, equivalents, left_over
+from modallab.rig.local_force import LocalForce
 from modallab.rig.run import Run
 from modallab.rig.source import Source
 from modallab.rig.view import refined
 
 STRONG = 1.0  # mean square of the motion by residuals, over that by sources, at which first order ends
 NARROWEST = 1e-6  # of a line, that quadrature takes a resonance to be
-REFINEMENTS = 8  # of the quadrature towards resonances that nonlinear forces have moved
+REFINEMENTS = 40  # of the quadrature towards resonances that nonlinear forces have moved
+PANELS = 8  # that the band is cut into before
+AT_ONCE = 512  # frequencies of all runs that lie in the cache together
 FINEST = 64  # grid points a line at most where a spectrum is steep
 
 
-def with_equivalents(run: Run, forces: Sequence[LocalForce], analyser: Analyser, source: Source) -> Run:
-    """Return the run with every nonlinear force in it: its straight line attached, the rest beside it.
+def with_equivalents(
+    runs: Sequence[Run], forces: Sequence[LocalForce], analyser: Analyser, source: Source
+) -> tuple[Run, ...]:
+    """Return runs with every nonlinear force in them: its straight line attached, the rest beside it.
 
     What repeats with the record has its power on the lines, what does not everywhere between them.
     """
-    share = source.continuous
-    known = run.resonances(analyser.frequency_max)
-    for _ in range(REFINEMENTS):
-        freq, hertz = [analyser.freq[1:]], [np.full(analyser.n_lines - 1, (1 - share) * analyser.spacing)]
-        if share > 0:
-            nodes, weights = refined(analyser, *known)
-            freq, hertz = [*freq, nodes], [*hertz, share * weights]
-        omega, power = 2 * np.pi * np.concatenate(freq), _density(analyser) * np.concatenate(hertz)
-        driven, fed_back = motions(run, forces, omega)
-        loaded = _with_lines(run, equivalents(forces, driven, fed_back, omega, power))
-        if share == 0:
-            break
-        # Where a spring has moved a resonance, quadrature must be fine there as well.
-        moved = loaded.resonances(analyser.frequency_max)
-        if _resolved(moved, known, analyser):
-            break
-        known = np.concatenate([known[0], moved[0]]), np.concatenate([known[1], moved[1]])
-    return loaded
+    if source.continuous > 0:
+        return tuple(_by_quadrature(runs, forces, analyser, source.continuous))
+    omega, power = 2 * np.pi * analyser.freq[1:], np.full(analyser.n_lines - 1, _power_of_line(analyser))
+    without = motions(runs, forces, omega)
+    rms = equivalents(forces, *without, omega, power)
+    taken = _taken(forces, *at_work(forces, rms, *without, omega), omega, analyser)
+    each = zip(runs, rms, taken, strict=True)
+    return tuple(replace(_with_lines(run, forces, own), taken=one) for run, own, one in each)
+
+
+def _taken(
+    forces: Sequence[LocalForce],
+    driven: ComplexArray,
+    fed_back: ComplexArray,
+    omega: FloatArray,
+    analyser: Analyser,
+) -> list[Taken]:
+    """Return what forces take in each run, at 0 Hz and at `omega` (n,) rad/s.
+
+    Parameters
+    ----------
+    driven, fed_back
+        As of `motions`, the straight lines at work.
+    """
+    of_velocity = [force.of_velocity for force in forces]
+    size = _density(analyser) * (np.abs(driven) ** 2).sum(axis=3)
+    size *= np.where(of_velocity, omega[:, None] ** 2, 1.0)
+    answer = np.einsum("nfrr->nfr", fed_back) * np.where(of_velocity, 1j * omega[:, None], 1.0)
+    # A motion has no mean; what answers a steady force is real, and about what answers a slow one.
+    spectra = np.concatenate([np.zeros_like(size[:, :1]), size], axis=1)
+    answers = np.concatenate([answer[:, :1].real, answer], axis=1)
+    return [Taken(*pair) for pair in zip(spectra, answers, strict=True)]
+
+
+def _by_quadrature(
+    runs: Sequence[Run], forces: Sequence[LocalForce], analyser: Analyser, share: float
+) -> Iterator[Run]:
+    """Yield the runs under sources of which a share has its power between the lines as well.
+
+    Frequencies are fine where the resonances are that a motion gives, the motion follows from them, and
+    so on. A run begins where the one before it ended: they differ by an accelerometer.
+    """
+    lines, panels = analyser.freq[1:], replace(analyser, n_lines=PANELS + 1)
+    power = np.full(len(lines), (1 - share) * _power_of_line(analyser))
+    if share == 1:
+        lines, power = lines[:0], power[:0]
+    rms: FloatArray | None = None
+    for run in runs:
+        at = run if rms is None else _with_lines(run, forces, rms)
+        known = at.resonances(analyser.frequency_max)
+        for _ in range(REFINEMENTS):
+            nodes, hertz = refined(panels, *known)
+            weights = np.concatenate([power, share * _density(analyser) * hertz])
+            omega = 2 * np.pi * np.concatenate([lines, nodes])
+            driven, fed_back = motions([run], forces, omega)
+            begin = _free(forces, driven, omega, weights) if rms is None else rms
+            rms = equivalents(forces, driven, fed_back, omega, weights, begin[None])[0]
+            loaded = _with_lines(run, forces, rms)
+            moved = loaded.resonances(analyser.frequency_max)
+            if _resolved(moved, known, analyser):
+                break
+            known = moved
+        yield loaded
+
+
+def _free(
+    forces: Sequence[LocalForce], driven: ComplexArray, omega: FloatArray, power: FloatArray
+) -> FloatArray:
+    """Return the root mean squares of what the forces would take if they did not act, (r,)."""
+    scale = np.where([force.of_velocity for force in forces], omega[:, None] ** 2, 1.0)
+    return np.asarray(np.sqrt(power @ ((np.abs(driven[0]) ** 2).sum(axis=2) * scale)))
 
 
 def _resolved(
@@ -59,8 +116,8 @@ def _resolved(
     return bool((near & (width <= 2 * half[:, None])).any(axis=1).all())
 
 
-def _with_lines(run: Run, found: tuple[Linearised, ...]) -> Run:
-    system = run.system
+def _with_lines(run: Run, forces: Sequence[LocalForce], rms: FloatArray) -> Run:
+    system, found = run.system, tuple(force.at(float(own)) for force, own in zip(forces, rms, strict=True))
     for one in found:
         column, line = system.selection((one.force.dof,)), np.array([[one.slope]])
         of_velocity = one.force.of_velocity
@@ -80,53 +137,103 @@ def check_first_order(runs: Sequence[Run], analyser: Analyser, source: Source) -
     InvalidInputError
         If they do not hold.
     """
-    omega = 2 * np.pi * analyser.freq[1:]
-    for run in runs:
-        if not run.local:
-            return
-        driven, fed_back = motions(run, [one.force for one in run.local], omega)
-        left = residual_densities(run, analyser, source, analyser.freq[1:])
-        by_residuals = (np.abs(fed_back) ** 2 * left[:, None, :]).sum(axis=(0, 2))
-        by_sources = _density(analyser) * (np.abs(driven) ** 2).sum(axis=(0, 2))
-        if (by_residuals > STRONG * by_sources).any():
-            worst = run.local[int((by_residuals / by_sources).argmax())].force.dof
-            raise InvalidInputError(
-                f"the nonlinear force at {worst} is too strong at this level for expected spectra",
-                field="route",
-                value="expected or drawn",
-                allowed="sampled, or a lower level",
-            )
+    if not runs[0].local:
+        return
+    lines = analyser.freq[1:]
+    forces = [one.force for one in runs[0].local]
+    driven, fed_back = motions(runs, forces, 2 * np.pi * lines)
+    left = residuals(runs, analyser, source, lines).density
+    by_residuals = (np.abs(fed_back) ** 2 * left[:, :, None, :]).sum(axis=(1, 3))
+    by_sources = _density(analyser) * (np.abs(driven) ** 2).sum(axis=(1, 3))
+    strong = by_residuals > STRONG * by_sources
+    if strong.any():
+        worst = forces[int(strong.any(axis=0).argmax())].dof
+        raise InvalidInputError(
+            f"the nonlinear force at {worst} is too strong at this level for expected spectra",
+            field="route",
+            value="expected or drawn",
+            allowed="sampled, or a lower level",
+        )
 
 
-def residual_densities(run: Run, analyser: Analyser, source: Source, freq: FloatArray) -> FloatArray:
-    """Return the one-sided densities of the residuals of a run's nonlinear forces, (n_freq, r) N^2/Hz."""
-    finer = 1
-    if source.continuous > 0:
-        frequencies, widths = run.resonances(analyser.frequency_max)
-        narrow = widths[frequencies < analyser.frequency_max].min(initial=analyser.spacing)
-        finer = int(np.clip(np.ceil(analyser.spacing / max(narrow, 1e-9)), 1, FINEST))
+@dataclass(frozen=True, eq=False)
+class Residuals:
+    """What nonlinear forces leave of their straight lines, (n_run, n_freq, r) each."""
+
+    density: FloatArray  # N^2/Hz, one-sided
+    line: ComplexArray  # N/m that it holds against the motion itself
+
+
+def residuals(
+    runs: Sequence[Run], analyser: Analyser, source: Source, freq: FloatArray, finest: int = FINEST
+) -> Residuals:
+    """Return what the nonlinear forces of runs leave at `freq` (n_freq,) Hz.
+
+    Parameters
+    ----------
+    finest
+        Grid points a line at most where spectra are steep.
+    """
+    forces = [one.force for one in runs[0].local]
+    lines, taken = _on_even_lines(runs, forces, analyser, source, finest)
+    shape = (len(runs), len(freq), len(forces))
+    density, line = np.empty(shape), np.empty(shape, complex)
+    for r, (run, own) in enumerate(zip(runs, taken, strict=True)):
+        for i, one in enumerate(run.local):
+            power, held = left_over(one, own.spectrum[:, i], own.answer[:, i], lines[1])
+            density[r, :, i], line[r, :, i] = np.interp(freq, lines, power), np.interp(freq, lines, held)
+    unit = np.where([force.of_velocity for force in forces], 2j * np.pi * freq[:, None], 1.0)
+    return Residuals(density, line * unit)
+
+
+def _on_even_lines(
+    runs: Sequence[Run], forces: Sequence[LocalForce], analyser: Analyser, source: Source, finest: int
+) -> tuple[FloatArray, list[Taken]]:
+    """Return lines (n_lines,) Hz as fine as spectra are steep, and what is taken in each run there."""
+    known = [run.taken for run in runs if run.taken is not None]
+    if source.continuous == 0 and len(known) == len(runs):
+        return analyser.freq, known
+    frequencies, widths = np.concatenate([run.resonances(analyser.frequency_max) for run in runs], axis=1)
+    narrow = widths[frequencies < analyser.frequency_max].min(initial=analyser.spacing)
+    finer = int(np.clip(np.ceil(analyser.spacing / max(narrow, 1e-9)), 1, finest))
     lines = np.linspace(0.0, analyser.frequency_max, finer * (analyser.n_lines - 1) + 1)
-    omega = 2 * np.pi * lines[1:]
-    driven, _ = motions(run, [one.force for one in run.local], omega)
-    size = _density(analyser) * (np.abs(driven) ** 2).sum(axis=2)
-    out = np.empty((len(freq), len(run.local)))
-    for i, one in enumerate(run.local):
-        spectrum = size[:, i] * (omega**2 if one.force.of_velocity else 1.0)
-        density = residual_density(one, np.concatenate([[0.0], spectrum]), lines[1])
-        out[:, i] = np.interp(freq, lines, density)
-    return out
+    parts = np.array_split(2 * np.pi * lines[1:], np.ceil(len(lines) / AT_ONCE))
+    driven, fed_back = zip(*(motions(runs, forces, omega) for omega in parts), strict=True)
+    both = np.concatenate(driven, axis=1), np.concatenate(fed_back, axis=1)
+    return lines, _taken(forces, *both, 2 * np.pi * lines[1:], analyser)
 
 
 def _density(analyser: Analyser) -> float:
     return analyser.excitation.level**2 / analyser.frequency_max
 
 
-def motions(run: Run, forces: Sequence[LocalForce], omega: FloatArray) -> tuple[ComplexArray, ComplexArray]:
-    """Return displacement at the forces per source (n, r, n_in) and per force there (n, r, r), m/N."""
-    n = len(run.drives)
-    columns = run.system.selection((*run.shot.drives, *(force.dof for force in forces)))
-    alpha = receptance(run.system, omega / (2 * np.pi), columns, columns)
-    at_drives = alpha[None, :, :n, :n]
-    driven = alpha[:, n:, :n] @ transmission(run.drives, omega, at_drives)[0]
-    held = reaction(run.drives, omega, at_drives)[0] @ alpha[:, :n, n:]
-    return driven, alpha[:, n:, n:] - alpha[:, n:, :n] @ held
+def _power_of_line(analyser: Analyser) -> float:
+    return _density(analyser) * analyser.spacing
+
+
+def motions(
+    runs: Sequence[Run], forces: Sequence[LocalForce], omega: FloatArray
+) -> tuple[ComplexArray, ComplexArray]:
+    """Return displacement at forces per source (n_run, n, r, n_in) and per force there, m/N.
+
+    The second is (n_run, n, r, r).
+    """
+    first = runs[0]
+    if not all(
+        run.drives == first.drives and run.shot.drives == first.shot.drives and _variants(run, first)
+        for run in runs
+    ):
+        each = [motions([run], forces, omega) for run in runs]
+        return np.concatenate([one for one, _ in each]), np.concatenate([other for _, other in each])
+    n = len(first.drives)
+    columns = first.system.selection((*first.shot.drives, *(force.dof for force in forces)))
+    alpha = attached_variants([run.system for run in runs], omega, [columns] * len(runs), columns)
+    at_drives = alpha[:, :, :n, :n]
+    driven = alpha[:, :, n:, :n] @ transmission(first.drives, omega, at_drives)
+    held = reaction(first.drives, omega, at_drives) @ alpha[:, :, :n, n:]
+    return driven, alpha[:, :, n:, n:] - alpha[:, :, n:, :n] @ held
+
+
+def _variants(one: Run, other: Run) -> bool:
+    """Return whether two runs are of one structure and what hangs on it."""
+    return one.system.mass is other.system.mass and one.system.stiffness is other.system.stiffness

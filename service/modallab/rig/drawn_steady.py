@@ -40,7 +40,7 @@ def drawn_about(
     """
     n, runs = round(spectra.averages), []
     for run, own in enumerate(steady):
-        gain = _gain(spectra, clean[run], force_noise[run], run)
+        gain = gain_of(spectra, clean[run], force_noise[run], run)
         rest = _Rest.of(spectra, run, own.expected(gain))
         rotated = np.linalg.qr(own.weights(n, rng), mode="r")
         first = np.tensordot(rotated, own.signals * gain, axes=1) + rest.averages(len(rotated), rng)
@@ -55,7 +55,7 @@ def drawn_about(
     return CrossSpectra(spectra.freq, ff[..., None], fx[:, :, None], xx.real, spectra.averages)
 
 
-def _gain(spectra: CrossSpectra, clean: ComplexArray, force_noise: float, run: int) -> ComplexArray:
+def gain_of(spectra: CrossSpectra, clean: ComplexArray, force_noise: float, run: int) -> ComplexArray:
     """Return what the converter makes of the channels' signals, (n_freq, 1 + n_out)."""
     n_out = spectra.xx.shape[2]
     ff, fx = clean[:, 0].real, clean[:, 1 : 1 + n_out]

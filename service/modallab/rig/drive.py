@@ -163,7 +163,8 @@ def reaction(drives: tuple[Drive, ...], omega: FloatArray, alpha: ComplexArray) 
     """
     unit = np.broadcast_to(np.eye(len(drives), dtype=complex), alpha.shape)
     held = _outwards(drives, omega, np.zeros_like(unit), unit)
-    return np.asarray(np.linalg.solve(_outwards(drives, omega, unit, alpha), held))
+    passed = _outwards(drives, omega, unit, alpha)
+    return np.asarray(held / passed if len(drives) == 1 else np.linalg.solve(passed, held))
 
 
 def _outwards(

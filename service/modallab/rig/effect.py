@@ -39,6 +39,7 @@ class Effect(Parameterised):
     sits: ClassVar[tuple[type, ...]] = (NoneType,)  # what `at` may be
     at_drive: ClassVar[bool] = False  # True: a DoF it sits at can only be a drive point
     suspected: ClassVar[bool] = True  # False: a diagnosis looks for it only when told to
+    bursts: ClassVar[bool] = False  # True: what it adds comes in bursts, which few records carry
     at: Place = None
 
     def on_system(self, system: DynamicSystem, shot: Shot) -> DynamicSystem:

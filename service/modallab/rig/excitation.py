@@ -80,12 +80,18 @@ class Excitation:
     phases: Phases | None = None  # of its lines, all of one size, where every record has the same
     one_by_one: bool = False  # every line is measured on its own: no window, all of the power in a line
     transient: Transient | None = None  # it begins and ends within a record, on a structure at rest
+    recurring: bool = False  # of what begins and ends within a record: whether the next has the same
     settings: tuple[str, ...] = ("level",)  # what of `ExcitationSetting` it asks for
 
     def specs(self) -> dict[str, ParameterSpec]:
         """Return unit, bounds and meaning of the numbers it asks for, by name."""
         known = ExcitationSetting.specs()
         return {name: known[name] for name in self.settings}
+
+    @property
+    def comes_back(self) -> bool:
+        """Whether every record has the same signal, but for its size: its spectra hardly scatter."""
+        return self.phases is not None or self.recurring
 
     def noise_share(self, n_lines: int) -> float:
         """Return the noise of a line over that of a signal of the same rms spread over the band."""

@@ -7,22 +7,36 @@ from modallab.estimation.averaging import effective_averages
 from modallab.estimation.spectra import CrossSpectra
 from modallab.rig.acquisition import Acquisition
 from modallab.rig.chain import Chain, ChannelResponse
-from modallab.rig.distortion import residual_densities
+from modallab.rig.distortion import FINEST, residuals
+from modallab.rig.dressing import dressed
 from modallab.rig.excitation import EXCITATIONS
 from modallab.rig.ringing import FORGOTTEN, NEARLY, transient_of, transient_spectra
 from modallab.rig.smear import Smear
 from modallab.rig.steady import fixed_signals
-from modallab.rig.view import View, coarse_view, periodic_view, refined_view
+from modallab.rig.view import COARSE, THIN, View, coarse_view, periodic_view, refined_view
 
 
-def expected_spectra(chain: Chain) -> CrossSpectra:
+def expected_spectra(chain: Chain, view: Smear | None = None) -> CrossSpectra:
     """Return the expected averaged spectra of every run.
 
     What repeats with the record is seen through the window at the lines themselves; what does not
     is the convolution of the true spectra with the window's line shape, 1992 thesis eq. [5.11], here
     by Gauss quadrature on panels refined towards every resonance.
+
+    Parameters
+    ----------
+    view
+        How the lines see what does not repeat, if not as the chain's own resonances ask for: for
+        differences between chains that are nearly the same, `thin_view` of one of them.
     """
-    return _with_noise(chain, noise_free(chain), chain.setup.analyser.freq)
+    return _with_noise(chain, noise_free(chain, view=view), chain.setup.analyser.freq)
+
+
+def thin_view(chain: Chain) -> Smear | None:
+    """Return how lines see what does not repeat, good enough to differentiate with; None if all does."""
+    if not chain.source.continuous > 0:
+        return None
+    return refined_view(chain.setup.analyser, *chain.poles(), THIN)
 
 
 def glimpse(chain: Chain, step: int) -> CrossSpectra:
@@ -34,13 +48,15 @@ def glimpse(chain: Chain, step: int) -> CrossSpectra:
     return _with_noise(chain, noise_free(chain, step), chain.setup.analyser.freq[::step])
 
 
-def noise_free(chain: Chain, step: int | None = None) -> ComplexArray:
+def noise_free(chain: Chain, step: int | None = None, view: Smear | None = None) -> ComplexArray:
     """Return G_ff, G_fx and G_xx as the lines see them, side by side.
 
     Parameters
     ----------
     step
         None for every line, refined; else every `step`-th line, coarse.
+    view
+        In place of the one that the chain's resonances ask for.
 
     Returns
     -------
@@ -51,9 +67,10 @@ def noise_free(chain: Chain, step: int | None = None) -> ComplexArray:
     if share < 1:
         parts.append((1 - share) * _repeating(chain, step or 1))
     if share > 0:
-        fine = step is None
-        view = refined_view(analyser, *chain.poles()) if fine else coarse_view(analyser, step or 1)
-        parts.append(share * _through(view, chain))
+        if step is not None:
+            parts.append(share * _through(coarse_view(analyser, step), chain, COARSE))
+        else:
+            parts.append(share * _through(view or refined_view(analyser, *chain.poles()), chain))
     return np.asarray(sum(parts[1:], parts[0]))
 
 
@@ -73,12 +90,19 @@ def _distorted(chain: Chain, step: int) -> ComplexArray | float:
     if not chain.runs[0].local:
         return 0.0
     view = periodic_view(chain.setup.analyser, step)
-    return view.through(_residual(chain, view.nodes))
+    left = residuals(chain.runs, chain.setup.analyser, chain.source, view.nodes)
+    return view.through(_powers(chain.distort(view.nodes), left.density))
 
 
-def _through(view: View | Smear, chain: Chain) -> ComplexArray:
-    signal = _signal(chain, view.nodes)
-    return view.through(signal + _residual(chain, view.nodes) if chain.runs[0].local else signal)
+def _through(view: View | Smear, chain: Chain, finest: int = FINEST) -> ComplexArray:
+    analyser = chain.setup.analyser
+    density = np.full((1, 1, chain.n_in), analyser.excitation.level**2 / analyser.frequency_max)
+    driven, distorted = chain.answers(view.nodes)
+    if not chain.runs[0].local:
+        return view.through(_powers(driven, density))
+    left = residuals(chain.runs, analyser, chain.source, view.nodes, finest)
+    driven, distorted = dressed(driven, distorted, left.line)
+    return view.through(_powers(driven, density) + _powers(distorted, left.density))
 
 
 def _products(seen: ComplexArray) -> ComplexArray:
@@ -147,20 +171,6 @@ def _with_noise(chain: Chain, clean: ComplexArray, freq: FloatArray) -> CrossSpe
     for effect in chain.effects:
         spectra = effect.on_spectra(spectra, known)
     return spectra
-
-
-def _signal(chain: Chain, freq: FloatArray) -> ComplexArray:
-    """Return the true G_ff, G_fx and G_xx side by side, (n_run, n, n_in^2 + n_in n_out + n_out)."""
-    excitation = chain.setup.analyser.excitation
-    density = excitation.level**2 / chain.setup.analyser.frequency_max
-    answer = chain.respond(freq)
-    return _powers(answer, np.full((1, 1, chain.n_in), density))
-
-
-def _residual(chain: Chain, freq: FloatArray) -> ComplexArray:
-    """Return the same of what the nonlinear forces leave of their straight lines."""
-    left = [residual_densities(run, chain.setup.analyser, chain.source, freq) for run in chain.runs]
-    return _powers(chain.distort(freq), np.array(left))
 
 
 def _powers(answer: ChannelResponse, density: FloatArray) -> ComplexArray:

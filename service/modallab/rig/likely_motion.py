@@ -1,13 +1,18 @@
-"""How a structure is likely to move in a test, to know which nonlinear forces could be seen in it."""
+"""How a structure is likely to move in a test, and what speaks for nonlinear forces in it."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
 from modallab.core.dof import Dof
+from modallab.correlation.evidence import Evidence
 from modallab.fe.receptance import receptance
 from modallab.fe.system import DynamicSystem
 from modallab.rig.setup import RigSetup
+
+UNHEARD = 0.2  # suspicion where no response spectrum was measured that could speak for it or against it
+OTHERWISE = 0.1  # where the spectrum of what is not coherent is wrong, but no stronger on the whole
+AGREES = 1.2  # mean squared residual below which a spectrum is as it should be
 
 
 @dataclass(frozen=True)
@@ -34,3 +39,15 @@ def likely_motion(system: DynamicSystem, setup: RigSetup, dof: Dof) -> LikelyMot
         stiffness=float(1 / np.median(alpha[:, 0])),
         viscous=float(1 / np.median(omega * alpha[:, 0])),
     )
+
+
+def distortion(evidence: Evidence) -> float:
+    """Return how much speaks for a force that is no straight line, 0 to 1: power that no force explains.
+
+    A force that damps as well may leave less of it on the whole, where it takes more of what noise makes
+    at resonances than it adds beside them.
+    """
+    if evidence.response is None:
+        return UNHEARD
+    wrong = OTHERWISE if evidence.gaps["response"] > AGREES else 0.0
+    return max(wrong, min(1.0, evidence.excess))

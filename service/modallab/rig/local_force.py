@@ -10,7 +10,8 @@ from modallab.core.arrays import FloatArray
 from modallab.core.dof import Dof
 
 ORDERS = 200  # of the Hermite series that is kept: 2 % of the residual power of dry friction lies beyond
-FARTHEST, POINTS = 9.0, 4001  # of the quadrature behind it: a normal density ends to rounding there
+FARTHEST, POINTS = 9.0, 2000  # of the quadrature behind it: a normal density ends to rounding there
+ANGLES = 1001  # at which a long series is added up; between, straight lines are within 1e-6 of it
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,10 +26,21 @@ class LocalForce:
     law: Callable[[FloatArray], FloatArray]
     slope: Callable[[FloatArray], FloatArray]
     of_velocity: bool = False
+    degree: int | None = None  # where the law is a polynomial: a few points then make every mean exact
 
     def at(self, rms: float) -> "Linearised":
         """Return what the force is to a Gaussian motion of this root mean square."""
         return Linearised(self, rms)
+
+    def lines(self, rms: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the best straight lines at root mean squares, and how they change with their logarithm.
+
+        k = E[f(s z) z]/s and dk/d ln s = E[f(s z) He_3(z)]/s, of the shape of `rms`, N/m or N s/m.
+        """
+        z, _ = _normal(self.degree)
+        first, third = _polynomials(self.degree)[:2]
+        forces = self.law(rms[..., None] * z)
+        return forces @ first / rms, np.sqrt(6) * (forces @ third) / rms
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,48 +56,84 @@ class Linearised:
 
     @cached_property
     def _series(self) -> FloatArray:
-        """(ORDERS,) a_n = E[f(s z) He_n(z)] / sqrt(n!) of a normal z, so that E[f^2] = sum a_n^2."""
-        z, _ = _normal()
-        return np.asarray(_polynomials() @ self.force.law(self.rms * z))
+        """a_n = E[f(s z) He_n(z)] / sqrt(n!), n = 1, 3, 5.., of a normal z, so that E[f^2] = sum a_n^2."""
+        z, _ = _normal(self.force.degree)
+        return np.asarray(_polynomials(self.force.degree) @ self.force.law(self.rms * z))
 
     @cached_property
     def slope(self) -> float:
         """The equivalent stiffness, N/m, or viscous damping, N s/m."""
-        z, weights = _normal()
-        return float((weights * z) @ self.force.law(self.rms * z) / self.rms) if self.rms > 0 else 0.0
+        return float(self.force.lines(np.array(self.rms))[0]) if self.rms > 0 else 0.0
 
     def residual(self, x: FloatArray) -> FloatArray:
         """Return the force less its straight line, N."""
         return np.asarray(self.force.law(x) - self.slope * x)
 
-    def residual_slope(self, x: FloatArray) -> FloatArray:
-        """Return the derivative of `residual`."""
-        return np.asarray(self.force.slope(x) - self.slope)
-
     def residual_correlation(self, correlation: FloatArray) -> FloatArray:
         """Return the residual's autocorrelation, N^2, from the motion's own correlation coefficient.
 
-        sum_{n >= 2} a_n^2 rho^n, by Mehler's expansion of the two-point normal law; for a cubic
-        6 k_3^2 s^6 rho^3.
+        sum_{n >= 3} a_n^2 rho^n over odd n, by Mehler's expansion of the two-point normal law; for a
+        cubic 6 k_3^2 s^6 rho^3.
         """
+        if self.force.degree is not None:
+            squares = correlation * correlation
+            return np.asarray(correlation * np.polynomial.polynomial.polyval(squares, self._powers))
+        sines, terms = _angles()
+        summed = np.interp(np.abs(correlation), sines, terms @ self._powers)
+        return np.asarray(np.sign(correlation) * summed)
+
+    def residual_memory(self, correlation: FloatArray) -> FloatArray:
+        """Return how the residual's autocorrelation grows with the motion's own, N^2 per m^2 or m^2/s^2.
+
+        sum_{n >= 3} n a_n^2 rho^(n - 1) / s^2: what a residual moves, times this, is how the next residual
+        remembers the motion itself; for a cubic 18 k_3^2 s^4 rho^2.
+        """
+        orders = np.arange(1, 2 * len(self._powers), 2)
+        powers = self._powers * orders / self.rms**2 if self.rms > 0 else 0.0 * self._powers
+        if self.force.degree is not None:
+            return np.asarray(np.polynomial.polynomial.polyval(correlation * correlation, powers))
+        sines, terms = _angles()
+        with np.errstate(
+            invalid="ignore"
+        ):  # at 0, where only the first power is left, of which there is none
+            summed = np.where(sines > 0, (terms @ powers) / sines, 0.0)
+        return np.asarray(np.interp(np.abs(correlation), sines, summed))
+
+    @cached_property
+    def _powers(self) -> FloatArray:
+        """The squares of the series beyond the straight line."""
         powers = self._series**2
-        powers[:2] = 0.0
-        return np.asarray(np.polynomial.polynomial.polyval(correlation, powers))
+        powers[0] = 0.0
+        return powers
 
 
 @lru_cache(maxsize=1)
-def _normal() -> tuple[FloatArray, FloatArray]:
-    """Return points and weights for means over a normal number."""
-    z = np.linspace(-FARTHEST, FARTHEST, POINTS)
-    return z, np.exp(-(z**2) / 2) / np.sqrt(2 * np.pi) * (z[1] - z[0])
+def _angles() -> tuple[FloatArray, FloatArray]:
+    """Return sines of angles up to a quarter turn, and their odd powers (n_angles, n_orders).
+
+    Evenly spaced angles: where the series ends like a square root, as the arcsine does, its sum runs
+    straight in the angle.
+    """
+    sines = np.sin(np.linspace(0.0, np.pi / 2, ANGLES))
+    return sines, sines[:, None] ** np.arange(1, ORDERS, 2)
 
 
-@lru_cache(maxsize=1)
-def _polynomials() -> FloatArray:
-    """Return the normalised Hermite polynomials times the weights of the mean, (ORDERS, POINTS)."""
-    z, weights = _normal()
-    terms = np.zeros((ORDERS, POINTS))
+@lru_cache(maxsize=8)
+def _normal(degree: int | None) -> tuple[FloatArray, FloatArray]:
+    """Return points above 0 and weights for means over a normal number of what is even."""
+    if degree is not None:
+        z, weights = np.polynomial.hermite_e.hermegauss(2 * (max(degree, 3) // 2 + 1))
+        return z[z > 0], 2 * weights[z > 0] / weights.sum()
+    z = np.linspace(0.0, FARTHEST, POINTS + 1)[1:]
+    return z, 2 * np.exp(-(z**2) / 2) / np.sqrt(2 * np.pi) * z[0]
+
+
+@lru_cache(maxsize=8)
+def _polynomials(degree: int | None) -> FloatArray:
+    """Return the normalised Hermite polynomials 1, 3, 5.. times the weights of the mean, (., n_points)."""
+    z, weights = _normal(degree)
+    terms = np.zeros((ORDERS if degree is None else max(degree, 3) + 1, len(z)))
     terms[0], terms[1] = 1.0, z
-    for n in range(2, ORDERS):
+    for n in range(2, len(terms)):
         terms[n] = (z * terms[n - 1] - np.sqrt(n - 1) * terms[n - 2]) / np.sqrt(n)
-    return terms * weights
+    return terms[1::2] * weights

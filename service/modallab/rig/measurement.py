@@ -23,6 +23,9 @@ class Measurement:
     setup: RigSetup
     force_spectrum: FloatArray | None = None  # (n_freq, n_out, n_in) N^2/Hz, of the run of that response
     response_spectrum: FloatArray | None = None  # of `frf.kind`'s motion, unit^2/Hz, shaped as `coherence`
+    noise_floor: float | None = (
+        None  # relative error of the FRFs that their owner states, at or above the median
+    )
     input_condition: FloatArray | None = None  # (n_freq,) of G_ff, where several forces act at once
     seed: int | None = None
     route: str | None = None  # a `Route`; None where it was brought from elsewhere
@@ -47,6 +50,13 @@ class Measurement:
             value = getattr(self, name)
             if value is not None and (value < 0).any():
                 raise InvalidInputError("an auto spectrum is not negative", field=name, allowed=">= 0")
+        if self.noise_floor is not None and not 0 < self.noise_floor <= 1:  # NaN fails too
+            raise InvalidInputError(
+                "a noise floor is a relative error",
+                field="noise_floor",
+                value=self.noise_floor,
+                allowed="above 0, to 1",
+            )
         if not self.averages >= 1:
             raise InvalidInputError(
                 "a measurement needs an average", field="averages", value=self.averages, allowed=">= 1"

@@ -1,6 +1,7 @@
 """Time records of a run's channels, a batch at a time: memory does not grow with the averages."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
 import numpy as np
 import scipy.fft
@@ -10,7 +11,7 @@ from modallab.core.arrays import ComplexArray, FloatArray, IntArray
 from modallab.core.errors import InvalidInputError
 from modallab.rig.acquisition import Batch, sample_rate_of, samples_of
 from modallab.rig.chain import Chain
-from modallab.rig.distorted_records import Distorter, Played
+from modallab.rig.distorted_records import Distorter, Played, side_by_side
 from modallab.rig.ringing import answers_of, transient_of
 from modallab.rig.steady import fixed_lines
 from modallab.rig.transient import Answers
@@ -19,7 +20,10 @@ FORGOTTEN = 1e-6  # amplitude below which a mode has rung out
 LONGEST = 2**26  # samples of all channels of one stretch, 0.5 GB
 TOGETHER = 2**18  # samples of noise made at once for records that do not go on
 IN_CACHE = 2**15  # samples of the records handed out at once
+KEPT = 2**24  # samples of all channels of runs that are stepped side by side
 RECORDS = 32  # lengths of a record in a stretch, where the averages ask for so many
+
+Draft = tuple[Batch, list[Played]]  # records without what nonlinear forces add, and what was played in them
 
 
 class Recorder:
@@ -65,6 +69,8 @@ class Recorder:
                 value=analyser.excitation.kind,
                 allowed="an excitation that goes on, or the route expected",
             )
+        if chain.runs[0].local:
+            self._batch = max(1, min(self._per_stretch, side_by_side(chain)))
         if share < 1 and self._transient is None:
             self._repeating = _per_source(chain, analyser.freq, (1 - share) * self.n_samples)
 
@@ -81,16 +87,40 @@ class Recorder:
         span = 1 + (self._per_stretch - 1) * self._hop / self.n_samples
         return int(scipy.fft.next_fast_len(int(np.ceil(span + ringing)), real=True))
 
-    def batches(self, run: int, noise: FloatArray, rng: np.random.Generator) -> Iterator[Batch]:
-        """Yield all records of a run, some at a time.
+    def batches(self, noise: FloatArray, rng: np.random.Generator) -> Iterator[Batch]:
+        """Yield all records of all runs, one run after the other, some records at a time.
 
         Parameters
         ----------
         noise
-            (n_ch,) one-sided densities of the white noise of each channel, unit^2/Hz.
+            (n_run, n_ch) one-sided densities of the white noise of each channel, unit^2/Hz.
         """
+        runs = range(len(self._chain.runs))
+        if not self._chain.runs[0].local:
+            for run in runs:
+                for batch, _ in self._drafts(run, noise[run], rng):
+                    yield batch
+            return
+        room = min(side_by_side(self._chain), KEPT // (self.shape[0] * self.shape[1]))
+        together = max(1, room // self._averages)
+        for first in runs[::together]:
+            group = runs[first : first + together]
+            distorter = Distorter(self._chain, group)
+            drafts = [self._drafts(run, noise[run], rng) for run in group]
+            if len(group) > 1:  # drawn run by run, stepped side by side
+                yield from _distorted(distorter, [list(each) for each in drafts])
+                continue
+            some: list[Draft] = []  # what one run has may already be too much at once
+            for draft in drafts[0]:
+                if some and sum(len(one.samples) for one, _ in (*some, draft)) > room:
+                    yield from _distorted(distorter, [some])
+                    some = []
+                some.append(draft)
+            yield from _distorted(distorter, [some])
+
+    def _drafts(self, run: int, noise: FloatArray, rng: np.random.Generator) -> Iterator[Draft]:
+        """Yield the records of a run without what nonlinear forces add, and what was played in them."""
         rms = np.sqrt(noise * self.sample_rate / 2)
-        distorter = Distorter(self._chain, run) if self._chain.runs[run].local else None
         answers = None if self._transient is None else answers_of(self._chain, run)
         done = 0
         while done < self._averages:
@@ -102,9 +132,7 @@ class Recorder:
                 own, lines = self._anew(run, some.stop - some.start, answers, rng)
                 # in place: what is made anew for every record is nobody else's
                 batch = records[some] if own is None else np.add(own, records[some], out=own)
-                if distorter is not None:
-                    batch = batch + distorter.added(self._played(stretch, lines, first))
-                yield Batch(run, done * self.n_samples + first, batch)
+                yield Batch(run, done * self.n_samples + first, batch), self._played(stretch, lines, first)
                 del own, batch  # or two of them would be there at a time
             del records
             done += n
@@ -144,8 +172,10 @@ class Recorder:
     ) -> list[Played]:
         """Return what the sources play in some records: out of one stretch, and anew in each."""
         share = self._chain.source.continuous
-        found = [] if stretch is None else [Played(stretch, share, self._repeats, starts)]
-        anew = [] if lines is None else [Played(lines, 1 - share, 1, np.zeros_like(starts))]
+        first = np.zeros_like(starts)
+        found = [] if stretch is None else [Played(stretch, share, self._repeats, starts, first)]
+        each = first if lines is None or len(lines) == 1 else np.arange(len(starts))
+        anew = [] if lines is None else [Played(lines, 1 - share, 1, first, each)]
         return [*found, *anew]
 
     def _repeated(self, response: ComplexArray, n: int, rng: np.random.Generator) -> ComplexArray:
@@ -174,6 +204,17 @@ class Recorder:
         for source in range(1, n_in):
             first += lines[:, source : source + 1] * response[source]
         return np.asarray(scipy.fft.irfft(heard, n_samples, overwrite_x=True))
+
+
+def _distorted(distorter: Distorter, drafts: Sequence[Sequence[Draft]]) -> Iterator[Batch]:
+    """Yield the records of some runs with what nonlinear forces add, run by run."""
+    played = [
+        [Played.joined(parts) for parts in zip(*(one for _, one in own), strict=True)] for own in drafts
+    ]
+    for own, added in zip(drafts, distorter.added(played), strict=True):
+        edges = np.cumsum([len(batch.samples) for batch, _ in own])[:-1]
+        for (batch, _), more in zip(own, np.split(added, edges), strict=True):
+            yield replace(batch, samples=batch.samples + more)
 
 
 def _ringing(chain: Chain) -> float:

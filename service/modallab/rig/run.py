@@ -1,7 +1,7 @@
 """One run of the analyser: what is driven, loaded and heard in it."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from functools import cached_property
 
 import numpy as np
@@ -11,6 +11,7 @@ from modallab.core.dof import Dof
 from modallab.fe.system import DynamicSystem
 from modallab.rig.channel import Channel
 from modallab.rig.drive import Drive
+from modallab.rig.linearise import Taken
 from modallab.rig.local_force import Linearised
 from modallab.rig.setup import Shot
 
@@ -25,6 +26,8 @@ class Run:
     forces: tuple[Channel, ...]
     responses: tuple[Channel, ...]
     local: tuple[Linearised, ...] = ()  # nonlinear forces, their straight lines in the system already
+    taken: Taken | None = None  # by them at the lines, where lines have it all
+    _found: dict[float, tuple[FloatArray, FloatArray]] = field(default_factory=dict, init=False, repr=False)
 
     @cached_property
     def motions(self) -> tuple[Dof, ...]:
@@ -55,6 +58,11 @@ class Run:
         Twice where coils are inductive: as they are at 0 Hz and at the top of the band. Between, what
         moves a resonance damps it as much. A current dies away as a resonance at 0 Hz does.
         """
+        if frequency_max not in self._found:
+            self._found[frequency_max] = self._resonances(frequency_max)
+        return self._found[frequency_max]
+
+    def _resonances(self, frequency_max: float) -> tuple[FloatArray, FloatArray]:
         found = [self._whole_at(0.0).resonances(frequency_max)]
         if any(drive.decays for drive in self.drives):
             found.append(self._whole_at(2 * np.pi * frequency_max).resonances(frequency_max))

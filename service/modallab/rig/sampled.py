@@ -4,6 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
+from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.progress import Progress
 from modallab.estimation.averaging import Averager, effective_averages
 from modallab.estimation.spectra import CrossSpectra
@@ -29,17 +30,25 @@ def sampled_spectra(chain: Chain, rng: np.random.Generator, progress: Progress) 
     clean = noise_free(chain)
     noise, known = noise_densities(chain, clean), acquisition(chain, clean)
     n_run, n_in = len(chain.runs), chain.n_in
-    runs = []
-    for run in range(n_run):
-        averager = Averager(window, recorder.shape, recorder.sample_rate, n_lines=analyser.n_lines, n_in=n_in)
-        for batch in recorder.batches(run, noise[run], rng):
-            for effect in chain.effects:
-                batch = replace(batch, samples=effect.on_records(batch, known, rng))
-            averager.add(batch.samples)
-            del batch  # not kept while the next one is made
-            fraction = (run + averager.count / analyser.averages) / n_run
-            progress(fraction, f"run {run + 1} of {n_run}, average {averager.count} of {analyser.averages}")
-        runs.append(averager.densities())
+    runs: list[tuple[ComplexArray, ComplexArray, FloatArray]] = []
+    averager = None
+    for batch in recorder.batches(noise, rng):
+        if averager is None:
+            averager = Averager(
+                window, recorder.shape, recorder.sample_rate, n_lines=analyser.n_lines, n_in=n_in
+            )
+        for effect in chain.effects:
+            batch = replace(batch, samples=effect.on_records(batch, known, rng))
+        run, count = batch.run, averager.count + len(batch.samples)
+        averager.add(batch.samples)
+        del batch  # not kept while the next one is made
+        progress(
+            (run + count / analyser.averages) / n_run,
+            f"run {run + 1} of {n_run}, average {count} of {analyser.averages}",
+        )
+        if count == analyser.averages:
+            runs.append(averager.densities())
+            averager = None
     ff, fx, xx = (np.array(part) for part in zip(*runs, strict=True))
     averages = effective_averages(analyser.averages, chain.overlap, window)
     return CrossSpectra(analyser.freq, ff, fx, xx, averages)

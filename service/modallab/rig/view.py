@@ -13,6 +13,7 @@ from modallab.rig.analyser import Analyser
 from modallab.rig.smear import Smear, smear
 
 POINTS = 10  # Gauss points a panel: 1e-8 of a spectrum for panels no longer than `refined` makes them
+THIN = 5  # of them for derivatives: 1e-3 of a spectrum at the worst line
 COARSE = 4  # points a line of the unrefined grid, for a first look over many hypotheses
 
 
@@ -58,15 +59,17 @@ def periodic_view(analyser: Analyser, step: int = 1) -> View:
     return View(analyser.freq, matrix(own, (own >= 0) & (own < n)), matrix(-own, (own < 0) & (own > -n)))
 
 
-def refined_view(analyser: Analyser, poles: FloatArray, widths: FloatArray) -> Smear:
+def refined_view(analyser: Analyser, poles: FloatArray, widths: FloatArray, points: int = POINTS) -> Smear:
     """Return how the lines see a stationary signal, by quadrature refined towards resonances.
 
     Parameters
     ----------
     poles, widths
         Frequencies and half bandwidths, Hz, of any shape.
+    points
+        Of a panel.
     """
-    grid = refined(analyser, poles, widths)
+    grid = refined(analyser, poles, widths, points)
     window, n_samples = analyser.line_window_kind, samples_of(analyser)
     return smear(window, analyser.n_lines, analyser.spacing, *grid, n_samples)
 
@@ -85,7 +88,9 @@ def coarse_view(analyser: Analyser, step: int) -> View:
     return View(nodes, near, mirrored)
 
 
-def refined(analyser: Analyser, poles: FloatArray, widths: FloatArray) -> tuple[FloatArray, FloatArray]:
+def refined(
+    analyser: Analyser, poles: FloatArray, widths: FloatArray, points: int = POINTS
+) -> tuple[FloatArray, FloatArray]:
     """Return Gauss nodes and weights, (n_nodes,) Hz, from 0 Hz to the top of the band.
 
     Panels of one line are halved until none is longer than twice its distance from any pole, which
@@ -105,7 +110,7 @@ def refined(analyser: Analyser, poles: FloatArray, widths: FloatArray) -> tuple[
         left, centre, right = left[~fine], centre[~fine], right[~fine]
         left, right = np.concatenate([left, centre]), np.concatenate([centre, right])
     panels = np.concatenate(done, axis=1)
-    return _gauss(panels[0], panels[1], POINTS)
+    return _gauss(panels[0], panels[1], points)
 
 
 def _gauss(left: FloatArray, right: FloatArray, points: int) -> tuple[FloatArray, FloatArray]:

@@ -199,14 +199,12 @@ def test_an_effect_without_sense_is_refused_before_the_work(
     refusal(service.request("POST", "/v1/measurements", json=body), 422, "invalid_input")
 
 
-@pytest.mark.parametrize(
-    "later", [{"tolerances": {"modulus": 0.003}}, {"follow_ups": [{"measurement_id": "a"}]}, {"act": True}]
-)
-def test_what_a_diagnosis_cannot_do_yet_is_refused_by_name(service: Any, later: dict[str, Any]) -> None:
-    body = {"structure_id": "none", "measurement_id": "none"} | later
+@pytest.mark.parametrize("wrong", [{"modulus": -0.1}, {"modal_loss_factor": 2.0}, {"length": 0.1}])
+def test_a_tolerance_without_sense_is_refused_by_name(service: Any, wrong: dict[str, float]) -> None:
+    body = {"structure_id": "none", "measurement_id": "none", "tolerances": wrong}
     problem = refusal(service.request("POST", "/v1/diagnoses", json=body), 422, "invalid_request")
-    (field,) = later
-    assert (problem["context"]["field"], "not offered" in problem["detail"]) == (f"body.{field}", True)
+    (name,) = wrong
+    assert problem["context"]["field"] == f"body.tolerances.{name}"
 
 
 def test_a_band_without_a_mode_fails_the_job_by_name(service: Any, beam: str, rig: str) -> None:

@@ -1,7 +1,15 @@
+import pytest
+
+from modallab.core.dof import Dof
+from modallab.core.place import Channels
 from modallab.diagnosis.diagnose import RULED_OUT
-from modallab.diagnosis.evidence import gather
+from modallab.diagnosis.locating.evidence import gather
 from modallab.effects.force_noise import ForceNoise
+from modallab.effects.overload import Overload
+from modallab.effects.quantisation import Quantisation
 from tests.diagnosing import drawn, predicting, rig
+
+FAULTY = Channels((Dof(5, "Y"),))
 
 
 def test_noise_that_hardly_lowers_coherence_is_looked_for_all_the_same() -> None:
@@ -10,3 +18,16 @@ def test_noise_that_hardly_lowers_coherence_is_looked_for_all_the_same() -> None
     assert evidence.coherence_drop.mean() < 5e-4
     assert max(evidence.gaps.values()) > 2, "and yet it is there"
     assert ForceNoise.signature(evidence) > 10 * RULED_OUT
+
+
+@pytest.mark.parametrize(
+    "effect", [Quantisation(FAULTY, 0.01), Overload(FAULTY, 3.7)], ids=lambda effect: effect.kind
+)
+def test_what_a_converter_adds_to_one_channel_is_looked_for_though_coherence_hardly_falls(
+    effect: Quantisation | Overload,
+) -> None:
+    predictor, _ = predicting(drawn(rig(noise=1e-5), [effect], seed=2))
+    evidence = gather(predictor, [])
+    assert evidence.coherence_drop.mean() < 5e-4
+    assert max(evidence.gaps.values()) > 2, "and yet it is there"
+    assert effect.signature(evidence) > 10 * RULED_OUT

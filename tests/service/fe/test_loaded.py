@@ -43,11 +43,29 @@ def test_resonances_are_those_of_matrices_with_the_loads_in_them(law: Damping) -
     assert light.sum() > 8
 
 
-def test_springs_and_oscillators_are_no_mere_loads() -> None:
+def test_oscillators_and_springs_between_motions_are_no_mere_loads() -> None:
     bare = beam_system()
     assert only_loads(())
-    assert not only_loads(bare.add_spring(Dof(1, "Y"), 1e3).attachments)
+    assert only_loads(bare.add_spring(Dof(1, "Y"), 1e3).attachments)
     assert not only_loads(bare.add_oscillator(Dof(1, "Y"), 0.1, 50.0, 0.01).attachments)
+    columns = bare.selection((Dof(3, "Y"), Dof(4, "Y")))
+    assert not only_loads((Attachment(columns, stiffness=50.0 * np.array([[1.0, -1.0], [-1.0, 1.0]])),))
+
+
+@pytest.mark.parametrize("where", [(1,), (1, 21), (5, 5), (3, 9, 17)], ids=str)
+@pytest.mark.parametrize("law", LAWS.values(), ids=LAWS)
+def test_resonances_on_springs_are_those_of_matrices_with_the_springs_in_them(
+    law: Damping, where: tuple[int, ...]
+) -> None:
+    system = loaded(law)
+    for node in where:
+        system = system.add_spring(Dof(node, "Y"), 2e4)
+    frequencies, _ = system.resonances(800.0)
+    whole = replace(system.folded(), damping=None, viscous=None, shared={}).base_modes(800.0)
+    # One rigid-body mode less for every place that is held, two at most: a free beam has two.
+    assert whole.n_rigid_body == max(2 - len(set(where)), 0)
+    # rounding of the greatest eigenvalue, 1e8 of the first mode's and of that on springs
+    np.testing.assert_allclose(frequencies, whole.elastic().frequencies, rtol=1e-6)
 
 
 def test_a_spring_takes_a_rigid_body_mode_among_the_resonances() -> None:

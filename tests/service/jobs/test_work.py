@@ -13,9 +13,10 @@ from modallab.core.errors import CancelledError
 from modallab.fe.catalogued import STRUCTURES
 from modallab.jobs import work
 from modallab.jobs.book import JobBook
+from modallab.jobs.destination import Destination
 from modallab.jobs.inline import InlineRunner
 from modallab.jobs.runner import JobState
-from modallab.jobs.tasks import TASKS, Destination
+from modallab.jobs.tasks import TASKS
 from modallab.jobs.work import Reporter, perform
 from modallab.rig.analyser import Analyser
 from modallab.rig.hardware import Noise

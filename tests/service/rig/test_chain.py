@@ -5,8 +5,9 @@ import pytest
 
 from modallab.core.dof import Dof
 from modallab.core.errors import UnknownDofError
-from modallab.core.place import EffectSpec, Members
+from modallab.core.place import Channels, EffectSpec, Members
 from modallab.effects.extra_mass import ExtraMass
+from modallab.effects.gain_error import GainError
 from modallab.effects.stiffness_error import StiffnessError
 from modallab.fe.assembly import assemble
 from modallab.fe.damping import StructuralDamping
@@ -139,3 +140,22 @@ def test_a_mass_the_analyser_has_cancelled_leaves_the_frf_and_stays_in_the_force
 def test_driving_or_listening_where_the_structure_is_not_is_refused(drive: str, response: str) -> None:
     with pytest.raises(UnknownDofError, match="no degree of freedom"):
         chain(beam_system(), RigSetup((Dof.parse(drive),), (Dof.parse(response),)))
+
+
+def test_a_structure_that_is_loaded_otherwise_is_not_answered_from_memory() -> None:
+    system, setup = beam_system(), rig(1, 4, 7, accelerometers=Accelerometers(0.02, roving=True))
+    louder = GainError(Channels((setup.responses[1],)), 1.2)
+    every = [
+        (),
+        (louder,),
+        (ExtraMass(Dof(9, "Y"), 0.1),),
+        (louder,),
+        (),
+        (StiffnessError(Members((3,)), 0.5),),
+    ]
+    answers = [chain(system, setup, effects).respond(FREQ[::step]) for step in (1, 2) for effects in every]
+    anew = [
+        chain(beam_system(), setup, effects).respond(FREQ[::step]) for step in (1, 2) for effects in every
+    ]
+    for found, wanted in zip(answers, anew, strict=True):
+        np.testing.assert_array_equal(found.channels, wanted.channels)

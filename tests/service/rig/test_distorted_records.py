@@ -19,11 +19,12 @@ from modallab.fe.assembly import assemble
 from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.damping import StructuralDamping
 from modallab.fe.structure import Support
+from modallab.rig import records
 from modallab.rig.analyser import Analyser, ExcitationSetting
 from modallab.rig.chain import Chain, chain
 from modallab.rig.effect import Effect
 from modallab.rig.expected import expected_spectra
-from modallab.rig.hardware import Exciter
+from modallab.rig.hardware import Accelerometers, Exciter
 from modallab.rig.measure import Route, measure
 from modallab.rig.sampled import sampled_spectra
 from modallab.rig.setup import RigSetup
@@ -102,6 +103,22 @@ def test_the_same_seed_gives_the_same_bytes() -> None:
         sampled_spectra(bench(MILD[0], "periodic_random"), np.random.default_rng(2), silent) for _ in range(2)
     )
     assert one.fx.tobytes() == other.fx.tobytes()
+
+
+def test_runs_that_are_stepped_side_by_side_are_as_each_alone(monkeypatch: pytest.MonkeyPatch) -> None:
+    analyser = Analyser(200.0, 51, averages=6, excitation=ExcitationSetting("periodic_random", 5.0))
+    setup = RigSetup(dofs(5), dofs(5, 7, 9), Exciter(armature_mass=0.05), analyser=analyser)
+    # a heavy accelerometer, so that the runs differ in their modes and in the spring they feel
+    whole = chain(CANTILEVER, replace(setup, accelerometers=Accelerometers(mass=0.3)), MILD[:2])
+
+    def measured() -> CrossSpectra:
+        return sampled_spectra(whole, np.random.default_rng(3), silent)
+
+    together = measured()
+    monkeypatch.setattr(records, "KEPT", 1)
+    alone = measured()
+    # rounding, which a start from rest does not let grow
+    np.testing.assert_allclose(together.fx, alone.fx, rtol=1e-9, atol=1e-9 * np.abs(alone.fx).max())
 
 
 def test_a_force_too_steep_to_be_stepped_is_refused_by_name() -> None:

@@ -61,3 +61,18 @@ def test_any_law_leaves_what_the_two_point_normal_law_says(rho: float) -> None:
     wanted = left @ density @ left
     # the kinks of the law cost both quadratures 1e-4 of the variance: (step)^2
     assert abs(float(one.residual_correlation(np.array(rho))) - wanted) < 1e-4 * (1e4 * 1.5e-4) ** 2
+
+
+@pytest.mark.parametrize(
+    "effect", [CubicStiffness(HERE, 2e9), Friction(HERE, 0.5, 1e-5), Rattle(HERE, 1e4, 1e-4)], ids=type
+)
+def test_what_a_residual_remembers_is_the_slope_of_its_correlation(
+    effect: CubicStiffness | Friction | Rattle,
+) -> None:
+    one = force(effect).at(1.5e-4)
+    rho, step = np.array([-0.9, -0.3, 0.0, 0.2, 0.7]), 1e-3
+    over, under = (one.residual_correlation(rho + sign * step) for sign in (1, -1))
+    wanted = (over - under) / (2 * step) / 1.5e-4**2
+    # differences are straight to (step)^2 times a third derivative of some hundred, the sum to 1e-7 / step
+    tolerance = 1e-3 * np.abs(wanted).max()
+    np.testing.assert_allclose(one.residual_memory(rho), wanted, atol=tolerance, rtol=0)

@@ -1,3 +1,5 @@
+from dataclasses import replace
+
 import numpy as np
 import pytest
 from scipy.integrate import solve_ivp
@@ -6,7 +8,7 @@ from modallab.core.arrays import FloatArray
 from modallab.core.dof import Dof
 from modallab.effects.cubic_stiffness import CubicStiffness
 from modallab.effects.friction import Friction
-from modallab.rig.local_force import Linearised
+from modallab.rig.local_force import Linearised, LocalForce
 from modallab.rig.stepping import Feedback, Stepper, residual_forces
 
 M, F0, ZETA = 2.0, 20.0, 0.03  # one mode: kg, Hz, damping ratio
@@ -36,8 +38,10 @@ def stepped(one: Linearised, force: FloatArray, periods: int) -> FloatArray:
     velocity = np.fft.irfft(s * receptance * np.fft.rfft(force))
     omega = np.sqrt(W0**2 + k / M)
     feedback = Feedback(np.array([[1 / np.sqrt(M)]]), np.array([omega]), np.array([2 * ZETA * W0 + c / M]))
-    long = np.tile(np.stack([moved, velocity])[:, None, None, :], periods)
-    residual = residual_forces([one], long[0], long[1], Stepper(feedback, PERIOD / N))[0, 0, -N:]
+    taken = np.tile(velocity if one.force.of_velocity else moved, periods)[:, None, None, None]
+    stepper = Stepper([feedback], [one.force.of_velocity], PERIOD / N)
+    found = residual_forces([[one]], lambda start, end: taken[start:end], len(taken), stepper)
+    residual = found[-N:, 0, 0, 0]
     return moved - np.fft.irfft(receptance * np.fft.rfft(residual))
 
 
@@ -92,14 +96,46 @@ def test_friction_too_follows_high_accuracy_integration() -> None:
     assert np.abs(found - wanted).max() < 0.01 * np.abs(wanted).max()
 
 
+def series(n: int, shape: tuple[int, ...]) -> FloatArray:
+    return 0.01 * np.random.default_rng(5).standard_normal((n, *shape))
+
+
+def residuals_of(
+    feedbacks: list[Feedback], found: list[list[Linearised]], moved: FloatArray, block: int = 16
+) -> FloatArray:
+    stepper = Stepper(feedbacks, [one.force.of_velocity for one in found[0]], 1e-3, block)
+    return residual_forces(found, lambda start, end: moved[start:end], len(moved), stepper)
+
+
+TWO = Feedback(np.array([[0.7, 0.4], [0.2, -0.9]]), np.array([30.0, 70.0]), np.array([1.5, 2.8]))
+SPRING = LocalForce(Dof(1, "Y"), lambda x: 1e5 * x**3, lambda x: 3e5 * x**2, degree=3)
+
+
 def test_forces_at_several_motions_are_solved_for_together() -> None:
-    feedback = Feedback(np.array([[0.7, 0.4], [0.2, -0.9]]), np.array([30.0, 70.0]), np.array([1.5, 2.8]))
-    stepper = Stepper(feedback, 1e-3)
-    force = CubicStiffness(Dof(1, "Y"), 1e5).on_motion()
-    assert force is not None
-    rng = np.random.default_rng(5)
-    moved = 0.01 * rng.standard_normal((3, 2, 50))
-    both = residual_forces([force.at(0.01)] * 2, moved, moved, stepper)
-    swapped = Feedback(feedback.shapes[::-1], feedback.omega, feedback.damping)
-    turned = residual_forces([force.at(0.01)] * 2, moved[:, ::-1], moved[:, ::-1], Stepper(swapped, 1e-3))
-    np.testing.assert_allclose(both, turned[:, ::-1], rtol=1e-9, atol=1e-15)
+    moved = series(50, (1, 3, 2))
+    both = residuals_of([TWO], [[SPRING.at(0.01)] * 2], moved)
+    turned = residuals_of(
+        [replace(TWO, shapes=TWO.shapes[::-1])], [[SPRING.at(0.01)] * 2], moved[..., ::-1].copy()
+    )
+    np.testing.assert_allclose(both, turned[..., ::-1], rtol=1e-9, atol=1e-15)
+
+
+def test_runs_side_by_side_are_what_each_is_alone() -> None:
+    """Structures with different numbers of modes, forces at different motions."""
+    one = Feedback(TWO.shapes[:, :1], TWO.omega[:1], TWO.damping[:1])
+    found = [[SPRING.at(0.01), SPRING.at(0.008)], [SPRING.at(0.02), SPRING.at(0.011)]]
+    moved = series(70, (2, 3, 2))
+    together = residuals_of([one, TWO], found, moved)
+    for i, feedback in enumerate((one, TWO)):
+        alone = residuals_of([feedback], [found[i]], moved[:, i : i + 1])
+        np.testing.assert_allclose(together[:, i : i + 1], alone, rtol=1e-9, atol=1e-15)
+
+
+@pytest.mark.parametrize("n_forces", [1, 2])
+def test_the_length_of_a_block_changes_nothing(n_forces: int) -> None:
+    feedback = replace(TWO, shapes=TWO.shapes[:n_forces])
+    found, moved = [[SPRING.at(0.01)] * n_forces], series(70, (1, 3, n_forces))
+    step_by_step, blocks = (residuals_of([feedback], found, moved, block) for block in (1, 16))
+    # rounding alone
+    np.testing.assert_allclose(blocks, step_by_step, rtol=1e-9, atol=1e-12 * np.abs(blocks).max())
+    assert np.abs(blocks).max() > 0

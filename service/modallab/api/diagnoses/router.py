@@ -1,5 +1,6 @@
 """Diagnoses: what a model lacks, found from a measurement and its log book."""
 
+from dataclasses import replace
 from typing import Annotated
 
 from fastapi import APIRouter, status
@@ -7,11 +8,14 @@ from starlette.responses import HTMLResponse, Response
 
 from modallab.api.arrays import NPZ, Precision, npz_reply
 from modallab.api.deps import IdPath, JobsDep, OwnerDep, StoreDep
+from modallab.api.diagnoses.follow_ups import check_follow_ups
 from modallab.api.diagnoses.schemas import DiagnosisOut, DiagnosisStart
 from modallab.api.examples import example
 from modallab.api.jobs import JobOut
 from modallab.api.shelves import add_routes
-from modallab.diagnosis.report import report
+from modallab.diagnosis.observing.random_error import check_weighable
+from modallab.diagnosis.predicting.predictor import check_comparable
+from modallab.diagnosis.reporting.report import report
 
 # The page holds all it shows: it may load nothing and run nothing.
 _STATIC = {"Content-Security-Policy": "default-src 'none'; style-src 'unsafe-inline'; img-src data:"}
@@ -23,6 +27,7 @@ _BODY = {
     "measurement_id": "c04d1a",
     "suspects": "all",
     "hold_out": {"fraction": 0.25, "dofs": ["19:+Y"]},
+    "follow_ups": [{"measurement_id": "7be902", "changed": {"level_factor": 3.0}}],
     "max_effects": 4,
     "seed": 0,
 }
@@ -32,8 +37,12 @@ _BODY = {
 def start_diagnosis(
     body: Annotated[DiagnosisStart, example(_BODY)], store: StoreDep, jobs: JobsDep, owner: OwnerDep
 ) -> JobOut:
-    store.measurements.check(body.measurement_id)
-    arguments = body.to_arguments(store.structures.get(body.structure_id))
+    measurement = store.measurements.get(body.measurement_id)
+    structure = store.structures.get(body.structure_id)
+    check_comparable(structure, measurement)
+    check_weighable(replace(measurement, noise_floor=body.noise_floor))
+    arguments = body.to_arguments(structure)
+    check_follow_ups(store, structure, body.measurement_id, body.follow_ups, act=body.act)
     return JobOut.of(jobs.submit("diagnose_and_store", arguments, owner=owner))
 
 
@@ -49,7 +58,9 @@ def get_diagnosis_arrays(id: IdPath, store: StoreDep, precision: Precision = "do
 
 @router.get("/{id}/report", response_class=HTMLResponse, summary="What was found, as a page")
 def get_diagnosis_report(id: IdPath, store: StoreDep) -> HTMLResponse:
-    return HTMLResponse(report(store.diagnoses.get(id)), headers=_STATIC)
+    entry = store.diagnoses.entry(id)
+    made = {**entry.inputs, "id": entry.id, "created": entry.created, "version": entry.version}
+    return HTMLResponse(report(store.diagnoses.get(id), made), headers=_STATIC)
 
 
 add_routes(router, "diagnoses")

@@ -4,24 +4,20 @@ import math
 from collections.abc import Mapping
 from typing import Annotated, Any, Literal, Self
 
-from pydantic import BeforeValidator, Field
+from pydantic import Field
 
 from modallab.api.deps import Id
+from modallab.api.diagnoses.follow_ups import FollowUpIn
+from modallab.api.diagnoses.located import located_out
+from modallab.api.diagnoses.tolerated import TolerancesIn, tolerated_out
 from modallab.api.wire import Count, DofText, EntryOut, Number, Seed, Text, Wire, place_out
 from modallab.core.dof import Dof
-from modallab.diagnosis.result import Alias, Diagnosis, FittedEffect, Located, NextTest, Rival, Step
+from modallab.diagnosis.result import Alias, Diagnosis, FittedEffect, NextTest, Rival, Step
 from modallab.fe.structure import Structure
 from modallab.rig.effect import EFFECTS
 from modallab.store.base import Entry
 
-
-def _not_offered(value: Any) -> Any:
-    if value:
-        raise ValueError("not offered by this version")
-    return value
-
-
-NotOffered = BeforeValidator(_not_offered)
+MOST_FOLLOW_UPS = 8  # each takes as long as the first
 Kinds = Annotated[list[Text], Field(min_length=1, max_length=100)]
 
 
@@ -33,15 +29,20 @@ class HoldOutIn(Wire):
 
 
 class DiagnosisStart(Wire):
-    """A model and a measurement that part. Tolerances, follow-ups and acting are not offered yet."""
+    """A model and a measurement that part; `act` runs the proposed next tests where the rig is ours."""
 
     structure_id: Id
     measurement_id: Id
     suspects: Literal["all"] | Kinds = "all"
     hold_out: HoldOutIn = HoldOutIn()
-    tolerances: Annotated[dict[Text, Number], NotOffered] = Field(default={}, max_length=0)
-    follow_ups: Annotated[list[Any], NotOffered] = Field(default=[], max_length=0)
-    act: Annotated[Literal[False], NotOffered] = False
+    tolerances: TolerancesIn = TolerancesIn()
+    follow_ups: list[FollowUpIn] = Field(default=[], max_length=MOST_FOLLOW_UPS)
+    act: bool = False
+    noise_floor: Annotated[Number, Field(gt=0, le=1)] | None = Field(
+        default=None,
+        description="relative random error of every FRF, of its median where it is below that; beside what "
+        "coherence and averages tell, alone where there is no coherence",
+    )
     max_effects: Count = Field(default=4, ge=1, le=8)
     seed: Seed = 0
 
@@ -66,8 +67,12 @@ class DiagnosisStart(Wire):
             "suspects": kinds,
             "hold_out_fraction": self.hold_out.fraction,
             "hold_out": list(self.hold_out.dofs),
+            "tolerances": self.tolerances.to_arguments(),
             "max_effects": self.max_effects,
             "seed": self.seed,
+            "follow_ups": [one.to_arguments() for one in self.follow_ups],
+            "act": self.act,
+            "noise_floor": self.noise_floor,
         }
 
 
@@ -80,7 +85,9 @@ class DiagnosisOut(EntryOut):
     remaining_gap: float | None
     remaining_scatter: float | None
     gaps: dict[str, dict[str, float | None]]
+    tolerated: list[dict[str, Any]]
     next_test: dict[str, Any] | None
+    follow_ups: list[dict[str, Any]]
     notes: list[str]
     structure_id: str
     rig_id: str
@@ -91,12 +98,17 @@ class DiagnosisOut(EntryOut):
         return cls(
             **cls.fields(entry),
             verdict=found.verdict.value,
-            located=_located(found.located),
+            located=located_out(found.located),
             steps=[_step(step) for step in found.steps],
             remaining_gap=_number(found.remaining_gap),
             remaining_scatter=_number(found.remaining_scatter),
             gaps={when: _numbers(parts) for when, parts in found.gaps.items()},
+            tolerated=[tolerated_out(one) for one in found.tolerated],
             next_test=None if found.next_test is None else _next_test(found.next_test),
+            follow_ups=[
+                {"measurement_id": entry.inputs[f"follow_up_{i}"], "changed": dict(changed)}
+                for i, changed in enumerate(found.follow_ups, 1)
+            ],
             notes=list(found.notes),
             structure_id=entry.inputs["extended_structure_id"],
             rig_id=entry.inputs["extended_rig_id"],
@@ -109,15 +121,6 @@ def _number(value: float) -> float | None:
 
 def _numbers(values: Mapping[str, float]) -> dict[str, float | None]:
     return {name: _number(value) for name, value in values.items()}
-
-
-def _located(located: Located) -> dict[str, Any]:
-    return {
-        "bands": [list(band) for band in located.bands],
-        "dofs": [str(dof) for dof in located.dofs],
-        "modes": list(located.modes),
-        "words": list(located.words),
-    }
 
 
 def _step(step: Step) -> dict[str, Any]:
@@ -149,4 +152,9 @@ def _rival(rival: Rival) -> dict[str, Any]:
 
 
 def _next_test(test: NextTest) -> dict[str, Any]:
-    return {"why": test.why, "change": dict(test.change), "separates": list(test.separates)}
+    return {
+        "why": test.why,
+        "change": dict(test.change),
+        "separates": list(test.separates),
+        "expected_separation": _number(test.expected_separation),
+    }

@@ -77,6 +77,7 @@ EXCITATIONS.register("impact")(
     Excitation(
         summary="the blow of a hammer: a pulse as short as its tip is hard and its head light",
         transient=Blow(),
+        recurring=True,
         settings=(
             "level",
             "tip_stiffness",

@@ -3,7 +3,7 @@
 import numpy as np
 
 from modallab.core.modal_model import ModalModel
-from modallab.core.progress import Progress, silent
+from modallab.core.progress import Progress, part, silent
 from modallab.fe.assembly import Assembly
 from modallab.fe.structure import Structure
 from modallab.updating.certainty import certainty
@@ -49,7 +49,7 @@ def inverse_eigensensitivity(
     start = np.ones(len(parameterisation.macros))
     before = whole.state(start)
     rule = StopRule(options.location_tolerance, np.inf, options.max_iterations, options.rank_jump)
-    located = iterate(whole, start, rule, stage="location", progress=_half(progress, 0.0))
+    located = iterate(whole, start, rule, stage="location", progress=part(progress, 0.0, 0.5))
     suspected = suspicion(parameterisation, located.final.values, options.suspect_threshold)
     if located.ending is Ending.DIVERGED:
         fit, path = whole, Path((), located.final, located.ending, located.why)
@@ -58,12 +58,8 @@ def inverse_eigensensitivity(
     else:
         fit = Fit(assembly, suspected.parameterisation, measured, options.min_mac)
         rule = StopRule(options.tolerance, options.max_step, options.max_iterations, options.rank_jump)
-        path = iterate(fit, suspected.start, rule, stage="updating", progress=_half(progress, 0.5))
+        path = iterate(fit, suspected.start, rule, stage="updating", progress=part(progress, 0.5, 1.0))
     return _result(before, located, suspected, fit, path, parameterisation.parts, options.rank_jump)
-
-
-def _half(progress: Progress, begin: float) -> Progress:
-    return lambda fraction, message: progress(begin + fraction / 2, message)
 
 
 def _result(

@@ -1,0 +1,138 @@
+"""How long a diagnosis takes: CPU seconds on one core for tests on a beam and on a frame.
+
+`python -m benchmarks.diagnosing [name ...]` prints the seconds of every case, or of those that are named.
+The ratios of `make bench` are medians, and the longest of the beam, over what is allowed.
+"""
+
+import sys
+import time
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from benchmarks.trial.rigs import LAW, free_beam
+from modallab.core.dof import Dof
+from modallab.core.place import Channels, Members, Place
+from modallab.diagnosis.diagnose import diagnose
+from modallab.fe.catalogued import STRUCTURES
+from modallab.fe.structure import Structure
+from modallab.rig.analyser import Analyser, ExcitationSetting
+from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.hardware import Accelerometers, Exciter, ForceTransducer, Noise
+from modallab.rig.measure import Route, measure
+from modallab.rig.measurement import Measurement
+from modallab.rig.setup import RigSetup
+
+BEAM_MEDIAN, BEAM_WORST, FRAME_MEDIAN = 10.0, 120.0, 60.0  # s on one core
+NOISE = 1e-4
+
+
+@dataclass(frozen=True)
+class Timed:
+    """A test of something hidden, and what the diagnosis may look for."""
+
+    structure: Structure
+    setup: RigSetup
+    hidden: tuple[Effect, ...]
+    suspects: tuple[str, ...] | None = None
+
+    def measured(self) -> Measurement:
+        """Return the test, its records averaged."""
+        rng = np.random.default_rng(0)
+        return measure(self.structure, self.setup, self.hidden, route=Route.SAMPLED, rng=rng)
+
+
+def rig(drive: Dof, responses: Sequence[Dof], kind: str = "periodic_random") -> RigSetup:
+    """Return a rig with fixed accelerometers, 401 lines to 800 Hz and 100 averages."""
+    window = "hann" if kind == "random" else "rectangular"
+    setup = RigSetup(
+        drives=(drive,),
+        responses=tuple(responses),
+        exciter=Exciter(armature_mass=0.02),
+        force_transducer=ForceTransducer(mass_below=0.01),
+        accelerometers=Accelerometers(mass=0.02, roving=False),
+        noise=Noise(NOISE, NOISE),
+        analyser=Analyser(window=window, excitation=ExcitationSetting(kind)),
+    )
+    if kind != "impact":
+        return setup
+    return replace(setup, exciter=Exciter("hammer"), force_transducer=ForceTransducer())
+
+
+def effect(kind: str, at: Place, **numbers: float) -> Effect:
+    """Return an effect with some of its parameters."""
+    return EFFECTS[kind](at=at).with_parameters(numbers)
+
+
+def beam_cases() -> Mapping[str, Timed]:
+    """Return tests of the free beam: 42 DoFs, 11 responses."""
+    outputs = [Dof(n, "Y") for n in range(1, 22, 2)]
+    stiff = effect("stiffness_error", Members((6,)), factor=0.8)
+    mass = effect("extra_mass", Dof(13, "Y"), mass=0.05)
+    louder = effect("gain_error", Channels((Dof(9, "Y"),)), factor=1.2)
+    joint = effect("joint_flexibility", Dof(8, "RZ"), flexibility=2e-4)
+    tested = {
+        "beam-mass": ("periodic_random", (mass,)),
+        "beam-stiffness": ("periodic_random", (stiff,)),
+        "beam-gain": ("periodic_random", (louder,)),
+        "beam-mass-random": ("random", (mass,)),
+        "beam-pair": ("periodic_random", (stiff, louder)),
+        "beam-hammer": ("impact", (mass,)),
+    }
+    found = {
+        name: Timed(free_beam(), rig(Dof.parse("1:+Y"), outputs, kind), hidden)
+        for name, (kind, hidden) in tested.items()
+    }
+    others = tuple(k for k, cls in EFFECTS.items() if cls.suspected and k != "joint_flexibility")
+    found["beam-unexplained"] = Timed(free_beam(), rig(Dof.parse("1:+Y"), outputs), (joint,), others)
+    return found
+
+
+def frame_cases() -> Mapping[str, Timed]:
+    """Return tests of the frame of three bays: 234 DoFs, 36 responses."""
+    structure = replace(STRUCTURES["garteur"](), damping=LAW)
+    nodes = sorted(structure.nodes)
+    outputs = [Dof(n, direction) for n in nodes[1::4][:18] for direction in ("X", "Y")]
+    setup = rig(Dof(nodes[1], "Y"), outputs)
+    members = [member.number for member in structure.members]
+    tested = {
+        "frame-mass": effect("extra_mass", Dof(nodes[30], "Y"), mass=0.2),
+        "frame-stiffness": effect("stiffness_error", Members((members[40],)), factor=0.7),
+        "frame-gain": effect("gain_error", Channels((outputs[7],)), factor=1.2),
+    }
+    return {name: Timed(structure, setup, (hidden,)) for name, hidden in tested.items()}
+
+
+def seconds(name: str, case: Timed) -> float:
+    """Return the CPU seconds a diagnosis takes; print them, and what it found."""
+    measurement = case.measured()
+    start = time.process_time()
+    found = diagnose(case.structure, measurement, suspects=case.suspects)
+    taken = time.process_time() - start
+    steps = ", ".join(f"{one.effect.kind} {one.effect.at}" for one in found.steps)
+    print(f"{name:<18} {taken:7.1f} s  {found.verdict}: {steps}  gap {found.remaining_gap:.2f}", flush=True)
+    return taken
+
+
+def run() -> list[tuple[str, float, float]]:
+    """Return median and longest seconds over what is allowed, each limit 1."""
+    beam = [seconds(name, one) for name, one in beam_cases().items()]
+    frame = [seconds(name, one) for name, one in frame_cases().items()]
+    of_beam, of_frame = float(np.median(beam)), float(np.median(frame))
+    return [
+        (f"diagnosis of the beam, median over {BEAM_MEDIAN:.0f} s", of_beam / BEAM_MEDIAN, 1.0),
+        (f"diagnosis of the beam, longest over {BEAM_WORST:.0f} s", max(beam) / BEAM_WORST, 1.0),
+        (f"diagnosis of the frame, median over {FRAME_MEDIAN:.0f} s", of_frame / FRAME_MEDIAN, 1.0),
+    ]
+
+
+def main(names: Sequence[str]) -> None:
+    """Print what some cases take, or all."""
+    for name, case in {**beam_cases(), **frame_cases()}.items():
+        if not names or name in names:
+            seconds(name, case)
+
+
+if __name__ == "__main__":
+    main(sys.argv[1:])

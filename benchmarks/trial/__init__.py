@@ -1,0 +1,1 @@
+"""The blind trial in parts: rigs, hidden effects, cases, running them, scoring, tables."""

@@ -1,0 +1,244 @@
+"""Sealed cases: which effects are hidden in which test, drawn from a seed and a number alone."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from benchmarks.trial.foreign import FOREIGN
+from benchmarks.trial.hidden import GAPS, Gauge, hide
+from benchmarks.trial.mistakes import MISTAKES
+from benchmarks.trial.rigs import ON_CANTILEVER, ON_FRAME, ON_HAMMER, Bench, bench, small_bench
+from benchmarks.trial.tolerated import deviations, steps
+from modallab.core.errors import ModalLabError
+from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.setup import RigSetup
+
+# The effects that the service promises to know.
+KINDS = (
+    "extra_mass",
+    "density_error",
+    "stiffness_error",
+    "loss_factor_error",
+    "local_damping",
+    "damping_law",
+    "attached_oscillator",
+    "ground_spring",
+    "rotational_ground_spring",
+    "joint_flexibility",
+    "shear_and_rotary_inertia",
+    "cubic_stiffness",
+    "friction",
+    "drift",
+    "accelerometer_mass",
+    "cable_mass",
+    "force_transducer_mass",
+    "exciter_armature",
+    "stinger_axial",
+    "stinger_bending",
+    "suspension",
+    "mounted_resonance",
+    "transverse_sensitivity",
+    "gain_error",
+    "polarity",
+    "swapped_channels",
+    "misplaced_accelerometer",
+    "channel_delay",
+    "ac_coupling",
+    "response_noise",
+    "force_noise",
+    "mains_hum",
+    "leakage",
+    "quantisation",
+    "overload",
+    "double_hit",
+)
+SETS = ("1", "2", "3", "3a")
+NOISES = (1e-5, 1e-4, 1e-3)
+# After one single of each kind, a round goes on with these.
+OTHERS = ("pair",) * 6 + ("nothing",) * 4 + ("unknown",) * 4 + ("log_book",) * 2
+ROUND = len(KINDS) + len(OTHERS)
+# Signals that do not repeat leak already, and no hammer plays them.
+NOT_LEAKING = ("leakage", "double_hit")
+# Of no other kind's doing: what stays to be found when the kind itself is not looked for is nothing.
+UNMISTAKABLE = (
+    "attached_oscillator",
+    "channel_delay",
+    "damping_law",
+    "density_error",
+    "drift",
+    "gain_error",
+    "joint_flexibility",
+    "mains_hum",
+    "misplaced_accelerometer",
+    "mounted_resonance",
+    "polarity",
+    "rotational_ground_spring",
+    "stiffness_error",
+    "swapped_channels",
+)
+PAIRED = tuple(k for k in KINDS if k not in (*ON_FRAME, *ON_CANTILEVER, *ON_HAMMER))
+
+
+@dataclass(frozen=True)
+class Case:
+    """One sealed case."""
+
+    number: int
+    set: str
+    type: str  # single, pair, nothing, unknown, log_book
+    bench: Bench  # the model, and the rig as declared
+    truth: tuple[Effect, ...]  # what is hidden; of a wrong log book, what amounts to it
+    gap: float  # that it opens in expectation
+    seed: int  # of the measurement
+    setup: RigSetup  # by which it is measured
+    excluded: tuple[str, ...] = ()  # kinds that the diagnosis must not look for
+    what: str = ""  # in a word, where the truth alone does not say it
+    deviating: tuple[Effect, ...] = ()  # within tolerances
+
+    @property
+    def acting(self) -> tuple[Effect, ...]:
+        """All that acts in the measurement beside what `setup` implies."""
+        return (*self.deviating, *(() if self.type == "log_book" else self.truth))
+
+    @property
+    def suspects(self) -> list[str] | None:
+        """Kinds that the diagnosis may look for; None for all."""
+        if not self.excluded:
+            return None
+        return [kind for kind, cls in EFFECTS.items() if cls.suspected and kind not in self.excluded]
+
+    @property
+    def tolerances(self) -> bool:
+        """Whether the test deviates from its model within tolerances."""
+        return self.set in ("3", "3a")
+
+
+def case(number: int, seed: int, which: str = "1") -> Case:
+    """Return a case: the same whatever others are drawn with it.
+
+    Parameters
+    ----------
+    which
+        One of `SETS`; 3a has the cases of 3.
+    """
+    of_set = {"1": 1, "2": 2, "3": 3, "3a": 3}[which]
+    rng = np.random.default_rng(np.random.SeedSequence(entropy=(seed, of_set), spawn_key=(number,)))
+    noise, leaking = NOISES[(number + number // ROUND) % len(NOISES)], of_set == 2
+    draw = _Draw(number, which, rng, noise, leaking, of_set == 3)
+    type_ = type_of(number)
+    if type_ == "single":
+        return draw.single(KINDS[number % ROUND])
+    return {
+        "pair": draw.pair,
+        "nothing": draw.nothing,
+        "unknown": draw.unknown,
+        "log_book": draw.log_book,
+    }[type_]()
+
+
+def type_of(number: int) -> str:
+    """Return of which type a case of this number is."""
+    place = number % ROUND
+    return "single" if place < len(KINDS) else OTHERS[place - len(KINDS)]
+
+
+def small_case(kind: str | None, seed: int, among: Sequence[str]) -> Case:
+    """Return a quick case on a short beam, with one effect or none, of which few are suspected."""
+    rng = np.random.default_rng(seed)
+    draw = _Draw(seed, "1", rng, 1e-4, False, False)
+    where = small_bench(rng, noise=1e-4)
+    others = [name for name in EFFECTS if name not in among]
+    if kind is None:
+        return draw.sealed("nothing", where, (), 1.0, excluded=others)
+    effect, gap = hide(kind, where, rng, lambda one: Gauge(where).opened([one]), least=10.0)
+    return draw.sealed("single", where, (effect,), gap, excluded=others)
+
+
+@dataclass(frozen=True)
+class _Draw:
+    """What the cases of one number are drawn with."""
+
+    number: int
+    set: str
+    rng: np.random.Generator
+    noise: float
+    leaking: bool
+    tolerant: bool
+
+    def bench(self, *kinds: str) -> Bench:
+        return bench(kinds, self.rng, noise=self.noise, leaking=self.leaking)
+
+    def gauge(self, where: Bench) -> Gauge:
+        return Gauge(where, steps(where) if self.tolerant else ())
+
+    def sealed(
+        self,
+        type_: str,
+        where: Bench,
+        truth: Sequence[Effect],
+        gap: float,
+        *,
+        setup: RigSetup | None = None,
+        excluded: Sequence[str] = (),
+        what: str = "",
+    ) -> Case:
+        found = deviations(where, self.rng) if self.tolerant else ()
+        seed = int(self.rng.integers(2**31))
+        return Case(
+            self.number,
+            self.set,
+            type_,
+            where,
+            tuple(truth),
+            gap,
+            seed,
+            setup or where.setup,
+            tuple(excluded),
+            what,
+            found,
+        )
+
+    def possible(self, kinds: Sequence[str]) -> list[str]:
+        return [k for k in kinds if not (self.leaking and k in NOT_LEAKING)]
+
+    def single(self, kind: str) -> Case:
+        if kind not in self.possible((kind,)):
+            kind = str(self.rng.choice(self.possible(KINDS)))
+        where = self.bench(kind)
+        gauge = self.gauge(where)
+        effect, gap = hide(kind, where, self.rng, lambda one: gauge.opened([one]))
+        return self.sealed("single", where, (effect,), gap)
+
+    def pair(self) -> Case:
+        kinds = [str(k) for k in self.rng.choice(self.possible(PAIRED), size=2, replace=False)]
+        where = self.bench(*kinds)
+        gauge = self.gauge(where)
+        both = [hide(kind, where, self.rng, lambda one: gauge.opened([one]))[0] for kind in kinds]
+        return self.sealed("pair", where, both, gauge.opened(both))
+
+    def nothing(self) -> Case:
+        return self.sealed("nothing", self.bench(), (), 1.0)
+
+    def unknown(self) -> Case:
+        """Return a case with an effect out of the catalogue, foreign or taken out of it, in turn."""
+        foreign = bool(self.number % 2)
+        kind = str(self.rng.choice(list(FOREIGN) if foreign else self.possible(UNMISTAKABLE)))
+        where = self.bench(kind)
+        gauge = self.gauge(where)
+        effect, gap = hide(kind, where, self.rng, lambda one: gauge.opened([one]))
+        return self.sealed("unknown", where, (effect,), gap, excluded=() if foreign else (kind,))
+
+    def log_book(self) -> Case:
+        """Return a case whose log book is wrong by a believable factor, so that it can be seen."""
+        where = self.bench()
+        gauge = self.gauge(where)
+        for name in self.rng.permutation(list(MISTAKES)):
+            setup, amounts = MISTAKES[str(name)](where.setup, self.rng)
+            try:
+                gap = gauge.opened([], setup)
+            except ModalLabError:
+                continue
+            if gap >= GAPS[0]:
+                return self.sealed("log_book", where, amounts, gap, setup=setup, what=str(name))
+        raise ModalLabError("no mistake of this log book can be seen")

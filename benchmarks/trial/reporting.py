@@ -1,0 +1,225 @@
+"""Tables of a trial, in Markdown, from the lines that it left."""
+
+from collections import Counter
+from collections.abc import Iterable, Sequence
+from typing import Any
+
+import numpy as np
+
+from benchmarks.trial.cases import KINDS
+
+Line = dict[str, Any]
+BINS = 10
+CLOSED = 0.99
+SETS = {
+    "1": "exact model, periodic random",
+    "2": "exact model, pure random through a Hann window",
+    "3": "model and rig within tolerances, periodic random",
+    "3a": "the same, with up to two proposed tests done",
+}
+TYPES = {
+    "single": "single effects named first",
+    "pair": "pairs, both named",
+    "nothing": "nothing missing, said so",
+    "unknown": "effects out of the catalogue, called unexplained",
+    "log_book": "mistakes in the log book, found",
+}
+
+
+def report(lines: Sequence[Line]) -> str:
+    """Return all tables of all sets that there are lines of."""
+    parts = []
+    for name, words in SETS.items():
+        mine = [line for line in lines if line["set"] == name]
+        if mine:
+            parts += [f"## Set {name}: {words}", "", *_scores(mine), "", *_by_kind(mine), ""]
+            parts += [*_calibration(mine), "", *_matrix(mine), ""]
+    return "\n".join(parts)
+
+
+def _scores(lines: Sequence[Line]) -> list[str]:
+    rows = ["| what | right | of | share | 95 % between |", "|---|---|---|---|---|"]
+    for type_, words in TYPES.items():
+        mine = [line for line in lines if line["type"] == type_]
+        if mine:
+            right = sum(line["right"] for line in mine)
+            alias = sum(line["by_alias"] for line in mine)
+            low, high = _between(right, len(mine))
+            words += f" ({alias} by an alias)" if alias else ""
+            rows.append(
+                f"| {words} | {right} | {len(mine)} | {100 * right / len(mine):.0f} % | "
+                f"{low:.0f} to {high:.0f} % |"
+            )
+    for noise in sorted({line["noise"] for line in lines}):
+        mine = [line for line in lines if line["noise"] == noise]
+        right = sum(line["right"] for line in mine)
+        low, high = _between(right, len(mine))
+        rows.append(
+            f"| all of them, noise {noise:g} | {right} | {len(mine)} | {100 * right / len(mine):.0f} % | "
+            f"{low:.0f} to {high:.0f} % |"
+        )
+    rows += ["", "| figure | value | of |", "|---|---|---|"]
+    return rows + [f"| {words} | {value} | {count} |" for words, value, count in figures(lines)]
+
+
+def figures(lines: Sequence[Line]) -> list[tuple[str, str, int]]:
+    """Return the figures beside the shares of right answers: words, value, number of cases or parameters."""
+    right = [line for line in lines if line["right"] and line["type"] in ("single", "pair", "log_book")]
+    own = [e for line in right for step in line["steps"] for e in list(step["errors"].values())[:1]]
+    every = [e for line in right for step in line["steps"] for e in step["errors"].values()]
+    # An effect that no FRF shows, as an armature, has nothing to close.
+    seen = [line for line in right if line.get("held_out_before", 0.0) > line.get("held_out_noise", 0.0)]
+    closed = [1 - line["held_out_after"] / line["held_out_before"] for line in seen]
+    within = [line["within_scatter"] for line in right if "within_scatter" in line]
+    seconds = [line["seconds"] for line in lines]
+    found: list[tuple[str, str, int]] = []
+    if own:
+        found += [
+            ("median error of the first parameter, of its value", f"{100 * _median(own, 0):.3g} %", len(own)),
+            ("the same, of its distance from no effect", f"{100 * _median(own, 1):.3g} %", len(own)),
+            (
+                "true values within 95 % intervals, all parameters",
+                f"{100 * np.mean([abs(e[2]) < 1.96 for e in every]):.0f} %",
+                len(every),
+            ),
+        ]
+    if closed:
+        share = np.mean([c > CLOSED for c in closed])
+        found.append(
+            (
+                "right answers that close over 99 % of the held-out difference",
+                f"{100 * share:.0f} %",
+                len(closed),
+            )
+        )
+    if within:
+        share = np.mean(within)
+        found.append(
+            ("right answers whose remaining gap is 1 within its scatter", f"{100 * share:.0f} %", len(within))
+        )
+    if stated := beliefs(lines):
+        found.append(("expected calibration error", f"{calibration_error(stated):.3f}", len(stated)))
+    found.append(("CPU time, median", f"{np.median(seconds):.1f} s", len(seconds)))
+    found.append(("CPU time, worst", f"{max(seconds):.0f} s", len(seconds)))
+    if failed := sum(bool(line["trouble"]) for line in lines):
+        found.append(("diagnoses that broke off", str(failed), len(lines)))
+    return found
+
+
+def beliefs(lines: Iterable[Line]) -> list[tuple[float, bool]]:
+    """Return stated probability and truth of every first step, of cases whose answer is in the catalogue."""
+    found = []
+    for line in lines:
+        if line["type"] in ("single", "pair", "log_book") and line["truth"]:
+            for i, step in enumerate(line["steps"]):
+                alias = line["by_alias"] and i < len(line["truth"])
+                found.append((float(step["probability"]), bool(step["true"] or alias)))
+    return found
+
+
+def calibration_error(stated: Sequence[tuple[float, bool]]) -> float:
+    """Return the mean over ten bins of |share of right ones - mean probability|, weighted by their counts."""
+    probability, right = np.array([p for p, _ in stated]), np.array([r for _, r in stated], float)
+    place = np.minimum((probability * BINS).astype(int), BINS - 1)
+    total = 0.0
+    for i in range(BINS):
+        here = place == i
+        if here.any():
+            total += here.sum() * abs(right[here].mean() - probability[here].mean())
+    return float(total / len(stated))
+
+
+def _calibration(lines: Sequence[Line]) -> list[str]:
+    stated = beliefs(lines)
+    rows = ["| stated probability | effects named | true |", "|---|---|---|"]
+    for i in range(BINS):
+        here = [r for p, r in stated if min(int(p * BINS), BINS - 1) == i]
+        if here:
+            rows.append(
+                f"| {i / BINS:.1f} to {(i + 1) / BINS:.1f} | {len(here)} | {100 * np.mean(here):.0f} % |"
+            )
+    return rows
+
+
+def _by_kind(lines: Sequence[Line]) -> list[str]:
+    rows = [
+        "| hidden alone | cases | right | by an alias | error of its value, median | called instead |",
+        "|---|---|---|---|---|---|",
+    ]
+    for kind in KINDS:
+        mine = [line for line in lines if line["type"] == "single" and line["truth"][0]["kind"] == kind]
+        if not mine:
+            continue
+        wrong = Counter(_called(line) for line in mine if not line["right"])
+        called = ", ".join(f"{name} {count}" for name, count in wrong.most_common())
+        errors = [
+            e
+            for line in mine
+            if line["right"]
+            for step in line["steps"][:1]
+            for e in list(step["errors"].values())[:1]
+        ]
+        error = f"{100 * _median(errors, 0):.2g} %" if errors else ""
+        right, alias = sum(line["right"] for line in mine), sum(line["by_alias"] for line in mine)
+        rows.append(f"| `{kind}` | {len(mine)} | {right} | {alias or ''} | {error} | {called} |")
+    return rows
+
+
+def _called(line: Line) -> str:
+    """Return what a single effect was called: the kind first named, perhaps elsewhere, or nothing."""
+    if not line["steps"]:
+        return "nothing" if line["verdict"] == "nothing_missing" else str(line["verdict"])
+    first = line["steps"][0]
+    alike = first["kind"] == line["truth"][0]["kind"] and not first["true"]
+    return str(first["kind"]) + (" elsewhere" if alike else "")
+
+
+def _matrix(lines: Sequence[Line]) -> list[str]:
+    """Return how often each kind was called what: aliases as named, so that they can be seen."""
+    pairs = Counter(
+        (line["truth"][0]["kind"], line["steps"][0]["kind"] if line["steps"] else "nothing")
+        for line in lines
+        if line["type"] == "single"
+    )
+    hidden = [kind for kind in KINDS if any(h == kind for h, _ in pairs)]
+    if not hidden:
+        return []
+    others = sorted({named for _, named in pairs} - set(KINDS))
+    named = [kind for kind in KINDS if any(n == kind for _, n in pairs)] + others
+    rows = [
+        "Rows: what was hidden. Columns: what was named first, by the number of its row, or as below.",
+        "",
+        "| | hidden | " + " | ".join(str(KINDS.index(n) + 1) if n in KINDS else n for n in named) + " |",
+        "|---|---|" + "---|" * len(named),
+    ]
+    for kind in hidden:
+        cells = (str(pairs[kind, n]) if pairs[kind, n] else "" for n in named)
+        rows.append(f"| {KINDS.index(kind) + 1} | `{kind}` | " + " | ".join(cells) + " |")
+    return rows
+
+
+def _median(errors: Sequence[Sequence[float]], which: int) -> float:
+    return float(np.median([e[which] for e in errors]))
+
+
+def _between(right: int, count: int) -> tuple[float, float]:
+    """Return Wilson's 95 % interval of a share, per cent."""
+    z, share = 1.96, right / count
+    middle = share + z**2 / (2 * count)
+    half = z * np.sqrt(share * (1 - share) / count + z**2 / (4 * count**2))
+    low, high = (100 * (middle + s * half) / (1 + z**2 / count) for s in (-1, 1))
+    return float(low), float(high)
+
+
+def row(line: Line) -> str:
+    """Return one case in one line."""
+    truth = " + ".join(f"{t['kind']} at {t['at']}" for t in line["truth"]) or line["what"] or "nothing"
+    named = " + ".join(f"{s['kind']} at {s['at']}" for s in line["steps"]) or "nothing"
+    mark = "alias" if line["by_alias"] else "right" if line["right"] else "WRONG"
+    belief = f"p {line['steps'][0]['probability']:.2f}" if line["steps"] else ""
+    trouble = line["trouble"].strip().splitlines()[-1] if line["trouble"] else ""
+    return (
+        f"{line['number']:4d} {mark:5s} {line['type']:8s} gap {line['gap']:8.1f} -> "
+        f"{line.get('remaining_gap', float('nan')):7.2f}  {truth:44s} named {named:44s} "
+        f"{line['verdict']:15s} {belief} {line['seconds']:.1f} s {trouble}"
+    )

@@ -1,0 +1,142 @@
+"""A diagnosis of files on disk, without a service: what `modallab diagnose` does."""
+
+import json
+from collections.abc import Callable, Iterator, Mapping
+from contextlib import contextmanager
+from dataclasses import dataclass
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from typing import Any, TypeVar
+
+from pydantic import TypeAdapter, ValidationError
+
+from modallab.api.diagnoses.schemas import DiagnosisOut, DiagnosisStart
+from modallab.api.rigs.schemas import RigIn
+from modallab.api.settings import Settings
+from modallab.api.structures.schemas import StructureIn
+from modallab.api.wire import effect_out
+from modallab.core.errors import InvalidInputError, ModalLabError
+from modallab.core.place import EffectSpec
+from modallab.core.progress import Progress
+from modallab.diagnosis.result import Diagnosis
+from modallab.interchange.reading import read_measurement
+from modallab.jobs.destination import Destination
+from modallab.jobs.tasks import TASKS
+from modallab.rig.effect import EFFECTS
+from modallab.store.base import Entry
+from modallab.store.place import StorePlace, engine_of, open_store
+from modallab.store.sql import SqlStore
+
+T = TypeVar("T")
+
+_OWNER = "command line"
+# Names of things that end with the command.
+_PASSING = ("id", "created", "made_from", "structure_id", "rig_id")
+
+
+@dataclass(frozen=True)
+class Files:
+    """What is diagnosed: bodies of `POST /v1/structures` and `POST /v1/rigs`, and measured FRFs."""
+
+    model: Path
+    rig: Path
+    measured: Path
+
+
+@dataclass(frozen=True, eq=False)
+class Found:
+    """A diagnosis and what is known of how it was made."""
+
+    diagnosis: Diagnosis
+    entry: Entry
+
+    def json(self) -> str:
+        """Return what the service would answer; in place of stored ids what is to be added to the files."""
+        fields = DiagnosisOut.of(self.diagnosis, self.entry).model_dump(mode="json")
+        kept = {name: value for name, value in fields.items() if name not in _PASSING}
+        added: dict[str, list[Any]] = {"model": [], "rig": []}
+        for effect in (step.effect for step in self.diagnosis.steps):
+            numbers = {name: one.value for name, one in effect.parameters.items()}
+            where = "model" if EFFECTS[effect.kind].structural else "rig"
+            added[where].append(effect_out(EffectSpec(effect.kind, effect.at, numbers)))
+        return json.dumps(kept | {"added_effects": added}, indent=2)
+
+
+def diagnose_files(
+    files: Files, asked: Mapping[str, Any], *, averages: float | None, progress: Progress
+) -> Found:
+    """Return the diagnosis of files, made as the service makes it, in a folder of its own that passes.
+
+    Parameters
+    ----------
+    asked
+        The body of `POST /v1/diagnoses` without its ids.
+    averages
+        Effective averages; by default the measured file's, or else the rig's.
+
+    Raises
+    ------
+    InvalidInputError
+        If a file or a field is at fault; the message says which.
+    """
+    structure = _of_file(files.model, lambda: _body(files.model, StructureIn).to_domain())
+    setup = _of_file(files.rig, lambda: _body(files.rig, RigIn).to_domain())
+    with files.measured.open("rb") as file:
+        largest = Settings.model_fields["upload_limit"].default
+        measurement = _of_file(
+            files.measured, lambda: read_measurement(file, setup, largest=largest, averages=averages)
+        )
+    with _passing_store() as store:
+        rig_id = store.rigs.add(setup, owner=_OWNER)
+        ids = {
+            "structure_id": store.structures.add(structure, owner=_OWNER),
+            "measurement_id": store.measurements.add(measurement, owner=_OWNER, inputs={"rig_id": rig_id}),
+        }
+        start: DiagnosisStart = _checked(TypeAdapter(DiagnosisStart), {**asked, **ids})
+        into = Destination(_OWNER, "diagnosis")
+        TASKS["diagnose_and_store"](store, progress, into, **start.to_arguments(structure))
+        return Found(store.diagnoses.get(into.id), store.diagnoses.entry(into.id))
+
+
+def in_words(error: ModalLabError) -> str:
+    """Return what an error says, with the field, its value and what is allowed."""
+    context = {name: error.context[name] for name in ("field", "value", "allowed") if name in error.context}
+    told = "; ".join(f"{name}: {value}" for name, value in context.items() if value != "")
+    return f"{error} ({told})" if told else str(error)
+
+
+@contextmanager
+def _passing_store() -> Iterator[SqlStore]:
+    with TemporaryDirectory(prefix="modallab-") as folder:
+        place = StorePlace(f"sqlite:///{folder}/modallab.sqlite", "modallab", Path(folder) / "arrays")
+        place.prepare()
+        try:
+            yield open_store(place)
+        finally:
+            engine_of(place).dispose()
+
+
+def _body(path: Path, wire: Any) -> Any:
+    try:
+        body = json.loads(path.read_bytes())
+    except ValueError as error:
+        raise InvalidInputError(f"not JSON: {error}") from None
+    return _checked(TypeAdapter(wire), body)
+
+
+def _checked(wire: TypeAdapter[T], body: Any) -> T:
+    try:
+        return wire.validate_python(body)
+    except ValidationError as error:
+        fault = error.errors()[0]
+        field = ".".join(map(str, fault["loc"]))
+        message = fault["msg"].removeprefix("Value error, ")
+        raise InvalidInputError(f"{field}: {message}" if field else message) from None
+
+
+def _of_file(path: Path, read: Callable[[], T]) -> T:
+    """Return what is read; what is wrong with it is said of the file."""
+    try:
+        return read()
+    except ModalLabError as error:
+        raise InvalidInputError(f"{path.name}: {in_words(error)}") from None

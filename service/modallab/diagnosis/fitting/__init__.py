@@ -1,0 +1,1 @@
+"""The numbers of effects fitted to a measurement, with errors."""

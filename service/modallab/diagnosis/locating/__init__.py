@@ -1,0 +1,1 @@
+"""Where model and measurement part, as numbers and in words."""

@@ -1,0 +1,1 @@
+"""The numbers that a fit may move: of effects, and within tolerances."""

@@ -1,0 +1,250 @@
+"""Residuals of a prediction in units of their random error."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+from typing import TypeVar
+
+import numpy as np
+from scipy.special import polygamma
+
+from modallab.core.arrays import BoolArray, ComplexArray, FloatArray
+from modallab.diagnosis.observing.observed import Factors, Observed, Predicted
+from modallab.diagnosis.observing.random_error import NUMERICAL
+
+Numbers = TypeVar("Numbers", FloatArray, ComplexArray)
+
+COARSE = 0.02  # squared relative error of H beyond which its logarithm gives way to the difference
+
+
+@dataclass(frozen=True, eq=False)
+class Residual:
+    """Logarithmic ratios measured over predicted, each part over its own error: mean square 1 at best."""
+
+    frf: ComplexArray  # (n_freq, n_out)
+    force: FloatArray | None  # (n_freq, n_run)
+    response: FloatArray | None  # (n_freq, n_out)
+    excess: Callable[[], FloatArray] | None = None  # of the response's variance, where power leaks
+    steady: Callable[[], Factors] | None = None  # of all variances, where signals come back
+    force_variance: FloatArray | float = 1.0  # that `force` is over
+    averages: float = np.inf
+    floor: float = NUMERICAL**2  # variance that a force has in any case
+    tied: bool = False  # whether lines share random numbers beyond what a window mixes
+    common: FloatArray | None = None  # see `Observed.common`
+
+    @property
+    def parts(self) -> dict[str, ComplexArray | FloatArray]:
+        """The parts that were measured, by name."""
+        every = {"frf": self.frf, "force": self.force, "response": self.response}
+        return {name: part for name, part in every.items() if part is not None}
+
+    def vector(self, where: BoolArray) -> FloatArray:
+        """Return all residuals at the lines and channels of `where` (n_freq, n_out), independent and of
+        unit variance each: what channels have in common through the force is taken once."""
+        frf, response = self.frf, self.response
+        if self.common is not None:
+            frf = _parted(frf, self.common, where)
+            response = None if response is None else _parted(response, self.common**2, where)
+        frf = frf[where]
+        parts = [np.sqrt(2) * frf.real, np.sqrt(2) * frf.imag]
+        if self.force is not None:
+            parts.append(self.force[_of_runs(where, self.force.shape[1])])
+        if response is not None:
+            parts.append(response[where])
+        return np.concatenate(parts)
+
+    @cached_property
+    def judged(self) -> dict[str, ComplexArray | FloatArray]:
+        """The parts, each over what it scatters by in truth, records that share their power included.
+
+        A fit goes without: its weights would depend on its parameters.
+        """
+        parts = self.parts
+        if self.response is not None and self.excess is not None:
+            parts["response"] = self.response / np.sqrt(self.excess())
+        if self.steady is None:
+            return parts
+        factors = self.steady()
+        parts["frf"] = self.frf / np.sqrt(factors.frf)
+        if self.response is not None:
+            parts["response"] = parts["response"] / np.sqrt(factors.response)
+        if self.force is not None:
+            own = polygamma(1, self.averages / np.maximum(factors.force, NUMERICAL**2)) + self.floor
+            parts["force"] = self.force * np.sqrt(self.force_variance / own)
+        return parts
+
+    def gaps(self, where: BoolArray) -> dict[str, float]:
+        """Return the mean square of each part at the lines and channels of `where`."""
+        return {
+            name: float((np.abs(part[_of_runs(where, part.shape[1])]) ** 2).mean()) if where.any() else 0.0
+            for name, part in self.judged.items()
+        }
+
+    def gap(self, where: BoolArray) -> float:
+        """Return the mean of the parts' mean squares."""
+        return float(np.mean(list(self.gaps(where).values())))
+
+
+def _parted(part: Numbers, share: FloatArray, where: BoolArray) -> Numbers:
+    """Return residuals (n_freq, n_out) that share a random number in each line, made independent.
+
+    Their covariance D + v v^T, v^2 the shares and D the rest, has the inverse square root
+    (I - (1 - 1/sqrt(1 + w^2)) w w^T/w^2) D^-1/2 with w = D^-1/2 v.
+
+    Parameters
+    ----------
+    share
+        (n_freq, n_out) of each one's variance that is the shared number's.
+    where
+        (n_freq, n_out) those that are looked at together.
+    """
+    rest = np.sqrt(1 - share)
+    along = np.where(where, np.sqrt(share) / rest, 0.0)
+    size = (along**2).sum(axis=1, keepdims=True)
+    alone = np.where(where, part / rest, 0.0)
+    both = (along * alone).sum(axis=1, keepdims=True) / np.maximum(size, 1e-300)
+    out: Numbers = alone - (1 - 1 / np.sqrt(1 + size)) * along * both
+    return out
+
+
+def _of_runs(where: BoolArray, n_run: int) -> BoolArray:
+    return where if where.shape[1] == n_run else np.asarray(where.any(axis=1, keepdims=True))
+
+
+def residual(observed: Observed, predicted: Predicted, *, widen: float = 0.0) -> Residual:
+    """Return the whitened residual of a prediction at every line.
+
+    Parameters
+    ----------
+    widen
+        Relative error added to every random error, so that a fit far from its goal is drawn to the
+        shape of the resonances before it minds their noise.
+    """
+    frf = apart(observed, predicted.h) / np.sqrt(2 * (observed.error**2 + widen**2))
+    force = response = None
+    variance = observed.force_variance + widen**2
+    if observed.force is not None:
+        force = np.log(observed.force / predicted.force) / np.sqrt(variance)
+    if observed.incoherent is not None and observed.incoherent_variance is not None:
+        spread = np.sqrt(observed.incoherent_variance + widen**2)
+        response = np.log(observed.incoherent / predicted.incoherent) / spread
+    return Residual(
+        frf,
+        force,
+        response,
+        predicted.excess,
+        predicted.steady,
+        variance,
+        observed.averages,
+        observed.floor,
+        predicted.tied,
+        observed.common,
+    )
+
+
+def apart(observed: Observed, h: ComplexArray) -> ComplexArray:
+    """Return by how much of itself a measured H1 differs from one predicted: over its error, of variance 1.
+
+    Given G_ff, H1 is normal about its expectation and independent of G_xx (1 - coherence), by which it is
+    weighed (Goodman 1963): the difference (H_m - H_p)/|H_m| over its error has mean square 1 at any
+    coherence, and a fit that goes by it is not biased. But it has many valleys far from its goal, where
+    ln(H_m/H_p) has one; that has the same law while the error is small, but for a bias: lines that came
+    out large by chance weigh more, which their squared error makes up for. So the logarithm is used where
+    random errors are small, and goes over into the difference where they are not.
+
+    Parameters
+    ----------
+    h
+        (n_freq, n_out), predicted.
+
+    Returns
+    -------
+    (n_freq, n_out), 0 where nothing is known.
+    """
+    ratio = observed.h / np.where(observed.usable, h, 1.0)
+    share = log_share(observed.error)
+    logarithm = np.log(ratio) - observed.bias
+    return np.where(observed.usable, share * logarithm + (1 - share) * (1 - 1 / ratio), 0.0)
+
+
+def log_share(error: FloatArray) -> FloatArray:
+    """Return the share of the logarithm in `apart` at random errors of |H|; the rest is the difference."""
+    return np.asarray(1 / (1 + (2 * error**2 / COARSE) ** 2))
+
+
+def softened(observed: Observed, where: BoolArray, widen: float) -> FloatArray:
+    """Return what `widen` multiplies each entry of a residual's vector over `where` by."""
+    frf = observed.error / np.sqrt(observed.error**2 + widen**2)
+    force = response = None
+    if observed.force is not None:
+        share = np.sqrt(observed.force_variance / (observed.force_variance + widen**2))
+        force = np.full(observed.force.shape, share)
+    if observed.incoherent_variance is not None:
+        response = np.sqrt(observed.incoherent_variance / (observed.incoherent_variance + widen**2))
+    return Residual((1 + 1j) / np.sqrt(2) * frf, force, response).vector(where)
+
+
+def lessened(narrow: Observed, wide: Observed) -> FloatArray:
+    """Return by what each entry of a residual's vector over what is fitted is less with wider errors."""
+    force = response = None
+    if narrow.force is not None:
+        force = np.full(narrow.force.shape, np.sqrt(narrow.force_variance / wide.force_variance))
+    if narrow.incoherent_variance is not None and wide.incoherent_variance is not None:
+        response = np.sqrt(narrow.incoherent_variance / wide.incoherent_variance)
+    both = Residual((1 + 1j) / np.sqrt(2) * narrow.error / wide.error, force, response)
+    return both.vector(narrow.fitted)
+
+
+def correlations(observed: Observed, left: Residual) -> dict[str, float]:
+    """Return for each part how many lines one independent line stands for.
+
+    Of a window alone it is known; leakage spreads the same few random numbers of a resonance over
+    all lines, as do blows that differ, which the residuals' own correlation tells.
+    """
+    if not left.tied:
+        return dict.fromkeys(left.parts, observed.correlation)
+    return {
+        name: _correlation(np.where(_of_runs(observed.usable, part.shape[1]), part, 0.0))
+        for name, part in left.judged.items()
+    }
+
+
+def scatters(observed: Observed, left: Residual, where: BoolArray) -> dict[str, float]:
+    """Return the random error of each part's gap over `where` if nothing is missing."""
+    errors: dict[str, float] = {}
+    for name, correlation in correlations(observed, left).items():
+        part = left.parts[name]
+        # A complex residual has two numbers in it, so its mean square scatters less.
+        # It is weighed by a coherence that was measured: its square over that is an F-distributed one.
+        weighed = 1 + 2 / max(observed.averages - 3, 0.1)
+        squares = weighed if np.iscomplexobj(part) else 2.0
+        seen = _of_runs(where, part.shape[1])
+        count = max(int(seen.sum()), 1)
+        shared = _shared(np.where(seen, left.judged[name], 0.0))
+        errors[name] = float(np.sqrt(squares * correlation * shared / count))
+    return errors
+
+
+def scatter(observed: Observed, left: Residual, where: BoolArray) -> float:
+    """Return the random error of the whole gap over `where` if nothing is missing."""
+    errors = np.array(list(scatters(observed, left, where).values()))
+    return float(np.sqrt((errors**2).sum()) / len(errors))
+
+
+def _shared(part: ComplexArray | FloatArray) -> float:
+    """Return how many channels one independent channel stands for: noise of a force is in all of its run."""
+    own = np.einsum("fi,fj->ij", part.conj(), part)
+    size = np.sqrt(np.maximum(own.diagonal().real, 1e-300))
+    likeness = np.abs(own / np.outer(size, size)) ** 2 - 1 / max(len(part), 1)  # that chance alone leaves
+    np.fill_diagonal(likeness, 1.0)
+    return float(np.maximum(likeness, 0.0).sum() / len(likeness))
+
+
+def _correlation(part: ComplexArray | FloatArray) -> float:
+    """Return how many lines one independent line stands for: 1 + 2 sum (1 - k/n) |rho_k|^2 over all lags."""
+    n = len(part)
+    spectrum = np.fft.fft(part, 2 * n, axis=0)
+    covariance = np.fft.ifft((np.abs(spectrum) ** 2).sum(axis=1))[:n]
+    seen = 1 - np.arange(1, n) / n  # of n lines only n - k pairs are k apart
+    rho = np.abs(covariance[1:]) / max(float(np.abs(covariance[0])), 1e-300) / seen
+    return float(1 + 2 * (seen * np.minimum(rho, 1.0) ** 2).sum())

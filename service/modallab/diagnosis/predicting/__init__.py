@@ -1,0 +1,1 @@
+"""What model, log book and effects predict for a measurement, or for several."""

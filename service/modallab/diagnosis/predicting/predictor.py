@@ -1,0 +1,224 @@
+"""What the log book and a list of effects predict for a measurement."""
+
+from collections.abc import Callable, Sequence
+from copy import copy
+from dataclasses import replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.core.dof import Dof
+from modallab.core.errors import InvalidInputError
+from modallab.diagnosis.numbers.tolerances import Nuisances, on_the_model
+from modallab.diagnosis.observing.observed import Observed, Predicted
+from modallab.diagnosis.observing.residual import Residual, residual
+from modallab.diagnosis.predicting.glimpses import Glimpses
+from modallab.fe.assembly import assemble
+from modallab.fe.modes import ModalBasis
+from modallab.fe.structure import Structure
+from modallab.rig.chain import Chain, chain
+from modallab.rig.channel import Channel
+from modallab.rig.effect import Effect, build
+from modallab.rig.excitation import EXCITATIONS
+from modallab.rig.expected import expected_spectra, glimpse, thin_view
+from modallab.rig.measurement import Measurement
+from modallab.rig.rehearsal import Rehearsals, comes_in_bursts
+from modallab.rig.setup import RigSetup
+from modallab.rig.steadiness import steady_factors
+from modallab.rig.succession import excess_variance
+
+GOLDEN = (5**0.5 - 1) / 2
+GLIMPSED = 130  # lines that a first look uses
+
+
+class Predictor:
+    """Predicts the measurement exactly as the log book says, with some effects more.
+
+    What is tolerated stands where `position` has it and acts in every prediction.
+    """
+
+    nuisances = Nuisances()
+    position: FloatArray = np.zeros(0)  # of what is tolerated, standard deviations
+    tolerated: tuple[Effect, ...] = ()
+    _rest: Sequence[Effect] = ()  # of these, what acts elsewhere than on the model as a whole
+
+    def __init__(self, structure: Structure, setup: RigSetup, observed: Observed) -> None:
+        self.setup, self.observed = setup, observed
+        self.alive: Callable[[], None] = _unheard  # called before every prediction
+        self.system = self._loose = assemble(structure)
+        self._own = [build(spec) for spec in structure.effects]
+        self.step = max(1, setup.analyser.n_lines // GLIMPSED)
+        self._rehearsals = Rehearsals()
+
+    @property
+    def tests(self) -> tuple["Predictor", ...]:
+        """The predictors of single tests that this one is made of."""
+        return (self,)
+
+    def chain(self, effects: Sequence[Effect]) -> Chain:
+        """Return the measuring chain of the model on the rig of the log book, with some effects more."""
+        self.alive()
+        return chain(self._loose, self.setup, self._with(effects))
+
+    def _with(self, effects: Sequence[Effect]) -> list[Effect]:
+        return [*self._own, *self._rest, *effects]
+
+    def allowing(self, numbers: Nuisances) -> "Predictor":
+        """Return the same with numbers that may differ a little, all as declared."""
+        other = copy(self)
+        other.nuisances = numbers
+        return other.tolerating(np.zeros(len(numbers)))
+
+    def tolerating(self, position: FloatArray) -> "Predictor":
+        """Return the same with what may differ a little so many standard deviations (n,) off."""
+        other = copy(self)
+        other.position, other.tolerated = position, self.nuisances.effects(position)
+        # What is alike in every run is done to the model once.
+        whole, other._rest = on_the_model(other.tolerated)
+        other._loose = self.system
+        for effect in whole:
+            other._loose = effect.on_system(other._loose, self.setup.shots[0])
+        return other
+
+    def built_in(self, effects: Sequence[Effect]) -> "Predictor":
+        """Return the same with effects put into the structure's matrices, where many cost no more than one.
+
+        Only what is alike in every run: members, springs, masses that stay.
+        """
+        other = copy(self)
+        for effect in effects:
+            other._loose = effect.on_system(other._loose, self.setup.shots[0])
+        other._loose = other._loose.folded()
+        return other
+
+    def predict(self, effects: Sequence[Effect]) -> Predicted:
+        """Return the expected spectra."""
+        whole = self.chain(effects)
+        spectra = expected_spectra(whole)
+        leaking = whole.source.continuous > 0
+        excitation, steady = EXCITATIONS[self.setup.analyser.excitation.kind], None
+        bursts = comes_in_bursts(effects, self.setup)
+        if excitation.comes_back:
+            steady = partial(steady_factors, whole, spectra)
+        elif bursts:
+            steady = partial(self._rehearsals.factors, whole, spectra, effects)
+        return Predicted.of(
+            spectra,
+            partial(excess_variance, whole, spectra) if leaking else None,
+            steady,
+            tied=leaking or bursts or excitation.transient is not None,
+        )
+
+    def weighed(self, effects: Sequence[Effect]) -> "Predictor":
+        """Return the same with random errors as large as distortion that comes in bursts makes them."""
+        if not comes_in_bursts(effects, self.setup):
+            return self
+        predicted = self.predict(effects)
+        assert predicted.steady is not None
+        other = copy(self)
+        other.observed = self.observed.widened(predicted.steady())
+        return other
+
+    def around(self, effects: Sequence[Effect]) -> Callable[[Sequence[Effect]], Predicted]:
+        """Return predictions to differentiate with, near some effects: leakage on one thin grid for all."""
+        view = thin_view(self.chain(effects))
+
+        def sketch(near: Sequence[Effect]) -> Predicted:
+            return Predicted.of(expected_spectra(self.chain(near), view))
+
+        return sketch
+
+    def residual(self, effects: Sequence[Effect]) -> Residual:
+        """Return the whitened residual of the prediction at every line."""
+        return residual(self.observed, self.predict(effects))
+
+    def detuned(self, effects: Sequence[Effect], shift: float) -> Predicted:
+        """Return the expected spectra with every natural frequency moved by a small share of itself."""
+        system = self._loose.scaled(stiffness=(1 + shift) ** 2)
+        whole = chain(system, self.setup, self._with(effects))
+        return Predicted.of(expected_spectra(whole))
+
+    def glimpse(self, effects: Sequence[Effect]) -> Predicted:
+        """Return the expected spectra at every `step`-th line, leakage coarse."""
+        return Predicted.of(glimpse(self.chain(effects), self.step))
+
+    def without_lines(self, every: int) -> "Predictor":
+        """Return the same with one of so many lines held out of its fits as well.
+
+        At steps of the golden section: at even steps harmonics would all be held out, or none of them.
+        """
+        lines = np.arange(len(self.observed.freq)) * GOLDEN % 1 < 1 / every
+        other = copy(self)
+        other.observed = replace(self.observed, held_lines=self.observed.held_lines | lines)
+        return other
+
+    def placed(self, parts: Sequence[NDArray[Any]], absent: complex) -> NDArray[Any]:
+        """Return what the tests have by line and output (.., n_freq, n_out), one below the other.
+
+        Parameters
+        ----------
+        absent
+            What stands where one of them has no such output.
+        """
+        (own,) = parts
+        return own
+
+    def near(self, effects: Sequence[Effect]) -> Glimpses:
+        """Return first looks at what is added to some effects."""
+        return Glimpses(self, effects)
+
+    def modes(self) -> ModalBasis:
+        """Return the elastic modes of the model with what the first run attaches to it."""
+        first = chain(self.system, self.setup, self._own).runs[0].system
+        top = self.setup.analyser.frequency_max
+        basis = first.modes(top).elastic()
+        return basis.elastic(max(1, int((basis.frequencies <= top).sum())))
+
+    def unmeasured(self, effects: Sequence[Effect], dofs: tuple[Dof, ...]) -> ComplexArray:
+        """Return the inertance (n_freq, n_dof, 1) at DoFs where nothing was measured.
+
+        A roving accelerometer is thought to visit them; fixed ones stay where they are.
+        """
+        extended = self._with(effects)
+        freq = self.observed.freq
+        if self.setup.accelerometers.roving:
+            visited = chain(self._loose, replace(self.setup, responses=dofs), extended)
+            return np.asarray(visited.respond(freq).inertance[:, :, 0, 0].T[..., None])
+        first = chain(self._loose, self.setup, extended).runs[0]
+        shot = replace(first.shot, outputs=dofs)
+        elsewhere = replace(first, shot=shot, responses=tuple(map(Channel.ideal, dofs)))
+        whole = replace(chain(self._loose, self.setup), runs=(elsewhere,))
+        return np.asarray(whole.respond(freq).inertance[0])
+
+
+def _unheard() -> None:
+    """Nobody waits to hear."""
+
+
+def check_comparable(structure: Structure, measurement: Measurement) -> None:
+    """Raise unless the model and the log book can predict the measurement.
+
+    Raises
+    ------
+    InvalidInputError
+        If the frequency axis is not the log book's, 0 Hz apart, or several forces act at once.
+    UnknownDofError
+        If the model lacks a measured DoF.
+    """
+    for dof in (measurement.setup.drive, *measurement.frf.outputs):
+        structure.index(dof)
+    if measurement.frf.values.shape[2] != 1:
+        raise InvalidInputError("one force at a time", field="inputs", allowed="1")
+    axis, freq = measurement.setup.analyser.freq, measurement.frf.freq
+    if freq[0] > 0:
+        axis = axis[1:]
+    if len(axis) != len(freq) or not np.allclose(axis, freq, rtol=1e-6, atol=1e-6 * axis[-1]):
+        raise InvalidInputError(
+            "the frequency axis is not the one that the log book declares",
+            field="freq",
+            value=f"{len(freq)} lines to {freq[-1]:g} Hz",
+            allowed=f"{len(axis)} lines to {axis[-1]:g} Hz",
+        )

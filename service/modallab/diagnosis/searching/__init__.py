@@ -1,0 +1,1 @@
+"""Which effects are missing: first looks, rounds of fits, judgement."""

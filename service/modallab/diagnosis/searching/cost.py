@@ -1,0 +1,39 @@
+"""What a first look at a hypothesis leaves unexplained, as one number."""
+
+import numpy as np
+
+from modallab.core.arrays import FloatArray
+from modallab.diagnosis.observing.residual import softened
+from modallab.diagnosis.predicting.glimpses import Glimpses
+
+WIDENINGS = (0.0, 0.03, 0.3)  # from residuals of the size of noise to modes that sit elsewhere
+HEAVY_TAIL = 9.0  # squared residual beyond which a line only says "wrong", not how wrong
+
+
+class Costs:
+    """Saturating sums of squares of residuals, at every widening of their random errors.
+
+    What could be explained by numbers that are a little off, within their tolerances, is taken out first.
+    """
+
+    def __init__(self, glimpses: Glimpses) -> None:
+        observed = glimpses.observed
+        self._cleared = glimpses.cleared
+        self._weights = [softened(observed, observed.fitted, widen) for widen in WIDENINGS]
+
+    def cleared(self, vectors: FloatArray) -> FloatArray:
+        """Return residuals of unit variance less what tolerances explain; see `Glimpses.cleared`."""
+        return self._cleared(vectors, 0.0)
+
+    def of(self, vectors: FloatArray) -> FloatArray:
+        """Return the cost (..., n_widenings) of residuals (..., n_residuals) of unit variance."""
+        looks = zip(self._weights, WIDENINGS, strict=True)
+        squares = [self._cleared(vectors * weights, widen) ** 2 for weights, widen in looks]
+        return np.stack([HEAVY_TAIL * np.log(1 + s / HEAVY_TAIL).sum(axis=-1) for s in squares], axis=-1)
+
+
+def downhill(start: FloatArray, moved: FloatArray) -> float:
+    """Return how far the line from one vector to another falls, 1 at the other; 0 where it rises."""
+    slope = moved - start
+    along = float(slope @ slope)
+    return max(0.0, -float(slope @ start) / along) if along > 0 else 0.0

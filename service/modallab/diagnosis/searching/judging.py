@@ -1,0 +1,109 @@
+"""Whether anything is missing still, and whether an effect that was added explains it."""
+
+from collections.abc import Mapping, Sequence
+
+import numpy as np
+from scipy.stats import chi2
+
+from modallab.core.arrays import BoolArray
+from modallab.core.place import Channels
+from modallab.diagnosis.fitting.fit import Fit, fit
+from modallab.diagnosis.observing.observed import Observed
+from modallab.diagnosis.observing.residual import Residual, correlations, scatter, scatters
+from modallab.diagnosis.predicting.predictor import Predictor
+from modallab.rig.effect import Effect
+
+CONVINCING = 10.0  # difference in BIC that counts as very strong (Kass and Raftery 1995)
+ALIKE = 9.0  # difference in chi-square within which two explanations cannot be told apart
+LINES_APART = 4  # lines of a channel that are held out: every so many
+ROUNDING = 0.1  # difference in BIC of two descriptions of one and the same physics
+CLEAR = 2.0  # standard errors that a parameter keeps from `absent`
+UNTOLD = 0.25  # of its bounds' distance: a standard error of a number that nothing tells
+CHANCE = 3e-5  # probability below which a gap above 1 is not put down to chance: four standard errors
+
+
+def only_noise_left(predictor: Predictor, left: Residual) -> bool:
+    """Return whether every part of the gap is 1 within its scatter, fitted and held out alike."""
+    observed = predictor.observed
+    for where in (observed.fitted, observed.kept):
+        errors = scatters(observed, left, where)
+        if any(gap > highest_by_chance(errors[part]) for part, gap in left.gaps(where).items()):
+            return False
+    return True
+
+
+def highest_by_chance(error: float) -> float:
+    """Return the largest gap that counts as 1, of a gap's random error if nothing is missing.
+
+    A mean of squares is chi-square with 2 / error^2 degrees of freedom: with few of them, as leakage
+    leaves, it reaches further up than a normal number of the same scatter.
+    """
+    freedom = 2 / error**2
+    return float(chi2.isf(CHANCE, freedom) / freedom)
+
+
+def best_first(fits: Sequence[Fit]) -> list[Fit]:
+    """Return fits by BIC; of those that differ by rounding alone what belongs to the rig comes first.
+
+    A rig is changed from test to test, a model is not: the likelier place for what was forgotten.
+    """
+    order = sorted(fits, key=lambda one: one.bic)
+    tied = [one for one in order if one.bic - order[0].bic < ROUNDING]
+    return sorted(tied, key=lambda one: one.effects[-1].structural) + order[len(tied) :]
+
+
+def improves(predictor: Predictor, before: Fit, after: Fit) -> bool:
+    """Return whether an added effect is convincing: by BIC, on what was held out, and by its size."""
+    observed = predictor.observed
+    if before.bic - after.bic < CONVINCING * temperature(predictor, after):
+        return False
+    effect = after.effects[-1]
+    # Of distortion in bursts the size may be known to a factor only: likelihood alone tells that it is there.
+    if not effect.bursts and not clear_of_nothing(effect, after.errors[-1]):
+        return False
+    where = observed.kept
+    if (alone := _known_to_no_other(observed, effect)) is not None:
+        # No other FRF can bear it out: it has to predict lines of its own that it was not fitted to.
+        predictor = predictor.without_lines(LINES_APART).tolerating(after.tolerated)
+        where = observed.usable & predictor.observed.held_lines[:, None] & alone
+        after = fit(predictor, after.effects)
+    held_before, held_after = (f.residual.gap(where) for f in (before, after))
+    return held_after < held_before - scatter(observed, after.residual, where)
+
+
+def clear_of_nothing(effect: Effect, errors: Mapping[str, float]) -> bool:
+    """Return whether the amount of an effect is told from none by its standard error.
+
+    Where another of its own numbers is not told at all, as an angle by motions along one axis alone, the
+    amount is no better told, though both together may be beyond doubt: that is left to the likelihood.
+    """
+    specs = effect.specs().items()
+    if any(s.absent is None and errors[name] > UNTOLD * (s.upper - s.lower) for name, s in specs):
+        return True
+    amounts = (
+        (effect.parameters[name] - s.absent, errors[name]) for name, s in specs if s.absent is not None
+    )
+    return all(abs(away) >= CLEAR * error for away, error in amounts)
+
+
+def _known_to_no_other(observed: Observed, effect: Effect) -> BoolArray | None:
+    """Return the channels (n_out,) an effect acts on, if it leaves all that are held out as they were."""
+    if not isinstance(effect.at, Channels):
+        return None
+    alone = np.array([effect.acts_on(dof) for dof in observed.outputs])
+    held = observed.held_out
+    return alone if held.any() and not (alone & held).any() else None
+
+
+def temperature(predictor: Predictor, best: Fit) -> float:
+    """Return by how much chi-square overstates a difference: correlated lines, or an incomplete model."""
+    observed = predictor.observed
+    lines = max(correlations(observed, best.residual).values())
+    return lines * max(1.0, best.chi_square / best.n_data)
+
+
+def probabilities(predictor: Predictor, fits: Sequence[Fit]) -> list[float]:
+    """Return the share of belief of each fit among all, by BIC."""
+    scale = temperature(predictor, fits[0])
+    weight = np.exp(-0.5 * np.array([f.bic - fits[0].bic for f in fits]) / scale)
+    return [float(w) for w in weight / weight.sum()]

@@ -1,0 +1,91 @@
+"""A first look at every effect at every place, cheap enough for hundreds of them."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from modallab.core.arrays import FloatArray
+from modallab.core.progress import Progress, part
+from modallab.diagnosis.observing.residual import residual
+from modallab.diagnosis.predicting.glimpses import Glimpses
+from modallab.diagnosis.searching.cost import WIDENINGS, Costs, downhill
+from modallab.diagnosis.searching.shortlist import shortlist
+from modallab.diagnosis.searching.variants import least, shrunk, valleys
+from modallab.rig.effect import Effect
+
+KEPT = 5  # starts that each widening sends on
+USEFUL = 0.99  # of the cost without it that a kind must come below to be sent on beside those
+
+
+@dataclass(frozen=True)
+class Start:
+    """An effect at a place with a value from which a fit should start, and how blurred to start it."""
+
+    effect: Effect
+    widening: float
+
+
+def scan(
+    glimpses: Glimpses, accepted: Sequence[Effect], suspects: Sequence[Effect], progress: Progress
+) -> list[Start]:
+    """Return the starts worth a fit.
+
+    Parameters
+    ----------
+    glimpses
+        First looks round the accepted effects.
+    suspects
+        One effect for every kind and place.
+    """
+    worth = shortlist(glimpses, accepted, suspects, part(progress, 0.0, 0.5))
+    nothing, cost = _vector(glimpses, accepted), Costs(glimpses)
+    tried: list[list[Effect]] = []
+    costs: list[FloatArray] = []
+    for i, sizes in enumerate(worth):
+        progress(0.5 + 0.5 * i / len(worth), f"scanning {sizes[0].kind}")
+        looked_at, left = _tried(glimpses, accepted, sizes, nothing)
+        tried.append(looked_at)
+        costs.append(cost.of(left))
+    chosen: dict[tuple[int, int], Start] = {}
+    for w, widening in enumerate(WIDENINGS):
+        order = sorted(range(len(tried)), key=lambda i: float(costs[i][:, w].min()))
+        # The best place of each kind goes on as well, if it is of any use: no kind is crowded out by many
+        # places of another. So does what acts on all of a model: its narrow valley may lie between values.
+        useful = USEFUL * float(cost.of(nothing)[w])
+        firsts = {
+            (tried[i][0].kind, tried[i][0].at is None): i
+            for i in reversed(order)
+            if float(costs[i][:, w].min()) < useful or (tried[i][0].at is None and tried[i][0].structural)
+        }
+        for i in [*order[:KEPT], *firsts.values()]:
+            for best in valleys(tried[i], costs[i][:, w]):
+                chosen.setdefault((i, best), Start(tried[i][best], widening))
+    return list(chosen.values())
+
+
+def _vector(glimpses: Glimpses, effects: Sequence[Effect]) -> FloatArray:
+    """Return the residuals of a first look."""
+    observed = glimpses.observed
+    return residual(observed, glimpses.predict(effects)).vector(observed.fitted)
+
+
+def _tried(
+    glimpses: Glimpses, accepted: Sequence[Effect], sizes: Sequence[Effect], nothing: FloatArray
+) -> tuple[list[Effect], FloatArray]:
+    """Return sizes of an effect at a place and the residuals of each, (n_sizes, n_residuals).
+
+    Parameters
+    ----------
+    nothing
+        Residuals without any of them.
+    """
+    tried = list(sizes)
+    start = glimpses.cleared(nothing, 0.0)
+    found = [_vector(glimpses, [*accepted, effect]) for effect in tried]
+    for i in least(tried):
+        # Where residuals are no larger than noise the best size is smaller than any that is tried.
+        if share := downhill(start, glimpses.cleared(found[i], 0.0)):
+            tried.append(shrunk(tried[i], share))
+            found.append(_vector(glimpses, [*accepted, tried[-1]]))
+    return tried, np.array(found)

@@ -1,0 +1,104 @@
+"""Virtual tests: the only work that knows how a measurement was made."""
+
+from dataclasses import replace
+from typing import Any
+
+import numpy as np
+import scipy
+
+from modallab.core.place import EffectSpec
+from modallab.core.progress import Progress
+from modallab.jobs.destination import Destination
+from modallab.rig.carried_over import carried_over
+from modallab.rig.change import Change
+from modallab.rig.effect import build
+from modallab.rig.measure import Route, measure
+from modallab.rig.measurement import Measurement
+from modallab.rig.setup import RigSetup
+from modallab.store.base import Store, Truth
+from modallab.store.plain import from_plain
+
+Json = Any
+
+# The same numbers in another order round otherwise: to the byte, a measurement is theirs too.
+_LIBRARIES = {"numpy": np.__version__, "scipy": scipy.__version__}
+
+
+def measure_and_store(
+    store: Store,
+    progress: Progress,
+    into: Destination,
+    *,
+    structure_id: str,
+    rig_id: str,
+    effects: Json,
+    route: str,
+    seed: int,
+) -> None:
+    """Run the virtual test; keep the measurement, and apart from it how it was made."""
+    setup = store.rigs.get(rig_id)
+    truth = Truth(structure_id, from_plain(tuple[EffectSpec, ...], effects, {}))
+    measurement = _measured(store, progress, truth, setup, route, seed)
+    with store.together() as batch:
+        batch.measurements.add(
+            measurement, owner=into.owner, inputs={"rig_id": rig_id}, seed=seed, id=into.id
+        )
+        batch.truths.add(truth, measurement_id=into.id, owner=into.owner)
+
+
+def measure_again(
+    store: Store, progress: Progress, into: Destination, *, measurement_id: str, change: Change, number: int
+) -> None:
+    """Run a virtual test once more with something changed; keep it, its log book, and apart how it was made.
+
+    What no log book shows acts as it did, where the further test has it.
+
+    Parameters
+    ----------
+    number
+        Counts the further tests of the first one: each has a seed of its own.
+
+    Raises
+    ------
+    InvalidInputError
+        If the rig cannot do it.
+    """
+    if store.measurements.holds(into.id):
+        return  # done by an attempt that died later
+    first, entry = store.measurements.get(measurement_id), store.measurements.entry(measurement_id)
+    setup = change.applied(first.setup)
+    truth = _on_other_rig(store.truths.get(measurement_id, owner=entry.owner), first.setup, setup)
+    seed = _further_seed(entry.seed or 0, number)
+    measurement = _measured(store, progress, truth, setup, first.route or Route.SAMPLED, seed)
+    rig_id = into.beside("rig")
+    with store.together() as batch:
+        batch.rigs.add(setup, owner=into.owner, inputs={"rig_id": entry.inputs["rig_id"]}, id=rig_id)
+        batch.measurements.add(
+            measurement,
+            owner=into.owner,
+            inputs={"rig_id": rig_id, "first_measurement_id": measurement_id},
+            seed=seed,
+            id=into.id,
+        )
+        # Whoever may not see how the first was made may not see how this one was.
+        batch.truths.add(truth, measurement_id=into.id, owner=entry.owner)
+
+
+def _measured(
+    store: Store, progress: Progress, truth: Truth, setup: RigSetup, route: str, seed: int
+) -> Measurement:
+    structure = store.structures.get(truth.structure_id)
+    hidden = [build(spec) for spec in truth.effects]
+    rng = np.random.default_rng(seed)
+    measurement = measure(structure, setup, hidden, route=Route(route), rng=rng, progress=progress)
+    return replace(measurement, seed=seed, route=route, libraries=_LIBRARIES)
+
+
+def _on_other_rig(truth: Truth, first: RigSetup, setup: RigSetup) -> Truth:
+    hidden = carried_over([build(spec) for spec in truth.effects], first, setup)
+    return replace(truth, effects=tuple(effect.spec for effect in hidden))
+
+
+def _further_seed(seed: int, number: int) -> int:
+    """Return the seed of a further test, in the range that seeds have on the wire."""
+    return int(np.random.SeedSequence([seed, number]).generate_state(1, np.uint64)[0] >> np.uint64(1))

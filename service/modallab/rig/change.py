@@ -1,0 +1,243 @@
+"""What is done otherwise in a further test of the same structure, and what that does to the log book."""
+
+from collections.abc import Callable, Mapping
+from dataclasses import dataclass, fields, replace
+from typing import Any
+
+import numpy as np
+
+from modallab.core.dof import Dof
+from modallab.core.errors import InvalidInputError
+from modallab.core.place import EffectSpec
+from modallab.rig.carried_over import carried_over
+from modallab.rig.compatibility import check_compatible
+from modallab.rig.effect import build
+from modallab.rig.hardware import Exciter, ForceTransducer
+from modallab.rig.setup import RigSetup
+
+SENSORS = "sensors"
+SAME = 1e-6  # relative difference within which two log books mean the same number
+_USUAL = {"shaker": "periodic_random", "hammer": "impact"}
+
+
+@dataclass(frozen=True)
+class AddedMass:
+    """A mass that is known, stuck on for a test."""
+
+    mass: float  # kg
+    at: Dof | None = None  # None: on every accelerometer, and moves with it
+
+    def __post_init__(self) -> None:
+        if not 0 < self.mass <= 100:  # NaN fails too
+            raise InvalidInputError(
+                "an added mass weighs something", field="added_mass.mass", value=self.mass, allowed="0 to 100"
+            )
+
+
+@dataclass(frozen=True)
+class Change:
+    """What is changed against the first test; None or nothing: the same."""
+
+    level_factor: float | None = None  # on the rms of the source
+    averages_factor: float | None = None
+    n_lines: int | None = None
+    frequency_max: float | None = None  # Hz
+    window: str | None = None
+    excitation: str | None = None
+    exciter: str | None = None  # shaker or hammer
+    drive: Dof | None = None
+    responses: tuple[Dof, ...] = ()
+    added_mass: AddedMass | None = None
+
+    def __post_init__(self) -> None:
+        for name in ("level_factor", "averages_factor"):
+            value = getattr(self, name)
+            if value is not None and not 1e-6 <= value <= 1e6:
+                raise InvalidInputError(
+                    f"{name} is out of bounds", field=f"changed.{name}", value=value, allowed="1e-6 to 1e6"
+                )
+        if self.exciter not in (None, *_USUAL):
+            raise InvalidInputError(
+                f"no exciter called {self.exciter!r}",
+                field="changed.exciter",
+                value=str(self.exciter),
+                allowed=", ".join(_USUAL),
+            )
+
+    @property
+    def plain(self) -> dict[str, Any]:
+        """What differs by name, as JSON has it."""
+        told = {one.name: getattr(self, one.name) for one in fields(self)}
+        return {name: _plain(value) for name, value in told.items() if value not in (None, ())}
+
+    @classmethod
+    def read(cls, plain: Mapping[str, Any]) -> "Change":
+        """Return the change that `plain` wrote.
+
+        Raises
+        ------
+        InvalidInputError
+            If it names what cannot be changed, or a value has no meaning.
+        """
+        known = {one.name for one in fields(cls)}
+        for name in plain:
+            if name not in known:
+                raise InvalidInputError(
+                    f"a further test cannot change {name!r}",
+                    field="changed",
+                    value=name,
+                    allowed=", ".join(sorted(known)),
+                )
+        told: dict[str, Any] = dict(plain)
+        if drive := told.get("drive"):
+            told["drive"] = Dof.parse(drive, field="changed.drive")
+        told["responses"] = tuple(
+            Dof.parse(text, field="changed.responses") for text in told.get("responses") or ()
+        )
+        if mass := told.get("added_mass"):
+            at = mass.get("at", SENSORS)
+            place = None if at == SENSORS else Dof.parse(at, field="changed.added_mass.at")
+            told["added_mass"] = AddedMass(float(mass["mass"]), place)
+        return cls(**told)
+
+    def applied(self, setup: RigSetup) -> RigSetup:
+        """Return the log book of the first test with what is changed.
+
+        Raises
+        ------
+        InvalidInputError
+            If the rig cannot do it.
+        """
+        told, changed = self.plain, setup
+        for name in _APPLIED:  # in this order: another exciter brings its own settings
+            if name in told:
+                changed = _APPLIED[name](changed, self)
+        check_compatible(changed)
+        return _with_its_effects(changed, setup)
+
+    def agreed(self, own: RigSetup, first: RigSetup) -> RigSetup:
+        """Return the log book of a further test: its own, with the change where it does not show it.
+
+        Parameters
+        ----------
+        own
+            As the further test came with it; it may be the first one's, if nobody wrote a new one.
+        first
+            The log book of the first test.
+
+        Raises
+        ------
+        InvalidInputError
+            If it says something else than the change does.
+        """
+        told = self.plain
+        for name in (one for one in _APPLIED if one in told):
+            only = Change(**{name: getattr(self, name)})
+            wanted, there = _SHOWN[name](only.applied(first), self), _SHOWN[name](own, self)
+            if _same(there, wanted):
+                continue
+            if not _same(there, _SHOWN[name](first, self)):
+                raise InvalidInputError(
+                    f"the log book of the further test contradicts what is said to have been changed: {name}",
+                    field=f"changed.{name}",
+                    value=str(there),
+                    allowed=str(wanted),
+                )
+            own = _APPLIED[name](own, self)
+        check_compatible(own)
+        return _with_its_effects(own, first)
+
+
+def _plain(value: Any) -> Any:
+    if isinstance(value, AddedMass):
+        return {"at": SENSORS if value.at is None else str(value.at), "mass": value.mass}
+    if isinstance(value, Dof):
+        return str(value)
+    return [str(dof) for dof in value] if isinstance(value, tuple) else value
+
+
+def _same(a: Any, b: Any) -> bool:
+    if isinstance(a, (int, float)) and isinstance(b, (int, float)):
+        return bool(np.isclose(a, b, rtol=SAME, atol=0.0))
+    return bool(a == b)
+
+
+def _with_its_effects(setup: RigSetup, first: RigSetup) -> RigSetup:
+    """Return a log book without the declared effects that were left behind with the first test."""
+    known = [build(spec) for spec in setup.effects]
+    return replace(setup, effects=tuple(effect.spec for effect in carried_over(known, first, setup)))
+
+
+def _analyser(setup: RigSetup, **values: Any) -> RigSetup:
+    return replace(setup, analyser=replace(setup.analyser, **values))
+
+
+def _excited(setup: RigSetup, **values: Any) -> RigSetup:
+    return _analyser(setup, excitation=replace(setup.analyser.excitation, **values))
+
+
+def _struck(setup: RigSetup, change: Change) -> RigSetup:
+    """Return the rig with another exciter: with a hammer all that a shaker hangs on the structure is gone."""
+    if change.exciter == setup.exciter.kind or change.exciter is None:
+        return setup
+    hammer = change.exciter == "hammer"
+    bare = replace(
+        setup,
+        exciter=Exciter("hammer" if hammer else "shaker"),
+        stinger=None,
+        force_transducer=ForceTransducer(),
+    )
+    # A shaker's window cuts nothing off; what a blow leaves of it would.
+    return _excited(_analyser(bare, window="rectangular"), kind=_USUAL[change.exciter])
+
+
+def _weighted(setup: RigSetup, change: Change) -> RigSetup:
+    added = change.added_mass
+    assert added is not None
+    if added.at is None:
+        sensors = setup.accelerometers
+        return replace(setup, accelerometers=replace(sensors, mass=sensors.mass + added.mass))
+    return replace(setup, effects=(*setup.effects, _hung(added)))
+
+
+def _hung(added: AddedMass) -> EffectSpec:
+    assert added.at is not None
+    return EffectSpec("extra_mass", added.at.point, {"mass": added.mass})
+
+
+def _masses(setup: RigSetup, change: Change) -> float:
+    """Return what the log book says of masses where one is added, kg."""
+    added = change.added_mass
+    assert added is not None
+    if added.at is None:
+        return setup.accelerometers.mass
+    here = [spec for spec in setup.effects if spec.kind == "extra_mass" and spec.at == added.at.point]
+    return sum(spec.parameters["mass"] for spec in here)
+
+
+_APPLIED: Mapping[str, Callable[[RigSetup, Change], RigSetup]] = {
+    "exciter": _struck,
+    "level_factor": lambda s, c: _excited(s, level=s.analyser.excitation.level * (c.level_factor or 1.0)),
+    "averages_factor": lambda s, c: _analyser(
+        s, averages=max(1, round(s.analyser.averages * (c.averages_factor or 1.0)))
+    ),
+    "n_lines": lambda s, c: _analyser(s, n_lines=c.n_lines),
+    "frequency_max": lambda s, c: _analyser(s, frequency_max=c.frequency_max),
+    "window": lambda s, c: _analyser(s, window=c.window),
+    "excitation": lambda s, c: _excited(s, kind=c.excitation),
+    "drive": lambda s, c: replace(s, drives=s.drives if c.drive is None else (c.drive,)),
+    "responses": lambda s, c: replace(s, responses=c.responses),
+    "added_mass": _weighted,
+}
+_SHOWN: Mapping[str, Callable[[RigSetup, Change], Any]] = {
+    "exciter": lambda s, _: s.exciter.kind,
+    "level_factor": lambda s, _: s.analyser.excitation.level,
+    "averages_factor": lambda s, _: s.analyser.averages,
+    "n_lines": lambda s, _: s.analyser.n_lines,
+    "frequency_max": lambda s, _: s.analyser.frequency_max,
+    "window": lambda s, _: s.analyser.window,
+    "excitation": lambda s, _: s.analyser.excitation.kind,
+    "drive": lambda s, _: ", ".join(map(str, s.drives)),
+    "responses": lambda s, _: ", ".join(map(str, s.responses)),
+    "added_mass": _masses,
+}

@@ -1,0 +1,54 @@
+"""What a diagnosis located, as the client reads it."""
+
+from typing import Any
+
+from modallab_client._wire_findings import diagnosis
+from modallab_client.located import Located, ModeShift, ResponseMisfit
+
+SHIFT = {
+    "mode": 2,
+    "frequency": 100.0,
+    "frequency_shift": -0.004,
+    "frequency_error": 2e-5,
+    "loss_factor_shift": None,
+    "loss_factor_error": None,
+}
+MISFIT = {
+    "dof": "5:+Y",
+    "gap": 176.0,
+    "amplitude": 1.1,
+    "amplitude_error": 1e-4,
+    "phase": 0.0,
+    "phase_error": 1e-4,
+    "delay": 0.0,
+    "delay_error": 1e-7,
+    "course": "gain",
+}
+FOUND: dict[str, Any] = {
+    "id": "d1",
+    "verdict": "unexplained",
+    "located": {
+        "bands": [[22.0, 24.0]],
+        "dofs": ["5:+Y"],
+        "modes": [2],
+        "words": ["one response stands out, 5:+Y: all others agree"],
+        "signs": ["one_response"],
+        "mode_shifts": [SHIFT | {"of_a_later_version": 1.0}],
+        "responses": [MISFIT],
+        "level_dependence": 4.8,
+    },
+    "steps": [],
+}
+
+
+def test_shifts_misfits_and_signs_are_read() -> None:
+    located = diagnosis(FOUND).located
+    assert located.signs == ("one_response",)
+    assert located.mode_shifts == (ModeShift(2, 100.0, -0.004, 2e-5, None, None),)
+    assert located.responses == (ResponseMisfit("5:+Y", 176.0, 1.1, 1e-4, 0.0, 1e-4, 0.0, 1e-7, "gain"),)
+    assert located.level_dependence == 4.8
+
+
+def test_an_older_service_that_says_less_is_read_too() -> None:
+    located = diagnosis(FOUND | {"located": {"bands": [[22.0, 24.0]], "dofs": [], "modes": [1]}}).located
+    assert located == Located(bands=((22.0, 24.0),), modes=(1,))

@@ -1,0 +1,70 @@
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+import modallab.diagnosis.searching.shortlist as module
+from modallab.core.dof import Dof
+from modallab.core.progress import silent
+from modallab.diagnosis.predicting.glimpses import Glimpses
+from modallab.diagnosis.searching.foreseen import Foreseen
+from modallab.diagnosis.searching.shortlist import PLACES, ROUGHLY, shortlist
+from modallab.effects.extra_mass import ExtraMass
+from modallab.effects.ground_spring import GroundSpring
+from modallab.effects.local_damping import LocalDamping
+from modallab.rig.effect import Effect
+from tests.diagnosing import drawn, predicting, rig
+
+NODES = range(1, 10)
+
+
+def looking_for(hidden: Effect, *, roving: bool = False) -> Glimpses:
+    predictor, _ = predicting(drawn(rig(roving=roving), [hidden]))
+    return predictor.near([])
+
+
+def places_of(found: Sequence[Sequence[Effect]], kind: str) -> list[object]:
+    return [sizes[0].at for sizes in found if sizes[0].kind == kind]
+
+
+def test_places_are_told_apart_by_a_sample_of_lines_as_well(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    glimpses = looking_for(ExtraMass(Dof(6, "Y"), 0.1))
+    suspects = [ExtraMass(Dof(n, "Y")) for n in NODES]
+    monkeypatch.setattr(module, "ENOUGH", glimpses.observed.fitted.sum() / 5)
+    found = places_of(shortlist(glimpses, [], suspects, silent), "extra_mass")
+    assert Dof(6, "Y") in found
+    assert PLACES <= len(found) < len(suspects)
+
+
+def test_a_sample_has_every_line_and_every_channel() -> None:
+    glimpses = looking_for(ExtraMass(Dof(6, "Y"), 0.1))
+    whole, sample = glimpses.observed.fitted, glimpses.sampled(3).observed.fitted
+    assert not (sample & ~whole).any()
+    assert (sample.any(axis=0) == whole.any(axis=0)).all()
+    assert (sample.any(axis=1) == whole.any(axis=1)).all()
+    assert abs(sample.sum() / whole.sum() - 1 / 3) < 0.05  # lines are no multiple of three
+
+
+@pytest.mark.parametrize("every", [1, 3], ids=["all lines", "a sample"])
+@pytest.mark.parametrize("noise", [1e-4, 3e-2], ids=["little noise", "much noise"])
+def test_foreseen_residuals_of_nothing_are_those_of_the_prediction(every: int, noise: float) -> None:
+    # Noise that the channels of a run share is taken once, and large errors go without a logarithm.
+    predictor, _ = predicting(drawn(rig(roving=False, noise=noise)))
+    foreseen = Foreseen(predictor.near([]).sampled(every), [])
+    nothing = np.ones((1, *predictor.near([]).observed.fitted.shape), complex)
+    np.testing.assert_allclose(foreseen.vectors(nothing)[0], foreseen.nothing, rtol=1e-9, atol=1e-9)
+
+
+def test_a_nonlinear_force_is_looked_for_at_few_places_the_right_one_among_them(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    # What is not foreseen in closed form is predicted once a place: here a spring and a dashpot.
+    monkeypatch.setattr(module, "_foreseen", lambda *_: None)
+    for hidden in (GroundSpring(Dof(7, "Y"), 3e4), LocalDamping(Dof(3, "Y"), 20.0)):
+        suspects = [replace(type(hidden)(), at=Dof(n, "Y")) for n in NODES]
+        found = places_of(shortlist(looking_for(hidden), [], suspects, silent), hidden.kind)
+        assert hidden.at in found
+        assert ROUGHLY <= len(found) <= 3 * ROUGHLY
