@@ -28,6 +28,7 @@ GAPS = (2.0, 1e4)
 EVERYWHERE = 0.25  # how often a kind with many places acts everywhere
 TRIES = 12  # places that are tried for one at which an effect can be seen
 STEP = 0.5  # in the logarithm of a strength that is too much for expected spectra
+LADDER = 9  # strengths at which a kind is looked at first
 
 
 @dataclass(frozen=True)
@@ -200,14 +201,21 @@ def _sized(
     def excess(strength: float) -> float:
         return float(np.log(max(opened(at(strength)) - 1, 1e-300)))
 
-    while (most := _possible(excess, high)) is None:
-        high -= STEP
-        if high <= low:
-            return None
-    # Where more of it does less the strongest is not the most visible: a coarse look first.
-    for strength in np.linspace(high, low, 9)[1:-1]:
-        if most < np.log(GAPS[1] - 1) and (seen := excess(float(strength))) > most:
-            most, high = seen, float(strength)
+    # A spring strong enough to hold still is possible again: what is possible ends where it first does.
+    ladder = np.linspace(low, high, LADDER)
+    seen = [_possible(excess, float(strength)) for strength in ladder]
+    if None in seen:
+        ladder, high = ladder[: seen.index(None)], float(ladder[seen.index(None)])
+        while (most := _possible(excess, high)) is None:
+            high -= STEP
+            if high <= low:
+                return None
+    else:
+        most = float(seen[-1] or 0.0)
+    # Where more of it does less the strongest is not the most visible.
+    for strength, excess_there in zip(ladder, seen, strict=False):
+        if excess_there is not None and most < min(excess_there, np.log(GAPS[1] - 1)):
+            most, high = excess_there, float(strength)
     bottom = max(excess(low), float(np.log(least - 1)))
     top = min(most, float(np.log(GAPS[1] - 1)))
     if top <= bottom:
