@@ -5,7 +5,7 @@ from typing import Literal
 
 import numpy as np
 
-from modallab.core.arrays import ComplexArray, FloatArray, frozen
+from modallab.core.arrays import ComplexArray, FloatArray, IntArray, frozen
 from modallab.core.dof import Dof
 
 
@@ -46,6 +46,30 @@ class Mode:
 
 
 @dataclass(frozen=True, eq=False)
+class StabilisationChart:
+    """Poles that a global method found at rising model orders, and which of them became modes."""
+
+    order: IntArray  # (n_poles,) of the polynomial that has this pole
+    frequency: FloatArray  # (n_poles,) Hz
+    loss_factor: FloatArray  # (n_poles,)
+    # (n_poles,) how far a pole agrees with one of the order before: 0 new, 1 in frequency, 2 and in damping,
+    # 3 and in its vector
+    stability: IntArray
+    mode: IntArray  # (n_poles,) which mode it speaks for, counted from 0; -1 for none
+
+    def __post_init__(self) -> None:
+        n = len(self.order)
+        for name, of in (
+            ("order", int),
+            ("frequency", float),
+            ("loss_factor", float),
+            ("stability", int),
+            ("mode", int),
+        ):
+            object.__setattr__(self, name, frozen(getattr(self, name), of, (n,), name=name))
+
+
+@dataclass(frozen=True, eq=False)
 class ModalModel:
     """A consistent set of modes at named DoFs, in rising frequency."""
 
@@ -57,6 +81,14 @@ class ModalModel:
     fitted_frequency: FloatArray | None = None
     fitted_loss_factor: FloatArray | None = None
     modal_constant: ComplexArray | None = None
+    modal_constant_error: FloatArray | None = None  # (n_modes, n_out) 1/kg, of either part
+    # (n_modes, n_out, 2) first and last line above 0 Hz that each single-mode fit drew on
+    fitted_lines: IntArray | None = None
+    # (2, n_out) what lies below the range, 1/kg: -m/omega^2; and above it, m/N
+    residuals: ComplexArray | None = None
+    resynthesis_error: FloatArray | None = None  # (n_out,) rms misfit of the modes over rms of the FRF
+    chart: StabilisationChart | None = None
+    choices: dict[str, str] = field(default_factory=dict)  # option -> what was taken, and why
     notes: tuple[str, ...] = ()
 
     @property

@@ -4,7 +4,7 @@ Arrays carry the names under which the API serves them, so that a stored file is
 """
 
 from collections.abc import Callable, Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, fields
 from functools import partial
 from typing import Any, Generic, TypeVar
 
@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from modallab.core.dof import Dof
 from modallab.core.frf import FrfKind, FrfSet
-from modallab.core.modal_model import ModalModel, Mode
+from modallab.core.modal_model import ModalModel, Mode, StabilisationChart
 from modallab.correlation.mac import Correlation
 from modallab.diagnosis.result import Diagnosis
 from modallab.fe.structure import Structure
@@ -91,6 +91,9 @@ def _put_measurement(body: Json, arrays: _Given) -> Measurement:
     )
 
 
+_CHART = "chart_"  # before the names of a stabilisation chart's arrays
+
+
 def _take_modal_model(thing: ModalModel) -> tuple[Json, Arrays]:
     modes = [to_plain(mode)[0] for mode in thing.modes]
     known = [mode.shape_errors for mode in thing.modes if mode.shape_errors is not None]
@@ -104,10 +107,16 @@ def _take_modal_model(thing: ModalModel) -> tuple[Json, Arrays]:
             "fitted_frequency": thing.fitted_frequency,
             "fitted_loss_factor": thing.fitted_loss_factor,
             "modal_constants": thing.modal_constant,
+            "modal_constant_errors": thing.modal_constant_error,
+            "fitted_lines": thing.fitted_lines,
+            "residuals": thing.residuals,
+            "resynthesis_error": thing.resynthesis_error,
         }
     )
+    if thing.chart is not None:
+        arrays |= {f"{_CHART}{f.name}": getattr(thing.chart, f.name) for f in fields(StabilisationChart)}
     body = {"normalisation": thing.normalisation, "method": thing.method, "notes": list(thing.notes)}
-    return body | {"modes": modes}, arrays
+    return body | {"modes": modes, "choices": dict(thing.choices)}, arrays
 
 
 def _put_modal_model(body: Json, arrays: _Given) -> ModalModel:
@@ -124,8 +133,18 @@ def _put_modal_model(body: Json, arrays: _Given) -> ModalModel:
         fitted_frequency=arrays.get("fitted_frequency"),
         fitted_loss_factor=arrays.get("fitted_loss_factor"),
         modal_constant=arrays.get("modal_constants"),
+        modal_constant_error=arrays.get("modal_constant_errors"),
+        fitted_lines=arrays.get("fitted_lines"),
+        residuals=arrays.get("residuals"),
+        resynthesis_error=arrays.get("resynthesis_error"),
+        chart=None if f"{_CHART}order" not in arrays else _chart(arrays),
+        choices=body.get("choices", {}),
         notes=tuple(body["notes"]),
     )
+
+
+def _chart(arrays: _Given) -> StabilisationChart:
+    return StabilisationChart(**{f.name: arrays[f"{_CHART}{f.name}"] for f in fields(StabilisationChart)})
 
 
 _CURVES = "curves."  # under which `to_plain` names the arrays of a diagnosis
