@@ -1,0 +1,136 @@
+"""What one mode contributes to a response: columns that its modal constant multiplies, and their slopes."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Protocol
+
+import numpy as np
+
+from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.extraction.options import Damping
+
+RESIDUALS = 4  # real unknowns of an FRF beside its modes: what lies above the range, and below it
+
+
+class ModalBasis(Protocol):
+    """A law of damping. A mode has two real parameters, and two real coefficients in each FRF.
+
+    Everything is complex with real coefficients, so that pairs of conjugate poles are linear too.
+    """
+
+    # (2 coefficients, 2 parameters, n_slopes): how each coefficient weighs the slopes' columns
+    turn: FloatArray
+
+    def parameters(self, eigenvalue: ComplexArray) -> FloatArray:
+        """Return (n_modes, 2): omega_r^2, and what the damping adds to it."""
+        ...
+
+    def loss_factor(self, parameters: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return the loss factors (n_modes,) and their derivatives by the parameters (n_modes, 2)."""
+        ...
+
+    def columns(self, omega: FloatArray, parameters: FloatArray) -> ComplexArray:
+        """Return (n_lines, n_modes, 2)."""
+        ...
+
+    def slopes(self, omega: FloatArray, parameters: FloatArray) -> ComplexArray:
+        """Return (n_lines, n_modes, n_slopes), of which the derivatives by the parameters are made."""
+        ...
+
+    def constant(self, parameters: FloatArray) -> FloatArray:
+        """Return (n_modes, 2, 2): real and imaginary part of a modal constant per coefficient."""
+        ...
+
+
+@dataclass(frozen=True)
+class Structural:
+    """`A/(lambda_r - omega^2)`, complex A; parameters are the parts of `lambda_r`."""
+
+    turn = np.array([[[1.0, 0.0], [0.0, 1.0]], [[0.0, 1.0], [-1.0, 0.0]]])
+
+    def parameters(self, eigenvalue: ComplexArray) -> FloatArray:
+        """Return (n_modes, 2)."""
+        return np.stack([eigenvalue.real, eigenvalue.imag], axis=1)
+
+    def loss_factor(self, parameters: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return (n_modes,) and (n_modes, 2)."""
+        stiffness, damping = parameters.T
+        return damping / stiffness, np.stack([-damping / stiffness**2, 1 / stiffness], axis=1)
+
+    def columns(self, omega: FloatArray, parameters: FloatArray) -> ComplexArray:
+        """Return (n_lines, n_modes, 2)."""
+        one = 1 / (parameters @ [1, 1j] - omega[:, None] ** 2)
+        return np.stack([one, 1j * one], axis=2)
+
+    def slopes(self, omega: FloatArray, parameters: FloatArray) -> ComplexArray:
+        """Return (n_lines, n_modes, 2)."""
+        one = -1 / (parameters @ [1, 1j] - omega[:, None] ** 2) ** 2
+        return np.stack([one, 1j * one], axis=2)
+
+    def constant(self, parameters: FloatArray) -> FloatArray:
+        """Return (n_modes, 2, 2)."""
+        return np.tile(np.eye(2), (len(parameters), 1, 1))
+
+
+@dataclass(frozen=True)
+class Viscous:
+    """`A/(i omega - s) + conj(A)/(i omega - conj(s))` over one denominator: `(a + i omega b)/D`.
+
+    `D = omega_r^2 - omega^2 + i omega d`, parameters omega_r^2 and `d = 2 zeta_r omega_r = eta_r omega_r`.
+    The modal constant is `a + s b`, `s - conj(s)` times the residue: of a mode that is real, the a of `a/D`.
+    """
+
+    turn = np.array([[[-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]], [[0.0, -1.0, 0.0], [0.0, 0.0, -1.0]]])
+
+    def parameters(self, eigenvalue: ComplexArray) -> FloatArray:
+        """Return (n_modes, 2)."""
+        omega = np.sqrt(eigenvalue.real)
+        return np.stack([eigenvalue.real, eigenvalue.imag / omega], axis=1)
+
+    def loss_factor(self, parameters: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return (n_modes,) and (n_modes, 2)."""
+        stiffness, damping = parameters.T
+        omega = np.sqrt(stiffness)
+        return damping / omega, np.stack([-damping / (2 * stiffness * omega), 1 / omega], axis=1)
+
+    def columns(self, omega: FloatArray, parameters: FloatArray) -> ComplexArray:
+        """Return (n_lines, n_modes, 2)."""
+        one = 1 / self._below(omega, parameters)
+        return np.stack([one, 1j * omega[:, None] * one], axis=2)
+
+    def slopes(self, omega: FloatArray, parameters: FloatArray) -> ComplexArray:
+        """Return (n_lines, n_modes, 3)."""
+        one = 1 / self._below(omega, parameters) ** 2
+        along = 1j * omega[:, None]
+        return np.stack([one, along * one, along**2 * one], axis=2)
+
+    def constant(self, parameters: FloatArray) -> FloatArray:
+        """Return (n_modes, 2, 2)."""
+        stiffness, damping = parameters.T
+        across = np.sqrt(np.maximum(stiffness - damping**2 / 4, 0.0))
+        one, none = np.ones_like(stiffness), np.zeros_like(stiffness)
+        return np.stack([np.stack([one, -damping / 2], 1), np.stack([none, across], 1)], axis=1)
+
+    def _below(self, omega: FloatArray, parameters: FloatArray) -> ComplexArray:
+        stiffness, damping = parameters.T
+        return np.asarray(stiffness - omega[:, None] ** 2 + 1j * omega[:, None] * damping)
+
+
+BASES: Mapping[Damping, ModalBasis] = {Damping.STRUCTURAL: Structural(), Damping.VISCOUS: Viscous()}
+
+
+def residual_columns(omega: FloatArray) -> ComplexArray:
+    """Return (n_lines, 4): a constant, and `-1/omega^2`, each for real and imaginary part."""
+    below = -1 / omega**2
+    return np.stack([np.ones(len(omega)), np.full(len(omega), 1j), below, 1j * below], axis=1)
+
+
+def all_columns(basis: ModalBasis, omega: FloatArray, parameters: FloatArray) -> ComplexArray:
+    """Return (n_lines, 2 n_modes + 4), mode by mode, then the residuals."""
+    columns = basis.columns(omega, parameters).reshape(len(omega), -1)
+    return np.concatenate([columns, residual_columns(omega)], axis=1)
+
+
+def all_slopes(basis: ModalBasis, omega: FloatArray, parameters: FloatArray) -> ComplexArray:
+    """Return (n_lines, n_modes n_slopes), mode by mode."""
+    return basis.slopes(omega, parameters).reshape(len(omega), -1)
