@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.errors import NoModeInBandError
-from modallab.extraction.method import EXTRACTION_METHODS, ModeFit, Outcome, fit_mode
+from modallab.extraction.method import EXTRACTION_METHODS, TRAITS, ModeFit, Outcome, fit_mode
 
 modes = st.builds(
     ModeFit,
@@ -17,6 +17,7 @@ modes = st.builds(
 )
 residuals = st.complex_numbers(max_magnitude=1e-6)
 KINDS = sorted(EXTRACTION_METHODS)
+EXACT = [kind for kind in KINDS if TRAITS[kind].exact]
 
 
 def lines_of(mode: ModeFit, n_lines: int = 24, widths: float = 4.0) -> FloatArray:
@@ -24,7 +25,7 @@ def lines_of(mode: ModeFit, n_lines: int = 24, widths: float = 4.0) -> FloatArra
     return np.linspace(mode.frequency - half, mode.frequency + half, n_lines)
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", EXACT)
 @given(mode=modes, residual=residuals)
 @settings(max_examples=60, deadline=None)
 def test_a_single_mode_is_recovered_and_a_constant_residual_drops_out(
@@ -48,7 +49,7 @@ def noisy(
     return np.broadcast_to(freq, clean.shape), clean + np.sqrt(variance / 2) * error, 1 / variance
 
 
-@pytest.mark.parametrize("kind", KINDS)
+@pytest.mark.parametrize("kind", EXACT)
 @pytest.mark.parametrize("bandwidth", [0.12, 1.0, 4.0])
 def test_standard_errors_are_the_scatter_of_repeated_tests(kind: str, bandwidth: float) -> None:
     mode = ModeFit(100.37, bandwidth / 100.37, 1 + 0.2j, 1e-6 + 1e-6j)
@@ -86,7 +87,13 @@ def test_lines_without_weight_do_not_count_whatever_they_hold(kind: str) -> None
     frf, weight = mode.response(freq), np.ones(len(freq))
     frf[[0, 5, 12]], weight[[0, 5]] = (np.nan, 1e3, np.inf), 0
     found = fit_mode(EXTRACTION_METHODS[kind], freq, frf, weight)
-    assert found.loss_factor == pytest.approx(0.01, rel=1e-6)  # rounding, through a fit of ten lines
+    kept = np.setdiff1d(np.arange(13), [0, 5, 12])
+    alone = fit_mode(EXTRACTION_METHODS[kind], freq[kept], frf[kept])
+    # rounding, through a fit of ten lines on another scale
+    assert found.loss_factor == pytest.approx(alone.loss_factor, rel=1e-6)
+    assert found.modal_constant == pytest.approx(alone.modal_constant, rel=1e-6)
+    if TRAITS[kind].exact:
+        assert found.loss_factor == pytest.approx(0.01, rel=1e-6)
 
 
 @pytest.mark.parametrize("kind", KINDS)

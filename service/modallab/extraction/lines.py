@@ -13,6 +13,9 @@ Number = TypeVar("Number", np.float64, np.complex128)
 
 # A response that changes by less than this part of its size over a band holds rounding only.
 FLAT = 1e-12
+TINY = 1e-100
+ROUNDING = 1e-15  # of values of order one
+ROUNDS = 4  # of the weights of what is linear in its unknowns; each wins two digits or more
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,6 +82,45 @@ def weighted_line(
     slope = np.where(drawn, (lever * y).sum(axis=-1) / np.where(drawn, sure, 1), 0)
     intercept = (weight * y).sum(axis=-1) / np.where(total > 0, total, 1) - slope * mean
     return slope, intercept, np.where(drawn, sure, 0.0)
+
+
+def mode_beside_constant(lines: Lines) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
+    """Return eigenvalue, modal constant and residual, each (n_fits,), by a fit linear in its unknowns.
+
+    `z x = lambda z + c + R x` with `c = -(A + R lambda)`. An error n of a line leaves `(x - lambda) n` of
+    it, so that the weights need the eigenvalue: they are renewed.
+    """
+    weight = lines.weight * np.abs(lines.z) ** 2  # 1/|lambda - x|^2 is not known yet; this is its shape
+    for _ in range(ROUNDS):
+        eigenvalue, constant, residual = _linear_step(lines, weight)
+        gap = np.maximum(np.abs(eigenvalue[:, None] - lines.x), ROUNDING)
+        weight = lines.weight / gap**2
+    return eigenvalue, constant, residual
+
+
+def _linear_step(lines: Lines, weight: FloatArray) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
+    """Return lambda, A and R of one weighted least-squares fit."""
+    total = weight.sum(axis=1)
+
+    def mean(values: ComplexArray) -> ComplexArray:
+        middle: ComplexArray = (weight * values).sum(axis=1) / total
+        return middle
+
+    columns = lines.z, lines.x.astype(complex), np.asarray(lines.z * lines.x)
+    middles = [mean(column) for column in columns]
+    z, x, y = (column - middle[:, None] for column, middle in zip(columns, middles, strict=True))
+
+    def dot(a: ComplexArray, b: ComplexArray) -> ComplexArray:
+        product: ComplexArray = (weight * a.conj() * b).sum(axis=1)
+        return product
+
+    zx = dot(z, x)
+    determinant = dot(z, z) * dot(x, x) - np.abs(zx) ** 2
+    determinant = np.where(determinant == 0, TINY, determinant)
+    eigenvalue = (dot(x, x) * dot(z, y) - zx * dot(x, y)) / determinant
+    residual = (dot(z, z) * dot(x, y) - zx.conj() * dot(z, y)) / determinant
+    level = middles[2] - eigenvalue * middles[0] - residual * middles[1]
+    return eigenvalue, np.asarray(-(level + residual * eigenvalue)), residual
 
 
 def leave_residual(lines: Lines, eigenvalue: ComplexArray, constant: ComplexArray) -> ComplexArray:

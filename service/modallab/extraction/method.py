@@ -62,7 +62,8 @@ class ModeFits:
     loss_factor_error: FloatArray
     modal_constant_error: FloatArray
     residual_error: FloatArray
-    misfit: FloatArray  # mean square residual over the lines' variance: 1 when only random error is left
+    # mean square residual over the lines' variance: 1 when only random error is left, 0 if no line is fitted
+    misfit: FloatArray
     outcome: IntArray  # Outcome
     quality: dict[str, FloatArray] = field(default_factory=dict)  # what only this method can tell, %
 
@@ -106,7 +107,17 @@ class ExtractionMethod(Protocol):
     def __call__(self, freq: FloatArray, frf: ComplexArray, weight: FloatArray) -> ModeFits: ...
 
 
-EXTRACTION_METHODS: Family[ExtractionMethod] = Family("extraction method", home="modallab.extraction.methods")
+@dataclass(frozen=True)
+class Traits:
+    """What a method can do."""
+
+    exact: bool  # gives back the mode that clean lines of one mode and a constant hold
+    leaves_out: bool  # can do without the lines nearest resonance
+
+
+METHODS_HOME = "modallab.extraction.methods"
+EXTRACTION_METHODS: Family[ExtractionMethod] = Family("extraction method", home=METHODS_HOME)
+TRAITS: Family[Traits] = Family("extraction method", home=METHODS_HOME)
 
 
 def in_blocks(method: ExtractionMethod) -> ExtractionMethod:

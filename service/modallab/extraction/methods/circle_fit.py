@@ -4,11 +4,13 @@ import numpy as np
 
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray
 from modallab.extraction.lines import Lines, conclude, scale
-from modallab.extraction.method import EXTRACTION_METHODS, ModeFits, in_blocks
+from modallab.extraction.method import EXTRACTION_METHODS, TRAITS, ModeFits, Traits, in_blocks
 
 TINY = 1e-100
 FARTHEST = 1e8  # tan(theta/2) of a line on the far side of the circle, to rounding
 ROUNDS = 4  # Gauss-Newton steps of the circle: quadratic from an algebraic start
+
+TRAITS.register("circle_fit")(Traits(exact=True, leaves_out=False))
 
 
 @EXTRACTION_METHODS.register("circle_fit")

@@ -4,10 +4,12 @@ import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.extraction.lines import conclude, leave_residual, scale, weighted_line
-from modallab.extraction.method import EXTRACTION_METHODS, ModeFits, in_blocks
+from modallab.extraction.method import EXTRACTION_METHODS, TRAITS, ModeFits, Traits, in_blocks
 
 TINY = 1e-15  # of values of order one
 ROUNDS = 3  # the weights settle to three digits in two
+
+TRAITS.register("dobson")(Traits(exact=True, leaves_out=True))
 
 
 @EXTRACTION_METHODS.register("dobson")

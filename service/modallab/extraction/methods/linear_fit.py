@@ -1,0 +1,30 @@
+"""Linear fit: mode and residual from one least-squares problem that is linear in its unknowns."""
+
+from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.extraction.lines import conclude, mode_beside_constant, scale
+from modallab.extraction.method import EXTRACTION_METHODS, TRAITS, ModeFits, Traits, in_blocks
+
+TRAITS.register("linear_fit")(Traits(exact=True, leaves_out=True))
+
+
+@EXTRACTION_METHODS.register("linear_fit")
+@in_blocks
+def linear_fit(freq: FloatArray, frf: ComplexArray, weight: FloatArray) -> ModeFits:
+    """Mode and constant residual at once, from an equation linear in its three unknowns.
+
+    `alpha = A/(lambda_r - omega^2) + R` times its denominator is
+    `alpha omega^2 = lambda_r alpha + c + R omega^2`, `c = -(A + R lambda_r)`. The errors of the lines come
+    multiplied by the denominator, which the weights allow for and which is renewed with every solution.
+
+    Parameters
+    ----------
+    freq, frf, weight
+        As `ExtractionMethod`.
+
+    References
+    ----------
+    Levy, E. C. (1959), IRE Transactions on Automatic Control 4, 37-43, the linear equation; Sanathanan, C. K.
+    and Koerner, J. (1963), IEEE Transactions on Automatic Control 8, 56-58, the renewed weights.
+    """
+    lines = scale(freq, frf, weight)
+    return conclude(lines, *mode_beside_constant(lines))
