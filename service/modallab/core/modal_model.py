@@ -7,6 +7,7 @@ import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray, frozen
 from modallab.core.dof import Dof
+from modallab.core.wander import Wander
 
 
 @dataclass(frozen=True)
@@ -77,6 +78,7 @@ class ModalModel:
     dofs: tuple[Dof, ...]
     normalisation: Literal["mass", "none"] = "mass"
     method: str = ""
+    drive: Dof | None = None  # the point that all FRFs share; None where the modes are not from FRFs
     # per FRF: (n_modes, n_out) Hz, -, and 1/kg; NaN where an FRF did not show the mode
     fitted_frequency: FloatArray | None = None
     fitted_loss_factor: FloatArray | None = None
@@ -87,6 +89,7 @@ class ModalModel:
     # (2, n_out) what lies below the range, 1/kg: -m/omega^2; and above it, m/N
     residuals: ComplexArray | None = None
     resynthesis_error: FloatArray | None = None  # (n_out,) rms misfit of the modes over rms of the FRF
+    wander: Wander | None = None  # of the frequencies over the FRFs, None where they agree
     chart: StabilisationChart | None = None
     choices: dict[str, str] = field(default_factory=dict)  # option -> what was taken, and why
     notes: tuple[str, ...] = ()

@@ -1,28 +1,53 @@
 """Many single-FRF fits made into one consistent set of modes."""
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 
 import numpy as np
 
-from modallab.core.arrays import BoolArray, ComplexArray, FloatArray
+from modallab.core.arrays import ComplexArray, FloatArray, IntArray
 from modallab.core.dof import Dof
 from modallab.core.modal_model import ModalModel, Mode, Spread
+from modallab.core.wander import Wander, WanderCause
+from modallab.correlation.complexity import phase_collinearity
+from modallab.extraction.collated_words import (
+    choice_of_means,
+    no_scale,
+    wander_notes,
+    why_outlying,
+)
+from modallab.extraction.driving_point import driving_point_flags
 from modallab.extraction.fitting import Table
+from modallab.extraction.means import Averaging, averaged, beyond_chance
+from modallab.extraction.wander import UNSEEN, FittedModes, find_wander
 
 NODE = 3.0  # standard errors: a smaller modal constant may as well be zero
 SMALL = 0.02  # and so may one of this part of the largest, which the tails of other modes reach
+COMPLEX = 0.9  # phase collinearity: random error of a few per cent leaves more
+NOTHING: Mapping[str, str] = {}
 
 
 def collate(
-    table: Table, dofs: Sequence[Dof], drive: Dof, *, method: str, notes: Sequence[str] = ()
+    table: Table,
+    dofs: Sequence[Dof],
+    drive: Dof,
+    *,
+    method: str,
+    notes: Sequence[str] = (),
+    choices: Mapping[str, str] = NOTHING,
 ) -> ModalModel:
     """Return modes with their spread over the FRFs and complex shapes.
 
-    Frequency and loss factor are plain means over the good fits, as each roving position is a slightly
-    different structure and none is truer than another; their standard errors hold the random error of the
-    lines only, the wander is in the spread. Shapes are mass-normalised, `phi_j = A_1j / sqrt(A_11)`, the
-    root with its real part positive; without a drive-point response they are the modal constants, their
-    largest turned to 1, and `normalisation` is "none".
+    On one structure all FRFs have the same poles, and frequency and loss factor are means weighted by one
+    over variance, in which no single fit counts beyond its own standard error. Where frequencies wander
+    (`find_wander`), each FRF is of a slightly different structure and none is truer than another: the
+    means are plain. Standard errors are of these means: from the random error of the lines alone where
+    the mean is that of the positions measured (roving mass, steady drift); where the cause is unknown, of
+    what other FRFs as many would give, scatter included. The wander itself is in `wander` and in the
+    spreads, which are of plain values.
+
+    Shapes are mass-normalised, `phi_j = A_1j / sqrt(A_11)`, the root with its real part positive;
+    without a drive-point response they are the modal constants, their largest turned to 1, and
+    `normalisation` is "none".
 
     Parameters
     ----------
@@ -32,25 +57,48 @@ def collate(
         Response of each FRF.
     drive
         Where the force acts in all of them.
+    method, notes, choices
+        What the modal model shall say of how it was made.
     """
-    seen = np.flatnonzero(table.screening.good.any(axis=1))
-    frequency = [float(table.frequency[m][table.screening.good[m]].mean()) for m in seen]
-    order = seen[np.argsort(frequency, kind="stable")]
+    order = _order(table)
     at = drive_row(dofs, drive)
-    modes = tuple(_mode(table, int(m), dofs, drive, at) for m in order)
-    shown = table.screening.good[order] | table.screening.outlying[order]
-    lost = (
-        () if at is not None else (f"no response at the drive point {drive}: shapes are not mass-normalised",)
+    sense = 1 if at is None else dofs[at].sign * drive.sign
+    constant, error = table.modal_constant[order], table.modal_constant_error[order]
+    shapes, shape_errors = (
+        _unscaled(constant, error) if at is None else _mass_normalised(constant, error, at, sense)
     )
+    wander = find_wander(
+        FittedModes(
+            frequency=table.frequency[order],
+            frequency_error=table.frequency_error[order],
+            loss_factor=table.loss_factor[order],
+            good=table.screening.good[order],
+            shape=shapes,
+            shape_error=shape_errors,
+            scaled=at is not None,
+        )
+    )
+    flags = [
+        (*_unused(table, int(m), dofs), *_odd(shape, constant[r], error[r], dofs, at, sense))
+        for r, (m, shape) in enumerate(zip(order, shapes, strict=True))
+    ]
+    shown = table.screening.good[order] | table.screening.outlying[order]
     return ModalModel(
-        modes=modes,
+        modes=tuple(
+            _mode(table, int(m), _averaging(wander, r), shapes[r], shape_errors[r], flags[r])
+            for r, m in enumerate(order)
+        ),
         dofs=tuple(dofs),
+        drive=drive,
         normalisation="none" if at is None else "mass",
         method=method,
         fitted_frequency=np.where(shown, table.frequency[order], np.nan),
         fitted_loss_factor=np.where(shown, table.loss_factor[order], np.nan),
-        modal_constant=table.modal_constant[order],
-        notes=(*notes, *lost),
+        modal_constant=constant,
+        modal_constant_error=error,
+        wander=wander,
+        choices={**choices, "means": choice_of_means(wander)},
+        notes=(*notes, *no_scale(at, drive), *wander_notes(wander, dofs), *why_outlying(table, order, dofs)),
     )
 
 
@@ -59,44 +107,64 @@ def drive_row(dofs: Sequence[Dof], drive: Dof) -> int | None:
     return next((i for i, dof in enumerate(dofs) if dof.point == drive.point), None)
 
 
-def _mode(table: Table, m: int, dofs: Sequence[Dof], drive: Dof, at: int | None) -> Mode:
+def _order(table: Table) -> IntArray:
+    """Return the modes that some FRF shows, in rising frequency."""
+    good = table.screening.good
+    seen = np.flatnonzero(good.any(axis=1))
+    frequency = [float(table.frequency[m][good[m]].mean()) for m in seen]
+    return np.asarray(seen[np.argsort(frequency, kind="stable")], np.int64)
+
+
+def _averaging(wander: Wander | None, r: int) -> Averaging:
+    """Return how frequency and loss factor of a mode are averaged."""
+    if wander is None:
+        return Averaging.WEIGHTED
+    if wander.cause is not WanderCause.UNKNOWN:
+        return Averaging.PLAIN
+    own = beyond_chance(float(wander.chi_square[r]), int(wander.degrees[r]))
+    return Averaging.SCATTERED if own else Averaging.WEIGHTED
+
+
+def _mode(
+    table: Table,
+    m: int,
+    averaging: Averaging,
+    shape: ComplexArray,
+    shape_errors: FloatArray,
+    flags: tuple[str, ...],
+) -> Mode:
     good = table.screening.good[m]
-    frequency, loss_factor = _spread(table.frequency[m], good), _spread(table.loss_factor[m], good)
-    constant, error = table.modal_constant[m], table.modal_constant_error[m]
-    flags = _flags(table, m, dofs)
-    if at is None:
-        shape, shape_errors = _unscaled(constant, error)
-    else:
-        sign = dofs[at].sign * drive.sign
-        shape, shape_errors = _mass_normalised(constant, error, at, sign)
-        if sign * constant[at].real < 0:
-            flags.append(f"drive point {dofs[at]} has a modal constant of the wrong sign")
+    frequency, loss_factor = table.frequency[m][good], table.loss_factor[m][good]
+    unseen = UNSEEN * float(loss_factor.mean())
+    # A fit that came out with little damping states a small error for it: weighted by that, the mean would
+    # be too small. Relative errors hardly depend on how the damping came out.
+    middle = float(np.median(loss_factor))
+    relative = table.loss_factor_error[m][good] / loss_factor * middle
+    mean = averaged(frequency, table.frequency_error[m][good], unseen * float(frequency.mean()), averaging)
+    damping = averaged(
+        loss_factor,
+        relative if averaging is Averaging.WEIGHTED else table.loss_factor_error[m][good],
+        unseen,
+        averaging,
+    )
     return Mode(
-        frequency=frequency.mean,
-        loss_factor=loss_factor.mean,
+        frequency=mean.value,
+        loss_factor=damping.value,
         shape=shape,
-        frequency_spread=frequency,
-        loss_factor_spread=loss_factor,
-        standard_errors={
-            "frequency": _error_of_mean(table.frequency_error[m], good),
-            "loss_factor": _error_of_mean(table.loss_factor_error[m], good),
-        },
+        frequency_spread=_spread(frequency),
+        loss_factor_spread=_spread(loss_factor),
+        standard_errors={"frequency": mean.error, "loss_factor": damping.error},
         shape_errors=shape_errors,
-        flags=tuple(flags),
+        flags=flags,
     )
 
 
-def _spread(values: FloatArray, good: BoolArray) -> Spread:
-    kept = values[good]
-    sd = float(kept.std(ddof=1)) if len(kept) > 1 else 0.0
-    return Spread(float(kept.min()), float(kept.max()), float(kept.mean()), sd, len(kept))
+def _spread(values: FloatArray) -> Spread:
+    sd = float(values.std(ddof=1)) if len(values) > 1 else 0.0
+    return Spread(float(values.min()), float(values.max()), float(values.mean()), sd, len(values))
 
 
-def _error_of_mean(errors: FloatArray, good: BoolArray) -> float:
-    return float(np.sqrt((errors[good] ** 2).sum()) / good.sum())
-
-
-def _flags(table: Table, m: int, dofs: Sequence[Dof]) -> list[str]:
+def _unused(table: Table, m: int, dofs: Sequence[Dof]) -> list[str]:
     """Return why an FRF has no part in the means: it contradicts them, or hardly shows the mode."""
     size, error = np.abs(table.modal_constant[m]), table.modal_constant_error[m]
     node = size < np.maximum(NODE * error, SMALL * size.max())
@@ -109,22 +177,45 @@ def _flags(table: Table, m: int, dofs: Sequence[Dof]) -> list[str]:
     return flags
 
 
+def _odd(
+    shape: ComplexArray,
+    constant: ComplexArray,
+    error: FloatArray,
+    dofs: Sequence[Dof],
+    at: int | None,
+    sense: int,
+) -> list[str]:
+    """Return what is unusual about a shape: its drive point, or its phases."""
+    flags: list[str] = []
+    if at is not None:
+        flags += driving_point_flags(complex(constant[at]), float(error[at]), dofs[at], sense)
+    if shape.any() and (collinearity := float(phase_collinearity(shape[:, None])[0])) < COMPLEX:
+        flags.append(f"complex shape: phase collinearity {collinearity:.2f}")
+    return flags
+
+
 def _mass_normalised(
-    constant: ComplexArray, error: FloatArray, at: int, sign: int
+    constant: ComplexArray, error: FloatArray, at: int, sense: int
 ) -> tuple[ComplexArray, FloatArray]:
-    """Return shape and standard errors; the error of the drive point's constant reaches every component."""
-    own = sign * complex(constant[at])
-    if own == 0:
-        return np.zeros_like(constant), np.zeros_like(error)
-    root = np.sqrt(own)
-    shape = constant / root
-    errors = np.hypot(error / abs(root), np.abs(shape) * error[at] / (2 * abs(own)))
-    errors[at] = error[at] / (2 * abs(root))
-    return shape, errors
+    """Return shapes and standard errors, (n_modes, n_frf).
+
+    The error of the drive point's constant reaches every component. A drive point that stands still
+    gives no scale: zeros.
+    """
+    own = sense * constant[:, at, None]
+    moves = own != 0
+    root = np.sqrt(np.where(moves, own, 1.0))
+    shape = np.where(moves, constant / root, 0.0)
+    own_error = error[:, at, None]
+    errors = np.hypot(error / np.abs(root), np.abs(shape) * own_error / (2 * np.abs(root) ** 2))
+    errors[:, at] = (own_error / (2 * np.abs(root)))[:, 0]
+    return shape, np.where(moves, errors, 0.0)
 
 
 def _unscaled(constant: ComplexArray, error: FloatArray) -> tuple[ComplexArray, FloatArray]:
-    largest = constant[np.argmax(np.abs(constant))]
-    if largest == 0:
-        return np.zeros_like(constant), np.zeros_like(error)
-    return constant / largest, error / abs(largest)
+    """Return shapes whose largest component is 1, and standard errors, (n_modes, n_frf)."""
+    rows = np.arange(len(constant))
+    largest = constant[rows, np.abs(constant).argmax(axis=1)][:, None]
+    moves = largest != 0
+    safe = np.where(moves, largest, 1.0)
+    return np.where(moves, constant / safe, 0.0), np.where(moves, error / np.abs(safe), 0.0)

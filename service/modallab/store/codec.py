@@ -14,7 +14,8 @@ from numpy.typing import NDArray
 from modallab.core.dof import Dof
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.core.modal_model import ModalModel, Mode, StabilisationChart
-from modallab.correlation.mac import Correlation
+from modallab.core.wander import Wander
+from modallab.correlation.compare import Correlation
 from modallab.diagnosis.result import Diagnosis
 from modallab.fe.structure import Structure
 from modallab.rig.measurement import Measurement
@@ -92,6 +93,7 @@ def _put_measurement(body: Json, arrays: _Given) -> Measurement:
 
 
 _CHART = "chart_"  # before the names of a stabilisation chart's arrays
+_WANDER = "wander_"  # and of those that say how frequencies wander
 
 
 def _take_modal_model(thing: ModalModel) -> tuple[Json, Arrays]:
@@ -116,6 +118,11 @@ def _take_modal_model(thing: ModalModel) -> tuple[Json, Arrays]:
     if thing.chart is not None:
         arrays |= {f"{_CHART}{f.name}": getattr(thing.chart, f.name) for f in fields(StabilisationChart)}
     body = {"normalisation": thing.normalisation, "method": thing.method, "notes": list(thing.notes)}
+    if thing.drive is not None:
+        body["drive"] = str(thing.drive)
+    if thing.wander is not None:
+        body["wander"], own = to_plain(thing.wander)
+        arrays |= {f"{_WANDER}{name}": array for name, array in own.items()}
     return body | {"modes": modes, "choices": dict(thing.choices)}, arrays
 
 
@@ -137,10 +144,16 @@ def _put_modal_model(body: Json, arrays: _Given) -> ModalModel:
         fitted_lines=arrays.get("fitted_lines"),
         residuals=arrays.get("residuals"),
         resynthesis_error=arrays.get("resynthesis_error"),
+        drive=Dof.parse(body["drive"]) if "drive" in body else None,
+        wander=from_plain(Wander, body["wander"], _named(arrays, _WANDER)) if "wander" in body else None,
         chart=None if f"{_CHART}order" not in arrays else _chart(arrays),
         choices=body.get("choices", {}),
         notes=tuple(body["notes"]),
     )
+
+
+def _named(arrays: _Given, prefix: str) -> _Given:
+    return {name.removeprefix(prefix): a for name, a in arrays.items() if name.startswith(prefix)}
 
 
 def _chart(arrays: _Given) -> StabilisationChart:

@@ -19,7 +19,7 @@ def table(constants: ComplexArray, *, outlying: tuple[int, ...] = ()) -> Table:
         frequency=np.array([[20.0, 20.1, 20.2, 25.0], [10.0, 10.0, 10.0, 10.4]]),
         loss_factor=np.full(shape, 0.01),
         modal_constant=constants,
-        frequency_error=np.full(shape, 0.02),
+        frequency_error=np.full(shape, 0.1),
         loss_factor_error=np.full(shape, 1e-4),
         modal_constant_error=np.full(shape, 0.01),
         screening=Screening(good=~far, unsure=np.zeros(shape, bool), outlying=far),
@@ -45,7 +45,7 @@ def test_an_outlier_is_named_and_left_out_of_mean_and_spread() -> None:
     assert spread is not None
     assert (spread.min, spread.max, spread.n) == (20.0, 20.2, 3)
     assert spread.sd == pytest.approx(0.1)  # 20.0, 20.1, 20.2 with n - 1
-    assert mode.standard_errors["frequency"] == pytest.approx(0.02 / np.sqrt(3))
+    assert mode.standard_errors["frequency"] == pytest.approx(0.1 / np.sqrt(3))
     assert model.fitted_frequency is not None
     assert model.fitted_frequency[1, 3] == 25.0  # shown all the same
 
