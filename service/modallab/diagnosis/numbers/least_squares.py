@@ -6,6 +6,7 @@ import numpy as np
 from scipy.optimize import lsq_linear
 
 from modallab.core.arrays import FloatArray
+from modallab.core.errors import InvalidInputError
 
 REACH = 1.0  # of a first step in any coordinate
 POOR = 0.25  # share of the promised gain below which derivatives are taken anew
@@ -65,16 +66,23 @@ class Descent:
             if not promised > enough * max(1.0, cost / len(self.vector)):
                 return
             target = (self.position + step).clip(self._low, self._high)
-            there = self._function(target)
-            gained = cost - self._cost(there, weights)
+            there = self._tried(target)
+            gained = -np.inf if there is None else cost - self._cost(there, weights)
             good = np.isfinite(gained) and gained > 0
-            if good:
+            if there is not None and good:
                 self._move(target, there)
                 reach = max(reach, 2 * float(np.abs(step).max()))
             else:
                 reach = float(np.abs(step).max()) / 4
             if not self._fresh and not (good and gained > POOR * promised):
                 self._renew()
+
+    def _tried(self, target: FloatArray) -> FloatArray | None:
+        """Return the residuals there; None where nothing can be predicted."""
+        try:
+            return self._function(target)
+        except InvalidInputError:
+            return None
 
     def _move(self, target: FloatArray, there: FloatArray) -> None:
         step = target - self.position

@@ -1,8 +1,10 @@
 """One round of the search: every suspect beside what was accepted, the best of them fitted in full."""
 
 from collections.abc import Iterable, Sequence
+from contextlib import suppress
 from dataclasses import dataclass
 
+from modallab.core.errors import InvalidInputError
 from modallab.core.progress import Progress, part
 from modallab.diagnosis.fitting.fit import Fit, approach, fit
 from modallab.diagnosis.locating.evidence import gather
@@ -47,14 +49,16 @@ def trials(predictor: Predictor, base: Fit, suspects: Suspects, *, progress: Pro
     near: dict[tuple[str, str], tuple[float, Effect]] = {}
     for i, start in enumerate(starts):
         progress(0.5 + 0.25 * i / len(starts), f"approaching {start.effect.kind}")
-        effect, cost = approach(glimpses, accepted, start.effect, start.widening)
-        if name_of(effect) not in near or cost < near[name_of(effect)][0]:
-            near[name_of(effect)] = (cost, effect)
+        with suppress(InvalidInputError):  # what cannot be predicted cannot be what was measured
+            effect, cost = approach(glimpses, accepted, start.effect, start.widening)
+            if name_of(effect) not in near or cost < near[name_of(effect)][0]:
+                near[name_of(effect)] = (cost, effect)
     best = _worth_fitting(near.values())
     fits = []
     for i, effect in enumerate(best):
         progress(0.75 + 0.25 * i / len(best), f"fitting {effect.kind}")
-        fits.append(fit(predictor, (*accepted, effect)))
+        with suppress(InvalidInputError):
+            fits.append(fit(predictor, (*accepted, effect)))
     return best_first(fits)
 
 

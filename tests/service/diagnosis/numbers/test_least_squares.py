@@ -3,6 +3,7 @@ import pytest
 from scipy.optimize import lsq_linear
 
 from modallab.core.arrays import FloatArray
+from modallab.core.errors import InvalidInputError
 from modallab.diagnosis.numbers.least_squares import Descent, Slopes, boxed, slope
 
 TIME = np.linspace(0.0, 4.0, 50)
@@ -52,6 +53,26 @@ def test_a_number_comes_to_lie_on_its_bound_and_the_others_make_the_best_of_it()
     jacobian = problem.slopes(descent.position, descent.vector)[:, [0, 2]]
     left = jacobian.T @ descent.vector / np.linalg.norm(jacobian, axis=0)
     assert np.abs(left).max() < 0.1  # in standard errors
+
+
+def test_where_nothing_can_be_predicted_a_step_is_cut_short() -> None:
+    true = np.array([0.1, 0.2, 0.3])
+    problem = Counted(true)
+
+    asked = []
+
+    def residual(u: FloatArray) -> FloatArray:
+        asked.append(u[0])
+        if u[0] > 0.15:
+            raise InvalidInputError("beyond what can be predicted")
+        return problem.residual(u)
+
+    start = np.array([-0.8, 0.2, 0.3])  # from where the first step goes too far: amplitudes are exponents
+    descent = Descent(residual, problem.slopes, start, FREE)
+    descent.go(evaluations=20, enough=1e-4)
+    assert max(asked) > 0.15
+    # As where all can be predicted: within a hundredth of a standard error, 1e-3.
+    np.testing.assert_allclose(descent.position, true, atol=1e-4)
 
 
 def test_weights_say_whose_errors_count() -> None:
