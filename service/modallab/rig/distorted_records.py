@@ -12,7 +12,7 @@ from modallab.rig.analyser import Analyser
 from modallab.rig.chain import NEARLY_STILL, Chain
 from modallab.rig.distortion import motions
 from modallab.rig.run import Run
-from modallab.rig.stepping import Feedback, Stepper, residual_forces
+from modallab.rig.stepping import Feedback, Stepper, check_bounded, residual_forces
 
 FINER = 4  # steps per sample of the analyser: third harmonics of half the band, 1 % of the force at its top
 FORGOTTEN = 0.05  # share of a residual's effect that may be missing where a record begins
@@ -58,9 +58,8 @@ class Distorter:
         self._n = samples_of(analyser)
         self._leads = [lead_in(run, analyser) for run in self._runs]
         step = 1 / (FINER * self._n * analyser.spacing)
-        dofs = [tuple(one.force.dof for one in run.local) for run in self._runs]
         self._of_velocity = [one.force.of_velocity for one in self._runs[0].local]
-        feedbacks = [Feedback.of(run.whole, each) for run, each in zip(self._runs, dofs, strict=True)]
+        feedbacks = feedbacks_of(self._runs)
         self._stepper = Stepper(feedbacks, self._of_velocity, step)
         self._heard = [self._hearing(chain, *pair) for pair in zip(self._runs, self._leads, strict=True)]
 
@@ -135,6 +134,20 @@ class Distorter:
         density = played.share * self._analyser.excitation.level**2 / self._analyser.frequency_max
         rate = FINER * self._n * self._analyser.spacing
         return np.asarray(scipy.fft.irfft(lines, whole, axis=0) * np.sqrt(density * rate * whole / 2))
+
+
+def feedbacks_of(runs: Sequence[Run]) -> list[Feedback]:
+    """Return how the structure of each run answers its nonlinear forces.
+
+    Raises
+    ------
+    DivergedError
+        If steps in time are known not to follow them.
+    """
+    feedbacks = [Feedback.of(run.whole, tuple(one.force.dof for one in run.local)) for run in runs]
+    for run, feedback in zip(runs, feedbacks, strict=True):
+        check_bounded(feedback, run.local)
+    return feedbacks
 
 
 def lead_in(run: Run, analyser: Analyser) -> int:

@@ -14,6 +14,8 @@ from modallab.rig.local_force import Linearised
 
 STILL = 1e-3  # rad/s: what moves slower is a rigid body
 NEWTON = 2  # steps to the force at the end of a time step: the motion hardly feels it within one
+LOUD = 7.0  # times its usual size: a motion that no record of Gaussian noise has
+AT_REST = 1e-6  # of the highest mode: growth that is rounding, of modes which do not ring
 BLOCK = 16  # time steps between which modes are turned: within, motions answer forces by convolution
 
 
@@ -42,6 +44,36 @@ class Feedback:
             damping = damping + np.diag(basis.viscous).real
         heard = np.abs(shapes).max(axis=0) > 1e-9 * np.abs(shapes).max()
         return cls(shapes[:, heard], omega[heard], damping[heard])
+
+
+def check_bounded(feedback: Feedback, found: Sequence[Linearised]) -> None:
+    """Raise if time steps would let a loud motion grow, as the structure does not.
+
+    The straight line of a damper is in the feedback mode by mode, without what it couples. A force that
+    falls behind its line at loud motions takes the line off again, couplings and all: if it is strong
+    that feeds motions which several modes share.
+
+    Raises
+    ------
+    DivergedError
+        If a motion `LOUD` times the usual one grows.
+    """
+    loud = [float(one.force.lines(np.array(LOUD * one.rms))[0]) if one.rms > 0 else 0.0 for one in found]
+    behind = np.minimum(np.array(loud) - [one.slope for one in found], 0.0)
+    if not behind.any():
+        return
+    of_velocity = np.array([one.force.of_velocity for one in found])
+    shapes, omega = feedback.shapes, feedback.omega
+    taken = [(shapes.T * np.where(kind, behind, 0.0)) @ shapes for kind in (~of_velocity, of_velocity)]
+    stiffness, damping = np.diag(omega**2) + taken[0], np.diag(feedback.damping) + taken[1]
+    state = np.block([[np.zeros_like(stiffness), np.eye(len(omega))], [-stiffness, -damping]])
+    if np.linalg.eigvals(state).real.max() > AT_REST * omega.max():
+        raise DivergedError(
+            f"the nonlinear force at {found[int(behind.argmin())].force.dof} holds too hard to be stepped "
+            "through time at this level",
+            field="excitation.level",
+            allowed="a higher level, or the expected route",
+        )
 
 
 class Stepper:

@@ -130,6 +130,12 @@ def test_a_force_too_steep_to_be_stepped_is_refused_by_name() -> None:
         sampled_spectra(whole, np.random.default_rng(1), silent)
 
 
+def test_friction_that_holds_modes_too_hard_is_refused_and_not_measured_wrongly() -> None:
+    """Records that grow for as long as they last may still be finite at their end."""
+    with pytest.raises(DivergedError, match="9:\\+Y holds too hard"):
+        sampled_spectra(bench(Friction(TIP, 30.0, 3e-3), "random"), np.random.default_rng(1), silent)
+
+
 def test_a_force_too_strong_for_straight_lines_is_measured_by_steps_only() -> None:
     def measured(level: float, route: Route) -> FloatArray:
         analyser = Analyser(40.0, 81, averages=10, excitation=ExcitationSetting("periodic_random", level))

@@ -6,10 +6,11 @@ from scipy.integrate import solve_ivp
 
 from modallab.core.arrays import FloatArray
 from modallab.core.dof import Dof
+from modallab.core.errors import DivergedError
 from modallab.effects.cubic_stiffness import CubicStiffness
 from modallab.effects.friction import Friction
 from modallab.rig.local_force import Linearised, LocalForce
-from modallab.rig.stepping import Feedback, Stepper, residual_forces
+from modallab.rig.stepping import LOUD, Feedback, Stepper, check_bounded, residual_forces
 
 M, F0, ZETA = 2.0, 20.0, 0.03  # one mode: kg, Hz, damping ratio
 W0 = 2 * np.pi * F0
@@ -139,3 +140,37 @@ def test_the_length_of_a_block_changes_nothing(n_forces: int) -> None:
     # rounding alone
     np.testing.assert_allclose(blocks, step_by_step, rtol=1e-9, atol=1e-12 * np.abs(blocks).max())
     assert np.abs(blocks).max() > 0
+
+
+def held_by_friction(share: float) -> tuple[Feedback, Linearised]:
+    """Two modes at 0.1 % and a brake whose straight line is this share of what would stop the first."""
+    law = Friction(Dof(1, "Y"), 1.0, 1e-6).on_motion()
+    assert law is not None
+    shapes, omega = np.array([[0.7, 0.9]]), np.array([30.0, 40.0])
+    line = share * 2 * omega[0] / shapes[0, 0] ** 2
+    one = law.at(np.sqrt(2 / np.pi) / line)  # f sqrt(2/pi)/s, well above sticking
+    return Feedback(shapes, omega, 2e-3 * omega + one.slope * shapes[0] ** 2), one
+
+
+@pytest.mark.parametrize(("share", "refused"), [(0.05, False), (0.5, True)])
+def test_what_is_refused_as_too_hard_a_hold_grows_in_steps_and_nothing_else_does(
+    share: float, refused: bool
+) -> None:
+    feedback, one = held_by_friction(share)
+    moved = np.zeros((20_000, 1, 1, 1))  # 20 s: what a push begins is forgotten
+    moved[:1000] = 2 * LOUD * one.rms * np.sin(35.0 * 1e-3 * np.arange(1000))[:, None, None, None]
+    left = np.abs(residuals_of([feedback], [[one]], moved)[:, 0, 0, 0])
+    if refused:
+        with pytest.raises(DivergedError, match="1:\\+Y holds too hard"):
+            check_bounded(feedback, [one])
+        assert left[-1000:].max() > 100 * left[:1000].max()
+    else:
+        check_bounded(feedback, [one])
+        assert left[-1000:].max() < left[:1000].max()
+
+
+def test_a_single_mode_is_held_as_hard_as_one_likes() -> None:
+    """What its damper takes off again at loud motions is what the damper was: nothing is shared."""
+    for share in (0.5, 50.0):
+        both, one = held_by_friction(share)
+        check_bounded(Feedback(both.shapes[:, :1], both.omega[:1], both.damping[:1]), [one])
