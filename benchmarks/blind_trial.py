@@ -11,6 +11,12 @@ trial may be cut and continued, and its cases run one by one.
 
     python -m benchmarks.blind_trial --set 1 --cases 416 --seed 1 --workers 2 --out set1.jsonl --resume
     python -m benchmarks.blind_trial --out set1.jsonl set2.jsonl --report docs/trial.md
+
+With `--service` each question is a job of a service (`embedded`: of one started for it), which shares the
+jobs out over its workers; cases are drawn, measured and scored here all the same, `--workers` at a time. The
+service is sent model, log book and measurement. Seconds are then those for which a job ran, not CPU time.
+
+    python -m benchmarks.blind_trial --service http://host:8000 --workers 8 --out set1.jsonl --resume
 """
 
 import argparse
@@ -18,12 +24,16 @@ import json
 import traceback
 from collections.abc import Iterable, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
+from contextlib import nullcontext
+from functools import partial
 from pathlib import Path
 from typing import Any
 
 from benchmarks.trial.cases import ROUND, SETS, case, type_of
 from benchmarks.trial.reporting import report, row
-from benchmarks.trial.running import run
+from benchmarks.trial.running import Ask, answered_here, run
+from benchmarks.trial.through_service import answered_by, service_at
+from modallab_client.errors import UnreachableError
 
 TITLE = """# The blind trial
 
@@ -34,10 +44,18 @@ closer than the random error of all data together, which the scorer works out fr
 """
 
 
-def one(number: int, seed: int, which: str) -> dict[str, Any]:
-    """Return the score of one case by its number; a case that cannot be drawn says why."""
+def one(number: int, seed: int, which: str, ask: Ask) -> dict[str, Any]:
+    """Return the score of one case by its number; a case that cannot be drawn says why.
+
+    Raises
+    ------
+    UnreachableError
+        If a service that is asked does not answer.
+    """
     try:
-        return run(case(number, seed, which)) | {"seed": seed}
+        return run(case(number, seed, which), ask) | {"seed": seed}
+    except UnreachableError:
+        raise
     except Exception:  # nothing was asked of the diagnosis: the case does not count
         return {"number": number, "set": which, "seed": seed, "void": traceback.format_exc(limit=-3)}
 
@@ -71,12 +89,12 @@ def _write(line: dict[str, Any], path: Path) -> None:
 
 
 def trial(
-    wanted: Sequence[int], seed: int, which: str, out: Path | None, workers: int
+    wanted: Sequence[int], seed: int, which: str, out: Path | None, workers: int, ask: Ask = answered_here
 ) -> list[dict[str, Any]]:
     """Run cases, each written down as soon as it is done."""
     lines = []
     with ProcessPoolExecutor(workers) as pool:
-        tasks = [pool.submit(one, number, seed, which) for number in wanted]
+        tasks = [pool.submit(one, number, seed, which, ask) for number in wanted]
         for done, task in enumerate(as_completed(tasks), 1):
             line = task.result()
             lines.append(line)
@@ -100,10 +118,13 @@ def main() -> None:
     parser.add_argument("--types", nargs="*", choices=sorted({type_of(n) for n in range(ROUND)}))
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--workers", type=int, default=2)
+    parser.add_argument("--service", metavar="URL", help="ask a service, or `embedded`; without follow-ups")
     parser.add_argument("--out", type=Path, nargs="*", default=[], help="lines of results, one a case")
     parser.add_argument("--resume", action="store_true", help="leave out cases that are in --out already")
     parser.add_argument("--report", type=Path, help="write tables of --out to this file and run nothing")
     told = parser.parse_args()
+    if told.service and told.set == "3a":
+        parser.error("set 3a measures further tests on the sealed truth: it is run without --service")
     if told.report:
         lines = [line for line in read(told.out) if "void" not in line]
         told.report.write_text(TITLE + "\n" + report(lines))
@@ -114,7 +135,10 @@ def main() -> None:
     if told.resume:
         known = {(line["set"], line["seed"], line["number"]) for line in read(told.out)}
         wanted = [number for number in wanted if (told.set, told.seed, number) not in known]
-    lines = trial(wanted, told.seed, told.set, told.out[0] if told.out else None, told.workers)
+    with service_at(told.service) if told.service else nullcontext() as url:
+        ask = partial(answered_by, url) if url else answered_here
+        out = told.out[0] if told.out else None
+        lines = trial(wanted, told.seed, told.set, out, told.workers, ask)
     print(report([line for line in lines if "void" not in line]))
 
 

@@ -10,13 +10,14 @@ from benchmarks.trial.foreign import FOREIGN
 from benchmarks.trial.rigs import Bench
 from modallab.core.arrays import FloatArray
 from modallab.core.dof import Dof
-from modallab.core.errors import ModalLabError
+from modallab.core.errors import DivergedError, ModalLabError
 from modallab.core.place import Place
 from modallab.diagnosis.observing.observed import observe
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.estimation.spectra import CrossSpectra
 from modallab.fe.assembly import assemble
 from modallab.rig.chain import chain
+from modallab.rig.distorted_records import feedbacks_of
 from modallab.rig.distortion import check_first_order
 from modallab.rig.effect import EFFECTS, Effect
 from modallab.rig.expected import expected_spectra
@@ -27,7 +28,7 @@ from modallab.rig.setup import RigSetup
 GAPS = (2.0, 1e4)
 EVERYWHERE = 0.25  # how often a kind with many places acts everywhere
 TRIES = 12  # places that are tried for one at which an effect can be seen
-STEP = 0.5  # in the logarithm of a strength that is too much for expected spectra
+STEP = 0.5  # in the logarithm of a strength that is too much to be predicted or measured
 LADDER = 9  # strengths at which a kind is looked at first
 
 
@@ -178,22 +179,46 @@ def hide(
         everywhere = None in places and (not spread or rng.random() < EVERYWHERE)
         place = None if everywhere else spread[int(rng.integers(len(spread)))]
         bare = cls(at=place).with_parameters(_besides(kind, place, bench, rng))
-        sized = _sized(bare, rng, opened, least)
+        sized = _sized(bare, bench, rng, opened, least)
         if sized is not None:
             return sized
     raise ModalLabError(f"{kind} cannot be seen on this rig")
 
 
 def _sized(
-    bare: Effect, rng: np.random.Generator, opened: Opened, least: float
+    bare: Effect, bench: Bench, rng: np.random.Generator, opened: Opened, least: float
 ) -> tuple[Effect, float] | None:
     """Return the effect with a strength drawn by its gap; None if it cannot reach the least gap."""
     if bare.kind not in REACH:
         gap = opened(bare)
         return (bare, gap) if gap >= least else None
-    up = bool(rng.integers(2))
+    up, share = bool(rng.integers(2)), rng.random()
+
+    def measured(effect: Effect) -> float:
+        check_measurable(effect, bench)
+        return opened(effect)
+
+    found = _of_share(bare, up, share, opened, least)
+    if found is not None:
+        try:
+            check_measurable(found[0], bench)
+        except DivergedError:  # asked of one strength first: what can be measured is drawn without limits
+            return _of_share(bare, up, share, measured, least)
+    return found
+
+
+def check_measurable(effect: Effect, bench: Bench) -> None:
+    """Raise `DivergedError` if records of a bench with an effect cannot be stepped through time."""
+    if effect.on_motion() is not None:
+        feedbacks_of(chain(assemble(bench.structure), bench.setup, [effect]).runs)
+
+
+def _of_share(
+    bare: Effect, up: bool, share: float, opened: Opened, least: float
+) -> tuple[Effect, float] | None:
+    """Return the effect with the strength at a share of the way from the least gap to the largest."""
     span = float(np.log(REACH[bare.kind].strongest / REACH[bare.kind].weakest))
-    low, high, share = 0.0, abs(span), rng.random()
+    low, high = 0.0, abs(span)
 
     def at(strength: float) -> Effect:
         return _of_strength(bare, strength * np.sign(span), up)

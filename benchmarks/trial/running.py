@@ -3,8 +3,8 @@
 import pickle
 import time
 import traceback
-from collections.abc import Sequence
-from dataclasses import replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -14,6 +14,7 @@ from benchmarks.trial.scoring import score
 from benchmarks.trial.tolerated import tolerances
 from modallab.core.errors import ModalLabError
 from modallab.diagnosis import diagnose as door
+from modallab.diagnosis.numbers.tolerances import NONE, Tolerances
 from modallab.diagnosis.predicting.joint import FollowUp
 from modallab.diagnosis.result import Diagnosis
 from modallab.fe.structure import Structure
@@ -41,44 +42,88 @@ def _measured(
     return replace(found, frf=frf, setup=declared)
 
 
-def run(case: Case) -> dict[str, Any]:
-    """Return the score of a case, as plain data."""
-    kept = pickle.dumps(sealed(case))  # with the model all that the diagnosis is given
+@dataclass(frozen=True)
+class Question:
+    """All that a diagnosis is given of a case: nothing of its truth."""
+
+    structure: Structure
+    measurement: Measurement  # and the log book with it
+    suspects: list[str] | None  # kinds; None for all
+    tolerances: Tolerances
+    follow_ups: tuple[FollowUp, ...] = ()
+
+    @classmethod
+    def of(cls, case: Case) -> "Question":
+        """Return what is asked of a case once it has been measured."""
+        kept = pickle.dumps(sealed(case))
+        tolerated = tolerances(case.bench) if case.tolerances else NONE
+        return cls(case.bench.structure, pickle.loads(kept), case.suspects, tolerated)
+
+
+@dataclass(frozen=True)
+class Answer:
+    """A diagnosis, or the trouble that there is none."""
+
+    found: Diagnosis | None
+    seconds: float
+    trouble: str = ""
+
+
+Ask = Callable[[Question], Answer]
+
+
+def answered_here(question: Question) -> Answer:
+    """Return the answer of a diagnosis in this process, and the CPU time that it took."""
     start = time.process_time()
-    found: Diagnosis | None = None
-    trouble = ""
-    tests: list[dict[str, Any]] = []
-    structure, measurement = case.bench.structure, pickle.loads(kept)
+    found, trouble = None, ""
     try:
-        found = _diagnosed(case, structure, measurement)
-        first_answer = time.process_time() - start
-        if case.set == "3a":
-            found = _followed_up(case, structure, measurement, found, tests)
+        found = door.diagnose(
+            question.structure,
+            question.measurement,
+            suspects=question.suspects,
+            tolerances=question.tolerances,
+            follow_ups=question.follow_ups,
+        )
     except Exception:  # whatever it is, the trial goes on and counts it as wrong
-        trouble, first_answer = traceback.format_exc(limit=-6), time.process_time() - start
-    seconds = time.process_time() - start
-    return score(case, measurement, found) | {
-        "seconds": first_answer,
-        "seconds_with_tests": seconds,
-        "trouble": trouble,
+        trouble = traceback.format_exc(limit=-6)
+    return Answer(found, time.process_time() - start, trouble)
+
+
+def run(case: Case, ask: Ask = answered_here) -> dict[str, Any]:
+    """Return the score of a case, as plain data.
+
+    Parameters
+    ----------
+    ask
+        Who answers: without knowing more of the case than the question.
+    """
+    question = Question.of(case)
+    first = ask(question)
+    last, tests = first, list[dict[str, Any]]()
+    if case.set == "3a":
+        try:
+            last = _followed_up(case, question, first, tests, ask)
+        except Exception:
+            last = replace(first, trouble=traceback.format_exc(limit=-6))
+    return score(case, question.measurement, last.found) | {
+        "seconds": first.seconds,
+        "seconds_with_tests": last.seconds,
+        "trouble": last.trouble,
         "tests": tests,
     }
 
 
-def _diagnosed(case: Case, structure: Structure, measurement: Measurement, **more: Any) -> Diagnosis:
-    if case.tolerances:
-        more["tolerances"] = tolerances(case.bench)
-    return door.diagnose(structure, measurement, suspects=case.suspects, **more)
-
-
 def _followed_up(
-    case: Case, structure: Structure, measurement: Measurement, found: Diagnosis, tests: list[dict[str, Any]]
-) -> Diagnosis:
-    """Return the diagnosis after the tests it asked for, each made on the sealed truth."""
-    further: list[FollowUp] = []
-    while found.next_test is not None and len(further) < MOST_TESTS:
-        plain = dict(found.next_test.change)
-        tests.append({"change": plain, "why": found.next_test.why})
+    case: Case, question: Question, first: Answer, tests: list[dict[str, Any]], ask: Ask
+) -> Answer:
+    """Return the answer after the tests it asked for, each made on the sealed truth; its seconds are of all.
+
+    Where there is no answer after a test, that before it stays, with the trouble.
+    """
+    last, further = first, list[FollowUp]()
+    while last.found is not None and last.found.next_test is not None and len(further) < MOST_TESTS:
+        plain = dict(last.found.next_test.change)
+        tests.append({"change": plain, "why": last.found.next_test.why})
         try:
             change = Change.read(plain)
             declared, actual = change.applied(case.bench.setup), change.applied(case.setup)
@@ -88,5 +133,8 @@ def _followed_up(
         acting = carried_over(case.acting, case.setup, actual)
         seed = case.seed + 1 + len(further)
         further.append(FollowUp(_measured(case, actual, declared, acting, seed), change))
-        found = _diagnosed(case, structure, measurement, follow_ups=tuple(further))
-    return found
+        again = ask(replace(question, follow_ups=tuple(further)))
+        last = Answer(again.found or last.found, last.seconds + again.seconds, again.trouble)
+        if again.trouble:
+            break
+    return last

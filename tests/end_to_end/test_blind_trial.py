@@ -4,26 +4,36 @@ import copy
 import json
 import pickle
 from dataclasses import replace
-from functools import cache
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
+from pydantic import TypeAdapter
 
 from benchmarks.blind_trial import main, numbers, read
 from benchmarks.trial.cases import KINDS, NOISES, ROUND, case, small_case
-from benchmarks.trial.hidden import Gauge
+from benchmarks.trial.hidden import Gauge, check_measurable
 from benchmarks.trial.reporting import calibration_error, report
+from benchmarks.trial.rigs import cantilever, frame, free_beam, short_beam
 from benchmarks.trial.running import run, sealed
 from benchmarks.trial.scoring import score
+from benchmarks.trial.through_service import answered_by, model_body, rig_body
+from modallab.api.rigs.schemas import RigIn
+from modallab.api.structures.schemas import StructureIn
 from modallab.core.dof import Dof
+from modallab.core.errors import DivergedError
 from modallab.diagnosis.diagnose import diagnose
 from modallab.diagnosis.result import FittedEffect, FittedParameter
 from modallab.effects.extra_mass import ExtraMass
 from modallab.effects.force_transducer_mass import ForceTransducerMass
 from modallab.effects.response_noise import ResponseNoise
+from modallab.fe.structure import Structure
 from modallab.rig.effect import EFFECTS
+from modallab.store.plain import to_plain
+from modallab_client import ModalLab
+from modallab_client.errors import NotFoundError
 
 SEED = 7
 FEW = ("extra_mass", "exciter_armature", "polarity", "gain_error", "response_noise")
@@ -51,6 +61,44 @@ def test_a_measurement_holds_nothing_of_the_truth() -> None:
     assert b"extra_mass" not in pickle.dumps(measurement)
     assert measurement.setup == true.bench.setup
     assert measurement.setup.effects == ()
+
+
+def test_a_service_answers_as_the_diagnosis_itself_does() -> None:
+    """The same score to the last digit: no number is rounded on its way there or back."""
+    apart = ("seconds", "seconds_with_tests", "candidates")  # of which no reply tells
+    with ModalLab.embedded() as lab:
+        for kind in ("polarity", "extra_mass"):
+            line = run(small_case(kind, SEED, FEW), partial(answered_by, lab.base_url))
+            assert line["trouble"] == ""
+            assert line["steps"]
+            assert 0 < line["seconds"] < 60
+            told, here = ({k: v for k, v in one.items() if k not in apart} for one in (line, scored(kind)))
+            assert json.dumps(told) == json.dumps(here)
+        for test in lab.measurements.list():
+            with pytest.raises(NotFoundError):  # the service has only been shown what was measured
+                lab.measurements.truth(test.id)
+
+
+@pytest.mark.parametrize("structure", [free_beam(), cantilever(), frame(), short_beam()])
+def test_a_model_of_the_trial_is_said_over_http_to_the_last_digit(structure: Structure) -> None:
+    wire: TypeAdapter[Any] = TypeAdapter(StructureIn)
+    read_back = wire.validate_json(json.dumps(model_body(structure))).to_domain()
+    assert to_plain(read_back) == to_plain(structure)
+
+
+@pytest.mark.parametrize("kind", ["friction", "transverse_sensitivity", "double_hit", "polarity"])
+def test_a_log_book_of_the_trial_is_said_over_http_to_the_last_digit(kind: str) -> None:
+    setup = case(KINDS.index(kind), SEED, "2" if kind == "polarity" else "1").bench.setup
+    assert RigIn.model_validate_json(json.dumps(rig_body(setup))).to_domain() == setup
+
+
+def test_what_a_service_does_not_run_is_refused(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("sys.argv", ["blind_trial", "--set", "3a", "--service", "http://nowhere"])
+    with pytest.raises(SystemExit):
+        main()
+    assert "3a measures further tests on the sealed truth" in capsys.readouterr().err
 
 
 def test_a_wrong_log_book_is_what_the_measurement_carries() -> None:
@@ -99,6 +147,16 @@ def test_an_effect_is_as_strong_as_the_gap_it_is_said_to_open() -> None:
     true = case(KINDS.index("density_error"), SEED)
     assert 2 <= true.gap <= 1e4
     assert Gauge(true.bench).opened(true.truth) == pytest.approx(true.gap, rel=1e-9)  # the same sums
+
+
+def test_an_effect_is_no_stronger_than_can_be_measured() -> None:
+    """This brake was ten times as hard before: expected spectra had it, steps in time did not."""
+    true = case(KINDS.index("friction") + 2 * ROUND, 5001)
+    (brake,) = true.truth
+    assert true.gap >= 2
+    check_measurable(brake, true.bench)
+    with pytest.raises(DivergedError):
+        check_measurable(brake.with_parameters({"force": 10 * brake.parameters["force"]}), true.bench)
 
 
 def test_what_is_out_of_the_catalogue_is_not_suspected() -> None:
