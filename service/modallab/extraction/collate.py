@@ -18,6 +18,7 @@ from modallab.extraction.collated_words import (
 from modallab.extraction.driving_point import driving_point_flags
 from modallab.extraction.fitting import Table
 from modallab.extraction.means import Averaging, averaged, beyond_chance
+from modallab.extraction.scaling import scaled_shapes
 from modallab.extraction.wander import UNSEEN, FittedModes, find_wander
 
 NODE = 3.0  # standard errors: a smaller modal constant may as well be zero
@@ -64,9 +65,7 @@ def collate(
     at = drive_row(dofs, drive)
     sense = 1 if at is None else dofs[at].sign * drive.sign
     constant, error = table.modal_constant[order], table.modal_constant_error[order]
-    shapes, shape_errors = (
-        _unscaled(constant, error) if at is None else _mass_normalised(constant, error, at, sense)
-    )
+    shapes, shape_errors = scaled_shapes(constant, error, at, sense)
     wander = find_wander(
         FittedModes(
             frequency=table.frequency[order],
@@ -192,30 +191,3 @@ def _odd(
     if shape.any() and (collinearity := float(phase_collinearity(shape[:, None])[0])) < COMPLEX:
         flags.append(f"complex shape: phase collinearity {collinearity:.2f}")
     return flags
-
-
-def _mass_normalised(
-    constant: ComplexArray, error: FloatArray, at: int, sense: int
-) -> tuple[ComplexArray, FloatArray]:
-    """Return shapes and standard errors, (n_modes, n_frf).
-
-    The error of the drive point's constant reaches every component. A drive point that stands still
-    gives no scale: zeros.
-    """
-    own = sense * constant[:, at, None]
-    moves = own != 0
-    root = np.sqrt(np.where(moves, own, 1.0))
-    shape = np.where(moves, constant / root, 0.0)
-    own_error = error[:, at, None]
-    errors = np.hypot(error / np.abs(root), np.abs(shape) * own_error / (2 * np.abs(root) ** 2))
-    errors[:, at] = (own_error / (2 * np.abs(root)))[:, 0]
-    return shape, np.where(moves, errors, 0.0)
-
-
-def _unscaled(constant: ComplexArray, error: FloatArray) -> tuple[ComplexArray, FloatArray]:
-    """Return shapes whose largest component is 1, and standard errors, (n_modes, n_frf)."""
-    rows = np.arange(len(constant))
-    largest = constant[rows, np.abs(constant).argmax(axis=1)][:, None]
-    moves = largest != 0
-    safe = np.where(moves, largest, 1.0)
-    return np.where(moves, constant / safe, 0.0), np.where(moves, error / np.abs(safe), 0.0)
