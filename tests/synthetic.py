@@ -41,7 +41,8 @@ def six_modes(
     """Return receptances at every 0.125 Hz, with complex noise so far below the rms of each FRF.
 
     The mean of |noise|^2 is 10^(-decibels/10) of the mean of |receptance|^2 over the band; an FRF's
-    peaks are some 20 dB above its rms. Damping is viscous: H = sum A/(omega_r^2 - omega^2 + 2 i zeta omega_r omega).
+    peaks are some 20 dB above its rms. Damping is viscous:
+    `H = sum A/(omega_r^2 - omega^2 + 2 i zeta omega_r omega)`.
 
     Parameters
     ----------
@@ -50,7 +51,8 @@ def six_modes(
     seed
         Of the noise.
     shapes_seed
-        Of the real shapes, standard normal but 1 at the drive point, so that modal constants are of order one.
+        Of the real shapes: standard normal, but 1 at the drive point, so that modal constants are
+        of order one.
     lower, upper
         Band, Hz.
     """

@@ -1,6 +1,7 @@
 """How far the poles of one model order agree with those of the order before."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
@@ -25,7 +26,7 @@ USUAL = Tolerances()
 
 
 def stabilise(poles: Poles, tolerances: Tolerances = USUAL) -> IntArray:
-    """Return how stable every pole is, (n_poles,): 0 new, 1 in frequency, 2 and in damping, 3 and in its vector.
+    """Return how stable every pole is, (n_poles,): 0 new, 1 in frequency, 2 and in damping, 3 in its vector too.
 
     Each pole is held against the one nearest to it among the poles of the next lower order. Where the
     method gives no vectors, 3 is 2.
@@ -39,7 +40,7 @@ def stabilise(poles: Poles, tolerances: Tolerances = USUAL) -> IntArray:
     """
     levels = np.zeros(len(poles.order), int)
     orders = np.unique(poles.order)
-    for before, after in zip(orders[:-1], orders[1:], strict=True):
+    for before, after in pairwise(orders):
         old, new = np.flatnonzero(poles.order == before), np.flatnonzero(poles.order == after)
         if len(old) and len(new):
             levels[new] = _agreement(poles, old, new, tolerances).max(axis=1)

@@ -1,0 +1,112 @@
+"""Poles, residues and strengths of matrix fractions."""
+
+import numpy as np
+
+from modallab.core.arrays import ComplexArray, FloatArray, IntArray
+from modallab.core.errors import InvalidInputError
+from modallab.extraction.global_method import Poles
+from modallab.extraction.matrix_fraction import Circle, Fractions, fit_fractions, on_circle
+
+LINES_AN_ORDER = 2  # else polynomials follow the noise of single lines
+FRFS_AT_ONCE = 32  # bounds memory, and nothing else
+
+
+def poles_of_fractions(freq: FloatArray, frf: ComplexArray, weight: FloatArray, orders: IntArray) -> Poles:
+    """Return the poles of matrix fractions in the band; parameters as `GlobalMethod`.
+
+    Raises
+    ------
+    InvalidInputError
+        If the lines cannot tell polynomials of such orders.
+    """
+    usable = int((weight > 0).all(axis=2).any(axis=1).sum())
+    if (
+        not len(orders)
+        or orders[0] < 1
+        or LINES_AN_ORDER * orders[-1] > usable
+        or (np.diff(orders) < 1).any()
+    ):
+        raise InvalidInputError(
+            f"{usable} lines do not tell polynomials of such orders",
+            field="max_order",
+            value=int(orders[-1]) if len(orders) else 0,
+            allowed=f"1 to {usable // LINES_AN_ORDER}, rising",
+        )
+    circle = on_circle(frf, weight)
+    fractions = fit_fractions(circle, orders)
+    row, turn = _inside(circle, *_turns(fractions.denominator, orders))
+    spacing = float(freq[1] - freq[0])
+    rate = circle.points * spacing  # z = exp(s / rate), s from the first line on
+    pole = 2j * np.pi * freq[0] + rate * (-np.log(np.abs(turn)) + 1j * _angle(turn))
+    ranked = np.lexsort((np.abs(pole), row))
+    row, turn, pole = row[ranked], turn[ranked], pole[ranked]
+    # dz = z ds / rate
+    residue = _residues(circle, fractions, row, 1 / turn) * (rate * turn)[:, None]
+    each = weight.reshape(len(freq), -1) / max(fractions.noise, np.finfo(float).tiny)
+    return Poles(orders[row], pole, residue, _strengths(freq, residue, each, pole), spacing)
+
+
+def _turns(denominator: ComplexArray, orders: IntArray) -> tuple[IntArray, ComplexArray]:
+    """Return where `det A(z) = 0`: the row of its order, and 1/z."""
+    m = denominator.shape[-1]
+    largest = m * int(orders[-1])
+    template = np.eye(largest, k=-m, dtype=complex)
+    top = -denominator[:, 1:].transpose(0, 2, 1, 3).reshape(len(orders), m, largest)
+    found = []
+    for row, order in enumerate(orders):
+        companion = template[: m * order, : m * order].copy()
+        companion[:m] = top[row, :, : m * order]
+        found.append(np.linalg.eigvals(companion))
+    return np.repeat(np.arange(len(orders)), m * orders), np.concatenate(found)
+
+
+def _angle(turn: ComplexArray) -> FloatArray:
+    """Return the angle of z = 1/turn, from 0 to 2 pi."""
+    return np.asarray(-np.angle(turn) % (2 * np.pi))
+
+
+def _inside(circle: Circle, row: IntArray, turn: ComplexArray) -> tuple[IntArray, ComplexArray]:
+    """Return those that are stable and whose frequency lies on the arc."""
+    last = 2 * np.pi * (len(circle.frf) - 1) / circle.points
+    inside = (np.abs(turn) > 1) & (_angle(turn) <= last)
+    return row[inside], turn[inside]
+
+
+def _residues(circle: Circle, fractions: Fractions, row: IntArray, z: ComplexArray) -> ComplexArray:
+    """Return the residues of `H(z)` at its poles, (n_poles, n_out * n_in).
+
+    Where `A v = 0` and `u^H A = 0` the residue of `B A^-1` is `B v u^H / (u^H A' v)`.
+    """
+    terms, n_in = fractions.denominator.shape[1:3]
+    powers = np.vander(z, terms, increasing=True)
+    coefficient = fractions.denominator[row]
+    if n_in > 1:
+        left, _, right = np.linalg.svd(np.einsum("pj,pjab->pab", powers, coefficient))
+        u, v = left[:, :, -1].conj(), right[:, -1, :].conj()
+    else:
+        u = v = np.ones((len(z), 1), complex)
+    beside = np.matmul(coefficient, v[:, None, :, None])[..., 0]  # A_j v
+    slope = (powers * np.arange(terms) * np.matmul(beside, u[:, :, None])[..., 0]).sum(axis=1) / z
+    across = np.empty((len(z), len(fractions.numerator)), complex)
+    for start in range(0, across.shape[1], FRFS_AT_ONCE):
+        part = fractions.numerator[start : start + FRFS_AT_ONCE]
+        of_part = beside.reshape(len(z), -1) @ part.reshape(-1, part.shape[-1]).T
+        of_part = of_part.reshape(len(z), len(part), terms)
+        across[:, start : start + len(part)] = np.matmul(of_part, powers[:, :, None])[..., 0]
+    whole = (across / slope[:, None])[:, :, None] * (u * circle.scale)[:, None, :]
+    return np.asarray(whole.reshape(len(z), -1))
+
+
+def _strengths(freq: FloatArray, residue: ComplexArray, weight: FloatArray, pole: ComplexArray) -> FloatArray:
+    """Return how strong each pole's part of the FRFs is, (n_poles,), as `Poles` has it.
+
+    The sum of `1/|i omega_k - s|^2` over endless lines is known in closed form.
+    """
+    step = 2 * np.pi * float(freq[1] - freq[0])
+    nearest = np.clip(np.rint((pole.imag - 2 * np.pi * freq[0]) / step).astype(int), 0, len(freq) - 1)
+    decay = -pole.real
+    fade = np.exp(-2 * np.pi * decay / step)
+    beat = np.cos(2 * np.pi * (pole.imag / step - freq[0] / (freq[1] - freq[0])))
+    total = np.pi / (decay * step) * (1 - fade**2) / (1 + fade**2 - 2 * beat * fade)
+    square = weight[nearest] * np.abs(residue) ** 2
+    return np.asarray(np.sqrt(total * square.mean(axis=1)))

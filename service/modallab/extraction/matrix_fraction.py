@@ -1,0 +1,208 @@
+"""Matrix fractions of all orders fitted to FRFs by linear least squares, from one set of sums.
+
+The fraction is `H(z) = B(z) A(z)^-1`, `A(z) = I + A_1 z + ... + A_n z^n`, where
+`z = exp(2 pi i (f - f_0)/(N df))`. Sums over the lines are Fourier sums, so the normal matrices consist of
+Toeplitz blocks. With the numerators eliminated,
+
+    M = sum_o (T_o - S_o^H R_o^-1 S_o)
+
+holds every order in its leading block, and one Cholesky factor solves them all. Because the LOWEST
+coefficient is held, poles that only fit noise come out unstable while those of the structure are stable.
+
+References
+----------
+Guillaume, P., Verboven, P., Vanlanduit, S., Van der Auweraer, H. and Peeters, B. (2003), Proc. 21st
+International Modal Analysis Conference, paper 183. Cauberghe, B., Guillaume, P., Verboven, P., Vanlanduit,
+S. and Parloo, E. (2005), Mechanical Systems and Signal Processing 19, 909-919. Sanathanan, C. K. and
+Koerner, J. (1963), IEEE Transactions on Automatic Control 8, 56-58.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import scipy.fft
+import scipy.linalg
+
+from modallab.core.arrays import ComplexArray, FloatArray, IntArray
+
+ARC = 0.8  # of the circle: on a whole one the two ends of a band would meet, and they differ
+LOUDEST = 100.0  # times the power of the usual FRF: an error told too small must not silence the others
+DEEPEST = 1e-8  # of the largest |A|^2: below, one line would be all that counts
+COMPENSATED = 0.75  # of what noise adds to M: bias falls with it; with all of it, noise poles would be stable
+ROUNDING = 1e-14  # of the mean of a diagonal: sums of exact data are positive but for rounding
+
+
+@dataclass(frozen=True, eq=False)
+class Circle:
+    """FRFs on an arc of the unit circle, all inputs brought to one size."""
+
+    frf: ComplexArray  # (n_freq, n_out, n_in)
+    weight: FloatArray  # (n_freq, n_out) of an equation, which is a row of the FRF matrix
+    noise: FloatArray  # (n_freq, n_out, n_in) E|error|^2 times that weight
+    scale: FloatArray  # (n_in,) what each input was divided by
+    points: int  # N, round the whole circle
+
+    def sums(self, values: ComplexArray | FloatArray, order: int) -> ComplexArray:
+        """Return `sum_k values_k z_k^l`, the lags l = -order to order on the last axis."""
+        turned = scipy.fft.ifft(values, self.points, axis=0, norm="forward")
+        return np.asarray(np.moveaxis(turned[np.arange(-order, order + 1)], 0, -1))
+
+    def along(self, coefficient: ComplexArray) -> ComplexArray:
+        """Return `sum_j coefficient_j z_k^j`, the lines on the first axis."""
+        turned = scipy.fft.ifft(coefficient, self.points, axis=0, norm="forward")
+        return np.asarray(turned[: len(self.frf)])
+
+
+@dataclass(frozen=True, eq=False)
+class Fractions:
+    """Denominators of all orders, and what gives the numerators."""
+
+    denominator: ComplexArray  # (n_orders, n + 1, n_in, n_in) A_0 = I, zero beyond the order
+    numerator: ComplexArray  # (n_out, n + 1, (n + 1) n_in) which makes B of A
+    noise: float  # what the data say that E|error|^2 is, over what the weights say
+
+
+def on_circle(frf: ComplexArray, weight: FloatArray) -> Circle:
+    """Return the lines as the sums take them; parameters as `GlobalMethod`."""
+    size = np.sqrt(np.mean(np.abs(frf) ** 2, axis=(0, 1)))
+    scale = np.where(size > 0, size, 1.0)
+    usable = (weight > 0).all(axis=2)
+    variance = np.where(usable[:, :, None], 1 / np.where(weight > 0, weight, 1.0), 0.0) / scale**2
+    row = np.where(usable, 1 / np.where(usable, variance.mean(axis=2), 1.0), 0.0)
+    scaled = frf / scale
+    power = (row * (np.abs(scaled) ** 2).sum(axis=2)).sum(axis=0)
+    loud = LOUDEST * (np.median(power[power > 0]) if power.any() else 1.0)
+    row = row * np.minimum(1.0, loud / np.where(power > 0, power, loud))
+    row = row / (row.mean() or 1.0)
+    points = scipy.fft.next_fast_len(int(np.ceil(len(frf) / ARC)))
+    return Circle(scaled, row, variance * row[:, :, None], scale, points)
+
+
+def fit_fractions(circle: Circle, orders: IntArray) -> Fractions:
+    """Return the fractions of every order.
+
+    Solved twice: at first each line counts by its random error, then also by `1/|A|^2` of the first
+    solution, so that it is the error of the FRF that is made least and not that of the equation.
+
+    Parameters
+    ----------
+    circle
+        From `on_circle`.
+    orders
+        (n_orders,) rising.
+    """
+    highest = int(orders[-1])
+    start = _normal(circle, highest).solve(orders[-1:])[0]
+    gain = _gain(circle.along(start))
+    circle = replace(circle, weight=circle.weight * gain[:, None], noise=circle.noise * gain[:, None, None])
+    normal = _normal(circle, highest)
+    added = _added_by_noise(circle, normal)
+    level = _noise_level(_factor(normal.reduced, normal.total), added)
+    unbiased = replace(normal, reduced=normal.reduced - COMPENSATED * level * added)
+    return Fractions(unbiased.solve(orders), normal.numerator, level)
+
+
+def _gain(denominator: ComplexArray) -> FloatArray:
+    """Return `|A^-1|^2` at every line, (n_freq,), with a geometric mean of 1."""
+    if denominator.shape[1] > 1:
+        singular = np.linalg.svd(denominator, compute_uv=False)
+    else:
+        singular = np.abs(denominator[:, 0])
+    square = singular**2
+    gain = (1 / np.maximum(square, DEEPEST * square.max())).sum(axis=1)
+    return np.asarray(gain / np.exp(np.log(gain).mean()))
+
+
+@dataclass(frozen=True, eq=False)
+class _Normal:
+    """Least squares of the highest order, the numerators eliminated."""
+
+    reduced: ComplexArray  # ((n + 1) n_in, (n + 1) n_in) M
+    total: ComplexArray  # the same shape, sum of all T_o
+    inverse: ComplexArray  # (n_out, n + 1, n + 1) R^-1
+    numerator: ComplexArray  # (n_out, n + 1, (n + 1) n_in) R^-1 S
+
+    def solve(self, orders: IntArray) -> ComplexArray:
+        """Return A of every order, (n_orders, n + 1, n_in, n_in)."""
+        order = self.inverse.shape[1] - 1
+        m = len(self.reduced) // (order + 1)
+        factor = _factor(self.reduced[m:, m:], self.total)
+        forward = scipy.linalg.solve_triangular(factor, -self.reduced[m:, :m], lower=True, check_finite=False)
+        held = np.arange(order * m)[:, None, None] < m * orders[:, None]
+        each = np.where(held, forward[:, None, :], 0.0).reshape(order * m, -1)
+        free = scipy.linalg.solve_triangular(factor, each, trans="C", lower=True, check_finite=False)
+        solved = np.empty((len(orders), order + 1, m, m), complex)
+        solved[:, 0] = np.eye(m)
+        solved[:, 1:] = np.moveaxis(free.reshape(order, m, len(orders), m), 2, 0)
+        return solved
+
+
+def _normal(circle: Circle, order: int) -> _Normal:
+    n_out, n_in = circle.frf.shape[1:]
+    size = (order + 1) * n_in
+    weighted = circle.weight[:, :, None] * circle.frf
+    mixed = _toeplitz(circle.sums(weighted, order))
+    of_outputs = mixed.transpose(0, 2, 3, 1).reshape(n_out, order + 1, size)
+    power = np.matmul(weighted.conj().transpose(0, 2, 1), circle.frf)
+    total = _toeplitz(circle.sums(power, order)).transpose(2, 0, 3, 1).reshape(size, size)
+    own = _toeplitz(circle.sums(circle.weight, order))
+    # R^-1 = F^H F: a difference of squares loses less to rounding than one with R^-1
+    factor = np.linalg.inv(_factor(own, own))
+    part = (factor @ of_outputs).reshape(-1, size)
+    turned = factor.conj().transpose(0, 2, 1)
+    numerator = turned @ part.reshape(of_outputs.shape)
+    return _Normal(total - part.conj().T @ part, total, turned @ factor, numerator)
+
+
+def _toeplitz(lags: ComplexArray) -> ComplexArray:
+    """Return matrices whose element (j, k) is the lag k - j, (..., n + 1, n + 1)."""
+    order = lags.shape[-1] // 2
+    each = np.arange(order + 1)
+    return np.asarray(lags[..., order + each - each[:, None]])
+
+
+def _factor(matrices: ComplexArray, of: ComplexArray) -> ComplexArray:
+    """Return lower Cholesky factors; what rounding of sums as large as `of` took away is put back first."""
+    mean = np.trace(of, axis1=-2, axis2=-1).real / of.shape[-1]
+    ridge = np.where(mean > 0, ROUNDING * mean, 1.0)[..., None, None] * np.eye(matrices.shape[-1])
+    while True:
+        try:
+            return np.asarray(np.linalg.cholesky(matrices + ridge))
+        except np.linalg.LinAlgError:
+            ridge = 10 * ridge
+
+
+def _added_by_noise(circle: Circle, normal: _Normal) -> ComplexArray:
+    """Return C, what noise as the weights tell it adds to M.
+
+    Of the noise in an equation the numerators take up a share: the leverage of its line.
+    """
+    n_out, n_in = circle.frf.shape[1:]
+    order = normal.inverse.shape[1] - 1
+    lags = np.zeros((circle.points, n_out), complex)
+    lags[np.arange(-order, order + 1)] = _along_diagonals(normal.inverse).T
+    leverage = circle.weight * scipy.fft.fft(lags, axis=0)[: len(circle.weight)].real
+    left = np.clip(1 - leverage, 0.0, 1.0)
+    own = _toeplitz(circle.sums((circle.noise * left[:, :, None]).sum(axis=1), order))
+    added = np.zeros((order + 1, n_in, order + 1, n_in), complex)
+    for i in range(n_in):
+        added[:, i, :, i] = own[i]
+    return added.reshape(normal.reduced.shape)
+
+
+def _along_diagonals(matrices: ComplexArray) -> ComplexArray:
+    """Return the sum of every diagonal, (..., 2 n + 1), that of lag -n first."""
+    size = matrices.shape[-1]
+    # each row put one further to the right than the row below it
+    skewed = np.zeros((*matrices.shape[:-1], 2 * size), complex)
+    skewed[..., :size] = matrices[..., ::-1, :]
+    flat = skewed.reshape(*matrices.shape[:-2], -1)[..., :-size]
+    return np.asarray(flat.reshape(*matrices.shape[:-1], 2 * size - 1).sum(axis=-2))
+
+
+def _noise_level(factor: ComplexArray, added: ComplexArray) -> float:
+    """Return the largest c that leaves `M - c C` without a negative eigenvalue, of the factor of M."""
+    half = scipy.linalg.solve_triangular(factor, added, lower=True, check_finite=False)
+    whole = scipy.linalg.solve_triangular(factor, half.conj().T, lower=True, check_finite=False)
+    largest = float(np.linalg.eigvalsh(whole)[-1])
+    return 1 / largest if largest > 0 else 0.0
