@@ -57,15 +57,35 @@ def beyond_chance(chi_square: float, degrees: int) -> bool:
     return bool(degrees > 0 and scipy.stats.chi2.sf(chi_square, degrees) < CHANCE)
 
 
+def chi_squares(values: FloatArray, weight: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return chi-square about the weighted mean of each row: of all, and without the furthest value.
+
+    Parameters
+    ----------
+    values, weight
+        (n_rows, n) with weights of one over variance, 0 where a value does not count.
+
+    Returns
+    -------
+    tuple
+        (n_rows,) each. Leaving out value k of weight w takes `w d^2 W/(W - w)` away, d being its distance
+        from the mean of all and W the sum of weights.
+    """
+    total = weight.sum(axis=1, keepdims=True)
+    mean = (weight * values).sum(axis=1, keepdims=True) / np.where(total > 0, total, 1.0)
+    each = weight * (values - mean) ** 2
+    left = total - weight
+    alone = left <= 1e-12 * total  # the only value that counts
+    taken = np.where(alone, each, each * total / np.where(alone, 1.0, left))
+    whole = each.sum(axis=1)
+    return whole, np.maximum(whole - taken.max(axis=1, initial=0.0), 0.0)
+
+
 def differ(values: FloatArray, errors: FloatArray) -> bool:
     """Return whether values differ beyond their standard errors, the furthest of them left aside."""
     some = errors > 0
     weight = np.where(some, 1 / np.where(some, errors, 1.0) ** 2, 0.0)
-    if not some.any():
-        return False
-    mean = (weight * values).sum() / weight.sum()
-    each = weight * (values - mean) ** 2
-    return beyond_chance(float(each.sum() - each.max()), len(values) - 2)
+    return beyond_chance(float(chi_squares(values[None], weight[None])[1][0]), int(some.sum()) - 2)
 
 
 def plain_mean(values: FloatArray, errors: FloatArray) -> Mean:

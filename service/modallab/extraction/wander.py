@@ -6,7 +6,7 @@ import numpy as np
 
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray
 from modallab.core.wander import Wander, WanderCause
-from modallab.extraction.means import beyond_chance
+from modallab.extraction.means import beyond_chance, chi_squares
 
 UNSEEN = 0.002  # of a bandwidth: what tails of other modes leave in single-mode fits of exact data
 CLEAR = 5.0  # standard errors, of what is named as the cause
@@ -70,13 +70,11 @@ def find_wander(modes: FittedModes) -> Wander | None:
     explains at least half of the chi-square.
     """
     degrees = np.maximum(modes.good.sum(axis=1) - 1, 0)
-    chi = _chi_square(modes)
-    total = chi.sum(axis=1)
+    total, rest = chi_squares(modes.shift, _weight(modes, modes.shift_error))
     if not beyond_chance(float(total.sum()), int(degrees.sum())):
         return None
     cause, law, explained = _named(modes, total, int(degrees.sum()))
     # one FRF of its own is no wander: without the furthest of each mode the rest must differ too
-    rest = total - chi.max(axis=1, initial=0.0)
     if law is None and not beyond_chance(float(rest.sum()), int(np.maximum(degrees - 1, 0).sum())):
         return None
     size, mode_size = _sizes(cause, law, modes)
@@ -94,12 +92,6 @@ def find_wander(modes: FittedModes) -> Wander | None:
         mode_size_error=mode_size[1],
         still_frequency=mean[:, 0] * np.sqrt(np.maximum(_level(cause, law, len(total)), 0.0)),
     )
-
-
-def _chi_square(modes: FittedModes) -> FloatArray:
-    """Return each fit's part of the chi-square about its mode's weighted mean, (n_modes, n_frf)."""
-    weight = _weight(modes, modes.shift_error)
-    return np.asarray(weight * _centred(modes.shift, weight) ** 2)
 
 
 def _weight(modes: FittedModes, error: FloatArray) -> FloatArray:

@@ -1,0 +1,48 @@
+from dataclasses import fields
+
+import numpy as np
+
+from modallab.core.dof import Dof
+from modallab.core.modal_model import ModalModel, Mode
+from modallab.core.wander import Wander, WanderCause
+from modallab.store.codec import CODECS
+
+DOFS = (Dof(1, "Y"), Dof(5, "Y", -1))
+
+
+def wandering() -> Wander:
+    return Wander(
+        cause=WanderCause.ROVING_MASS,
+        shift=np.array([[-0.5, np.nan]]),
+        shift_error=np.array([[0.01, np.nan]]),
+        chi_square=np.array([50.0]),
+        degrees=np.array([1]),
+        explained=0.97,
+        size=0.0201,
+        size_error=3e-4,
+        mode_size=np.array([0.0201]),
+        mode_size_error=np.array([3e-4]),
+        still_frequency=np.array([24.0]),
+    )
+
+
+def test_how_frequencies_wander_comes_back_and_is_served_under_its_own_names() -> None:
+    given = ModalModel((Mode(23.5, 0.01, np.ones(2, complex)),), DOFS, drive=DOFS[1], wander=wandering())
+    codec = CODECS["modal_model"]
+    body, arrays = codec.take_apart(given)
+    np.testing.assert_array_equal(arrays["wander_shift"], [[-0.5, np.nan]])
+    found = codec.put_together(body, arrays)
+    assert found.drive == DOFS[1]
+    assert found.wander is not None
+    for field in fields(Wander):
+        np.testing.assert_array_equal(getattr(found.wander, field.name), getattr(wandering(), field.name))
+    assert not found.wander.shift.flags.writeable
+
+
+def test_a_model_of_an_earlier_version_has_neither_wander_nor_drive() -> None:
+    codec = CODECS["modal_model"]
+    body, arrays = codec.take_apart(ModalModel((Mode(23.5, 0.01, np.ones(2, complex)),), DOFS))
+    assert "wander" not in body
+    assert "drive" not in body
+    found = codec.put_together(body, arrays)
+    assert (found.wander, found.drive) == (None, None)
