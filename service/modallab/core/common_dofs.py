@@ -1,0 +1,36 @@
+"""Degrees of freedom that several things have in common, whatever the sense in which each gives them."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from modallab.core.arrays import FloatArray, IntArray
+from modallab.core.dof import Dof
+
+
+def common_points(*sides: Sequence[Dof]) -> tuple[Dof, ...]:
+    """Return the DoFs, in their positive sense and in order, that every side has."""
+    first, *rest = [{dof.point for dof in side} for side in sides]
+    return tuple(sorted(first.intersection(*rest)))
+
+
+def rows_at(dofs: Sequence[Dof], points: Sequence[Dof]) -> tuple[IntArray, FloatArray]:
+    """Return the rows of `points` among `dofs`, and the signs that turn these rows to the positive sense.
+
+    Of a DoF given twice the first one counts.
+
+    Parameters
+    ----------
+    dofs
+        (n,), each in either sense.
+    points
+        (k,), each one of `dofs`.
+
+    Returns
+    -------
+    (k,) rows and (k,) signs, 1 or -1.
+    """
+    row = {dof.point: i for i, dof in reversed(list(enumerate(dofs)))}
+    rows = [row[point.point] for point in points]
+    signs = np.array([dofs[i].sign for i in rows], float)
+    return np.array(rows, dtype=np.int64), signs

@@ -1,0 +1,152 @@
+"""The matrices of a structure, split into the degrees of freedom that are kept and those that are not."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.sparse import csc_array, diags_array
+from scipy.sparse.linalg import LinearOperator, onenormest, splu
+
+from modallab.core.arrays import FloatArray, IntArray
+from modallab.core.dof import Dof
+from modallab.core.errors import InvalidInputError
+from modallab.fe.modes import ModalBasis, rigid_body_modes, undamped_basis
+from modallab.fe.system import SMALL, DynamicSystem
+
+SINGULAR = 1e13  # condition beyond which hardly a digit of a solution is left
+UNSEEN = 1e-6  # of a motion's largest entry: what less moves the masters does not show there
+
+Solve = Callable[[FloatArray], FloatArray]
+
+
+@dataclass(frozen=True, eq=False)
+class Partition:
+    """A system with the DoFs that a reduction keeps, its masters; all the others are slaves."""
+
+    system: DynamicSystem  # nothing attached: all is in the matrices
+    masters: tuple[Dof, ...]
+
+    @classmethod
+    def of(cls, system: DynamicSystem, masters: tuple[Dof, ...]) -> "Partition":
+        """Return a system with its masters, whatever is attached added into the matrices.
+
+        Raises
+        ------
+        UnknownDofError
+            If the system has no such DoF.
+        InvalidInputError
+            If there are no masters, or one is named twice.
+        """
+        points = tuple(dof.point for dof in masters)
+        if not points or len(set(points)) < len(points):
+            raise InvalidInputError(
+                "a reduction keeps at least one degree of freedom, and each of them once",
+                field="masters",
+                value=", ".join(str(dof) for dof in masters[:20]),
+                allowed="one or more, no two alike",
+            )
+        for point in points:
+            system.index(point)
+        return cls(system.folded(), points)
+
+    @cached_property
+    def rows(self) -> IntArray:
+        """(n_master,) rows of the masters."""
+        return np.array([self.system.index(dof) for dof in self.masters])
+
+    @cached_property
+    def slaves(self) -> IntArray:
+        """(n_slave,) all other rows, coordinates of what is attached among them."""
+        kept = np.zeros(self.system.mass.shape[0], bool)
+        kept[self.rows] = True
+        return np.flatnonzero(~kept)
+
+    def with_masters(self, slaves: FloatArray) -> FloatArray:
+        """Return a transformation (n, n_master) from its rows at the slaves; masters follow themselves."""
+        whole = np.zeros((self.system.mass.shape[0], len(self.rows)))
+        whole[self.rows, np.arange(len(self.rows))] = 1.0
+        whole[self.slaves] = slaves
+        return whole
+
+    def static(self) -> Solve:
+        """Return what solves the slaves' stiffness for forces on them, masters held.
+
+        Raises
+        ------
+        InvalidInputError
+            If the slaves can move without strain while the masters are held.
+        """
+        bodies = rigid_body_modes(self.system.mass, self.system.stiffness, self.system.rigid)
+        free = np.linalg.matrix_rank(bodies[self.rows], tol=UNSEEN * np.abs(bodies).max(initial=1.0))
+        if free < bodies.shape[1]:
+            raise self._loose(f"{bodies.shape[1] - free} of {bodies.shape[1]} rigid-body motions")
+        return self._solver(0.0)
+
+    def dynamic(self, omega: float) -> Solve:
+        """Return the same of the slaves' dynamic stiffness at `omega`, rad/s.
+
+        Raises
+        ------
+        InvalidInputError
+            If the slaves resonate there while the masters are held.
+        """
+        return self._solver(omega)
+
+    def _solver(self, omega: float) -> Solve:
+        if not len(self.slaves):
+            return lambda forces: forces
+        block = np.ix_(self.slaves, self.slaves)
+        k, m = (csc_array(csc_array(a)[block]) for a in (self.system.stiffness, self.system.mass))
+        size = np.abs(k.diagonal()) + omega**2 * np.abs(m.diagonal())
+        # Rotations and translations differ by powers of the length unit: not what condition is about.
+        scale = 1 / np.sqrt(np.where(size > 0, size, 1.0))
+        even = diags_array(scale)
+        matrix = csc_array(even @ (k - omega**2 * m) @ even)
+        try:
+            factor = splu(matrix)
+        except RuntimeError:  # a pivot of exactly zero
+            raise self._unsolvable(omega) from None
+        n = len(scale)
+        inverse = LinearOperator(
+            (n, n), matvec=factor.solve, rmatvec=lambda x: factor.solve(x, "T"), dtype=float
+        )
+        # One column only: with more the estimate draws random ones.
+        condition = onenormest(inverse, t=1) * float(abs(matrix).sum(axis=0).max())
+        if not condition < SINGULAR:  # NaN fails too
+            raise self._unsolvable(omega)
+        return lambda forces: scale[:, None] * factor.solve(scale[:, None] * forces)
+
+    def _unsolvable(self, omega: float) -> InvalidInputError:
+        if omega == 0:
+            return self._loose("a part of it")
+        frequency = omega / (2 * np.pi)
+        return InvalidInputError(
+            f"held at the masters the structure resonates at {frequency:.6g} Hz: no reduction there",
+            field="reduction",
+            value=frequency,
+            allowed="a frequency between the resonances of the held structure",
+        )
+
+    def _loose(self, what: str) -> InvalidInputError:
+        return InvalidInputError(
+            f"held at the {len(self.masters)} masters the structure can still move without strain ({what}): "
+            "the other degrees of freedom have no static answer",
+            field="reduction",
+            value=", ".join(str(dof) for dof in self.masters[:10]),
+            allowed="masters that hold every rigid-body motion, `dynamic` above 0 Hz, or `serep`",
+        )
+
+    def lowest(self, count: int) -> ModalBasis:
+        """Return rigid-body modes and at least `count` undamped elastic ones, fewer where there are fewer."""
+        matrices = (self.system.mass, self.system.stiffness, self.system.rigid)
+        n = self.system.mass.shape[0]
+        limit = np.inf if n < SMALL else 1.0  # Hz
+        basis = undamped_basis(*matrices, frequency_max=limit)
+        # A large structure is solved up to a frequency, not for a number: widen until there are enough.
+        while len(basis.eigenvalues) - basis.n_rigid_body < count and len(basis.eigenvalues) < n - 1:
+            if np.isinf(limit):
+                break
+            limit *= 4
+            basis = undamped_basis(*matrices, frequency_max=limit)
+        return basis

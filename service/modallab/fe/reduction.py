@@ -1,0 +1,132 @@
+"""What a reduction is, and a structure at the degrees of freedom that it keeps."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import ClassVar, Self
+
+import numpy as np
+from scipy.linalg import eigh
+
+from modallab.core.arrays import FloatArray, frozen
+from modallab.core.dof import Dof
+from modallab.core.errors import InvalidInputError
+from modallab.core.parameters import Parameterised
+from modallab.core.registry import Family
+from modallab.fe.partition import Partition
+from modallab.fe.system import DynamicSystem
+
+MASSLESS = 1e-10  # of the largest eigenvalue of a reduced mass: motions that a reduction does not have
+
+
+@dataclass(frozen=True)
+class Reduction(Parameterised, ABC):
+    """How all degrees of freedom follow those that are kept, the masters."""
+
+    kind: ClassVar[str]
+    summary: ClassVar[str]
+
+    @abstractmethod
+    def transformation(self, split: Partition) -> FloatArray:
+        """Return T, (n, n_master): the motion of every row for a unit motion of each master.
+
+        Parameters
+        ----------
+        split
+            The system and its masters; rows behind its DoFs are coordinates of what is attached.
+
+        Raises
+        ------
+        InvalidInputError
+            If these masters do not determine the motion of all the others.
+        """
+
+    def at_mode(self, frequency: float) -> Self:
+        """Return the reduction that suits a mode at `frequency`, Hz; by default the same for all."""
+        return self
+
+    @property
+    def parameters(self) -> dict[str, float]:
+        """Its numbers by name."""
+        return {name: float(getattr(self, name)) for name in self.specs()}
+
+
+REDUCTIONS: Family[type[Reduction]] = Family("reduction", home="modallab.fe.reductions")
+
+
+def reduction_of(kind: str, parameters: Mapping[str, float] | None = None) -> Reduction:
+    """Return the reduction that a name and its numbers stand for.
+
+    Raises
+    ------
+    InvalidInputError
+        If the name or a number is unknown, or a value out of bounds.
+    """
+    cls, given = REDUCTIONS[kind], dict(parameters or {})
+    for name in given.keys() - cls.specs().keys():
+        raise InvalidInputError(
+            f"{kind} has no parameter {name!r}",
+            field="reduction",
+            value=name,
+            allowed=", ".join(cls.specs()) or "none",
+        )
+    return cls(**given)
+
+
+@dataclass(frozen=True, eq=False)
+class ReducedSystem:
+    """Mass and stiffness at the masters, and how every DoF follows them: x = T x_master."""
+
+    reduction: Reduction
+    masters: tuple[Dof, ...]
+    dofs: tuple[Dof, ...]
+    transformation: FloatArray  # (n_dof, n_master)
+    mass: FloatArray  # (n_master, n_master) T^T M T, kg
+    stiffness: FloatArray  # (n_master, n_master) T^T K T, N/m
+
+    def __post_init__(self) -> None:
+        m = len(self.masters)
+        shapes = {"transformation": (len(self.dofs), m), "mass": (m, m), "stiffness": (m, m)}
+        for name, shape in shapes.items():
+            object.__setattr__(self, name, frozen(getattr(self, name), float, shape, name=name))
+
+    def modes(self) -> tuple[FloatArray, FloatArray]:
+        """Return frequencies (k,), Hz, and mass-normalised shapes (n_master, k), k <= n_master.
+
+        A reduction that keeps k modes at more masters than that has k modes and no others.
+        """
+        size = np.sqrt(np.diag(self.mass))
+        scale = np.divide(1.0, size, out=np.zeros_like(size), where=size > 0)
+        values, turn = eigh(scale[:, None] * self.mass * scale)
+        kept = values > MASSLESS * values[-1]
+        basis = scale[:, None] * turn[:, kept] / np.sqrt(values[kept])
+        squares, within = eigh(basis.T @ self.stiffness @ basis)
+        return np.sqrt(np.maximum(squares, 0.0)) / (2 * np.pi), basis @ within
+
+
+def reduce(system: DynamicSystem, masters: tuple[Dof, ...], reduction: Reduction) -> ReducedSystem:
+    """Return a structure at its masters alone, what is attached to it included.
+
+    Parameters
+    ----------
+    masters
+        DoFs that are kept; their signs do not matter, coordinates are in the positive sense.
+
+    Raises
+    ------
+    UnknownDofError
+        If the structure has no such DoF.
+    InvalidInputError
+        If a master is named twice, or the masters do not determine the motion of all the others.
+    """
+    split = Partition.of(system, masters)
+    t = reduction.transformation(split)
+    mass, stiffness = (t.T @ (matrix @ t) for matrix in (split.system.mass, split.system.stiffness))
+    return ReducedSystem(
+        reduction=reduction,
+        masters=split.masters,
+        dofs=system.dofs,
+        transformation=t[: len(system.dofs)],
+        mass=(mass + mass.T) / 2,  # symmetric but for rounding
+        stiffness=(stiffness + stiffness.T) / 2,
+    )

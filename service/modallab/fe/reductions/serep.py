@@ -1,0 +1,100 @@
+"""System equivalent reduction-expansion process."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from modallab.core.arrays import FloatArray
+from modallab.core.errors import InvalidInputError, UnderdeterminedError
+from modallab.core.parameters import parameter
+from modallab.fe.partition import UNSEEN, Partition
+from modallab.fe.reduction import REDUCTIONS, Reduction
+
+APART = 10.0  # condition up to which masters tell modes apart well enough to be taken unasked
+HARDLY = 1e6  # condition at which six digits of a shape are lost
+MOST = 100  # elastic modes that are solved for unasked
+
+
+@REDUCTIONS.register("serep")
+@dataclass(frozen=True)
+class Serep(Reduction):
+    """All DoFs follow as in the model's lowest modes: T = Phi Phi_m^+.
+
+    Exact for the modes that are kept, rigid-body modes that the masters show among them; other motion
+    of the masters is fitted by least squares. O'Callahan, J., Avitabile, P. and Riemer, R. (1989), Proc.
+    7th International Modal Analysis Conference, 29-37.
+    """
+
+    kind = "serep"
+    summary = "all follow as in the model's lowest modes: exact for these"
+    modes: float = parameter(
+        0.0,
+        unit="1",
+        lower=0.0,
+        upper=500.0,
+        absent=None,
+        doc="elastic modes kept; 0: as many of the lowest as the masters tell apart",
+    )
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        if self.modes != int(self.modes):
+            raise InvalidInputError(
+                "modes are counted", field="modes", value=self.modes, allowed="a whole number, 0 to 500"
+            )
+
+    def transformation(self, split: Partition) -> FloatArray:
+        """Return T, (n, n_master)."""
+        shapes, n_rigid_body = _candidates(split, int(self.modes) or min(len(split.rows), MOST))
+        kept = self._kept(shapes[split.rows], n_rigid_body)
+        return np.asarray(shapes[:, :kept] @ np.linalg.pinv(shapes[split.rows, :kept]))
+
+    def _kept(self, seen: FloatArray, n_rigid_body: int) -> int:
+        """Return how many of the candidates, (n_master, n_modes) at the masters, are kept."""
+        n_masters, n_modes = seen.shape
+        if self.modes:
+            if n_modes > n_masters:
+                raise UnderdeterminedError(
+                    f"{n_masters} masters cannot follow {n_modes} modes, {n_rigid_body} of them rigid",
+                    field="modes",
+                    value=int(self.modes),
+                    allowed=f"up to {n_masters - n_rigid_body}",
+                )
+            if not _condition(seen) < HARDLY:
+                raise self._alike(n_modes - n_rigid_body, n_masters)
+            return int(n_modes)
+        kept = 0
+        while kept < min(n_modes, n_masters) and _condition(seen[:, : kept + 1]) < APART:
+            kept += 1
+        if kept <= n_rigid_body:
+            raise self._alike(1, n_masters)
+        return kept
+
+    def _alike(self, n_elastic: int, n_masters: int) -> UnderdeterminedError:
+        modes = "mode" if n_elastic == 1 else f"{n_elastic} modes"
+        return UnderdeterminedError(
+            f"the {n_masters} masters do not tell the first {modes} of the model apart",
+            field="reduction",
+            value="serep",
+            allowed="more masters, or masters that move in these modes",
+        )
+
+
+def _condition(seen: FloatArray) -> float:
+    """Return the condition number of modes at the masters, each to its own size."""
+    size = np.linalg.norm(seen, axis=0)
+    if not size.all():
+        return np.inf
+    return float(np.linalg.cond(seen / size))
+
+
+def _candidates(split: Partition, count: int) -> tuple[FloatArray, int]:
+    """Return rigid-body modes that the masters show and `count` elastic ones, and how many are rigid."""
+    basis = split.lowest(count)
+    rigid = basis.shapes[:, : basis.n_rigid_body].real
+    elastic = basis.shapes[:, basis.n_rigid_body : basis.n_rigid_body + count].real
+    # A motion that no master takes part in, such as along a beam that is watched across, stays out.
+    _, size, turn = np.linalg.svd(rigid[split.rows], full_matrices=True)
+    shown = size > UNSEEN * np.abs(rigid).max(initial=0.0)
+    rigid = rigid @ turn[: len(size)][shown].T
+    return np.hstack([rigid, elastic]), rigid.shape[1]

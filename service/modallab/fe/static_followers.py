@@ -1,0 +1,17 @@
+"""How slaves follow their masters when inertia plays no part."""
+
+import numpy as np
+
+from modallab.core.arrays import FloatArray
+from modallab.fe.partition import Partition, Solve
+
+
+def static_followers(split: Partition, solve: Solve) -> FloatArray:
+    """Return -K_ss^-1 K_sm, (n_slave, n_master).
+
+    Parameters
+    ----------
+    solve
+        `split.static()`.
+    """
+    return -solve(split.system.stiffness[np.ix_(split.slaves, split.rows)].toarray())
