@@ -1,34 +1,12 @@
-"""How alike two sets of modes are."""
-
-from dataclasses import dataclass
+"""How alike two sets of modes are, and which belongs to which."""
 
 import numpy as np
 import scipy.optimize
 
-from modallab.core.arrays import ComplexArray, FloatArray, frozen
-from modallab.core.dof import Dof
-from modallab.core.errors import InvalidInputError
-from modallab.core.modal_model import ModalModel
+from modallab.core.arrays import ComplexArray, FloatArray
 
 FLOOR = 0.3  # MAC of unlike shapes at ten DoFs or so hardly reaches it by chance
-
-
-@dataclass(frozen=True, eq=False)
-class Correlation:
-    """Measured modes beside those of a model, at the DoFs both have."""
-
-    mac: FloatArray  # (n_measured, n_model)
-    pairs: tuple[tuple[int, int], ...]  # (measured, model), counted from 0
-    frequency_differences: FloatArray  # (n_pairs,) measured minus model, Hz
-    comac: FloatArray  # (n_common,)
-    dofs: tuple[Dof, ...]  # the common ones, in their positive sense
-
-    def __post_init__(self) -> None:
-        object.__setattr__(self, "mac", frozen(self.mac, float, (None, None), name="mac"))
-        shape = (len(self.pairs),)
-        differences = frozen(self.frequency_differences, float, shape, name="frequency_differences")
-        object.__setattr__(self, "frequency_differences", differences)
-        object.__setattr__(self, "comac", frozen(self.comac, float, (len(self.dofs),), name="comac"))
+ORDER = 10  # of the pole-weighted vectors
 
 
 def mac(first: ComplexArray | FloatArray, second: ComplexArray | FloatArray) -> FloatArray:
@@ -66,75 +44,37 @@ def pair_modes(values: FloatArray, floor: float = FLOOR) -> tuple[tuple[int, int
     )
 
 
-def comac(first: ComplexArray, second: ComplexArray) -> FloatArray:
-    """Return the coordinate modal assurance criterion of every DoF, (n_dof,), 0 to 1.
+def pole_weighted_mac(
+    first: ComplexArray | FloatArray,
+    second: ComplexArray | FloatArray,
+    first_eigenvalues: ComplexArray,
+    second_eigenvalues: ComplexArray,
+    order: int = ORDER,
+) -> FloatArray:
+    """Return the pole-weighted MAC of every pair of modes, (n_first, n_second), 0 to 1.
 
-    `(sum |phi_x phi_a|)^2 / (sum |phi_x|^2 sum |phi_a|^2)` over paired modes, each first brought to its
-    partner's scale. A DoF that moves in neither set agrees: 1.
+    The MAC of the long vectors [phi; z phi; ...; z^order phi]: alike are modes whose shapes AND poles are
+    alike, so that modes which too few DoFs show alike are told apart by their frequency. z = exp(s dt) with
+    the upper pole s of each mode, and dt such that the highest of all turns by half a circle.
 
     Parameters
     ----------
     first, second
-        (n_dof, n_pairs), column beside column.
+        (n_dof, n_first) and (n_dof, n_second), any unit.
+    first_eigenvalues, second_eigenvalues
+        (n_first,) and (n_second,) omega_r^2 (1 + i eta_r), rad^2/s^2.
+    order
+        The higher, the finer poles are told apart; 0 is the plain MAC.
 
     References
     ----------
-    Lieven, N. A. J. and Ewins, D. J. (1988), Proc. 6th International Modal Analysis Conference, 690-695.
+    Phillips, A. W. and Allemang, R. J. (2005), Proc. 23rd International Modal Analysis Conference; in z, of
+    order 5 to 10: Phillips, A. W., Allemang, R. J. and Brown, D. L. (2011), Proc. 29th, 363-384.
     """
-    power = (np.abs(first) ** 2).sum(axis=0)
-    scale = (first.conj() * second).sum(axis=0) / np.where(power > 0, power, 1)
-    scaled = np.abs(first * scale)
-    other = np.abs(second)
-    sizes = (scaled**2).sum(axis=1) * (other**2).sum(axis=1)
-    still = ((scaled**2).sum(axis=1) == 0) & ((other**2).sum(axis=1) == 0)
-    product = (scaled * other).sum(axis=1) ** 2
-    values = np.divide(product, sizes, out=still.astype(float), where=sizes > 0)
-    return np.asarray(np.minimum(values, 1.0))
-
-
-def compare(model: ModalModel, measured: ModalModel, *, floor: float = FLOOR) -> Correlation:
-    """Return how measured modes correlate with those of a model.
-
-    Only the DoFs that both have count; a DoF with sign -1 holds the negative component, and is turned.
-
-    Raises
-    ------
-    InvalidInputError
-        If the two have no DoF in common, or one has no modes.
-    """
-    dofs, (ours, theirs) = _common(measured, model)
-    values = mac(ours, theirs)
-    pairs = pair_modes(values, floor)
-    rows, columns = [r for r, _ in pairs], [c for _, c in pairs]
-    return Correlation(
-        mac=values,
-        pairs=pairs,
-        frequency_differences=measured.frequencies[rows] - model.frequencies[columns],
-        comac=comac(ours[:, rows], theirs[:, columns]),
-        dofs=dofs,
-    )
-
-
-def _common(
-    measured: ModalModel, model: ModalModel
-) -> tuple[tuple[Dof, ...], tuple[ComplexArray, ComplexArray]]:
-    """Return the common DoFs and the shapes there, (n_common, n_modes) each, in the positive sense."""
-    sides = (measured, model)
-    if not all(side.modes for side in sides):
-        raise InvalidInputError("there are no modes to compare", field="modes", value=0, allowed="1 or more")
-    # reversed, so that of a DoF given twice the first one counts
-    rows = [{dof.point: i for i, dof in reversed(list(enumerate(side.dofs)))} for side in sides]
-    dofs = tuple(sorted(rows[0].keys() & rows[1].keys()))
-    if not dofs:
-        raise InvalidInputError(
-            "the two sets of modes share no degree of freedom",
-            field="dofs",
-            value=", ".join(str(dof) for dof in measured.dofs[:5]),
-            allowed=", ".join(str(dof) for dof in model.dofs[:5]),
-        )
-    shapes = []
-    for side, row in zip(sides, rows, strict=True):
-        index = [row[dof] for dof in dofs]
-        sign = np.array([side.dofs[i].sign for i in index])
-        shapes.append(side.shapes[index] * sign[:, None])
-    return dofs, (shapes[0], shapes[1])
+    poles = [1j * np.sqrt(np.asarray(values, complex)) for values in (first_eigenvalues, second_eigenvalues)]
+    highest = max((float(np.abs(p).max(initial=0.0)) for p in poles), default=0.0)
+    step = np.pi / highest if highest > 0 else 0.0
+    powers = np.arange(order + 1)[:, None]
+    weights = [np.exp(powers * p * step) for p in poles]
+    # The long vector is a Kronecker product, and so is every product of two: the MACs multiply.
+    return mac(first, second) * mac(*weights)

@@ -3,24 +3,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from modallab.core.arrays import ComplexArray
-from modallab.core.dof import Dof
-from modallab.core.errors import InvalidInputError
-from modallab.core.modal_model import ModalModel, Mode
-from modallab.correlation.mac import comac, compare, mac, pair_modes
-
-POINTS = tuple(Dof(node, "Y") for node in range(1, 9))
-
-
-def shapes(seed: int, n_modes: int = 4) -> ComplexArray:
-    rng = np.random.default_rng(seed)
-    values: ComplexArray = rng.standard_normal((8, n_modes)) + 0.1j * rng.standard_normal((8, n_modes))
-    return values
-
-
-def model(values: ComplexArray, dofs: tuple[Dof, ...] = POINTS, start: float = 10.0) -> ModalModel:
-    modes = tuple(Mode(start * (i + 1), 0.01, column) for i, column in enumerate(values.T))
-    return ModalModel(modes, dofs)
+from modallab.correlation.mac import mac, pair_modes, pole_weighted_mac
+from tests.service.correlation.cases import shapes
 
 
 @given(seed=st.integers(0, 1000), scale=st.complex_numbers(min_magnitude=1e-6, max_magnitude=1e6))
@@ -44,14 +28,6 @@ def test_a_shape_of_zeros_is_like_nothing() -> None:
     assert mac(np.zeros((3, 1)), np.ones((3, 2))).tolist() == [[0.0, 0.0]]
 
 
-def test_modes_that_changed_places_find_each_other() -> None:
-    values = shapes(3)
-    found = compare(model(values), model(values[:, [1, 0, 3, 2]]))
-    assert found.pairs == ((0, 1), (1, 0), (2, 3), (3, 2))
-    np.testing.assert_allclose(found.frequency_differences, [-10.0, 10.0, -10.0, 10.0])
-    np.testing.assert_allclose(found.comac, 1.0, rtol=1e-12)  # the same shapes, whatever their order
-
-
 def test_two_measured_modes_never_share_a_model_mode() -> None:
     # both prefer column 0; greedy by rows would leave row 1 with 0.1
     assert pair_modes(np.array([[0.9, 0.85], [0.95, 0.1]])) == ((0, 1), (1, 0))
@@ -63,38 +39,36 @@ def test_below_the_floor_nothing_pairs() -> None:
     assert pair_modes(np.zeros((2, 3)), floor=0.0) == ()
 
 
-def test_more_measured_modes_than_the_model_has_leave_some_alone() -> None:
-    values = shapes(5)
-    found = compare(model(values[:, :2]), model(values))
-    assert found.mac.shape == (4, 2)
-    assert found.pairs == ((0, 0), (1, 1))
+def eigenvalues(*frequencies: float, loss_factor: float = 0.01) -> np.ndarray:
+    return np.asarray((2 * np.pi * np.array(frequencies)) ** 2 * (1 + 1j * loss_factor))
 
 
-def test_only_common_dofs_count_and_a_turned_sensor_is_turned_back() -> None:
-    values = shapes(7)
-    measured = tuple(Dof(node, "Y", -1 if node % 2 else 1) for node in (7, 3, 2, 20, 5, 8))
-    rows = np.array([6, 2, 1, 0, 4, 7])
-    sign = np.array([dof.sign for dof in measured])
-    seen = values[rows] * sign[:, None]
-    seen[3] = 99  # at node 20, of which the model knows nothing
-    found = compare(model(values), model(seen, measured))
-    assert [str(dof) for dof in found.dofs] == ["2:+Y", "3:+Y", "5:+Y", "7:+Y", "8:+Y"]
-    np.testing.assert_allclose(np.diag(found.mac), 1.0, rtol=1e-12)
+def test_pole_weighting_is_the_mac_of_the_long_vectors() -> None:
+    one, other = shapes(1, 3), shapes(2, 2)
+    poles = [1j * np.sqrt(eigenvalues(10.0, 25.0, 40.0)), 1j * np.sqrt(eigenvalues(12.0, 80.0))]
+    step = 1 / np.abs(poles[1][1]) * np.pi  # half a circle of the highest
+    powers = np.arange(6)
+    # written out: [phi; z phi; ...; z^5 phi] of every mode
+    long = [
+        np.vstack([shape * np.exp(k * pole * step) for k in powers])
+        for shape, pole in zip((one, other), poles, strict=True)
+    ]
+    found = pole_weighted_mac(one, other, eigenvalues(10.0, 25.0, 40.0), eigenvalues(12.0, 80.0), order=5)
+    np.testing.assert_allclose(found, mac(*long), rtol=1e-9)  # rounding
 
 
-def test_comac_points_at_the_dof_that_differs() -> None:
-    values = shapes(9)
-    wrong = values.copy()
-    wrong[2] = shapes(10)[2]
-    found = comac(wrong, 3j * values)
-    assert np.argmin(found) == 2
-    assert comac(np.zeros((2, 1), complex), np.array([[0j], [1]])).tolist() == [1.0, 0.0]
+def test_modes_alike_in_shape_alone_are_told_apart_by_their_poles() -> None:
+    shape = shapes(3, 1)
+    both = np.hstack([shape, 2j * shape])
+    values = eigenvalues(30.0, 60.0)
+    np.testing.assert_allclose(mac(both, both), 1.0, rtol=1e-12)
+    found = pole_weighted_mac(both, both, values, values)
+    np.testing.assert_allclose(np.diag(found), 1.0, rtol=1e-12)
+    assert found[0, 1] < 0.1
 
 
-def test_what_cannot_be_compared_is_named() -> None:
-    values = shapes(1)
-    elsewhere = tuple(Dof(node, "Z") for node in range(1, 9))
-    with pytest.raises(InvalidInputError, match="no degree of freedom"):
-        compare(model(values), model(values, elsewhere))
-    with pytest.raises(InvalidInputError, match="no modes"):
-        compare(model(values), ModalModel((), POINTS))
+def test_of_order_0_it_is_the_plain_mac_and_never_more() -> None:
+    one, other = shapes(4), shapes(5)
+    poles = eigenvalues(10, 20, 30, 40), eigenvalues(11, 19, 35, 41)
+    np.testing.assert_allclose(pole_weighted_mac(one, other, *poles, order=0), mac(one, other), rtol=1e-12)
+    assert (pole_weighted_mac(one, other, *poles) <= mac(one, other) + 1e-12).all()

@@ -8,7 +8,7 @@ from modallab.api.correlations.schemas import CorrelationIn, CorrelationOut
 from modallab.api.deps import IdPath, OwnerDep, StoreDep
 from modallab.api.examples import example
 from modallab.api.shelves import add_routes
-from modallab.correlation.mac import compare
+from modallab.correlation.compare import compare
 from modallab.fe.selected import exact_modes
 from modallab.rig.exact import as_modelled
 

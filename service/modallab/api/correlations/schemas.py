@@ -6,7 +6,7 @@ from pydantic import Field
 
 from modallab.api.deps import Id
 from modallab.api.wire import Count, EntryOut, Wire
-from modallab.correlation.mac import Correlation
+from modallab.correlation.compare import Correlation
 from modallab.store.base import Entry
 
 

@@ -1,0 +1,106 @@
+"""Measured modes beside those of a model."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from modallab.core.arrays import ComplexArray, FloatArray, frozen
+from modallab.core.common_dofs import common_points, rows_at
+from modallab.core.dof import Dof
+from modallab.core.errors import InvalidInputError
+from modallab.core.modal_model import ModalModel
+from modallab.correlation.coordinate import comac, ecomac
+from modallab.correlation.mac import FLOOR, mac, pair_modes, pole_weighted_mac
+from modallab.correlation.orthogonality import Orthogonality
+from modallab.correlation.responses import ResponseCorrelation
+from modallab.fe.reduction import ReducedSystem
+
+
+@dataclass(frozen=True, eq=False)
+class Correlation:
+    """Measured modes beside those of a model, at the DoFs both have."""
+
+    mac: FloatArray  # (n_measured, n_model)
+    pairs: tuple[tuple[int, int], ...]  # (measured, model), counted from 0
+    frequency_differences: FloatArray  # (n_pairs,) measured minus model, Hz
+    comac: FloatArray  # (n_common,)
+    dofs: tuple[Dof, ...]  # the common ones, in their positive sense
+    ecomac: FloatArray | None = None  # (n_common,)
+    pole_weighted_mac: FloatArray | None = None  # (n_measured, n_model)
+    orthogonality: Orthogonality | None = None  # where a reduction was asked for
+    responses: ResponseCorrelation | None = None  # where a measurement was given
+
+    def __post_init__(self) -> None:
+        object.__setattr__(self, "mac", frozen(self.mac, float, (None, None), name="mac"))
+        pairs, common = (len(self.pairs),), (len(self.dofs),)
+        shapes = {"frequency_differences": pairs, "comac": common, "ecomac": common}
+        for name, shape in (shapes | {"pole_weighted_mac": self.mac.shape}).items():
+            if getattr(self, name) is not None:
+                object.__setattr__(self, name, frozen(getattr(self, name), float, shape, name=name))
+
+
+def compare(
+    model: ModalModel,
+    measured: ModalModel,
+    *,
+    floor: float = FLOOR,
+    reduced: ReducedSystem | None = None,
+    responses: ResponseCorrelation | None = None,
+) -> Correlation:
+    """Return how measured modes correlate with those of a model.
+
+    Only the DoFs that both have count; a DoF with sign -1 holds the negative component, and is turned.
+
+    Parameters
+    ----------
+    floor
+        MAC below which modes do not pair.
+    reduced
+        The model at the common DoFs, in order, for orthogonality in its mass.
+    responses
+        How FRFs agree, to be kept beside it.
+
+    Raises
+    ------
+    InvalidInputError
+        If the two have no DoF in common, or one has no modes.
+    """
+    dofs, (ours, theirs) = _common(measured, model)
+    values = mac(ours, theirs)
+    pairs = pair_modes(values, floor)
+    rows, columns = [r for r, _ in pairs], [c for _, c in pairs]
+    return Correlation(
+        mac=values,
+        pairs=pairs,
+        frequency_differences=measured.frequencies[rows] - model.frequencies[columns],
+        comac=comac(ours[:, rows], theirs[:, columns]),
+        dofs=dofs,
+        ecomac=ecomac(ours[:, rows], theirs[:, columns]),
+        pole_weighted_mac=pole_weighted_mac(ours, theirs, _eigenvalues(measured), _eigenvalues(model)),
+        orthogonality=None if reduced is None else Orthogonality.of(reduced, ours, theirs, model),
+        responses=responses,
+    )
+
+
+def _eigenvalues(side: ModalModel) -> ComplexArray:
+    return np.array([mode.eigenvalue for mode in side.modes])
+
+
+def _common(
+    measured: ModalModel, model: ModalModel
+) -> tuple[tuple[Dof, ...], tuple[ComplexArray, ComplexArray]]:
+    """Return the common DoFs and the shapes there, (n_common, n_modes) each, in the positive sense."""
+    sides = (measured, model)
+    if not all(side.modes for side in sides):
+        raise InvalidInputError("there are no modes to compare", field="modes", value=0, allowed="1 or more")
+    dofs = common_points(measured.dofs, model.dofs)
+    if not dofs:
+        raise InvalidInputError(
+            "the two sets of modes share no degree of freedom",
+            field="dofs",
+            value=", ".join(str(dof) for dof in measured.dofs[:5]),
+            allowed=", ".join(str(dof) for dof in model.dofs[:5]),
+        )
+    picked = ((side.shapes, *rows_at(side.dofs, dofs)) for side in sides)
+    ours, theirs = (shapes[rows] * signs[:, None] for shapes, rows, signs in picked)
+    return dofs, (ours, theirs)

@@ -1,0 +1,81 @@
+"""How alike measured and computed frequency responses are, by pair of points and by line."""
+
+import numpy as np
+
+from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.correlation.mac import mac
+
+WIDEST = 1.5  # frequency scale, either way, that is looked for
+SHARED = 0.5  # of the lines that must stay in the band of both
+
+
+def frac(measured: ComplexArray, model: ComplexArray) -> FloatArray:
+    """Return the frequency response assurance criterion of every FRF, (n_out, n_in), 0 to 1.
+
+    `|sum H_x^* H_a|^2 / (sum |H_x|^2 sum |H_a|^2)` over the lines: 1 if two FRFs differ by no more than a
+    complex factor. A resonance that has moved by more than its width brings it near 0: a test of frequencies
+    rather than of shapes. An FRF of zeros is like nothing: 0.
+
+    Parameters
+    ----------
+    measured, model
+        (n_freq, n_out, n_in) at the same lines, of the same kind.
+
+    References
+    ----------
+    Heylen, W. and Lammens, S. (1996), Proc. International Conference on Identification in Engineering
+    Systems, Swansea, 48-57.
+    """
+    product = np.abs((measured.conj() * model).sum(axis=0)) ** 2
+    sizes = (np.abs(measured) ** 2).sum(axis=0) * (np.abs(model) ** 2).sum(axis=0)
+    values = np.divide(product, sizes, out=np.zeros(sizes.shape), where=sizes > 0)
+    return np.asarray(np.minimum(values, 1.0))
+
+
+def fdac(measured: ComplexArray, model: ComplexArray) -> FloatArray:
+    """Return the frequency domain assurance criterion, (n_in, n_measured_lines, n_model_lines), 0 to 1.
+
+    For each input the MAC of the deflection at every measured line with that at every line of the model.
+    High values run along a ridge, at equal frequencies if nothing differs; where the model is too stiff
+    or too soft throughout by a factor, the ridge is f_measured / f_model = sqrt of that factor.
+
+    Parameters
+    ----------
+    measured, model
+        (n_measured_lines, n_out, n_in) and (n_model_lines, n_out, n_in), any kind.
+
+    References
+    ----------
+    Pascual, R., Golinval, J. C. and Razeto, M. (1997), Proc. 15th International Modal Analysis
+    Conference, 587-592.
+    """
+    inputs = range(measured.shape[2])
+    return np.stack([mac(measured[:, :, i].T, model[:, :, i].T) for i in inputs])
+
+
+def ridge(values: FloatArray, step: float) -> tuple[float, float, float]:
+    """Return the frequency scale at which an FDAC's ridge runs, the mean value there, and that at 1.
+
+    Of all straight lines f_measured = scale f_model the one along which the mean is highest.
+
+    Parameters
+    ----------
+    values
+        (n_in, n, n): FDAC at frequencies that rise by a constant factor.
+    step
+        Logarithm of that factor.
+    """
+    n = values.shape[1]
+    plane = values.mean(axis=0)
+    furthest = min(int(np.log(WIDEST) / step), int((1 - SHARED) * n))
+    offsets = np.arange(-furthest, furthest + 1)
+    # measured line i stands beside model line i - offset
+    means = np.array([plane.diagonal(-offset).mean() for offset in offsets])
+    best = int(means.argmax())
+    place = float(offsets[best])
+    if 0 < best < len(offsets) - 1:
+        before, at, after = means[best - 1 : best + 2]
+        bend = before - 2 * at + after
+        # the peak of the parabola through three means, a fraction of a step away
+        place += float((before - after) / (2 * bend)) if bend < 0 else 0.0
+    return float(np.exp(place * step)), float(means[best]), float(means[furthest])

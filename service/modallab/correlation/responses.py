@@ -1,0 +1,120 @@
+"""Measured FRFs beside those that a model has at the same points and lines."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from modallab.core.arrays import ComplexArray, FloatArray, frozen
+from modallab.core.dof import Dof
+from modallab.core.errors import InvalidInputError
+from modallab.core.frf import FrfKind, FrfSet
+from modallab.correlation.frequency_response import fdac, frac, ridge
+from modallab.fe.receptance import receptance
+from modallab.fe.system import DynamicSystem
+
+SHOWN = 200  # lines of an FDAC, along either axis
+MOST_SHOWN = 4_000_000  # numbers of an FDAC over all its inputs: 32 MB
+FINE = 600  # lines at which the ridge is looked for
+LOWEST = 0.02  # of the highest frequency, where these lines begin
+
+
+@dataclass(frozen=True, eq=False)
+class ResponseCorrelation:
+    """FRAC by FRF and FDAC by line, at the points that measurement and model share."""
+
+    outputs: tuple[Dof, ...]  # as measured, with their signs
+    inputs: tuple[Dof, ...]
+    frac: FloatArray  # (n_out, n_in)
+    freq: FloatArray  # (n_lines,) Hz, of both axes of the FDAC: some of the measured lines
+    fdac: FloatArray  # (n_in, n_lines measured, n_lines model)
+    # f_measured / f_model along the FDAC's ridge: near 1.1 where the structure is 21 % stiffer throughout.
+    # None where one response alone has no shape.
+    frequency_scale: float | None = None
+    fdac_on_ridge: float | None = None  # mean
+    fdac_unscaled: float | None = None  # mean at equal frequencies
+    notes: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        n = len(self.freq)
+        shapes = {
+            "freq": (n,),
+            "frac": (len(self.outputs), len(self.inputs)),
+            "fdac": (len(self.inputs), n, n),
+        }
+        for name, shape in shapes.items():
+            object.__setattr__(self, name, frozen(getattr(self, name), float, shape, name=name))
+
+
+def compare_responses(measured: FrfSet, system: DynamicSystem) -> ResponseCorrelation:
+    """Return how measured FRFs correlate with a model's at the same points and lines.
+
+    The model stands alone, without the masses of a rig. Points that it lacks and the line at 0 Hz
+    are left out.
+
+    Raises
+    ------
+    InvalidInputError
+        If the two share no output or no input, or there is no line above 0 Hz.
+    """
+    here = set(system.dofs)
+    rows = [i for i, dof in enumerate(measured.outputs) if dof.point in here]
+    columns = [i for i, dof in enumerate(measured.inputs) if dof.point in here]
+    for name, kept, dofs in (("outputs", rows, measured.outputs), ("inputs", columns, measured.inputs)):
+        if not kept:
+            raise InvalidInputError(
+                f"the model has none of the measured {name}",
+                field=name,
+                value=", ".join(str(dof) for dof in dofs[:5]),
+                allowed=", ".join(str(dof) for dof in system.dofs[:5]),
+            )
+    lines = np.flatnonzero(measured.freq > 0)
+    if not len(lines):
+        raise InvalidInputError("there is no line above 0 Hz", field="freq", value=0.0, allowed="above 0 Hz")
+    freq, values = measured.freq[lines], measured.values[lines][:, rows][:, :, columns]
+    outputs = tuple(measured.outputs[i] for i in rows)
+    inputs = tuple(measured.inputs[i] for i in columns)
+    computed = _responses(system, freq, outputs, inputs, measured.kind)
+    wanted = min(len(freq), SHOWN, int(np.sqrt(MOST_SHOWN / len(inputs))))
+    shown = np.unique(np.linspace(0, len(freq) - 1, wanted).round().astype(int))
+    scale: tuple[float | None, ...] = (None, None, None)
+    if len(outputs) > 1 and len(freq) > 1:  # one response alone has no shape
+        scale = _ridge(system, freq, values, outputs, inputs)
+    left = len(measured.outputs) - len(rows) + len(measured.inputs) - len(columns)
+    return ResponseCorrelation(
+        outputs=outputs,
+        inputs=inputs,
+        frac=frac(values, computed),
+        freq=freq[shown],
+        fdac=fdac(values[shown], computed[shown]),
+        frequency_scale=scale[0],
+        fdac_on_ridge=scale[1],
+        fdac_unscaled=scale[2],
+        notes=(f"{left} measured points are none of the model's",) if left else (),
+    )
+
+
+def _responses(
+    system: DynamicSystem, freq: FloatArray, outputs: tuple[Dof, ...], inputs: tuple[Dof, ...], kind: FrfKind
+) -> ComplexArray:
+    """Return the model's FRFs, (n_freq, n_out, n_in), as `kind`."""
+    alpha = receptance(system, freq, system.selection(outputs), system.selection(inputs))
+    factor = (2j * np.pi * freq) ** FrfKind.RECEPTANCE.steps_to(kind)
+    return np.asarray(alpha * factor[:, None, None])
+
+
+def _ridge(
+    system: DynamicSystem,
+    freq: FloatArray,
+    values: ComplexArray,
+    outputs: tuple[Dof, ...],
+    inputs: tuple[Dof, ...],
+) -> tuple[float, float, float]:
+    """Return the frequency scale of the FDAC's ridge, and the means on it and at equal frequencies."""
+    ends = np.log(max(freq[0], LOWEST * freq[-1])), np.log(freq[-1])
+    grid, step = np.linspace(*ends, FINE, retstep=True)
+    even = np.exp(grid)
+    n_freq = len(freq)
+    flat = values.reshape(n_freq, -1)
+    fine = np.stack([np.interp(even, freq, column) for column in flat.T], axis=1)
+    computed = _responses(system, even, outputs, inputs, FrfKind.RECEPTANCE)
+    return ridge(fdac(fine.reshape(FINE, *values.shape[1:]), computed), float(step))
