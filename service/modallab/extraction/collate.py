@@ -95,6 +95,7 @@ def collate(
         fitted_loss_factor=np.where(shown, table.loss_factor[order], np.nan),
         modal_constant=constant,
         modal_constant_error=error,
+        fitted_lines=None if table.lines is None else table.lines[order],
         wander=wander,
         choices={**choices, "means": choice_of_means(wander)},
         notes=(*notes, *no_scale(at, drive), *wander_notes(wander, dofs), *why_outlying(table, order, dofs)),

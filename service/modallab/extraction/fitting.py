@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray
+from modallab.extraction.laws import Law
 from modallab.extraction.leakage import Leakage, OnePole
 from modallab.extraction.method import ExtractionMethod, ModeFits
 from modallab.extraction.screening import Screening, screen
@@ -29,6 +30,7 @@ class Table:
     loss_factor_error: FloatArray
     modal_constant_error: FloatArray
     screening: Screening
+    lines: IntArray | None = None  # (n_modes, n_frf, 2) first and last that each fit drew on
 
 
 @dataclass(frozen=True, eq=False)
@@ -70,43 +72,66 @@ def gather(
     return Data(freq[windows.index], values, weight, spacing, leakage, drive)
 
 
-def fit_all(method: ExtractionMethod, data: Data) -> Table:
+@dataclass(frozen=True, eq=False)
+class Settled:
+    """Fits that do not change any more, and what the last of them saw."""
+
+    table: Table
+    cleaned: ComplexArray  # (n_modes, n_frf, n_lines) m/N, freed of leakage and other modes
+    inertance: BoolArray  # (n_modes,) True where the mode was fitted on inertance
+
+
+def fit_all(method: ExtractionMethod, law: Law, data: Data, known: ComplexArray | float = 0.0) -> Settled:
     """Return every mode in every FRF.
 
     One window at a time, a single mode and a constant are fitted; then the other modes are taken off every
     window and the fits repeated. The constant stands for what lies outside the range: it is one in
     inertance for rigid bodies, in receptance for higher modes, so both are tried and each mode keeps the
-    kind with the smaller misfit. As `-omega^2 A/(lambda - omega^2) = A - lambda A/(lambda - omega^2)`, a
-    mode is a mode and a constant in inertance too, with the modal constant `-lambda A`. An FRF that does
+    kind with the smaller misfit. In inertance too a mode is a mode and a constant. An FRF that does
     not show a mode has its modal constant from linear least squares at the eigenvalue of the others.
+
+    Parameters
+    ----------
+    method, law
+        How a mode is fitted, and what its damping does.
+    known
+        (n_modes, n_frf, n_lines) receptance of modes that are not to be fitted again, m/N.
     """
-    others = np.zeros_like(data.receptance)
+    others = np.zeros_like(data.receptance) + known
     undone = np.ones_like(data.receptance)
     for n in range(ROUNDS if data.leakage is None else LEAKY_ROUNDS):
-        table, eigenvalue, rest = _fit_once(method, data, data.receptance * undone - others)
-        others = _others(data, table.modal_constant, eigenvalue)
+        now = _fit_once(method, law, data, data.receptance * undone - others)
+        others = _others(law, data, now.table.modal_constant, now.eigenvalue) + known
         if data.leakage is not None:
-            step = _undo(data, data.leakage, table.modal_constant, eigenvalue, rest + others)
+            step = _undo(law, data, data.leakage, now, now.rest + others)
             # modes much narrower than a line swing about the answer unless the late steps are halved
             share = 1.0 if n < LEAKY_ROUNDS // 2 else 0.5
             undone = (1 - share) * undone + share * step
     # the lines as they are now have no leakage left
-    return _fit_once(method, replace(data, leakage=None), data.receptance * undone - others)[0]
+    cleaned = data.receptance * undone - others
+    last = _fit_once(method, law, replace(data, leakage=None), cleaned)
+    return Settled(last.table, cleaned, last.inertance)
 
 
-def _fit_once(
-    method: ExtractionMethod, data: Data, target: ComplexArray
-) -> tuple[Table, ComplexArray, ComplexArray]:
-    """Return the fits, their eigenvalues (n_modes, n_frf), and the receptance beside each mode, as `data`."""
+@dataclass(frozen=True, eq=False)
+class _Round:
+    table: Table
+    eigenvalue: ComplexArray  # (n_modes, n_frf)
+    rest: ComplexArray  # receptance beside each mode, as `Data`
+    inertance: BoolArray  # (n_modes,)
+
+
+def _fit_once(method: ExtractionMethod, law: Law, data: Data, target: ComplexArray) -> _Round:
     n_modes, n_frf, n_lines = data.freq.shape
     frf = np.stack([target, -data.x * target])
     weight = np.stack([data.weight, data.weight / np.maximum(data.x, TINY) ** 2])
     rows = (2 * n_modes * n_frf, n_lines)
     freq = np.broadcast_to(data.freq, frf.shape)
-    fits = method(freq.reshape(rows), frf.reshape(rows), weight.reshape(rows))
+    order = np.repeat([0, 2], n_modes * n_frf)
+    fits = law.fit(method, freq.reshape(rows), frf.reshape(rows), weight.reshape(rows), order)
     kind = _better_kind(np.where(fits.found, fits.misfit, np.inf).reshape(2, n_modes, n_frf))
     pick = (kind[:, None] * n_modes + np.arange(n_modes)[:, None]) * n_frf + np.arange(n_frf)
-    return _complete(data, fits, pick, frf.reshape(rows)[pick], weight.reshape(rows)[pick], kind == 1)
+    return _complete(law, data, fits, pick, frf.reshape(rows)[pick], weight.reshape(rows)[pick], kind == 1)
 
 
 def _better_kind(misfit: FloatArray) -> IntArray:
@@ -117,8 +142,14 @@ def _better_kind(misfit: FloatArray) -> IntArray:
 
 
 def _complete(
-    data: Data, fits: ModeFits, pick: IntArray, frf: ComplexArray, weight: FloatArray, inertance: BoolArray
-) -> tuple[Table, ComplexArray, ComplexArray]:
+    law: Law,
+    data: Data,
+    fits: ModeFits,
+    pick: IntArray,
+    frf: ComplexArray,
+    weight: FloatArray,
+    inertance: BoolArray,
+) -> _Round:
     """Return what `_fit_once` does, from the fits picked, (n_modes, n_frf), and their lines."""
     widened = np.sqrt(np.maximum(fits.misfit[pick], 1))
     frequency, loss_factor = fits.frequency[pick], fits.loss_factor[pick]
@@ -133,25 +164,22 @@ def _complete(
     if data.leakage is not None:
         good = found  # a line's leakage is that of the fit through it, good or not
     eigenvalue = np.where(good, own, np.where(n_good > 0, shared, 1j))
-    held, held_error = _held(data.x, frf, weight, eigenvalue)
-    constant = np.where(good, fits.modal_constant[pick], held) * (n_good > 0)
-    error = np.where(good, fits.modal_constant_error[pick] * widened, held_error)
-    mode = constant[:, :, None] / (eigenvalue[:, :, None] - data.x)
-    total = weight.sum(axis=2, keepdims=True)
-    residual = (weight * (frf - mode)).sum(axis=2, keepdims=True) / np.where(total > 0, total, 1)
-    # back from inertance: divide the response by -omega^2, the modal constant by -lambda
-    divisor = np.where(inertance[:, None], -eigenvalue, 1)
-    constant, error = constant / divisor, error / np.abs(divisor)
+    # back from inertance: divide the response by -omega^2, the modal constant by that at the pole
     factor = np.where(inertance[:, None, None], -np.maximum(data.x, TINY), 1)
-    rest = (mode + residual) / factor - constant[:, :, None] / (eigenvalue[:, :, None] - data.x)
-    return Table(frequency, loss_factor, constant, *errors, error, screening), eigenvalue, rest
+    divisor = np.where(inertance[:, None], -law.pole(eigenvalue, eigenvalue)[0], 1)
+    shape = law.response(data.freq, eigenvalue[:, :, None], np.ones(1, complex))
+    held, held_error = _held(frf, weight, factor * shape)
+    constant = np.where(good, fits.modal_constant[pick] / divisor, held) * (n_good > 0)
+    error = np.where(good, fits.modal_constant_error[pick] * widened / np.abs(divisor), held_error)
+    mode = law.response(data.freq, eigenvalue[:, :, None], constant[:, :, None])
+    total = weight.sum(axis=2, keepdims=True)
+    residual = (weight * (frf - factor * mode)).sum(axis=2, keepdims=True) / np.where(total > 0, total, 1)
+    table = Table(frequency, loss_factor, constant, *errors, error, screening)
+    return _Round(table, eigenvalue, residual / factor, inertance)
 
 
-def _held(
-    x: FloatArray, frf: ComplexArray, weight: FloatArray, eigenvalue: ComplexArray
-) -> tuple[ComplexArray, FloatArray]:
-    """Return the modal constant and its error, (n_modes, n_frf), with the eigenvalue held."""
-    shape = 1 / (eigenvalue[:, :, None] - x)
+def _held(frf: ComplexArray, weight: FloatArray, shape: ComplexArray) -> tuple[ComplexArray, FloatArray]:
+    """Return the modal constant and its error, (n_modes, n_frf), of modes of known `shape`."""
     total = weight.sum(axis=2, keepdims=True)
     share = weight / np.where(total > 0, total, 1)
     shape = shape - (share * shape).sum(axis=2, keepdims=True)
@@ -164,12 +192,13 @@ def _held(
     return constant, np.sqrt(np.maximum(misfit, 1) / 2 / safe)
 
 
-def _undo(
-    data: Data, leakage: Leakage, constant: ComplexArray, eigenvalue: ComplexArray, rest: ComplexArray
-) -> ComplexArray:
+def _undo(law: Law, data: Data, leakage: Leakage, now: _Round, rest: ComplexArray) -> ComplexArray:
     """Return what to multiply the measured lines by; `rest` is the receptance beside each mode."""
-    # a mode's receptance, turned to inertance, is a mode and its modal constant
-    inertance = constant[:, :, None] - data.x * rest
+    squared, constant = law.pole(now.eigenvalue, now.table.modal_constant)
+    mode = law.response(data.freq, now.eigenvalue[:, :, None], now.table.modal_constant[:, :, None])
+    # turned to inertance, a mode is a pole and its modal constant
+    pole = constant[:, :, None] / (squared[:, :, None] - data.x)
+    inertance = constant[:, :, None] - data.x * (rest + mode - pole)
     at = data.drive
     if at is None:
         drive, beside = np.zeros_like(constant), np.zeros_like(rest)
@@ -181,15 +210,16 @@ def _undo(
     return leakage.undone(
         data.freq,
         data.spacing,
-        OnePole(eigenvalue, -eigenvalue * constant, inertance),
-        OnePole(eigenvalue, -eigenvalue * drive, beside),
+        OnePole(squared, -squared * constant, inertance),
+        OnePole(squared, -squared * drive, beside),
     )
 
 
-def _others(data: Data, constant: ComplexArray, eigenvalue: ComplexArray) -> ComplexArray:
+def _others(law: Law, data: Data, constant: ComplexArray, eigenvalue: ComplexArray) -> ComplexArray:
     """Return the receptance of all modes but its own in every window, (n_modes, n_frf, n_lines)."""
-    gap = eigenvalue.T[None, :, None, :] - data.x[:, :, :, None]
-    each = constant.T[None, :, None, :] / gap
+    each = law.response(
+        data.freq[:, :, :, None], eigenvalue.T[None, :, None, :], constant.T[None, :, None, :]
+    )
     each[np.arange(len(constant)), :, :, np.arange(len(constant))] = 0
     others: ComplexArray = each.sum(axis=3)
     return others

@@ -1,6 +1,7 @@
 """Modes by single-mode methods: a band for each, a window in each FRF, one set collated from all fits."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
@@ -9,13 +10,15 @@ from modallab.core.errors import NoModeInBandError
 from modallab.core.modal_model import ModalModel
 from modallab.core.progress import Progress, silent
 from modallab.extraction.bands import Band, find_bands, given_bands, mode_indicator
+from modallab.extraction.choosing import plan
 from modallab.extraction.collate import collate
 from modallab.extraction.fitting import Table, fit_all, gather
+from modallab.extraction.laws import LAWS
 from modallab.extraction.leakage import Leakage
-from modallab.extraction.method import ExtractionMethod
+from modallab.extraction.method import TRAITS, ExtractionMethod
 from modallab.extraction.options import ExtractionOptions
 from modallab.extraction.responses import Responses
-from modallab.extraction.windows import LEAKY_LINES, LINES, place_windows
+from modallab.extraction.windows import place_windows
 
 
 def extract_mode_by_mode(
@@ -31,19 +34,32 @@ def extract_mode_by_mode(
 ) -> ModalModel:
     """Return the modes that a single-mode method reads; parameters and errors as `extract`."""
     freq, dofs = responses.freq, responses.dofs
+    decided = plan(method, options, leakage)
     progress(0.0, "looking for modes")
     indicator = mode_indicator(responses.mobility, responses.coherent)
     found = find_bands(indicator, n_modes) if bands is None else given_bands(freq, indicator, bands)
-    base = options.lines or (LINES if leakage is None else LEAKY_LINES)
-    windows = place_windows(responses.mobility, indicator, found, base=base)
+    windows = place_windows(
+        responses.mobility,
+        indicator,
+        found,
+        base=decided.lines,
+        widths=decided.widths,
+        leave_out=decided.leave_out,
+    )
     progress(0.2, f"fitting {len(found)} modes in {len(dofs)} FRFs")
     data = gather(freq, responses.receptance, responses.variance, windows, leakage, responses.drive_row)
-    table = fit_all(fit, data)
+    settled = fit_all(fit, LAWS[options.damping], data)
+    table = replace(settled.table, lines=windows.ends)
     notes = _missing(table, freq, found, given=bands is not None)
+    if not TRAITS[method].exact:
+        notes.append(f"{method} is biased: by up to half a line in frequency, and towards too much damping")
+    left_out = np.diff(windows.ends, axis=2)[:, :, 0] + 1 - windows.used.sum(axis=2)
+    if (left_out < decided.leave_out).any():
+        notes.append(f"bands of few lines: there, fewer than {decided.leave_out} are left out")
     if n_modes is not None and bands is None and len(found) < n_modes:
         notes.append(f"{n_modes} modes asked for, {len(found)} found")
     progress(1.0, "modes collated")
-    return collate(table, dofs, responses.drive, method=method, notes=notes)
+    return collate(table, dofs, responses.drive, method=method, notes=notes, choices=decided.choices)
 
 
 def _missing(table: Table, freq: FloatArray, bands: Sequence[Band], *, given: bool) -> list[str]:

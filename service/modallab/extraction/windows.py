@@ -7,11 +7,9 @@ import numpy as np
 
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from modallab.extraction.bands import Band
+from modallab.extraction.method import MIN_LINES
 
-LINES = 8  # periodic data: weighted fits draw on few lines, and near ones see least of other modes
-LEAKY_LINES = 12  # leaked data: the far lines are the true ones
-WIDTHS = 3  # a window spans at least so many half-power bandwidths, or the circle is but an arc
-MOST_LINES = 96  # beyond, Dobson's pairs cost more than the lines add
+MOST_LINES = 96  # unless more are asked for: beyond, Dobson's pairs cost more than the lines add
 REACH = 0.01  # an FRF's own peak is looked for where the indicator is above this part of its peak
 
 
@@ -21,12 +19,19 @@ class Windows:
 
     index: IntArray
     used: BoolArray
+    ends: IntArray  # (n_modes, n_frf, 2) first and last line, whatever is left out between them
 
 
 def place_windows(
-    mobility: ComplexArray, indicator: FloatArray, bands: Sequence[Band], *, base: int
+    mobility: ComplexArray,
+    indicator: FloatArray,
+    bands: Sequence[Band],
+    *,
+    base: int,
+    widths: float = 0.0,
+    leave_out: int = 0,
 ) -> Windows:
-    """Return the lines nearest each FRF's own peak, `base` of them or three bandwidths, kept inside the band.
+    """Return the lines nearest each FRF's own peak, kept inside the band.
 
     Parameters
     ----------
@@ -38,6 +43,10 @@ def place_windows(
         One a mode.
     base
         Number of lines for a mode that is not wider.
+    widths
+        Half-power bandwidths that the lines span at least.
+    leave_out
+        How many of the lines, those nearest the peak, are not used; fewer where too few would be left.
     """
     size = np.abs(mobility)
     first, last, count = (np.empty(len(bands), int) for _ in range(3))
@@ -45,7 +54,8 @@ def place_windows(
     for m, band in enumerate(bands):
         first[m], last[m] = band.first, band.last
         wide = _around(indicator, band, 0.5)
-        count[m] = min(max(base, WIDTHS * (wide[1] - wide[0])), MOST_LINES, band.last - band.first + 1)
+        least = max(base, min(int(widths * (wide[1] - wide[0])), MOST_LINES))
+        count[m] = min(least, band.last - band.first + 1)
         own[m] = _own_peaks(size, band, _around(indicator, band, REACH))
     columns = np.arange(size.shape[1])
     above, below = np.minimum(own + 1, len(size) - 1), np.maximum(own - 1, 0)
@@ -56,7 +66,24 @@ def place_windows(
     offset = np.arange(count.max())
     used = np.broadcast_to(offset < count[:, None, None], (*own.shape, len(offset)))
     index = np.minimum(start[:, :, None] + offset, len(size) - 1)
-    return Windows(index, used)
+    if leave_out:
+        used = without_nearest(size[index, columns[None, :, None]], used, leave_out)
+    ends = np.stack([start, start + count[:, None] - 1], axis=2)
+    return Windows(index, used, ends)
+
+
+def without_nearest(size: FloatArray, used: BoolArray, leave_out: int) -> BoolArray:
+    """Return `used` without the lines nearest the highest, all (..., n_lines); at least four stay."""
+    high = np.where(used, size, -1.0)
+    peak = np.argmax(high, axis=-1)[..., None]
+    last = size.shape[-1] - 1
+    above, below = np.minimum(peak + 1, last), np.maximum(peak - 1, 0)
+    higher_above = np.take_along_axis(high, above, -1) > np.take_along_axis(high, below, -1)
+    # a quarter of a line to the side where the resonance is, so that no two lines are as near
+    away = np.abs(np.arange(last + 1) - peak - np.where(higher_above, 0.25, -0.25))
+    rank = np.argsort(np.argsort(np.where(used, away, np.inf), axis=-1), axis=-1)
+    spare = np.clip(used.sum(axis=-1, keepdims=True) - MIN_LINES, 0, leave_out)
+    return np.asarray(used & (rank >= spare))
 
 
 def _around(indicator: FloatArray, band: Band, part: float) -> tuple[int, int]:

@@ -3,7 +3,7 @@ import pytest
 
 from modallab.extraction.bands import Band
 from modallab.extraction.method import ModeFit
-from modallab.extraction.windows import line_variance, place_windows
+from modallab.extraction.windows import line_variance, place_windows, without_nearest
 
 
 def test_a_window_follows_each_frf_and_stays_in_the_band() -> None:
@@ -23,7 +23,7 @@ def test_a_window_follows_each_frf_and_stays_in_the_band() -> None:
 def test_a_wide_mode_has_a_window_of_three_bandwidths() -> None:
     freq = np.arange(1.0, 401.0)
     mobility = (freq * ModeFit(200.0, 0.1, 1.0).response(freq))[:, None]
-    windows = place_windows(mobility, np.abs(mobility[:, 0]) ** 2, [Band(0, 399, 199)], base=8)
+    windows = place_windows(mobility, np.abs(mobility[:, 0]) ** 2, [Band(0, 399, 199)], base=8, widths=3)
     assert windows.index.shape[2] == pytest.approx(60, abs=6)  # 3 x 20 Hz at 1 Hz, a line at each end
 
 
@@ -63,3 +63,15 @@ def test_a_line_that_says_nothing_has_no_bound_on_its_error() -> None:
     variance = line_variance(np.array([[1 + 0j, 0j, 1j]]), np.array([[0.0, 1.0, 1.0]]), 10)
     assert np.isinf(variance[0, :2]).all()
     assert 0 < variance[0, 2] < 1e-12
+
+
+def test_the_lines_left_out_are_those_round_the_peak_and_four_always_stay() -> None:
+    size = np.array([[1, 2, 4, 9, 7, 3, 2, 1.0], [1, 2, 4, 9, 7, 3, 2, 1.0]])
+    used = np.ones((2, 8), bool)
+    used[1, 6:] = False
+    # from the highest to its higher neighbour, then the sides in turn
+    assert np.flatnonzero(~without_nearest(size, used, 1)[0]).tolist() == [3]
+    assert np.flatnonzero(~without_nearest(size, used, 3)[0]).tolist() == [2, 3, 4]
+    kept = without_nearest(size, used, 4)
+    assert kept.sum(axis=1).tolist() == [4, 4]
+    assert np.flatnonzero(kept[1]).tolist() == [0, 1, 2, 5]
