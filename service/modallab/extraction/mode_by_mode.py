@@ -18,6 +18,7 @@ from modallab.extraction.leakage import Leakage
 from modallab.extraction.method import TRAITS, ExtractionMethod
 from modallab.extraction.options import ExtractionOptions
 from modallab.extraction.responses import Responses
+from modallab.extraction.resynthesis import with_resynthesis
 from modallab.extraction.windows import place_windows
 
 
@@ -59,7 +60,8 @@ def extract_mode_by_mode(
     if n_modes is not None and bands is None and len(found) < n_modes:
         notes.append(f"{n_modes} modes asked for, {len(found)} found")
     progress(1.0, "modes collated")
-    return collate(table, dofs, responses.drive, method=method, notes=notes, choices=decided.choices)
+    model = collate(table, dofs, responses.drive, method=method, notes=notes, choices=decided.choices)
+    return with_resynthesis(model, responses, found)
 
 
 def _missing(table: Table, freq: FloatArray, bands: Sequence[Band], *, given: bool) -> list[str]:
