@@ -93,7 +93,7 @@ def _residues(circle: Circle, fractions: Fractions, row: IntArray, z: ComplexArr
         of_part = beside.reshape(len(z), -1) @ part.reshape(-1, part.shape[-1]).T
         of_part = of_part.reshape(len(z), len(part), terms)
         across[:, start : start + len(part)] = np.matmul(of_part, powers[:, :, None])[..., 0]
-    whole = (across / slope[:, None])[:, :, None] * (u * circle.scale)[:, None, :]
+    whole = (across / slope[:, None])[:, :, None] * u[:, None, :] * circle.scale
     return np.asarray(whole.reshape(len(z), -1))
 
 

@@ -27,30 +27,26 @@ from modallab.core.arrays import ComplexArray, FloatArray, IntArray
 
 ARC = 0.8  # of the circle: on a whole one the two ends of a band would meet, and they differ
 LOUDEST = 100.0  # times the power of the usual FRF: an error told too small must not silence the others
-DEEPEST = 1e-8  # of the largest |A|^2: below, one line would be all that counts
+DEEPEST = 1e-8  # of the largest power: below, a line would not count at all
+ALIKE = 1e-9  # weights that differ by rounding
 COMPENSATED = 0.75  # of what noise adds to M: bias falls with it; with all of it, noise poles would be stable
 ROUNDING = 1e-14  # of the mean of a diagonal: sums of exact data are positive but for rounding
 
 
 @dataclass(frozen=True, eq=False)
 class Circle:
-    """FRFs on an arc of the unit circle, all inputs brought to one size."""
+    """FRFs on an arc of the unit circle, all inputs and all FRFs brought to one size."""
 
     frf: ComplexArray  # (n_freq, n_out, n_in)
-    weight: FloatArray  # (n_freq, n_out) of an equation, which is a row of the FRF matrix
+    weight: FloatArray  # (n_freq, n_out) of an equation, a row of the FRF matrix; (n_freq, 1) where all agree
     noise: FloatArray  # (n_freq, n_out, n_in) E|error|^2 times that weight
-    scale: FloatArray  # (n_in,) what each input was divided by
+    scale: FloatArray  # (n_out, n_in) what the FRFs were divided by
     points: int  # N, round the whole circle
 
     def sums(self, values: ComplexArray | FloatArray, order: int) -> ComplexArray:
         """Return `sum_k values_k z_k^l`, the lags l = -order to order on the last axis."""
         turned = scipy.fft.ifft(values, self.points, axis=0, norm="forward")
         return np.asarray(np.moveaxis(turned[np.arange(-order, order + 1)], 0, -1))
-
-    def along(self, coefficient: ComplexArray) -> ComplexArray:
-        """Return `sum_j coefficient_j z_k^j`, the lines on the first axis."""
-        turned = scipy.fft.ifft(coefficient, self.points, axis=0, norm="forward")
-        return np.asarray(turned[: len(self.frf)])
 
 
 @dataclass(frozen=True, eq=False)
@@ -63,26 +59,46 @@ class Fractions:
 
 
 def on_circle(frf: ComplexArray, weight: FloatArray) -> Circle:
-    """Return the lines as the sums take them; parameters as `GlobalMethod`."""
+    """Return the lines as the sums take them; parameters as `GlobalMethod`.
+
+    The error of an equation is that of the FRF times `|A|`. The power of all FRFs together peaks where
+    `1/|A|^2` does, so that weighting by it makes the error of the FRFs least, and not of the equations.
+    """
     size = np.sqrt(np.mean(np.abs(frf) ** 2, axis=(0, 1)))
     scale = np.where(size > 0, size, 1.0)
     usable = (weight > 0).all(axis=2)
     variance = np.where(usable[:, :, None], 1 / np.where(weight > 0, weight, 1.0), 0.0) / scale**2
     row = np.where(usable, 1 / np.where(usable, variance.mean(axis=2), 1.0), 0.0)
-    scaled = frf / scale
-    power = (row * (np.abs(scaled) ** 2).sum(axis=2)).sum(axis=0)
-    loud = LOUDEST * (np.median(power[power > 0]) if power.any() else 1.0)
-    row = row * np.minimum(1.0, loud / np.where(power > 0, power, loud))
-    row = row / (row.mean() or 1.0)
+    power = (np.abs(frf / scale) ** 2).sum(axis=2) * usable
+    level = _level(row, power)
+    pattern = row / level * _gain(power)[:, None]
+    if (np.ptp(pattern, axis=1) <= ALIKE * pattern.max(axis=1)).all():
+        pattern = pattern[:, :1]
+    each = scale / np.sqrt(level)[:, None]
+    noise = pattern[:, :, None] * variance * level[:, None]
     points = scipy.fft.next_fast_len(int(np.ceil(len(frf) / ARC)))
-    return Circle(scaled, row, variance * row[:, :, None], scale, points)
+    return Circle(frf / each, pattern, noise, each, points)
+
+
+def _level(row: FloatArray, power: FloatArray) -> FloatArray:
+    """Return what each FRF's weights are divided by, (n_out,), bounded where it is far above the others."""
+    level = row.mean(axis=0)
+    told = (row * power).sum(axis=0)
+    loudest = LOUDEST * (np.median(told[told > 0]) if told.any() else 1.0)
+    level = level * np.minimum(1.0, loudest / np.where(told > 0, told, loudest))
+    return np.asarray(np.where(level > 0, level, 1.0))
+
+
+def _gain(power: FloatArray) -> FloatArray:
+    """Return the power of all FRFs, each in parts of its own sum, (n_freq,), with a geometric mean of 1."""
+    total = power.sum(axis=0)
+    gain = (power / np.where(total > 0, total, 1.0)).sum(axis=1)
+    gain = np.maximum(gain, DEEPEST * (gain.max() or 1.0))
+    return np.asarray(gain / np.exp(np.log(gain).mean()))
 
 
 def fit_fractions(circle: Circle, orders: IntArray) -> Fractions:
     """Return the fractions of every order.
-
-    Solved twice: at first each line counts by its random error, then also by `1/|A|^2` of the first
-    solution, so that it is the error of the FRF that is made least and not that of the equation.
 
     Parameters
     ----------
@@ -91,26 +107,11 @@ def fit_fractions(circle: Circle, orders: IntArray) -> Fractions:
     orders
         (n_orders,) rising.
     """
-    highest = int(orders[-1])
-    start = _normal(circle, highest).solve(orders[-1:])[0]
-    gain = _gain(circle.along(start))
-    circle = replace(circle, weight=circle.weight * gain[:, None], noise=circle.noise * gain[:, None, None])
-    normal = _normal(circle, highest)
+    normal = _normal(circle, int(orders[-1]))
     added = _added_by_noise(circle, normal)
     level = _noise_level(_factor(normal.reduced, normal.total), added)
     unbiased = replace(normal, reduced=normal.reduced - COMPENSATED * level * added)
     return Fractions(unbiased.solve(orders), normal.numerator, level)
-
-
-def _gain(denominator: ComplexArray) -> FloatArray:
-    """Return `|A^-1|^2` at every line, (n_freq,), with a geometric mean of 1."""
-    if denominator.shape[1] > 1:
-        singular = np.linalg.svd(denominator, compute_uv=False)
-    else:
-        singular = np.abs(denominator[:, 0])
-    square = singular**2
-    gain = (1 / np.maximum(square, DEEPEST * square.max())).sum(axis=1)
-    return np.asarray(gain / np.exp(np.log(gain).mean()))
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,7 +120,7 @@ class _Normal:
 
     reduced: ComplexArray  # ((n + 1) n_in, (n + 1) n_in) M
     total: ComplexArray  # the same shape, sum of all T_o
-    inverse: ComplexArray  # (n_out, n + 1, n + 1) R^-1
+    inverse: ComplexArray  # (n_out, n + 1, n + 1) R^-1; (1, ...) where all agree
     numerator: ComplexArray  # (n_out, n + 1, (n + 1) n_in) R^-1 S
 
     def solve(self, orders: IntArray) -> ComplexArray:
@@ -143,7 +144,7 @@ def _normal(circle: Circle, order: int) -> _Normal:
     weighted = circle.weight[:, :, None] * circle.frf
     mixed = _toeplitz(circle.sums(weighted, order))
     of_outputs = mixed.transpose(0, 2, 3, 1).reshape(n_out, order + 1, size)
-    power = np.matmul(weighted.conj().transpose(0, 2, 1), circle.frf)
+    power = np.einsum("koi,koj->kij", weighted.conj(), circle.frf)
     total = _toeplitz(circle.sums(power, order)).transpose(2, 0, 3, 1).reshape(size, size)
     own = _toeplitz(circle.sums(circle.weight, order))
     # R^-1 = F^H F: a difference of squares loses less to rounding than one with R^-1
@@ -156,9 +157,8 @@ def _normal(circle: Circle, order: int) -> _Normal:
 
 def _toeplitz(lags: ComplexArray) -> ComplexArray:
     """Return matrices whose element (j, k) is the lag k - j, (..., n + 1, n + 1)."""
-    order = lags.shape[-1] // 2
-    each = np.arange(order + 1)
-    return np.asarray(lags[..., order + each - each[:, None]])
+    rows = np.lib.stride_tricks.sliding_window_view(lags, lags.shape[-1] // 2 + 1, axis=-1)
+    return np.asarray(rows[..., ::-1, :])
 
 
 def _factor(matrices: ComplexArray, of: ComplexArray) -> ComplexArray:
@@ -177,9 +177,9 @@ def _added_by_noise(circle: Circle, normal: _Normal) -> ComplexArray:
 
     Of the noise in an equation the numerators take up a share: the leverage of its line.
     """
-    n_out, n_in = circle.frf.shape[1:]
+    n_in = circle.frf.shape[2]
     order = normal.inverse.shape[1] - 1
-    lags = np.zeros((circle.points, n_out), complex)
+    lags = np.zeros((circle.points, len(normal.inverse)), complex)
     lags[np.arange(-order, order + 1)] = _along_diagonals(normal.inverse).T
     leverage = circle.weight * scipy.fft.fft(lags, axis=0)[: len(circle.weight)].real
     left = np.clip(1 - leverage, 0.0, 1.0)

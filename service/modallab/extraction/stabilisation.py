@@ -26,7 +26,7 @@ USUAL = Tolerances()
 
 
 def stabilise(poles: Poles, tolerances: Tolerances = USUAL) -> IntArray:
-    """Return how stable every pole is, (n_poles,): 0 new, 1 in frequency, 2 and in damping, 3 in its vector too.
+    """Return how stable every pole is, (n_poles,): 0 new, 1 in frequency, 2 and in damping, 3 in vector too.
 
     Each pole is held against the one nearest to it among the poles of the next lower order. Where the
     method gives no vectors, 3 is 2.
