@@ -1,0 +1,58 @@
+"""Where modes are, from all FRFs at once: the mode indicator function and the complex one."""
+
+import numpy as np
+
+from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.core.frf import FrfKind, FrfSet
+
+
+def real_part_indicator(frf: FrfSet) -> FloatArray:
+    """Return the mode indicator function (MIF), (n_freq, n_in): 0 at resonances, towards 1 between.
+
+    `sum_j |Re H_j| |H_j| / sum_j |H_j|^2` over the responses to each force: at a resonance with real modes
+    receptance and inertance are imaginary (and mobility, of which the imaginary part is taken instead,
+    real) in all FRFs, so that modes are dips of like depth, large or small, as long as they stand out of
+    the others' tails. Close modes share a dip, unless forces at different points tell them apart. Lines at
+    which nothing moves show nothing: 1.
+
+    Parameters
+    ----------
+    frf
+        Of any kind.
+
+    References
+    ----------
+    Breitbach, E. (1973), A semi-automatic modal survey test technique for complex aircraft and spacecraft
+    structures, Proc. 3rd ESRO Testing Symposium, 519-528.
+    """
+    values, size = _scaled(frf.values)
+    part = np.abs(values.imag if frf.kind is FrfKind.MOBILITY else values.real)
+    power = (size**2).sum(axis=1)
+    return np.asarray(np.where(power > 0, (part * size).sum(axis=1) / np.where(power > 0, power, 1.0), 1.0))
+
+
+def complex_mode_indicator(frf: FrfSet) -> FloatArray:
+    """Return the complex mode indicator function (CMIF), (n_freq, min(n_out, n_in)), unit of the FRFs.
+
+    The singular values of every line's matrix of FRFs, the largest first: peaks of the first are modes,
+    and two modes at one frequency, which no single force tells apart, are peaks of the first and the
+    second. With one force, or one response, it is the root of the summed power.
+
+    Parameters
+    ----------
+    frf
+        Of any kind; mobility shows low and high modes at like height.
+
+    References
+    ----------
+    Shih, C. Y., Tsuei, Y. G., Allemang, R. J. and Brown, D. L. (1988), Complex mode indication function and
+    its applications to spatial domain parameter estimation, Mech. Syst. Signal Process. 2(4), 367-377.
+    """
+    return np.asarray(np.linalg.svd(frf.values, compute_uv=False))
+
+
+def _scaled(values: ComplexArray) -> tuple[ComplexArray, FloatArray]:
+    """Return the values of every line and force with the largest 1, and their moduli."""
+    largest = np.abs(values).max(axis=1, keepdims=True)
+    scaled = values / np.where(largest > 0, largest, 1.0)
+    return scaled, np.asarray(np.abs(scaled))
