@@ -12,6 +12,7 @@ from modallab.estimation.estimator import ESTIMATORS
 from modallab.estimation.windows import WINDOWS
 from modallab.extraction.method import EXTRACTION_METHODS
 from modallab.fe.catalogued import STRUCTURES
+from modallab.fe.reduction import REDUCTIONS
 from modallab.rig.effect import EFFECTS
 from modallab.rig.excitation import EXCITATIONS
 from modallab.updating.method import UPDATERS
@@ -19,7 +20,14 @@ from modallab.updating.method import UPDATERS
 router = APIRouter(prefix="/catalog", tags=["catalog"])
 
 FamilyName = Literal[
-    "effects", "structures", "excitations", "windows", "estimators", "extraction-methods", "updating-methods"
+    "effects",
+    "structures",
+    "excitations",
+    "windows",
+    "estimators",
+    "extraction-methods",
+    "updating-methods",
+    "reductions",
 ]
 FAMILIES: Mapping[FamilyName, Mapping[str, Any]] = {
     "effects": EFFECTS,
@@ -29,6 +37,7 @@ FAMILIES: Mapping[FamilyName, Mapping[str, Any]] = {
     "estimators": ESTIMATORS,
     "extraction-methods": EXTRACTION_METHODS,
     "updating-methods": UPDATERS,
+    "reductions": REDUCTIONS,
 }
 
 

@@ -8,12 +8,15 @@ from modallab.core.arrays import ComplexArray, FloatArray, frozen
 from modallab.core.common_dofs import common_points, rows_at
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
+from modallab.core.frf import FrfSet
 from modallab.core.modal_model import ModalModel
 from modallab.correlation.coordinate import comac, ecomac
 from modallab.correlation.mac import FLOOR, mac, pair_modes, pole_weighted_mac
 from modallab.correlation.orthogonality import Orthogonality
-from modallab.correlation.responses import ResponseCorrelation
-from modallab.fe.reduction import ReducedSystem
+from modallab.correlation.responses import ResponseCorrelation, compare_responses
+from modallab.fe.reduction import ReducedSystem, Reduction, reduce
+from modallab.fe.selected import exact_modes
+from modallab.fe.system import DynamicSystem
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,6 +40,44 @@ class Correlation:
         for name, shape in (shapes | {"pole_weighted_mac": self.mac.shape}).items():
             if getattr(self, name) is not None:
                 object.__setattr__(self, name, frozen(getattr(self, name), float, shape, name=name))
+
+
+MOST_MODES = 100  # of a model, unasked
+
+
+def correlate(
+    system: DynamicSystem,
+    measured: ModalModel,
+    *,
+    count: int | None = None,
+    reduction: Reduction | None = None,
+    frf: FrfSet | None = None,
+) -> Correlation:
+    """Return how a structure correlates with measured modes and, where they are given, measured FRFs.
+
+    Parameters
+    ----------
+    count
+        Elastic modes of the structure; by default as many as were measured.
+    reduction
+        To the common DoFs, for orthogonality in the structure's mass.
+    frf
+        Held against the structure's own at the same points and lines.
+
+    Raises
+    ------
+    InvalidInputError
+        If the two have no DoF in common, one has no modes, or the common DoFs do not determine the motion
+        of the others.
+    """
+    model = exact_modes(system, count or min(len(measured.modes), MOST_MODES))
+    masters = common_points(measured.dofs, system.dofs)
+    return compare(
+        model,
+        measured,
+        reduced=reduce(system, masters, reduction) if reduction and masters else None,
+        responses=None if frf is None else compare_responses(frf, system),
+    )
 
 
 def compare(

@@ -39,6 +39,22 @@ def orthogonality(first: ComplexArray, second: ComplexArray, mass: FloatArray) -
     return np.asarray(np.minimum(values, 1.0))
 
 
+def frequency_errors(reduced: ReducedSystem, computed: ComplexArray, frequencies: FloatArray) -> FloatArray:
+    """Return by how much a reduced model has each mode of the full one too high, (n_modes,), relative.
+
+    Parameters
+    ----------
+    computed
+        (n_master, n_modes) shapes of the full model at the masters.
+    frequencies
+        (n_modes,) Hz, of these modes, above zero.
+    """
+    own, shapes = reduced.modes()
+    # It may lack modes, or have them in another order: each is looked for by its shape.
+    partner = orthogonality(computed, shapes.astype(complex), reduced.mass).argmax(axis=1)
+    return np.asarray(own[partner] / frequencies - 1)
+
+
 @dataclass(frozen=True, eq=False)
 class Orthogonality:
     """Measured and computed modes in a reduced mass, and how good that mass is."""
@@ -81,13 +97,10 @@ class Orthogonality:
                 value=len(measured),
                 allowed=len(reduced.masters),
             )
-        own_frequencies, own_shapes = reduced.modes()
-        # A reduced model may lack modes, or have them in another order: each is looked for by its shape.
-        partner = orthogonality(computed, own_shapes.astype(complex), reduced.mass).argmax(axis=1)
         return cls(
             reduction=reduced.reduction.kind,
             parameters=reduced.reduction.parameters,
             cross=orthogonality(measured, computed, reduced.mass),
             auto=orthogonality(measured, measured, reduced.mass),
-            frequency_errors=own_frequencies[partner] / model.frequencies - 1,
+            frequency_errors=frequency_errors(reduced, computed, model.frequencies),
         )

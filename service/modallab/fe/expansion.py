@@ -4,12 +4,15 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from modallab.core.arrays import ComplexArray, FloatArray, frozen
+from modallab.core.arrays import ComplexArray, FloatArray, IntArray, frozen
 from modallab.core.common_dofs import common_points, rows_at
 from modallab.core.errors import InvalidInputError
-from modallab.core.modal_model import ModalModel
+from modallab.core.modal_model import ModalModel, Mode
 from modallab.fe.reduction import ReducedSystem, Reduction, reduce
 from modallab.fe.system import DynamicSystem
+
+DOUBTFUL = 0.1  # residual, or relative error of the Rayleigh quotient, beyond which a shape is flagged
+FLAG = "doubtful_expansion"
 
 
 @dataclass(frozen=True, eq=False)
@@ -32,7 +35,8 @@ def expand(system: DynamicSystem, measured: ModalModel, reduction: Reduction) ->
     Scale and phase stay as measured. Measured DoFs that the model lacks are left out. `residual` is
     |phi_m - (T phi_m)_m| / |phi_m|: 0 where a reduction lets masters follow themselves, with SEREP what no
     mode of the model has. `rayleigh` far from the measured frequency means that the model would not
-    move like this. Standard errors of the shapes follow as those of independent numbers.
+    move like this. Modes where either is off by more than `DOUBTFUL` are flagged. Standard errors of the
+    shapes follow as those of independent numbers.
 
     Raises
     ------
@@ -49,18 +53,19 @@ def expand(system: DynamicSystem, measured: ModalModel, reduction: Reduction) ->
         )
     rows, signs = rows_at(measured.dofs, masters)
     own = [reduction.at_mode(mode.frequency) for mode in measured.modes]
+    # one for all modes, unless each has a frequency of its own
     known = {one: reduce(system, masters, one) for one in dict.fromkeys(own)}
-    seen = signs[:, None] * measured.shapes[rows]
-    # `systems` of one reduction for all modes are one and the same
     systems = [known[one] for one in own]
+    seen = signs[:, None] * measured.shapes[rows]
     shapes = np.stack([s.transformation @ x for s, x in zip(systems, seen.T, strict=True)], axis=1)
     residual = _residual(shapes[[system.index(dof) for dof in masters]], seen)
-    modes = []
-    for r, (mode, reduced) in enumerate(zip(measured.modes, systems, strict=True)):
-        errors = None
-        if mode.shape_errors is not None:
-            errors = np.sqrt(reduced.transformation**2 @ mode.shape_errors[rows] ** 2)
-        modes.append(replace(mode, shape=shapes[:, r], shape_errors=errors))
+    rayleigh = _rayleigh(systems, seen)
+    off = np.abs(rayleigh - measured.frequencies) > DOUBTFUL * measured.frequencies
+    doubtful = off | (residual > DOUBTFUL)
+    modes = [
+        _carried(mode, shapes[:, r], rows, systems[r], doubtful=bool(doubtful[r]))
+        for r, mode in enumerate(measured.modes)
+    ]
     left_out = len(measured.dofs) - len(rows)
     notes = (f"{left_out} measured degrees of freedom are none of the model's",) if left_out else ()
     model = ModalModel(
@@ -68,9 +73,25 @@ def expand(system: DynamicSystem, measured: ModalModel, reduction: Reduction) ->
         dofs=system.dofs,
         normalisation=measured.normalisation,
         method=measured.method,
+        choices={**measured.choices, "expansion": _choice(reduction, residual)},
         notes=(*measured.notes, *notes),
     )
-    return Expansion(model, residual, _rayleigh(systems, seen))
+    return Expansion(model, residual, rayleigh)
+
+
+def _carried(mode: Mode, shape: ComplexArray, rows: IntArray, by: ReducedSystem, *, doubtful: bool) -> Mode:
+    """Return a mode with its shape at all DoFs, its errors carried along."""
+    errors = mode.shape_errors
+    if errors is not None:
+        errors = np.sqrt(by.transformation**2 @ errors[rows] ** 2)
+    flags = (*mode.flags, FLAG) if doubtful else mode.flags
+    return replace(mode, shape=shape, shape_errors=errors, flags=flags)
+
+
+def _choice(reduction: Reduction, residual: FloatArray) -> str:
+    numbers = ", ".join(f"{name} {value:g}" for name, value in reduction.parameters.items())
+    how = f"{reduction.kind} ({numbers})" if numbers else reduction.kind
+    return f"{how}: leaves up to {residual.max():.2g} of a measured shape"
 
 
 def _residual(expanded: ComplexArray, seen: ComplexArray) -> FloatArray:

@@ -1,38 +1,59 @@
-"""Correlations: measured modes against those of a model."""
+"""Correlations: measured modes, and measured FRFs, against those of a model."""
 
 from typing import Annotated
 
 from fastapi import APIRouter, status
+from starlette.responses import Response
 
-from modallab.api.correlations.schemas import CorrelationIn, CorrelationOut
+from modallab.api.arrays import NPZ, Precision, npz_of
+from modallab.api.correlations.schemas import CorrelationIn, CorrelationOut, arrays_out, small
 from modallab.api.deps import IdPath, OwnerDep, StoreDep
-from modallab.api.examples import example
+from modallab.api.examples import examples
+from modallab.api.reductions import reduction_in
 from modallab.api.shelves import add_routes
-from modallab.correlation.compare import compare
-from modallab.fe.selected import exact_modes
+from modallab.correlation.compare import correlate
 from modallab.rig.exact import as_modelled
 
 router = APIRouter(prefix="/correlations", tags=["correlations"])
 
-_BODY = {"modal_model_id": "77ab10", "structure_id": "5f0c31"}
+_IDS = {"modal_model_id": "77ab10", "structure_id": "5f0c31"}
+_BODY = examples(
+    modes=_IDS,
+    mass=_IDS | {"reduction": "serep"},
+    everything=_IDS
+    | {
+        "measurement_id": "c04d1a",
+        "reduction": {"kind": "dynamic", "parameters": {"frequency": 60.0}},
+    },
+)
 
 
 @router.post("", status_code=status.HTTP_201_CREATED, summary="Compare measured modes with a model's")
 def create_correlation(
-    body: Annotated[CorrelationIn, example(_BODY)], store: StoreDep, owner: OwnerDep
+    body: Annotated[CorrelationIn, _BODY], store: StoreDep, owner: OwnerDep
 ) -> CorrelationOut:
-    measured = store.modal_models.get(body.modal_model_id)
-    system = as_modelled(store.structures.get(body.structure_id))
-    model = exact_modes(system, body.count or min(len(measured.modes), 100))
-    found = compare(model, measured)
-    inputs = {"modal_model_id": body.modal_model_id, "structure_id": body.structure_id}
-    stored = store.correlations.add(found, owner=owner, inputs=inputs)
+    reduction = None if body.reduction is None else reduction_in(body.reduction)
+    found = correlate(
+        as_modelled(store.structures.get(body.structure_id)),
+        store.modal_models.get(body.modal_model_id),
+        count=body.count,
+        reduction=reduction,
+        frf=None if body.measurement_id is None else small(store.measurements.get(body.measurement_id).frf),
+    )
+    stored = store.correlations.add(found, owner=owner, inputs=body.inputs)
     return CorrelationOut.of(found, store.correlations.entry(stored))
 
 
 @router.get("/{id}", summary="A correlation")
 def get_correlation(id: IdPath, store: StoreDep) -> CorrelationOut:
     return CorrelationOut.of(store.correlations.get(id), store.correlations.entry(id))
+
+
+@router.get(
+    "/{id}/arrays", response_class=Response, responses=NPZ, summary="All matrices, and the FDAC by line: npz"
+)
+def get_correlation_arrays(id: IdPath, store: StoreDep, precision: Precision = "double") -> Response:
+    return npz_of(arrays_out(store.correlations.get(id)), precision)
 
 
 add_routes(router, "correlations")

@@ -11,11 +11,14 @@ from modallab.api.deps import IdPath, OwnerDep, StoreDep
 from modallab.api.examples import example, examples
 from modallab.api.files import UFF, origin, uff_reply
 from modallab.api.modal_models.schemas import ModalModelOut, SyntheticIn
+from modallab.api.reductions import ReducedQuery, reduction_in
 from modallab.api.shelves import add_routes
 from modallab.api.structures.changes import ChangesIn
+from modallab.api.structures.expansions import ExpandedOut, ExpansionIn
 from modallab.api.structures.frf import FrfQuery
 from modallab.api.structures.schemas import ModesOut, StructureIn, StructureOut
 from modallab.fe.changes import change
+from modallab.fe.expansion import expand
 from modallab.fe.selected import lowest_modes, synthetic_modes
 from modallab.interchange import uff_geometry
 from modallab.rig.exact import as_modelled
@@ -42,6 +45,7 @@ _DAMPED = _BEAM | {"damping": {"law": "structural", "stiffness_coefficient": 0.0
 _BODY = examples(catalogue={"kind": "catalogue", "name": "chapter-5-beam"}, beam=_DAMPED, frame=_FRAME)
 _CHANGES = {"changes": [{"members": [7], "property": "modulus", "factor": 1.3}]}
 _SYNTHETIC = {"count": 8, "dofs": ["1:+Y", "11:+Y", "21:+Y"], "noise": {"eigenvalue": 0.005}, "seed": 3}
+_EXPANSION = {"modal_model_id": "77ab10", "reduction": "serep"}
 
 
 def _out(store: Store, id: str) -> StructureOut:
@@ -116,6 +120,27 @@ def make_synthetic_modes(
     model = synthetic_modes(system, body.count, body.places(), noise=body.noise.to_domain(), rng=rng)
     stored = store.modal_models.add(model, owner=owner, inputs={"structure_id": id}, seed=body.seed)
     return ModalModelOut.of(model, store.modal_models.entry(stored))
+
+
+@router.post(
+    "/{id}/expanded-modes", status_code=status.HTTP_201_CREATED, summary="Measured modes at all DoFs"
+)
+def expand_modes(
+    id: IdPath, body: Annotated[ExpansionIn, example(_EXPANSION)], store: StoreDep, owner: OwnerDep
+) -> ExpandedOut:
+    reduction = reduction_in(body.reduction)
+    measured = store.modal_models.get(body.modal_model_id)
+    found = expand(as_modelled(store.structures.get(id)), measured, reduction)
+    inputs = {"structure_id": id, "modal_model_id": body.modal_model_id}
+    stored = store.modal_models.add(found.model, owner=owner, inputs=inputs)
+    return ExpandedOut.of_expansion(found, store.modal_models.entry(stored))
+
+
+@router.get(
+    "/{id}/reduced", response_class=Response, responses=NPZ, summary="Mass and stiffness at some DoFs: npz"
+)
+def get_reduced(id: IdPath, store: StoreDep, wanted: ReducedQuery) -> Response:
+    return npz_of(wanted.arrays(as_modelled(store.structures.get(id))))
 
 
 add_routes(router, "structures")

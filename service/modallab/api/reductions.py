@@ -1,0 +1,87 @@
+"""Wire types of reductions: by name, or by name with numbers; and a reduced model's arrays."""
+
+from collections.abc import Mapping
+from typing import Annotated, Any
+
+import numpy as np
+from fastapi import Query
+from numpy.typing import NDArray
+from pydantic import BaseModel, ConfigDict, Field
+
+from modallab.api.wire import DofText, Number, Text, Wire
+from modallab.core.dof import Dof
+from modallab.core.errors import InvalidInputError
+from modallab.correlation.orthogonality import frequency_errors
+from modallab.fe.reduction import Reduction, reduce, reduction_of
+from modallab.fe.selected import exact_modes
+from modallab.fe.system import DynamicSystem
+
+MOST_VALUES = 2_000_000  # DoFs times masters: 16 MB
+SHOWN = 10  # elastic modes of the full model that the reduced one is held against
+
+
+class ReductionIn(Wire):
+    """A reduction with its numbers, as `/catalog/reductions` lists them."""
+
+    kind: Text
+    parameters: dict[Text, Number] = Field(default_factory=dict, max_length=20)
+
+
+Reduced = Annotated[Text | ReductionIn, Field(description="a kind, or a kind with its parameters")]
+
+
+def reduction_in(given: str | ReductionIn) -> Reduction:
+    """Return the reduction that was asked for, its kind, parameters and bounds checked."""
+    return reduction_of(given) if isinstance(given, str) else reduction_of(given.kind, given.parameters)
+
+
+class ReducedWanted(BaseModel):
+    """The DoFs that are kept, and how the others follow them."""
+
+    model_config = ConfigDict(extra="forbid")
+
+    masters: list[DofText] = Field(min_length=1, max_length=1_000)
+    kind: Text = "guyan"
+    frequency: float | None = Field(None, description="Hz, of `dynamic`")
+    iterations: float | None = Field(None, description="of `irs`")
+    modes: float | None = Field(None, description="elastic modes, of `serep`")
+
+    def arrays(self, system: DynamicSystem) -> Mapping[str, NDArray[Any]]:
+        """Return the reduced matrices, the transformation, and how near the reduced modes come.
+
+        Raises
+        ------
+        InvalidInputError
+            If this is too much to wait for, or the masters do not determine the motion of the others.
+        UnknownDofError
+            If the structure has no such DoF.
+        """
+        size = len(system.dofs) * len(self.masters)
+        if size > MOST_VALUES:
+            raise InvalidInputError(
+                "too large a transformation to wait for",
+                field="masters",
+                value=size,
+                allowed=f"degrees of freedom x masters <= {MOST_VALUES}",
+            )
+        numbers = {name: getattr(self, name) for name in ("frequency", "iterations", "modes")}
+        given = {name: value for name, value in numbers.items() if value is not None}
+        masters = tuple(Dof.parse(text, field="masters") for text in self.masters)
+        reduced = reduce(system, masters, reduction_of(self.kind, given))
+        frequencies, shapes = reduced.modes()
+        full = exact_modes(system, min(SHOWN, len(frequencies)))
+        seen = full.shapes[[system.index(dof) for dof in masters]]
+        return {
+            "masters": np.array([str(dof) for dof in reduced.masters]),
+            "dofs": np.array([str(dof) for dof in reduced.dofs]),
+            "transformation": reduced.transformation,
+            "mass": reduced.mass,
+            "stiffness": reduced.stiffness,
+            "frequencies": frequencies,
+            "shapes": shapes,
+            "model_frequencies": full.frequencies,
+            "frequency_errors": frequency_errors(reduced, seen, full.frequencies),
+        }
+
+
+ReducedQuery = Annotated[ReducedWanted, Query()]
