@@ -50,13 +50,13 @@ def _turns(denominator: ComplexArray, orders: IntArray) -> tuple[IntArray, Compl
     """Return where `det A(z) = 0`: the row of its order, and 1/z."""
     m = denominator.shape[-1]
     largest = m * int(orders[-1])
-    template = np.eye(largest, k=-m, dtype=complex)
+    companion = np.eye(largest, k=-m, dtype=complex)
     top = -denominator[:, 1:].transpose(0, 2, 1, 3).reshape(len(orders), m, largest)
     found = []
     for row, order in enumerate(orders):
-        companion = template[: m * order, : m * order].copy()
-        companion[:m] = top[row, :, : m * order]
-        found.append(np.linalg.eigvals(companion))
+        size = m * order
+        companion[:m, :size] = top[row, :, :size]
+        found.append(np.linalg.eigvals(companion[:size, :size]))
     return np.repeat(np.arange(len(orders)), m * orders), np.concatenate(found)
 
 
@@ -67,7 +67,7 @@ def _angle(turn: ComplexArray) -> FloatArray:
 
 def _inside(circle: Circle, row: IntArray, turn: ComplexArray) -> tuple[IntArray, ComplexArray]:
     """Return those that are stable and whose frequency lies on the arc."""
-    last = 2 * np.pi * (len(circle.frf) - 1) / circle.points
+    last = 2 * np.pi * (circle.frf.shape[2] - 1) / circle.points
     inside = (np.abs(turn) > 1) & (_angle(turn) <= last)
     return row[inside], turn[inside]
 
@@ -85,8 +85,8 @@ def _residues(circle: Circle, fractions: Fractions, row: IntArray, z: ComplexArr
         u, v = left[:, :, -1].conj(), right[:, -1, :].conj()
     else:
         u = v = np.ones((len(z), 1), complex)
-    beside = np.matmul(coefficient, v[:, None, :, None])[..., 0]  # A_j v
-    slope = (powers * np.arange(terms) * np.matmul(beside, u[:, :, None])[..., 0]).sum(axis=1) / z
+    beside = (coefficient * v[:, None, None, :]).sum(axis=3)  # A_j v
+    slope = (powers * np.arange(terms) * (beside * u[:, None, :]).sum(axis=2)).sum(axis=1) / z
     across = np.empty((len(z), len(fractions.numerator)), complex)
     for start in range(0, across.shape[1], FRFS_AT_ONCE):
         part = fractions.numerator[start : start + FRFS_AT_ONCE]

@@ -37,16 +37,16 @@ ROUNDING = 1e-14  # of the mean of a diagonal: sums of exact data are positive b
 class Circle:
     """FRFs on an arc of the unit circle, all inputs and all FRFs brought to one size."""
 
-    frf: ComplexArray  # (n_freq, n_out, n_in)
-    weight: FloatArray  # (n_freq, n_out) of an equation, a row of the FRF matrix; (n_freq, 1) where all agree
-    noise: FloatArray  # (n_freq, n_out, n_in) E|error|^2 times that weight
+    frf: ComplexArray  # (n_out, n_in, n_freq): the lines last, along which all sums go
+    weight: FloatArray  # (n_out, n_freq) of an equation, a row of the FRF matrix; (1, n_freq) where all agree
+    noise: FloatArray  # (n_out, n_in, n_freq) E|error|^2 times that weight
     scale: FloatArray  # (n_out, n_in) what the FRFs were divided by
     points: int  # N, round the whole circle
 
     def sums(self, values: ComplexArray | FloatArray, order: int) -> ComplexArray:
         """Return `sum_k values_k z_k^l`, the lags l = -order to order on the last axis."""
-        turned = scipy.fft.ifft(values, self.points, axis=0, norm="forward")
-        return np.asarray(np.moveaxis(turned[np.arange(-order, order + 1)], 0, -1))
+        turned = scipy.fft.ifft(values, self.points, norm="forward")
+        return np.concatenate([turned[..., self.points - order :], turned[..., : order + 1]], axis=-1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,26 +64,29 @@ def on_circle(frf: ComplexArray, weight: FloatArray) -> Circle:
     The error of an equation is that of the FRF times `|A|`. The power of all FRFs together peaks where
     `1/|A|^2` does, so that weighting by it makes the error of the FRFs least, and not of the equations.
     """
-    size = np.sqrt(np.mean(np.abs(frf) ** 2, axis=(0, 1)))
-    scale = np.where(size > 0, size, 1.0)
-    usable = (weight > 0).all(axis=2)
-    variance = np.where(usable[:, :, None], 1 / np.where(weight > 0, weight, 1.0), 0.0) / scale**2
-    row = np.where(usable, 1 / np.where(usable, variance.mean(axis=2), 1.0), 0.0)
-    power = (np.abs(frf / scale) ** 2).sum(axis=2) * usable
-    level = _level(row, power)
-    pattern = row / level * _gain(power)[:, None]
-    if (np.ptp(pattern, axis=1) <= ALIKE * pattern.max(axis=1)).all():
-        pattern = pattern[:, :1]
-    each = scale / np.sqrt(level)[:, None]
-    noise = pattern[:, :, None] * variance * level[:, None]
+    by_lines = np.ascontiguousarray(np.moveaxis(frf, 0, -1))
+    square = by_lines.real**2 + by_lines.imag**2
+    mean = square.mean(axis=(0, 2))
+    scale = np.where(mean > 0, mean, 1.0)[:, None]
+    told = np.moveaxis(weight, 0, -1)
+    usable = (told > 0).all(axis=1)
+    variance = np.where(usable[:, None], 1 / np.where(told > 0, told, 1.0), 0.0) / scale
+    row = np.where(usable, 1 / np.where(usable, variance.mean(axis=1), 1.0), 0.0)
+    power = (square / scale).sum(axis=1) * usable
+    level = _level(row, power)[:, None]
+    pattern = row / level * _gain(power)
+    noise = variance * (pattern * level)[:, None]
+    if (np.ptp(pattern, axis=0) <= ALIKE * pattern[0]).all():
+        pattern = pattern[:1]
+    each = np.sqrt(scale / level[:, None])
     points = scipy.fft.next_fast_len(int(np.ceil(len(frf) / ARC)))
-    return Circle(frf / each, pattern, noise, each, points)
+    return Circle(by_lines / each, pattern, noise, each[..., 0], points)
 
 
 def _level(row: FloatArray, power: FloatArray) -> FloatArray:
     """Return what each FRF's weights are divided by, (n_out,), bounded where it is far above the others."""
-    level = row.mean(axis=0)
-    told = (row * power).sum(axis=0)
+    level = row.mean(axis=1)
+    told = (row * power).sum(axis=1)
     loudest = LOUDEST * (np.median(told[told > 0]) if told.any() else 1.0)
     level = level * np.minimum(1.0, loudest / np.where(told > 0, told, loudest))
     return np.asarray(np.where(level > 0, level, 1.0))
@@ -91,8 +94,8 @@ def _level(row: FloatArray, power: FloatArray) -> FloatArray:
 
 def _gain(power: FloatArray) -> FloatArray:
     """Return the power of all FRFs, each in parts of its own sum, (n_freq,), with a geometric mean of 1."""
-    total = power.sum(axis=0)
-    gain = (power / np.where(total > 0, total, 1.0)).sum(axis=1)
+    total = power.sum(axis=1, keepdims=True)
+    gain = (power / np.where(total > 0, total, 1.0)).sum(axis=0)
     gain = np.maximum(gain, DEEPEST * (gain.max() or 1.0))
     return np.asarray(gain / np.exp(np.log(gain).mean()))
 
@@ -139,12 +142,12 @@ class _Normal:
 
 
 def _normal(circle: Circle, order: int) -> _Normal:
-    n_out, n_in = circle.frf.shape[1:]
+    n_out, n_in = circle.frf.shape[:2]
     size = (order + 1) * n_in
-    weighted = circle.weight[:, :, None] * circle.frf
-    mixed = _toeplitz(circle.sums(weighted, order))
-    of_outputs = mixed.transpose(0, 2, 3, 1).reshape(n_out, order + 1, size)
-    power = np.einsum("koi,koj->kij", weighted.conj(), circle.frf)
+    weighted = circle.weight[:, None] * circle.frf
+    of_outputs = _toeplitz(circle.sums(weighted, order)).swapaxes(1, 2)
+    of_outputs = of_outputs.swapaxes(2, 3).reshape(n_out, order + 1, size)
+    power = np.einsum("oik,ojk->ijk", weighted.conj(), circle.frf)
     total = _toeplitz(circle.sums(power, order)).transpose(2, 0, 3, 1).reshape(size, size)
     own = _toeplitz(circle.sums(circle.weight, order))
     # R^-1 = F^H F: a difference of squares loses less to rounding than one with R^-1
@@ -177,13 +180,15 @@ def _added_by_noise(circle: Circle, normal: _Normal) -> ComplexArray:
 
     Of the noise in an equation the numerators take up a share: the leverage of its line.
     """
-    n_in = circle.frf.shape[2]
+    n_in = circle.frf.shape[1]
     order = normal.inverse.shape[1] - 1
-    lags = np.zeros((circle.points, len(normal.inverse)), complex)
-    lags[np.arange(-order, order + 1)] = _along_diagonals(normal.inverse).T
-    leverage = circle.weight * scipy.fft.fft(lags, axis=0)[: len(circle.weight)].real
+    lags = _along_diagonals(normal.inverse)
+    round_circle = np.zeros((len(lags), circle.points), complex)
+    round_circle[:, : order + 1] = lags[:, order:]
+    round_circle[:, circle.points - order :] = lags[:, :order]
+    leverage = circle.weight * scipy.fft.fft(round_circle)[:, : circle.weight.shape[1]].real
     left = np.clip(1 - leverage, 0.0, 1.0)
-    own = _toeplitz(circle.sums((circle.noise * left[:, :, None]).sum(axis=1), order))
+    own = _toeplitz(circle.sums((circle.noise * left[:, None]).sum(axis=0), order))
     added = np.zeros((order + 1, n_in, order + 1, n_in), complex)
     for i in range(n_in):
         added[:, i, :, i] = own[i]
