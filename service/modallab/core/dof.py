@@ -41,7 +41,7 @@ class Dof:
     @property
     def point(self) -> "Dof":
         """The same degree of freedom in its positive sense."""
-        return Dof(self.node, self.direction)
+        return self if self.sign == 1 else Dof(self.node, self.direction)
 
     @property
     def translational(self) -> bool:

@@ -1,6 +1,7 @@
 """Numbers that may be fitted: unit, bounds and meaning said once, where the number is declared."""
 
 from dataclasses import dataclass, field, fields
+from functools import cache
 from typing import Any
 
 from modallab.core.errors import InvalidInputError
@@ -48,7 +49,8 @@ class Parameterised:
     @classmethod
     def specs(cls) -> dict[str, ParameterSpec]:
         """Return the specification of every fitted number by name."""
-        return {f.name: f.metadata["spec"] for f in fields(cls) if "spec" in f.metadata}  # type: ignore[arg-type]
+        own: Any = cls
+        return dict(_specs(own))
 
     def __post_init__(self) -> None:
         for name, spec in self.specs().items():
@@ -60,3 +62,8 @@ class Parameterised:
                     value=value,
                     allowed=f"{spec.lower} to {spec.upper} {spec.unit}",
                 )
+
+
+@cache
+def _specs(cls: Any) -> dict[str, ParameterSpec]:
+    return {f.name: f.metadata["spec"] for f in fields(cls) if "spec" in f.metadata}

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 
 from modallab.core.dof import Dof
 
@@ -21,6 +22,11 @@ class Channels:
     """Response channels, named by the DoF each one measures."""
 
     dofs: tuple[Dof, ...]
+
+    @cached_property
+    def points(self) -> tuple[Dof, ...]:
+        """What they measure, whatever the sense."""
+        return tuple(dof.point for dof in self.dofs)
 
     def __str__(self) -> str:
         return "channels " + ", ".join(map(str, self.dofs))

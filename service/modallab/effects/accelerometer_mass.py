@@ -31,9 +31,7 @@ class AccelerometerMass(Effect):
 
     def on_system(self, system: DynamicSystem, shot: Shot) -> DynamicSystem:
         nodes = [self.at.node] if isinstance(self.at, Dof) else sorted({dof.node for dof in shot.outputs})
-        for node in nodes:
-            system = system.add_mass(node, self.mass)
-        return system
+        return system.add_masses(nodes, self.mass)
 
     @classmethod
     def from_setup(cls, setup: RigSetup) -> Sequence[Self]:

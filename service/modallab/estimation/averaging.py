@@ -1,5 +1,7 @@
 """From time records to averaged spectra, block by block, and what the averages are worth."""
 
+from functools import lru_cache
+
 import numpy as np
 import scipy.fft
 
@@ -10,6 +12,7 @@ IN_CACHE = 2**17  # samples transformed at once: larger batches run at the speed
 FINE = 4096  # samples of a window for its overlap with itself: exact for sums of cosines at this length
 
 
+@lru_cache(maxsize=64)
 def effective_averages(averages: int, overlap: float, window: Window) -> float:
     """Return how many independent records are worth `averages` overlapping ones.
 

@@ -1,6 +1,7 @@
 """Windows of the analyser and the shape they give to a line."""
 
 from dataclasses import dataclass
+from functools import lru_cache
 
 import numpy as np
 
@@ -59,7 +60,7 @@ class Window:
 
     def noise_shares(self, n_in: int, n_out: int) -> FloatArray:
         """Return what a channel's spectrum keeps of white noise, (n_in + n_out,), forces first."""
-        return np.asarray((self.weights(FINE, n_in, n_out) ** 2).mean(axis=1) / self.power)
+        return np.repeat(_noise_shares(self), (n_in, n_out))
 
     def line_shape(self, offset: FloatArray, n: int | None = None) -> FloatArray:
         """Return the power that a line takes from a signal `offset` lines away, unit area over lines.
@@ -182,3 +183,9 @@ def added_loss_factor(end: float, record_length: float, frequency: FloatArray) -
         (n_modes,) Hz.
     """
     return np.asarray(-np.log(end) / (np.pi * record_length * frequency))
+
+
+@lru_cache(maxsize=64)
+def _noise_shares(window: Window) -> FloatArray:
+    """Return what a force channel and a response channel keep of white noise, (2,)."""
+    return np.asarray((window.weights(FINE, 1, 1) ** 2).mean(axis=1) / window.power)

@@ -1,11 +1,15 @@
 """A small system that hangs on a structure."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.sparse import csc_array
 
 from modallab.core.arrays import ComplexArray, FloatArray, frozen
+
+FEW = 250  # degrees of freedom up to which full matrices are put together faster
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,13 +38,13 @@ class Attachment:
 
     def same(self, other: "Attachment") -> bool:
         """Return whether another attachment is equal to this one."""
-        if self is other:
-            return True
-        names = ("columns", "mass", "stiffness", "damping", "viscous")
-        pairs = [(getattr(self, name), getattr(other, name)) for name in names]
-        return self.inner == other.inner and all(
-            a is b or (a is not None and b is not None and np.array_equal(a, b)) for a, b in pairs
-        )
+        return self is other or self.key == other.key
+
+    @cached_property
+    def key(self) -> tuple[object, ...]:
+        """All its numbers, bit by bit: what equal attachments have in common."""
+        parts = (self.columns, self.mass, self.stiffness, self.damping, self.viscous)
+        return self.inner, *(None if part is None else (part.shape, part.tobytes()) for part in parts)
 
     def dynamic_stiffness(self, omega: FloatArray) -> ComplexArray:
         """Return Z, (n_freq, r, r), N/m, at `omega` (n_freq,) rad/s."""
@@ -83,6 +87,24 @@ def grown(matrix: csc_array | None, n: int) -> csc_array | None:
         return matrix
     grown = matrix.tocoo()
     return csc_array((grown.data, (grown.row, grown.col)), shape=(n, n))
+
+
+def with_added(
+    matrix: csc_array | None, small: Sequence[tuple[FloatArray, FloatArray]], n: int
+) -> csc_array | None:
+    """Return a matrix (n, n) with small ones (r, r) added on their columns (n, r); None if all are none."""
+    if not small:
+        return matrix
+    if n > FEW:
+        for columns, own in small:
+            extra = csc_array(columns @ own @ columns.T)
+            matrix = extra if matrix is None else csc_array(matrix + extra)
+        return matrix
+    # Of a small structure zeros cost less than their bookkeeping.
+    total = np.zeros((n, n)) if matrix is None else matrix.toarray()
+    for columns, own in small:
+        total += columns @ own @ columns.T
+    return csc_array(total)
 
 
 def carried(slow: FloatArray, attachments: tuple[Attachment, ...]) -> FloatArray:

@@ -152,7 +152,8 @@ def lean(system: DynamicSystem) -> DynamicSystem:
     known = system.shared.get("folded")
     if isinstance(known, tuple):
         attachments, folded = known
-        rest = [a for a in system.attachments if not any(a.same(b) for b in attachments)]
+        known_ones = {a.key for a in attachments}
+        rest = [a for a in system.attachments if a.key not in known_ones]
         again: DynamicSystem = replace(folded, attachments=tuple(rest))
         if len(rest) + len(attachments) == len(system.attachments) and again.stacked.shape[1] <= FEW:
             return again
@@ -166,8 +167,13 @@ def parted(
 ) -> tuple[tuple[Attachment, ...], list[tuple[Attachment, ...]]]:
     """Return what all variants of a structure carry, and what each carries besides."""
     first, *rest = systems
-    shared = [a for a in first.attachments if all(any(a.same(b) for b in s.attachments) for s in rest)]
-    own = [tuple(a for a in s.attachments if not any(a.same(b) for b in shared)) for s in systems]
+    if not rest:
+        return first.attachments, [()]
+    everywhere = {a.key for a in first.attachments}.intersection(
+        *({a.key for a in s.attachments} for s in rest)
+    )
+    shared = [a for a in first.attachments if a.key in everywhere]
+    own = [tuple(a for a in s.attachments if a.key not in everywhere) for s in systems]
     return tuple(shared), own
 
 

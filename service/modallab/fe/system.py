@@ -1,8 +1,8 @@
 """The matrices of a structure, and what is attached to it without touching them."""
 
-from collections.abc import Callable, Mapping
+from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass, field, replace
-from functools import cached_property
+from functools import cached_property, partial
 
 import numpy as np
 from scipy.sparse import csc_array
@@ -11,7 +11,7 @@ from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError, UnknownDofError
 from modallab.fe.alteration import Alteration
-from modallab.fe.attachment import Attachment, block_diagonal, carried, grown, motions
+from modallab.fe.attachment import Attachment, block_diagonal, carried, grown, motions, with_added
 from modallab.fe.damping import ViscousDamping
 from modallab.fe.loaded import half_power, loaded_modes, only_loads
 from modallab.fe.member_table import MemberTable
@@ -20,6 +20,7 @@ from modallab.fe.modes import ModalBasis, undamped_basis
 from modallab.fe.rebuilding import grounded, kept, rebuilt
 
 MODAL_BAND = 2e3  # Hz, of modes of a large structure that modal damping is written out for
+MASSES = 256  # masses at nodes that are kept
 SMALL = 250  # DoFs below which a dense eigen-solution is the faster one
 
 
@@ -47,7 +48,7 @@ class DynamicSystem:
 
     @cached_property
     def _index(self) -> dict[Dof, int]:
-        return {dof: i for i, dof in enumerate(self.dofs)}
+        return kept(self.shared, "rows", None, lambda: {dof: i for i, dof in enumerate(self.dofs)})
 
     def index(self, dof: Dof) -> int:
         """Return the row of a DoF.
@@ -80,7 +81,15 @@ class DynamicSystem:
 
     def add_mass(self, node: int, mass: float) -> "DynamicSystem":
         """Return the system with a mass, kg, that moves with every translation of a node."""
-        return self.attach(kept(self.shared, "masses", (node, mass), lambda: self._mass(node, mass)))
+        return self.add_masses((node,), mass)
+
+    def add_masses(self, nodes: Sequence[int], mass: float) -> "DynamicSystem":
+        """Return the system with the same mass, kg, at each of some nodes."""
+        hung = [
+            kept(self.shared, "masses", (node, mass), partial(self._mass, node, mass), MASSES)
+            for node in nodes
+        ]
+        return replace(self, attachments=(*self.attachments, *hung))
 
     def _mass(self, node: int, mass: float) -> Attachment:
         moved = tuple(d for d in self.dofs if d.node == node and d.translational)
@@ -241,12 +250,13 @@ class DynamicSystem:
         columns_of = motions(len(self.dofs), hung)
         n = len(self.dofs) + sum(a.inner for a in hung)
         out = {name: grown(matrix, n) for name, matrix in self._matrices.items()}
-        for attachment, columns in zip(hung, columns_of, strict=True):
-            for name, total in out.items():
-                small = getattr(attachment, name)
-                if small is not None and small.any():
-                    extra = csc_array(columns @ small @ columns.T)
-                    out[name] = extra if total is None else csc_array(total + extra)
+        for name, total in out.items():
+            each = [
+                (columns, small)
+                for attachment, columns in zip(hung, columns_of, strict=True)
+                if (small := getattr(attachment, name)) is not None and small.any()
+            ]
+            out[name] = with_added(total, each, n)
         rigid = None if self.rigid is None else carried(self.rigid, hung)
         return DynamicSystem(**out, dofs=self.dofs, rigid=rigid, members=self.members)  # type: ignore[arg-type]
 

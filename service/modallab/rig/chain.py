@@ -254,19 +254,33 @@ def chain(system: DynamicSystem, setup: RigSetup, added: Sequence[Effect] = ()) 
     source = Source(EXCITATIONS[setup.analyser.excitation.kind].continuous)
     for effect in effects:
         noise, source = effect.on_noise(noise), effect.on_source(source)
-    runs = tuple(_run(system, shot, effects) for shot in setup.shots)
+    each = [(effect, acts) for effect in effects if any(acts := _acts_on_runs(effect))]
+    runs = tuple(_run(system, shot, each) for shot in setup.shots)
     if local := [force for effect in effects if (force := effect.on_motion()) is not None]:
         runs = with_equivalents(runs, local, setup.analyser, source)
     return Chain(setup, runs, noise, source, tuple(effects))
 
 
-def _run(system: DynamicSystem, shot: Shot, effects: Sequence[Effect]) -> Run:
+def _acts_on_runs(effect: Effect) -> tuple[bool, bool, bool]:
+    """Return whether an effect of this kind may do anything to a structure, a drive, a channel."""
+    own = type(effect)
+    return (
+        own.on_system is not Effect.on_system,
+        own.on_drive is not Effect.on_drive,
+        own.on_channel is not Effect.on_channel,
+    )
+
+
+def _run(system: DynamicSystem, shot: Shot, effects: Sequence[tuple[Effect, tuple[bool, bool, bool]]]) -> Run:
     drives = [Drive(dof) for dof in shot.drives]
     forces = [Channel.ideal(dof, force=True) for dof in shot.drives]
     responses = [Channel.ideal(dof) for dof in shot.outputs]
-    for effect in effects:
-        system = effect.on_system(system, shot)
-        drives = [effect.on_drive(drive) for drive in drives]
-        forces = [effect.on_channel(channel, system) for channel in forces]
-        responses = [effect.on_channel(channel, system) for channel in responses]
+    for effect, (to_system, to_drive, to_channel) in effects:
+        if to_system:
+            system = effect.on_system(system, shot)
+        if to_drive:
+            drives = [effect.on_drive(drive) for drive in drives]
+        if to_channel:
+            forces = [effect.on_channel(channel, system) for channel in forces]
+            responses = [effect.on_channel(channel, system) for channel in responses]
     return Run(shot, system, tuple(drives), tuple(forces), tuple(responses))

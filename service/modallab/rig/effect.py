@@ -142,7 +142,7 @@ class Effect(Parameterised):
     def acts_on(self, dof: Dof) -> bool:
         """Return whether the effect, where it says a place at all, sits at this DoF or channel."""
         if isinstance(self.at, Channels):
-            return any(dof.point == own.point for own in self.at.dofs)
+            return dof.point in self.at.points
         return self.at is None or (isinstance(self.at, Dof) and self.at.point == dof.point)
 
     def acts_on_channel(self, channel: Channel) -> bool:

@@ -1,7 +1,7 @@
 """How the analyser's lines see a spectrum: the window's line shape over quadrature nodes."""
 
 from dataclasses import dataclass
-from functools import lru_cache
+from functools import cached_property, lru_cache
 
 import numpy as np
 from numpy.typing import NDArray
@@ -29,15 +29,24 @@ class View:
     near: FloatArray | csr_array | None = None  # (n_lines, n_nodes)
     mirrored: FloatArray | csr_array | None = None
 
+    @cached_property
+    def _parts(self) -> tuple[FloatArray | csr_array, FloatArray | csr_array]:
+        """(n_lines, n_nodes) each: for real parts of spectra, and for imaginary ones."""
+        assert self.near is not None
+        assert self.mirrored is not None
+        return self.near + self.mirrored, self.near - self.mirrored
+
     def through(self, spectrum: ComplexArray) -> ComplexArray:
         """Return a spectrum at the nodes (n_run, n_nodes, k) as the lines see it, (n_run, n_lines, k)."""
         if self.near is None or self.mirrored is None:
             return spectrum
         n_run, n_nodes, k = spectrum.shape
         flat = spectrum.swapaxes(0, 1).reshape(n_nodes, n_run * k)
-        seen = np.empty((self.near.shape[0], n_run * k), complex)
-        seen.real = (self.near + self.mirrored) @ flat.real
-        seen.imag = (self.near - self.mirrored) @ flat.imag
+        even, odd = self._parts
+        seen = np.zeros((even.shape[0], n_run * k), complex)
+        seen.real = even @ np.ascontiguousarray(flat.real)
+        turning = flat.imag.any(axis=0)  # an auto spectrum has no imaginary part
+        seen.imag[:, turning] = odd @ flat.imag[:, turning]
         return seen.reshape(len(seen), n_run, k).swapaxes(0, 1)
 
 

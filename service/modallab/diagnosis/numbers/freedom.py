@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from modallab.core.arrays import FloatArray
-from modallab.diagnosis.numbers.least_squares import boxed
+from modallab.diagnosis.numbers.least_squares import Curvature
 
 REACH = 1.0  # that a number of an accepted effect moves by at most, on its own scale
 
@@ -23,7 +23,21 @@ class Freedom:
     def __len__(self) -> int:
         return len(self.position)
 
-    def cleared(self, vectors: FloatArray, weights: FloatArray) -> FloatArray:
+    def weighed(self, weights: FloatArray) -> "Clearing":
+        """Return what clears residuals that were multiplied by weights (n_residuals,)."""
+        return Clearing(self, weights)
+
+
+class Clearing:
+    """Takes out of residuals, all weighed alike, what numbers a little off could explain."""
+
+    def __init__(self, freedom: Freedom, weights: FloatArray) -> None:
+        self._freedom = freedom
+        if len(freedom):
+            self._slopes = weights[:, None] * freedom.slopes
+            self._curvature = Curvature(self._slopes.T @ self._slopes + np.diag(freedom.precision))
+
+    def __call__(self, vectors: FloatArray) -> FloatArray:
         """Return residuals less what these numbers could explain.
 
         By least squares with their prior, whose residuals stand behind the others; what would lie beyond
@@ -33,18 +47,15 @@ class Freedom:
         ----------
         vectors
             (..., n_residuals), weighed.
-        weights
-            (n_residuals,) that they were multiplied by.
 
         Returns
         -------
         (..., n_residuals + n).
         """
-        if not len(self):
+        own = self._freedom
+        if not len(own):
             return vectors
-        slopes = weights[:, None] * self.slopes
-        pull = vectors @ slopes + self.precision * self.position
-        low, high = self.low - self.position, self.high - self.position
-        off = boxed(slopes.T @ slopes + np.diag(self.precision), pull, low, high)
-        prior = np.sqrt(self.precision) * (self.position + off)
-        return np.concatenate([vectors + off @ slopes.T, prior], axis=-1)
+        pull = vectors @ self._slopes + own.precision * own.position
+        off = self._curvature.boxed(pull, own.low - own.position, own.high - own.position)
+        prior = np.sqrt(own.precision) * (own.position + off)
+        return np.concatenate([vectors + off @ self._slopes.T, prior], axis=-1)

@@ -144,37 +144,52 @@ def slope(moved: Callable[[float], FloatArray], here: FloatArray, step: float, m
     return np.asarray(seen / far)
 
 
-def boxed(curvature: FloatArray, pull: FloatArray, low: FloatArray, high: FloatArray) -> FloatArray:
-    """Return steps d (..., n) between bounds (n,) that make d.pull + d.curvature.d/2 small.
-
-    For many at once: Newton's step; where bounds cut it, that or none, then coordinate by coordinate.
-    Never worse than no step.
+class Curvature:
+    """Of a function d.pull + d.curvature.d/2 whose least value is looked for between bounds, many times.
 
     Parameters
     ----------
     curvature
         (n, n), positive definite.
-    pull
-        (..., n).
     """
-    newton = -(pull @ np.linalg.inv(curvature))
-    step = newton.clip(low, high)
-    cut = np.asarray((step != newton).any(axis=-1))
-    if cut.any():
-        step[cut] = _held(curvature, pull[cut], step[cut], low, high)
-    return np.asarray(step)
 
+    def __init__(self, curvature: FloatArray) -> None:
+        self._curvature = curvature
+        self._inverse = np.linalg.inv(curvature)
 
-def _held(
-    curvature: FloatArray, pull: FloatArray, step: FloatArray, low: FloatArray, high: FloatArray
-) -> FloatArray:
-    """Return better steps (n_steps, n) than those cut at the bounds."""
-    slope = pull + step @ curvature
-    harm = np.sum(step * (pull + slope), axis=-1) > 0
-    step[harm], slope[harm] = 0.0, pull[harm]
-    for _ in range(SWEEPS):
-        for i in range(len(curvature)):
-            moved = (step[:, i] - slope[:, i] / curvature[i, i]).clip(low[i], high[i]) - step[:, i]
-            step[:, i] += moved
-            slope += moved[:, None] * curvature[i]
-    return step
+    def boxed(self, pull: FloatArray, low: FloatArray, high: FloatArray) -> FloatArray:
+        """Return steps d (..., n) between bounds (n,) that make the function small.
+
+        For many at once: Newton's step; where bounds cut it, that or none, then coordinate by coordinate.
+        Never worse than no step.
+
+        Parameters
+        ----------
+        pull
+            (..., n).
+        """
+        newton = -(pull @ self._inverse)
+        step = newton.clip(low, high)
+        cut = np.asarray((step != newton).any(axis=-1))
+        if cut.any():
+            step[cut] = self._held(pull[cut], step[cut], low, high)
+        return np.asarray(step)
+
+    def _held(self, pull: FloatArray, step: FloatArray, low: FloatArray, high: FloatArray) -> FloatArray:
+        """Return better steps (n_steps, n) than those cut at the bounds."""
+        slope = pull + step @ self._curvature
+        harm = np.sum(step * (pull + slope), axis=-1) > 0
+        step[harm], slope[harm] = 0.0, pull[harm]
+        # Coordinate by coordinate each lies in one piece.
+        step, slope = np.ascontiguousarray(step.T), np.ascontiguousarray(slope.T)
+        share, moved = 1 / np.diag(self._curvature), np.empty(step.shape[1])
+        columns = self._curvature[:, :, None]
+        for _ in range(SWEEPS):
+            for i, own in enumerate(step):
+                np.multiply(slope[i], -share[i], out=moved)
+                moved += own
+                np.minimum(np.maximum(moved, low[i], out=moved), high[i], out=moved)
+                moved -= own
+                own += moved
+                slope += columns[i] * moved
+        return step.T

@@ -88,21 +88,28 @@ class AccelerometerTolerance(Effect):
     more: float = parameter(0.0, unit="kg", lower=-0.5, upper=0.5, doc="mass beyond the one declared")
 
     def on_system(self, system: DynamicSystem, shot: Shot) -> DynamicSystem:
-        for node in sorted({dof.node for dof in shot.outputs}):
-            system = _heavier(system, system.add_mass(node, self.more).attachments[-1])
-        return system
+        nodes = sorted({dof.node for dof in shot.outputs})
+        more = system.add_masses(nodes, self.more).attachments[len(system.attachments) :]
+        hung = list(system.attachments)
+        places = {a.columns.tobytes(): i for i, a in reversed(list(enumerate(hung))) if _only_mass(a)}
+        for own in more:
+            place = places.get(own.columns.tobytes())
+            if place is None:
+                hung.append(own)
+            else:
+                hung[place] = _heavier(hung[place], own)
+        return replace(system, attachments=tuple(hung))
 
 
-def _heavier(system: DynamicSystem, own: Attachment) -> DynamicSystem:
-    """Return a system with a mass added to one that hangs in the same place, or beside all others."""
-    hung = list(system.attachments)
-    for i, other in enumerate(hung):
-        plain = other.inner == 0 and other.stiffness is other.damping is other.viscous is None
-        if plain and other.mass is not None and np.array_equal(other.columns, own.columns):
-            assert own.mass is not None
-            hung[i] = replace(other, mass=other.mass + own.mass)
-            return replace(system, attachments=tuple(hung))
-    return system.attach(own)
+def _only_mass(one: Attachment) -> bool:
+    return one.mass is not None and one.inner == 0 and one.stiffness is one.damping is one.viscous is None
+
+
+def _heavier(one: Attachment, more: Attachment) -> Attachment:
+    """Return a mass with another that hangs in the same place."""
+    assert one.mass is not None
+    assert more.mass is not None
+    return replace(one, mass=one.mass + more.mass)
 
 
 @dataclass(frozen=True)

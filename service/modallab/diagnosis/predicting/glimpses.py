@@ -9,7 +9,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 
 from modallab.core.arrays import FloatArray
-from modallab.diagnosis.numbers.freedom import REACH, Freedom
+from modallab.diagnosis.numbers.freedom import REACH, Clearing, Freedom
 from modallab.diagnosis.numbers.knobs import Panel
 from modallab.diagnosis.numbers.tolerances import LIMIT
 from modallab.diagnosis.observing.observed import Predicted
@@ -99,9 +99,10 @@ class Glimpses:
     def cleared(self, vectors: FloatArray, widening: float) -> FloatArray:
         """Return residuals (..., n_residuals), blurred so much, less what `freedom` explains."""
         if widening not in self._blurred:
-            self._blurred[widening] = softened(self.observed, self.observed.fitted, widening)
-        return self.freedom.cleared(vectors, self._blurred[widening])
+            weights = softened(self.observed, self.observed.fitted, widening)
+            self._blurred[widening] = self.freedom.weighed(weights)
+        return self._blurred[widening](vectors)
 
     @cached_property
-    def _blurred(self) -> dict[float, FloatArray]:
+    def _blurred(self) -> dict[float, Clearing]:
         return {}

@@ -1,6 +1,7 @@
 """What hangs on a structure at any of its places, foreseen in closed form: no prediction for each place."""
 
 from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
 
@@ -36,7 +37,7 @@ class Foreseen:
         self._left = residual(glimpses.observed, self._base)
         self._frf = _Whitened(glimpses.observed, self._base.h)
 
-    @property
+    @cached_property
     def nothing(self) -> FloatArray:
         """The whitened residuals (n_residuals,) without any effect; see `vectors`."""
         return self._left.vector(self._observed.fitted)

@@ -40,11 +40,12 @@ def scan(
     """
     worth = shortlist(glimpses, accepted, suspects, part(progress, 0.0, 0.5))
     nothing, cost = _vector(glimpses, accepted), Costs(glimpses)
+    cleared = glimpses.cleared(nothing, 0.0)
     tried: list[list[Effect]] = []
     costs: list[FloatArray] = []
     for i, sizes in enumerate(worth):
         progress(0.5 + 0.5 * i / len(worth), f"scanning {sizes[0].kind}")
-        looked_at, left = _tried(glimpses, accepted, sizes, nothing)
+        looked_at, left = _tried(glimpses, accepted, sizes, cleared)
         tried.append(looked_at)
         costs.append(cost.of(left))
     chosen: dict[tuple[int, int], Start] = {}
@@ -71,17 +72,16 @@ def _vector(glimpses: Glimpses, effects: Sequence[Effect]) -> FloatArray:
 
 
 def _tried(
-    glimpses: Glimpses, accepted: Sequence[Effect], sizes: Sequence[Effect], nothing: FloatArray
+    glimpses: Glimpses, accepted: Sequence[Effect], sizes: Sequence[Effect], start: FloatArray
 ) -> tuple[list[Effect], FloatArray]:
     """Return sizes of an effect at a place and the residuals of each, (n_sizes, n_residuals).
 
     Parameters
     ----------
-    nothing
-        Residuals without any of them.
+    start
+        Residuals without any of them, less what tolerances explain.
     """
     tried = list(sizes)
-    start = glimpses.cleared(nothing, 0.0)
     found = [_vector(glimpses, [*accepted, effect]) for effect in tried]
     for i in least(tried):
         # Where residuals are no larger than noise the best size is smaller than any that is tried.

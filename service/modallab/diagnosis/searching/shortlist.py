@@ -49,6 +49,7 @@ def shortlist(
     predictor = glimpses.predictor
     sample = glimpses.sampled(round(glimpses.observed.fitted.sum() / ENOUGH))
     foreseen, costs = Foreseen(sample, accepted), Costs(sample)
+    start = costs.cleared(foreseen.nothing)
     worst = _worst_channels(glimpses, accepted)
     chosen: list[list[Effect]] = []
     looks: dict[str, list[_Look]] = {}
@@ -58,7 +59,7 @@ def shortlist(
         if isinstance(suspect.at, Channels) and not any(suspect.acts_on(dof) for dof in worst):
             continue
         sizes = variants(suspect, suspect.looks(predictor.system, predictor.setup))
-        look = _foreseen(foreseen, sizes, costs) if isinstance(suspect.at, Dof | Members) else None
+        look = _foreseen(foreseen, sizes, costs, start) if isinstance(suspect.at, Dof | Members) else None
         if look is not None:
             looks.setdefault(suspect.kind, []).append(look)
         elif isinstance(suspect.at, Dof):
@@ -72,15 +73,23 @@ def shortlist(
     return chosen
 
 
-def _foreseen(foreseen: Foreseen, sizes: list[Effect], costs: Costs) -> _Look | None:
-    """Return what sizes of an effect leave, one more between nothing and the smallest included."""
+def _foreseen(foreseen: Foreseen, sizes: list[Effect], costs: Costs, start: FloatArray) -> _Look | None:
+    """Return what sizes of an effect leave, one more between nothing and the smallest included.
+
+    Parameters
+    ----------
+    start
+        Residuals without any, less what tolerances explain.
+    """
     ratios = foreseen.ratios(sizes)
     if ratios is None:
         return None
     vectors, nothing = foreseen.vectors(ratios), foreseen.nothing
     # Where residuals are no larger than noise the best size is smaller than any that is tried.
-    start, moved = costs.cleared(nothing), costs.cleared(vectors)
-    between = {i: share for i in least(sizes) if (share := downhill(start, moved[i]))}
+    smallest = least(sizes)
+    moved = costs.cleared(vectors[smallest])
+    shares = [downhill(start, one) for one in moved]
+    between = {i: share for i, share in zip(smallest, shares, strict=True) if share}
     along = [nothing + share * (vectors[i] - nothing) for i, share in between.items()]
     smaller = [shrunk(sizes[i], share) for i, share in between.items()]
     return _Look([*sizes, *smaller], costs.of(np.vstack([vectors, *along])))

@@ -4,7 +4,7 @@ from scipy.optimize import lsq_linear
 
 from modallab.core.arrays import FloatArray
 from modallab.core.errors import InvalidInputError
-from modallab.diagnosis.numbers.least_squares import Descent, Slopes, boxed, slope
+from modallab.diagnosis.numbers.least_squares import Curvature, Descent, Slopes, slope
 
 TIME = np.linspace(0.0, 4.0, 50)
 FREE = (np.full(3, -10.0), np.full(3, 10.0))
@@ -100,7 +100,7 @@ def test_many_steps_in_a_box_are_nearly_the_best_ones() -> None:
     slopes, vectors = rng.normal(size=(60, 5)), 3.0 * rng.normal(size=(20, 60))
     slopes[:, 1] += slopes[:, 0]  # two that look alike
     low, high = -rng.random(5), rng.random(5)
-    steps = boxed(slopes.T @ slopes, vectors @ slopes, low, high)
+    steps = Curvature(slopes.T @ slopes).boxed(vectors @ slopes, low, high)
     assert (steps >= low).all()
     assert (steps <= high).all()
     for vector, step in zip(vectors, steps, strict=True):
@@ -114,7 +114,7 @@ def test_many_steps_in_a_box_are_nearly_the_best_ones() -> None:
 
 def test_one_step_that_no_bound_cuts_is_newtons() -> None:
     curvature, pull = np.array([[2.0, 1.0], [1.0, 3.0]]), np.array([0.4, -0.2])
-    step = boxed(curvature, pull, np.full(2, -1.0), np.full(2, 1.0))
+    step = Curvature(curvature).boxed(pull, np.full(2, -1.0), np.full(2, 1.0))
     np.testing.assert_allclose(curvature @ step, -pull, atol=1e-12)
 
 
