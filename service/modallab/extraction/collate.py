@@ -35,6 +35,7 @@ def collate(
     method: str,
     notes: Sequence[str] = (),
     choices: Mapping[str, str] = NOTHING,
+    shared: float = 0.0,
 ) -> ModalModel:
     """Return modes with their spread over the FRFs and complex shapes.
 
@@ -60,6 +61,8 @@ def collate(
         Where the force acts in all of them.
     method, notes, choices
         What the modal model shall say of how it was made.
+    shared
+        Correlation of the errors of different FRFs, 0 to 1, from `shared_error`.
     """
     order = _order(table)
     at = drive_row(dofs, drive)
@@ -84,7 +87,7 @@ def collate(
     shown = table.screening.good[order] | table.screening.outlying[order]
     return ModalModel(
         modes=tuple(
-            _mode(table, int(m), _averaging(wander, r), shapes[r], shape_errors[r], flags[r])
+            _mode(table, int(m), _averaging(wander, r), shared, shapes[r], shape_errors[r], flags[r])
             for r, m in enumerate(order)
         ),
         dofs=tuple(dofs),
@@ -97,7 +100,7 @@ def collate(
         modal_constant_error=error,
         fitted_lines=None if table.lines is None else table.lines[order],
         wander=wander,
-        choices={**choices, "means": choice_of_means(wander)},
+        choices={**choices, "means": choice_of_means(wander, shared)},
         notes=(*notes, *no_scale(at, drive), *wander_notes(wander, dofs), *why_outlying(table, order, dofs)),
     )
 
@@ -129,6 +132,7 @@ def _mode(
     table: Table,
     m: int,
     averaging: Averaging,
+    shared: float,
     shape: ComplexArray,
     shape_errors: FloatArray,
     flags: tuple[str, ...],
@@ -140,12 +144,14 @@ def _mode(
     # be too small. Relative errors hardly depend on how the damping came out.
     middle = float(np.median(loss_factor))
     relative = table.loss_factor_error[m][good] / loss_factor * middle
-    mean = averaged(frequency, table.frequency_error[m][good], unseen * float(frequency.mean()), averaging)
+    error, floor = table.frequency_error[m][good], unseen * float(frequency.mean())
+    mean = averaged(frequency, error, floor, averaging, shared)
     damping = averaged(
         loss_factor,
         relative if averaging is Averaging.WEIGHTED else table.loss_factor_error[m][good],
         unseen,
         averaging,
+        shared,
     )
     return Mode(
         frequency=mean.value,

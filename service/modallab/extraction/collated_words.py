@@ -9,9 +9,19 @@ from modallab.core.dof import Dof
 from modallab.core.wander import Wander, WanderCause
 from modallab.extraction.fitting import Table
 
+SHOWN = 0.05  # of the random error: less than that in common is hardly told from none
 
-def choice_of_means(wander: Wander | None) -> str:
+
+def choice_of_means(wander: Wander | None, shared: float) -> str:
     """Return how frequencies and loss factors of the FRFs were averaged, and why."""
+    return _means(wander) + (
+        f"; {100 * shared:.0f} % of their random error is the same in all FRFs, which no mean lessens"
+        if shared > SHOWN
+        else ""
+    )
+
+
+def _means(wander: Wander | None) -> str:
     if wander is None:
         return (
             "weighted by one over variance: the frequencies of the FRFs agree within their standard errors, "

@@ -31,7 +31,9 @@ class Averaging(Enum):
     SCATTERED = auto()  # of structures that differ for an unknown reason; the error has their scatter
 
 
-def averaged(values: FloatArray, errors: FloatArray, unseen: float, averaging: Averaging) -> Mean:
+def averaged(
+    values: FloatArray, errors: FloatArray, unseen: float, averaging: Averaging, shared: float = 0.0
+) -> Mean:
     """Return the mean of values by one of these ways.
 
     Parameters
@@ -42,12 +44,14 @@ def averaged(values: FloatArray, errors: FloatArray, unseen: float, averaging: A
         Part of each error that no standard error holds.
     averaging
         How; values that should be of one structure and differ beyond chance count as scattered.
+    shared
+        Correlation of the errors of any two values, 0 to 1.
     """
     if averaging is Averaging.PLAIN:
-        return plain_mean(values, errors)
+        return plain_mean(values, errors, shared)
     if averaging is Averaging.WEIGHTED and not differ(values, np.hypot(errors, unseen)):
-        return weighted_mean(values, errors, unseen)
-    plain = plain_mean(values, errors)
+        return weighted_mean(values, errors, unseen, shared)
+    plain = plain_mean(values, errors, shared)
     scatter = float(values.std(ddof=1) / np.sqrt(len(values))) if len(values) > 1 else 0.0
     return Mean(plain.value, max(plain.error, scatter))
 
@@ -88,12 +92,12 @@ def differ(values: FloatArray, errors: FloatArray) -> bool:
     return beyond_chance(float(chi_squares(values[None], weight[None])[1][0]), int(some.sum()) - 2)
 
 
-def plain_mean(values: FloatArray, errors: FloatArray) -> Mean:
+def plain_mean(values: FloatArray, errors: FloatArray, shared: float = 0.0) -> Mean:
     """Return the mean in which every value counts alike; `values`, `errors` (n,), n >= 1."""
-    return Mean(float(values.mean()), float(np.sqrt((errors**2).sum()) / len(values)))
+    return Mean(float(values.mean()), _error(np.full(len(values), 1 / len(values)), errors, shared))
 
 
-def weighted_mean(values: FloatArray, errors: FloatArray, unseen: float) -> Mean:
+def weighted_mean(values: FloatArray, errors: FloatArray, unseen: float, shared: float = 0.0) -> Mean:
     """Return the mean weighted by one over variance, which no single value can drag along.
 
     A value that contradicts the others beyond its own standard error has its weight reduced as one over
@@ -106,6 +110,8 @@ def weighted_mean(values: FloatArray, errors: FloatArray, unseen: float) -> Mean
     unseen
         Part of the error that no standard error holds, the same in all: below it agreement is no precision,
         and values are alike in weight.
+    shared
+        Correlation of the errors of any two values, 0 to 1.
 
     References
     ----------
@@ -118,4 +124,10 @@ def weighted_mean(values: FloatArray, errors: FloatArray, unseen: float) -> Mean
         off = np.abs(values - mean) / error
         held = weight * np.minimum(1, BEYOND / np.maximum(off, BEYOND))
         mean = float((held * values).sum() / held.sum())
-    return Mean(mean, float(np.sqrt(((held * errors) ** 2).sum()) / held.sum()))
+    return Mean(mean, _error(held / held.sum(), errors, shared))
+
+
+def _error(share: FloatArray, errors: FloatArray, shared: float) -> float:
+    """Return the standard error of a sum of shares of values."""
+    own = ((share * errors) ** 2).sum()
+    return float(np.sqrt((1 - shared) * own + shared * (share * errors).sum() ** 2))

@@ -19,6 +19,7 @@ from modallab.extraction.method import TRAITS, ExtractionMethod
 from modallab.extraction.options import ExtractionOptions
 from modallab.extraction.responses import Responses
 from modallab.extraction.resynthesis import with_resynthesis
+from modallab.extraction.shared_error import shared_error
 from modallab.extraction.windows import place_windows
 
 
@@ -60,7 +61,15 @@ def extract_mode_by_mode(
     if n_modes is not None and bands is None and len(found) < n_modes:
         notes.append(f"{n_modes} modes asked for, {len(found)} found")
     progress(1.0, "modes collated")
-    model = collate(table, dofs, responses.drive, method=method, notes=notes, choices=decided.choices)
+    model = collate(
+        table,
+        dofs,
+        responses.drive,
+        method=method,
+        notes=notes,
+        choices=decided.choices,
+        shared=shared_error(LAWS[options.damping], data, settled, windows.index),
+    )
     return with_resynthesis(model, responses, found)
 
 

@@ -58,3 +58,11 @@ def test_one_value_apart_is_no_scatter() -> None:
     assert not differ(np.array([1.0, 1.0, 1.0, 2.0]), np.full(4, 1e-3))
     assert not differ(np.array([1.0]), np.array([0.1]))
     assert not differ(np.array([1.0, 2.0, 3.0]), np.zeros(3))
+
+
+def test_errors_in_common_do_not_average_out() -> None:
+    values, errors = np.full(9, 5.0), np.full(9, 0.3)
+    assert plain_mean(values, errors).error == pytest.approx(0.1)
+    assert plain_mean(values, errors, 1.0).error == pytest.approx(0.3)
+    for mean in (plain_mean(values, errors, 0.5), weighted_mean(values, errors, 0.0, 0.5)):
+        assert mean.error == pytest.approx(np.sqrt(0.5 * 0.01 + 0.5 * 0.09))
