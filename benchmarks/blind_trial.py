@@ -96,7 +96,11 @@ def trial(
     with ProcessPoolExecutor(workers) as pool:
         tasks = [pool.submit(one, number, seed, which, ask) for number in wanted]
         for done, task in enumerate(as_completed(tasks), 1):
-            line = task.result()
+            try:
+                line = task.result()
+            except UnreachableError:
+                pool.shutdown(cancel_futures=True)
+                raise
             lines.append(line)
             if out is not None:
                 _write(line, out)

@@ -193,24 +193,18 @@ def _sized(
         gap = opened(bare)
         return (bare, gap) if gap >= least else None
     up, share = bool(rng.integers(2)), rng.random()
-
-    def measured(effect: Effect) -> float:
-        check_measurable(effect, bench)
-        return opened(effect)
-
     found = _of_share(bare, up, share, opened, least)
-    if found is not None:
-        try:
-            check_measurable(found[0], bench)
-        except DivergedError:  # asked of one strength first: what can be measured is drawn without limits
-            return _of_share(bare, up, share, measured, least)
-    return found
+    try:
+        return found and (measurable(found[0], bench), found[1])
+    except DivergedError:  # where none has to be, strengths are not limited
+        return _of_share(bare, up, share, lambda one: opened(measurable(one, bench)), least)
 
 
-def check_measurable(effect: Effect, bench: Bench) -> None:
-    """Raise `DivergedError` if records of a bench with an effect cannot be stepped through time."""
+def measurable(effect: Effect, bench: Bench) -> Effect:
+    """Return the effect; `DivergedError` if records of a bench with it cannot be stepped through time."""
     if effect.on_motion() is not None:
         feedbacks_of(chain(assemble(bench.structure), bench.setup, [effect]).runs)
+    return effect
 
 
 def _of_share(

@@ -14,7 +14,7 @@ from pydantic import TypeAdapter
 
 from benchmarks.blind_trial import main, numbers, read
 from benchmarks.trial.cases import KINDS, NOISES, ROUND, case, small_case
-from benchmarks.trial.hidden import Gauge, check_measurable
+from benchmarks.trial.hidden import Gauge, measurable
 from benchmarks.trial.reporting import calibration_error, report
 from benchmarks.trial.rigs import cantilever, frame, free_beam, short_beam
 from benchmarks.trial.running import run, sealed
@@ -154,9 +154,9 @@ def test_an_effect_is_no_stronger_than_can_be_measured() -> None:
     true = case(KINDS.index("friction") + 2 * ROUND, 5001)
     (brake,) = true.truth
     assert true.gap >= 2
-    check_measurable(brake, true.bench)
+    assert measurable(brake, true.bench) is brake
     with pytest.raises(DivergedError):
-        check_measurable(brake.with_parameters({"force": 10 * brake.parameters["force"]}), true.bench)
+        measurable(brake.with_parameters({"force": 10 * brake.parameters["force"]}), true.bench)
 
 
 def test_what_is_out_of_the_catalogue_is_not_suspected() -> None:
