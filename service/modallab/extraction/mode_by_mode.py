@@ -22,6 +22,8 @@ from modallab.extraction.resynthesis import with_resynthesis
 from modallab.extraction.shared_error import shared_error
 from modallab.extraction.windows import place_windows
 
+SMEARED = 3  # lines: the main lobe of a Hanning window and its first side lobe
+
 
 def extract_mode_by_mode(
     fit: ExtractionMethod,
@@ -70,7 +72,7 @@ def extract_mode_by_mode(
         choices=decided.choices,
         shared=shared_error(LAWS[options.damping], data, settled, windows.index),
     )
-    return with_resynthesis(model, responses, found)
+    return with_resynthesis(model, responses, found, smeared=0 if leakage is None else SMEARED)
 
 
 def _missing(table: Table, freq: FloatArray, bands: Sequence[Band], *, given: bool) -> list[str]:

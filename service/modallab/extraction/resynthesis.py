@@ -67,13 +67,14 @@ def resynthesise(
     return FrfSet(freq, values[:, :, None], model.dofs, (force,), kind)
 
 
-def with_resynthesis(model: ModalModel, responses: Responses, bands: Sequence[Band]) -> ModalModel:
+def with_resynthesis(
+    model: ModalModel, responses: Responses, bands: Sequence[Band], *, smeared: int = 0
+) -> ModalModel:
     """Return modes with residuals of every FRF, and the part of it that all this leaves.
 
     The residuals are fitted by weighted linear least squares to what the modes leave inside the bands.
     The error is the rms of the rest over the rms of the FRF, both as mobility, in which resonances of
-    like damping are alike high; random error and leakage of the measurement are in it. An FRF of zeros
-    has the error 0.
+    like damping are alike high; random error of the measurement is in it. An FRF of zeros has the error 0.
 
     Parameters
     ----------
@@ -81,10 +82,15 @@ def with_resynthesis(model: ModalModel, responses: Responses, bands: Sequence[Ba
         From these responses by a single-mode method.
     bands
         Where its modes were looked for.
+    smeared
+        Lines to either side of a resonance's half-power points that a window holds down: modes do not
+        resynthesise these, and they are left out.
     """
     lines = np.zeros(len(responses.freq), bool)
     for band in bands:
         lines[band.first : band.last + 1] = True
+    if smeared:
+        lines &= ~_near(model, responses.freq, smeared)
     freq, measured, variance = responses.freq[lines], responses.receptance[lines], responses.variance[lines]
     modes = _modes(model, freq, _poles(model), _constants(model))
     usable = np.isfinite(variance)
@@ -99,6 +105,12 @@ def with_resynthesis(model: ModalModel, responses: Responses, bands: Sequence[Ba
         resynthesis_error=misfit,
         notes=(*model.notes, *_left(misfit, random, model.dofs)),
     )
+
+
+def _near(model: ModalModel, freq: FloatArray, smeared: int) -> BoolArray:
+    """Return the lines near a resonance, (n_freq,)."""
+    half = np.abs(model.loss_factors) * model.frequencies / 2 + smeared * np.median(np.diff(freq))
+    return np.asarray((np.abs(freq[:, None] - model.frequencies) <= half).any(axis=1))
 
 
 def relative_error(
