@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.errors import NoModeInBandError
-from modallab.extraction.method import EXTRACTION_METHODS, TRAITS, ModeFit, Outcome, fit_mode
+from modallab.extraction.method import EXTRACTION_METHODS, PICTURES, TRAITS, ModeFit, Outcome, fit_mode
 
 modes = st.builds(
     ModeFit,
@@ -134,3 +134,31 @@ def test_noise_alone_gives_errors_as_large_as_its_values(kind: str) -> None:
 def test_no_rows_give_no_fits(kind: str) -> None:
     fits = EXTRACTION_METHODS[kind](np.empty((0, 8)), np.empty((0, 8), complex), np.empty((0, 8)))
     assert fits.found.shape == (0,)
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_every_method_draws_what_it_did_with_the_lines_in_use(kind: str) -> None:
+    assert set(PICTURES) == set(TRAITS) == set(EXTRACTION_METHODS)
+    mode = ModeFit(100.37, 0.03, 1 + 0.2j, 1e-6j)
+    freq = np.arange(94.0, 107.0)
+    frf, weight = mode.response(freq), np.ones(len(freq))
+    frf[0], weight[12] = np.nan, 0
+    drawn = PICTURES[kind](freq, frf, weight)
+    np.testing.assert_allclose(drawn["x"], (2 * np.pi * freq[1:12]) ** 2)
+    for name, values in drawn.items():
+        assert np.isfinite(values).all(), name
+        assert values.ndim > 0, name
+
+
+@pytest.mark.parametrize("kind", KINDS)
+def test_a_picture_keeps_its_shape_in_other_units(kind: str) -> None:
+    freq = np.arange(94.0, 107.0)
+    frf = ModeFit(100.37, 0.03, 1 + 0.2j, 1e-6j).response(freq)
+    here = PICTURES[kind](freq, frf, np.ones(13))
+    there = PICTURES[kind](freq, 1e6 * frf, np.ones(13))  # um instead of m
+    for name, values in here.items():
+        largest = np.abs(values).max()
+        ratio = np.abs(there[name]).max() / largest
+        # rounding; what is not a length or its inverse stays as it is
+        assert min(abs(np.log10(ratio) - power) for power in (-6, 0, 6)) < 1e-9, name
+        np.testing.assert_allclose(there[name] / ratio, values, atol=1e-9 * largest, err_msg=name)

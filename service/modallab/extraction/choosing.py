@@ -75,6 +75,6 @@ def _leave_out(method: str, options: ExtractionOptions, leakage: Leakage | None)
     if leakage is None:
         return 0, "the records do not leak, and the lines nearest resonance say most of the damping"
     return 0, (
-        f"what the window did to {leakage.estimator} is undone line by line, "
-        "after which the lines nearest resonance say most of the damping"
+        f"what the window did to {leakage.estimator} is undone line by line, which errs less than to leave "
+        "the lines nearest resonance out"
     )

@@ -67,6 +67,21 @@ def scale(freq: FloatArray, frf: ComplexArray, weight: FloatArray) -> Lines:
     )
 
 
+def one_row(
+    freq: FloatArray, frf: ComplexArray, weight: FloatArray
+) -> tuple[Lines, FloatArray, ComplexArray]:
+    """Return the lines in use of one stretch, scaled, a batch of one; and their omega^2 and response.
+
+    Parameters
+    ----------
+    freq, frf, weight
+        (n_lines,) as `Picture`.
+    """
+    used = np.isfinite(frf) & np.isfinite(weight) & (weight > 0)
+    lines = scale(freq[None, used], frf[None, used], weight[None, used])
+    return lines, (2 * np.pi * freq[used]) ** 2, frf[used]
+
+
 def weighted_line(
     x: FloatArray, y: ComplexArray, weight: FloatArray
 ) -> tuple[ComplexArray, ComplexArray, FloatArray]:

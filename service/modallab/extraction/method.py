@@ -107,6 +107,18 @@ class ExtractionMethod(Protocol):
     def __call__(self, freq: FloatArray, frf: ComplexArray, weight: FloatArray) -> ModeFits: ...
 
 
+class Picture(Protocol):
+    """Returns named arrays of what a method draws through one stretch of FRF, lines without weight left out.
+
+    What lies along the axis is named `x...` and is `(2 pi freq)^2`, (rad/s)^2. Parameters as those of an
+    `ExtractionMethod`, for one row, (n_lines,).
+    """
+
+    def __call__(
+        self, freq: FloatArray, frf: ComplexArray, weight: FloatArray
+    ) -> dict[str, FloatArray | ComplexArray]: ...
+
+
 @dataclass(frozen=True)
 class Traits:
     """What a method can do."""
@@ -117,6 +129,7 @@ class Traits:
 
 METHODS_HOME = "modallab.extraction.methods"
 EXTRACTION_METHODS: Family[ExtractionMethod] = Family("extraction method", home=METHODS_HOME)
+PICTURES: Family[Picture] = Family("extraction method", home=METHODS_HOME)
 TRAITS: Family[Traits] = Family("extraction method", home=METHODS_HOME)
 
 

@@ -19,7 +19,7 @@ def viscous(frequency: float, ratio: float, constant: complex) -> ComplexArray:
     omega_r = 2 * np.pi * frequency
     s = omega_r * (-ratio + 1j * np.sqrt(1 - ratio**2))
     residue = constant / (s - s.conjugate())
-    return residue / (1j * OMEGA - s) + np.conj(residue) / (1j * OMEGA - s.conjugate())
+    return np.asarray(residue / (1j * OMEGA - s) + np.conj(residue) / (1j * OMEGA - s.conjugate()))
 
 
 def test_of_a_real_mode_the_poles_are_the_equation_of_motion() -> None:

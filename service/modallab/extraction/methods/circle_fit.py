@@ -3,11 +3,12 @@
 import numpy as np
 
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray
-from modallab.extraction.lines import Lines, conclude, scale
-from modallab.extraction.method import EXTRACTION_METHODS, TRAITS, ModeFits, Traits, in_blocks
+from modallab.extraction.lines import Lines, conclude, one_row, scale
+from modallab.extraction.method import EXTRACTION_METHODS, PICTURES, TRAITS, ModeFits, Traits, in_blocks
 
 TINY = 1e-100
 FARTHEST = 1e8  # tan(theta/2) of a line on the far side of the circle, to rounding
+AROUND = 181  # points to draw the circle with
 ROUNDS = 4  # Gauss-Newton steps of the circle: quadratic from an algebraic start
 
 TRAITS.register("circle_fit")(Traits(exact=True, leaves_out=False))
@@ -46,6 +47,43 @@ def circle_fit(freq: FloatArray, frf: ComplexArray, weight: FloatArray) -> ModeF
     spread = np.sqrt((lines.weight * left**2).sum(axis=1) / lines.weight.sum(axis=1))
     quality = {"radius_variation": 100 * spread, "damping_variation": 100 * variation}
     return conclude(lines, eigenvalue, 2j * width * to_resonance, centre - to_resonance, quality)
+
+
+@PICTURES.register("circle_fit")
+def circle_fit_picture(
+    freq: FloatArray, frf: ComplexArray, weight: FloatArray
+) -> dict[str, FloatArray | ComplexArray]:
+    """The Nyquist circle with its points, how fast it is run through, and the loss factor of every pair.
+
+    `sweep_rate` is that of the angle (n_lines,) between the lines; `damping_surface` (n_above, n_below).
+    """
+    lines, x, points = one_row(freq, frf, weight)
+    centre, radius = _circle(lines)
+    spoke = lines.z - centre[:, None]
+    at, resonance, _ = _resonance(lines, spoke)
+    turned = spoke / np.exp(1j * resonance)[:, None]
+    away, half_tan = (lines.x - at[:, None])[0], _half_tan(turned)[0]
+    above, below = np.flatnonzero(away > 0), np.flatnonzero(away < 0)
+    width = (away[above, None] - away[below]) / _not_zero(half_tan[above, None] + half_tan[below])
+    turn = np.angle(turned[0, 1:] * turned[0, :-1].conj())
+    around = np.exp(1j * np.linspace(0, 2 * np.pi, AROUND))
+    size = lines.size
+    stiffness = lines.centre + lines.half * at
+    return {
+        "x": x,
+        "points": points,
+        "centre": size * centre,
+        "radius": size * radius,
+        "circle": size * (centre + radius * around),
+        "resonance": size * (centre + radius * np.exp(1j * resonance)),
+        "x_resonance": stiffness,
+        "angle": np.angle(turned[0]),
+        "x_sweep": (x[1:] + x[:-1]) / 2,
+        "sweep_rate": turn / np.diff(x),
+        "x_above": x[above],
+        "x_below": x[below],
+        "damping_surface": lines.half * width / stiffness,
+    }
 
 
 def _circle(lines: Lines) -> tuple[ComplexArray, FloatArray]:

@@ -3,8 +3,8 @@
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
-from modallab.extraction.lines import conclude, leave_residual, scale, weighted_line
-from modallab.extraction.method import EXTRACTION_METHODS, TRAITS, ModeFits, Traits, in_blocks
+from modallab.extraction.lines import Lines, conclude, leave_residual, one_row, scale, weighted_line
+from modallab.extraction.method import EXTRACTION_METHODS, PICTURES, TRAITS, ModeFits, Traits, in_blocks
 
 TINY = 1e-15  # of values of order one
 ROUNDS = 3  # the weights settle to three digits in two
@@ -32,6 +32,41 @@ def dobson(freq: FloatArray, frf: ComplexArray, weight: FloatArray) -> ModeFits:
     response data. Mechanical Systems and Signal Processing 1, 29-40. 1992 thesis, appendix F.
     """
     lines = scale(freq, frf, weight)
+    delta, final = _quotients(lines)
+    slope, _, sure = _slopes(lines.x, delta, final)
+    eigenvalue, constant = _mode(lines.x, slope, sure)
+    return conclude(lines, eigenvalue, constant, leave_residual(lines, eigenvalue, constant))
+
+
+@PICTURES.register("dobson")
+def dobson_picture(
+    freq: FloatArray, frf: ComplexArray, weight: FloatArray
+) -> dict[str, FloatArray | ComplexArray]:
+    """The difference quotients of every reference line and their lines; the slopes of these and theirs.
+
+    `delta` (n_lines, n_lines - 1), by reference: no line has a quotient with itself; `slopes` (n_lines,).
+    """
+    lines, x, points = one_row(freq, frf, weight)
+    delta, final = _quotients(lines)
+    slope, level, sure = _slopes(lines.x, delta, final)
+    u, v, _ = weighted_line(lines.x, slope, sure)
+    drawn = slope[0, :, None] * lines.x[0] + level[0, :, None]
+    apart = ~np.eye(len(x), dtype=bool)
+    shape = (len(x), len(x) - 1)
+    scale_of_delta = lines.half / lines.size
+    return {
+        "x": x,
+        "points": points,
+        "x_delta": np.broadcast_to(x, apart.shape)[apart].reshape(shape),
+        "delta": delta[0][apart].reshape(shape) * scale_of_delta,
+        "delta_lines": drawn[apart].reshape(shape) * scale_of_delta,
+        "slopes": slope[0] / lines.size,
+        "slope_line": (u * lines.x[0] + v) / lines.size,
+    }
+
+
+def _quotients(lines: Lines) -> tuple[ComplexArray, FloatArray]:
+    """Return Delta and its weights, (n_fits, n_lines, n_lines), references along the second axis."""
     x, used = lines.x, lines.weight > 0
     noise = np.where(used, 1 / np.where(used, lines.weight, 1.0), np.inf)
     dx = x[:, :, None] - x[:, None, :]
@@ -41,22 +76,30 @@ def dobson(freq: FloatArray, frf: ComplexArray, weight: FloatArray) -> ModeFits:
     trust = dx**2 / (noise[:, :, None] + noise[:, None, :])
     # the first round has only the noisy quotients to judge by; the later ones their fitted values
     size = np.where(delta == 0, 1.0, delta.real**2 + delta.imag**2)
-    first = np.where(delta == 0, 0.0, trust) / size**2
-    eigenvalue, constant = _two_lines(x, delta, first)
+    weight = np.where(delta == 0, 0.0, trust) / size**2
     for _ in range(ROUNDS - 1):
+        slope, _, sure = _slopes(x, delta, weight)
+        eigenvalue, _ = _mode(x, slope, sure)
         flank = 1 / np.maximum(np.abs(eigenvalue[:, None] - x), TINY) ** 4
-        eigenvalue, constant = _two_lines(x, delta, trust * flank[:, :, None] * flank[:, None, :])
-    return conclude(lines, eigenvalue, constant, leave_residual(lines, eigenvalue, constant))
+        weight = trust * flank[:, :, None] * flank[:, None, :]
+    return delta, weight
 
 
-def _two_lines(x: FloatArray, delta: ComplexArray, weight: FloatArray) -> tuple[ComplexArray, ComplexArray]:
-    """Return eigenvalue and modal constant from the slopes, and the line on which these lie."""
+def _slopes(
+    x: FloatArray, delta: ComplexArray, weight: FloatArray
+) -> tuple[ComplexArray, ComplexArray, FloatArray]:
+    """Return slope, level at x = 0 and certainty of every reference's line, each (n_fits, n_lines)."""
     powers = np.stack([np.ones_like(x), x, x**2], axis=2)
     total, mean, square = np.moveaxis(weight @ powers, 2, 0)
     level, tilt = np.moveaxis((weight * delta) @ powers[:, :, :2], 2, 0)
     total = np.where(total > 0, total, 1.0)
     sure = np.maximum(square - mean**2 / total, 0.0)
     slope = (tilt - level * mean / total) / np.where(sure > 0, sure, np.inf)
+    return slope, (level - slope * mean) / total, sure
+
+
+def _mode(x: FloatArray, slope: ComplexArray, sure: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+    """Return eigenvalue and modal constant from the line on which the slopes lie."""
     u, v, _ = weighted_line(x, slope, sure)
     u = np.where(u == 0, TINY, u)
     return -v / u, 1 / u

@@ -8,10 +8,11 @@ from modallab.extraction.lines import (
     Lines,
     conclude,
     mode_beside_constant,
+    one_row,
     scale,
     weighted_line,
 )
-from modallab.extraction.method import EXTRACTION_METHODS, TRAITS, ModeFits, Traits, in_blocks
+from modallab.extraction.method import EXTRACTION_METHODS, PICTURES, TRAITS, ModeFits, Traits, in_blocks
 
 TRAITS.register("line_fit")(Traits(exact=True, leaves_out=True))
 
@@ -37,6 +38,24 @@ def line_fit(freq: FloatArray, frf: ComplexArray, weight: FloatArray) -> ModeFit
     lines = scale(freq, frf, weight)
     slope, intercept, residual = _inverse_line(lines)
     return conclude(lines, -intercept / slope, -1 / slope, residual)
+
+
+@PICTURES.register("line_fit")
+def line_fit_picture(
+    freq: FloatArray, frf: ComplexArray, weight: FloatArray
+) -> dict[str, FloatArray | ComplexArray]:
+    """The inverse of the response without its residual, and the straight line through it, both complex."""
+    lines, x, points = one_row(freq, frf, weight)
+    slope, intercept, residual = (values[0] for values in _inverse_line(lines))
+    mode = lines.z[0] - residual
+    shown = np.abs(mode) >= ROUNDING
+    return {
+        "x": x[shown],
+        "inverse": 1 / (mode[shown] * lines.size),
+        "line": (slope * lines.x[0, shown] + intercept) / lines.size,
+        "residual": np.atleast_1d(residual) * lines.size,
+        "points": points[shown],
+    }
 
 
 def _inverse_line(lines: Lines) -> tuple[ComplexArray, ComplexArray, ComplexArray]:

@@ -1,8 +1,8 @@
 """Linear fit: mode and residual from one least-squares problem that is linear in its unknowns."""
 
 from modallab.core.arrays import ComplexArray, FloatArray
-from modallab.extraction.lines import conclude, mode_beside_constant, scale
-from modallab.extraction.method import EXTRACTION_METHODS, TRAITS, ModeFits, Traits, in_blocks
+from modallab.extraction.lines import conclude, mode_beside_constant, one_row, scale
+from modallab.extraction.method import EXTRACTION_METHODS, PICTURES, TRAITS, ModeFits, Traits, in_blocks
 
 TRAITS.register("linear_fit")(Traits(exact=True, leaves_out=True))
 
@@ -28,3 +28,21 @@ def linear_fit(freq: FloatArray, frf: ComplexArray, weight: FloatArray) -> ModeF
     """
     lines = scale(freq, frf, weight)
     return conclude(lines, *mode_beside_constant(lines))
+
+
+@PICTURES.register("linear_fit")
+def linear_fit_picture(
+    freq: FloatArray, frf: ComplexArray, weight: FloatArray
+) -> dict[str, FloatArray | ComplexArray]:
+    """The two sides of the equation: `alpha omega^2`, and the sum of three terms fitted to it."""
+    lines, x, points = one_row(freq, frf, weight)
+    eigenvalue, constant, residual = mode_beside_constant(lines)
+    pole = lines.centre + lines.half * eigenvalue
+    left_over = lines.size * residual
+    level = -(lines.half * lines.size * constant + left_over * pole)
+    return {
+        "x": x,
+        "points": points,
+        "left": points * x,
+        "right": pole * points + level + left_over * x,
+    }

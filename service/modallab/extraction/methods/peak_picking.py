@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray
-from modallab.extraction.lines import Lines, conclude, scale
-from modallab.extraction.method import EXTRACTION_METHODS, TRAITS, ModeFits, Traits, in_blocks
+from modallab.extraction.lines import Lines, conclude, one_row, scale
+from modallab.extraction.method import EXTRACTION_METHODS, PICTURES, TRAITS, ModeFits, Traits, in_blocks
 
 TINY = 1e-100
 
@@ -56,6 +56,25 @@ def peak_picking(freq: FloatArray, frf: ComplexArray, weight: FloatArray) -> Mod
     fits = conclude(lines, eigenvalue, 1j * width * top, np.zeros_like(top), quality)
     # what the other lines miss is bias, and must not pass for the random error of the two that were read
     return replace(fits, misfit=np.zeros_like(fits.misfit))
+
+
+@PICTURES.register("peak_picking")
+def peak_picking_picture(
+    freq: FloatArray, frf: ComplexArray, weight: FloatArray
+) -> dict[str, FloatArray | ComplexArray]:
+    """The magnitude, its highest line, and the two points of half its power."""
+    lines, x, points = one_row(freq, frf, weight)
+    peak = _peak(lines)
+    crossings = np.concatenate(_half_power(lines, peak))
+    top = np.abs(points[peak])
+    return {
+        "x": x,
+        "magnitude": np.abs(points),
+        "x_peak": x[peak],
+        "peak": top,
+        "x_half": lines.centre + lines.half * crossings,
+        "half": np.repeat(top / np.sqrt(2), 2),
+    }
 
 
 def _power(lines: Lines) -> FloatArray:

@@ -1,0 +1,174 @@
+"""What one single-mode fit of a modal model saw and drew, found again from the measured responses."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray, frozen
+from modallab.core.errors import InvalidInputError
+from modallab.core.frf import FrfKind
+from modallab.core.modal_model import ModalModel
+from modallab.extraction.choosing import taken
+from modallab.extraction.fitting import Data, fit_all, gather
+from modallab.extraction.laws import LAWS, Law
+from modallab.extraction.leakage import Leakage
+from modallab.extraction.method import EXTRACTION_METHODS, MIN_LINES, PICTURES
+from modallab.extraction.options import Damping
+from modallab.extraction.responses import Responses
+from modallab.extraction.windows import Windows, without_nearest
+
+CURVE = 201  # points to draw a fit with
+TINY = 1e-300
+
+
+@dataclass(frozen=True, eq=False)
+class FitPicture:
+    """One fit: lines as measured, freed of leakage and other modes, and the mode through them."""
+
+    method: str
+    damping: Damping  # viscous: `x...` of the details is omega, rad/s, instead of omega^2
+    kind: FrfKind  # of all responses here: the one that the mode was fitted on
+    freq: FloatArray  # (n_lines,) Hz
+    used: BoolArray  # (n_lines,) False where a line was left out
+    measured: ComplexArray  # (n_lines,)
+    cleaned: ComplexArray  # (n_lines,)
+    curve_freq: FloatArray  # (n_curve,) Hz
+    curve: ComplexArray  # (n_curve,) mode and residual
+    frequency: float  # Hz
+    loss_factor: float
+    modal_constant: complex  # 1/kg, of receptance
+    residual: complex  # unit of the responses
+    details: Mapping[
+        str, FloatArray | ComplexArray
+    ]  # as the method's `Picture`; none of fewer than four lines
+
+    def __post_init__(self) -> None:
+        n = len(self.freq)
+        for name, of, shape in (
+            ("freq", float, (n,)),
+            ("used", bool, (n,)),
+            ("measured", complex, (n,)),
+            ("cleaned", complex, (n,)),
+            ("curve_freq", float, (None,)),
+            ("curve", complex, (len(self.curve_freq),)),
+        ):
+            object.__setattr__(self, name, frozen(getattr(self, name), of, shape, name=name))
+
+
+def fit_picture(
+    responses: Responses, model: ModalModel, mode: int, row: int, *, leakage: Leakage | None = None
+) -> FitPicture:
+    """Return one of the fits that a modal model was collated from.
+
+    The other modes are taken off as the model has them, and the mode is fitted to the same lines once more.
+
+    Parameters
+    ----------
+    responses
+        Those that the model was read from.
+    model
+        Of a single-mode method.
+    mode, row
+        Which mode, and in which of the FRFs.
+    leakage
+        As `extract` was told.
+
+    Raises
+    ------
+    InvalidInputError
+        If there is no such fit, or the model was not made of single-mode fits.
+    """
+    ends = _ends(responses, model)
+    for name, value, n in (("mode", mode, len(ends)), ("row", row, ends.shape[1])):
+        if not 0 <= value < n:
+            raise InvalidInputError(f"no such {name}", field=name, value=value, allowed=f"0 to {n - 1}")
+    damping = Damping(taken(model.choices, "damping") or Damping.STRUCTURAL)
+    law = LAWS[damping]
+    data = _lines_again(responses, ends[mode], int(taken(model.choices, "leave_out") or 0), leakage)
+    settled = fit_all(EXTRACTION_METHODS[model.method], law, data, _known(law, model, mode, data))
+    found = bool(settled.table.frequency[0, row] > 0)
+    frequency = float(settled.table.frequency[0, row] if found else model.modes[mode].frequency)
+    loss_factor = float(settled.table.loss_factor[0, row] if found else model.modes[mode].loss_factor)
+    constant = complex(settled.table.modal_constant[0, row])
+    order = 2 if settled.inertance[0] else 0
+    inside = slice(0, int(ends[mode, row, 1] - ends[mode, row, 0] + 1))
+    freq, weight = data.freq[0, row, inside], data.weight[0, row, inside]
+    factor = (2j * np.pi * freq) ** order
+    cleaned, weight = factor * settled.cleaned[0, row, inside], weight / np.abs(factor) ** 2
+    eigenvalue = np.array((2 * np.pi * frequency) ** 2 * (1 + 1j * loss_factor))
+    strength = np.array(constant)
+    alone = factor * law.response(freq, eigenvalue, strength)
+    residual = complex((weight * (cleaned - alone)).sum() / max(weight.sum(), TINY))
+    curve_freq = np.linspace(freq[0], freq[-1], CURVE)
+    curve = (2j * np.pi * curve_freq) ** order * law.response(curve_freq, eigenvalue, strength) + residual
+    pole = cleaned - law.beside(freq, eigenvalue, strength, np.array(order))
+    enough = (weight > 0).sum() >= MIN_LINES
+    details = PICTURES[model.method](law.variable(freq), pole, weight) if enough else {}
+    return FitPicture(
+        method=model.method,
+        damping=damping,
+        kind=FrfKind.INERTANCE if order else FrfKind.RECEPTANCE,
+        freq=freq,
+        used=weight > 0,
+        measured=factor * data.receptance[0, row, inside],
+        cleaned=cleaned,
+        curve_freq=curve_freq,
+        curve=curve,
+        frequency=frequency,
+        loss_factor=loss_factor,
+        modal_constant=constant,
+        residual=residual,
+        details={
+            name: values * law.loss_per_pole if name == "damping_surface" else values
+            for name, values in details.items()
+        },
+    )
+
+
+def _ends(responses: Responses, model: ModalModel) -> IntArray:
+    """Return the lines that the fits drew on, (n_modes, n_frf, 2), if the model tells them of these FRFs."""
+    if model.method not in EXTRACTION_METHODS or model.fitted_lines is None:
+        raise InvalidInputError(
+            "these modes are not from fits of single modes",
+            field="method",
+            value=model.method,
+            allowed=", ".join(EXTRACTION_METHODS),
+        )
+    if model.dofs != responses.dofs or model.fitted_lines.max(initial=0) >= len(responses.freq):
+        raise InvalidInputError(
+            "these responses are not those that the modes were read from",
+            field="responses",
+            value=len(responses.dofs),
+            allowed="the measurement behind the modal model",
+        )
+    return model.fitted_lines
+
+
+def _lines_again(responses: Responses, ends: IntArray, leave_out: int, leakage: Leakage | None) -> Data:
+    """Return the lines of one mode in every FRF, as they were fitted; `ends` (n_frf, 2)."""
+    count = ends[:, 1:] - ends[:, :1] + 1
+    offset = np.arange(count.max())
+    index = np.minimum(ends[:, :1] + offset, len(responses.freq) - 1)
+    used = offset < count
+    if leave_out:
+        columns = np.arange(len(ends))[:, None]
+        used = without_nearest(np.abs(responses.mobility)[index, columns], used, leave_out)
+    windows = Windows(index[None], used[None], ends[None])
+    receptance, variance = responses.receptance, responses.variance
+    return gather(responses.freq, receptance, variance, windows, leakage, responses.drive_row)
+
+
+def _known(law: Law, model: ModalModel, mode: int, data: Data) -> ComplexArray:
+    """Return the receptance of all other modes of the model, (1, n_frf, n_lines)."""
+    known = np.zeros_like(data.receptance)
+    if model.modal_constant is None or model.fitted_frequency is None or model.fitted_loss_factor is None:
+        return known
+    for m, other in enumerate(model.modes):
+        if m != mode:
+            shown = np.isfinite(model.fitted_frequency[m])
+            frequency = np.where(shown, model.fitted_frequency[m], other.frequency)
+            loss_factor = np.where(shown, model.fitted_loss_factor[m], other.loss_factor)
+            eigenvalue = (2 * np.pi * frequency) ** 2 * (1 + 1j * loss_factor)
+            known += law.response(data.freq, eigenvalue[:, None], model.modal_constant[m][:, None])
+    return known
