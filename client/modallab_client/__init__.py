@@ -5,8 +5,9 @@ from modallab_client._async.client import AsyncModalLab
 from modallab_client._async.jobs import AsyncJob
 from modallab_client._sync.client import ModalLab
 from modallab_client._sync.jobs import Job
+from modallab_client.correlation import Correlation, Expansion, ReducedModel
 from modallab_client.errors import ClientError, JobFailedError, JobTimeoutError
-from modallab_client.findings import Correlation, Diagnosis, Update
+from modallab_client.findings import Diagnosis, Update
 from modallab_client.models import Measurement, ModalModel, Rig, Structure
 
 __all__ = [
@@ -15,12 +16,14 @@ __all__ = [
     "ClientError",
     "Correlation",
     "Diagnosis",
+    "Expansion",
     "Job",
     "JobFailedError",
     "JobTimeoutError",
     "Measurement",
     "ModalLab",
     "ModalModel",
+    "ReducedModel",
     "Rig",
     "Structure",
     "Update",

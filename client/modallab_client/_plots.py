@@ -9,7 +9,8 @@ from modallab_client.errors import MissingExtraError
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from modallab_client.findings import Correlation, Diagnosis, DiagnosisCurves, Update
+    from modallab_client.correlation import Correlation, ResponseCorrelation
+    from modallab_client.findings import Diagnosis, DiagnosisCurves, Update
     from modallab_client.models import Measurement, ModalModel
 
 UNITS = {"receptance": "m/N", "mobility": "m/(s N)", "inertance": "m/(s² N)"}
@@ -59,12 +60,53 @@ def modal_model(model: "ModalModel") -> "Axes":
 
 def mac(correlation: "Correlation") -> "Axes":
     """Draw the MAC matrix; return the axes."""
+    from modallab_client import _correlation_plot as parts
+
     figure, axes = _pyplot().subplots(layout="constrained")
-    n_measured, n_model = correlation.mac.shape
-    span = (0.5, n_model + 0.5, n_measured + 0.5, 0.5)  # modes are counted from 1
-    image = axes.imshow(correlation.mac, vmin=0, vmax=1, cmap="Blues", extent=span)
-    figure.colorbar(image, label="MAC")
+    figure.colorbar(parts.matrix(axes, correlation.mac), label="MAC")
     axes.set(xlabel="mode of the model", ylabel="measured mode")
+    return axes  # type: ignore[no-any-return]
+
+
+def coordinates(found: "Correlation") -> "tuple[Axes, Axes]":
+    """Draw CoMAC over ECoMAC by DoF; return both axes."""
+    from modallab_client import _correlation_plot as parts
+
+    _, (upper, lower) = _pyplot().subplots(2, 1, sharex=True, layout="constrained")
+    parts.coordinates(upper, lower, found)
+    return upper, lower
+
+
+def orthogonality(found: "Correlation") -> "tuple[Axes, Axes]":
+    """Draw cross- and auto-orthogonality side by side; return both axes."""
+    from modallab_client import _correlation_plot as parts
+
+    cross, auto, used = found.cross_orthogonality, found.auto_orthogonality, found.reduction
+    if cross is None or auto is None or used is None:
+        raise ValueError("this correlation was made without a reduction of the mass")
+    figure, (left, right) = _pyplot().subplots(1, 2, figsize=(10, 4.5), layout="constrained")
+    figure.colorbar(parts.matrix(left, cross), ax=[left, right], label=f"orthogonality in {used.kind} mass")
+    parts.matrix(right, auto)
+    left.set(xlabel="mode of the model", ylabel="measured mode", title="cross-orthogonality")
+    right.set(xlabel="measured mode", ylabel="measured mode", title="auto-orthogonality")
+    return left, right
+
+
+def fdac(found: "ResponseCorrelation", drive: str) -> "Axes":
+    """Draw the FDAC of one input; return the axes."""
+    from modallab_client import _correlation_plot as parts
+
+    figure, axes = _pyplot().subplots(layout="constrained")
+    figure.colorbar(parts.fdac(axes, found, drive), label="FDAC")
+    return axes  # type: ignore[no-any-return]
+
+
+def frac(found: "ResponseCorrelation") -> "Axes":
+    """Draw the FRAC of every FRF; return the axes."""
+    from modallab_client import _correlation_plot as parts
+
+    _, axes = _pyplot().subplots(layout="constrained")
+    parts.frac(axes, found)
     return axes  # type: ignore[no-any-return]
 
 

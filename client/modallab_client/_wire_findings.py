@@ -1,4 +1,4 @@
-"""JSON and npz to correlations, updates and diagnoses; pure."""
+"""JSON and npz to updates and diagnoses; pure."""
 
 from collections.abc import Mapping
 from dataclasses import fields
@@ -8,18 +8,6 @@ from modallab_client import findings, located
 from modallab_client._wire import Arrays, Json, floats, number, texts
 
 T = TypeVar("T")
-
-
-def correlation(data: Json) -> findings.Correlation:
-    """Return a correlation."""
-    return findings.Correlation(
-        mac=floats(data["mac"]),
-        pairs=tuple((int(measured), int(model)) for measured, model in data["pairs"]),
-        frequency_differences=floats(data["frequency_differences"]),
-        comac=floats(data["comac"]),
-        dofs=texts(data.get("dofs") or ()),
-        id=data.get("id"),
-    )
 
 
 def update(data: Json) -> findings.Update:

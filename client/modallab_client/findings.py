@@ -1,4 +1,4 @@
-"""What the lab finds out: correlations, updated models, diagnoses."""
+"""What the lab finds out: updated models, diagnoses; and correlations, from `correlation`."""
 
 import math
 from collections.abc import Mapping
@@ -7,6 +7,7 @@ from html import escape
 from typing import TYPE_CHECKING, Any
 
 from modallab_client import _plots, _tables
+from modallab_client.correlation import Correlation as Correlation
 from modallab_client.located import Located as Located
 from modallab_client.models import ComplexArray, FloatArray
 
@@ -14,22 +15,6 @@ if TYPE_CHECKING:
     import numpy as np
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
-
-
-@dataclass(frozen=True, eq=False)
-class Correlation:
-    """How the modes of a test and of a model agree."""
-
-    mac: FloatArray  # (n_measured, n_model)
-    pairs: tuple[tuple[int, int], ...]  # (measured, model), counted from 1
-    frequency_differences: FloatArray  # (n_pairs,) Hz
-    comac: FloatArray  # (n_dof,)
-    dofs: tuple[str, ...] = ()
-    id: str | None = None
-
-    def plot(self) -> "Axes":
-        """Draw the MAC matrix; return the axes."""
-        return _plots.mac(self)
 
 
 @dataclass(frozen=True)

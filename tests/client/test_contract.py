@@ -175,3 +175,26 @@ def test_modes_go_in_and_out_as_they_are(here: ModalLab) -> None:
     agreement = here.correlations.create(again.id, beam.id)
     assert agreement.pairs == ((1, 1), (2, 2), (3, 3))
     assert "extra_mass" in [entry.kind for entry in here.catalog.effects()]
+
+
+def test_modes_are_correlated_in_mass_and_carried_to_all_points(here: ModalLab) -> None:
+    beam = here.structures.catalogue("chapter-5-beam")
+    dofs = [f"{node}:+Y" for node in range(1, 22, 2)]
+    modes = here.structures.synthetic_modes(beam.id, dofs=dofs, count=4)
+    rig = here.rigs.create(drive="1:+Y", responses=dofs)
+    test = here.measurements.start(beam.id, rig.id, route="expected").result()
+    found = here.correlations.create(modes.id, beam.id, reduction="serep", measurement_id=test.id)
+    again = here.correlations.get(found.id or "")
+    for one in (found, again):
+        assert one.cross_orthogonality is not None
+        assert one.responses is not None
+        np.testing.assert_allclose(one.cross_orthogonality, np.eye(4), atol=1e-9)  # rounding
+        np.testing.assert_allclose(one.responses.frac, 1.0, rtol=1e-6)  # an ideal rig, a periodic signal
+        assert one.responses.fdac.shape[1:] == (len(one.responses.freq),) * 2
+    expanded = here.structures.expanded_modes(beam.id, modes.id)
+    exact = here.structures.mode_shapes(beam.id, count=4)
+    assert expanded.model.dofs == exact.dofs
+    np.testing.assert_allclose(expanded.model.shapes, exact.shapes, atol=1e-6 * np.abs(exact.shapes).max())
+    reduced = here.structures.reduced(beam.id, dofs, kind="irs", iterations=2)
+    assert (np.abs(reduced.frequency_errors[:4]) < 1e-6).all()  # as Guyan's 0.2 % cubed
+    assert [entry.kind for entry in here.catalog.reductions()] == ["dynamic", "guyan", "irs", "serep"]

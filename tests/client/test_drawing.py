@@ -9,7 +9,7 @@ import pytest
 from matplotlib import pyplot
 from matplotlib.patches import Rectangle
 
-from modallab_client import _wire, _wire_findings
+from modallab_client import _wire, _wire_correlation, _wire_findings
 from modallab_client.findings import DiagnosisCurves, Parameter
 from modallab_client.models import ComplexArray, Measurement
 from tests.client.fake import DIAGNOSIS, MEASUREMENT, MODE, UPDATE
@@ -124,7 +124,7 @@ def test_modes_coefficients_and_mac_draw_themselves() -> None:
     np.testing.assert_allclose(ends, [2.0, 2.0, 1.99])  # 1 + (x - 1) rounds in the last digit
     reply = {"mac": [[1.0, 0.1]], "pairs": [[1, 1]], "frequency_differences": [0.0], "comac": [1.0]}
     np.testing.assert_array_equal(
-        _wire_findings.correlation(reply).plot().images[0].get_array(), [[1.0, 0.1]]
+        _wire_correlation.correlation(reply).plot().images[0].get_array(), [[1.0, 0.1]]
     )
 
 

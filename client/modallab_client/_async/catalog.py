@@ -39,5 +39,9 @@ class AsyncCatalog:
         """Return the methods that update a model."""
         return await self._family("updating-methods")
 
+    async def reductions(self) -> tuple[CatalogueEntry, ...]:
+        """Return how all degrees of freedom may follow some of them."""
+        return await self._family("reductions")
+
     async def _family(self, name: str) -> tuple[CatalogueEntry, ...]:
         return _wire.read(_wire.catalogue, await self._transport.request("GET", f"/v1/catalog/{name}"))

@@ -1,8 +1,11 @@
-"""Correlations: how the modes of a test and of a model agree."""
+"""Correlations: how modes and FRFs of a test and of a model agree."""
 
-from modallab_client import _wire, _wire_findings
+from collections.abc import Mapping
+from typing import Any
+
+from modallab_client import _wire, _wire_correlation
 from modallab_client._async.shelf import AsyncShelf
-from modallab_client.findings import Correlation
+from modallab_client.correlation import Correlation
 
 
 class AsyncCorrelations(AsyncShelf):
@@ -11,9 +14,15 @@ class AsyncCorrelations(AsyncShelf):
     path = "/v1/correlations"
 
     async def create(
-        self, modal_model_id: str, structure_id: str, *, count: int | None = None
+        self,
+        modal_model_id: str,
+        structure_id: str,
+        *,
+        count: int | None = None,
+        reduction: str | Mapping[str, Any] | None = None,
+        measurement_id: str | None = None,
     ) -> Correlation:
-        """Return MAC, pairs, frequency differences and CoMAC of measured against computed modes.
+        """Return how measured modes, and measured FRFs, agree with those of a model.
 
         Parameters
         ----------
@@ -21,13 +30,22 @@ class AsyncCorrelations(AsyncShelf):
             The measured modes and the model.
         count
             Elastic modes of the model; left out: as many as were measured.
+        reduction
+            Of the model's mass to the measured DoFs, for cross- and auto-orthogonality: a kind of
+            `lab.catalog.reductions()`, or `{"kind": "serep", "parameters": {"modes": 8}}`.
+        measurement_id
+            FRFs to be held against the model's: FRAC and FDAC.
         """
         body = _wire.body(modal_model_id=modal_model_id, structure_id=structure_id, count=count)
-        return _wire.read(
-            _wire_findings.correlation, await self._transport.request("POST", self.path, json=body)
-        )
+        body |= _wire.body(reduction=reduction, measurement_id=measurement_id)
+        return await self._read(await self._transport.request("POST", self.path, json=body))
 
     async def get(self, correlation_id: str) -> Correlation:
         """Return a correlation."""
-        reply = await self._transport.request("GET", f"{self.path}/{correlation_id}")
-        return _wire.read(_wire_findings.correlation, reply)
+        return await self._read(await self._transport.request("GET", f"{self.path}/{correlation_id}"))
+
+    async def _read(self, reply: Any) -> Correlation:
+        arrays = None
+        if _wire.read(_wire_correlation.has_responses, reply):  # an FDAC is too large for JSON
+            arrays = await self._transport.npz(f"{self.path}/{reply['id']}/arrays")
+        return _wire.read(_wire_correlation.correlation, reply, arrays)

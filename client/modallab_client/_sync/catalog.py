@@ -39,5 +39,9 @@ class Catalog:
         """Return the methods that update a model."""
         return self._family("updating-methods")
 
+    def reductions(self) -> tuple[CatalogueEntry, ...]:
+        """Return how all degrees of freedom may follow some of them."""
+        return self._family("reductions")
+
     def _family(self, name: str) -> tuple[CatalogueEntry, ...]:
         return _wire.read(_wire.catalogue, self._transport.request("GET", f"/v1/catalog/{name}"))

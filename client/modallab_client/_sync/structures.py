@@ -3,9 +3,10 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from modallab_client import _wire
+from modallab_client import _wire, _wire_correlation
 from modallab_client._sync.modal_models import ModalModels
 from modallab_client._sync.shelf import Shelf
+from modallab_client.correlation import Expansion, ReducedModel
 from modallab_client.models import Frf, ModalModel, ModeShapes, Structure, StructureModes
 
 Given = Mapping[str, Any]
@@ -198,6 +199,45 @@ class Structures(Shelf):
         path = f"/v1/structures/{structure_id}/synthetic-modes"
         reply = self._transport.request("POST", path, json=body)
         return ModalModels(self._transport).get(reply["id"])
+
+    def expanded_modes(
+        self, structure_id: str, modal_model_id: str, *, reduction: str | Given = "serep"
+    ) -> Expansion:
+        """Return measured modes at all DoFs of a structure, as a modal model of their own.
+
+        Parameters
+        ----------
+        structure_id, modal_model_id
+            The model, and the modes as measured.
+        reduction
+            How all DoFs follow the measured ones: a kind of `lab.catalog.reductions()`, or
+            `{"kind": "dynamic", "parameters": {"frequency": 60.0}}`.
+        """
+        body = {"modal_model_id": modal_model_id, "reduction": reduction}
+        path = f"{self.path}/{structure_id}/expanded-modes"
+        reply = self._transport.request("POST", path, json=body)
+        model = ModalModels(self._transport).get(reply["id"])
+        return _wire.read(_wire_correlation.expansion, reply, model)
+
+    def reduced(
+        self, structure_id: str, masters: Sequence[str], *, kind: str = "guyan", **parameters: float
+    ) -> ReducedModel:
+        """Return the structure at some of its DoFs.
+
+        Parameters
+        ----------
+        structure_id
+            The structure.
+        masters
+            DoFs that are kept.
+        kind
+            One of `lab.catalog.reductions()`.
+        **parameters
+            Its numbers: `frequency` in Hz of `dynamic`, `iterations` of `irs`, `modes` of `serep`.
+        """
+        asked = {"masters": list(masters), "kind": kind, **parameters}
+        arrays = self._transport.npz(f"{self.path}/{structure_id}/reduced", asked)
+        return _wire.read(_wire_correlation.reduced, arrays)
 
     def geometry(self, structure_id: str) -> bytes:
         """Return nodes and members as a universal file (datasets 15 and 82)."""

@@ -13,7 +13,7 @@ from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.correlation.orthogonality import frequency_errors
 from modallab.fe.reduction import Reduction, reduce, reduction_of
-from modallab.fe.selected import exact_modes
+from modallab.fe.selected import exact_modes, lowest_modes
 from modallab.fe.system import DynamicSystem
 
 MOST_VALUES = 2_000_000  # DoFs times masters: 16 MB
@@ -69,7 +69,8 @@ class ReducedWanted(BaseModel):
         masters = tuple(Dof.parse(text, field="masters") for text in self.masters)
         reduced = reduce(system, masters, reduction_of(self.kind, given))
         frequencies, shapes = reduced.modes()
-        full = exact_modes(system, min(SHOWN, len(frequencies)))
+        _, n_rigid_body = lowest_modes(system, 1)
+        full = exact_modes(system, max(1, min(SHOWN, len(frequencies) - n_rigid_body)))
         seen = full.shapes[[system.index(dof) for dof in masters]]
         return {
             "masters": np.array([str(dof) for dof in reduced.masters]),

@@ -72,10 +72,14 @@ def correlate(
     """
     model = exact_modes(system, count or min(len(measured.modes), MOST_MODES))
     masters = common_points(measured.dofs, system.dofs)
+    reduced = None
+    if reduction is not None and masters:
+        highest = max(float(side.frequencies.max(initial=0.0)) for side in (model, measured))
+        reduced = reduce(system, masters, reduction.reaching(highest))
     return compare(
         model,
         measured,
-        reduced=reduce(system, masters, reduction) if reduction and masters else None,
+        reduced=reduced,
         responses=None if frf is None else compare_responses(frf, system),
     )
 

@@ -61,6 +61,7 @@ class Orthogonality:
 
     reduction: str
     parameters: Mapping[str, float]
+    n_motions: int  # that the reduced model has, rigid-body motions among them
     cross: FloatArray  # (n_measured, n_model)
     auto: FloatArray  # (n_measured, n_measured)
     # (n_model,) frequency of the reduced model's own mode over that of the full one, minus 1
@@ -100,6 +101,7 @@ class Orthogonality:
         return cls(
             reduction=reduced.reduction.kind,
             parameters=reduced.reduction.parameters,
+            n_motions=len(reduced.modes()[0]),
             cross=orthogonality(measured, computed, reduced.mass),
             auto=orthogonality(measured, measured, reduced.mass),
             frequency_errors=frequency_errors(reduced, computed, model.frequencies),

@@ -52,7 +52,8 @@ def expand(system: DynamicSystem, measured: ModalModel, reduction: Reduction) ->
             allowed=", ".join(str(dof) for dof in system.dofs[:5]),
         )
     rows, signs = rows_at(measured.dofs, masters)
-    own = [reduction.at_mode(mode.frequency) for mode in measured.modes]
+    suited = reduction.reaching(float(measured.frequencies.max()))
+    own = [suited.at_mode(mode.frequency) for mode in measured.modes]
     # one for all modes, unless each has a frequency of its own
     known = {one: reduce(system, masters, one) for one in dict.fromkeys(own)}
     systems = [known[one] for one in own]
@@ -73,7 +74,7 @@ def expand(system: DynamicSystem, measured: ModalModel, reduction: Reduction) ->
         dofs=system.dofs,
         normalisation=measured.normalisation,
         method=measured.method,
-        choices={**measured.choices, "expansion": _choice(reduction, residual)},
+        choices={**measured.choices, "expansion": _choice(reduction, systems[0], residual)},
         notes=(*measured.notes, *notes),
     )
     return Expansion(model, residual, rayleigh)
@@ -88,10 +89,12 @@ def _carried(mode: Mode, shape: ComplexArray, rows: IntArray, by: ReducedSystem,
     return replace(mode, shape=shape, shape_errors=errors, flags=flags)
 
 
-def _choice(reduction: Reduction, residual: FloatArray) -> str:
-    numbers = ", ".join(f"{name} {value:g}" for name, value in reduction.parameters.items())
+def _choice(reduction: Reduction, reduced: ReducedSystem, residual: FloatArray) -> str:
+    numbers = ", ".join(f"{name} {value:g}" for name, value in reduction.parameters.items() if value)
     how = f"{reduction.kind} ({numbers})" if numbers else reduction.kind
-    return f"{how}: leaves up to {residual.max():.2g} of a measured shape"
+    kept = len(reduced.modes()[0])
+    from_to = f"{kept} motions from {len(reduced.masters)} degrees of freedom"
+    return f"{how}, {from_to}: leaves up to {residual.max():.2g} of a measured shape"
 
 
 def _residual(expanded: ComplexArray, seen: ComplexArray) -> FloatArray:

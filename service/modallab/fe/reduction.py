@@ -45,6 +45,10 @@ class Reduction(Parameterised, ABC):
         """Return the reduction that suits a mode at `frequency`, Hz; by default the same for all."""
         return self
 
+    def reaching(self, frequency: float) -> Self:
+        """Return the reduction that suits modes up to `frequency`, Hz; by default the same for all."""
+        return self
+
     @property
     def parameters(self) -> dict[str, float]:
         """Its numbers by name."""

@@ -78,6 +78,7 @@ def test_measured_frfs_show_a_global_stiffness(service: Any, beam: str, modes: s
     found = service.post("/v1/correlations", body)
     assert found["made_from"]["measurement_id"] == measured
     assert found["reduction"]["parameters"] == {"modes": 7.0}
+    assert found["reduction"]["n_motions"] == 2 + 7  # rigid-body motions of the free beam
     assert found["frequency_scale"] == pytest.approx(1.1, rel=1e-3)  # sqrt(1.21); a sixth of a line
     assert found["fdac_on_ridge"] > found["fdac_unscaled"]
     assert np.array(found["frac"]).shape == (len(found["outputs"]), len(found["inputs"])) == (11, 1)

@@ -54,10 +54,12 @@ def small(frf: FrfSet) -> FrfSet:
 
 
 class ReductionUsed(BaseModel):
-    """The reduction of the mass; errors of its model's frequencies, relative, by mode of the full model."""
+    """The reduction of the mass: motions its model has, and errors of its frequencies, relative, each of
+    the mode most like that of the full model."""
 
     kind: str
     parameters: dict[str, float]
+    n_motions: int
     frequency_errors: list[float]
 
 
@@ -107,7 +109,12 @@ def _mass_out(found: Orthogonality | None) -> dict[str, Any]:
     if found is None:
         return dict.fromkeys(("reduction", "cross_orthogonality", "auto_orthogonality"))
     errors = found.frequency_errors.tolist()
-    used = ReductionUsed(kind=found.reduction, parameters=dict(found.parameters), frequency_errors=errors)
+    used = ReductionUsed(
+        kind=found.reduction,
+        n_motions=found.n_motions,
+        parameters=dict(found.parameters),
+        frequency_errors=errors,
+    )
     matrices = {"cross_orthogonality": found.cross.tolist(), "auto_orthogonality": found.auto.tolist()}
     return {"reduction": used, **matrices}
 

@@ -1,6 +1,7 @@
 """System equivalent reduction-expansion process."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 
@@ -11,6 +12,7 @@ from modallab.fe.partition import UNSEEN, Partition
 from modallab.fe.reduction import REDUCTIONS, Reduction
 
 APART = 10.0  # condition up to which masters tell modes apart well enough to be taken unasked
+BEYOND = 1.1  # times the highest frequency that is to be covered: a model may have it too low
 HARDLY = 1e6  # condition at which six digits of a shape are lost
 MOST = 100  # elastic modes that are solved for unasked
 
@@ -33,8 +35,9 @@ class Serep(Reduction):
         lower=0.0,
         upper=500.0,
         absent=None,
-        doc="elastic modes kept; 0: as many of the lowest as the masters tell apart",
+        doc="elastic modes kept; 0: those of the band, as many as the masters tell apart",
     )
+    highest: float = np.inf  # Hz, of the modes that are kept unasked
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -45,9 +48,32 @@ class Serep(Reduction):
 
     def transformation(self, split: Partition) -> FloatArray:
         """Return T, (n, n_master)."""
-        shapes, n_rigid_body = _candidates(split, int(self.modes) or min(len(split.rows), MOST))
+        shapes, n_rigid_body = self._candidates(split)
         kept = self._kept(shapes[split.rows], n_rigid_body)
         return np.asarray(shapes[:, :kept] @ np.linalg.pinv(shapes[split.rows, :kept]))
+
+    def reaching(self, frequency: float) -> Self:
+        """Return the reduction to modes of the band up to `frequency`, Hz, unless it has a number of its own.
+
+        Modes far above what was measured would only follow its errors.
+        """
+        return self if self.modes else replace(self, highest=BEYOND * frequency)
+
+    def _candidates(self, split: Partition) -> tuple[FloatArray, int]:
+        """Return rigid-body modes that the masters show and elastic ones, and how many are rigid."""
+        count = int(self.modes) or min(len(split.rows), MOST)
+        basis = split.lowest(count)
+        n_rigid_body = basis.n_rigid_body
+        rigid = basis.shapes[:, :n_rigid_body].real
+        if not self.modes:
+            within = int((basis.frequencies[n_rigid_body:] <= self.highest).sum())
+            count = min(count, max(within, 1))
+        elastic = basis.shapes[:, n_rigid_body : n_rigid_body + count].real
+        # A motion that no master takes part in, such as along a beam that is watched across, stays out.
+        _, size, turn = np.linalg.svd(rigid[split.rows], full_matrices=True)
+        shown = size > UNSEEN * np.abs(rigid).max(initial=0.0)
+        rigid = rigid @ turn[: len(size)][shown].T
+        return np.hstack([rigid, elastic]), rigid.shape[1]
 
     def _kept(self, seen: FloatArray, n_rigid_body: int) -> int:
         """Return how many of the candidates, (n_master, n_modes) at the masters, are kept."""
@@ -86,15 +112,3 @@ def _condition(seen: FloatArray) -> float:
     if not size.all():
         return np.inf
     return float(np.linalg.cond(seen / size))
-
-
-def _candidates(split: Partition, count: int) -> tuple[FloatArray, int]:
-    """Return rigid-body modes that the masters show and `count` elastic ones, and how many are rigid."""
-    basis = split.lowest(count)
-    rigid = basis.shapes[:, : basis.n_rigid_body].real
-    elastic = basis.shapes[:, basis.n_rigid_body : basis.n_rigid_body + count].real
-    # A motion that no master takes part in, such as along a beam that is watched across, stays out.
-    _, size, turn = np.linalg.svd(rigid[split.rows], full_matrices=True)
-    shown = size > UNSEEN * np.abs(rigid).max(initial=0.0)
-    rigid = rigid @ turn[: len(size)][shown].T
-    return np.hstack([rigid, elastic]), rigid.shape[1]

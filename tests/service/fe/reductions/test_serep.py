@@ -41,6 +41,17 @@ def test_left_to_itself_it_keeps_what_masters_tell_apart() -> None:
     assert len(few) == 3  # two rigid-body modes and the first bending mode
 
 
+def test_left_to_itself_it_keeps_to_the_band() -> None:
+    full = BEAM.modes().frequencies
+    within = reduction_of("serep").reaching(full[4])  # 127.8 Hz, the third bending mode
+    found, _ = reduce(BEAM, MASTERS, within).modes()
+    np.testing.assert_allclose(found[2:], full[2:5], rtol=1e-7)  # rounding; the next one is at 211 Hz
+    asked = reduction_of("serep", {"modes": 5})
+    assert asked.reaching(full[4]) == asked
+    low, _ = reduce(BEAM, MASTERS, reduction_of("serep").reaching(1.0)).modes()
+    assert len(low) == 3  # never without an elastic mode
+
+
 def test_motions_that_no_master_sees_stay_out() -> None:
     # watched across, the bay's motion along X is neither there nor in the way
     across = tuple(dof for dof in BAY.dofs if dof.direction == "Y")
