@@ -70,8 +70,8 @@ def on_circle(frf: ComplexArray, weight: FloatArray) -> Circle:
     scale = np.where(mean > 0, mean, 1.0)[:, None]
     told = np.moveaxis(weight, 0, -1)
     usable = (told > 0).all(axis=1)
-    variance = np.where(usable[:, None], 1 / np.where(told > 0, told, 1.0), 0.0) / scale
-    row = np.where(usable, 1 / np.where(usable, variance.mean(axis=1), 1.0), 0.0)
+    variance = usable[:, None] / np.where(told > 0, told, 1.0) / scale
+    row = usable / np.where(usable, variance.mean(axis=1), 1.0)
     power = (square / scale).sum(axis=1) * usable
     level = _level(row, power)[:, None]
     pattern = row / level * _gain(power)
@@ -207,7 +207,7 @@ def _along_diagonals(matrices: ComplexArray) -> ComplexArray:
 
 def _noise_level(factor: ComplexArray, added: ComplexArray) -> float:
     """Return the largest c that leaves `M - c C` without a negative eigenvalue, of the factor of M."""
-    half = scipy.linalg.solve_triangular(factor, added, lower=True, check_finite=False)
-    whole = scipy.linalg.solve_triangular(factor, half.conj().T, lower=True, check_finite=False)
+    inverse = np.linalg.inv(factor)
+    whole = inverse @ added @ inverse.conj().T
     largest = float(np.linalg.eigvalsh(whole)[-1])
     return 1 / largest if largest > 0 else 0.0
