@@ -68,7 +68,7 @@ def collate(
     at = drive_row(dofs, drive)
     sense = 1 if at is None else dofs[at].sign * drive.sign
     constant, error = table.modal_constant[order], table.modal_constant_error[order]
-    shapes, shape_errors = scaled_shapes(constant, error, at, sense)
+    shapes, shape_errors = scaled_shapes(constant, error, at, sense, shared)
     wander = find_wander(
         FittedModes(
             frequency=table.frequency[order],

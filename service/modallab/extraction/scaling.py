@@ -6,7 +6,7 @@ from modallab.core.arrays import ComplexArray, FloatArray
 
 
 def scaled_shapes(
-    constant: ComplexArray, error: FloatArray, drive: int | None, sense: int
+    constant: ComplexArray, error: FloatArray, drive: int | None, sense: int, shared: float = 0.0
 ) -> tuple[ComplexArray, FloatArray]:
     """Return shapes and standard errors of their size, (n_modes, n_frf).
 
@@ -22,19 +22,26 @@ def scaled_shapes(
         Which of the FRFs is that of the drive point, None if none is.
     sense
         -1 where force and accelerometer at the drive point are of opposite sense, else 1.
+    shared
+        Correlation of the relative errors of any two constants, 0 to 1: what is wrong with all by one part
+        is wrong with shapes by half of it.
     """
-    return _unscaled(constant, error) if drive is None else _mass_normalised(constant, error, drive, sense)
+    if drive is None:
+        return _unscaled(constant, error)
+    return _mass_normalised(constant, error, drive, sense, shared)
 
 
 def _mass_normalised(
-    constant: ComplexArray, error: FloatArray, at: int, sense: int
+    constant: ComplexArray, error: FloatArray, at: int, sense: int, shared: float
 ) -> tuple[ComplexArray, FloatArray]:
     own = sense * constant[:, at, None]
     moves = own != 0
     root = np.sqrt(np.where(moves, own, 1.0))
     shape = np.where(moves, constant / root, 0.0)
     own_error = error[:, at, None]
-    errors = np.hypot(error / np.abs(root), np.abs(shape) * own_error / (2 * np.abs(root) ** 2))
+    response = error / np.abs(root)
+    scale = np.abs(shape) * own_error / (2 * np.abs(root) ** 2)
+    errors = np.sqrt(response**2 + scale**2 - 2 * shared * response * scale)
     errors[:, at] = (own_error / (2 * np.abs(root)))[:, 0]
     return shape, np.where(moves, errors, 0.0)
 
