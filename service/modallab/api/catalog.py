@@ -10,7 +10,9 @@ from pydantic import BaseModel
 
 from modallab.estimation.estimator import ESTIMATORS
 from modallab.estimation.windows import WINDOWS
+from modallab.extraction.global_method import GLOBAL_METHODS
 from modallab.extraction.method import EXTRACTION_METHODS
+from modallab.extraction.offered import offered
 from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.reduction import REDUCTIONS
 from modallab.rig.effect import EFFECTS
@@ -35,7 +37,7 @@ FAMILIES: Mapping[FamilyName, Mapping[str, Any]] = {
     "excitations": EXCITATIONS,
     "windows": WINDOWS,
     "estimators": ESTIMATORS,
-    "extraction-methods": EXTRACTION_METHODS,
+    "extraction-methods": {**EXTRACTION_METHODS, **GLOBAL_METHODS},
     "updating-methods": UPDATERS,
     "reductions": REDUCTIONS,
 }
@@ -52,7 +54,7 @@ class MemberOut(BaseModel):
 @router.get("/{family}", summary="What can be chosen")
 def list_members(family: FamilyName) -> list[MemberOut]:
     return [
-        MemberOut(kind=kind, summary=_summary(member), parameters=_parameters(member))
+        MemberOut(kind=kind, summary=_summary(member), parameters=_parameters(family, kind, member))
         for kind, member in FAMILIES[family].items()
     ]
 
@@ -62,6 +64,8 @@ def _summary(member: Any) -> str:
     return said if isinstance(said, str) else (inspect.getdoc(member) or "").split("\n")[0]
 
 
-def _parameters(member: Any) -> dict[str, dict[str, Any]]:
+def _parameters(family: FamilyName, kind: str, member: Any) -> dict[str, dict[str, Any]]:
+    if family == "extraction-methods":
+        return {name: asdict(spec) for name, spec in offered(kind).items()}
     specs = getattr(member, "specs", None)
     return {} if specs is None else {name: asdict(spec) for name, spec in specs().items()}

@@ -216,6 +216,38 @@ def test_a_band_without_a_mode_fails_the_job_by_name(service: Any, beam: str, ri
     assert job["result_id"] is None
 
 
+EXTRACTIONS: dict[str, tuple[dict[str, Any], str, str]] = {
+    "unknown method": ({"method": "guess"}, "invalid_input", "method"),
+    "too many lines left out": ({"options": {"lines": 8, "leave_out": 5}}, "invalid_input", "leave_out"),
+    "too few lines": ({"options": {"lines": 3}}, "invalid_input", "lines"),
+    "lines left out by a method that needs them": (
+        {"method": "circle_fit", "options": {"leave_out": 2}},
+        "invalid_input",
+        "leave_out",
+    ),
+    "order of a chart that is not drawn": ({"options": {"max_order": 20}}, "invalid_input", "max_order"),
+    "lines of a fit of all": ({"method": "lscf", "options": {"lines": 12}}, "invalid_input", "lines"),
+    "order beyond bounds": ({"method": "lscf", "options": {"max_order": 1000}}, "invalid_input", "max_order"),
+    "unknown damping": ({"options": {"damping": "dry"}}, "invalid_request", "body.options.damping"),
+    "unknown option": ({"options": {"order": 4}}, "invalid_request", "body.options.order"),
+    "a word for a count": ({"options": {"lines": "8"}}, "invalid_request", "body.options.lines"),
+}
+
+
+@pytest.fixture(scope="module")
+def tested(service: Any, beam: str, rig: str) -> str:
+    """An exact test of the beam."""
+    body = {"structure_id": beam, "rig_id": rig, "route": "expected"}
+    return str(service.result_of("/v1/measurements", body))
+
+
+@pytest.mark.parametrize("case", EXTRACTIONS)
+def test_an_extraction_that_no_method_can_do_is_refused_at_once(service: Any, tested: str, case: str) -> None:
+    wrong, code, field = EXTRACTIONS[case]
+    reply = service.request("POST", "/v1/modal-models", json={"measurement_id": tested} | wrong)
+    assert refusal(reply, 422, code)["context"]["field"] == field
+
+
 UNKNOWN = [
     ("GET", "/v1/structures/none", None),
     ("GET", "/v1/structures/none/modes", None),

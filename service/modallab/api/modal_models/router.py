@@ -13,14 +13,19 @@ from modallab.api.jobs import JobOut
 from modallab.api.modal_models.schemas import ModalModelIn, ModalModelOut, ModalModelStart
 from modallab.api.shelves import add_routes
 from modallab.core.modal_model import ModalModel
-from modallab.extraction.method import EXTRACTION_METHODS
 from modallab.interchange import uff_modes
 from modallab.interchange.reading import read_modal_model
 from modallab.store.base import Store
 
 router = APIRouter(prefix="/modal-models", tags=["modal models"])
 
-_START = {"measurement_id": "c04d1a", "method": "dobson", "bands": "auto", "n_modes": 8}
+_START = {
+    "measurement_id": "c04d1a",
+    "method": "dobson",
+    "bands": "auto",
+    "n_modes": 8,
+    "options": {"lines": 12, "leave_out": 2},
+}
 _IMPORT = {
     "modes": [{"frequency": 23.6, "loss_factor": 0.01, "shape": [1.15, [-0.7, 0.01], 1.15]}],
     "dofs": ["1:+Y", "11:+Y", "21:+Y"],
@@ -32,9 +37,7 @@ def start_modal_model(
     body: Annotated[ModalModelStart, example(_START)], store: StoreDep, jobs: JobsDep, owner: OwnerDep
 ) -> JobOut:
     store.measurements.check(body.measurement_id)
-    EXTRACTION_METHODS[body.method]  # an unknown name is refused now, not in a failed job later
-    arguments = body.model_dump(mode="json") | {"bands": None if body.bands == "auto" else body.bands}
-    return JobOut.of(jobs.submit("extract_and_store", arguments, owner=owner))
+    return JobOut.of(jobs.submit("extract_and_store", body.to_arguments(), owner=owner))
 
 
 def _stored(model: ModalModel, store: Store, owner: str) -> ModalModelOut:

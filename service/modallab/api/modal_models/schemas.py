@@ -11,8 +11,11 @@ from modallab.api.wire import Count, DofText, EntryOut, Number, Seed, Text, Wire
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.modal_model import ModalModel, Mode
+from modallab.extraction.offered import check_offered
+from modallab.extraction.options import Damping, ExtractionOptions
 from modallab.fe.selected import Distribution, ModeNoise
 from modallab.store.base import Entry
+from modallab.store.plain import to_plain
 
 
 class ModeNoiseIn(Wire):
@@ -46,16 +49,46 @@ class SyntheticIn(Wire):
 Band = tuple[Number, Number]
 
 
+class OptionsIn(Wire):
+    """How an extraction goes about it; what is left out is chosen from the data."""
+
+    lines: Count | None = Field(None, description="around each resonance; of single-mode methods")
+    leave_out: Count | None = Field(None, description="of these, the nearest to resonance")
+    damping: Damping = Field(ExtractionOptions.damping, description="law of a mode's damping")
+    max_order: Count | None = Field(None, description="of the stabilisation chart; of global methods")
+
+    def to_domain(self) -> ExtractionOptions:
+        """Return the options; `InvalidInputError` where one is out of bounds."""
+        return ExtractionOptions(**self.model_dump())
+
+
 class ModalModelStart(Wire):
-    """Modes to be read from a measurement: bands in Hz with one mode each, or found by themselves."""
+    """Modes to be read from a measurement.
+
+    Bands are in Hz, each with one mode, or of a global method one and more; or found by themselves.
+    """
 
     measurement_id: Id
-    method: Text = "dobson"
+    method: Text = Field("dobson", description="one of `/catalog/extraction-methods`")
+    options: OptionsIn = OptionsIn()
     bands: Literal["auto"] | Annotated[list[Band], Field(min_length=1, max_length=500)] = "auto"
     n_modes: Count | None = Field(None, ge=1, le=500)
     correct_window_damping: bool = Field(
         False, description="take what an exponential window added out of the loss factors"
     )
+
+    def to_arguments(self) -> dict[str, Any]:
+        """Return the task's arguments, checked as far as can be before the work.
+
+        Raises
+        ------
+        InvalidInputError
+            If the method is unknown, or cannot do what is asked of it.
+        """
+        options = self.options.to_domain()
+        check_offered(self.method, options)
+        arguments = self.model_dump(mode="json") | {"options": to_plain(options)[0]}
+        return arguments | {"bands": None if self.bands == "auto" else self.bands}
 
 
 Complex = Number | tuple[Number, Number]

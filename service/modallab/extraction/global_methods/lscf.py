@@ -7,7 +7,7 @@ from modallab.extraction.global_method import GLOBAL_METHODS, Poles
 
 @GLOBAL_METHODS.register("lscf")
 def lscf(freq: FloatArray, frf: ComplexArray, weight: FloatArray, orders: IntArray) -> Poles:
-    """Return the poles of scalar fractions `H_oi = B_oi / A`; parameters and errors as `GlobalMethod`.
+    """Poles of scalar fractions `H_oi = B_oi / A`; parameters and errors as `GlobalMethod`.
 
     Every FRF, whatever its input, is a row of its own. Of coincident modes it finds one.
 

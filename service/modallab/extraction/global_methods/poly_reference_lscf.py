@@ -7,7 +7,7 @@ from modallab.extraction.global_method import GLOBAL_METHODS, Poles
 
 @GLOBAL_METHODS.register("poly_reference_lscf")
 def poly_reference_lscf(freq: FloatArray, frf: ComplexArray, weight: FloatArray, orders: IntArray) -> Poles:
-    """Return the poles of matrix fractions `H = B A^-1`; parameters and errors as `GlobalMethod`.
+    """Poles of matrix fractions `H = B A^-1`; parameters and errors as `GlobalMethod`.
 
     A polynomial of order n has n poles an input, and as many modes may coincide as there are inputs. With
     one input it is `lscf`. A line of an output counts by the mean variance over its inputs.

@@ -1,0 +1,75 @@
+"""What each method may be told: for those who choose one, and to refuse in time what it cannot do."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, fields
+
+from modallab.core.errors import InvalidInputError
+from modallab.extraction.global_method import GLOBAL_METHODS
+from modallab.extraction.method import EXTRACTION_METHODS, MIN_LINES, TRAITS
+from modallab.extraction.options import MOST_ORDER, Damping, ExtractionOptions
+
+COUNT = "1"  # unit of what is counted
+
+
+@dataclass(frozen=True)
+class OptionSpec:
+    """What one option means; the default None is chosen from the data."""
+
+    doc: str
+    unit: str = ""
+    lower: int | None = None
+    upper: int | None = None
+    choices: tuple[str, ...] = ()
+    default: str | None = None
+
+
+SPECS: Mapping[str, OptionSpec] = {
+    "lines": OptionSpec("lines around each resonance that a fit draws on", COUNT, lower=MIN_LINES),
+    "leave_out": OptionSpec("of these, how many nearest resonance are not used", COUNT, lower=0),
+    "damping": OptionSpec(
+        "law of a mode's damping", choices=tuple(Damping), default=ExtractionOptions.damping.value
+    ),
+    "max_order": OptionSpec("highest order of the stabilisation chart", COUNT, lower=2, upper=MOST_ORDER),
+}
+
+
+def offered(method: str) -> Mapping[str, OptionSpec]:
+    """Return the options of a method by name.
+
+    Raises
+    ------
+    InvalidInputError
+        If there is no such method.
+    """
+    if method in GLOBAL_METHODS:
+        names: tuple[str, ...] = ("damping", "max_order")
+    elif method in EXTRACTION_METHODS:
+        names = ("lines", "leave_out", "damping") if TRAITS[method].leaves_out else ("lines", "damping")
+    else:
+        raise InvalidInputError(
+            f"no extraction method called {method!r}",
+            field="method",
+            value=method,
+            allowed=", ".join([*EXTRACTION_METHODS, *GLOBAL_METHODS]),
+        )
+    return {name: SPECS[name] for name in names}
+
+
+def check_offered(method: str, options: ExtractionOptions) -> None:
+    """Refuse what a method cannot do.
+
+    Raises
+    ------
+    InvalidInputError
+        If there is no such method, or an option was given that it does not have.
+    """
+    able = offered(method)
+    for field in fields(options):
+        given = getattr(options, field.name)
+        if field.name not in able and given:  # no line left out is what such a method does anyway
+            raise InvalidInputError(
+                f"{method} has no option {field.name!r}",
+                field=field.name,
+                value=given,
+                allowed=", ".join(able),
+            )
