@@ -5,7 +5,12 @@ import pytest
 
 from modallab.core.arrays import FloatArray
 from modallab.core.wander import WanderCause
+from modallab.effects.drift import Drift
+from modallab.extraction.extract import extract
 from modallab.extraction.wander import FittedModes, find_wander
+from modallab.rig.hardware import Accelerometers, Noise
+from modallab.rig.measure import Route, measure
+from tests.rigs import beam_system, rig, steel_beam
 from tests.service.extraction.conftest import Beam, beam
 
 NOISE = 0.02  # of a bandwidth: the error of a frequency in good data
@@ -87,6 +92,21 @@ def test_a_structure_that_warms_drifts_in_all_modes_alike(plain_beam: Beam, chan
     assert wander.size_error < 0.05 * abs(change)
     # to first order in the change; 1e-6 of 750 Hz is a millihertz, and 0.02 bandwidths are up to 0.08 Hz
     np.testing.assert_allclose(wander.still_frequency, plain_beam.frequencies[:, 0], rtol=3e-4)
+
+
+def test_a_stiffness_that_falls_during_a_roving_test_is_named_from_its_records() -> None:
+    setup = rig(*range(1, 22, 2), noise=Noise(1e-2, 1e-5), accelerometers=Accelerometers(0.0, roving=True))
+    warming = (Drift(change=-0.01),)
+    records = measure(steel_beam(), setup, warming, route=Route.SAMPLED, rng=np.random.default_rng(0))
+    model = extract(records.frf, coherence=records.coherence, averages=records.averages)
+    wander = model.wander
+    assert wander is not None
+    assert wander.cause is WanderCause.STEADY_DRIFT
+    # frequencies go with the root of the stiffness; to first order in 1 % of it
+    assert wander.size == pytest.approx(np.sqrt(0.99) - 1, rel=0.01)
+    exact = beam_system().modes().elastic(8).frequencies  # before it warms
+    np.testing.assert_allclose(wander.still_frequency, exact, rtol=2e-4)
+    assert any("all modes alike drift by -0.50" in note for note in model.notes)
 
 
 def test_changes_without_a_pattern_are_named_unknown(plain_beam: Beam) -> None:
