@@ -81,3 +81,16 @@ def test_every_position_says_by_how_much_it_moves_each_mode(arrays: Any) -> None
     np.testing.assert_allclose(moved, spread, atol=0.2)  # mode 2: 0.14 Hz, as with exact poles
     known = arrays["wander_shift_error"]
     assert np.nanmedian(np.abs(shift) / known) > 5
+
+
+def test_the_reply_names_cause_size_and_shift_by_position(model: Any, arrays: Any) -> None:
+    wander = model["wander"]
+    assert (wander["cause"], wander["unit"]) == ("roving_mass", "kg")
+    assert abs(wander["size"] - BEAM["accelerometer_mass"]) < 2 * wander["size_error"]
+    assert wander["explained"] > 0.9  # of a scatter of hundreds of standard errors
+    assert list(wander["shift"]) == [f"{node}:+Y" for node in BEAM["response_nodes"]]
+    table = np.array([wander["shift"][dof] for dof in model["dofs"]], dtype=float)  # null is NaN
+    np.testing.assert_array_equal(table.T, arrays["wander_shift"])
+    assert len(wander["still_frequency"]) == len(wander["mode_size"]) == 8
+    # without the roving mass every mode is higher than the mean of those with it
+    assert min(np.array(wander["still_frequency"]) - [m["frequency"] for m in model["modes"]]) > 0

@@ -1,6 +1,5 @@
 """Wire types of measurements."""
 
-from itertools import pairwise
 from typing import Any, Self
 
 import numpy as np
@@ -8,8 +7,8 @@ from pydantic import BaseModel
 
 from modallab.api.deps import Id
 from modallab.api.rigs.schemas import setup_out
+from modallab.api.thinning import MOST_JSON, thinned
 from modallab.api.wire import Effects, EntryOut, Seed, Wire, effect_out
-from modallab.core.arrays import IntArray
 from modallab.core.errors import InvalidInputError
 from modallab.fe.structure import Structure
 from modallab.rig.effect import build
@@ -18,8 +17,6 @@ from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
 from modallab.store.base import Entry, Truth
 from modallab.store.plain import to_plain
-
-_MOST_JSON = 50_000  # numbers in a JSON reply; beyond, encoding costs a hundred times what npz does
 
 
 class MeasurementStart(Wire):
@@ -126,13 +123,13 @@ class CurvesOut(BaseModel):
             If the reply would hold more numbers than JSON is good for.
         """
         frf = measurement.frf
-        keep = _thinned(np.abs(frf.values).reshape(len(frf.freq), -1), points)
-        if 3 * len(keep) * frf.values[0].size > _MOST_JSON:
+        keep = thinned(np.abs(frf.values).reshape(len(frf.freq), -1), points)
+        if 3 * len(keep) * frf.values[0].size > MOST_JSON:
             raise InvalidInputError(
                 "these curves are too long for JSON: take fewer points, or the arrays as npz",
                 field="points",
                 value=points,
-                allowed=f"points x FRFs <= {_MOST_JSON // 3}",
+                allowed=f"points x FRFs <= {MOST_JSON // 3}",
             )
         curves, g2 = [], measurement.coherence
         for j, output in enumerate(frf.outputs):
@@ -146,15 +143,3 @@ class CurvesOut(BaseModel):
                 )
         freq, notes = frf.freq[keep].tolist(), list(measurement.notes)
         return cls(freq=freq, kind=frf.kind.value, curves=curves, notes=notes)
-
-
-def _thinned(magnitude: Any, points: int) -> IntArray:
-    """Return the lines to keep: of every stretch the one where the responses are largest, and smallest."""
-    n_freq = len(magnitude)
-    if n_freq <= points:
-        return np.arange(n_freq)
-    level = np.log(np.maximum(magnitude, np.finfo(float).tiny)).sum(axis=1)
-    edges = np.linspace(0, n_freq, points // 2 + 1).astype(int)
-    stretches = [(a, b) for a, b in pairwise(edges) if b > a]
-    kept = {a + int(pick(level[a:b])) for a, b in stretches for pick in (np.argmax, np.argmin)}
-    return np.array(sorted(kept | {0, n_freq - 1}))

@@ -10,7 +10,8 @@ from modallab.api.deps import IdPath, JobsDep, OwnerDep, SettingsDep, StoreDep
 from modallab.api.examples import example
 from modallab.api.files import FILE, UFF, FormRoute, origin, uff_reply
 from modallab.api.jobs import JobOut
-from modallab.api.modal_models.schemas import ModalModelIn, ModalModelOut, ModalModelStart
+from modallab.api.modal_models.found import ModalModelOut
+from modallab.api.modal_models.schemas import ModalModelIn, ModalModelStart
 from modallab.api.shelves import add_routes
 from modallab.core.modal_model import ModalModel
 from modallab.interchange import uff_modes

@@ -1,20 +1,18 @@
 """Wire types of modal models."""
 
-from dataclasses import asdict
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal
 
 import numpy as np
 from pydantic import Field
 
 from modallab.api.deps import Id
-from modallab.api.wire import Count, DofText, EntryOut, Number, Seed, Text, Wire
+from modallab.api.wire import Count, DofText, Number, Seed, Text, Wire
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.modal_model import ModalModel, Mode
 from modallab.extraction.offered import check_offered
 from modallab.extraction.options import Damping, ExtractionOptions
 from modallab.fe.selected import Distribution, ModeNoise
-from modallab.store.base import Entry
 from modallab.store.plain import to_plain
 
 
@@ -52,10 +50,10 @@ Band = tuple[Number, Number]
 class OptionsIn(Wire):
     """How an extraction goes about it; what is left out is chosen from the data."""
 
-    lines: Count | None = Field(None, description="around each resonance; of single-mode methods")
-    leave_out: Count | None = Field(None, description="of these, the nearest to resonance")
-    damping: Damping = Field(ExtractionOptions.damping, description="law of a mode's damping")
-    max_order: Count | None = Field(None, description="of the stabilisation chart; of global methods")
+    lines: Count | None = Field(default=None, description="around each resonance; of single-mode methods")
+    leave_out: Count | None = Field(default=None, description="of these, the nearest to resonance")
+    damping: Damping = Field(default=ExtractionOptions.damping, description="law of a mode's damping")
+    max_order: Count | None = Field(default=None, description="of the stabilisation chart; of global methods")
 
     def to_domain(self) -> ExtractionOptions:
         """Return the options; `InvalidInputError` where one is out of bounds."""
@@ -69,7 +67,7 @@ class ModalModelStart(Wire):
     """
 
     measurement_id: Id
-    method: Text = Field("dobson", description="one of `/catalog/extraction-methods`")
+    method: Text = Field(default="dobson", description="one of `/catalog/extraction-methods`")
     options: OptionsIn = OptionsIn()
     bands: Literal["auto"] | Annotated[list[Band], Field(min_length=1, max_length=500)] = "auto"
     n_modes: Count | None = Field(None, ge=1, le=500)
@@ -125,38 +123,3 @@ class ModalModelIn(Wire):
             raise InvalidInputError("a DoF is named twice", field="dofs", value=", ".join(self.dofs)[:200])
         modes = sorted((m.to_domain(len(dofs)) for m in self.modes), key=lambda mode: mode.frequency)
         return ModalModel(tuple(modes), dofs, self.normalisation, method="imported")
-
-
-class ModalModelOut(EntryOut):
-    """Modes without their shapes, which `/arrays` gives."""
-
-    method: str
-    measurement_id: str | None
-    normalisation: str
-    dofs: list[str]
-    modes: list[dict[str, Any]]
-    notes: list[str]
-
-    @classmethod
-    def of(cls, model: ModalModel, entry: Entry) -> Self:
-        """Return what the contract shows of a modal model."""
-        return cls(
-            **cls.fields(entry),
-            method=model.method,
-            measurement_id=entry.inputs.get("measurement_id"),
-            normalisation=model.normalisation,
-            dofs=[str(dof) for dof in model.dofs],
-            modes=[_mode_out(mode) for mode in model.modes],
-            notes=list(model.notes),
-        )
-
-
-def _mode_out(mode: Mode) -> dict[str, Any]:
-    return {
-        "frequency": mode.frequency,
-        "loss_factor": mode.loss_factor,
-        "frequency_spread": mode.frequency_spread and asdict(mode.frequency_spread),
-        "loss_factor_spread": mode.loss_factor_spread and asdict(mode.loss_factor_spread),
-        "standard_errors": dict(mode.standard_errors),
-        "flags": list(mode.flags),
-    }

@@ -3,7 +3,7 @@
 from typing import Self
 
 from modallab.api.deps import Id
-from modallab.api.modal_models.schemas import ModalModelOut
+from modallab.api.modal_models.found import ModalModelOut
 from modallab.api.reductions import Reduced
 from modallab.api.wire import Wire
 from modallab.fe.expansion import Expansion

@@ -10,7 +10,8 @@ from modallab.api.arrays import NPZ, Precision, npz_of
 from modallab.api.deps import IdPath, OwnerDep, StoreDep
 from modallab.api.examples import example, examples
 from modallab.api.files import UFF, origin, uff_reply
-from modallab.api.modal_models.schemas import ModalModelOut, SyntheticIn
+from modallab.api.modal_models.found import ModalModelOut
+from modallab.api.modal_models.schemas import SyntheticIn
 from modallab.api.reductions import ReducedQuery, reduction_in
 from modallab.api.shelves import add_routes
 from modallab.api.structures.changes import ChangesIn

@@ -1,0 +1,40 @@
+"""How much JSON carries, and how longer curves are thinned for it."""
+
+from itertools import pairwise
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.arrays import FloatArray, IntArray
+
+MOST_JSON = 50_000  # numbers in a JSON reply; beyond, encoding costs a hundred times what npz does
+
+
+def thinned(magnitude: FloatArray, points: int) -> IntArray:
+    """Return the lines to keep: of every stretch the one where curves are largest, and smallest.
+
+    Parameters
+    ----------
+    magnitude
+        (n_freq, n_curves), none below zero.
+    points
+        Lines to keep, about; both ends always.
+    """
+    n_freq = len(magnitude)
+    if n_freq <= points:
+        return np.arange(n_freq)
+    level = np.log(np.maximum(magnitude, np.finfo(float).tiny)).sum(axis=1)
+    edges = np.linspace(0, n_freq, points // 2 + 1).astype(int)
+    stretches = [(a, b) for a, b in pairwise(edges) if b > a]
+    kept = {a + int(pick(level[a:b])) for a, b in stretches for pick in (np.argmax, np.argmin)}
+    return np.array(sorted(kept | {0, n_freq - 1}))
+
+
+def numbers(values: NDArray[Any]) -> Any:
+    """Return an array as JSON has it: complex as [re, im], null for what is not finite."""
+    if values.dtype.kind == "c":
+        return numbers(np.stack([values.real, values.imag], axis=-1))
+    if values.dtype.kind != "f" or np.isfinite(values).all():
+        return values.tolist()
+    return np.where(np.isfinite(values), values, None).tolist()
