@@ -32,7 +32,7 @@ def poles_of_fractions(freq: FloatArray, frf: ComplexArray, weight: FloatArray, 
             value=int(orders[-1]) if len(orders) else 0,
             allowed=f"1 to {usable // LINES_AN_ORDER}, rising",
         )
-    circle = on_circle(frf, weight)
+    circle = on_circle(frf, weight, int(orders[-1]))
     fractions = fit_fractions(circle, orders)
     row, turn = _inside(circle, *_turns(fractions.denominator, orders))
     spacing = float(freq[1] - freq[0])

@@ -25,7 +25,10 @@ import scipy.linalg
 
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray
 
-ARC = 0.8  # of the circle: on a whole one the two ends of a band would meet, and they differ
+# Part of the circle: on a whole one the two ends of a band would meet, and they differ. On an arc of
+# capacity c the least eigenvalue of normal equations of order n is some c^(2 n) of the largest.
+LEAST_ARC = 0.8
+LOST = 0.05
 LOUDEST = 100.0  # times the power of the usual FRF: an error told too small must not silence the others
 DEEPEST = 1e-8  # of the largest power: below, a line would not count at all
 ALIKE = 1e-9  # weights that differ by rounding
@@ -58,8 +61,8 @@ class Fractions:
     noise: float  # what the data say that E|error|^2 is, over what the weights say
 
 
-def on_circle(frf: ComplexArray, weight: FloatArray) -> Circle:
-    """Return the lines as the sums take them; parameters as `GlobalMethod`.
+def on_circle(frf: ComplexArray, weight: FloatArray, order: int) -> Circle:
+    """Return the lines as the sums up to an order take them; other parameters as `GlobalMethod`.
 
     The error of an equation is that of the FRF times `|A|`. The power of all FRFs together peaks where
     `1/|A|^2` does, so that weighting by it makes the error of the FRFs least, and not of the equations.
@@ -79,7 +82,8 @@ def on_circle(frf: ComplexArray, weight: FloatArray) -> Circle:
     if (np.ptp(pattern, axis=0) <= ALIKE * pattern[0]).all():
         pattern = pattern[:1]
     each = np.sqrt(scale / level[:, None])
-    points = scipy.fft.next_fast_len(int(np.ceil(len(frf) / ARC)))
+    arc = max(LEAST_ARC, 2 / np.pi * np.arcsin(LOST ** (1 / (2 * order))))
+    points = scipy.fft.next_fast_len(int(np.ceil(len(frf) / arc)))
     return Circle(by_lines / each, pattern, noise, each[..., 0], points)
 
 
