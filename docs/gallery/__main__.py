@@ -1,7 +1,8 @@
-"""Write pictures and pages of all effects; `make docs`."""
+"""Write pictures and pages of all effects, and the picture of correlation; `make docs`."""
 
 from pathlib import Path
 
+from docs.gallery import correlated
 from docs.gallery.drawing import draw, png
 from docs.gallery.pages import index, page
 from modallab.rig.effect import EFFECTS
@@ -24,3 +25,4 @@ def main(folder: Path = FOLDER) -> None:
 
 if __name__ == "__main__":
     main()
+    (FOLDER.parent / "correlation.png").write_bytes(correlated.png(correlated.draw()))

@@ -35,6 +35,18 @@ def reduction_in(given: str | ReductionIn) -> Reduction:
     return reduction_of(given) if isinstance(given, str) else reduction_of(given.kind, given.parameters)
 
 
+def check_size(system: DynamicSystem, n_masters: int, field: str) -> None:
+    """Raise `InvalidInputError` if a transformation is too large to wait for."""
+    size = len(system.dofs) * n_masters
+    if size > MOST_VALUES:
+        raise InvalidInputError(
+            "too large a transformation to wait for",
+            field=field,
+            value=size,
+            allowed=f"degrees of freedom x masters <= {MOST_VALUES}",
+        )
+
+
 class ReducedWanted(BaseModel):
     """The DoFs that are kept, and how the others follow them."""
 
@@ -56,14 +68,7 @@ class ReducedWanted(BaseModel):
         UnknownDofError
             If the structure has no such DoF.
         """
-        size = len(system.dofs) * len(self.masters)
-        if size > MOST_VALUES:
-            raise InvalidInputError(
-                "too large a transformation to wait for",
-                field="masters",
-                value=size,
-                allowed=f"degrees of freedom x masters <= {MOST_VALUES}",
-            )
+        check_size(system, len(self.masters), "masters")
         numbers = {name: getattr(self, name) for name in ("frequency", "iterations", "modes")}
         given = {name: value for name, value in numbers.items() if value is not None}
         masters = tuple(Dof.parse(text, field="masters") for text in self.masters)

@@ -188,6 +188,23 @@ def test_a_structure_that_sensors_leave_free_is_refused_a_static_reduction(servi
     np.testing.assert_allclose(found["cross_orthogonality"], np.eye(4), atol=1e-9)
 
 
+def test_what_is_too_much_to_wait_for_is_refused(service: Any, beam: str, modes: str) -> None:
+    large = {"kind": "beam", "length": 1.5, "n_elements": 1000}
+    large |= {"section": {"area": 5e-4, "second_moment": 4e-9}}
+    large |= {"material": {"modulus": 2e11, "density": 7800.0}}
+    structure = service.post("/v1/structures", large)["id"]
+    dofs = [f"{node}:+Y" for node in range(1, 1002)]
+    given = [{"frequency": 20.0, "shape": [1.0] * len(dofs)}]
+    known = service.post("/v1/modal-models/import", {"modes": given, "dofs": dofs})["id"]
+    ids = {"modal_model_id": known, "structure_id": structure}
+    for path, body, field in (
+        ("/v1/correlations", {**ids, "reduction": "guyan"}, "reduction"),
+        (f"/v1/structures/{structure}/expanded-modes", {"modal_model_id": known}, "modal_model_id"),
+    ):
+        context = refused(service, path, body)["context"]
+        assert (context["field"], context["value"]) == (field, 2002 * 1001)
+
+
 def test_dofs_in_common_with_nothing_are_named(service: Any, beam: str, measured: str) -> None:
     given = [{"frequency": 20.0, "shape": [1.0, 2.0]}]
     stray = service.post("/v1/modal-models/import", {"modes": given, "dofs": ["98:+Y", "99:+Y"]})["id"]

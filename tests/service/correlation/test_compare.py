@@ -4,7 +4,7 @@ import pytest
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.modal_model import ModalModel
-from modallab.correlation.compare import compare
+from modallab.correlation.compare import compare, correlate
 from modallab.fe.assembly import assemble
 from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.reduction import reduce, reduction_of
@@ -66,3 +66,16 @@ def test_a_model_held_against_itself_agrees_in_everything() -> None:
     assert found.orthogonality.reduction == "serep"
     assert found.orthogonality.parameters == {"modes": 8.0}
     assert found.responses is None
+
+
+def test_a_structure_is_held_against_as_many_modes_as_were_measured_unless_told() -> None:
+    system = assemble(STRUCTURES["chapter-5-beam"]())
+    sensors = tuple(Dof(node, "Y") for node in range(1, 22, 2))
+    measured = synthetic_modes(system, 3, sensors, noise=ModeNoise(), rng=np.random.default_rng(0))
+    assert correlate(system, measured).mac.shape == (3, 3)
+    found = correlate(system, measured, count=5, reduction=reduction_of("serep"))
+    assert found.mac.shape == (3, 5)
+    assert found.orthogonality is not None
+    # two rigid-body modes and the five that are compared: the band ends a tenth above the last of them
+    assert found.orthogonality.n_motions == 7
+    np.testing.assert_allclose(found.orthogonality.cross, np.eye(3, 5), atol=1e-9)  # rounding

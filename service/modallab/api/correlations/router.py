@@ -9,7 +9,7 @@ from modallab.api.arrays import NPZ, Precision, npz_of
 from modallab.api.correlations.schemas import CorrelationIn, CorrelationOut, arrays_out, small
 from modallab.api.deps import IdPath, OwnerDep, StoreDep
 from modallab.api.examples import examples
-from modallab.api.reductions import reduction_in
+from modallab.api.reductions import check_size, reduction_in
 from modallab.api.shelves import add_routes
 from modallab.correlation.compare import correlate
 from modallab.rig.exact import as_modelled
@@ -33,9 +33,13 @@ def create_correlation(
     body: Annotated[CorrelationIn, _BODY], store: StoreDep, owner: OwnerDep
 ) -> CorrelationOut:
     reduction = None if body.reduction is None else reduction_in(body.reduction)
+    system = as_modelled(store.structures.get(body.structure_id))
+    measured = store.modal_models.get(body.modal_model_id)
+    if reduction is not None:
+        check_size(system, len(measured.dofs), "reduction")
     found = correlate(
-        as_modelled(store.structures.get(body.structure_id)),
-        store.modal_models.get(body.modal_model_id),
+        system,
+        measured,
         count=body.count,
         reduction=reduction,
         frf=None if body.measurement_id is None else small(store.measurements.get(body.measurement_id).frf),

@@ -12,7 +12,7 @@ from modallab.api.examples import example, examples
 from modallab.api.files import UFF, origin, uff_reply
 from modallab.api.modal_models.found import ModalModelOut
 from modallab.api.modal_models.schemas import SyntheticIn
-from modallab.api.reductions import ReducedQuery, reduction_in
+from modallab.api.reductions import ReducedQuery, check_size, reduction_in
 from modallab.api.shelves import add_routes
 from modallab.api.structures.changes import ChangesIn
 from modallab.api.structures.expansions import ExpandedOut, ExpansionIn
@@ -131,7 +131,9 @@ def expand_modes(
 ) -> ExpandedOut:
     reduction = reduction_in(body.reduction)
     measured = store.modal_models.get(body.modal_model_id)
-    found = expand(as_modelled(store.structures.get(id)), measured, reduction)
+    system = as_modelled(store.structures.get(id))
+    check_size(system, len(measured.dofs), "modal_model_id")
+    found = expand(system, measured, reduction)
     inputs = {"structure_id": id, "modal_model_id": body.modal_model_id}
     stored = store.modal_models.add(found.model, owner=owner, inputs=inputs)
     return ExpandedOut.of_expansion(found, store.modal_models.entry(stored))
