@@ -1,5 +1,7 @@
 """Poles, residues and strengths of matrix fractions."""
 
+from collections.abc import Iterator
+
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray
@@ -46,18 +48,29 @@ def poles_of_fractions(freq: FloatArray, frf: ComplexArray, weight: FloatArray, 
     return Poles(orders[row], pole, residue, _strengths(freq, residue, each, pole), spacing)
 
 
+def companions(denominator: ComplexArray, orders: IntArray) -> Iterator[ComplexArray]:
+    """Return for each order a matrix whose eigenvalues are the 1/z where `det A(z) = 0`.
+
+    Parameters
+    ----------
+    denominator
+        (n_orders, n + 1, n_in, n_in), the lowest coefficient a unit matrix.
+    orders
+        (n_orders,) rising. A matrix is good until the next one is asked for: they share their memory.
+    """
+    n_in = denominator.shape[-1]
+    largest = n_in * int(orders[-1])
+    companion = np.eye(largest, k=-n_in, dtype=complex)
+    top = -denominator[:, 1:].transpose(0, 2, 1, 3).reshape(len(orders), n_in, largest)
+    for row, size in zip(top, (n_in * orders).tolist(), strict=True):
+        companion[:n_in, :size] = row[:, :size]
+        yield companion[:size, :size]
+
+
 def _turns(denominator: ComplexArray, orders: IntArray) -> tuple[IntArray, ComplexArray]:
     """Return where `det A(z) = 0`: the row of its order, and 1/z."""
-    m = denominator.shape[-1]
-    largest = m * int(orders[-1])
-    companion = np.eye(largest, k=-m, dtype=complex)
-    top = -denominator[:, 1:].transpose(0, 2, 1, 3).reshape(len(orders), m, largest)
-    found = []
-    for row, order in enumerate(orders):
-        size = m * order
-        companion[:m, :size] = top[row, :, :size]
-        found.append(np.linalg.eigvals(companion[:size, :size]))
-    return np.repeat(np.arange(len(orders)), m * orders), np.concatenate(found)
+    found = [np.linalg.eigvals(companion) for companion in companions(denominator, orders)]
+    return np.repeat(np.arange(len(orders)), denominator.shape[-1] * orders), np.concatenate(found)
 
 
 def _angle(turn: ComplexArray) -> FloatArray:
@@ -90,11 +103,11 @@ def _residues(circle: Circle, fractions: Fractions, row: IntArray, z: ComplexArr
     across = np.empty((len(z), len(fractions.numerator)), complex)
     for start in range(0, across.shape[1], FRFS_AT_ONCE):
         part = fractions.numerator[start : start + FRFS_AT_ONCE]
-        of_part = beside.reshape(len(z), -1) @ part.reshape(-1, part.shape[-1]).T
+        of_part = beside.reshape(len(z), terms * n_in) @ part.reshape(-1, part.shape[-1]).T
         of_part = of_part.reshape(len(z), len(part), terms)
         across[:, start : start + len(part)] = np.matmul(of_part, powers[:, :, None])[..., 0]
     whole = (across / slope[:, None])[:, :, None] * u[:, None, :] * circle.scale
-    return np.asarray(whole.reshape(len(z), -1))
+    return np.asarray(whole.reshape(len(z), circle.scale.size))
 
 
 def _strengths(freq: FloatArray, residue: ComplexArray, weight: FloatArray, pole: ComplexArray) -> FloatArray:
