@@ -30,7 +30,7 @@ class ResponseCorrelation:
     frac: FloatArray  # (n_out, n_in), 0 to 1
     freq: FloatArray  # (n_lines,) Hz, of both axes of the FDAC
     fdac: FloatArray = field(repr=False)  # (n_in, n_lines measured, n_lines model), 0 to 1
-    # measured over model frequency along the FDAC's ridge; None where one response alone has no shape
+    # measured over model frequency along the FDAC's ridge; None where there is none, or one response only
     frequency_scale: float | None = None
     fdac_on_ridge: float | None = None  # mean
     fdac_unscaled: float | None = None  # mean at equal frequencies

@@ -53,10 +53,11 @@ def fdac(measured: ComplexArray, model: ComplexArray) -> FloatArray:
     return np.stack([mac(measured[:, :, i].T, model[:, :, i].T) for i in inputs])
 
 
-def ridge(values: FloatArray, step: float) -> tuple[float, float, float]:
+def ridge(values: FloatArray, step: float) -> tuple[float | None, float | None, float]:
     """Return the frequency scale at which an FDAC's ridge runs, the mean value there, and that at 1.
 
-    Of all straight lines f_measured = scale f_model the one along which the mean is highest.
+    Of all straight lines f_measured = scale f_model the one along which the mean is highest; None and None
+    where it only rises towards the end of what is looked at.
 
     Parameters
     ----------
@@ -72,10 +73,11 @@ def ridge(values: FloatArray, step: float) -> tuple[float, float, float]:
     # measured line i stands beside model line i - offset
     means = np.array([plane.diagonal(-offset).mean() for offset in offsets])
     best = int(means.argmax())
-    place = float(offsets[best])
-    if 0 < best < len(offsets) - 1:
-        before, at, after = means[best - 1 : best + 2]
-        bend = before - 2 * at + after
-        # the peak of the parabola through three means, a fraction of a step away
-        place += float((before - after) / (2 * bend)) if bend < 0 else 0.0
-    return float(np.exp(place * step)), float(means[best]), float(means[furthest])
+    unscaled = float(means[furthest])
+    if best in (0, len(offsets) - 1):
+        return None, None, unscaled
+    before, at, after = means[best - 1 : best + 2]
+    bend = before - 2 * at + after
+    # the peak of the parabola through three means, a fraction of a step away
+    place = offsets[best] + ((before - after) / (2 * bend) if bend < 0 else 0.0)
+    return float(np.exp(place * step)), float(means[best]), unscaled

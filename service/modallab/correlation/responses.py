@@ -28,7 +28,7 @@ class ResponseCorrelation:
     freq: FloatArray  # (n_lines,) Hz, of both axes of the FDAC: some of the measured lines
     fdac: FloatArray  # (n_in, n_lines measured, n_lines model)
     # f_measured / f_model along the FDAC's ridge: near 1.1 where the structure is 21 % stiffer throughout.
-    # None where one response alone has no shape.
+    # None where one response alone has no shape, or no line between 1/1.5 and 1.5 stands out.
     frequency_scale: float | None = None
     fdac_on_ridge: float | None = None  # mean
     fdac_unscaled: float | None = None  # mean at equal frequencies
@@ -108,7 +108,7 @@ def _ridge(
     values: ComplexArray,
     outputs: tuple[Dof, ...],
     inputs: tuple[Dof, ...],
-) -> tuple[float, float, float]:
+) -> tuple[float | None, float | None, float]:
     """Return the frequency scale of the FDAC's ridge, and the means on it and at equal frequencies."""
     ends = np.log(max(freq[0], LOWEST * freq[-1])), np.log(freq[-1])
     grid, step = np.linspace(*ends, FINE, retstep=True)

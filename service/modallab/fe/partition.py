@@ -137,16 +137,21 @@ class Partition:
             allowed="masters that hold every rigid-body motion, `dynamic` above 0 Hz, or `serep`",
         )
 
-    def lowest(self, count: int) -> ModalBasis:
-        """Return rigid-body modes and at least `count` undamped elastic ones, fewer where there are fewer."""
+    def lowest(self, count: int, highest: float = np.inf) -> ModalBasis:
+        """Return rigid-body modes and undamped elastic ones: `count` or more, or all up to `highest`, Hz.
+
+        Never without an elastic mode, and of a small structure all.
+        """
         matrices = (self.system.mass, self.system.stiffness, self.system.rigid)
         n = self.system.mass.shape[0]
-        limit = np.inf if n < SMALL else 1.0  # Hz
-        basis = undamped_basis(*matrices, frequency_max=limit)
-        # A large structure is solved up to a frequency, not for a number: widen until there are enough.
-        while len(basis.eigenvalues) - basis.n_rigid_body < count and len(basis.eigenvalues) < n - 1:
-            if np.isinf(limit):
-                break
-            limit *= 4
+        if n < SMALL:
+            return undamped_basis(*matrices)
+        limit = min(highest, 1.0)  # Hz
+        while True:
             basis = undamped_basis(*matrices, frequency_max=limit)
-        return basis
+            found = len(basis.eigenvalues) - basis.n_rigid_body
+            enough = found >= count or (found > 0 and limit >= highest)
+            if enough or len(basis.eigenvalues) >= n - 1:
+                return basis
+            # It is solved up to a frequency, not for a number: widen until there are enough.
+            limit = 4 * limit if limit >= highest else min(4 * limit, highest)

@@ -188,7 +188,7 @@ def test_a_structure_that_sensors_leave_free_is_refused_a_static_reduction(servi
     np.testing.assert_allclose(found["cross_orthogonality"], np.eye(4), atol=1e-9)
 
 
-def test_what_is_too_much_to_wait_for_is_refused(service: Any, beam: str, modes: str) -> None:
+def test_what_is_too_much_to_wait_for_is_refused(service: Any) -> None:
     large = {"kind": "beam", "length": 1.5, "n_elements": 1000}
     large |= {"section": {"area": 5e-4, "second_moment": 4e-9}}
     large |= {"material": {"modulus": 2e11, "density": 7800.0}}

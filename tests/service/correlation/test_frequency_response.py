@@ -52,6 +52,16 @@ def test_a_ridge_is_found_between_two_lines() -> None:
         away = grid[:, None] - grid - np.log(scale)
         values = np.exp(-((away / 0.03) ** 2))[None]
         found, at_best, at_one = ridge(values, step)
+        assert found is not None
+        assert at_best is not None
         assert np.isclose(found, scale, rtol=1e-3)  # a tenth of a step: the parabola through three means
         assert at_best > 0.97
         assert np.isclose(at_one, np.exp(-((np.log(scale) / 0.03) ** 2)))
+
+
+def test_a_mean_that_only_rises_towards_the_end_is_no_ridge() -> None:
+    grid = 0.01 * np.arange(200)
+    rising = 1 / (1 + np.exp(-(grid[:, None] - grid)))[None]
+    found, at_best, at_one = ridge(rising, 0.01)
+    assert (found, at_best) == (None, None)
+    assert np.isclose(at_one, 0.5)

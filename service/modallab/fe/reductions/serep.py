@@ -62,7 +62,7 @@ class Serep(Reduction):
     def _candidates(self, split: Partition) -> tuple[FloatArray, int]:
         """Return rigid-body modes that the masters show and elastic ones, and how many are rigid."""
         count = int(self.modes) or min(len(split.rows), MOST)
-        basis = split.lowest(count)
+        basis = split.lowest(count, np.inf if self.modes else self.highest)
         n_rigid_body = basis.n_rigid_body
         rigid = basis.shapes[:, :n_rigid_body].real
         if not self.modes:
