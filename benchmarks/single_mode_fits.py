@@ -1,27 +1,30 @@
-"""Batched single-mode fits against a Python loop over the same fits."""
+"""Batched single-mode fits against a Python loop over the same fits; Dobson's method against circle-fit."""
 
-import time
+from functools import partial
 
 import numpy as np
 
+from benchmarks.timing import ratio
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.extraction.method import EXTRACTION_METHODS, ExtractionMethod
 
 N_FITS = 10_000
 N_LOOPED = 1_000  # of the same fits; the loop's time is in proportion
-REPEATS = 3  # the quickest counts: what else the machine does only adds
+ROUNDS = 5
 LIMIT = 1 / 50
+AGAINST_CIRCLE = 10.0
 
 
 def run() -> list[tuple[str, float, float]]:
-    """Return (name, time in a batch over time one by one, limit) for every method."""
-    freq, frf, weight = _windows()
+    """Return (name, time in a batch over time one by one, limit) for every method, and Dobson over circle."""
+    windows = _windows()
     ratios = []
     for kind, method in EXTRACTION_METHODS.items():
-        together = min(_batch(method, freq, frf, weight) for _ in range(REPEATS))
-        alone = min(_loop(method, freq, frf, weight) for _ in range(REPEATS)) * N_FITS / N_LOOPED
-        ratios.append((f"{N_FITS} {kind} fits against a loop", together / alone, LIMIT))
-    return ratios
+        alone = ratio(partial(method, *windows), partial(_loop, method, *windows), ROUNDS)
+        ratios.append((f"{N_FITS} {kind} fits against a loop", alone * N_LOOPED / N_FITS, LIMIT))
+    batches = [partial(EXTRACTION_METHODS[kind], *windows) for kind in ("dobson", "circle_fit")]
+    against = ratio(batches[0], batches[1], ROUNDS)
+    return [*ratios, (f"{N_FITS} dobson fits against as many circle fits", against, AGAINST_CIRCLE)]
 
 
 def _windows() -> tuple[FloatArray, ComplexArray, FloatArray]:
@@ -34,14 +37,6 @@ def _windows() -> tuple[FloatArray, ComplexArray, FloatArray]:
     return freq, frf, np.asarray(1 / (0.01 * np.abs(frf)) ** 2)
 
 
-def _batch(method: ExtractionMethod, freq: FloatArray, frf: ComplexArray, weight: FloatArray) -> float:
-    start = time.perf_counter()
-    method(freq, frf, weight)
-    return time.perf_counter() - start
-
-
-def _loop(method: ExtractionMethod, freq: FloatArray, frf: ComplexArray, weight: FloatArray) -> float:
-    start = time.perf_counter()
+def _loop(method: ExtractionMethod, freq: FloatArray, frf: ComplexArray, weight: FloatArray) -> None:
     for i in range(N_LOOPED):
         method(freq[i : i + 1], frf[i : i + 1], weight[i : i + 1])
-    return time.perf_counter() - start

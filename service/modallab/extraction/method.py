@@ -30,7 +30,7 @@ REASONS = {
 
 MIN_LINES = 4  # three complex unknowns and one line over, so that a misfit can show
 
-PAIRS = 65536  # of lines at once, about a megabyte an array
+PAIRS = 32768  # of lines at once, half a megabyte an array: larger ones cost fresh pages each
 
 
 @dataclass(frozen=True)

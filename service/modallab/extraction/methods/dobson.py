@@ -69,19 +69,23 @@ def _quotients(lines: Lines) -> tuple[ComplexArray, FloatArray]:
     """Return Delta and its weights, (n_fits, n_lines, n_lines), references along the second axis."""
     x, used = lines.x, lines.weight > 0
     noise = np.where(used, 1 / np.where(used, lines.weight, 1.0), np.inf)
+    sure = 1 / (noise[:, :, None] + noise[:, None, :])
     dx = x[:, :, None] - x[:, None, :]
     dz = lines.z[:, :, None] - lines.z[:, None, :]
-    delta = np.asarray(dx / np.where(dz == 0, np.inf, dz), complex)
-    # an error n of a line moves Delta by Delta^2 n / dx
-    trust = dx**2 / (noise[:, :, None] + noise[:, None, :])
-    # the first round has only the noisy quotients to judge by; the later ones their fitted values
-    size = np.where(delta == 0, 1.0, delta.real**2 + delta.imag**2)
-    weight = np.where(delta == 0, 0.0, trust) / size**2
+    square, power = dx**2, dz.real**2 + dz.imag**2
+    inverse = 1 / np.where(power > 0, power, np.inf)
+    delta = np.asarray(dz.conj() * (dx * inverse), complex)
+    # an error n of a line moves Delta by Delta^2 n / dx; the first round has only the noisy quotients to
+    # judge by, the later ones their fitted values
+    trust = np.where(power > 0, sure * square, 0.0)
+    weight = power * power
+    weight *= sure / np.where(square > 0, square, np.inf)
     for _ in range(ROUNDS - 1):
-        slope, _, sure = _slopes(x, delta, weight)
-        eigenvalue, _ = _mode(x, slope, sure)
-        flank = 1 / np.maximum(np.abs(eigenvalue[:, None] - x), TINY) ** 4
-        weight = trust * flank[:, :, None] * flank[:, None, :]
+        slope, _, steep = _slopes(x, delta, weight)
+        gap = _mode(x, slope, steep)[0][:, None] - x
+        flank = 1 / np.maximum(gap.real**2 + gap.imag**2, TINY**2) ** 2
+        np.multiply(trust, flank[:, :, None], out=weight)
+        weight *= flank[:, None, :]
     return delta, weight
 
 
