@@ -21,7 +21,7 @@ def poles_of_fractions(freq: FloatArray, frf: ComplexArray, weight: FloatArray, 
     InvalidInputError
         If the lines cannot tell polynomials of such orders.
     """
-    usable = int((weight > 0).all(axis=2).any(axis=1).sum())
+    usable = np.count_nonzero((weight.min(axis=2) > 0).any(axis=1))
     if (
         not len(orders)
         or orders[0] < 1
@@ -90,24 +90,41 @@ def _residues(circle: Circle, fractions: Fractions, row: IntArray, z: ComplexArr
 
     Where `A v = 0` and `u^H A = 0` the residue of `B A^-1` is `B v u^H / (u^H A' v)`.
     """
-    terms, n_in = fractions.denominator.shape[1:3]
-    powers = np.vander(z, terms, increasing=True)
-    coefficient = fractions.denominator[row]
+    n_orders, terms, n_in, _ = fractions.denominator.shape
+    at = _AtPoles(row, np.vander(z, terms, increasing=True), n_orders)
     if n_in > 1:
-        left, _, right = np.linalg.svd(np.einsum("pj,pjab->pab", powers, coefficient))
+        value = at.of(fractions.denominator.reshape(n_orders, terms, -1)).reshape(-1, n_in, n_in)
+        left, _, right = np.linalg.svd(value)
         u, v = left[:, :, -1].conj(), right[:, -1, :].conj()
     else:
         u = v = np.ones((len(z), 1), complex)
-    beside = (coefficient * v[:, None, None, :]).sum(axis=3)  # A_j v
-    slope = (powers * np.arange(terms) * (beside * u[:, None, :]).sum(axis=2)).sum(axis=1) / z
+    rising = np.arange(terms)[:, None, None] * fractions.denominator  # z A'
+    slope = at.of(rising.reshape(n_orders, terms, -1)).reshape(-1, n_in, n_in)
+    steep = (u[:, :, None] * slope * v[:, None, :]).sum(axis=(1, 2)) / z
+    of_all = fractions.denominator.transpose(1, 2, 0, 3).reshape(terms * n_in, n_orders * n_in)
     across = np.empty((len(z), len(fractions.numerator)), complex)
     for start in range(0, across.shape[1], FRFS_AT_ONCE):
         part = fractions.numerator[start : start + FRFS_AT_ONCE]
-        of_part = beside.reshape(len(z), terms * n_in) @ part.reshape(-1, part.shape[-1]).T
-        of_part = of_part.reshape(len(z), len(part), terms)
-        across[:, start : start + len(part)] = np.matmul(of_part, powers[:, :, None])[..., 0]
-    whole = (across / slope[:, None])[:, :, None] * u[:, None, :] * circle.scale
+        numerator = (part.reshape(-1, terms * n_in) @ of_all).reshape(len(part), terms, n_orders, n_in)
+        value = at.of(numerator.transpose(2, 1, 0, 3).reshape(n_orders, terms, -1))
+        across[:, start : start + len(part)] = (value.reshape(-1, len(part), n_in) * v[:, None]).sum(axis=2)
+    whole = (across / steep[:, None])[:, :, None] * u[:, None, :] * circle.scale
     return np.asarray(whole.reshape(len(z), circle.scale.size))
+
+
+class _AtPoles:
+    """Polynomials of every order at the poles of that order, all orders at once."""
+
+    def __init__(self, row: IntArray, powers: ComplexArray, n_orders: int) -> None:
+        self._row = row
+        self._place = np.arange(len(row)) - np.searchsorted(row, row)
+        most = int(self._place.max(initial=-1)) + 1
+        self._powers = np.zeros((n_orders, most, powers.shape[1]), complex)
+        self._powers[row, self._place] = powers
+
+    def of(self, coefficient: ComplexArray) -> ComplexArray:
+        """Return the values, (n_poles, n), of coefficients (n_orders, terms, n)."""
+        return np.asarray((self._powers @ coefficient)[self._row, self._place])
 
 
 def _strengths(freq: FloatArray, residue: ComplexArray, weight: FloatArray, pole: ComplexArray) -> FloatArray:

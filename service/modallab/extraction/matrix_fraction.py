@@ -72,7 +72,7 @@ def on_circle(frf: ComplexArray, weight: FloatArray, order: int) -> Circle:
     mean = square.mean(axis=(0, 2))
     scale = np.where(mean > 0, mean, 1.0)[:, None]
     told = np.moveaxis(weight, 0, -1)
-    usable = (told > 0).all(axis=1)
+    usable = told.min(axis=1) > 0
     variance = usable[:, None] / np.where(told > 0, told, 1.0) / scale
     row = usable / np.where(usable, variance.mean(axis=1), 1.0)
     power = (square / scale).sum(axis=1) * usable

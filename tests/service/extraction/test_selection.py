@@ -105,4 +105,5 @@ def test_the_chart_shows_which_poles_speak_for_which_mode() -> None:
 def test_nothing_is_selected_from_nothing() -> None:
     found = chosen([])
     assert found.pole.shape == (0,)
-    assert found.reasons == found.pairs == found.left_out == ()
+    assert not found.reasons + found.left_out
+    assert not found.pairs
