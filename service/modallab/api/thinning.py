@@ -1,14 +1,17 @@
 """How much JSON carries, and how longer curves are thinned for it."""
 
 from itertools import pairwise
-from typing import Any
+from typing import Annotated, Any
 
 import numpy as np
+from fastapi import Query
 from numpy.typing import NDArray
 
 from modallab.core.arrays import FloatArray, IntArray
 
 MOST_JSON = 50_000  # numbers in a JSON reply; beyond, encoding costs a hundred times what npz does
+
+Points = Annotated[int, Query(ge=2, le=20_000, description="lines of each curve, about")]
 
 
 def thinned(magnitude: FloatArray, points: int) -> IntArray:
@@ -37,4 +40,6 @@ def numbers(values: NDArray[Any]) -> Any:
         return numbers(np.stack([values.real, values.imag], axis=-1))
     if values.dtype.kind != "f" or np.isfinite(values).all():
         return values.tolist()
-    return np.where(np.isfinite(values), values, None).tolist()
+    told = values.astype(object)
+    told[~np.isfinite(values)] = None
+    return told.tolist()

@@ -1,15 +1,25 @@
-"""Modes out of measurements: the extraction of all, and of one fit once more to look at it."""
+"""Modes out of measurements; and a fit of one mode, or the FRFs that modes make, to look at."""
 
+from dataclasses import replace
 from typing import Any
 
+from modallab.core.arrays import FloatArray
+from modallab.core.dof import Dof
+from modallab.core.errors import InvalidInputError
+from modallab.core.frf import FrfKind, FrfSet
+from modallab.core.modal_model import ModalModel
 from modallab.core.progress import Progress
 from modallab.estimation.windows import WINDOWS, added_loss_factor
 from modallab.extraction.extract import extract
 from modallab.extraction.leakage import Leakage
 from modallab.extraction.options import ExtractionOptions
+from modallab.extraction.picture import FitPicture, fit_picture
+from modallab.extraction.responses import responses_of
+from modallab.extraction.resynthesis import resynthesise
 from modallab.extraction.window_damping import without_added
 from modallab.jobs.destination import Destination
 from modallab.rig.excitation import EXCITATIONS
+from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
 from modallab.store.base import Store
 from modallab.store.plain import from_plain, to_plain
@@ -18,6 +28,8 @@ Json = Any
 
 _PERIODIC = 0.0  # share of the power that leaks, of an excitation that repeats with the record
 _WINDOW_SAMPLES = 1024
+_CORRECTED = "window_damping"  # among the choices of a model whose loss factors are without it
+_NAMED = 20  # DoFs in a refusal
 _CHOSEN = to_plain(ExtractionOptions())[0]
 
 
@@ -55,8 +67,58 @@ def extract_and_store(
         leakage=leakage_of(measurement.setup),
         progress=progress,
     )
-    analyser = measurement.setup.analyser
-    if correct_window_damping and analyser.line_window.end < 1:
-        end = analyser.line_window.end
-        model = without_added(model, added_loss_factor(end, analyser.record_length, model.frequencies))
+    if correct_window_damping and measurement.setup.analyser.line_window.end < 1:
+        model = without_added(model, _added(measurement.setup, model))
+        model = replace(model, choices={**model.choices, _CORRECTED: "taken out: as asked"})
     store.modal_models.add(model, owner=into.owner, inputs={"measurement_id": measurement_id}, id=into.id)
+
+
+def picture_of(measurement: Measurement, model: ModalModel, mode: int, response: Dof) -> FitPicture:
+    """Return the fit of one mode, counted from 1, in one FRF of the measurement it was read from.
+
+    Raises
+    ------
+    InvalidInputError
+        If there is no such fit.
+    """
+    if response not in model.dofs:
+        raise InvalidInputError(
+            f"no FRF at {response}",
+            field="response",
+            value=str(response),
+            allowed=", ".join(str(dof) for dof in model.dofs[:_NAMED]),
+        )
+    if not 1 <= mode <= len(model.modes):
+        raise InvalidInputError("no such mode", field="mode", value=mode, allowed=f"1 to {len(model.modes)}")
+    responses = responses_of(measurement.frf, measurement.coherence, measurement.averages)
+    as_fitted, row = _as_measured(model, measurement.setup), model.dofs.index(response)
+    return fit_picture(responses, as_fitted, mode - 1, row, leakage=leakage_of(measurement.setup))
+
+
+def resynthesised(measurement: Measurement, model: ModalModel) -> FrfSet:
+    """Return what the modes make of the FRFs that they were read from: same lines, points and kind.
+
+    Without 0 Hz but for inertance: what moves as a rigid body has no receptance there.
+
+    Raises
+    ------
+    InvalidInputError
+        If the model tells nothing of FRFs.
+    """
+    frf = measurement.frf
+    freq = frf.freq if frf.kind is FrfKind.INERTANCE else frf.freq[frf.freq > 0]
+    made = resynthesise(_as_measured(model, measurement.setup), freq, frf.kind)
+    if len(frf.inputs) == 1:
+        return made
+    return FrfSet(made.freq, made.values.transpose(0, 2, 1), made.inputs, made.outputs, made.kind)
+
+
+def _added(setup: RigSetup, model: ModalModel) -> FloatArray:
+    """Return the loss factors that an exponential window adds, (n_modes,)."""
+    analyser = setup.analyser
+    return added_loss_factor(analyser.line_window.end, analyser.record_length, model.frequencies)
+
+
+def _as_measured(model: ModalModel, setup: RigSetup) -> ModalModel:
+    """Return the modes as the lines show them, with what the window added."""
+    return without_added(model, -_added(setup, model)) if _CORRECTED in model.choices else model

@@ -12,15 +12,16 @@ from modallab.api.examples import example
 from modallab.api.files import FRF_TEXT, HDF5, UFF, frf_text_reply, hdf5_reply, origin, uff_reply
 from modallab.api.jobs import JobOut
 from modallab.api.kinds import KindWanted, measured_as
+from modallab.api.measurements.indicators import IndicatorsOut, ReciprocityOut
 from modallab.api.measurements.log import LogOut
 from modallab.api.measurements.schemas import CurvesOut, MeasurementOut, MeasurementStart, TruthOut
 from modallab.api.shelves import add_routes
+from modallab.api.thinning import Points
 from modallab.interchange import frf_text, hdf5, uff
 from modallab.interchange.reading import read_measurement
 from modallab.store.codec import arrays_of
 
 router = APIRouter(prefix="/measurements", tags=["measurements"])
-Points = Annotated[int, Query(ge=2, le=20_000, description="lines of each curve, about")]
 Averages = Annotated[
     float | None,
     Form(ge=1, le=1e9, description="effective averages; by default the file's, or else the rig's"),
@@ -113,6 +114,16 @@ def get_thesis_file(
 @router.get("/{id}/curves", summary="FRFs thinned for plots")
 def get_curves(id: IdPath, store: StoreDep, points: Points = 800, kind: KindWanted = None) -> CurvesOut:
     return CurvesOut.of(measured_as(kind, store.measurements.get(id)), points)
+
+
+@router.get("/{id}/indicators", summary="Mode indicator functions: where modes are")
+def get_indicators(id: IdPath, store: StoreDep, points: Points = 800) -> IndicatorsOut:
+    return IndicatorsOut.of(store.measurements.get(id), points)
+
+
+@router.get("/{id}/reciprocity", summary="FRFs with force and response in each other's place")
+def get_reciprocity(id: IdPath, store: StoreDep) -> ReciprocityOut:
+    return ReciprocityOut.of(store.measurements.get(id))
 
 
 @router.get("/{id}/log", summary="What was declared and asked: enough, with the truth, to measure it again")

@@ -5,17 +5,29 @@ from typing import Annotated
 from fastapi import APIRouter, File, UploadFile, status
 from starlette.responses import Response
 
-from modallab.api.arrays import NPZ, Precision, npz_reply
+from modallab.api.arrays import NPZ, Precision, npz_of, npz_reply
 from modallab.api.deps import IdPath, JobsDep, OwnerDep, SettingsDep, StoreDep
 from modallab.api.examples import example
 from modallab.api.files import FILE, UFF, FormRoute, origin, uff_reply
 from modallab.api.jobs import JobOut
+from modallab.api.kinds import KindWanted, measured_as
+from modallab.api.modal_models.fits import (
+    MODE,
+    RESPONSE,
+    ChartOut,
+    FitOut,
+    frf_arrays,
+    measured_for,
+)
 from modallab.api.modal_models.found import ModalModelOut
 from modallab.api.modal_models.schemas import ModalModelIn, ModalModelStart
 from modallab.api.shelves import add_routes
+from modallab.api.thinning import Points
+from modallab.core.dof import Dof
 from modallab.core.modal_model import ModalModel
 from modallab.interchange import uff_modes
 from modallab.interchange.reading import read_modal_model
+from modallab.jobs.extracting import picture_of, resynthesised
 from modallab.store.base import Store
 
 router = APIRouter(prefix="/modal-models", tags=["modal models"])
@@ -84,6 +96,32 @@ def get_modal_model(id: IdPath, store: StoreDep) -> ModalModelOut:
 )
 def get_modal_model_arrays(id: IdPath, store: StoreDep, precision: Precision = "double") -> Response:
     return npz_reply(store.modal_models.npz(id), precision)
+
+
+@router.get("/{id}/fits", summary="One mode in one FRF, to be drawn: lines, curve, what the method drew")
+def get_fit(id: IdPath, store: StoreDep, mode: MODE, response: RESPONSE) -> FitOut:
+    model, at = store.modal_models.get(id), Dof.parse(response, field="response")
+    return FitOut.of(picture_of(measured_for(id, model, store), model, mode, at), mode, at)
+
+
+@router.get("/{id}/chart", summary="Stabilisation chart of a global method, mode indicators beside it")
+def get_chart(id: IdPath, store: StoreDep, points: Points = 800) -> ChartOut:
+    model = store.modal_models.get(id)
+    return ChartOut.of(model, measured_for(id, model, store), points)
+
+
+@router.get(
+    "/{id}/frf",
+    response_class=Response,
+    responses=NPZ,
+    summary="FRFs that the modes make, on the measurement's lines: npz",
+)
+def get_resynthesised(
+    id: IdPath, store: StoreDep, precision: Precision = "double", kind: KindWanted = None
+) -> Response:
+    model = store.modal_models.get(id)
+    measurement = measured_as(kind, measured_for(id, model, store))
+    return npz_of(frf_arrays(resynthesised(measurement, model)), precision)
 
 
 @router.get("/{id}/modes.uff", response_class=Response, responses=UFF, summary="Modes as a universal file")
