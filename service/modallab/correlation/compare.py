@@ -100,10 +100,8 @@ def compare(
     ----------
     floor
         MAC below which modes do not pair.
-    reduced
-        The model at the common DoFs, in order, for orthogonality in its mass.
-    responses
-        How FRFs agree, to be kept beside it.
+    reduced, responses
+        The model at the common DoFs, in order, for orthogonality; how FRFs agree, to be kept beside it.
 
     Raises
     ------
@@ -114,13 +112,14 @@ def compare(
     values = mac(ours, theirs)
     pairs = pair_modes(values, floor)
     rows, columns = [r for r, _ in pairs], [c for _, c in pairs]
+    paired = ours[:, rows], theirs[:, columns]
     return Correlation(
         mac=values,
         pairs=pairs,
         frequency_differences=measured.frequencies[rows] - model.frequencies[columns],
-        comac=comac(ours[:, rows], theirs[:, columns]),
+        comac=comac(*paired),
         dofs=dofs,
-        ecomac=ecomac(ours[:, rows], theirs[:, columns]),
+        ecomac=ecomac(*paired),
         pole_weighted_mac=pole_weighted_mac(ours, theirs, _eigenvalues(measured), _eigenvalues(model)),
         orthogonality=None if reduced is None else Orthogonality.of(reduced, ours, theirs, model),
         responses=responses,

@@ -56,6 +56,31 @@ def compare_responses(measured: FrfSet, system: DynamicSystem) -> ResponseCorrel
     InvalidInputError
         If the two share no output or no input, or there is no line above 0 Hz.
     """
+    shared = _shared(measured, system)
+    freq = shared.freq
+    computed = _responses(system, shared, freq)
+    wanted = min(len(freq), SHOWN, int(np.sqrt(MOST_SHOWN / len(shared.inputs))))
+    shown = np.unique(np.linspace(0, len(freq) - 1, wanted).round().astype(int))
+    scale: tuple[float | None, ...] = (None, None, None)
+    if len(shared.outputs) > 1 and len(freq) > 1:  # one response alone has no shape
+        scale = _ridge(system, shared)
+    left = sum(len(own) for own in (measured.outputs, measured.inputs))
+    left -= sum(len(own) for own in (shared.outputs, shared.inputs))
+    return ResponseCorrelation(
+        outputs=shared.outputs,
+        inputs=shared.inputs,
+        frac=frac(shared.values, computed),
+        freq=freq[shown],
+        fdac=fdac(shared.values[shown], computed[shown]),
+        frequency_scale=scale[0],
+        fdac_on_ridge=scale[1],
+        fdac_unscaled=scale[2],
+        notes=(f"{left} measured points are none of the model's",) if left else (),
+    )
+
+
+def _shared(measured: FrfSet, system: DynamicSystem) -> FrfSet:
+    """Return the measured FRFs at points of the model and lines above 0 Hz."""
     here = set(system.dofs)
     rows = [i for i, dof in enumerate(measured.outputs) if dof.point in here]
     columns = [i for i, dof in enumerate(measured.inputs) if dof.point in here]
@@ -67,54 +92,32 @@ def compare_responses(measured: FrfSet, system: DynamicSystem) -> ResponseCorrel
                 value=", ".join(str(dof) for dof in dofs[:5]),
                 allowed=", ".join(str(dof) for dof in system.dofs[:5]),
             )
-    lines = np.flatnonzero(measured.freq > 0)
-    if not len(lines):
+    lines = measured.freq > 0
+    if not lines.any():
         raise InvalidInputError("there is no line above 0 Hz", field="freq", value=0.0, allowed="above 0 Hz")
-    freq, values = measured.freq[lines], measured.values[lines][:, rows][:, :, columns]
-    outputs = tuple(measured.outputs[i] for i in rows)
-    inputs = tuple(measured.inputs[i] for i in columns)
-    computed = _responses(system, freq, outputs, inputs, measured.kind)
-    wanted = min(len(freq), SHOWN, int(np.sqrt(MOST_SHOWN / len(inputs))))
-    shown = np.unique(np.linspace(0, len(freq) - 1, wanted).round().astype(int))
-    scale: tuple[float | None, ...] = (None, None, None)
-    if len(outputs) > 1 and len(freq) > 1:  # one response alone has no shape
-        scale = _ridge(system, freq, values, outputs, inputs)
-    left = len(measured.outputs) - len(rows) + len(measured.inputs) - len(columns)
-    return ResponseCorrelation(
-        outputs=outputs,
-        inputs=inputs,
-        frac=frac(values, computed),
-        freq=freq[shown],
-        fdac=fdac(values[shown], computed[shown]),
-        frequency_scale=scale[0],
-        fdac_on_ridge=scale[1],
-        fdac_unscaled=scale[2],
-        notes=(f"{left} measured points are none of the model's",) if left else (),
+    return FrfSet(
+        freq=measured.freq[lines],
+        values=measured.values[lines][:, rows][:, :, columns],
+        outputs=tuple(measured.outputs[i] for i in rows),
+        inputs=tuple(measured.inputs[i] for i in columns),
+        kind=measured.kind,
     )
 
 
-def _responses(
-    system: DynamicSystem, freq: FloatArray, outputs: tuple[Dof, ...], inputs: tuple[Dof, ...], kind: FrfKind
-) -> ComplexArray:
-    """Return the model's FRFs, (n_freq, n_out, n_in), as `kind`."""
-    alpha = receptance(system, freq, system.selection(outputs), system.selection(inputs))
-    factor = (2j * np.pi * freq) ** FrfKind.RECEPTANCE.steps_to(kind)
+def _responses(system: DynamicSystem, like: FrfSet, freq: FloatArray) -> ComplexArray:
+    """Return the model's FRFs at other lines, (n_freq, n_out, n_in), of the same points and kind."""
+    alpha = receptance(system, freq, system.selection(like.outputs), system.selection(like.inputs))
+    factor = (2j * np.pi * freq) ** FrfKind.RECEPTANCE.steps_to(like.kind)
     return np.asarray(alpha * factor[:, None, None])
 
 
-def _ridge(
-    system: DynamicSystem,
-    freq: FloatArray,
-    values: ComplexArray,
-    outputs: tuple[Dof, ...],
-    inputs: tuple[Dof, ...],
-) -> tuple[float | None, float | None, float]:
+def _ridge(system: DynamicSystem, measured: FrfSet) -> tuple[float | None, float | None, float]:
     """Return the frequency scale of the FDAC's ridge, and the means on it and at equal frequencies."""
+    freq = measured.freq
     ends = np.log(max(freq[0], LOWEST * freq[-1])), np.log(freq[-1])
     grid, step = np.linspace(*ends, FINE, retstep=True)
     even = np.exp(grid)
-    n_freq = len(freq)
-    flat = values.reshape(n_freq, -1)
+    flat = measured.values.reshape(len(freq), -1)
     fine = np.stack([np.interp(even, freq, column) for column in flat.T], axis=1)
-    computed = _responses(system, even, outputs, inputs, FrfKind.RECEPTANCE)
-    return ridge(fdac(fine.reshape(FINE, *values.shape[1:]), computed), float(step))
+    computed = _responses(system, measured, even)
+    return ridge(fdac(fine.reshape(FINE, *measured.values.shape[1:]), computed), float(step))

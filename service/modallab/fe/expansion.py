@@ -6,6 +6,7 @@ import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray, frozen
 from modallab.core.common_dofs import common_points, rows_at
+from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.modal_model import ModalModel, Mode
 from modallab.fe.reduction import ReducedSystem, Reduction, reduce
@@ -43,14 +44,7 @@ def expand(system: DynamicSystem, measured: ModalModel, reduction: Reduction) ->
     InvalidInputError
         If model and measurement share no DoF, or these do not determine the motion of all the others.
     """
-    masters = common_points(measured.dofs, system.dofs)
-    if not masters or not measured.modes:
-        raise InvalidInputError(
-            "nothing was measured at a degree of freedom of the model",
-            field="dofs",
-            value=", ".join(str(dof) for dof in measured.dofs[:5]),
-            allowed=", ".join(str(dof) for dof in system.dofs[:5]),
-        )
+    masters = _masters(system, measured)
     rows, signs = rows_at(measured.dofs, masters)
     suited = reduction.reaching(float(measured.frequencies.max()))
     own = [suited.at_mode(mode.frequency) for mode in measured.modes]
@@ -78,6 +72,19 @@ def expand(system: DynamicSystem, measured: ModalModel, reduction: Reduction) ->
         notes=(*measured.notes, *notes),
     )
     return Expansion(model, residual, rayleigh)
+
+
+def _masters(system: DynamicSystem, measured: ModalModel) -> tuple[Dof, ...]:
+    """Return the DoFs that were measured and that the model has."""
+    masters = common_points(measured.dofs, system.dofs)
+    if not masters or not measured.modes:
+        raise InvalidInputError(
+            "nothing was measured at a degree of freedom of the model",
+            field="dofs",
+            value=", ".join(str(dof) for dof in measured.dofs[:5]),
+            allowed=", ".join(str(dof) for dof in system.dofs[:5]),
+        )
+    return masters
 
 
 def _carried(mode: Mode, shape: ComplexArray, rows: IntArray, by: ReducedSystem, *, doubtful: bool) -> Mode:

@@ -78,6 +78,20 @@ def test_points_that_the_model_lacks_are_left_out_and_counted() -> None:
     np.testing.assert_allclose(found.frac, 1.0, rtol=1e-9)
 
 
+def test_every_input_has_lines_of_its_own() -> None:
+    other = exact_frf(BEAM, Dof(5, "Y"), SENSORS, frequency_max=800.0, n_lines=401)
+    both = replace(
+        measured(),
+        values=np.concatenate([measured().values, other.values], axis=2),
+        inputs=(DRIVE, Dof(5, "Y")),
+    )
+    found = compare_responses(both, SYSTEM)
+    assert found.inputs == (DRIVE, Dof(5, "Y"))
+    assert found.fdac.shape == (2, SHOWN, SHOWN)
+    np.testing.assert_allclose(found.frac, 1.0, rtol=1e-9)
+    np.testing.assert_allclose(found.fdac[1], compare_responses(other, SYSTEM).fdac[0], rtol=1e-9)
+
+
 def test_one_response_has_frac_but_no_ridge() -> None:
     frf = measured()
     alone = replace(frf, values=frf.values[:, :1], outputs=SENSORS[:1])
