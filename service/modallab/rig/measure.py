@@ -63,6 +63,7 @@ def measure(
     InvalidInputError
         If an effect, declared or not, cannot sit where it is said to.
     """
+    route = Route(route)  # its plain name is taken for it too
     check_compatible(setup)
     own = [build(spec) for spec in structure.effects]
     for effect in [*own, *(build(spec) for spec in setup.effects), *effects]:

@@ -66,6 +66,12 @@ def test_only_drawn_and_sampled_measurements_depend_on_the_seed() -> None:
 
 
 @pytest.mark.parametrize("route", Route)
+def test_a_route_goes_by_its_name_as_well(route: Route) -> None:
+    named = measured(str(route))  # type: ignore[arg-type]
+    assert np.array_equal(named.frf.values, measured(route).frf.values)
+
+
+@pytest.mark.parametrize("route", Route)
 def test_a_measurement_says_nothing_of_the_truth(route: Route) -> None:
     hidden = measured(route, ExtraMass(at=Dof(7, "Y"), mass=0.05))
     assert hidden.setup == ROVING, "the log book as declared"

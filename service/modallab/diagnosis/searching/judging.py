@@ -19,6 +19,7 @@ LINES_APART = 4  # lines of a channel that are held out: every so many
 ROUNDING = 0.1  # difference in BIC of two descriptions of one and the same physics
 CLEAR = 2.0  # standard errors that a parameter keeps from `absent`
 UNTOLD = 0.25  # of its bounds' distance: a standard error of a number that nothing tells
+TOLD = 2.0  # standard errors of a gap on what was held out that an effect has to close to be told by it
 CHANCE = 3e-5  # probability below which a gap above 1 is not put down to chance: four standard errors
 
 
@@ -62,7 +63,10 @@ def improves(predictor: Predictor, before: Fit, after: Fit) -> bool:
     if not effect.bursts and not clear_of_nothing(effect, after.errors[-1]):
         return False
     where = observed.kept
-    if (alone := _known_to_no_other(observed, effect)) is not None:
+    alone = _known_to_no_other(observed, effect)
+    if alone is None and _left_as_they_were(observed, before, after):
+        alone = np.ones(len(observed.outputs), bool)
+    if alone is not None:
         # No other FRF can bear it out: it has to predict lines of its own that it was not fitted to.
         predictor = predictor.without_lines(LINES_APART).tolerating(after.tolerated)
         where = observed.usable & predictor.observed.held_lines[:, None] & alone
@@ -93,6 +97,15 @@ def _known_to_no_other(observed: Observed, effect: Effect) -> BoolArray | None:
     alone = np.array([effect.acts_on(dof) for dof in observed.outputs])
     held = observed.held_out
     return alone if held.any() and not (alone & held).any() else None
+
+
+def _left_as_they_were(observed: Observed, before: Fit, after: Fit) -> bool:
+    """Return whether what was held out could not tell an effect if it were there: it hardly shows in it."""
+    if not observed.held_out.any():
+        return False
+    where = observed.kept
+    change = before.residual.vector(where) - after.residual.vector(where)
+    return float(change @ change) / len(change) < TOLD * scatter(observed, after.residual, where)
 
 
 def temperature(predictor: Predictor, best: Fit) -> float:

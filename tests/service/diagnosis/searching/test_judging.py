@@ -2,12 +2,17 @@
 
 import numpy as np
 
+from benchmarks.trial.rigs import bench
 from modallab.core.dof import Dof
 from modallab.core.place import Channels
-from modallab.diagnosis.searching.judging import clear_of_nothing
+from modallab.diagnosis.fitting.fit import fit
+from modallab.diagnosis.observing.observed import observe
+from modallab.diagnosis.predicting.predictor import Predictor
+from modallab.diagnosis.searching.judging import clear_of_nothing, improves
 from modallab.effects.gain_error import GainError
 from modallab.effects.mains_hum import MainsHum
 from modallab.effects.transverse_sensitivity import TransverseSensitivity
+from modallab.rig.measure import Route, measure
 
 HERE = Channels((Dof(5, "Y"),))
 
@@ -24,3 +29,20 @@ def test_an_amount_whose_direction_nothing_tells_is_left_to_the_likelihood() -> 
     tilted = TransverseSensitivity(HERE, -0.104, 0.009)
     assert clear_of_nothing(tilted, {"sensitivity": 0.47, "angle": np.pi})
     assert not clear_of_nothing(tilted, {"sensitivity": 0.47, "angle": 0.01})
+
+
+def test_what_the_held_out_frfs_could_not_tell_is_borne_out_by_lines_that_were_held_out() -> None:
+    # All accelerometers of the frame hear sideways motion, but only 8:+Y, at the corner, has much of it.
+    where = bench(("transverse_sensitivity",), np.random.default_rng(1), noise=1e-3, leaking=False)
+    everywhere = TransverseSensitivity(None, 0.0033, 0.0)
+    held_out = (Dof(2, "X"), Dof(5, "X"), Dof(12, "Y"))
+
+    def convinced(*acting: TransverseSensitivity) -> bool:
+        rng = np.random.default_rng(3)
+        test = measure(where.structure, where.setup, acting, route=Route.DRAWN, rng=rng)
+        observed = observe(test, held_out, fraction=0.0)
+        predictor = Predictor(where.structure, where.setup, observed)
+        return improves(predictor, fit(predictor, ()), fit(predictor, (everywhere,)))
+
+    assert convinced(everywhere)
+    assert not convinced()
