@@ -17,7 +17,7 @@ def columns_of(poles: Poles) -> list[IntArray]:
     order are never in one column, however close.
     """
     columns: list[list[int]] = []
-    for order in np.unique(poles.order)[::-1]:
+    for order in poles.orders[::-1]:
         new = np.flatnonzero(poles.order == order)
         last = np.array([column[-1] for column in columns], int)
         joined = _joined(poles, new, last)
@@ -31,7 +31,7 @@ def columns_of(poles: Poles) -> list[IntArray]:
 
 def _joined(poles: Poles, new: IntArray, last: IntArray) -> IntArray:
     """Return the column each new pole joins, (n_new,), -1 for none; `last` are the columns' latest poles."""
-    if not len(last):
+    if not len(last) or not len(new):
         return np.full(len(new), -1)
     away = _away(poles, new, last)
     column = away.argmin(axis=1)

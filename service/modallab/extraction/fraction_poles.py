@@ -21,20 +21,16 @@ def poles_of_fractions(freq: FloatArray, frf: ComplexArray, weight: FloatArray, 
     InvalidInputError
         If the lines cannot tell polynomials of such orders.
     """
-    usable = np.count_nonzero((weight.min(axis=2) > 0).any(axis=1))
-    if (
-        not len(orders)
-        or orders[0] < 1
-        or LINES_AN_ORDER * orders[-1] > usable
-        or (np.diff(orders) < 1).any()
-    ):
+    highest = int(orders[-1]) if len(orders) else 0
+    circle = on_circle(frf, weight, max(highest, 1))
+    usable = np.count_nonzero(circle.weight.any(axis=0))
+    if not highest or orders[0] < 1 or LINES_AN_ORDER * highest > usable or (np.diff(orders) < 1).any():
         raise InvalidInputError(
             f"{usable} lines do not tell polynomials of such orders",
             field="max_order",
-            value=int(orders[-1]) if len(orders) else 0,
+            value=highest,
             allowed=f"1 to {usable // LINES_AN_ORDER}, rising",
         )
-    circle = on_circle(frf, weight, int(orders[-1]))
     fractions = fit_fractions(circle, orders)
     row, turn = _inside(circle, *_turns(fractions.denominator, orders))
     spacing = float(freq[1] - freq[0])
@@ -45,7 +41,7 @@ def poles_of_fractions(freq: FloatArray, frf: ComplexArray, weight: FloatArray, 
     # dz = z ds / rate
     residue = _residues(circle, fractions, row, 1 / turn) * (rate * turn)[:, None]
     each = weight.reshape(len(freq), -1) / max(fractions.noise, np.finfo(float).tiny)
-    return Poles(orders[row], pole, residue, _strengths(freq, residue, each, pole), spacing)
+    return Poles(orders, orders[row], pole, residue, _strengths(freq, residue, each, pole), spacing)
 
 
 def companions(denominator: ComplexArray, orders: IntArray) -> Iterator[ComplexArray]:

@@ -13,6 +13,7 @@ from modallab.core.registry import Family
 class Poles:
     """Every pole inside the band with positive damping, of all orders; rising order, then frequency."""
 
+    orders: IntArray  # (n_orders,) rising: of the chart, also those that have no such pole
     order: IntArray  # (n_poles,) of the polynomial
     pole: ComplexArray  # (n_poles,) s = -zeta omega_r + i omega_r sqrt(1 - zeta^2), rad/s
     # (n_poles, n_out * n_in) residue in every FRF, unit of the FRF times rad/s: by its direction a pole is
@@ -25,6 +26,7 @@ class Poles:
 
     def __post_init__(self) -> None:
         n = len(self.order)
+        object.__setattr__(self, "orders", frozen(self.orders, int, (None,), name="orders"))
         object.__setattr__(self, "order", frozen(self.order, int, (n,), name="order"))
         object.__setattr__(self, "pole", frozen(self.pole, complex, (n,), name="pole"))
         object.__setattr__(self, "vector", frozen(self.vector, complex, (n, None), name="vector"))

@@ -14,7 +14,9 @@ LEAST = 5  # stable poles of a mode; fewer where the chart has few orders
 LEAST_PART = 1 / 3  # of the orders
 SHARE = 0.5  # of the orders from its first stable pole on
 NOTED = 3  # stable poles, from which a column that is no mode is spoken of
-STRONG = 4.0  # times what noise would be: the strongest of some hundred noise poles reach 3
+STRONG = 4.0  # times what noise would be, rms over many FRFs: the strongest of noise poles reach 3
+FEW = 3.0  # with one FRF they reach twice that
+NARROWEST = 0.005  # of a line: what one line alone shows is hum, or a wrong value
 BROADEST = 0.4  # loss factor: what has died away after two periods is no resonance
 NEAR = 3.0  # half-power bandwidths: modes within them share their circles
 
@@ -76,7 +78,7 @@ def select(poles: Poles, stability: IntArray) -> Selection:
     """Return the modes that a chart shows, with the reason for each, and what was not taken.
 
     A column of poles is a mode if it is stable at enough orders, and at most of them once it first was;
-    if its part of the FRFs is more than noise; and if it is damped like a resonance. Its pole is the median
+    if its part of the FRFs is more than noise; and if it is as broad as a resonance. Its pole is the median
     of those stable at the higher orders, where noise biases them least.
 
     Parameters
@@ -86,10 +88,9 @@ def select(poles: Poles, stability: IntArray) -> Selection:
     stability
         (n_poles,) from `stabilise`.
     """
-    orders = np.unique(poles.order)
-    seen = [_column(poles, stability, orders, members) for members in columns_of(poles)]
+    seen = [_column(poles, stability, members) for members in columns_of(poles)]
     columns = sorted((column for column in seen if column is not None), key=lambda column: column.frequency)
-    against = [_against(column, len(orders)) for column in columns]
+    against = [_against(column, poles) for column in columns]
     modes = [column for column, why in zip(columns, against, strict=True) if why is None]
     mode = np.full(len(poles.order), -1)
     for m, column in enumerate(modes):
@@ -100,7 +101,7 @@ def select(poles: Poles, stability: IntArray) -> Selection:
         np.array([column.frequency_scatter for column in modes]),
         np.array([column.loss_factor_scatter for column in modes]),
         mode,
-        tuple(_reason(modes, m, int(orders[-1]), pairs) for m in range(len(modes))),
+        tuple(_reason(modes, m, int(poles.orders[-1]), pairs) for m in range(len(modes))),
         pairs,
         tuple(
             f"{column.frequency:.5g} Hz: {why}"
@@ -110,7 +111,7 @@ def select(poles: Poles, stability: IntArray) -> Selection:
     )
 
 
-def _column(poles: Poles, stability: IntArray, orders: IntArray, members: IntArray) -> _Column | None:
+def _column(poles: Poles, stability: IntArray, members: IntArray) -> _Column | None:
     """Return what speaks for a column, None if it is nowhere stable."""
     stable = members[stability[members] >= STABLE]
     if not len(stable):
@@ -130,20 +131,23 @@ def _column(poles: Poles, stability: IntArray, orders: IntArray, members: IntArr
         n_stable=len(stable),
         n_alike=int((stability[stable] > STABLE).sum()),
         first=first,
-        n_since=int((orders >= first).sum()),
+        n_since=int((poles.orders >= first).sum()),
     )
 
 
-def _against(column: _Column, n_orders: int) -> str | None:
+def _against(column: _Column, poles: Poles) -> str | None:
     """Return in words why a column is no mode, None if it is one."""
     # the lowest order is stable against none
-    least = min(LEAST, max(1, int(LEAST_PART * (n_orders - 1))))
+    least = min(LEAST, max(1, int(LEAST_PART * (len(poles.orders) - 1))))
     if column.n_stable < least or column.n_stable < SHARE * column.n_since:
         return f"stable at only {column.n_stable} of {column.n_since} orders from {column.first} on"
-    if column.strength < STRONG:
+    if column.strength < STRONG * np.sqrt(1 + FEW / poles.vector.shape[1]):
         return f"no more than noise, {column.strength:.2g} standard errors of a line"
     if column.loss_factor > BROADEST:
         return f"no resonance, its loss factor is {column.loss_factor:.2g}"
+    width = column.loss_factor * column.frequency / poles.spacing
+    if width < NARROWEST:
+        return f"no resonance but a line of its own, only {width:.2g} of a line wide"
     return None
 
 

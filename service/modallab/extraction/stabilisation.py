@@ -46,7 +46,7 @@ def stabilise(poles: Poles, tolerances: Tolerances = USUAL) -> IntArray:
         How near two poles must be.
     """
     levels = np.zeros(len(poles.order), int)
-    for before, after in pairwise(np.unique(poles.order)):
+    for before, after in pairwise(poles.orders):
         old, new = np.flatnonzero(poles.order == before), np.flatnonzero(poles.order == after)
         if len(old) and len(new):
             levels[new] = _agreement(poles, old, new, tolerances).max(axis=1)

@@ -20,9 +20,11 @@ def chart(
     rows: Sequence[tuple[int, float, float]],
     vectors: ComplexArray | None = None,
     strength: float | Sequence[float] = 100.0,
+    orders: Sequence[int] = (),
 ) -> Poles:
     """Return poles of (order, frequency Hz, loss factor), all of one vector unless given."""
     return Poles(
+        np.unique([*orders, *(row[0] for row in rows)]).astype(int),
         np.array([row[0] for row in rows], int),
         np.array([pole(row[1], row[2]) for row in rows], complex),
         np.ones((len(rows), 3), complex) if vectors is None else vectors,

@@ -78,6 +78,19 @@ def test_what_dies_away_at_once_is_no_resonance() -> None:
     assert found.left_out == ("140 Hz: no resonance, its loss factor is 0.5",)
 
 
+def test_what_a_single_line_shows_is_no_resonance() -> None:
+    found = chosen(column(100.0, 0.02) + column(150.0, 1e-5))
+    np.testing.assert_allclose(found.frequency, [100.0])
+    # 0.0015 Hz wide at 0.5 Hz a line
+    assert found.left_out == ("150 Hz: no resonance but a line of its own, only 0.003 of a line wide",)
+
+
+def test_orders_without_any_pole_count_as_orders() -> None:
+    poles = chart(column(100.0, 0.02, first=16, last=19), orders=range(2, 41))
+    found = select(poles, stabilise(poles))
+    assert found.left_out == ("100 Hz: stable at only 3 of 24 orders from 17 on",)
+
+
 def test_the_higher_orders_count() -> None:
     # noise biases low orders: here by a tenth of the bandwidth at the lowest, falling with the order
     rows = [(order, 100.0 + 0.2 * (5 / order) ** 6, 0.02) for order in range(5, 26)]

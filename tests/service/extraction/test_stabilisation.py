@@ -54,6 +54,11 @@ def test_each_order_is_held_against_the_one_before_it_in_the_chart() -> None:
     assert stabilise(poles).tolist() == [0, 3, 0, 3, 3]
 
 
+def test_a_pole_that_the_order_before_did_not_have_is_new() -> None:
+    poles = chart([(4, 100.0, 0.02), (6, 100.0, 0.02)], orders=[4, 5, 6])
+    assert stabilise(poles).tolist() == [0, 0]
+
+
 def test_tolerances_are_the_users_to_choose() -> None:
     poles = chart([(4, 100.0, 0.02), (5, 100.0, 0.03)])
     assert stabilise(poles, Tolerances(loss_factor=0.6)).tolist() == [0, 3]

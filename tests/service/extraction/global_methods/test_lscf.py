@@ -56,6 +56,36 @@ def test_strength_is_told_by_the_data_and_not_by_the_scale_of_the_weights() -> N
     np.testing.assert_allclose(doubled.strength, told.strength, rtol=1e-6)
 
 
+@pytest.mark.parametrize("n_frf", [1, 8])
+def test_noise_alone_shows_no_mode(n_frf: int) -> None:
+    rows = (400, n_frf, 1)
+    for seed in range(10):
+        rng = np.random.default_rng(seed)
+        frf = rng.standard_normal(rows) + 1j * rng.standard_normal(rows)
+        poles = GLOBAL_METHODS["lscf"](np.arange(0.0, 100.0, 0.25), frf, np.full(rows, 0.5), ORDERS)
+        assert not len(select(poles, stabilise(poles)).pole)
+
+
+def test_a_line_of_hum_is_no_mode_and_harms_none() -> None:
+    case = six_modes(40, 0)
+    frf = case.noisy[:, :, None].copy()
+    frf[400] += 5 * np.abs(frf).max()  # 50 Hz
+    poles = GLOBAL_METHODS["lscf"](case.freq, frf, 1 / case.variance[:, :, None], ORDERS)
+    found = select(poles, stabilise(poles))
+    np.testing.assert_allclose(found.frequency, case.frequency, rtol=3e-4)
+    assert any(said.startswith("50 Hz: no resonance but a line of its own") for said in found.left_out)
+
+
+@pytest.mark.parametrize("width", [3.0, 5.0, 9.0])
+def test_a_narrow_band_shows_the_pair_too(width: float) -> None:
+    # 24, 40 and 72 lines; what lies outside is a polynomial's
+    case = six_modes(40, 0, lower=42.5 - width / 2, upper=42.5 + width / 2)
+    orders = np.arange(2, len(case.freq) // 3)
+    poles = GLOBAL_METHODS["lscf"](case.freq, case.noisy[:, :, None], 1 / case.variance[:, :, None], orders)
+    found = select(poles, stabilise(poles))
+    np.testing.assert_allclose(found.frequency, case.frequency[list(PAIR)], rtol=1e-3)
+
+
 @pytest.mark.parametrize("kind", [0, 1, 2])
 @pytest.mark.parametrize("noise", [1e-6, 1e-2])
 def test_a_mode_a_tenth_of_a_line_wide_is_found_beside_the_others(
