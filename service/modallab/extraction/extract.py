@@ -7,9 +7,12 @@ from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfSet
 from modallab.core.modal_model import ModalModel
 from modallab.core.progress import Progress, silent
-from modallab.extraction.leakage import Leakage
+from modallab.extraction.global_method import GLOBAL_METHODS
+from modallab.extraction.globally import extract_globally
+from modallab.extraction.leakage import Leakage, biased
 from modallab.extraction.method import EXTRACTION_METHODS
 from modallab.extraction.mode_by_mode import extract_mode_by_mode
+from modallab.extraction.noise_bias import noise_shares, without_noise_bias
 from modallab.extraction.options import ExtractionOptions
 from modallab.extraction.responses import responses_of
 
@@ -26,6 +29,7 @@ def extract(
     bands: Sequence[tuple[float, float]] | None = None,
     n_modes: int | None = None,
     leakage: Leakage | None = None,
+    estimator: str | None = None,
     progress: Progress = silent,
 ) -> ModalModel:
     """Return the modes that a set of FRFs shows.
@@ -40,16 +44,20 @@ def extract(
     averages
         Effective number of averages behind the coherence.
     method
-        A member of `EXTRACTION_METHODS`.
+        A member of `EXTRACTION_METHODS`, mode by mode in every FRF, or of `GLOBAL_METHODS`, all at once.
     options
         What the user decides and would else be chosen from the data.
     bands
-        Pairs (lower, upper) in Hz with one mode each; found from the FRFs by default.
+        Pairs (lower, upper) in Hz with one mode each, of a global method one or more; found from the FRFs
+        by default.
     n_modes
-        How many of the bands found to keep, the most prominent ones.
+        How many of the modes found to keep, the most prominent ones.
     leakage
         What window cut the random records and which estimator was used; None for records that are periodic,
         or die out, within the window.
+    estimator
+        "h1", "h2" or "hv": each is biased by noise in a way of its own, which is taken off; None where it
+        is not known.
     progress
         Told what is being done.
 
@@ -62,9 +70,33 @@ def extract(
     """
     if n_modes is not None and n_modes < 1:
         raise InvalidInputError("at least one mode", field="n_modes", value=n_modes, allowed="1 or more")
+    if method not in EXTRACTION_METHODS and method not in GLOBAL_METHODS:
+        raise InvalidInputError(
+            f"no extraction method called {method!r}",
+            field="method",
+            value=method,
+            allowed=", ".join([*EXTRACTION_METHODS, *GLOBAL_METHODS]),
+        )
+    responses = responses_of(frf, coherence, averages)
+    kind = None if estimator is None else biased(estimator)
+    bias: FloatArray | float = 0.0
+    if leakage is None:  # what leaks is not coherent either, and no noise
+        responses, bias = without_noise_bias(responses, noise_shares(responses, kind), kind)
+    if method in GLOBAL_METHODS:
+        return extract_globally(
+            GLOBAL_METHODS[method],
+            responses,
+            options,
+            method=method,
+            bands=bands,
+            n_modes=n_modes,
+            leakage=leakage,
+            bias=bias,
+            progress=progress,
+        )
     return extract_mode_by_mode(
         EXTRACTION_METHODS[method],
-        responses_of(frf, coherence, averages),
+        responses,
         options,
         method=method,
         bands=bands,

@@ -21,6 +21,24 @@ class Biased(StrEnum):
     HV = "hv"
 
 
+def biased(estimator: str) -> Biased:
+    """Return an estimator by its name.
+
+    Raises
+    ------
+    InvalidInputError
+        For another one.
+    """
+    if estimator not in list(Biased):
+        raise InvalidInputError(
+            f"leakage of {estimator!r} is not known",
+            field="estimator",
+            value=estimator,
+            allowed=", ".join(Biased),
+        )
+    return Biased(estimator)
+
+
 @dataclass(frozen=True, eq=False)
 class Leakage:
     """Random records cut by a window: each line holds its neighbours too.
@@ -57,13 +75,7 @@ class Leakage:
         InvalidInputError
             For another estimator, or a window of few samples or without area.
         """
-        if estimator not in list(Biased):
-            raise InvalidInputError(
-                f"leakage of {estimator!r} is not known",
-                field="estimator",
-                value=estimator,
-                allowed=", ".join(Biased),
-            )
+        kind = biased(estimator)
         window = np.asarray(window, float)
         if window.ndim != 1 or len(window) < MIN_SAMPLES or not np.abs(window).max() > 0:
             raise InvalidInputError(
@@ -78,7 +90,7 @@ class Leakage:
         lag, weight = np.polynomial.legendre.leggauss(96)
         lag = (lag + 1) / 2
         at = np.interp(lag, np.arange(len(window)) / len(window), correlation / correlation[0])
-        return cls(lag, at * weight / 2, Biased(estimator), source_mass)
+        return cls(lag, at * weight / 2, kind, source_mass)
 
     def undone(self, freq: FloatArray, spacing: float, response: "OnePole", drive: "OnePole") -> ComplexArray:
         """Return what to multiply leaked inertance by, if one mode and a smooth rest are all there is.

@@ -9,8 +9,6 @@ import numpy as np
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.extraction.options import Damping
 
-RESIDUALS = 4  # real unknowns of an FRF beside its modes: what lies above the range, and below it
-
 
 class ModalBasis(Protocol):
     """A law of damping. A mode has two real parameters, and two real coefficients in each FRF.
@@ -119,16 +117,26 @@ class Viscous:
 BASES: Mapping[Damping, ModalBasis] = {Damping.STRUCTURAL: Structural(), Damping.VISCOUS: Viscous()}
 
 
-def residual_columns(omega: FloatArray) -> ComplexArray:
-    """Return (n_lines, 4): a constant, and `-1/omega^2`, each for real and imaginary part."""
-    below = -1 / omega**2
-    return np.stack([np.ones(len(omega)), np.full(len(omega), 1j), below, 1j * below], axis=1)
+def residual_columns(omega: FloatArray, beyond: tuple[float, ...]) -> ComplexArray:
+    """Return (n_lines, 4 + 2 n_beyond): a constant, `-1/omega^2`, and poles held beyond the range.
+
+    Each for real and imaginary part.
+
+    Parameters
+    ----------
+    beyond
+        Where these poles are: a mode not far above the range is no constant in it.
+    """
+    real = [np.ones(len(omega)), -1 / omega**2, *(1 / (pole**2 - omega**2) for pole in beyond)]
+    return np.stack([part * column for column in real for part in (1, 1j)], axis=1)
 
 
-def all_columns(basis: ModalBasis, omega: FloatArray, parameters: FloatArray) -> ComplexArray:
-    """Return (n_lines, 2 n_modes + 4), mode by mode, then the residuals."""
+def all_columns(
+    basis: ModalBasis, omega: FloatArray, parameters: FloatArray, beyond: tuple[float, ...]
+) -> ComplexArray:
+    """Return (n_lines, 2 n_modes + 4 + 2 n_beyond), mode by mode, then the residuals."""
     columns = basis.columns(omega, parameters).reshape(len(omega), -1)
-    return np.concatenate([columns, residual_columns(omega)], axis=1)
+    return np.concatenate([columns, residual_columns(omega, beyond)], axis=1)
 
 
 def all_slopes(basis: ModalBasis, omega: FloatArray, parameters: FloatArray) -> ComplexArray:

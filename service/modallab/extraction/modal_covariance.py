@@ -92,7 +92,7 @@ def _common_share(lines: Scaled, basis: ModalBasis, parameters: FloatArray, line
     """
     together = alone = expected = alone_expected = 0.0
     for block in line_blocks(len(lines.omega), 8 * lines.response.shape[1]):
-        fitted = all_columns(basis, lines.omega[block], parameters) @ linear.coefficients.T
+        fitted = all_columns(basis, lines.omega[block], parameters, lines.beyond) @ linear.coefficients.T
         weight = lines.weight[block]
         exact = weight * np.abs(fitted) ** 2  # one over the relative variance
         near = np.sqrt(exact / np.maximum(exact.max(axis=1, keepdims=True), 1e-300))
@@ -121,7 +121,7 @@ def _together(
     make = np.concatenate([-linear.mixed @ c.swapaxes(1, 2), c.swapaxes(1, 2)], axis=1)
     total = np.zeros((n_parameters, n_parameters))
     for block in line_blocks(len(lines.omega), 2 * FRFS * n_parameters):
-        columns = all_columns(basis, lines.omega[block], parameters)
+        columns = all_columns(basis, lines.omega[block], parameters, lines.beyond)
         every = np.concatenate([columns, all_slopes(basis, lines.omega[block], parameters)], axis=1)
         fitted = columns @ linear.coefficients.T
         weight = lines.weight[block]

@@ -15,6 +15,7 @@ ROUNDS = 40  # steps tried; from a pole finder's start four to eight are taken
 SETTLED = 1e-3  # standard errors: what a last step may still move a mode by
 EXACT = 1e-13  # of an eigenvalue, where the lines hold rounding only
 FARTHEST = 0.5  # of a mode's own damping: what one step may change of it, or the slopes no longer hold
+SLOWEST = 1e-6  # of the highest line: what a mode below the range cannot be told from standing still
 FIRST, STRICTER, LOOSER = 1e-4, 10.0, 0.1  # Levenberg-Marquardt damping, of the normal matrix's diagonal
 
 
@@ -61,12 +62,16 @@ class ModalFit:
     @property
     def frequency_error(self) -> FloatArray:
         """(n_modes,) Hz."""
-        return np.sqrt(np.diag(self.eigenvalue_covariance)[: len(self.eigenvalue)])
+        return self._errors[: len(self.eigenvalue)]
 
     @property
     def loss_factor_error(self) -> FloatArray:
         """(n_modes,)."""
-        return np.sqrt(np.diag(self.eigenvalue_covariance)[len(self.eigenvalue) :])
+        return self._errors[len(self.eigenvalue) :]
+
+    @property
+    def _errors(self) -> FloatArray:
+        return np.asarray(np.sqrt(np.maximum(np.diag(self.eigenvalue_covariance), 0.0)))
 
 
 def fit_modes(
@@ -109,7 +114,7 @@ def fit_modes(
     begin = basis.parameters(np.sort_complex(start) / lines.unit**2)
     parameters, linear = _descend(lines, basis, begin, progress)
     order = np.argsort(parameters[:, 0], kind="stable")
-    if (np.diff(order) < 0).any():  # modes of a pair have changed sides
+    if (np.diff(order) < 0).any():  # modes have changed places
         parameters = parameters[order]
         linear = solve_linear(lines, basis, parameters)
     return _concluded(lines, basis, parameters, linear, uncertainty(lines, basis, parameters, linear))
@@ -135,12 +140,33 @@ def held_modes(
     return _concluded(lines, basis, parameters, linear, uncertainty(lines, basis, parameters, linear))
 
 
+def fitted_receptance(fit: ModalFit, freq: FloatArray, damping: Damping) -> ComplexArray:
+    """Return the receptance that a fit gives back, (n_lines, n_frf) m/N, residuals included.
+
+    Parameters
+    ----------
+    freq
+        (n_lines,) Hz, above 0.
+    damping
+        Law it was fitted with.
+    """
+    basis = BASES[damping]
+    omega = 2 * np.pi * freq
+    parameters = basis.parameters(fit.eigenvalue)
+    parts = np.stack([fit.modal_constant.real, fit.modal_constant.imag], axis=2)
+    coefficients = np.linalg.inv(basis.constant(parameters))[:, None] @ parts[..., None]
+    columns = basis.columns(omega, parameters).reshape(len(freq), -1)
+    modes = columns @ coefficients[..., 0].swapaxes(1, 2).reshape(-1, fit.modal_constant.shape[1])
+    below, above = fit.residuals
+    return np.asarray(modes + above - below / omega[:, None] ** 2, complex)
+
+
 def _descend(
     lines: Scaled, basis: ModalBasis, parameters: FloatArray, progress: Progress
 ) -> tuple[FloatArray, Linear]:
     """Return the parameters of least misfit, and what is linear there."""
     linear = solve_linear(lines, basis, parameters)
-    damping = FIRST
+    damping, ends = FIRST, (float(lines.omega.min()) ** 2, 1.0)
     n_spare = max(2 * int((lines.weight > 0).sum()) - linear.coefficients.size - parameters.size, 1)
     for n in range(ROUNDS):
         progress(n / ROUNDS, "fitting all modes to all FRFs")
@@ -148,8 +174,8 @@ def _descend(
         step = _step(normal, slope, damping)
         if not _moves(step, normal, parameters, 2 * linear.misfit.sum() / n_spare):
             break
-        limited = _limited(step.reshape(parameters.shape), parameters)
-        trial = parameters + limited
+        trial = parameters + _limited(step.reshape(parameters.shape), parameters, ends)
+        trial[:, 0] = np.maximum(trial[:, 0], SLOWEST**2)
         tried = solve_linear(lines, basis, trial)
         if tried.misfit.sum() < linear.misfit.sum():
             parameters, linear, damping = trial, tried, damping * LOOSER
@@ -179,11 +205,16 @@ def _moves(step: FloatArray, normal: FloatArray, parameters: FloatArray, varianc
     return far and bool((np.abs(step.reshape(parameters.shape)) > EXACT * parameters[:, :1]).any())
 
 
-def _limited(step: FloatArray, parameters: FloatArray) -> FloatArray:
-    """Return the step, each mode's cut to where its slopes still hold and its damping stays positive."""
-    most = FARTHEST * parameters[:, 1:]
-    scale = np.minimum(1.0, (most / np.maximum(np.abs(step), 1e-300)).min(axis=1, keepdims=True))
-    return np.asarray(step * scale)
+def _limited(step: FloatArray, parameters: FloatArray, ends: tuple[float, float]) -> FloatArray:
+    """Return the step, each mode's cut to where its slopes still hold and its damping stays positive.
+
+    Of a mode beyond the ends of the range, whose damping hardly shows, to part of its distance from them.
+    """
+    stiffness, damping = parameters.T
+    beyond = np.abs(stiffness - np.clip(stiffness, *ends))
+    most = FARTHEST * np.minimum(np.maximum(np.abs(damping), beyond), stiffness)
+    longest = np.maximum(np.abs(step).max(axis=1), 1e-300)
+    return np.asarray(step * np.minimum(1.0, most / longest)[:, None])
 
 
 def _concluded(

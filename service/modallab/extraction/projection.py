@@ -9,6 +9,9 @@ from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.extraction.modal_basis import ModalBasis, all_columns, all_slopes
 
 AT_ONCE = 2**22  # numbers in a block of products, 32 MB
+# A range so wide, of so many lines, is disturbed by how modes beyond it differ from a constant, and can tell.
+WIDE, MANY = 0.5, 64
+BEYOND = (1.5,)  # with the constant, all that lies above to 3 %, but for the mode next to the range
 TINY = 1e-300
 RIDGE = 1e-13  # of columns of unit length: keeps what rounding alone parts from running away
 
@@ -22,6 +25,7 @@ class Scaled:
     weight: FloatArray  # (n_lines, n_frf) one over E|error|^2, 0 for a line not used
     unit: float  # rad/s
     size: FloatArray  # (n_frf,) m/N, the unit of each response
+    beyond: tuple[float, ...] = ()  # in `unit`, poles held above the range
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +55,12 @@ def scaled(omega: FloatArray, response: ComplexArray, weight: FloatArray) -> Sca
     size = np.where(size > 0, size, 1.0)
     unit = float(omega.max())
     heard = np.asarray(np.where(used, response, 0) / size, complex)
-    return Scaled(omega / unit, heard, weight * size**2, unit, size)
+    return Scaled(omega / unit, heard, weight * size**2, unit, size, BEYOND if disturbed(omega) else ())
+
+
+def disturbed(omega: FloatArray) -> bool:
+    """Return whether modes beyond a range are no constant in it, and it has the lines to tell."""
+    return bool(omega.min() < WIDE * omega.max() and len(omega) > MANY)
 
 
 def solve_linear(lines: Scaled, basis: ModalBasis, parameters: FloatArray) -> Linear:
@@ -65,7 +74,7 @@ def solve_linear(lines: Scaled, basis: ModalBasis, parameters: FloatArray) -> Li
     parameters
         (n_modes, 2) on the scale of `lines`.
     """
-    n_columns = 2 * len(parameters) + 4
+    n_columns = 2 * len(parameters) + 4 + 2 * len(lines.beyond)
     products, against = _products(lines, basis, parameters)
     length = np.sqrt(np.maximum(np.einsum("jii->ji", products), TINY))
     products /= length[:, :, None] * length[:, None, :]
@@ -101,22 +110,40 @@ def line_blocks(n_lines: int, width: int) -> Iterator[slice]:
 def _products(lines: Scaled, basis: ModalBasis, parameters: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return weighted products of all columns and slopes, and of the columns with the responses."""
     n_modes, n_frf = len(parameters), lines.response.shape[1]
-    n_columns = 2 * n_modes + 4
+    n_columns = 2 * n_modes + 4 + 2 * len(lines.beyond)
     n_all = n_columns + n_modes * basis.turn.shape[2]
-    first, second = np.triu_indices(n_all)
-    half = np.zeros((n_frf, len(first)))
+    gather = _few if n_frf < n_all else _all_pairs
+    products = np.zeros((n_frf, n_all, n_all))
     against = np.zeros((n_frf, n_columns))
-    for block in line_blocks(len(lines.omega), len(first)):
-        columns = all_columns(basis, lines.omega[block], parameters)
+    for block in line_blocks(len(lines.omega), n_all * max(n_all // 2, n_frf)):
+        columns = all_columns(basis, lines.omega[block], parameters, lines.beyond)
         every = np.concatenate([columns, all_slopes(basis, lines.omega[block], parameters)], axis=1)
-        real, imag = every.real.copy(), every.imag.copy()
-        half += lines.weight[block].T @ (real[:, first] * real[:, second] + imag[:, first] * imag[:, second])
-        weighted = lines.weight[block] * lines.response[block]
-        against += weighted.real.T @ real[:, :n_columns] + weighted.imag.T @ imag[:, :n_columns]
-    products = np.empty((n_frf, n_all, n_all))
+        parts = np.concatenate([every.real, every.imag])
+        weight = lines.weight[block]
+        products += gather(parts, weight)
+        weighted = weight * lines.response[block]
+        against += np.concatenate([weighted.real, weighted.imag]).T @ parts[:, :n_columns]
+    return products, against
+
+
+def _few(parts: FloatArray, weight: FloatArray) -> FloatArray:
+    """Return weighted products of the columns, (n_frf, n, n), by a product a FRF."""
+    both = np.concatenate([weight, weight]).T[:, None, :]
+    return np.asarray((both * parts.T) @ parts)
+
+
+def _all_pairs(parts: FloatArray, weight: FloatArray) -> FloatArray:
+    """Return the same by one product for all FRFs, each pair of columns formed once."""
+    n = parts.shape[1]
+    first, second = np.triu_indices(n)
+    n_lines = len(weight)
+    pairs = parts[:n_lines, first] * parts[:n_lines, second]
+    pairs += parts[n_lines:, first] * parts[n_lines:, second]
+    half = weight.T @ pairs
+    products = np.empty((weight.shape[1], n, n))
     products[:, first, second] = half
     products[:, second, first] = half
-    return products, against
+    return products
 
 
 def _residual(
@@ -128,7 +155,7 @@ def _residual(
     sums = np.zeros((n_frf, n_columns + n_modes * basis.turn.shape[2]))
     square = np.zeros(n_frf)
     for block in line_blocks(len(lines.omega), sums.shape[1] + 4 * n_frf):
-        columns = all_columns(basis, lines.omega[block], parameters)
+        columns = all_columns(basis, lines.omega[block], parameters, lines.beyond)
         every = np.concatenate([columns, all_slopes(basis, lines.omega[block], parameters)], axis=1)
         left = lines.response[block] - columns @ coefficients.T
         weighted = lines.weight[block] * left

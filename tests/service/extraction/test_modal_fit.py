@@ -8,7 +8,8 @@ from modallab.extraction.modal_fit import ModalFit, fit_modes, held_modes
 from modallab.extraction.options import Damping
 
 LAWS = list(Damping)
-FREQ: FloatArray = np.arange(20.0, 80.0, 0.5)
+FREQ: FloatArray = np.arange(20.0, 80.0, 0.5)  # wide, so that a pole held above it is fitted too
+HELD = 1.5 * FREQ[-1]
 FREQUENCY = np.array([30.0, 42.0, 43.0, 70.0])
 LOSS_FACTOR = np.array([0.02, 0.02, 0.024, 0.03])
 EIGENVALUE = (2 * np.pi * FREQUENCY) ** 2 * (1 + 1j * LOSS_FACTOR)
@@ -116,9 +117,10 @@ def test_covariance_is_that_of_the_whole_linearised_problem() -> None:
     # all complex unknowns at once: four eigenvalues, then constants and residuals of one FRF after another
     rows = []
     for j in range(3):
-        own = np.zeros((len(FREQ), 4 + 3 * 6), complex)
+        own = np.zeros((len(FREQ), 4 + 3 * 7), complex)
         own[:, :4] = -fit.modal_constant[:, j] * gap**2
-        own[:, 4 + 6 * j : 10 + 6 * j] = np.concatenate([gap, np.ones_like(x), -1 / x], axis=1)
+        beside = np.concatenate([np.ones_like(x), -1 / x, 1 / ((2 * np.pi * HELD) ** 2 - x)], axis=1)
+        own[:, 4 + 7 * j : 11 + 7 * j] = np.concatenate([gap, beside], axis=1)
         rows.append(own / size[:, j : j + 1])
     scale = np.linalg.norm(np.concatenate(rows), axis=0)
     whole = np.concatenate(rows) / scale
@@ -133,7 +135,7 @@ def test_covariance_is_that_of_the_whole_linearised_problem() -> None:
     )
     np.testing.assert_allclose(fit.loss_factor_error, error[:4] / stiffness * np.sqrt(wide.mean()), rtol=0.03)
     np.testing.assert_allclose(
-        fit.modal_constant_error.T, error[4:].reshape(3, 6)[:, :4] * np.sqrt(wide)[:, None], rtol=0.03
+        fit.modal_constant_error.T, error[4:].reshape(3, 7)[:, :4] * np.sqrt(wide)[:, None], rtol=0.03
     )
 
 
@@ -144,10 +146,11 @@ def test_shapes_of_known_poles_are_linear_least_squares() -> None:
     weight[:, 2] *= FREQ < 50  # half of the lines of one FRF are of no use
     fit = held_modes(FREQ, noisy, weight, EIGENVALUE)
     x = (2 * np.pi * FREQ[:, None]) ** 2
-    columns = np.concatenate([1 / (EIGENVALUE - x), -1e4 / x, np.ones_like(x)], axis=1)
+    held = 1e4 / ((2 * np.pi * HELD) ** 2 - x)
+    columns = np.concatenate([1 / (EIGENVALUE - x), -1e4 / x, np.ones_like(x), held], axis=1)
     for j in range(noisy.shape[1]):
         root = np.sqrt(weight[:, j])
-        exact = np.linalg.lstsq(columns * root[:, None], noisy[:, j] * root, rcond=None)[0]
+        exact = np.linalg.lstsq(columns * root[:, None], noisy[:, j] * root, rcond=None)[0][:6]
         found = np.concatenate([fit.modal_constant[:, j], fit.residuals[:, j] / [1e4, 1]])
         np.testing.assert_allclose(found, exact, rtol=1e-6)  # squared condition of the columns
     np.testing.assert_allclose(fit.eigenvalue, EIGENVALUE, rtol=1e-14)  # turned and back

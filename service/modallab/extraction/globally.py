@@ -1,0 +1,163 @@
+"""Modes by global methods: poles of all FRFs together, one fit of all modes, with honest errors."""
+
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
+
+import numpy as np
+
+from modallab.core.arrays import FloatArray, IntArray
+from modallab.core.errors import NoModeInBandError
+from modallab.core.modal_model import ModalModel
+from modallab.core.progress import Progress, part, silent
+from modallab.extraction.bands import Band, find_bands, given_bands, mode_indicator
+from modallab.extraction.choosing import ASKED
+from modallab.extraction.global_method import GlobalMethod
+from modallab.extraction.global_model import GlobalFit, modal_model
+from modallab.extraction.global_range import modes_of
+from modallab.extraction.leakage import Leakage
+from modallab.extraction.line_noise import knows_noise, line_weights
+from modallab.extraction.mode_by_mode import SMEARED
+from modallab.extraction.options import ExtractionOptions
+from modallab.extraction.refinement import Stretch
+from modallab.extraction.responses import Responses
+from modallab.extraction.resynthesis import with_resynthesis
+
+PER_PEAK = 4  # orders a peak: two hold its pole, the rest what lies beside it and noise
+BESIDE = 16  # orders more, for what lies outside the range
+LEAST_ORDER = 4
+LINES_PER_ORDER = 3  # fewer lines than unknowns fit anything
+
+
+def extract_globally(
+    find: GlobalMethod,
+    responses: Responses,
+    options: ExtractionOptions,
+    *,
+    method: str,
+    bands: Sequence[tuple[float, float]] | None,
+    n_modes: int | None,
+    leakage: Leakage | None,
+    bias: FloatArray | float = 0.0,
+    progress: Progress = silent,
+) -> ModalModel:
+    """Return the modes that a global method finds.
+
+    Poles of rising orders make a stabilisation chart; of its columns those are taken that `select` can give
+    reasons for. All modes of a range are then fitted to all FRFs at once, weighted by the random error of
+    each line, and those that no FRF shows beyond it are left out. Frequencies, loss factors and modal
+    constants are those of the fit; the poles of the chart are only where it starts.
+
+    Parameters
+    ----------
+    find
+        A member of `GLOBAL_METHODS`.
+    responses
+        From `responses_of`.
+    bands
+        Pairs (lower, upper) in Hz, each with one mode or more; by default all from the first line that is
+        more than noise to the last.
+    n_modes
+        How many to keep, the most prominent ones.
+    leakage
+        As of `extract`.
+    bias
+        (n_freq, n_frf), relative, that the lines may have beside their random error.
+
+    Raises
+    ------
+    NoModeInBandError
+        If a band given holds no mode, or no mode is found at all.
+    """
+    indicator = mode_indicator(responses.mobility, responses.coherent)
+    ranges = _ranges(responses, indicator, bands)
+    weights = line_weights(responses, bias)
+    fits, choices = [], {}
+    for number, lines in enumerate(ranges):
+        here = part(progress, 0.95 * number / len(ranges), 0.95 * (number + 1) / len(ranges))
+        stretch = Stretch(
+            responses.freq[lines], responses.receptance[lines], weights[lines], knows_noise(responses)
+        )
+        orders, choices["max_order"] = _orders(indicator[lines], options)
+        found = modes_of(
+            find,
+            stretch,
+            orders,
+            options.damping,
+            leakage=leakage,
+            drive=responses.drive_row,
+            progress=here,
+        )
+        if found is None or not found.inside.any():
+            _none_in(responses.freq[lines], given=bands is not None)
+        else:
+            fits.append(GlobalFit(lines, found))
+    progress(0.95, "modes of all FRFs")
+    model = modal_model(
+        fits,
+        responses,
+        method=method,
+        n_modes=n_modes,
+        choices={
+            **choices,
+            "damping": f"{options.damping}: {ASKED}",
+            "range": _said(responses.freq, ranges, bands),
+        },
+    )
+    return with_resynthesis(
+        model,
+        responses,
+        [Band(lines.start, lines.stop - 1, lines.start) for lines in ranges],
+        smeared=0 if leakage is None else SMEARED,
+    )
+
+
+def _ranges(
+    responses: Responses, indicator: FloatArray, bands: Sequence[tuple[float, float]] | None
+) -> list[slice]:
+    """Return the lines of each range; those given that touch each other are one."""
+    if bands is None:
+        heard = np.flatnonzero(responses.coherent)
+        return [slice(int(heard[0]), int(heard[-1]) + 1)]
+    found = given_bands(responses.freq, indicator, bands)
+    ends = [0, *(n + 1 for n, (a, b) in enumerate(pairwise(found)) if b.first > a.last + 1), len(found)]
+    return [
+        slice(found[a].first, max(band.last for band in found[a:b]) + 1) for a, b in pairwise(ends) if a < b
+    ]
+
+
+def _orders(indicator: FloatArray, options: ExtractionOptions) -> tuple[IntArray, str]:
+    """Return the orders of the chart, and why these."""
+    most = max((len(indicator) - 1) // LINES_PER_ORDER, LEAST_ORDER)
+    if options.max_order is not None:
+        top, why = min(options.max_order, most), "as asked"
+    else:
+        peaks = _n_peaks(indicator)
+        top = min(PER_PEAK * peaks + BESIDE, most)
+        why = f"{PER_PEAK} for each of {peaks} peaks and {BESIDE} for what lies beside them"
+    if top == most:
+        why += f", at most one for {LINES_PER_ORDER} of the {len(indicator)} lines"
+    return np.arange(2, top + 1), f"{top}: {why}"
+
+
+def _n_peaks(indicator: FloatArray) -> int:
+    try:
+        return len(find_bands(indicator))
+    except NoModeInBandError:
+        return 1
+
+
+def _none_in(freq: FloatArray, *, given: bool) -> None:
+    lower, upper = float(freq[0]), float(freq[-1])
+    what = f"no FRF shows a mode between {lower:g} and {upper:g} Hz"
+    if given:
+        raise NoModeInBandError(what, field="bands", lower=lower, upper=upper)
+    raise NoModeInBandError("no resonance stands out of the FRFs", field="bands")
+
+
+def _said(freq: FloatArray, ranges: Sequence[slice], bands: Sequence[tuple[float, float]] | None) -> str:
+    def spans() -> Iterator[str]:
+        for lines in ranges:
+            yield f"{freq[lines][0]:g} to {freq[lines][-1]:g} Hz"
+
+    why = "all lines that are more than noise" if bands is None else "as asked"
+    return f"{', '.join(spans())}: {why}"

@@ -1,0 +1,120 @@
+import numpy as np
+import pytest
+
+from modallab.core.dof import Dof
+from modallab.core.errors import InvalidInputError, NoModeInBandError
+from modallab.core.frf import FrfKind, FrfSet
+from modallab.core.modal_model import ModalModel
+from modallab.extraction.extract import extract
+from modallab.extraction.options import Damping, ExtractionOptions
+from tests.service.extraction.conftest import Beam
+from tests.service.extraction.test_extract import CLEAN, noise_of
+from tests.synthetic import PAIR, Synthetic, six_modes
+
+VISCOUS = ExtractionOptions(damping=Damping.VISCOUS)
+METHOD = "lscf"
+
+
+def read(made: Synthetic, options: ExtractionOptions = VISCOUS, *, measured: bool = True) -> ModalModel:
+    """Return the modes of the six-mode responses, with the coherence of their noise or without any."""
+    dofs = tuple(Dof(node, "Y") for node in range(1, 13))
+    frf = FrfSet(made.freq, made.noisy[:, :, None], dofs, dofs[:1], FrfKind.RECEPTANCE)
+    averages = 1000.0
+    coherence = 1 / (1 + averages * made.variance / np.abs(made.noisy) ** 2)
+    return extract(
+        frf, coherence=coherence if measured else None, averages=averages, method=METHOD, options=options
+    )
+
+
+def scores(model: ModalModel, made: Synthetic) -> np.ndarray:
+    frequency = [mode.standard_errors["frequency"] for mode in model.modes]
+    loss_factor = [mode.standard_errors["loss_factor"] for mode in model.modes]
+    return np.concatenate(
+        [
+            (model.frequencies - made.frequency) / frequency,
+            (model.loss_factors - made.loss_factor) / loss_factor,
+        ]
+    )
+
+
+@pytest.mark.parametrize("measured", [True, False])
+@pytest.mark.parametrize("seed", [0, 1])
+def test_a_pair_one_bandwidth_apart_is_resolved_and_named(seed: int, measured: bool) -> None:
+    made = six_modes(40, seed, lower=1.0)
+    model = read(made, measured=measured)
+    assert len(model.modes) == 6
+    for m in PAIR:
+        assert model.frequencies[m] == pytest.approx(made.frequency[m], rel=1e-3)
+        assert model.loss_factors[m] == pytest.approx(made.loss_factor[m], rel=5e-2)
+    paired = [any(flag.startswith("pair: ") for flag in mode.flags) for mode in model.modes]
+    assert paired == [False, True, True, False, False, False]
+
+
+def test_standard_errors_of_a_pair_cover_the_truth_where_noise_is_high() -> None:
+    worst = []
+    for seed in range(4):
+        made = six_modes(30, seed, lower=1.0)
+        worst.append(np.abs(scores(read(made), made)))
+    # of 48 standard normal numbers one beyond 4 comes once in 300 such lots; their rms is 1 within 10 %
+    assert np.max(worst) < 4
+    assert np.sqrt(np.mean(np.square(worst))) == pytest.approx(1.0, abs=0.3)
+
+
+def test_the_wrong_law_of_damping_moves_a_frequency_by_the_square_of_the_damping() -> None:
+    made = six_modes(40, 0, lower=1.0)
+    model = read(made, ExtractionOptions())
+    # viscous: |H| peaks, and structural modes with it, at omega_r (1 - zeta^2) at the lowest
+    np.testing.assert_allclose(model.frequencies, made.frequency, rtol=5e-4)
+    np.testing.assert_allclose(model.loss_factors, made.loss_factor, rtol=2e-2)
+
+
+def test_modes_of_clean_responses_are_exact(plain_beam: Beam, freq: np.ndarray) -> None:
+    model = extract(plain_beam.frf(freq), coherence=None, averages=CLEAN, method=METHOD)
+    # what lies above the range is two poles here, and of 34 modes
+    np.testing.assert_allclose(model.frequencies, plain_beam.frequencies[:, 0], rtol=1e-5)
+    np.testing.assert_allclose(model.loss_factors[1:], plain_beam.loss_factors[1:, 0], rtol=2e-3)
+    assert model.chart is not None
+    assert set(model.chart.mode.tolist()) >= set(range(1, 8))
+    assert model.resynthesis_error is not None
+    # mode 9, a bandwidth of the range above it, is no constant, nor rigid bodies with damping a mass line
+    assert model.resynthesis_error.max() < 0.2
+
+
+def test_noise_moves_modes_by_their_standard_errors(plain_beam: Beam, freq: np.ndarray) -> None:
+    scored = []
+    exact = np.abs(plain_beam.constants)
+    for seed in range(3):
+        frf, coherence = noise_of(plain_beam.frf(freq), seed, averages=100)
+        model = extract(frf, coherence=coherence, averages=100, method=METHOD)
+        assert len(model.modes) == 8
+        assert model.modal_constant is not None
+        assert model.modal_constant_error is not None
+        scored.append((np.abs(model.modal_constant) - exact) / model.modal_constant_error)
+        for m, mode in enumerate(model.modes):
+            frequency, loss_factor = plain_beam.frequencies[m, 0], plain_beam.loss_factors[m, 0]
+            assert abs(mode.frequency - frequency) < 4 * mode.standard_errors["frequency"]
+            assert abs(mode.loss_factor - loss_factor) < 4 * mode.standard_errors["loss_factor"]
+    # 264 numbers: their rms is known to 4 %
+    assert np.sqrt(np.mean(np.square(scored))) == pytest.approx(1.0, abs=0.2)
+
+
+def test_a_band_holds_several_modes_and_one_without_is_named(plain_beam: Beam, freq: np.ndarray) -> None:
+    frf, coherence = noise_of(plain_beam.frf(freq), 3, averages=100)
+    model = extract(frf, coherence=coherence, averages=100, method=METHOD, bands=[(100.0, 380.0)])
+    np.testing.assert_allclose(model.frequencies, plain_beam.frequencies[2:5, 0], rtol=1e-3)
+    with pytest.raises(NoModeInBandError, match="340 and 400 Hz"):
+        extract(frf, coherence=coherence, averages=100, method=METHOD, bands=[(340.0, 400.0)])
+
+
+def test_the_most_prominent_modes_are_kept_and_the_others_named(plain_beam: Beam, freq: np.ndarray) -> None:
+    frf, coherence = noise_of(plain_beam.frf(freq), 3, averages=100)
+    model = extract(frf, coherence=coherence, averages=100, method=METHOD, n_modes=3)
+    assert len(model.modes) == 3
+    assert sum("less prominent" in note for note in model.notes) == 5
+    more = extract(frf, coherence=coherence, averages=100, method=METHOD, n_modes=12)
+    assert "12 modes asked for, 8 found" in more.notes
+
+
+def test_a_method_that_is_none_is_refused_with_all_that_are(plain_beam: Beam, freq: np.ndarray) -> None:
+    with pytest.raises(InvalidInputError, match="no extraction method"):
+        extract(plain_beam.frf(freq), coherence=None, averages=CLEAN, method="guess")
