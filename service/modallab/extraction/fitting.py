@@ -5,6 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray
+from modallab.core.progress import Progress, silent
 from modallab.extraction.laws import Law
 from modallab.extraction.leakage import Leakage, OnePole
 from modallab.extraction.method import ExtractionMethod, ModeFits
@@ -81,7 +82,13 @@ class Settled:
     inertance: BoolArray  # (n_modes,) True where the mode was fitted on inertance
 
 
-def fit_all(method: ExtractionMethod, law: Law, data: Data, known: ComplexArray | float = 0.0) -> Settled:
+def fit_all(
+    method: ExtractionMethod,
+    law: Law,
+    data: Data,
+    known: ComplexArray | float = 0.0,
+    progress: Progress = silent,
+) -> Settled:
     """Return every mode in every FRF.
 
     One window at a time, a single mode and a constant are fitted; then the other modes are taken off every
@@ -96,10 +103,14 @@ def fit_all(method: ExtractionMethod, law: Law, data: Data, known: ComplexArray 
         How a mode is fitted, and what its damping does.
     known
         (n_modes, n_frf, n_lines) receptance of modes that are not to be fitted again, m/N.
+    progress
+        Told of every round.
     """
     others = np.zeros_like(data.receptance) + known
     undone = np.ones_like(data.receptance)
-    for n in range(ROUNDS if data.leakage is None else LEAKY_ROUNDS):
+    rounds = ROUNDS if data.leakage is None else LEAKY_ROUNDS
+    for n in range(rounds):
+        progress(n / (rounds + 1), f"round {n + 1} of {rounds + 1}")
         now = _fit_once(method, law, data, data.receptance * undone - others)
         others = _others(law, data, now.table.modal_constant, now.eigenvalue) + known
         if data.leakage is not None:
@@ -207,19 +218,24 @@ def _undo(law: Law, data: Data, leakage: Leakage, now: _Round, rest: ComplexArra
         mean = (used * inertance[:, at]).sum(axis=1) / np.maximum(used.sum(axis=1), 1)
         drive = np.broadcast_to(constant[:, at, None], constant.shape)
         beside = np.broadcast_to(mean[:, None, None], rest.shape)
-    return leakage.undone(
-        data.freq,
-        data.spacing,
-        OnePole(squared, -squared * constant, inertance),
-        OnePole(squared, -squared * drive, beside),
-    )
+    # a mode at a time, as each line has a hundred nodes of quadrature
+    each = [
+        leakage.undone(
+            data.freq[m],
+            data.spacing,
+            OnePole(squared[m], -squared[m] * constant[m], inertance[m]),
+            OnePole(squared[m], -squared[m] * drive[m], beside[m]),
+        )
+        for m in range(len(squared))
+    ]
+    return np.stack(each)
 
 
 def _others(law: Law, data: Data, constant: ComplexArray, eigenvalue: ComplexArray) -> ComplexArray:
     """Return the receptance of all modes but its own in every window, (n_modes, n_frf, n_lines)."""
-    each = law.response(
-        data.freq[:, :, :, None], eigenvalue.T[None, :, None, :], constant.T[None, :, None, :]
-    )
-    each[np.arange(len(constant)), :, :, np.arange(len(constant))] = 0
-    others: ComplexArray = each.sum(axis=3)
+    others = np.zeros_like(data.receptance)
+    for m in range(len(constant)):  # all at once would be the square of the modes in memory
+        each = law.response(data.freq, eigenvalue[m][:, None], constant[m][:, None])
+        each[m] = 0
+        others += each
     return others

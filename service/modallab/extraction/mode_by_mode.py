@@ -8,7 +8,7 @@ import numpy as np
 from modallab.core.arrays import FloatArray
 from modallab.core.errors import NoModeInBandError
 from modallab.core.modal_model import ModalModel
-from modallab.core.progress import Progress, silent
+from modallab.core.progress import Progress, part, silent
 from modallab.extraction.bands import Band, find_bands, given_bands, mode_indicator
 from modallab.extraction.choosing import plan
 from modallab.extraction.collate import collate
@@ -52,7 +52,7 @@ def extract_mode_by_mode(
     )
     progress(0.2, f"fitting {len(found)} modes in {len(dofs)} FRFs")
     data = gather(freq, responses.receptance, responses.variance, windows, leakage, responses.drive_row)
-    settled = fit_all(fit, LAWS[options.damping], data)
+    settled = fit_all(fit, LAWS[options.damping], data, progress=part(progress, 0.2, 0.9))
     table = replace(settled.table, lines=windows.ends)
     notes = _missing(table, freq, found, given=bands is not None)
     if not TRAITS[method].exact:
