@@ -8,7 +8,8 @@ from modallab_client._sync.jobs import Job
 from modallab_client.correlation import Correlation, Expansion, ReducedModel
 from modallab_client.errors import ClientError, JobFailedError, JobTimeoutError
 from modallab_client.findings import Diagnosis, Update
-from modallab_client.models import Measurement, ModalModel, Rig, Structure
+from modallab_client.models import Measurement, Rig, Structure
+from modallab_client.modes import ModalModel
 
 __all__ = [
     "AsyncJob",

@@ -10,8 +10,10 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from modallab_client.correlation import Correlation, ResponseCorrelation
+    from modallab_client.extraction import FitPicture, Indicators, StabilisationChart
     from modallab_client.findings import Diagnosis, DiagnosisCurves, Update
-    from modallab_client.models import Measurement, ModalModel
+    from modallab_client.models import Frf, Measurement
+    from modallab_client.modes import ModalModel
 
 UNITS = {"receptance": "m/N", "mobility": "m/(s N)", "inertance": "m/(s² N)"}
 MANY = 12  # curves beyond which a legend hides more than it tells
@@ -55,6 +57,56 @@ def modal_model(model: "ModalModel") -> "Axes":
         axes.annotate(str(number), (x, y), textcoords="offset points", xytext=(5, 5))
     axes.set(xlabel="frequency, Hz", ylabel="loss factor")
     axes.set_ylim(bottom=0)
+    return axes  # type: ignore[no-any-return]
+
+
+def frf(made: "Frf", measured: "Measurement | None", output: str | None) -> "tuple[Axes, Axes]":
+    """Draw made FRFs, magnitude over phase, measured ones behind; return both axes."""
+    from modallab_client import _extraction_plot as parts
+
+    if measured is not None and measured.kind != made.kind:
+        raise ValueError(f"these are {made.kind}, the measured ones {measured.kind}: ask for one kind")
+    rows = {"height_ratios": [3, 1]}
+    _, (upper, lower) = _pyplot().subplots(2, 1, sharex=True, gridspec_kw=rows, layout="constrained")
+    wanted = made.outputs if output is None else (output,)
+    if measured is not None:
+        parts.responses(upper, lower, measured, wanted, behind=True)
+    parts.responses(upper, lower, made, wanted, behind=False)
+    upper.set_ylabel(f"|{made.kind}|, {UNITS.get(made.kind, '')}")
+    lower.set(xlabel="frequency, Hz", ylabel="phase, degrees", ylim=(-190, 190), yticks=(-180, 0, 180))
+    if len(wanted) <= MANY:
+        upper.legend(fontsize="x-small", ncols=2)
+    return upper, lower
+
+
+def fit(picture: "FitPicture") -> "tuple[Axes, ...]":
+    """Draw one fit: magnitude, Nyquist plot, and what is the method's own; return the axes."""
+    from modallab_client import _extraction_plot as parts
+
+    figure = _pyplot().figure(figsize=(11, 4), layout="constrained")
+    left, middle, right = figure.add_gridspec(1, 3, width_ratios=[1.1, 1, 1.1])
+    size, turn = figure.add_subplot(left), figure.add_subplot(middle)
+    figure.suptitle(parts.heading(picture), fontsize="medium")
+    parts.magnitude(size, picture, UNITS.get(picture.kind, ""))
+    parts.nyquist(turn, picture, UNITS.get(picture.kind, ""))
+    return size, turn, *parts.own(figure, right, picture)
+
+
+def indicators(found: "Indicators") -> "tuple[Axes, Axes]":
+    """Draw CMIF over MIF; return both axes."""
+    from modallab_client import _extraction_plot as parts
+
+    _, (upper, lower) = _pyplot().subplots(2, 1, sharex=True, layout="constrained")
+    parts.indicators(upper, lower, found)
+    return upper, lower
+
+
+def chart(found: "StabilisationChart") -> "Axes":
+    """Draw order over frequency by stability, modes and CMIF; return the axes."""
+    from modallab_client import _extraction_plot as parts
+
+    _, axes = _pyplot().subplots(figsize=(9, 5), layout="constrained")
+    parts.chart(axes, found)
     return axes  # type: ignore[no-any-return]
 
 

@@ -248,40 +248,6 @@ def truth(data: Json) -> models.Truth:
     return models.Truth(data["structure_id"], tuple(data["effects"]))
 
 
-def modal_model(data: Json, given: Arrays) -> models.ModalModel:
-    """Return a modal model from its JSON and arrays."""
-    return models.ModalModel(
-        id=data["id"],
-        modes=tuple(_mode(one) for one in data["modes"]),
-        method=data.get("method") or "",
-        measurement_id=data.get("measurement_id"),
-        dofs=texts(data["dofs"]),
-        shapes=given["shapes"],
-        modal_constants=given.get("modal_constants"),
-        fitted_frequencies=given.get("fitted_frequency"),
-        fitted_loss_factors=given.get("fitted_loss_factor"),
-        shape_errors=given.get("shape_errors"),
-    )
-
-
-def _mode(data: Json) -> models.Mode:
-    return models.Mode(
-        frequency=data["frequency"],
-        loss_factor=data["loss_factor"],
-        frequency_spread=_spread(data.get("frequency_spread")),
-        loss_factor_spread=_spread(data.get("loss_factor_spread")),
-        standard_errors=dict(data.get("standard_errors") or {}),
-        flags=texts(data.get("flags") or ()),
-    )
-
-
-def _spread(data: Json | None) -> models.Spread | None:
-    if not data:
-        return None
-    low, high, mean, sd = (number(data[name]) for name in ("min", "max", "mean", "sd"))
-    return models.Spread(low, high, mean, sd, int(data["n"]))
-
-
 def catalogue(members: Iterable[Json]) -> tuple[models.CatalogueEntry, ...]:
     """Return what can be chosen by name."""
     return tuple(

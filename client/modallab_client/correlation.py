@@ -5,7 +5,8 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from modallab_client import _plots, _tables
-from modallab_client.models import FloatArray, ModalModel
+from modallab_client.models import FloatArray
+from modallab_client.modes import ModalModel
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

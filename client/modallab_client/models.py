@@ -1,6 +1,6 @@
 """What the lab gives back: frozen values, arrays as read-only numpy, SI units and Hz.
 
-Structures, rigs, measurements, modal models and jobs; what comes of comparing them is in `findings`.
+Structures, rigs, measurements and jobs. Modal models are in `modes`, what comes of comparing in `findings`.
 """
 
 from collections.abc import Mapping
@@ -91,7 +91,7 @@ class ModeShapes:
 
 @dataclass(frozen=True, eq=False)
 class Frf:
-    """Exact FRFs of a structure, without a rig."""
+    """FRFs that are made, not measured: exact ones of a structure, or those of modes."""
 
     freq: FloatArray  # (n,) Hz
     values: ComplexArray  # (n, n_out, 1), unit of `kind`
@@ -104,6 +104,27 @@ class Frf:
         n, n_out, _ = self.values.shape
         last = f"{n} lines from {self.freq[0]:g} to {self.freq[-1]:g} Hz"
         return f"Frf({self.kind}, {n_out} outputs / {self.inputs[0]}, {last})"
+
+    def plot(
+        self, measured: "Measurement | None" = None, *, output: str | None = None
+    ) -> "tuple[Axes, Axes]":
+        """Draw magnitude over phase, measured FRFs of the same kind in grey behind; return both axes.
+
+        Parameters
+        ----------
+        measured
+            What to hold them against.
+        output
+            One response alone; left out: all of them.
+
+        Raises
+        ------
+        MissingExtraError
+            If matplotlib is not installed.
+        ValueError
+            If there is no such response, or the measured FRFs are of another kind.
+        """
+        return _plots.frf(self, measured, output)
 
 
 @dataclass(frozen=True)
@@ -209,89 +230,6 @@ class Truth:
 
     structure_id: str
     effects: tuple[Mapping[str, Any], ...]  # kind, at, parameters
-
-
-@dataclass(frozen=True)
-class Spread:
-    """How one number scatters over the FRFs it was read from; `sd` with n - 1."""
-
-    min: float
-    max: float
-    mean: float
-    sd: float
-    n: int
-
-
-@dataclass(frozen=True)
-class Mode:
-    """One mode of a modal model."""
-
-    frequency: float  # Hz
-    loss_factor: float
-    frequency_spread: Spread | None
-    loss_factor_spread: Spread | None
-    standard_errors: Mapping[str, float]  # of frequency (Hz) and loss_factor
-    flags: tuple[str, ...]
-
-
-@dataclass(frozen=True, eq=False)
-class ModalModel:
-    """Modes found in a measurement, in rising frequency."""
-
-    id: str
-    modes: tuple[Mode, ...]
-    method: str
-    measurement_id: str | None
-    dofs: tuple[str, ...]
-    shapes: ComplexArray = field(repr=False)  # (n_dof, n_modes) 1/sqrt(kg)
-    # of each FRF, (n_modes, n_out); None for a model that was not read from FRFs, NaN where one is mute
-    modal_constants: ComplexArray | None = field(repr=False, default=None)  # 1/kg
-    fitted_frequencies: FloatArray | None = field(repr=False, default=None)  # Hz
-    fitted_loss_factors: FloatArray | None = field(repr=False, default=None)
-    shape_errors: FloatArray | None = field(repr=False, default=None)  # (n_dof, n_modes) of |shape|
-
-    @property
-    def frequencies(self) -> FloatArray:
-        """(n_modes,) Hz."""
-        return np.array([mode.frequency for mode in self.modes])
-
-    @property
-    def loss_factors(self) -> FloatArray:
-        """(n_modes,)."""
-        return np.array([mode.loss_factor for mode in self.modes])
-
-    def table(self) -> str:
-        """Return frequency and loss factor of each mode, and how they scatter over the FRFs, as text."""
-        return _tables.text(*self._rows())
-
-    def _rows(self) -> _tables.Table:
-        head = ("mode", "quantity", "value", "min", "max", "mean", "sd")
-        rows = []
-        for number, mode in enumerate(self.modes, 1):
-            frequency = _scatter(mode.frequency, mode.frequency_spread)
-            loss_factor = _scatter(mode.loss_factor, mode.loss_factor_spread)
-            rows.append((str(number), "frequency Hz", *frequency))
-            rows.append(("", "loss factor", *loss_factor))
-        return head, rows
-
-    def plot(self) -> "Axes":
-        """Draw loss factor over frequency, with the standard deviations over the FRFs; return the axes.
-
-        Raises
-        ------
-        MissingExtraError
-            If matplotlib is not installed.
-        """
-        return _plots.modal_model(self)
-
-    def _repr_html_(self) -> str:
-        return _tables.html(*self._rows(), caption=f"Modal model {self.id}, {self.method}")
-
-
-def _scatter(value: float, spread: Spread | None) -> tuple[str, ...]:
-    if spread is None:
-        return (f"{value:.5g}", "", "", "", "")
-    return tuple(f"{x:.5g}" for x in (value, spread.min, spread.max, spread.mean, spread.sd))
 
 
 @dataclass(frozen=True)

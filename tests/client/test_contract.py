@@ -198,3 +198,24 @@ def test_modes_are_correlated_in_mass_and_carried_to_all_points(here: ModalLab) 
     reduced = here.structures.reduced(beam.id, dofs, kind="irs", iterations=2)
     assert (np.abs(reduced.frequency_errors[:4]) < 1e-6).all()  # as Guyan's 0.2 % cubed
     assert [entry.kind for entry in here.catalog.reductions()] == ["dynamic", "guyan", "irs", "serep"]
+
+
+def test_fits_charts_and_frfs_of_modes_come_back_to_be_drawn(here: ModalLab) -> None:
+    damping = {"law": "structural", "stiffness_coefficient": 0.02}
+    beam = here.structures.beam(length=1.5, n_elements=6, section=SECTION, material=STEEL, damping=damping)
+    rig = here.rigs.create(drive="1:+Y", responses=["1:+Y", "3:+Y", "7:+Y"], noise={"response": 1e-3})
+    test = here.measurements.start(beam.id, rig.id, route="drawn", seed=1).result(timeout=120)
+    modes = here.modal_models.start(test.id, method="line_fit", n_modes=4, lines=12, leave_out=2).result()
+    assert modes.choices["leave_out"] == "2: as asked"
+    picture = here.modal_models.fit(modes.id, mode=2, response="7:+Y")
+    assert (len(picture.freq), picture.used.sum()) == (12, 10)
+    assert modes.fitted_frequencies is not None
+    # the neighbours were still moving in the last round of the model: second order of the first guess
+    assert picture.frequency == pytest.approx(modes.fitted_frequencies[1, 2], rel=1e-5)
+    made = here.modal_models.frf(modes.id)
+    np.testing.assert_array_equal(made.freq, test.freq)
+    assert here.measurements.indicators(test.id).mif.shape == (1, 400)
+    with pytest.raises(errors.NotFoundError, match="no stabilisation chart"):
+        here.modal_models.chart(modes.id)
+    with pytest.raises(errors.ClientError, match="no FRF at 5"):
+        here.modal_models.fit(modes.id, mode=2, response="5:+Y")

@@ -6,9 +6,10 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
-from modallab_client import _wire
+from modallab_client import _wire, _wire_extraction
 from modallab_client._async.jobs import AsyncJob
 from modallab_client._async.shelf import AsyncShelf
+from modallab_client.extraction import Indicators, Reciprocity
 from modallab_client.models import Curves, Measurement, MeasurementLog, Truth
 
 Given = Mapping[str, Any]
@@ -109,6 +110,17 @@ class AsyncMeasurements(AsyncShelf):
         path = f"{self.path}/{measurement_id}/curves"
         params = _wire.body(points=points, kind=kind)
         return _wire.read(_wire.curves, await self._transport.request("GET", path, params=params))
+
+    async def indicators(self, measurement_id: str, points: int = 800) -> Indicators:
+        """Return mode indicator functions, thinned to about that many lines: where modes are."""
+        path = f"{self.path}/{measurement_id}/indicators"
+        reply = await self._transport.request("GET", path, params={"points": points})
+        return _wire.read(_wire_extraction.indicators, reply)
+
+    async def reciprocity(self, measurement_id: str) -> Reciprocity:
+        """Return how far FRFs differ when force and response change places."""
+        path = f"{self.path}/{measurement_id}/reciprocity"
+        return _wire.read(_wire_extraction.reciprocity, await self._transport.request("GET", path))
 
     async def log(self, measurement_id: str) -> MeasurementLog:
         """Return what was declared and asked; with the truth it is enough to make the same bytes again."""

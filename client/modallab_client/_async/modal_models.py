@@ -6,10 +6,12 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
-from modallab_client import _wire
+from modallab_client import _wire, _wire_extraction, _wire_modes
 from modallab_client._async.jobs import AsyncJob
 from modallab_client._async.shelf import AsyncShelf
-from modallab_client.models import ModalModel
+from modallab_client.extraction import FitPicture, StabilisationChart
+from modallab_client.models import Frf
+from modallab_client.modes import ModalModel
 
 
 class AsyncModalModels(AsyncShelf):
@@ -24,6 +26,10 @@ class AsyncModalModels(AsyncShelf):
         method: str = "dobson",
         bands: str | Sequence[Sequence[float]] = "auto",
         n_modes: int | None = None,
+        lines: int | None = None,
+        leave_out: int | None = None,
+        damping: str | None = None,
+        max_order: int | None = None,
         correct_window_damping: bool = False,
     ) -> AsyncJob[ModalModel]:
         """Start the extraction of modes; `result` of the job gives the modal model.
@@ -35,17 +41,26 @@ class AsyncModalModels(AsyncShelf):
         method
             One of `lab.catalog.extraction_methods()`.
         bands
-            `auto`, or one (lower, upper) in Hz for each mode.
+            `auto`, or one (lower, upper) in Hz for each mode; of a global method each with one or more.
         n_modes
             Modes wanted; left out: as many as show.
+        lines, leave_out
+            Of single-mode methods: lines around each resonance, and how many of them nearest to it are not
+            used; left out: chosen from the data, which `choices` of the result tell.
+        damping
+            Law of a mode's damping, `structural` or `viscous`.
+        max_order
+            Of global methods: highest order of the stabilisation chart.
         correct_window_damping
             Take what an exponential window added out of the loss factors.
         """
+        options = _wire.body(lines=lines, leave_out=leave_out, damping=damping, max_order=max_order)
         body = _wire.body(
             measurement_id=measurement_id,
             method=method,
             bands=bands,
             n_modes=n_modes,
+            options=options or None,
             correct_window_damping=correct_window_damping or None,  # left out, it is not done
         )
         job = await self._transport.request("POST", "/v1/modal-models", json=body)
@@ -55,7 +70,50 @@ class AsyncModalModels(AsyncShelf):
         """Return a modal model with its shapes."""
         about = await self._transport.request("GET", f"/v1/modal-models/{modal_model_id}")
         arrays = await self._transport.npz(f"/v1/modal-models/{modal_model_id}/arrays")
-        return _wire.read(_wire.modal_model, about, arrays)
+        return _wire.read(_wire_modes.modal_model, about, arrays)
+
+    async def fit(self, modal_model_id: str, *, mode: int, response: str) -> FitPicture:
+        """Return one of the fits that a modal model was collated from, to be drawn.
+
+        Parameters
+        ----------
+        modal_model_id
+            A model by a single-mode method.
+        mode
+            Counted from 1.
+        response
+            One of the model's `dofs`, in whose FRF.
+        """
+        path = f"{self.path}/{modal_model_id}/fits"
+        reply = await self._transport.request("GET", path, params={"mode": mode, "response": response})
+        return _wire.read(_wire_extraction.fit, reply)
+
+    async def chart(self, modal_model_id: str, points: int = 800) -> StabilisationChart:
+        """Return the stabilisation chart of a model by a global method.
+
+        Parameters
+        ----------
+        modal_model_id
+            The modal model.
+        points
+            Lines of the mode indicators beside it, about.
+        """
+        path = f"{self.path}/{modal_model_id}/chart"
+        reply = await self._transport.request("GET", path, params={"points": points})
+        return _wire.read(_wire_extraction.chart, reply)
+
+    async def frf(self, modal_model_id: str, *, kind: str | None = None) -> Frf:
+        """Return the FRFs that modes and residuals make, on the lines of the measurement they were read from.
+
+        Parameters
+        ----------
+        modal_model_id
+            The modal model.
+        kind
+            `receptance`, `mobility` or `inertance`; left out: as measured.
+        """
+        path = f"{self.path}/{modal_model_id}/frf"
+        return _wire.read(_wire.frf, await self._transport.npz(path, _wire.body(kind=kind)))
 
     async def import_(
         self,

@@ -7,7 +7,8 @@ from modallab_client import _wire, _wire_correlation
 from modallab_client._async.modal_models import AsyncModalModels
 from modallab_client._async.shelf import AsyncShelf
 from modallab_client.correlation import Expansion, ReducedModel
-from modallab_client.models import Frf, ModalModel, ModeShapes, Structure, StructureModes
+from modallab_client.models import Frf, ModeShapes, Structure, StructureModes
+from modallab_client.modes import ModalModel
 
 Given = Mapping[str, Any]
 

@@ -6,9 +6,10 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
-from modallab_client import _wire
+from modallab_client import _wire, _wire_extraction
 from modallab_client._sync.jobs import Job
 from modallab_client._sync.shelf import Shelf
+from modallab_client.extraction import Indicators, Reciprocity
 from modallab_client.models import Curves, Measurement, MeasurementLog, Truth
 
 Given = Mapping[str, Any]
@@ -105,6 +106,17 @@ class Measurements(Shelf):
         path = f"{self.path}/{measurement_id}/curves"
         params = _wire.body(points=points, kind=kind)
         return _wire.read(_wire.curves, self._transport.request("GET", path, params=params))
+
+    def indicators(self, measurement_id: str, points: int = 800) -> Indicators:
+        """Return mode indicator functions, thinned to about that many lines: where modes are."""
+        path = f"{self.path}/{measurement_id}/indicators"
+        reply = self._transport.request("GET", path, params={"points": points})
+        return _wire.read(_wire_extraction.indicators, reply)
+
+    def reciprocity(self, measurement_id: str) -> Reciprocity:
+        """Return how far FRFs differ when force and response change places."""
+        path = f"{self.path}/{measurement_id}/reciprocity"
+        return _wire.read(_wire_extraction.reciprocity, self._transport.request("GET", path))
 
     def log(self, measurement_id: str) -> MeasurementLog:
         """Return what was declared and asked; with the truth it is enough to make the same bytes again."""

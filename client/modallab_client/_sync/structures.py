@@ -7,7 +7,8 @@ from modallab_client import _wire, _wire_correlation
 from modallab_client._sync.modal_models import ModalModels
 from modallab_client._sync.shelf import Shelf
 from modallab_client.correlation import Expansion, ReducedModel
-from modallab_client.models import Frf, ModalModel, ModeShapes, Structure, StructureModes
+from modallab_client.models import Frf, ModeShapes, Structure, StructureModes
+from modallab_client.modes import ModalModel
 
 Given = Mapping[str, Any]
 

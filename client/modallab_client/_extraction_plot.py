@@ -1,0 +1,245 @@
+"""What an extraction tells, drawn on axes that are there."""
+
+from collections.abc import Callable, Mapping, Sequence
+from typing import TYPE_CHECKING, Any
+
+import numpy as np
+
+from modallab_client.models import ComplexArray, FloatArray
+
+if TYPE_CHECKING:
+    from matplotlib.axes import Axes
+    from matplotlib.figure import Figure
+
+    from modallab_client.extraction import FitPicture, Indicators, StabilisationChart
+    from modallab_client.models import Frf, Measurement
+
+RAW, FITTED = "0.65", "C3"
+PARTS = (("real part", np.real, "C0", "o"), ("imaginary part", np.imag, "C1", "s"))
+FLATTEST = 0.01  # of the loss factor: a carpet flatter than that is drawn as flat as it is
+# by stability: what it is called, colour, marker, size
+SYMBOLS = (
+    ("new", "0.8", ".", 8),
+    ("steady in frequency", "C0", ".", 14),
+    ("and in damping", "C1", "o", 12),
+    ("and in vector", "C2", "o", 16),
+)
+
+
+def heading(picture: "FitPicture") -> str:
+    """Return which fit this is and what came of it."""
+    return (
+        f"mode {picture.mode} at {picture.response}, {picture.method}: "
+        f"{picture.frequency:.6g} Hz, loss factor {picture.loss_factor:.4g}"
+    )
+
+
+def magnitude(axes: "Axes", picture: "FitPicture", unit: str) -> None:
+    """Draw |H| of the lines as measured and cleaned, and of the fit."""
+    used = picture.used
+    axes.plot(picture.freq, np.abs(picture.measured), "x", color=RAW, label="measured")
+    axes.plot(picture.freq[used], np.abs(picture.cleaned)[used], "ko", markersize=4, label="freed of others")
+    if not used.all():
+        axes.plot(
+            picture.freq[~used],
+            np.abs(picture.cleaned)[~used],
+            "ko",
+            markersize=4,
+            fillstyle="none",
+            label="left out",
+        )
+    axes.plot(picture.curve_freq, np.abs(picture.curve), color=FITTED, label="mode and residual")
+    axes.set(xlabel="frequency, Hz", ylabel=f"|{picture.kind}|, {unit}")
+    axes.legend(fontsize="x-small")
+
+
+def nyquist(axes: "Axes", picture: "FitPicture", unit: str) -> None:
+    """Draw the lines and the fit in the complex plane; of a circle-fit the whole circle."""
+    z, used = picture.cleaned, picture.used
+    circle = picture.details.get("circle")
+    if circle is not None:
+        axes.plot(circle.real, circle.imag, color=FITTED, linewidth=0.9, label="fitted circle")
+        for name, marker in (("centre", "+"), ("resonance", "D")):
+            at = np.ravel(picture.details[name])
+            axes.plot(at.real, at.imag, marker, color=FITTED, markersize=6, linestyle="none", label=name)
+    axes.plot(picture.curve.real, picture.curve.imag, color=FITTED, linewidth=1.8 if circle is None else 2.4)
+    axes.plot(z.real[used], z.imag[used], "ko", markersize=4)
+    if not used.all():
+        axes.plot(z.real[~used], z.imag[~used], "ko", markersize=4, fillstyle="none")
+    axes.set(xlabel=f"real part, {unit}", ylabel="imaginary part")
+    axes.set_aspect("equal", adjustable="datalim")
+    if circle is not None:
+        axes.legend(fontsize="x-small")
+
+
+def own(figure: "Figure", place: Any, picture: "FitPicture") -> "tuple[Axes, ...]":
+    """Draw what is the method's own where it has something; return its axes."""
+    draw = OWN.get(picture.method)
+    return () if draw is None or not picture.details else draw(figure, place, picture)
+
+
+def _carpet(figure: "Figure", place: Any, picture: "FitPicture") -> "tuple[Axes, ...]":
+    """Draw the loss factor of every pair of lines, one above and one below resonance."""
+    axes = figure.add_subplot(place)
+    drawn, loss = picture.details, picture.loss_factor
+    above, below = (_hertz(picture, np.asarray(drawn[name])) for name in ("x_above", "x_below"))
+    surface = np.asarray(drawn["damping_surface"])
+    if not surface.size:  # all lines to one side
+        axes.set_axis_off()
+        return (axes,)
+    away = max(float(np.abs(surface - loss).max()), FLATTEST * loss)
+    mesh = axes.pcolormesh(
+        below, above, surface, vmin=loss - away, vmax=loss + away, cmap="coolwarm", shading="nearest"
+    )
+    figure.colorbar(mesh, ax=axes, label="loss factor")
+    axes.set(xlabel="line below resonance, Hz", ylabel="line above, Hz")
+    axes.set_title("damping by pairs", fontsize="small")
+    return (axes,)
+
+
+def _inverse(figure: "Figure", place: Any, picture: "FitPicture") -> "tuple[Axes, ...]":
+    """Draw the inverse of the response and the straight line through it."""
+    axes = figure.add_subplot(place)
+    _straight(axes, picture, picture.details["inverse"], picture.details["line"])
+    axes.set_xlabel(_squared(picture))
+    axes.set_title("1/(response - residual)", fontsize="small")
+    return (axes,)
+
+
+def _quotients(figure: "Figure", place: Any, picture: "FitPicture") -> "tuple[Axes, ...]":
+    """Draw Dobson's difference quotients with their lines, over the slopes of these with theirs."""
+    upper, lower = (figure.add_subplot(part) for part in place.subgridspec(2, 1))
+    x, delta, lines = (np.asarray(picture.details[n]) for n in ("x_delta", "delta", "delta_lines"))
+    for row in range(len(x)):
+        upper.plot(x[row], delta[row].real, ".", color="C0", markersize=3)
+        upper.plot(x[row], lines[row].real, color=FITTED, linewidth=0.5)
+    upper.set_title("quotients, real part; a line a reference", fontsize="small")
+    _straight(lower, picture, picture.details["slopes"], picture.details["slope_line"])
+    lower.set_title("their slopes", fontsize="small")
+    lower.set_xlabel(_squared(picture))
+    return upper, lower
+
+
+def _sides(figure: "Figure", place: Any, picture: "FitPicture") -> "tuple[Axes, ...]":
+    """Draw both sides of the linear fit's equation."""
+    axes = figure.add_subplot(place)
+    _straight(axes, picture, picture.details["left"], picture.details["right"])
+    axes.set_xlabel(_squared(picture))
+    axes.set_title("response x ω², and its three terms", fontsize="small")
+    return (axes,)
+
+
+def _half_power(figure: "Figure", place: Any, picture: "FitPicture") -> "tuple[Axes, ...]":
+    """Draw the peak and the points of half its power."""
+    axes = figure.add_subplot(place)
+    drawn = {name: np.ravel(values) for name, values in picture.details.items()}
+    axes.plot(_hertz(picture, drawn["x"]), drawn["magnitude"], "ko-", markersize=4, linewidth=0.8)
+    axes.plot(_hertz(picture, drawn["x_peak"]), drawn["peak"], "D", color=FITTED, label="peak")
+    axes.plot(_hertz(picture, drawn["x_half"]), drawn["half"], "s-", color=FITTED, label="half power")
+    axes.set_xlabel("frequency, Hz")
+    axes.set_title("highest line", fontsize="small")
+    axes.legend(fontsize="x-small")
+    return (axes,)
+
+
+OWN: Mapping[str, Callable[["Figure", Any, "FitPicture"], "tuple[Axes, ...]"]] = {
+    "circle_fit": _carpet,
+    "line_fit": _inverse,
+    "dobson": _quotients,
+    "linear_fit": _sides,
+    "peak_picking": _half_power,
+}
+
+
+def _straight(axes: "Axes", picture: "FitPicture", points: Any, line: Any) -> None:
+    x = picture.details["x"]
+    for label, part, colour, marker in PARTS:
+        axes.plot(x, part(points), marker, color=colour, markersize=4, label=label)
+        axes.plot(x, part(line), color=colour, linewidth=0.9)
+    axes.legend(fontsize="x-small")
+
+
+def _hertz(picture: "FitPicture", x: FloatArray) -> FloatArray:
+    omega = x if picture.damping == "viscous" else np.sqrt(np.maximum(x, 0))
+    return np.asarray(omega / (2 * np.pi))
+
+
+def _squared(picture: "FitPicture") -> str:
+    return "ω, rad/s" if picture.damping == "viscous" else "ω², (rad/s)²"
+
+
+def responses(
+    upper: "Axes", lower: "Axes", given: "Frf | Measurement", wanted: Sequence[str], *, behind: bool
+) -> None:
+    """Draw magnitude and phase of some responses to every input."""
+    shown = given.freq > 0
+    freq = given.freq[shown]
+    for output in wanted:
+        i = given.outputs.index(output)
+        for j, drive in enumerate(given.inputs):
+            values = given.values[shown, i, j]
+            style: dict[str, Any] = {"color": RAW, "linewidth": 2.0} if behind else {"linewidth": 0.9}
+            size = np.where(np.abs(values) > 0, np.abs(values), np.nan)
+            named = f"{output} / {drive}"
+            if behind:  # one word in the legend for all of them
+                named = "_measured" if upper.lines else "measured"
+            upper.semilogy(freq, size, label=named, **style)
+            lower.plot(freq, _open(values), **style)
+
+
+def _open(values: ComplexArray) -> FloatArray:
+    """Return the phase, degrees, with gaps where it leaps from one end to the other."""
+    phase = np.degrees(np.angle(values))
+    phase[1:][np.abs(np.diff(phase)) > 270] = np.nan
+    return np.asarray(phase)
+
+
+def indicators(upper: "Axes", lower: "Axes", found: "Indicators") -> None:
+    """Draw CMIF and MIF."""
+    for n, curve in enumerate(found.cmif, 1):
+        upper.semilogy(found.freq, np.where(curve > 0, curve, np.nan), linewidth=0.9, label=f"value {n}")
+    for drive, curve in zip(found.inputs, found.mif, strict=True):
+        lower.plot(found.freq, curve, linewidth=0.9, label=f"force {drive}")
+    upper.set_ylabel("CMIF, m/(s N)")
+    lower.set(ylim=(0, 1.05), ylabel="MIF (0 at a mode)", xlabel="frequency, Hz")
+    for axes in (upper, lower):
+        if len(axes.lines) > 1:
+            axes.legend(fontsize="x-small")
+
+
+def chart(axes: "Axes", found: "StabilisationChart") -> None:
+    """Draw poles by order and frequency, the modes, and the CMIF behind."""
+    for frequency in found.modes:
+        axes.axvline(frequency, color=FITTED, linewidth=0.7, alpha=0.6)
+    for level, (label, colour, marker, size) in enumerate(SYMBOLS):
+        here = found.stability == level
+        axes.scatter(
+            found.frequency[here],
+            found.order[here],
+            s=size,
+            c=colour,
+            marker=marker,
+            label=label,
+            linewidths=0,
+        )
+    taken = found.mode > 0
+    axes.scatter(
+        found.frequency[taken],
+        found.order[taken],
+        s=34,
+        facecolors="none",
+        edgecolors=FITTED,
+        linewidths=0.7,
+        label="speaks for a mode",
+    )
+    axes.set(xlabel="frequency, Hz", ylabel="order")
+    if found.indicators is not None:
+        behind = axes.twinx()
+        for curve in found.indicators.cmif:
+            behind.semilogy(
+                found.indicators.freq, np.where(curve > 0, curve, np.nan), color="0.6", linewidth=0.8
+            )
+        behind.set_ylabel("CMIF, m/(s N)", color="0.5")
+        axes.set_zorder(behind.get_zorder() + 1)
+        axes.patch.set_visible(False)
+    axes.legend(fontsize="x-small", loc="upper right", framealpha=0.9)
