@@ -13,7 +13,7 @@ from modallab.extraction.choosing import taken
 from modallab.extraction.fitting import Data, fit_all, gather
 from modallab.extraction.laws import LAWS, Law
 from modallab.extraction.leakage import Leakage
-from modallab.extraction.method import EXTRACTION_METHODS, MIN_LINES, PICTURES
+from modallab.extraction.method import EXTRACTION_METHODS, MIN_LINES, PICTURES, ModeFit
 from modallab.extraction.options import Damping
 from modallab.extraction.responses import Responses
 from modallab.extraction.windows import Windows, without_nearest
@@ -42,6 +42,8 @@ class FitPicture:
     details: Mapping[
         str, FloatArray | ComplexArray
     ]  # as the method's `Picture`; none of fewer than four lines
+
+    quality: Mapping[str, float]  # what only this method can tell, %
 
     def __post_init__(self) -> None:
         n = len(self.freq)
@@ -87,42 +89,64 @@ def fit_picture(
     law = LAWS[damping]
     data = _lines_again(responses, ends[mode], int(taken(model.choices, "leave_out") or 0), leakage)
     settled = fit_all(EXTRACTION_METHODS[model.method], law, data, _known(law, model, mode, data))
-    found = bool(settled.table.frequency[0, row] > 0)
-    frequency = float(settled.table.frequency[0, row] if found else model.modes[mode].frequency)
-    loss_factor = float(settled.table.loss_factor[0, row] if found else model.modes[mode].loss_factor)
-    constant = complex(settled.table.modal_constant[0, row])
+    table, mean = settled.table, model.modes[mode]
+    found = bool(table.frequency[0, row] > 0)  # where it was not, the modal constant is of the mean mode
+    fit = ModeFit(
+        float(table.frequency[0, row] if found else mean.frequency),
+        float(table.loss_factor[0, row] if found else mean.loss_factor),
+        complex(table.modal_constant[0, row]),
+    )
+    inside = (0, row, slice(0, int(ends[mode, row, 1] - ends[mode, row, 0] + 1)))
     order = 2 if settled.inertance[0] else 0
-    inside = slice(0, int(ends[mode, row, 1] - ends[mode, row, 0] + 1))
-    freq, weight = data.freq[0, row, inside], data.weight[0, row, inside]
+    freq = data.freq[inside]
     factor = (2j * np.pi * freq) ** order
-    cleaned, weight = factor * settled.cleaned[0, row, inside], weight / np.abs(factor) ** 2
-    eigenvalue = np.array((2 * np.pi * frequency) ** 2 * (1 + 1j * loss_factor))
-    strength = np.array(constant)
-    alone = factor * law.response(freq, eigenvalue, strength)
-    residual = complex((weight * (cleaned - alone)).sum() / max(weight.sum(), TINY))
+    seen = _Seen(freq, factor * settled.cleaned[inside], data.weight[inside] / np.abs(factor) ** 2, order)
+    return _drawn(model.method, damping, fit, seen, factor * data.receptance[inside])
+
+
+@dataclass(frozen=True, eq=False)
+class _Seen:
+    freq: FloatArray  # (n_lines,) Hz
+    frf: ComplexArray  # (n_lines,) cleaned
+    weight: FloatArray
+    order: int  # of the derivative of receptance that `frf` is
+
+
+def _drawn(method: str, damping: Damping, fit: ModeFit, seen: _Seen, measured: ComplexArray) -> FitPicture:
+    """Return the picture of a fit, whose residual is not yet known."""
+    law, freq, frf, weight = LAWS[damping], seen.freq, seen.frf, seen.weight
+    order = np.array(seen.order)
+    eigenvalue = np.array((2 * np.pi * fit.frequency) ** 2 * (1 + 1j * fit.loss_factor))
+    constant = np.array(fit.modal_constant)
+
+    def alone(at: FloatArray) -> ComplexArray:
+        return np.asarray((2j * np.pi * at) ** order * law.response(at, eigenvalue, constant))
+
+    residual = complex((weight * (frf - alone(freq))).sum() / max(weight.sum(), TINY))
     curve_freq = np.linspace(freq[0], freq[-1], CURVE)
-    curve = (2j * np.pi * curve_freq) ** order * law.response(curve_freq, eigenvalue, strength) + residual
-    pole = cleaned - law.beside(freq, eigenvalue, strength, np.array(order))
+    pole = frf - law.beside(freq, eigenvalue, constant, order)
     enough = (weight > 0).sum() >= MIN_LINES
-    details = PICTURES[model.method](law.variable(freq), pole, weight) if enough else {}
+    details = PICTURES[method](law.variable(freq), pole, weight) if enough else {}
+    again = law.fit(EXTRACTION_METHODS[method], freq[None], frf[None], weight[None], order[None])
     return FitPicture(
-        method=model.method,
+        method=method,
         damping=damping,
-        kind=FrfKind.INERTANCE if order else FrfKind.RECEPTANCE,
+        kind=FrfKind.INERTANCE if seen.order else FrfKind.RECEPTANCE,
         freq=freq,
         used=weight > 0,
-        measured=factor * data.receptance[0, row, inside],
-        cleaned=cleaned,
+        measured=measured,
+        cleaned=frf,
         curve_freq=curve_freq,
-        curve=curve,
-        frequency=frequency,
-        loss_factor=loss_factor,
-        modal_constant=constant,
+        curve=alone(curve_freq) + residual,
+        frequency=fit.frequency,
+        loss_factor=fit.loss_factor,
+        modal_constant=fit.modal_constant,
         residual=residual,
         details={
             name: values * law.loss_per_pole if name == "damping_surface" else values
             for name, values in details.items()
         },
+        quality={name: float(values[0]) for name, values in again.quality.items()},
     )
 
 

@@ -74,6 +74,8 @@ def test_the_points_of_a_circle_fit_lie_on_its_circle_and_its_carpet_is_flat(
     np.testing.assert_allclose(radius, drawn["radius"][0].real, rtol=1e-3)
     np.testing.assert_allclose(np.abs(drawn["circle"] - drawn["centre"]), drawn["radius"][0].real, rtol=1e-12)
     surface = drawn["damping_surface"].real
+    assert set(picture.quality) == {"radius_variation", "damping_variation"}
+    assert max(picture.quality.values()) < 1.0  # %, of clean lines
     assert surface.shape == (len(drawn["x_above"]), len(drawn["x_below"]))
     np.testing.assert_allclose(surface, picture.loss_factor, rtol=0.01)  # far pairs lean on what is bent
     resonance = np.sqrt(drawn["x_resonance"][0].real) / (2 * np.pi)
