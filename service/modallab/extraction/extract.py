@@ -14,7 +14,7 @@ from modallab.extraction.method import EXTRACTION_METHODS
 from modallab.extraction.mode_by_mode import extract_mode_by_mode
 from modallab.extraction.noise_bias import noise_shares, without_noise_bias
 from modallab.extraction.options import ExtractionOptions
-from modallab.extraction.responses import responses_of
+from modallab.extraction.responses import Responses, responses_of
 
 CHOSEN = ExtractionOptions()  # everything from the data
 
@@ -77,11 +77,7 @@ def extract(
             value=method,
             allowed=", ".join([*EXTRACTION_METHODS, *GLOBAL_METHODS]),
         )
-    responses = responses_of(frf, coherence, averages)
-    kind = None if estimator is None else biased(estimator)
-    bias: FloatArray | float = 0.0
-    if leakage is None:  # what leaks is not coherent either, and no noise
-        responses, bias = without_noise_bias(responses, noise_shares(responses, kind), kind)
+    responses, bias = responses_read(frf, coherence, averages, leakage=leakage, estimator=estimator)
     if method in GLOBAL_METHODS:
         return extract_globally(
             GLOBAL_METHODS[method],
@@ -104,3 +100,22 @@ def extract(
         leakage=leakage,
         progress=progress,
     )
+
+
+def responses_read(
+    frf: FrfSet,
+    coherence: FloatArray | None,
+    averages: float,
+    *,
+    leakage: Leakage | None,
+    estimator: str | None,
+) -> tuple[Responses, FloatArray | float]:
+    """Return what all methods start from, and its bias beside random error, relative, (n_freq, n_frf).
+
+    Parameters and errors as `extract`.
+    """
+    responses = responses_of(frf, coherence, averages)
+    if leakage is not None:  # what leaks is not coherent either, and no noise
+        return responses, 0.0
+    kind = None if estimator is None else biased(estimator)
+    return without_noise_bias(responses, noise_shares(responses, kind), kind)

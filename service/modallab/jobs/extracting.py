@@ -10,11 +10,10 @@ from modallab.core.frf import FrfKind, FrfSet
 from modallab.core.modal_model import ModalModel
 from modallab.core.progress import Progress
 from modallab.estimation.windows import WINDOWS, added_loss_factor
-from modallab.extraction.extract import extract
+from modallab.extraction.extract import extract, responses_read
 from modallab.extraction.leakage import Leakage
 from modallab.extraction.options import ExtractionOptions
 from modallab.extraction.picture import FitPicture, fit_picture
-from modallab.extraction.responses import responses_of
 from modallab.extraction.resynthesis import resynthesise
 from modallab.extraction.window_damping import without_added
 from modallab.jobs.destination import Destination
@@ -65,6 +64,7 @@ def extract_and_store(
         bands=bands,
         n_modes=n_modes,
         leakage=leakage_of(measurement.setup),
+        estimator=measurement.setup.analyser.estimator,
         progress=progress,
     )
     if correct_window_damping and measurement.setup.analyser.line_window.end < 1:
@@ -90,9 +90,16 @@ def picture_of(measurement: Measurement, model: ModalModel, mode: int, response:
         )
     if not 1 <= mode <= len(model.modes):
         raise InvalidInputError("no such mode", field="mode", value=mode, allowed=f"1 to {len(model.modes)}")
-    responses = responses_of(measurement.frf, measurement.coherence, measurement.averages)
+    leakage = leakage_of(measurement.setup)
+    responses, _ = responses_read(
+        measurement.frf,
+        measurement.coherence,
+        measurement.averages,
+        leakage=leakage,
+        estimator=measurement.setup.analyser.estimator,
+    )
     as_fitted, row = _as_measured(model, measurement.setup), model.dofs.index(response)
-    return fit_picture(responses, as_fitted, mode - 1, row, leakage=leakage_of(measurement.setup))
+    return fit_picture(responses, as_fitted, mode - 1, row, leakage=leakage)
 
 
 def resynthesised(measurement: Measurement, model: ModalModel) -> FrfSet:
