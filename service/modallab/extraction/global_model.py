@@ -103,12 +103,24 @@ def _modes(modes: RangeModes, rows: IntArray, responses: Responses) -> list[Mode
             shape_errors=shape_errors[n],
             flags=(
                 *close.get(int(row), []),
+                *_leaked(modes, int(row)),
                 *_nodes(constant[n], error[n], responses.dofs),
                 *_odd(shapes[n], constant[n], error[n], at, sense, responses.dofs),
             ),
         )
         for n, row in enumerate(rows)
     ]
+
+
+def _leaked(modes: RangeModes, row: int) -> Iterator[str]:
+    """Yield by how much leakage may still bias a mode, where that is more than the random error."""
+    if modes.leakage_bias is None:
+        return
+    fit = modes.fit
+    bias = modes.leakage_bias[row]
+    if bias[0] > fit.frequency_error[row] or bias[1] > fit.loss_factor_error[row]:
+        share = 100 * bias[1] / fit.loss_factor[row]
+        yield f"leakage_bias: up to {bias[0]:.2g} Hz in frequency and {share:.2g} % of the loss factor"
 
 
 def _nodes(constant: ComplexArray, error: FloatArray, dofs: Sequence[Dof]) -> Iterator[str]:

@@ -9,13 +9,12 @@ from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from modallab.core.modal_model import StabilisationChart
 from modallab.core.progress import Progress, part
 from modallab.extraction.global_method import GlobalMethod, Poles
-from modallab.extraction.leakage import Leakage
 from modallab.extraction.modal_fit import ModalFit
 from modallab.extraction.options import Damping
 from modallab.extraction.refinement import Stretch, refine, within
 from modallab.extraction.selection import NEAR, Selection, chart_of, select
 from modallab.extraction.stabilisation import stabilise
-from modallab.extraction.unleaked import without_leakage
+from modallab.extraction.unleaked import Leaked, all_starts, cleaned, with_bias
 
 MOST_FRFS = 48  # that a pole finder is given; beyond, what they have in common
 SAME = 0.5  # half-power bandwidths: how far a pole of the chart may be from the mode fitted from it,
@@ -42,8 +41,7 @@ def modes_of(
     orders: IntArray,
     damping: Damping,
     *,
-    leakage: Leakage | None,
-    drive: int | None,
+    leaked: Leaked | None,
     progress: Progress,
 ) -> RangeModes | None:
     """Return the modes of a stretch; None if there is none.
@@ -56,25 +54,26 @@ def modes_of(
         (n_orders,) rising.
     damping
         Law of the modes fitted.
-    leakage
-        To be undone; None where there is none.
-    drive
-        Which of the FRFs is that of the drive point, None if none is.
+    leaked
+        Leakage to be undone, and modes known one by one to undo it by; None where there is none.
     """
     progress(0.0, "looking for poles")
-    poles = find(stretch.freq, *_for_poles(stretch), orders)
+    clean = stretch if leaked is None else cleaned(stretch, leaked, damping)
+    poles = find(clean.freq, *_for_poles(clean), orders)
     if not len(poles.order):
         return None
     stability = stabilise(poles)
     selection = select(poles, stability)
-    if not len(selection.pole):
-        return None
     start = np.asarray(selection.frequency**2 * (2 * np.pi) ** 2 * (1 + 1j * selection.loss_factor))
-    refined = refine(stretch, start, damping, part(progress, 0.2, 0.6))
+    if leaked is not None:
+        start = all_starts(start, leaked, stretch.freq)
+    if not len(start):
+        return None
+    refined = refine(clean, start, damping, part(progress, 0.2, 1.0))
     if refined is None:
         return None
-    if leakage is not None:
-        refined = without_leakage(refined, stretch, leakage, damping, drive, part(progress, 0.6, 1.0))
+    if leaked is not None:
+        refined = with_bias(refined, stretch, damping)
     fit, inside = refined.fit, within(refined.fit, stretch.freq)
     match = _match(selection, fit, stretch.freq)
     return RangeModes(
@@ -112,6 +111,8 @@ def _for_poles(stretch: Stretch) -> tuple[ComplexArray, FloatArray]:
 
 def _match(selection: Selection, fit: ModalFit, freq: FloatArray) -> IntArray:
     """Return which fitted mode each selected one became, -1 for none."""
+    if not len(selection.pole):
+        return np.zeros(0, int)
     width = fit.loss_factor * fit.frequency
     reach = np.maximum(width, SAME_LINES * float(np.median(np.diff(freq))))
     away = np.abs(selection.frequency[:, None] - fit.frequency) / reach
@@ -122,7 +123,7 @@ def _match(selection: Selection, fit: ModalFit, freq: FloatArray) -> IntArray:
 
 def _chart(poles: Poles, stability: IntArray, selection: Selection, match: IntArray) -> StabilisationChart:
     chart = chart_of(poles, stability, selection)
-    mode = np.where(selection.mode >= 0, match[np.maximum(selection.mode, 0)], -1)
+    mode = np.append(match, -1)[selection.mode]  # -1 finds the -1 at the end
     return StabilisationChart(chart.order, chart.frequency, chart.loss_factor, chart.stability, mode)
 
 

@@ -16,15 +16,18 @@ from modallab.extraction.global_model import GlobalFit, modal_model
 from modallab.extraction.global_range import modes_of
 from modallab.extraction.leakage import Leakage
 from modallab.extraction.line_noise import knows_noise, line_weights
-from modallab.extraction.mode_by_mode import SMEARED
+from modallab.extraction.method import EXTRACTION_METHODS
+from modallab.extraction.mode_by_mode import SMEARED, extract_mode_by_mode
 from modallab.extraction.options import ExtractionOptions
 from modallab.extraction.refinement import Stretch
 from modallab.extraction.responses import Responses
 from modallab.extraction.resynthesis import with_resynthesis
+from modallab.extraction.unleaked import Leaked, as_fit
 
 PER_PEAK = 4  # orders a peak: two hold its pole, the rest what lies beside it and noise
 BESIDE = 16  # orders more, for what lies outside the range
 LEAST_ORDER = 4
+BEGIN = "dobson"  # undoes leakage of modes apart
 LINES_PER_ORDER = 3  # fewer lines than unknowns fit anything
 
 
@@ -71,6 +74,7 @@ def extract_globally(
     indicator = mode_indicator(responses.mobility, responses.coherent)
     ranges = _ranges(responses, indicator, bands)
     weights = line_weights(responses, bias)
+    leaked = None if leakage is None else _one_by_one(responses, options, leakage)
     fits, choices = [], {}
     for number, lines in enumerate(ranges):
         here = part(progress, 0.95 * number / len(ranges), 0.95 * (number + 1) / len(ranges))
@@ -83,8 +87,7 @@ def extract_globally(
             stretch,
             orders,
             options.damping,
-            leakage=leakage,
-            drive=responses.drive_row,
+            leaked=leaked,
             progress=here,
         )
         if found is None or not found.inside.any():
@@ -109,6 +112,23 @@ def extract_globally(
         [Band(lines.start, lines.stop - 1, lines.start) for lines in ranges],
         smeared=0 if leakage is None else SMEARED,
     )
+
+
+def _one_by_one(responses: Responses, options: ExtractionOptions, leakage: Leakage) -> Leaked:
+    """Return the leakage with modes as a method sees them that undoes it mode by mode."""
+    try:
+        model = extract_mode_by_mode(
+            EXTRACTION_METHODS[BEGIN],
+            responses,
+            ExtractionOptions(damping=options.damping),
+            method=BEGIN,
+            bands=None,
+            n_modes=None,
+            leakage=leakage,
+        )
+    except NoModeInBandError:
+        return Leaked(leakage, None, responses.drive_row)
+    return Leaked(leakage, as_fit(model), responses.drive_row)
 
 
 def _ranges(
