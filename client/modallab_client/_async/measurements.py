@@ -49,7 +49,7 @@ class AsyncMeasurements(AsyncShelf):
         return AsyncJob(job["id"], self._transport, self.get)
 
     async def upload(
-        self, file: str | Path | bytes, rig_id: str, *, averages: float | None = None
+        self, file: str | Path | bytes, rig_id: str | None = None, *, averages: float | None = None
     ) -> Measurement:
         """Return a measurement from a universal (58), npz, HDF5 or `.FRF` file, by path or as bytes.
 
@@ -58,13 +58,14 @@ class AsyncMeasurements(AsyncShelf):
         file
             Its content says which of them it is, not its name.
         rig_id
-            The log book of the test: drive, responses, analyser.
+            The log book of the test: drive, responses, analyser. Left out, it is made of what the file
+            tells: points and lines, and records that do not leak.
         averages
             Effective averages, which text and universal files do not hold; by default the rig's.
         """
         content = file if isinstance(file, bytes) else Path(file).read_bytes()
         name = "measurement" if isinstance(file, bytes) else Path(file).name
-        data = {"rig_id": rig_id} if averages is None else {"rig_id": rig_id, "averages": str(averages)}
+        data = _wire.body(rig_id=rig_id, averages=None if averages is None else str(averages))
         reply = await self._transport.request(
             "POST", "/v1/measurements/import", files={"file": (name, content)}, data=data
         )

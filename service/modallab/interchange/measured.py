@@ -8,8 +8,14 @@ from modallab.core.arrays import FloatArray
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfSet
+from modallab.rig.analyser import Analyser
+from modallab.rig.hardware import Exciter
 from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
+
+NO_LOG_BOOK = "no log book: the rig is what the file itself tells"
+MIN_LINES, MOST_LINES = 8, 20_001  # of an analyser
+MOST_AVERAGES = 100_000.0
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,6 +55,49 @@ class MeasuredFile:
             force_spectrum=self.force_spectrum,
             response_spectrum=self._shaped(self.response_spectrum, setup),
             notes=("imported", *self.notes),
+        )
+
+    def alone(self, averages: float | None = None) -> Measurement:
+        """Return the measurement that the file is, where no log book came with it.
+
+        Its rig drives and listens where the file does. Of the analyser the lines are known, roughly if they
+        do not start at 0 Hz in even steps, and nothing of windows: records are taken not to leak.
+
+        Raises
+        ------
+        InvalidInputError
+            If the file's arrays do not fit together.
+        """
+        counts = (averages, self.averages, Analyser.averages)
+        known = float(next(count for count in counts if count is not None))
+        setup = RigSetup(
+            drives=self.frf.inputs,
+            responses=self.frf.outputs,
+            exciter=Exciter(kind="hammer" if len(self.frf.inputs) > 1 else "shaker"),
+            analyser=self._analyser(known),
+        )
+        return Measurement(
+            frf=self.frf,
+            coherence=self._shaped(self.coherence, setup),
+            averages=known,
+            setup=setup,
+            force_spectrum=self.force_spectrum,
+            response_spectrum=self._shaped(self.response_spectrum, setup),
+            notes=("imported", NO_LOG_BOOK, *self.notes),
+        )
+
+    def _analyser(self, averages: float) -> Analyser:
+        freq = self.frf.freq
+        if len(freq) < MIN_LINES:
+            raise InvalidInputError(
+                "too few lines", field="freq", value=len(freq), allowed=f"at least {MIN_LINES}"
+            )
+        spacing = float(np.median(np.diff(freq)))
+        n_lines = round(float(freq[-1]) / spacing) + 1
+        return Analyser(
+            frequency_max=float(freq[-1]),
+            n_lines=min(max(n_lines, MIN_LINES), MOST_LINES),
+            averages=round(min(max(averages, 1.0), MOST_AVERAGES)),
         )
 
     def _shaped(self, array: FloatArray | None, setup: RigSetup) -> FloatArray | None:

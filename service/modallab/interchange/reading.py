@@ -5,6 +5,7 @@ from typing import BinaryIO
 from modallab.core.errors import InvalidInputError
 from modallab.core.modal_model import ModalModel
 from modallab.interchange import frf_text, hdf5, npz, uff, uff_modes
+from modallab.interchange.measured import MeasuredFile
 from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
 
@@ -13,16 +14,17 @@ _HEAD = 1_024  # bytes that tell what a file is
 
 
 def read_measurement(
-    file: BinaryIO, setup: RigSetup, *, largest: int, averages: float | None = None
+    file: BinaryIO, setup: RigSetup | None, *, largest: int, averages: float | None = None
 ) -> Measurement:
-    """Return the measurement of a universal file (dataset 58), npz, HDF5 or `.FRF` file, taken on a rig.
+    """Return the measurement of a universal file (dataset 58), npz, HDF5 or `.FRF` file.
 
     Parameters
     ----------
     file
         The file; no more of it is read than its format may take.
     setup
-        The log book of the test; responses that the file lacks are dropped from it.
+        The log book of the test; responses that the file lacks are dropped from it. None where there is
+        none: the rig is then what the file itself tells.
     largest
         Bytes that the file's arrays may take.
     averages
@@ -33,18 +35,24 @@ def read_measurement(
     InvalidInputError
         If the file is none of these, is damaged, holds NaN, or contradicts the rig.
     """
+    found = _measured(file, largest)
+    return found.alone(averages) if setup is None else found.taken_on(setup, averages)
+
+
+def _measured(file: BinaryIO, largest: int) -> MeasuredFile:
+    """Return what the file holds, by its first bytes."""
     head = file.read(_HEAD)
     if head.startswith(_ZIP):
-        return npz.read(head + file.read(), largest=largest).taken_on(setup, averages)
+        return npz.read(head + file.read(), largest=largest)
     if uff.starts(head):
         limit = min(largest, uff.LARGEST)
-        return uff.read(head + file.read(limit), largest=limit).taken_on(setup, averages)
+        return uff.read(head + file.read(limit), largest=limit)
     if head.startswith(hdf5.SIGNATURE):
         file.seek(0)
-        return hdf5.read(file, largest=largest).taken_on(setup, averages)
+        return hdf5.read(file, largest=largest)
     if frf_text.starts(head):
         limit = min(largest, frf_text.LARGEST)
-        return frf_text.read(head + file.read(limit), largest=limit).taken_on(setup, averages)
+        return frf_text.read(head + file.read(limit), largest=limit)
     raise InvalidInputError(
         "the file is neither a universal file nor npz, HDF5 or FRF text",
         field="file",

@@ -26,6 +26,9 @@ Averages = Annotated[
     float | None,
     Form(ge=1, le=1e9, description="effective averages; by default the file's, or else the rig's"),
 ]
+RigId = Annotated[
+    Id | None, Form(description="the log book of the test; by default what the file itself tells of it")
+]
 Decimals = Annotated[
     int,
     Query(
@@ -59,15 +62,18 @@ def import_measurement(
         UploadFile,
         File(description=_FILE),
     ],
-    rig_id: Annotated[Id, Form(description="the log book of the test")],
     store: StoreDep,
     settings: SettingsDep,
     owner: OwnerDep,
+    rig_id: RigId = None,
     averages: Averages = None,
 ) -> MeasurementOut:
-    setup = store.rigs.get(rig_id)
+    setup = None if rig_id is None else store.rigs.get(rig_id)
     measurement = read_measurement(file.file, setup, largest=settings.upload_limit, averages=averages)
-    stored = store.measurements.add(measurement, owner=owner, inputs={"rig_id": rig_id})
+    with store.together() as batch:
+        if rig_id is None:
+            rig_id = batch.rigs.add(measurement.setup, owner=owner)
+        stored = batch.measurements.add(measurement, owner=owner, inputs={"rig_id": rig_id})
     return MeasurementOut.of(measurement, store.measurements.entry(stored))
 
 
