@@ -64,7 +64,8 @@ def gather(
     values = receptance[windows.index, column]
     noise = variance[windows.index, column]
     if leakage is not None:
-        power = np.abs(values) ** 2 * windows.used
+        inside = windows.index <= windows.ends[:, :, 1:]  # lines left out, next to the peak, tell its height
+        power = np.where(inside, np.abs(values) ** 2, 0.0)
         peak = power.max(axis=2, keepdims=True)
         noise = noise + LEAKED**2 * power * (power / np.where(peak > 0, peak, 1.0))
     usable = windows.used & np.isfinite(noise) & (noise > 0)

@@ -21,6 +21,14 @@ def test_what_leaks_is_read_from_more_lines_and_the_choice_says_why() -> None:
     assert "leaks" in leaked.choices["lines"]
     assert "h2" in leaked.choices["leave_out"]
     assert taken(leaked.choices, "lines") == "12"
+    assert taken(leaked.choices, "leave_out") == "0"
+
+
+def test_of_leaked_h1_the_nearest_lines_are_left_out_by_the_methods_that_can() -> None:
+    able, unable = plan("line_fit", OPEN, leaked_by("h1")), plan("circle_fit", OPEN, leaked_by("h1"))
+    assert (able.lines, able.leave_out) == (16, 4)  # as many as of H2 are left
+    assert "least sure" in able.choices["leave_out"]
+    assert (unable.lines, unable.leave_out) == (12, 0)
 
 
 def test_what_the_user_decides_is_kept_to_the_line() -> None:
