@@ -13,6 +13,7 @@ from modallab.diagnosis.observing.residual import Residual, correlations, scatte
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.rig.effect import Effect
 
+BEYOND_DOUBT = 50.0  # difference in BIC that needs no witness, where there can be none
 CONVINCING = 10.0  # difference in BIC that counts as very strong (Kass and Raftery 1995)
 ALIKE = 9.0  # difference in chi-square within which two explanations cannot be told apart
 LINES_APART = 4  # lines of a channel that are held out: every so many
@@ -56,7 +57,8 @@ def best_first(fits: Sequence[Fit]) -> list[Fit]:
 def improves(predictor: Predictor, before: Fit, after: Fit) -> bool:
     """Return whether an added effect is convincing: by BIC, on what was held out, and by its size."""
     observed = predictor.observed
-    if before.bic - after.bic < CONVINCING * temperature(predictor, after):
+    likelier = (before.bic - after.bic) / temperature(predictor, after)
+    if likelier < CONVINCING:
         return False
     effect = after.effects[-1]
     # Of distortion in bursts the size may be known to a factor only: likelihood alone tells that it is there.
@@ -64,13 +66,15 @@ def improves(predictor: Predictor, before: Fit, after: Fit) -> bool:
         return False
     where = observed.kept
     alone = _known_to_no_other(observed, effect)
-    if alone is None and _left_as_they_were(observed, before, after):
+    if alone is None and observed.held_out.any() and not _tells(observed, before, after, where):
         alone = np.ones(len(observed.outputs), bool)
     if alone is not None:
         # No other FRF can bear it out: it has to predict lines of its own that it was not fitted to.
         predictor = predictor.without_lines(LINES_APART).tolerating(after.tolerated)
         where = observed.usable & predictor.observed.held_lines[:, None] & alone
         after = fit(predictor, after.effects)
+        if likelier > BEYOND_DOUBT and not _tells(observed, before, after, where):
+            return True  # as hum that is in one line or two
     held_before, held_after = (f.residual.gap(where) for f in (before, after))
     return held_after < held_before - scatter(observed, after.residual, where)
 
@@ -99,13 +103,10 @@ def _known_to_no_other(observed: Observed, effect: Effect) -> BoolArray | None:
     return alone if held.any() and not (alone & held).any() else None
 
 
-def _left_as_they_were(observed: Observed, before: Fit, after: Fit) -> bool:
-    """Return whether what was held out could not tell an effect if it were there: it hardly shows in it."""
-    if not observed.held_out.any():
-        return False
-    where = observed.kept
+def _tells(observed: Observed, before: Fit, after: Fit, where: BoolArray) -> bool:
+    """Return whether what was held out tells if an effect is there: it would show in it."""
     change = before.residual.vector(where) - after.residual.vector(where)
-    return float(change @ change) / len(change) < TOLD * scatter(observed, after.residual, where)
+    return float(change @ change) > TOLD * scatter(observed, after.residual, where) * len(change)
 
 
 def temperature(predictor: Predictor, best: Fit) -> float:

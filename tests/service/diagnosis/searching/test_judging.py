@@ -13,6 +13,7 @@ from modallab.effects.gain_error import GainError
 from modallab.effects.mains_hum import MainsHum
 from modallab.effects.transverse_sensitivity import TransverseSensitivity
 from modallab.rig.measure import Route, measure
+from tests.diagnosing import drawn, model, rig
 
 HERE = Channels((Dof(5, "Y"),))
 
@@ -45,4 +46,17 @@ def test_what_the_held_out_frfs_could_not_tell_is_borne_out_by_lines_that_were_h
         return improves(predictor, fit(predictor, ()), fit(predictor, (everywhere,)))
 
     assert convinced(everywhere)
+    assert not convinced()
+
+
+def test_hum_in_one_line_of_one_channel_needs_no_witness() -> None:
+    hum = MainsHum(HERE, 0.03, 50.0)  # on a line of 2.5 Hz spacing: no other line and no other channel has it
+
+    def convinced(*acting: MainsHum) -> bool:
+        test = drawn(rig(), acting, seed=4)
+        observed = observe(test, (Dof(2, "Y"),), fraction=0.0)
+        predictor = Predictor(model(), test.setup, observed)
+        return improves(predictor, fit(predictor, ()), fit(predictor, (hum,)))
+
+    assert convinced(hum)
     assert not convinced()
