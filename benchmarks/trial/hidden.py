@@ -241,8 +241,13 @@ def _of_share(
         return None
     ends = np.log1p(np.exp([bottom, top]))
     target = float(np.log(np.expm1(ends[0] + share * (ends[1] - ends[0]))))
-    found = at(brentq(lambda s: excess(s) - target, low, high, xtol=1e-3, maxiter=60))
-    return found, opened(found)
+
+    def beyond(strength: float) -> float:
+        seen = _possible(excess, strength)
+        return most if seen is None else seen - target
+
+    found = brentq(beyond, low, high, xtol=1e-3, maxiter=60)
+    return None if _possible(excess, found) is None else (at(found), opened(at(found)))
 
 
 def _possible(excess: Callable[[float], float], strength: float) -> float | None:

@@ -50,7 +50,8 @@ def test_what_the_held_out_frfs_could_not_tell_is_borne_out_by_lines_that_were_h
 
 
 def test_hum_in_one_line_of_one_channel_needs_no_witness() -> None:
-    hum = MainsHum(HERE, 0.03, 50.0)  # on a line of 2.5 Hz spacing: no other line and no other channel has it
+    # On a line of 2.5 Hz spacing, and not one that is held out: no other line and no other channel has it.
+    hum = MainsHum(HERE, 0.01, 62.5)
 
     def convinced(*acting: MainsHum) -> bool:
         test = drawn(rig(), acting, seed=4)
