@@ -12,10 +12,13 @@ from modallab.extraction.options import Damping
 from modallab.extraction.projection import Linear, Scaled, scaled, solve_linear
 
 ROUNDS = 40  # steps tried; from a pole finder's start four to eight are taken
-SETTLED = 1e-3  # standard errors: what a last step may still move a mode by
+SETTLED = 0.02  # standard errors: what a last step may still move a mode by
+LEVEL = 1e-9  # of the misfit: what a step gains or loses by rounding, and through directions nobody sees
 EXACT = 1e-13  # of an eigenvalue, where the lines hold rounding only
 FARTHEST = 0.5  # of a mode's own damping: what one step may change of it, or the slopes no longer hold
-SLOWEST = 1e-6  # of the highest line: what a mode below the range cannot be told from standing still
+# Of the ends of the range: a mode further below is but a mass, further above but a constant and the pole held
+# there. It would wander for ever.
+FARTHEST_BELOW, FARTHEST_ABOVE = 0.3, 1.4
 FIRST, STRICTER, LOOSER = 1e-4, 10.0, 0.1  # Levenberg-Marquardt damping, of the normal matrix's diagonal
 
 
@@ -171,13 +174,16 @@ def _descend(
     for n in range(ROUNDS):
         progress(n / ROUNDS, "fitting all modes to all FRFs")
         normal, slope = _normal_equations(basis, linear)
-        step = _step(normal, slope, damping)
-        if not _moves(step, normal, parameters, 2 * linear.misfit.sum() / n_spare):
+        step = _limited(_step(normal, slope, damping).reshape(parameters.shape), parameters, ends)
+        trial = parameters + step
+        trial[:, 0] = np.clip(trial[:, 0], FARTHEST_BELOW**2 * ends[0], FARTHEST_ABOVE**2 * ends[1])
+        if not _moves(trial - parameters, normal, parameters, 2 * linear.misfit.sum() / n_spare):
             break
-        trial = parameters + _limited(step.reshape(parameters.shape), parameters, ends)
-        trial[:, 0] = np.maximum(trial[:, 0], SLOWEST**2)
         tried = solve_linear(lines, basis, trial)
-        if tried.misfit.sum() < linear.misfit.sum():
+        gain = float(linear.misfit.sum() - tried.misfit.sum())
+        if abs(gain) < LEVEL * linear.misfit.sum():
+            break
+        if gain > 0:
             parameters, linear, damping = trial, tried, damping * LOOSER
         else:
             damping = max(damping, FIRST) * STRICTER
@@ -201,8 +207,8 @@ def _step(normal: FloatArray, slope: FloatArray, damping: float) -> FloatArray:
 
 def _moves(step: FloatArray, normal: FloatArray, parameters: FloatArray, variance: float) -> bool:
     """Return whether a step is more than a small part of the standard errors, and than rounding."""
-    far = float(step @ normal @ step) > SETTLED**2 * variance
-    return far and bool((np.abs(step.reshape(parameters.shape)) > EXACT * parameters[:, :1]).any())
+    far = float(step.ravel() @ normal @ step.ravel()) > SETTLED**2 * variance
+    return far and bool((np.abs(step) > EXACT * parameters[:, :1]).any())
 
 
 def _limited(step: FloatArray, parameters: FloatArray, ends: tuple[float, float]) -> FloatArray:
