@@ -28,9 +28,10 @@ SYMBOLS = (
 
 def heading(picture: "FitPicture") -> str:
     """Return which fit this is and what came of it."""
+    known = "".join(f", {name.replace('_', ' ')} {value:.2g} %" for name, value in picture.quality.items())
     return (
         f"mode {picture.mode} at {picture.response}, {picture.method}: "
-        f"{picture.frequency:.6g} Hz, loss factor {picture.loss_factor:.4g}"
+        f"{picture.frequency:.6g} Hz, loss factor {picture.loss_factor:.4g}{known}"
     )
 
 

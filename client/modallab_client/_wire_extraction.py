@@ -29,6 +29,7 @@ def fit(data: Json) -> extraction.FitPicture:
         loss_factor=float(data["loss_factor"]),
         modal_constant=complex(_complex(data["modal_constant"])),
         residual=complex(_complex(data["residual"])),
+        quality={name: number(value) for name, value in (data.get("quality") or {}).items()},
         details=details | turning,
     )
 

@@ -36,6 +36,7 @@ class FitPicture:
     loss_factor: float
     modal_constant: complex  # 1/kg, of receptance
     residual: complex  # unit of the responses
+    quality: Mapping[str, float]  # what only this method can tell, in %
     details: Mapping[str, NDArray[Any]] = field(repr=False)  # what the method draws, by name
 
     def plot(self) -> "tuple[Axes, ...]":

@@ -1,8 +1,8 @@
-"""Write pictures and pages of all effects, and the picture of correlation; `make docs`."""
+"""Write pictures and pages of all effects, and the pictures of correlation and extraction; `make docs`."""
 
 from pathlib import Path
 
-from docs.gallery import correlated
+from docs.gallery import correlated, extracted
 from docs.gallery.drawing import draw, png
 from docs.gallery.pages import index, page
 from modallab.rig.effect import EFFECTS
@@ -26,3 +26,4 @@ def main(folder: Path = FOLDER) -> None:
 if __name__ == "__main__":
     main()
     (FOLDER.parent / "correlation.png").write_bytes(correlated.png(correlated.draw()))
+    extracted.write()

@@ -93,6 +93,7 @@ def fit_reply(method: str, **changed: Any) -> dict[str, Any]:
         "loss_factor": LOSS,
         "modal_constant": [1.0, -0.1],
         "residual": [0.0, 0.0],
+        "quality": {"radius_variation": 1.25},
         "details": real,
         "complex_details": turning,
         "new_field": 1,
@@ -173,6 +174,7 @@ def test_a_fit_is_read_and_draws_its_lines_and_what_is_its_own(
     assert picture.modal_constant == 1 - 0.1j
     size, turn, *own = picture.plot()
     assert own
+    assert "radius variation 1.2 %" in size.figure._suptitle.get_text()  # type: ignore[union-attr]
     drawn = [line for line in size.lines if line.get_label() == "mode and residual"]
     np.testing.assert_allclose(np.asarray(drawn[0].get_ydata()), np.abs(Z))
     assert [line.get_label() for line in size.lines] == ["measured", "freed of others", "mode and residual"]

@@ -75,6 +75,7 @@ def test_a_circle_fit_shows_circle_points_and_damping_of_all_pairs(
     np.testing.assert_allclose(np.abs(turning["circle"] - turning["centre"]), radius, rtol=1e-12)
     # the noise of a line, 1e-4 of it, and what neighbours leave
     np.testing.assert_allclose(np.abs(turning["points"] - turning["centre"]), radius, rtol=5e-3)
+    assert 0 < drawn["quality"]["radius_variation"] < 0.5  # %
     surface = np.array(real["damping_surface"])
     assert surface.shape == (len(real["x_above"]), len(real["x_below"]))
     assert np.median(surface) == pytest.approx(drawn["loss_factor"], rel=0.02)

@@ -70,6 +70,7 @@ class FitOut(BaseModel):
     loss_factor: float
     modal_constant: Pair = Field(description="1/kg, of receptance")
     residual: Pair
+    quality: dict[str, float | None] = Field(description="what only this method can tell, in %")
     details: dict[str, Any] = Field(description="real arrays of the method's drawing, by name")
     complex_details: dict[str, Any] = Field(description="complex ones")
 
@@ -95,6 +96,7 @@ class FitOut(BaseModel):
             loss_factor=picture.loss_factor,
             modal_constant=numbers(np.array(picture.modal_constant)),
             residual=numbers(np.array(picture.residual)),
+            quality={name: value if np.isfinite(value) else None for name, value in picture.quality.items()},
             details={name: flat[name] for name in flat if name not in is_complex},
             complex_details={name: flat[name] for name in flat if name in is_complex},
         )
