@@ -75,8 +75,10 @@ def _leave_out(method: str, options: ExtractionOptions, leakage: Leakage | None)
         return 0, ASKED
     if leakage is None:
         return 0, "the records do not leak, and the lines nearest resonance say most of the damping"
-    if leakage.estimator is Biased.H1 and TRAITS[method].leaves_out:
-        return H1_LEFT_OUT, (
+    # of few lines asked for, those that periodic data would be read from are kept
+    spare = H1_LEFT_OUT if options.lines is None else min(max(options.lines - LINES, 0), H1_LEFT_OUT)
+    if leakage.estimator is Biased.H1 and TRAITS[method].leaves_out and spare:
+        return spare, (
             "leakage takes most from h1 where it is highest; it is undone line by line, but the lines "
             "nearest resonance are the least sure"
         )

@@ -29,6 +29,8 @@ def test_of_leaked_h1_the_nearest_lines_are_left_out_by_the_methods_that_can() -
     assert (able.lines, able.leave_out) == (16, 4)  # as many as of H2 are left
     assert "least sure" in able.choices["leave_out"]
     assert (unable.lines, unable.leave_out) == (12, 0)
+    few = plan("line_fit", ExtractionOptions(lines=9), leaked_by("h1"))
+    assert (few.lines, few.leave_out) == (9, 1)  # eight stay, as many as of periodic data
 
 
 def test_what_the_user_decides_is_kept_to_the_line() -> None:
