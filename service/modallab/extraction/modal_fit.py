@@ -13,6 +13,7 @@ from modallab.extraction.projection import Linear, Scaled, scaled, solve_linear
 
 ROUNDS = 40  # steps tried; from a pole finder's start four to eight are taken
 SETTLED = 0.02  # standard errors: what a last step may still move a mode by
+NOTHING = 0.05  # of what random error lowers the misfit by per unknown: a step that wins less is the last
 LEVEL = 1e-9  # of the misfit: what a step gains or loses by rounding, and through directions nobody sees
 EXACT = 1e-13  # of an eigenvalue, where the lines hold rounding only
 FARTHEST = 0.5  # of a mode's own damping: what one step may change of it, or the slopes no longer hold
@@ -171,12 +172,15 @@ def _descend(
     linear = solve_linear(lines, basis, parameters)
     damping, ends = FIRST, (float(lines.omega.min()) ** 2, 1.0)
     n_spare = max(2 * int((lines.weight > 0).sum()) - linear.coefficients.size - parameters.size, 1)
+    # modes that begin beyond the range stay there: what they are for is not in it
+    lowest = np.where(parameters[:, 0] > ends[1], ends[1], FARTHEST_BELOW**2 * ends[0])
+    highest = np.where(parameters[:, 0] < ends[0], ends[0], FARTHEST_ABOVE**2 * ends[1])
     for n in range(ROUNDS):
         progress(n / ROUNDS, "fitting all modes to all FRFs")
         normal, slope = _normal_equations(basis, linear)
         step = _limited(_step(normal, slope, damping).reshape(parameters.shape), parameters, ends)
         trial = parameters + step
-        trial[:, 0] = np.clip(trial[:, 0], FARTHEST_BELOW**2 * ends[0], FARTHEST_ABOVE**2 * ends[1])
+        trial[:, 0] = np.clip(trial[:, 0], lowest, highest)
         if not _moves(trial - parameters, normal, parameters, 2 * linear.misfit.sum() / n_spare):
             break
         tried = solve_linear(lines, basis, trial)
@@ -185,6 +189,8 @@ def _descend(
             break
         if gain > 0:
             parameters, linear, damping = trial, tried, damping * LOOSER
+            if gain < NOTHING * linear.misfit.sum() / n_spare:
+                break
         else:
             damping = max(damping, FIRST) * STRICTER
             if damping > 1 / FIRST**2:  # rounding: no smaller step does better
