@@ -72,6 +72,19 @@ def reciprocity(data: Json) -> extraction.Reciprocity:
     return extraction.Reciprocity(pairs, data["note"])
 
 
+def modal_pairs(data: Json) -> tuple[extraction.ModalPair, ...]:
+    """Return how modal constants of two tests agree."""
+    return tuple(
+        extraction.ModalPair(
+            modes=(int(one["modes"][0]), int(one["modes"][1])),
+            ratio=complex(_complex(one["ratio"])),
+            ratio_error=number(one["ratio_error"]),
+            differs=bool(one["differs"]),
+        )
+        for one in data["pairs"]
+    )
+
+
 def _complex(pairs: Any) -> NDArray[np.complex128]:
     values = floats(pairs)
     together = np.asarray(values[..., 0] + 1j * values[..., 1])

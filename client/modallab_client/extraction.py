@@ -87,6 +87,16 @@ class StabilisationChart:
 
 
 @dataclass(frozen=True)
+class ModalPair:
+    """One mode as two tests see it that drive at each other's response."""
+
+    modes: tuple[int, int]  # of the one model and of the other, counted from 1
+    ratio: complex  # of the modal constants: 1 if reciprocal
+    ratio_error: float  # standard error of either part
+    differs: bool  # beyond its standard error
+
+
+@dataclass(frozen=True)
 class ReciprocalPair:
     """Two FRFs between the same points."""
 

@@ -239,6 +239,14 @@ def test_reciprocity_tabulates_its_pairs(lab: ModalLab, service: FakeService) ->
     assert "2 points" in found._repr_html_()
 
 
+def test_modal_constants_of_two_tests_are_compared(lab: ModalLab, service: FakeService) -> None:
+    pair = {"modes": [1, 2], "ratio": [1.0, 0.01], "ratio_error": 0.02, "differs": False}
+    service.on("GET /v1/modal-models/a/reciprocity", {"pairs": [pair]})
+    (found,) = lab.modal_models.reciprocity("a", "b")
+    assert service.requests[-1].url.params["other"] == "b"
+    assert (found.modes, found.ratio, found.differs) == ((1, 2), 1 + 0.01j, False)
+
+
 def measured() -> Measurement:
     return _wire.measurement({"id": "m1"}, {name: np.asarray(value) for name, value in MEASUREMENT.items()})
 

@@ -9,7 +9,7 @@ from numpy.typing import ArrayLike
 from modallab_client import _wire, _wire_extraction, _wire_modes
 from modallab_client._sync.jobs import Job
 from modallab_client._sync.shelf import Shelf
-from modallab_client.extraction import FitPicture, StabilisationChart
+from modallab_client.extraction import FitPicture, ModalPair, StabilisationChart
 from modallab_client.models import Frf
 from modallab_client.modes import ModalModel
 
@@ -114,6 +114,18 @@ class ModalModels(Shelf):
         """
         path = f"{self.path}/{modal_model_id}/frf"
         return _wire.read(_wire.frf, self._transport.npz(path, _wire.body(kind=kind)))
+
+    def reciprocity(self, modal_model_id: str, other: str) -> tuple[ModalPair, ...]:
+        """Return how modal constants agree with those of a test that drives where this one listens.
+
+        Parameters
+        ----------
+        modal_model_id, other
+            Two modal models, each with the other's drive point among its responses.
+        """
+        path = f"{self.path}/{modal_model_id}/reciprocity"
+        reply = self._transport.request("GET", path, params={"other": other})
+        return _wire.read(_wire_extraction.modal_pairs, reply)
 
     def import_(
         self,

@@ -228,3 +228,27 @@ def test_reciprocity_says_what_the_data_allow(service: Any, beam: str, measured:
     assert {pair["response"], pair["force"]} == {"1:+Y", "9:+Y"}
     assert complex_of(pair["scale"]) == pytest.approx(1.0, abs=1e-3)  # noise of 1e-3
     assert not pair["differs"]
+
+
+def test_two_tests_driven_at_each_others_response_have_the_same_modal_constants(
+    service: Any, beam: str
+) -> None:
+    ids = []
+    for drive in ("1:+Y", "9:+Y"):
+        rig = {"drive": drive, "responses": ["1:+Y", "9:+Y"], "noise": {"force": 1e-3, "response": 1e-3}}
+        body = {"structure_id": beam, "rig_id": service.post("/v1/rigs", rig)["id"], "route": "drawn"}
+        measured = service.result_of("/v1/measurements", body)
+        asked = {"measurement_id": measured, "bands": [[205.0, 217.0], [430.0, 450.0]]}
+        ids.append(service.result_of("/v1/modal-models", asked))
+    path = f"/v1/modal-models/{ids[0]}/reciprocity"
+    pairs = service.get(path, params={"other": ids[1]})["pairs"]
+    assert [pair["modes"] for pair in pairs] == [[1, 1], [2, 2]]
+    for pair in pairs:
+        # two noisy constants, each known to 1e-3, and the same bend of the neighbours in both
+        assert complex_of(pair["ratio"]) == pytest.approx(1.0, abs=0.02)
+    modes = [{"frequency": 20.0, "shape": [1, 1]}]
+    known = service.post("/v1/modal-models/import", {"modes": modes, "dofs": ["1:+Y", "2:+Y"]})["id"]
+    reply = service.request("GET", path, params={"other": known})
+    assert (reply.status_code, reply.json()["code"]) == (422, "invalid_input")
+    assert "no modal constants" in reply.json()["detail"]
+    assert service.request("GET", path, params={"other": "none"}).status_code == 404

@@ -20,6 +20,7 @@ from modallab.api.modal_models.fits import (
     measured_for,
 )
 from modallab.api.modal_models.found import ModalModelOut
+from modallab.api.modal_models.reciprocal import OTHER, ModalReciprocityOut
 from modallab.api.modal_models.schemas import ModalModelIn, ModalModelStart
 from modallab.api.shelves import add_routes
 from modallab.api.thinning import Points
@@ -122,6 +123,11 @@ def get_resynthesised(
     model = store.modal_models.get(id)
     measurement = measured_as(kind, measured_for(id, model, store))
     return npz_of(frf_arrays(resynthesised(measurement, model)), precision)
+
+
+@router.get("/{id}/reciprocity", summary="Modal constants beside those of a test driven at the response")
+def get_modal_reciprocity(id: IdPath, store: StoreDep, other: OTHER) -> ModalReciprocityOut:
+    return ModalReciprocityOut.of(store.modal_models.get(id), store.modal_models.get(other))
 
 
 @router.get("/{id}/modes.uff", response_class=Response, responses=UFF, summary="Modes as a universal file")
