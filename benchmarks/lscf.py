@@ -4,9 +4,9 @@ import numpy as np
 
 from benchmarks.timing import ratio
 from modallab.core.arrays import ComplexArray, FloatArray
-from modallab.extraction.fraction_poles import companions
-from modallab.extraction.global_method import GLOBAL_METHODS
-from modallab.extraction.matrix_fraction import fit_fractions, on_circle
+from modallab.extraction.jointly.fraction_poles import companions
+from modallab.extraction.jointly.global_method import GLOBAL_METHODS
+from modallab.extraction.jointly.matrix_fraction import fit_fractions, on_circle
 
 N_FRF, N_LINES, ORDER = 11, 801, 40
 N_MODES = 8

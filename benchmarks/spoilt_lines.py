@@ -7,8 +7,8 @@ from functools import cache
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
-from modallab.extraction.leakage import Leakage
-from modallab.extraction.method import ModeFit
+from modallab.extraction.measured.leakage import Leakage
+from modallab.extraction.singly.method import ModeFit
 
 FREQ: FloatArray = np.arange(80.0, 122.0)  # lines of 1 Hz, so that a bandwidth in Hz is one in lines
 AVERAGES = 100.0

@@ -15,8 +15,8 @@ from modallab.api.modal_models.fits import ChartOut, FitOut
 from modallab.core.dof import Dof
 from modallab.core.modal_model import ModalModel
 from modallab.extraction.extract import extract
-from modallab.extraction.global_method import GLOBAL_METHODS
-from modallab.extraction.method import EXTRACTION_METHODS
+from modallab.extraction.jointly.global_method import GLOBAL_METHODS
+from modallab.extraction.singly.method import EXTRACTION_METHODS
 from modallab.fe.assembly import assemble
 from modallab.fe.beam import beam
 from modallab.fe.damping import StructuralDamping

@@ -6,7 +6,7 @@ import pytest
 from PIL import Image
 
 from docs.gallery.extracted import FOLDER, LOSS, METHODS, MODE, draw, model, numbers
-from modallab.extraction.global_method import GLOBAL_METHODS
+from modallab.extraction.jointly.global_method import GLOBAL_METHODS
 from modallab.extraction.offered import offered
 from modallab.extraction.options import Damping
 

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.errors import NoModeInBandError
-from modallab.extraction.method import EXTRACTION_METHODS, PICTURES, TRAITS, ModeFit, Outcome, fit_mode
+from modallab.extraction.singly.method import EXTRACTION_METHODS, PICTURES, TRAITS, ModeFit, Outcome, fit_mode
 
 modes = st.builds(
     ModeFit,

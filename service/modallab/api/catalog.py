@@ -10,9 +10,9 @@ from pydantic import BaseModel
 
 from modallab.estimation.estimator import ESTIMATORS
 from modallab.estimation.windows import WINDOWS
-from modallab.extraction.global_method import GLOBAL_METHODS
-from modallab.extraction.method import EXTRACTION_METHODS
+from modallab.extraction.jointly.global_method import GLOBAL_METHODS
 from modallab.extraction.offered import offered
+from modallab.extraction.singly.method import EXTRACTION_METHODS
 from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.reduction import REDUCTIONS
 from modallab.rig.effect import EFFECTS

@@ -7,14 +7,14 @@ from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfSet
 from modallab.core.modal_model import ModalModel
 from modallab.core.progress import Progress, silent
-from modallab.extraction.global_method import GLOBAL_METHODS
 from modallab.extraction.globally import extract_globally
-from modallab.extraction.leakage import Leakage, biased
-from modallab.extraction.method import EXTRACTION_METHODS
+from modallab.extraction.jointly.global_method import GLOBAL_METHODS
+from modallab.extraction.measured.leakage import Leakage, biased
+from modallab.extraction.measured.noise_bias import noise_shares, without_noise_bias
+from modallab.extraction.measured.responses import Responses, responses_of
 from modallab.extraction.mode_by_mode import extract_mode_by_mode
-from modallab.extraction.noise_bias import noise_shares, without_noise_bias
 from modallab.extraction.options import ExtractionOptions
-from modallab.extraction.responses import Responses, responses_of
+from modallab.extraction.singly.method import EXTRACTION_METHODS
 
 CHOSEN = ExtractionOptions()  # everything from the data
 

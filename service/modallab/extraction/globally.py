@@ -9,20 +9,20 @@ from modallab.core.arrays import FloatArray, IntArray
 from modallab.core.errors import NoModeInBandError
 from modallab.core.modal_model import ModalModel
 from modallab.core.progress import Progress, part, silent
-from modallab.extraction.bands import Band, find_bands, given_bands, mode_indicator
-from modallab.extraction.choosing import ASKED
-from modallab.extraction.global_method import GlobalMethod
-from modallab.extraction.global_model import GlobalFit, modal_model
-from modallab.extraction.global_range import modes_of
-from modallab.extraction.leakage import Leakage
-from modallab.extraction.line_noise import knows_noise, line_weights
-from modallab.extraction.method import EXTRACTION_METHODS
+from modallab.extraction.collating.resynthesis import with_resynthesis
+from modallab.extraction.jointly.global_method import GlobalMethod
+from modallab.extraction.jointly.global_model import GlobalFit, modal_model
+from modallab.extraction.jointly.global_range import modes_of
+from modallab.extraction.jointly.refinement import Stretch
+from modallab.extraction.jointly.unleaked import Leaked, as_fit
+from modallab.extraction.measured.bands import Band, find_bands, given_bands, mode_indicator
+from modallab.extraction.measured.leakage import Leakage
+from modallab.extraction.measured.line_noise import knows_noise, line_weights
+from modallab.extraction.measured.responses import Responses
 from modallab.extraction.mode_by_mode import SMEARED, extract_mode_by_mode
 from modallab.extraction.options import ExtractionOptions
-from modallab.extraction.refinement import Stretch
-from modallab.extraction.responses import Responses
-from modallab.extraction.resynthesis import with_resynthesis
-from modallab.extraction.unleaked import Leaked, as_fit
+from modallab.extraction.singly.choosing import ASKED
+from modallab.extraction.singly.method import EXTRACTION_METHODS
 
 PER_PEAK = 4  # orders a peak: two hold its pole, the rest what lies beside it and noise
 BESIDE = 16  # orders more, for what lies outside the range

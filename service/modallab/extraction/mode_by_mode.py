@@ -9,18 +9,18 @@ from modallab.core.arrays import FloatArray
 from modallab.core.errors import NoModeInBandError
 from modallab.core.modal_model import ModalModel
 from modallab.core.progress import Progress, part, silent
-from modallab.extraction.bands import Band, find_bands, given_bands, mode_indicator
-from modallab.extraction.choosing import plan
-from modallab.extraction.collate import collate
-from modallab.extraction.fitting import Table, fit_all, gather
-from modallab.extraction.laws import LAWS
-from modallab.extraction.leakage import Leakage
-from modallab.extraction.method import TRAITS, ExtractionMethod
+from modallab.extraction.collating.collate import collate
+from modallab.extraction.collating.resynthesis import with_resynthesis
+from modallab.extraction.collating.shared_error import shared_error
+from modallab.extraction.measured.bands import Band, find_bands, given_bands, mode_indicator
+from modallab.extraction.measured.leakage import Leakage
+from modallab.extraction.measured.responses import Responses
+from modallab.extraction.measured.windows import place_windows
 from modallab.extraction.options import ExtractionOptions
-from modallab.extraction.responses import Responses
-from modallab.extraction.resynthesis import with_resynthesis
-from modallab.extraction.shared_error import shared_error
-from modallab.extraction.windows import place_windows
+from modallab.extraction.singly.choosing import plan
+from modallab.extraction.singly.fitting import Table, fit_all, gather
+from modallab.extraction.singly.laws import LAWS
+from modallab.extraction.singly.method import TRAITS, ExtractionMethod
 
 SMEARED = 3  # lines: the main lobe of a Hanning window and its first side lobe
 

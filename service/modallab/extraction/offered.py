@@ -4,9 +4,9 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields
 
 from modallab.core.errors import InvalidInputError
-from modallab.extraction.global_method import GLOBAL_METHODS
-from modallab.extraction.method import EXTRACTION_METHODS, MIN_LINES, TRAITS
-from modallab.extraction.options import MOST_ORDER, Damping, ExtractionOptions
+from modallab.extraction.jointly.global_method import GLOBAL_METHODS
+from modallab.extraction.options import MIN_LINES, MOST_ORDER, Damping, ExtractionOptions
+from modallab.extraction.singly.method import EXTRACTION_METHODS, TRAITS
 
 COUNT = "1"  # unit of what is counted
 

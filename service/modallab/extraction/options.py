@@ -4,8 +4,8 @@ from dataclasses import dataclass
 from enum import StrEnum
 
 from modallab.core.errors import InvalidInputError
-from modallab.extraction.method import MIN_LINES
 
+MIN_LINES = 4  # three complex unknowns and one line over, so that a misfit can show
 MOST_ORDER = 200
 
 

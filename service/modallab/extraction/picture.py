@@ -9,14 +9,14 @@ from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray, 
 from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfKind
 from modallab.core.modal_model import ModalModel
-from modallab.extraction.choosing import taken
-from modallab.extraction.fitting import Data, fit_all, gather
-from modallab.extraction.laws import LAWS, Law
-from modallab.extraction.leakage import Leakage
-from modallab.extraction.method import EXTRACTION_METHODS, MIN_LINES, PICTURES, ModeFit
-from modallab.extraction.options import Damping
-from modallab.extraction.responses import Responses
-from modallab.extraction.windows import Windows, without_nearest
+from modallab.extraction.measured.leakage import Leakage
+from modallab.extraction.measured.responses import Responses
+from modallab.extraction.measured.windows import Windows, without_nearest
+from modallab.extraction.options import MIN_LINES, Damping
+from modallab.extraction.singly.choosing import taken
+from modallab.extraction.singly.fitting import Data, fit_all, gather
+from modallab.extraction.singly.laws import LAWS, Law
+from modallab.extraction.singly.method import EXTRACTION_METHODS, PICTURES, ModeFit
 
 CURVE = 201  # points to draw a fit with
 TINY = 1e-300

@@ -10,12 +10,12 @@ from modallab.core.frf import FrfKind, FrfSet
 from modallab.core.modal_model import ModalModel
 from modallab.core.progress import Progress
 from modallab.estimation.windows import WINDOWS, added_loss_factor
+from modallab.extraction.collating.resynthesis import resynthesise
+from modallab.extraction.collating.window_damping import without_added
 from modallab.extraction.extract import extract, responses_read
-from modallab.extraction.leakage import Leakage
+from modallab.extraction.measured.leakage import Leakage
 from modallab.extraction.options import ExtractionOptions
 from modallab.extraction.picture import FitPicture, fit_picture
-from modallab.extraction.resynthesis import resynthesise
-from modallab.extraction.window_damping import without_added
 from modallab.jobs.destination import Destination
 from modallab.rig.excitation import EXCITATIONS
 from modallab.rig.measurement import Measurement

@@ -9,8 +9,8 @@ from modallab.core.errors import InvalidInputError, NoModeInBandError
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.core.modal_model import ModalModel
 from modallab.extraction.extract import extract
-from modallab.extraction.leakage import Leakage
-from modallab.extraction.method import EXTRACTION_METHODS, TRAITS
+from modallab.extraction.measured.leakage import Leakage
+from modallab.extraction.singly.method import EXTRACTION_METHODS, TRAITS
 from tests.service.extraction.conftest import Beam
 
 KINDS = sorted(EXTRACTION_METHODS)

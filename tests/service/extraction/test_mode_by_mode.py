@@ -7,8 +7,8 @@ from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.core.modal_model import ModalModel
 from modallab.extraction.extract import extract
-from modallab.extraction.method import EXTRACTION_METHODS, TRAITS
 from modallab.extraction.options import Damping, ExtractionOptions
+from modallab.extraction.singly.method import EXTRACTION_METHODS, TRAITS
 from tests.service.extraction.conftest import Beam
 
 EXACT = [kind for kind in sorted(EXTRACTION_METHODS) if TRAITS[kind].exact]

@@ -3,11 +3,11 @@
 import pytest
 
 from modallab.core.errors import InvalidInputError
-from modallab.extraction.choosing import plan
-from modallab.extraction.global_method import GLOBAL_METHODS
-from modallab.extraction.method import EXTRACTION_METHODS
+from modallab.extraction.jointly.global_method import GLOBAL_METHODS
 from modallab.extraction.offered import check_offered, offered
 from modallab.extraction.options import ExtractionOptions
+from modallab.extraction.singly.choosing import plan
+from modallab.extraction.singly.method import EXTRACTION_METHODS
 
 EVERY = ExtractionOptions(lines=12, leave_out=4, max_order=30)
 

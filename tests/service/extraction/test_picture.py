@@ -9,11 +9,11 @@ from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.core.modal_model import ModalModel
 from modallab.extraction.extract import CHOSEN, extract
-from modallab.extraction.leakage import Leakage
-from modallab.extraction.method import EXTRACTION_METHODS, TRAITS, ModeFit
+from modallab.extraction.measured.leakage import Leakage
+from modallab.extraction.measured.responses import Responses, responses_of
 from modallab.extraction.options import Damping, ExtractionOptions
 from modallab.extraction.picture import fit_picture
-from modallab.extraction.responses import Responses, responses_of
+from modallab.extraction.singly.method import EXTRACTION_METHODS, TRAITS, ModeFit
 from tests.service.extraction.conftest import Beam
 
 KINDS = sorted(EXTRACTION_METHODS)

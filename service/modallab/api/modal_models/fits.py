@@ -15,7 +15,7 @@ from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError, NotFoundError
 from modallab.core.frf import FrfSet
 from modallab.core.modal_model import ModalModel
-from modallab.extraction.global_method import GLOBAL_METHODS
+from modallab.extraction.jointly.global_method import GLOBAL_METHODS
 from modallab.extraction.picture import FitPicture
 from modallab.rig.measurement import Measurement
 from modallab.store.base import Store

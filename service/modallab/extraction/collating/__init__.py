@@ -1,0 +1,1 @@
+"""Fits of many FRFs made into one set of modes, and what is said about it."""

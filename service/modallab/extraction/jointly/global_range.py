@@ -1,0 +1,147 @@
+"""The modes of one stretch of the axis: poles of all FRFs, those that are modes, and the fit of these."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray
+from modallab.core.modal_model import StabilisationChart
+from modallab.core.progress import Progress, part
+from modallab.extraction.jointly.global_method import GlobalMethod, Poles
+from modallab.extraction.jointly.modal_fit import ModalFit
+from modallab.extraction.jointly.refinement import Stretch, refine, within
+from modallab.extraction.jointly.selection import NEAR, Selection, chart_of, select
+from modallab.extraction.jointly.stabilisation import stabilise
+from modallab.extraction.jointly.unleaked import Leaked, all_starts, cleaned, with_bias
+from modallab.extraction.options import Damping
+
+MOST_FRFS = 48  # that a pole finder is given; beyond, what they have in common
+SAME = 0.5  # half-power bandwidths: how far a pole of the chart may be from the mode fitted from it,
+SAME_LINES = 0.25  # or as much of this part of the lines' spacing, if that is more
+
+
+@dataclass(frozen=True, eq=False)
+class RangeModes:
+    """What a stretch holds."""
+
+    fit: ModalFit
+    weight: FloatArray  # (n_lines, n_frf) that the fit ended with
+    chart: StabilisationChart
+    reasons: tuple[str, ...]  # (n_modes,) in words
+    inside: BoolArray  # (n_modes,) False for a mode that lies beyond the ends: it serves as their residual
+    notes: tuple[str, ...]
+    # (n_modes, 2) by what frequency, Hz, and loss factor are off for leakage still, nearly; None without
+    leakage_bias: FloatArray | None = None
+
+
+def modes_of(
+    find: GlobalMethod,
+    stretch: Stretch,
+    orders: IntArray,
+    damping: Damping,
+    *,
+    leaked: Leaked | None,
+    progress: Progress,
+) -> RangeModes | None:
+    """Return the modes of a stretch; None if there is none.
+
+    Parameters
+    ----------
+    find
+        A member of `GLOBAL_METHODS`.
+    orders
+        (n_orders,) rising.
+    damping
+        Law of the modes fitted.
+    leaked
+        Leakage to be undone, and modes known one by one to undo it by; None where there is none.
+    """
+    progress(0.0, "looking for poles")
+    clean = stretch if leaked is None else cleaned(stretch, leaked, damping)
+    poles = find(clean.freq, *_for_poles(clean), orders)
+    if not len(poles.order):
+        return None
+    stability = stabilise(poles)
+    selection = select(poles, stability)
+    start = np.asarray(selection.frequency**2 * (2 * np.pi) ** 2 * (1 + 1j * selection.loss_factor))
+    if leaked is not None:
+        start = all_starts(start, leaked, stretch.freq)
+    if not len(start):
+        return None
+    refined = refine(clean, start, damping, part(progress, 0.2, 1.0))
+    if refined is None:
+        return None
+    if leaked is not None:
+        refined = with_bias(refined, stretch, damping)
+    fit, inside = refined.fit, within(refined.fit, stretch.freq)
+    match = _match(selection, fit, stretch.freq)
+    return RangeModes(
+        fit,
+        refined.weight,
+        _chart(poles, stability, selection, match),
+        tuple(_reason(selection, match, m) for m in range(len(fit.eigenvalue))),
+        inside,
+        (*selection.left_out, *refined.left_out),
+        refined.leakage_bias,
+    )
+
+
+def _for_poles(stretch: Stretch) -> tuple[ComplexArray, FloatArray]:
+    """Return mobility and its weights as a pole finder takes them, (n_lines, n_out, 1).
+
+    Of very many FRFs their strongest combinations: principal components, each FRF in parts of its
+    noise, so that the noise of the components is alike.
+    """
+    omega = 2 * np.pi * stretch.freq[:, None]
+    mobility, weight = 1j * omega * stretch.receptance, stretch.weight / omega**2
+    if mobility.shape[1] > MOST_FRFS:
+        used = weight > 0
+        noise = (used / np.where(used, weight, 1.0)).sum(axis=0) / np.maximum(used.sum(axis=0), 1)
+        level = 1 / np.sqrt(np.where(noise > 0, noise, np.inf))
+        even = np.where(used, mobility, 0) * level
+        _, _, directions = np.linalg.svd(even.conj().T @ even, hermitian=True)
+        some = directions[:MOST_FRFS]
+        variance = np.where(used, 1 / np.where(used, weight, 1.0), 0.0) * level**2 @ np.abs(some.T) ** 2
+        heard = variance > 0
+        mobility = even @ some.conj().T
+        weight = np.where(heard, 1 / np.where(heard, variance, 1.0), 0.0)
+    return np.asarray(mobility[:, :, None], complex), weight[:, :, None]
+
+
+def _match(selection: Selection, fit: ModalFit, freq: FloatArray) -> IntArray:
+    """Return which fitted mode each selected one became, -1 for none."""
+    if not len(selection.pole):
+        return np.zeros(0, int)
+    width = fit.loss_factor * fit.frequency
+    reach = np.maximum(width, SAME_LINES * float(np.median(np.diff(freq))))
+    away = np.abs(selection.frequency[:, None] - fit.frequency) / reach
+    nearest = away.argmin(axis=1)
+    near = away[np.arange(len(nearest)), nearest] < SAME
+    return np.where(near, nearest, -1)
+
+
+def _chart(poles: Poles, stability: IntArray, selection: Selection, match: IntArray) -> StabilisationChart:
+    chart = chart_of(poles, stability, selection)
+    mode = np.append(match, -1)[selection.mode]  # -1 finds the -1 at the end
+    return StabilisationChart(chart.order, chart.frequency, chart.loss_factor, chart.stability, mode)
+
+
+def _reason(selection: Selection, match: IntArray, mode: int) -> str:
+    reasons = [selection.reasons[m] for m in np.flatnonzero(match == mode)]
+    return "; ".join(reasons) or "needed beside the others"
+
+
+def pairs(fit: ModalFit, among: Sequence[int]) -> dict[int, list[str]]:
+    """Return, for modes that share their resonance with others, what to say of it."""
+    width = fit.loss_factor * fit.frequency
+    said: dict[int, list[str]] = {}
+    for r in among:
+        for s in among:
+            gap = abs(fit.frequency[r] - fit.frequency[s]) / max(width[r], width[s])
+            if r != s and gap < NEAR:
+                covariance = fit.eigenvalue_covariance[r, s]
+                tie = covariance / max(fit.frequency_error[r] * fit.frequency_error[s], 1e-300)
+                text = f"pair: with {fit.frequency[s]:.5g} Hz, {gap:.2g} bandwidths away"
+                said.setdefault(r, []).append(f"{text}, errors of the two frequencies correlated {tie:+.2f}")
+    return said

@@ -1,0 +1,105 @@
+"""Poles made into modes: all fitted together, those that are none left out, what lies beyond allowed for."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from modallab.core.arrays import BoolArray, ComplexArray, FloatArray
+from modallab.core.progress import Progress, part
+from modallab.extraction.jointly.modal_fit import ModalFit, fit_modes, fitted_receptance
+from modallab.extraction.jointly.projection import disturbed
+from modallab.extraction.jointly.selection import NEAR
+from modallab.extraction.measured.line_noise import weights_from_residuals
+from modallab.extraction.options import Damping
+
+SEEN = 5.0  # standard errors: noise alone shows a modal constant so large once in 300,000 FRFs
+SURE = 0.5  # of a bandwidth or a line: a mode less surely placed may be none
+ROUNDS = 12  # of leaving out modes that prove to be none
+REWEIGHTED = 2  # times, where only residuals tell the random error
+ABOVE, BELOW = 1.2, 0.8  # of the ends of the range, where a mode beyond is looked for first
+BEYOND_DAMPING = 0.01
+
+
+@dataclass(frozen=True, eq=False)
+class Stretch:
+    """Lines of a range, and all that is known of them."""
+
+    freq: FloatArray  # (n_lines,) Hz
+    receptance: ComplexArray  # (n_lines, n_frf) m/N
+    weight: FloatArray  # (n_lines, n_frf) one over E|error|^2
+    known: bool  # whether the weights are the random error; else a shape that they may have
+
+
+@dataclass(frozen=True, eq=False)
+class Refined:
+    """All modes of a stretch fitted."""
+
+    fit: ModalFit
+    weight: FloatArray  # (n_lines, n_frf) that the fit ended with
+    left_out: tuple[str, ...]  # in words
+    # (n_modes, 2) by what frequency, Hz, and loss factor may be off for leakage still; None without
+    leakage_bias: FloatArray | None = None
+
+
+def refine(stretch: Stretch, start: ComplexArray, damping: Damping, progress: Progress) -> Refined | None:
+    """Return the fit of all modes that are seen; None if there is none.
+
+    Parameters
+    ----------
+    start
+        (n_modes,) omega_r^2 (1 + i eta_r), (rad/s)^2, from a pole finder.
+    damping
+        Law of the modes.
+    """
+    weight = stretch.weight
+    left_out: list[str] = []
+    start = _with_modes_beyond(start, stretch.freq)
+    for n in range(ROUNDS):
+        step = part(progress, n / ROUNDS, (n + 1) / ROUNDS)
+        fit = fit_modes(stretch.freq, stretch.receptance, weight, start, damping=damping, progress=step)
+        if not stretch.known and n < REWEIGHTED:
+            fitted = fitted_receptance(fit, stretch.freq, damping)
+            weight = weights_from_residuals(stretch.receptance, fitted, stretch.weight)
+            start = fit.eigenvalue
+            continue
+        none = none_of(fit, stretch.freq)
+        if not none.any():
+            return Refined(fit, weight, tuple(left_out))
+        left_out += [f"{f:.4g} Hz: no FRF shows it beyond its random error" for f in fit.frequency[none]]
+        if not (within(fit, stretch.freq) & ~none).any():
+            return None
+        start = fit.eigenvalue[~none]
+    return Refined(fit, weight, tuple(left_out))
+
+
+def within(fit: ModalFit, freq: FloatArray) -> BoolArray:
+    """Return which modes lie inside the range."""
+    return np.asarray((fit.frequency >= freq[0]) & (fit.frequency <= freq[-1]))
+
+
+def none_of(fit: ModalFit, freq: FloatArray) -> BoolArray:
+    """Return which modes inside the range are none: nowhere seen, or hardly placed.
+
+    Where two share one resonance and either might be left out, the one less seen.
+    """
+    spacing = float(np.median(np.diff(freq)))
+    width = fit.loss_factor * fit.frequency
+    shown = (np.abs(fit.modal_constant) / np.maximum(fit.modal_constant_error, 1e-300)).max(axis=1)
+    sure = (fit.frequency_error < SURE * np.maximum(width, spacing)) & (
+        fit.loss_factor_error < fit.loss_factor
+    )
+    none = ((shown < SEEN) | ~sure) & within(fit, freq)
+    near = np.abs(fit.frequency[:, None] - fit.frequency) < NEAR * np.maximum(width[:, None], width)
+    surer = shown[None, :] < shown[:, None]
+    return np.asarray(none & ~(near & none[None, :] & surer).any(axis=1))
+
+
+def _with_modes_beyond(start: ComplexArray, freq: FloatArray) -> ComplexArray:
+    """Return the eigenvalues with one beyond either end of a range that such a mode bends, and that can tell.
+
+    A mode not far beyond is no constant over the range.
+    """
+    if not disturbed(freq):
+        return start
+    beyond = np.array([BELOW * freq[0], ABOVE * freq[-1]])
+    return np.append(start, (2 * np.pi * beyond) ** 2 * (1 + 1j * BEYOND_DAMPING))

@@ -1,0 +1,1 @@
+"""One mode from a window of one FRF, for many windows at once."""
