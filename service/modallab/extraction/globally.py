@@ -1,6 +1,7 @@
 """Modes by global methods: poles of all FRFs together, one fit of all modes, with honest errors."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from itertools import pairwise
 
 import numpy as np
@@ -9,6 +10,7 @@ from modallab.core.arrays import FloatArray, IntArray
 from modallab.core.errors import NoModeInBandError
 from modallab.core.modal_model import ModalModel
 from modallab.core.progress import Progress, part, silent
+from modallab.extraction.collating.collated_words import wander_notes
 from modallab.extraction.collating.resynthesis import with_resynthesis
 from modallab.extraction.jointly.global_method import GlobalMethod
 from modallab.extraction.jointly.global_model import GlobalFit, modal_model
@@ -21,13 +23,14 @@ from modallab.extraction.measured.line_noise import knows_noise, line_weights
 from modallab.extraction.measured.responses import Responses
 from modallab.extraction.mode_by_mode import SMEARED, extract_mode_by_mode
 from modallab.extraction.options import ExtractionOptions
-from modallab.extraction.singly.choosing import ASKED
+from modallab.extraction.singly.choosing import law_of
 from modallab.extraction.singly.method import EXTRACTION_METHODS
 
 PER_PEAK = 4  # orders a peak: two hold its pole, the rest what lies beside it and noise
 BESIDE = 16  # orders more, for what lies outside the range
 LEAST_ORDER = 4
 BEGIN = "dobson"  # undoes leakage of modes apart
+WITNESSES = 24  # FRFs that tell whether all are of one structure
 LINES_PER_ORDER = 3  # fewer lines than unknowns fit anything
 
 
@@ -74,7 +77,9 @@ def extract_globally(
     indicator = mode_indicator(responses.mobility, responses.coherent)
     ranges = _ranges(responses, indicator, bands)
     weights = line_weights(responses, bias)
-    leaked = None if leakage is None else _one_by_one(responses, options, leakage)
+    alone = _one_by_one(responses, options, leakage)
+    known = None if alone is None else as_fit(alone)
+    leaked = None if leakage is None else Leaked(leakage, known, responses.drive_row)
     fits, choices = [], {}
     for number, lines in enumerate(ranges):
         here = part(progress, 0.95 * number / len(ranges), 0.95 * (number + 1) / len(ranges))
@@ -102,10 +107,11 @@ def extract_globally(
         n_modes=n_modes,
         choices={
             **choices,
-            "damping": f"{options.damping}: {ASKED}",
+            "damping": law_of(options),
             "range": _said(responses.freq, ranges, bands),
         },
     )
+    model = replace(model, notes=(*_not_of_one_structure(alone), *model.notes))
     return with_resynthesis(
         model,
         responses,
@@ -114,12 +120,17 @@ def extract_globally(
     )
 
 
-def _one_by_one(responses: Responses, options: ExtractionOptions, leakage: Leakage) -> Leaked:
-    """Return the leakage with modes as a method sees them that undoes it mode by mode."""
+def _one_by_one(
+    responses: Responses, options: ExtractionOptions, leakage: Leakage | None
+) -> ModalModel | None:
+    """Return modes as a method sees them that takes them and the FRFs one by one; None if it sees none.
+
+    Where nothing leaks some of the FRFs will do: they only have to say whether they are of one structure.
+    """
     try:
-        model = extract_mode_by_mode(
+        return extract_mode_by_mode(
             EXTRACTION_METHODS[BEGIN],
-            responses,
+            responses if leakage is not None else _some(responses),
             ExtractionOptions(damping=options.damping),
             method=BEGIN,
             bands=None,
@@ -127,8 +138,30 @@ def _one_by_one(responses: Responses, options: ExtractionOptions, leakage: Leaka
             leakage=leakage,
         )
     except NoModeInBandError:
-        return Leaked(leakage, None, responses.drive_row)
-    return Leaked(leakage, as_fit(model), responses.drive_row)
+        return None
+
+
+def _some(responses: Responses) -> Responses:
+    """Return the FRFs, of many some evenly among them and that of the drive point."""
+    n = len(responses.dofs)
+    rows = np.unique(np.linspace(0, n - 1, min(n, WITNESSES)).round().astype(int))
+    if responses.drive_row is not None:
+        rows = np.union1d(rows, [responses.drive_row])
+    return replace(
+        responses,
+        receptance=responses.receptance[:, rows],
+        coherence=responses.coherence[:, rows],
+        dofs=tuple(responses.dofs[row] for row in rows),
+    )
+
+
+def _not_of_one_structure(alone: ModalModel | None) -> Iterator[str]:
+    """Yield a warning where FRFs have no poles in common, and what moves them."""
+    if alone is None or alone.wander is None:
+        return
+    cause, *_ = wander_notes(alone.wander, alone.dofs)
+    yield f"a global method takes all FRFs to be of one structure, and these are not: {cause}"
+    yield "modes may be split or doubled here; a method that fits each FRF by itself follows them"
 
 
 def _ranges(

@@ -68,6 +68,19 @@ def test_the_wrong_law_of_damping_moves_a_frequency_by_the_square_of_the_damping
     np.testing.assert_allclose(model.loss_factors, made.loss_factor, rtol=2e-2)
 
 
+def test_frfs_of_several_structures_are_told_from_those_of_one(
+    plain_beam: Beam, roving_beam: Beam, freq: np.ndarray
+) -> None:
+    def warnings(beam: Beam) -> list[str]:
+        noisy, coherence = noise_of(beam.frf(freq), 1, 100.0)
+        model = extract(noisy, coherence=coherence, averages=100.0, method=METHOD)
+        return [note for note in model.notes if "of one structure" in note]
+
+    assert warnings(plain_beam) == []
+    (warning,) = warnings(roving_beam)
+    assert "as the accelerometer roves" in warning
+
+
 def test_modes_of_clean_responses_are_exact(plain_beam: Beam, freq: np.ndarray) -> None:
     model = extract(plain_beam.frf(freq), coherence=None, averages=CLEAN, method=METHOD)
     # what lies above the range is two poles here, and of 34 modes

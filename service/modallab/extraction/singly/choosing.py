@@ -40,9 +40,15 @@ def plan(method: str, options: ExtractionOptions, leakage: Leakage | None) -> Pl
     choices = {
         "lines": f"{lines}: {why_lines}",
         "leave_out": f"{leave_out}: {why_out}",
-        "damping": f"{options.damping}: {ASKED}",
+        "damping": law_of(options),
     }
     return Plan(lines, WIDTHS if options.lines is None else 0.0, leave_out, choices)
+
+
+def law_of(options: ExtractionOptions) -> str:
+    """Return the law of damping, and whether anybody asked for it."""
+    why = "unless another is asked for" if options.damping is ExtractionOptions.damping else ASKED
+    return f"{options.damping}: {why}"
 
 
 def taken(choices: Mapping[str, str], option: str) -> str | None:
