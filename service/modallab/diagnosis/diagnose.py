@@ -7,12 +7,13 @@ from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.progress import Progress, Pulse, part, silent
 from modallab.diagnosis.findings import curves, extended, rivals, step, tolerated
+from modallab.diagnosis.fitting.fit import fit
 from modallab.diagnosis.locating.evidence import gather
 from modallab.diagnosis.locating.locating import locate
 from modallab.diagnosis.numbers.tolerances import NONE, Tolerances, nuisances
-from modallab.diagnosis.observing.observed import Observed, observe
+from modallab.diagnosis.observing.observed import observe
 from modallab.diagnosis.observing.residual import scatter
-from modallab.diagnosis.predicting.holding_out import held_out
+from modallab.diagnosis.predicting.holding_out import held_out, standing_out
 from modallab.diagnosis.predicting.joint import FollowUp, Further, Joint
 from modallab.diagnosis.predicting.limitations import limitations
 from modallab.diagnosis.predicting.predictor import Predictor, check_comparable
@@ -74,28 +75,34 @@ def diagnose(
     for test in (measurement, *further):
         check_comparable(structure, test)
     held, unmeasured = held_out(structure, measurement, hold_out_fraction, hold_out, seed)
-    tests = [measurement, *further]
-    seen = [observe(test, held, fraction=hold_out_fraction) for test in tests]
     pulse = Pulse(progress)
     pulse(0.0, "predicting what the model and the log book say")
-    predictor = _predicting(structure, tests, seen, tolerances, pulse)
+    tests = [measurement, *further]
+    predictor = _predicting(structure, tests, held, hold_out_fraction, tolerances, pulse)
+    start = fit(predictor, ())
+    # What is tolerated of every channel hides until now that something is wrong with one.
+    spared = standing_out(predictor.observed, start.residual) if tolerances != NONE else ()
+    if {dof.point for dof in spared} & ({dof.point for dof in held} - {dof.point for dof in hold_out}):
+        held, _ = held_out(structure, measurement, hold_out_fraction, hold_out, seed, spared=spared)
+        predictor = _predicting(structure, tests, held, hold_out_fraction, tolerances, pulse)
+        start = fit(predictor, ())
     observed = predictor.observed
     evidence = gather(predictor.tests[0], [])
     candidates = Suspects(suspected(predictor, suspects), RULED_OUT if suspects is None else 0.0)
-    path = search(predictor, candidates, max_effects=max_effects, progress=pulse)
+    path = search(predictor, start, candidates, max_effects=max_effects, progress=pulse)
     pulse(0.94, "writing down what was found")
     explained = only_noise_left(predictor, path.fit.residual)
     steps = tuple(step(predictor, accepted, path.fit, explained=explained) for accepted in path.steps)
     verdict = _verdict(explained, steps)
     model, log_book = extended(structure, measurement.setup, path.fit.effects)
-    start, left = path.start.residual, path.fit.residual
+    left = path.fit.residual
     return Diagnosis(
         verdict=verdict,
         located=locate(predictor, evidence),
         steps=steps,
         remaining_gap=left.gap(observed.usable),
         remaining_scatter=scatter(observed, left, observed.usable),
-        gaps={"before": start.gaps(observed.usable), "after": left.gaps(observed.usable)},
+        gaps={"before": start.residual.gaps(observed.usable), "after": left.gaps(observed.usable)},
         structure=model,
         setup=log_book,
         curves=curves(predictor, measurement, path.fit, unmeasured),
@@ -111,11 +118,13 @@ def diagnose(
 def _predicting(
     structure: Structure,
     tests: Sequence[Measurement],
-    seen: Sequence[Observed],
+    held: Sequence[Dof],
+    fraction: float,
     tolerances: Tolerances,
     pulse: Pulse,
 ) -> Predictor:
     """Return what predicts all tests, with the numbers of model and rig free within tolerances."""
+    seen = [observe(test, held, fraction=fraction) for test in tests]
     first = Predictor(structure, tests[0].setup, seen[0])
     first.alive = pulse.beat
     everywhere = _wherever_heard([test.setup for test in tests])

@@ -1,13 +1,13 @@
 """Which FRFs no fit may see, so that a prediction of them can judge it."""
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 
 import numpy as np
 
-from modallab.core.arrays import BoolArray
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
-from modallab.diagnosis.observing.observed import observe
+from modallab.diagnosis.observing.observed import Observed, observe
+from modallab.diagnosis.observing.residual import Residual
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.fe.structure import Structure
 from modallab.rig.measurement import Measurement
@@ -17,7 +17,13 @@ STANDS_OUT = 3.0  # times the median gap of a test's channels: something is wron
 
 
 def held_out(
-    structure: Structure, measurement: Measurement, fraction: float, named: Sequence[Dof], seed: int
+    structure: Structure,
+    measurement: Measurement,
+    fraction: float,
+    named: Sequence[Dof],
+    seed: int,
+    *,
+    spared: Collection[Dof] = (),
 ) -> tuple[list[Dof], tuple[Dof, ...]]:
     """Return the measured responses to hold out, and the unmeasured ones to predict.
 
@@ -30,6 +36,8 @@ def held_out(
     seed
         Draws the others. The drive point is not drawn, it alone ties the FRFs to the force; nor is a
         channel that disagrees far more than the rest: what is wrong with one channel only that one can tell.
+    spared
+        Channels that are not drawn either.
 
     Raises
     ------
@@ -52,19 +60,20 @@ def held_out(
     unmeasured = tuple(dof for dof in named if dof.point not in outputs)
     wanted = int(fraction * len(outputs)) - len(held)
     if len(outputs) >= FEW and wanted > 0:
-        alone = dict(zip(outputs, _standing_out(structure, measurement), strict=True))
+        observed = observe(measurement, (), fraction=0.0)
+        left = Predictor(structure, measurement.setup, observed).residual(())
+        alone = {dof.point for dof in (*standing_out(observed, left), *spared)}
         free = [d for d in outputs.values() if d not in held and d.point != measurement.setup.drive.point]
-        free = [d for d in free if not alone[d.point]] or free
+        free = [d for d in free if d.point not in alone] or free
         drawn = np.random.default_rng(seed).choice(len(free), size=min(wanted, len(free)), replace=False)
         held += [free[i] for i in sorted(drawn)]
     return held, unmeasured
 
 
-def _standing_out(structure: Structure, measurement: Measurement) -> BoolArray:
-    """Return the responses (n_out,) that disagree with the model far more than the others do."""
-    observed = observe(measurement, (), fraction=0.0)
-    left = Predictor(structure, measurement.setup, observed).residual(())
+def standing_out(observed: Observed, left: Residual) -> tuple[Dof, ...]:
+    """Return the responses that disagree with a prediction far more than the others do."""
     parts = [part for name, part in left.judged.items() if name != "force"]
     squares = [(np.abs(part) ** 2 * observed.usable).sum(axis=0) for part in parts]
     gaps = np.mean(squares, axis=0) / np.maximum(observed.usable.sum(axis=0), 1)
-    return np.asarray(gaps > STANDS_OUT * max(float(np.median(gaps)), 1.0))
+    alone = gaps > STANDS_OUT * max(float(np.median(gaps)), 1.0)
+    return tuple(dof for dof, far in zip(observed.outputs, alone, strict=True) if far)

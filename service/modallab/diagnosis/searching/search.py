@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 
 from modallab.core.progress import Progress, part
-from modallab.diagnosis.fitting.fit import Fit, fit
+from modallab.diagnosis.fitting.fit import Fit
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.searching.judging import CONVINCING, improves, only_noise_left, temperature
 from modallab.diagnosis.searching.path import Accepted, Path, name_of, put_right
@@ -14,14 +14,20 @@ BRANCHES = 3  # first effects, of as many kinds, that are followed up by a secon
 MUCH = 0.5  # of what was above 1 that an effect leaves at most where a third one is worth looking for
 
 
-def search(predictor: Predictor, suspects: Suspects, *, max_effects: int, progress: Progress) -> Path:
+def search(
+    predictor: Predictor, start: Fit, suspects: Suspects, *, max_effects: int, progress: Progress
+) -> Path:
     """Return the effects that explain the measurement, each better than noise could.
 
     Greedy, all accepted effects fitted together at every step. The first of a pair need not be the one
     that alone explains most: where it and the best second one are not a full explanation, the best of
     other kinds are followed up by a second effect too, and the best pair is where the search goes on.
+
+    Parameters
+    ----------
+    start
+        The fit without any effect.
     """
-    start = fit(predictor, ())
     if only_noise_left(predictor, start.residual):
         return Path(start)
     progress(0.05, f"gap {start.residual.gap(predictor.observed.fitted):.3g}")
