@@ -59,8 +59,11 @@ def test_a_free_beam_held_in_rotation_has_the_frequencies_of_its_equation(stiffn
     wanted = (np.array(roots) / length) ** 2 * np.sqrt(rigidity / mass) / (2 * np.pi)
     found = loaded(StingerBending(stiffness=stiffness), Dof(1, "Y"))
     assert len(wanted) >= 4
-    # 60 elements err by some 1e-6 in frequency, falling with the fourth power of their number
-    np.testing.assert_allclose(found[:4], wanted[:4], rtol=2e-6)
+    # 60 elements err by some 1e-6 in frequency, falling with the fourth power of their number; and every
+    # eigenvalue by the rounding of the largest one, which a spring that hardly holds the beam feels
+    highest = assemble(steel_beam(n_elements=60)).modes().eigenvalues.real.max()
+    rounding = np.finfo(float).eps * highest / (8 * np.pi**2 * wanted[:4])
+    assert (np.abs(found[:4] - wanted[:4]) < 2e-6 * wanted[:4] + rounding).all()
 
 
 def rod_elements(
