@@ -195,24 +195,32 @@ def lessened(narrow: Observed, wide: Observed) -> FloatArray:
     return both.vector(narrow.fitted)
 
 
-def correlations(observed: Observed, left: Residual) -> dict[str, float]:
+def correlations(observed: Observed, left: Residual, *, reach: int | None = None) -> dict[str, float]:
     """Return for each part how many lines one independent line stands for.
 
     Of a window alone it is known; leakage spreads the same few random numbers of a resonance over
     all lines, as do blows that differ, which the residuals' own correlation tells.
+
+    Parameters
+    ----------
+    reach
+        How far apart lines may be that have random numbers in common; any distance by default, but then
+        what is missing and changes slowly from line to line looks like leakage too.
     """
     if not left.tied:
         return dict.fromkeys(left.parts, observed.correlation)
     return {
-        name: _correlation(np.where(_of_runs(observed.usable, part.shape[1]), part, 0.0))
+        name: _correlation(np.where(_of_runs(observed.usable, part.shape[1]), part, 0.0), reach)
         for name, part in left.judged.items()
     }
 
 
-def scatters(observed: Observed, left: Residual, where: BoolArray) -> dict[str, float]:
-    """Return the random error of each part's gap over `where` if nothing is missing."""
+def scatters(
+    observed: Observed, left: Residual, where: BoolArray, *, reach: int | None = None
+) -> dict[str, float]:
+    """Return the random error of each part's gap over `where` if nothing is missing; `reach` as above."""
     errors: dict[str, float] = {}
-    for name, correlation in correlations(observed, left).items():
+    for name, correlation in correlations(observed, left, reach=reach).items():
         part = left.parts[name]
         # A complex residual has two numbers in it, so its mean square scatters less.
         # It is weighed by a coherence that was measured: its square over that is an F-distributed one.
@@ -240,11 +248,11 @@ def _shared(part: ComplexArray | FloatArray) -> float:
     return float(np.maximum(likeness, 0.0).sum() / len(likeness))
 
 
-def _correlation(part: ComplexArray | FloatArray) -> float:
-    """Return how many lines one independent line stands for: 1 + 2 sum (1 - k/n) |rho_k|^2 over all lags."""
+def _correlation(part: ComplexArray | FloatArray, reach: int | None) -> float:
+    """Return how many lines one independent line stands for: 1 + 2 sum (1 - k/n) |rho_k|^2 over the lags."""
     n = len(part)
     spectrum = np.fft.fft(part, 2 * n, axis=0)
     covariance = np.fft.ifft((np.abs(spectrum) ** 2).sum(axis=1))[:n]
     seen = 1 - np.arange(1, n) / n  # of n lines only n - k pairs are k apart
     rho = np.abs(covariance[1:]) / max(float(np.abs(covariance[0])), 1e-300) / seen
-    return float(1 + 2 * (seen * np.minimum(rho, 1.0) ** 2).sum())
+    return float(1 + 2 * (seen * np.minimum(rho, 1.0) ** 2)[:reach].sum())

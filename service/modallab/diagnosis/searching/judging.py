@@ -20,15 +20,22 @@ LINES_APART = 4  # lines of a channel that are held out: every so many
 ROUNDING = 0.1  # difference in BIC of two descriptions of one and the same physics
 CLEAR = 2.0  # standard errors that a parameter keeps from `absent`
 UNTOLD = 0.25  # of its bounds' distance: a standard error of a number that nothing tells
+NEAR_LINES = 8  # lines apart, over which windows and sharp resonances spread a random number
 TOLD = 2.0  # standard errors of a gap on what was held out that an effect has to close to be told by it
 CHANCE = 3e-5  # probability below which a gap above 1 is not put down to chance: four standard errors
 
 
-def only_noise_left(predictor: Predictor, left: Residual) -> bool:
-    """Return whether every part of the gap is 1 within its scatter, fitted and held out alike."""
+def only_noise_left(predictor: Predictor, left: Residual, *, reach: int | None = None) -> bool:
+    """Return whether every part of the gap is 1 within its scatter, fitted and held out alike.
+
+    Parameters
+    ----------
+    reach
+        As `correlations`: with `NEAR_LINES` a gap has to be small to pass, and without it large to fail.
+    """
     observed = predictor.observed
     for where in (observed.fitted, observed.kept):
-        errors = scatters(observed, left, where)
+        errors = scatters(observed, left, where, reach=reach)
         if any(gap > highest_by_chance(errors[part]) for part, gap in left.gaps(where).items()):
             return False
     return True

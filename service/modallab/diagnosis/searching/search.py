@@ -5,7 +5,13 @@ from collections.abc import Sequence
 from modallab.core.progress import Progress, part
 from modallab.diagnosis.fitting.fit import Fit
 from modallab.diagnosis.predicting.predictor import Predictor
-from modallab.diagnosis.searching.judging import CONVINCING, improves, only_noise_left, temperature
+from modallab.diagnosis.searching.judging import (
+    CONVINCING,
+    NEAR_LINES,
+    improves,
+    only_noise_left,
+    temperature,
+)
 from modallab.diagnosis.searching.path import Accepted, Path, name_of, put_right
 from modallab.diagnosis.searching.several import PAIR, borne_out, several_elements
 from modallab.diagnosis.searching.trials import Suspects, trials
@@ -28,7 +34,8 @@ def search(
     start
         The fit without any effect.
     """
-    if only_noise_left(predictor, start.residual):
+    # Leakage may go together over all lines, but so does what is missing: that has to be looked for.
+    if only_noise_left(predictor, start.residual, reach=NEAR_LINES):
         return Path(start)
     progress(0.05, f"gap {start.residual.gap(predictor.observed.fitted):.3g}")
     first = trials(predictor, start, suspects, progress=part(progress, 0.05, 0.25))
