@@ -13,6 +13,7 @@ from modallab.extraction.measured.leakage import Leakage, biased
 from modallab.extraction.measured.noise_bias import noise_shares, without_noise_bias
 from modallab.extraction.measured.responses import Responses, responses_of
 from modallab.extraction.mode_by_mode import extract_mode_by_mode
+from modallab.extraction.offered import check_offered
 from modallab.extraction.options import ExtractionOptions
 from modallab.extraction.singly.method import EXTRACTION_METHODS
 
@@ -70,13 +71,7 @@ def extract(
     """
     if n_modes is not None and n_modes < 1:
         raise InvalidInputError("at least one mode", field="n_modes", value=n_modes, allowed="1 or more")
-    if method not in EXTRACTION_METHODS and method not in GLOBAL_METHODS:
-        raise InvalidInputError(
-            f"no extraction method called {method!r}",
-            field="method",
-            value=method,
-            allowed=", ".join([*EXTRACTION_METHODS, *GLOBAL_METHODS]),
-        )
+    check_offered(method, options)
     responses, bias = responses_read(frf, coherence, averages, leakage=leakage, estimator=estimator)
     if method in GLOBAL_METHODS:
         return extract_globally(

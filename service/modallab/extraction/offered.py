@@ -67,8 +67,10 @@ def check_offered(method: str, options: ExtractionOptions) -> None:
     for field in fields(options):
         given = getattr(options, field.name)
         if field.name not in able and given:  # no line left out is what such a method does anyway
+            near = field.name == "leave_out" and method in EXTRACTION_METHODS
+            why = f": {method} needs the lines nearest resonance" if near else ""
             raise InvalidInputError(
-                f"{method} has no option {field.name!r}",
+                f"{method} has no option {field.name!r}{why}",
                 field=field.name,
                 value=given,
                 allowed=", ".join(able),

@@ -10,6 +10,7 @@ from modallab.core.frf import FrfKind, FrfSet
 from modallab.core.modal_model import ModalModel
 from modallab.extraction.extract import extract
 from modallab.extraction.measured.leakage import Leakage
+from modallab.extraction.options import ExtractionOptions
 from modallab.extraction.singly.method import EXTRACTION_METHODS, TRAITS
 from tests.service.extraction.conftest import Beam
 
@@ -266,3 +267,8 @@ def test_whatever_comes_in_there_is_an_answer_or_a_named_error(seed: int) -> Non
             assert np.isfinite(model.shapes).all()
             assert np.isfinite(model.frequencies).all()
             assert all(np.isfinite(list(mode.standard_errors.values())).all() for mode in model.modes)
+
+
+def test_an_option_that_a_method_lacks_is_refused_and_not_ignored(plain_beam: Beam, freq: FloatArray) -> None:
+    with pytest.raises(InvalidInputError, match="dobson has no option 'max_order'"):
+        extract(plain_beam.frf(freq), coherence=None, averages=CLEAN, options=ExtractionOptions(max_order=20))
