@@ -19,6 +19,7 @@ from modallab.rig.effect import Effect
 PLACES = 4  # of a kind that go on, for each widening
 ENOUGH = 1500  # numbers of FRFs, of all channels, that places are told apart by
 ROUGHLY = 2  # places of a nonlinear force that go on, for each widening
+SIZES = 5  # of it, or a few more, that its places are told apart by
 CHANNELS = 3  # that disagree most and may be at fault, for each widening
 
 
@@ -107,9 +108,10 @@ def _best(places: Sequence[_Look]) -> list[list[Effect]]:
 
 
 def _likely(glimpses: Glimpses, accepted: Sequence[Effect], places: list[list[Effect]]) -> list[list[Effect]]:
-    """Return the places where one size of a kind, or more or less of it in a straight line, leaves least.
+    """Return the places where a few sizes of a kind, or more or less of each in a straight line, leave least.
 
-    Nonlinear forces: a prediction of each costs many times that of anything else.
+    Nonlinear forces: a prediction of each costs many times that of anything else. One size would not do:
+    a hundred times what is there it explains nothing anywhere, and its straight line misleads.
     """
     if len(places) <= ROUGHLY or len(places[0]) <= 2:
         return places
@@ -121,9 +123,11 @@ def _likely(glimpses: Glimpses, accepted: Sequence[Effect], places: list[list[Ef
     nothing = left(accepted)
     start, leaves = costs.cleared(nothing), []
     for sizes in places:
-        moved = left([*accepted, sizes[len(sizes) // 2]])
-        along = nothing + downhill(start, costs.cleared(moved)) * (moved - nothing)
-        leaves.append(costs.of(np.array([moved, along])).min(axis=0))
+        looks = []
+        for size in sizes[:: max(1, len(sizes) // SIZES)]:
+            moved = left([*accepted, size])
+            looks += [moved, nothing + downhill(start, costs.cleared(moved)) * (moved - nothing)]
+        leaves.append(costs.of(np.array(looks)).min(axis=0))
     order = np.argsort(leaves, axis=0)[:ROUGHLY]
     return [places[i] for i in np.unique(order)]
 

@@ -10,6 +10,7 @@ from modallab.core.progress import silent
 from modallab.diagnosis.predicting.glimpses import Glimpses
 from modallab.diagnosis.searching.foreseen import Foreseen
 from modallab.diagnosis.searching.shortlist import PLACES, ROUGHLY, shortlist
+from modallab.effects.cubic_stiffness import CubicStiffness
 from modallab.effects.extra_mass import ExtraMass
 from modallab.effects.ground_spring import GroundSpring
 from modallab.effects.local_damping import LocalDamping
@@ -68,3 +69,16 @@ def test_a_nonlinear_force_is_looked_for_at_few_places_the_right_one_among_them(
         found = places_of(shortlist(looking_for(hidden), [], suspects, silent), hidden.kind)
         assert hidden.at in found
         assert ROUGHLY <= len(found) <= 3 * ROUGHLY
+
+
+@pytest.mark.parametrize("share", [1e-4, 4e-4, 1e-2], ids=["weakest", "between", "strong"])
+@pytest.mark.parametrize("node", [1, 2, 9])
+def test_a_nonlinear_force_of_any_strength_is_looked_for_where_it_is(node: int, share: float) -> None:
+    # 1 is as stiff as all that the DoF feels: what explains a weak one is hidden by what a strong one does.
+    bare = CubicStiffness(Dof(node, "Y"))
+    setup = rig(roving=False, noise=1e-3)
+    predictor, _ = predicting(drawn(setup))
+    whole = max(bare.looks(predictor.system, setup)["stiffness"])
+    suspects = [CubicStiffness(Dof(n, "Y")) for n in (1, 2, 4, 5, 7, 9)]
+    predictor, _ = predicting(drawn(setup, [replace(bare, stiffness=share * whole)]))
+    assert bare.at in places_of(shortlist(predictor.near([]), [], suspects, silent), bare.kind)
