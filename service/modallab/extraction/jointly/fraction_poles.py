@@ -3,6 +3,7 @@
 from collections.abc import Iterator
 
 import numpy as np
+import scipy.linalg
 
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray
 from modallab.core.errors import InvalidInputError
@@ -40,8 +41,9 @@ def poles_of_fractions(freq: FloatArray, frf: ComplexArray, weight: FloatArray, 
     row, turn, pole = row[ranked], turn[ranked], pole[ranked]
     # dz = z ds / rate
     residue = _residues(circle, fractions, row, 1 / turn) * (rate * turn)[:, None]
-    each = weight.reshape(len(freq), -1) / max(fractions.noise, np.finfo(float).tiny)
-    return Poles(orders, orders[row], pole, residue, _strengths(freq, residue, each, pole), spacing)
+    strength = _strengths(freq, residue, weight.reshape(len(freq), -1), pole)
+    strength /= np.sqrt(max(fractions.noise, np.finfo(float).tiny))
+    return Poles(orders, orders[row], pole, residue, strength, spacing)
 
 
 def companions(denominator: ComplexArray, orders: IntArray) -> Iterator[ComplexArray]:
@@ -65,8 +67,16 @@ def companions(denominator: ComplexArray, orders: IntArray) -> Iterator[ComplexA
 
 def _turns(denominator: ComplexArray, orders: IntArray) -> tuple[IntArray, ComplexArray]:
     """Return where `det A(z) = 0`: the row of its order, and 1/z."""
-    found = [np.linalg.eigvals(companion) for companion in companions(denominator, orders)]
+    found = [_eigenvalues(companion) for companion in companions(denominator, orders)]
     return np.repeat(np.arange(len(orders)), denominator.shape[-1] * orders), np.concatenate(found)
+
+
+def _eigenvalues(matrix: ComplexArray) -> ComplexArray:
+    """Return the eigenvalues of a matrix, by the routine that `numpy.linalg.eigvals` calls, for less."""
+    values, _, _, failed = scipy.linalg.lapack.zgeev(matrix, compute_vl=0, compute_vr=0)
+    if failed:
+        raise np.linalg.LinAlgError("eigenvalues did not converge")
+    return np.asarray(values)
 
 
 def _angle(turn: ComplexArray) -> FloatArray:
@@ -87,7 +97,7 @@ def _residues(circle: Circle, fractions: Fractions, row: IntArray, z: ComplexArr
     Where `A v = 0` and `u^H A = 0` the residue of `B A^-1` is `B v u^H / (u^H A' v)`.
     """
     n_orders, terms, n_in, _ = fractions.denominator.shape
-    at = _AtPoles(row, np.vander(z, terms, increasing=True), n_orders)
+    at = _AtPoles(row, z, n_orders, terms)
     if n_in > 1:
         value = at.of(fractions.denominator.reshape(n_orders, terms, -1)).reshape(-1, n_in, n_in)
         left, _, right = np.linalg.svd(value)
@@ -97,26 +107,37 @@ def _residues(circle: Circle, fractions: Fractions, row: IntArray, z: ComplexArr
     rising = np.arange(terms)[:, None, None] * fractions.denominator  # z A'
     slope = at.of(rising.reshape(n_orders, terms, -1)).reshape(-1, n_in, n_in)
     steep = (u[:, :, None] * slope * v[:, None, :]).sum(axis=(1, 2)) / z
-    of_all = fractions.denominator.transpose(1, 2, 0, 3).reshape(terms * n_in, n_orders * n_in)
+    of_all = fractions.denominator.transpose(0, 3, 1, 2).reshape(n_orders * n_in, terms * n_in)
     across = np.empty((len(z), len(fractions.numerator)), complex)
     for start in range(0, across.shape[1], FRFS_AT_ONCE):
         part = fractions.numerator[start : start + FRFS_AT_ONCE]
-        numerator = (part.reshape(-1, terms * n_in) @ of_all).reshape(len(part), terms, n_orders, n_in)
-        value = at.of(numerator.transpose(2, 1, 0, 3).reshape(n_orders, terms, -1))
-        across[:, start : start + len(part)] = (value.reshape(-1, len(part), n_in) * v[:, None]).sum(axis=2)
-    whole = (across / steep[:, None])[:, :, None] * u[:, None, :] * circle.scale
+        n = len(part)
+        numerator = (of_all @ part.reshape(-1, terms * n_in).T).reshape(n_orders, n_in * n, terms)
+        value = at.of(numerator.swapaxes(1, 2))
+        across[:, start : start + n] = (value.reshape(len(z), n_in, n) * v[:, :, None]).sum(axis=1)
+    whole = across[:, :, None] * (u / steep[:, None])[:, None, :] * circle.scale
     return np.asarray(whole.reshape(len(z), circle.scale.size))
+
+
+def _powers(z: ComplexArray, terms: int) -> ComplexArray:
+    """Return z^0 to z^(terms - 1), (terms, n_poles)."""
+    powers = np.ones((terms, len(z)), complex)
+    known = 1
+    while known < terms:  # twice as many each time
+        powers[known : 2 * known] = powers[: terms - known][:known] * (powers[known - 1] * z)
+        known *= 2
+    return powers
 
 
 class _AtPoles:
     """Polynomials of every order at the poles of that order, all orders at once."""
 
-    def __init__(self, row: IntArray, powers: ComplexArray, n_orders: int) -> None:
+    def __init__(self, row: IntArray, z: ComplexArray, n_orders: int, terms: int) -> None:
         self._row = row
         self._place = np.arange(len(row)) - np.searchsorted(row, row)
         most = int(self._place.max(initial=-1)) + 1
-        self._powers = np.zeros((n_orders, most, powers.shape[1]), complex)
-        self._powers[row, self._place] = powers
+        self._powers = np.zeros((n_orders, most, terms), complex)
+        self._powers[row, self._place] = _powers(z, terms).T
 
     def of(self, coefficient: ComplexArray) -> ComplexArray:
         """Return the values, (n_poles, n), of coefficients (n_orders, terms, n)."""
@@ -134,5 +155,5 @@ def _strengths(freq: FloatArray, residue: ComplexArray, weight: FloatArray, pole
     fade = np.exp(-2 * np.pi * decay / step)
     beat = np.cos(2 * np.pi * (pole.imag / step - freq[0] / (freq[1] - freq[0])))
     total = np.pi / (decay * step) * (1 - fade**2) / (1 + fade**2 - 2 * beat * fade)
-    square = weight[nearest] * np.abs(residue) ** 2
+    square = weight[nearest] * (residue.real**2 + residue.imag**2)
     return np.asarray(np.sqrt(total * square.mean(axis=1)))

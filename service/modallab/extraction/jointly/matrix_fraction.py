@@ -84,14 +84,15 @@ def on_circle(frf: ComplexArray, weight: FloatArray, order: int) -> Circle:
     each = np.sqrt(scale / level[:, None])
     arc = max(LEAST_ARC, 2 / np.pi * np.arcsin(LOST ** (1 / (2 * order))))
     points = scipy.fft.next_fast_len(int(np.ceil(len(frf) / arc)))
-    return Circle(by_lines / each, pattern, noise, each[..., 0], points)
+    return Circle(by_lines * (1 / each), pattern, noise, each[..., 0], points)
 
 
 def _level(row: FloatArray, power: FloatArray) -> FloatArray:
     """Return what each FRF's weights are divided by, (n_out,), bounded where it is far above the others."""
     level = row.mean(axis=1)
     told = (row * power).sum(axis=1)
-    loudest = LOUDEST * (np.median(told[told > 0]) if told.any() else 1.0)
+    ranked = np.sort(told[told > 0])
+    loudest = LOUDEST * (ranked[len(ranked) // 2] if len(ranked) else 1.0)
     level = level * np.minimum(1.0, loudest / np.where(told > 0, told, loudest))
     return np.asarray(np.where(level > 0, level, 1.0))
 
@@ -125,7 +126,7 @@ def fit_fractions(circle: Circle, orders: IntArray) -> Fractions:
 class _Normal:
     """Least squares of the highest order, the numerators eliminated."""
 
-    reduced: ComplexArray  # ((n + 1) n_in, (n + 1) n_in) M
+    reduced: ComplexArray  # ((n + 1) n_in, (n + 1) n_in) M, of which the lower triangle counts
     total: ComplexArray  # the same shape, sum of all T_o
     inverse: ComplexArray  # (n_out, n + 1, n + 1) R^-1; (1, ...) where all agree
     numerator: ComplexArray  # (n_out, n + 1, (n + 1) n_in) R^-1 S
@@ -134,11 +135,11 @@ class _Normal:
         """Return A of every order, (n_orders, n + 1, n_in, n_in)."""
         order = self.inverse.shape[1] - 1
         m = len(self.reduced) // (order + 1)
-        factor = _factor(self.reduced[m:, m:], self.total)
-        forward = scipy.linalg.solve_triangular(factor, -self.reduced[m:, :m], lower=True, check_finite=False)
+        inverse = _inverse(_factor(self.reduced[m:, m:], self.total)[None])[0]
+        forward = inverse @ -self.reduced[m:, :m]
         held = np.arange(order * m)[:, None, None] < m * orders[:, None]
         each = np.where(held, forward[:, None, :], 0.0).reshape(order * m, -1)
-        free = scipy.linalg.solve_triangular(factor, each, trans="C", lower=True, check_finite=False)
+        free = inverse.conj().T @ each
         solved = np.empty((len(orders), order + 1, m, m), complex)
         solved[:, 0] = np.eye(m)
         solved[:, 1:] = np.moveaxis(free.reshape(order, m, len(orders), m), 2, 0)
@@ -155,11 +156,12 @@ def _normal(circle: Circle, order: int) -> _Normal:
     total = _toeplitz(circle.sums(power, order)).transpose(2, 0, 3, 1).reshape(size, size)
     own = _toeplitz(circle.sums(circle.weight, order))
     # R^-1 = F^H F: a difference of squares loses less to rounding than one with R^-1
-    factor = np.linalg.inv(_factor(own, own))
+    factor = _inverse(_factor(own, own))
     part = (factor @ of_outputs).reshape(-1, size)
     turned = factor.conj().transpose(0, 2, 1)
     numerator = turned @ part.reshape(of_outputs.shape)
-    return _Normal(total - part.conj().T @ part, total, turned @ factor, numerator)
+    eliminated = scipy.linalg.blas.zherk(1.0, part.T).T  # part^H part, half the work of a general product
+    return _Normal(total - eliminated, total, turned @ factor, numerator)
 
 
 def _toeplitz(lags: ComplexArray) -> ComplexArray:
@@ -177,6 +179,12 @@ def _factor(matrices: ComplexArray, of: ComplexArray) -> ComplexArray:
             return np.asarray(np.linalg.cholesky(matrices + ridge))
         except np.linalg.LinAlgError:
             ridge = 10 * ridge
+
+
+def _inverse(factors: ComplexArray) -> ComplexArray:
+    """Return the inverses of lower triangular matrices."""
+    # a general inverse costs six times as much
+    return np.stack([scipy.linalg.lapack.ztrtri(factor, lower=1)[0] for factor in factors])
 
 
 def _added_by_noise(circle: Circle, normal: _Normal) -> ComplexArray:
@@ -211,7 +219,7 @@ def _along_diagonals(matrices: ComplexArray) -> ComplexArray:
 
 def _noise_level(factor: ComplexArray, added: ComplexArray) -> float:
     """Return the largest c that leaves `M - c C` without a negative eigenvalue, of the factor of M."""
-    inverse = np.linalg.inv(factor)
+    inverse = _inverse(factor[None])[0]
     whole = inverse @ added @ inverse.conj().T
     largest = float(np.linalg.eigvalsh(whole)[-1])
     return 1 / largest if largest > 0 else 0.0
