@@ -1,6 +1,7 @@
 """Adds the effect that explains most, until only random error is left or no effect explains more."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from itertools import islice
 
 from modallab.core.progress import Progress, part
 from modallab.diagnosis.fitting.fit import Fit
@@ -48,13 +49,11 @@ def search(
             predictor, borne_out(predictor, start, elements, suspects, part(progress, 0.3, 0.95))
         )
     paths: list[Path] = []
-    for i, candidate in enumerate(_of_several_kinds(first)):
+    for i, (candidate, tried) in enumerate(islice(convincing(predictor, start, first), BRANCHES)):
         name = name_of(candidate.effects[-1])
         if any(name == step.kind_and_place for path in paths for step in path.steps):
             continue
-        if not improves(predictor, start, candidate):
-            break
-        single = Path(start, (Accepted(name, start, candidate, tuple(first)),))
+        single = Path(start, (Accepted(name, start, candidate, tried),))
         whole = part(progress, 0.3 + 0.15 * i, 0.45 + 0.15 * i)
         paths.append(_longer(predictor, single, suspects, min(PAIR, max_effects), whole))
         if max_effects == 1 or only_noise_left(predictor, paths[-1].fit.residual):
@@ -73,12 +72,22 @@ def search(
     return put_right(predictor, best)
 
 
-def _of_several_kinds(fits: Sequence[Fit]) -> list[Fit]:
-    """Return the best fit of each of the best few kinds."""
+def convincing(
+    predictor: Predictor, before: Fit, fits: Sequence[Fit]
+) -> Iterator[tuple[Fit, tuple[Fit, ...]]]:
+    """Yield the best fit of each kind that is convincing, in order, with what else its round leaves open.
+
+    What explains most but is not told from nothing, or not borne out, hides none of those behind it.
+    """
     best: dict[str, Fit] = {}
     for one in fits:
         best.setdefault(one.effects[-1].kind, one)
-    return list(best.values())[:BRANCHES]
+    left = tuple(fits)
+    for kind, one in best.items():
+        if improves(predictor, before, one):
+            yield one, left
+        else:
+            left = tuple(fit for fit in left if fit.effects[-1].kind != kind)
 
 
 def _longer(
@@ -93,9 +102,10 @@ def _longer(
         if len(path.steps) > 1 and not _closes_much(predictor, path.steps[-1]):
             break
         found = trials(predictor, path.fit, suspects, progress=progress)
-        if not found or not improves(predictor, path.fit, found[0]):
+        best = next(convincing(predictor, path.fit, found), None)
+        if best is None:
             break
-        step = Accepted(name_of(found[0].effects[-1]), path.fit, found[0], tuple(found))
+        step = Accepted(name_of(best[0].effects[-1]), path.fit, *best)
         path = Path(path.start, (*path.steps, step))
     return path
 

@@ -1,0 +1,45 @@
+"""Which effects are followed up, and which are accepted."""
+
+import pytest
+
+import modallab.diagnosis.searching.search as module
+from modallab.core.dof import Dof
+from modallab.core.place import Channels
+from modallab.core.progress import silent
+from modallab.diagnosis.fitting.fit import Fit, fit
+from modallab.diagnosis.observing.observed import observe
+from modallab.diagnosis.predicting.predictor import Predictor
+from modallab.diagnosis.searching.path import name_of
+from modallab.diagnosis.searching.search import convincing, search
+from modallab.diagnosis.searching.trials import Suspects
+from modallab.effects.extra_mass import ExtraMass
+from modallab.effects.polarity import Polarity
+from tests.diagnosing import drawn, model, rig
+
+MASS, TURNED = ExtraMass(Dof(4, "Y"), 0.02), Polarity(Channels((Dof(5, "Y"),)))
+
+
+@pytest.fixture(scope="module")
+def predictor() -> Predictor:
+    test = drawn(rig(), [MASS], seed=3)
+    return Predictor(model(), test.setup, observe(test, (Dof(7, "Y"),), fraction=0.25))
+
+
+@pytest.fixture(scope="module")
+def found(predictor: Predictor) -> list[Fit]:
+    """What is not there comes first, as leakage does that soaks up what nothing else is let explain."""
+    return [fit(predictor, (one,)) for one in (TURNED, MASS)]
+
+
+def test_what_is_not_convincing_hides_nothing_behind_it(predictor: Predictor, found: list[Fit]) -> None:
+    ((best, left),) = convincing(predictor, fit(predictor, ()), found)
+    assert best is found[1]
+    assert left == (found[1],), "what was turned down is no rival"
+
+
+def test_a_search_goes_on_past_what_is_not_convincing(
+    predictor: Predictor, found: list[Fit], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(module, "trials", lambda *_, **__: found)
+    path = search(predictor, fit(predictor, ()), Suspects([]), max_effects=1, progress=silent)
+    assert [step.kind_and_place for step in path.steps] == [name_of(MASS)]
