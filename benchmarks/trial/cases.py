@@ -9,7 +9,7 @@ from benchmarks.trial.foreign import FOREIGN
 from benchmarks.trial.hidden import GAPS, Gauge, hide
 from benchmarks.trial.mistakes import MISTAKES
 from benchmarks.trial.rigs import ON_CANTILEVER, ON_FRAME, ON_HAMMER, Bench, bench, small_bench
-from benchmarks.trial.tolerated import deviations, steps
+from benchmarks.trial.tolerated import Tolerated
 from modallab.core.errors import ModalLabError
 from modallab.rig.effect import EFFECTS, Effect
 from modallab.rig.setup import RigSetup
@@ -169,8 +169,8 @@ class _Draw:
     def bench(self, *kinds: str) -> Bench:
         return bench(kinds, self.rng, noise=self.noise, leaking=self.leaking)
 
-    def gauge(self, where: Bench) -> Gauge:
-        return Gauge(where, steps(where) if self.tolerant else ())
+    def gauge(self, where: Bench) -> Tolerated:
+        return Tolerated(where, tolerant=self.tolerant)
 
     def sealed(
         self,
@@ -183,7 +183,7 @@ class _Draw:
         excluded: Sequence[str] = (),
         what: str = "",
     ) -> Case:
-        found = deviations(where, self.rng) if self.tolerant else ()
+        found = Tolerated(where, tolerant=self.tolerant).deviations(self.rng, truth)
         seed = int(self.rng.integers(2**31))
         return Case(
             self.number,

@@ -16,9 +16,7 @@ from modallab.effects.channel_delay import ChannelDelay
 from modallab.effects.density_error import DensityError
 from modallab.effects.gain_error import GainError
 from modallab.effects.stiffness_error import StiffnessError
-from modallab.fe.assembly import assemble
 from modallab.fe.attachment import Attachment
-from modallab.fe.structure import Structure
 from modallab.fe.system import DynamicSystem
 from modallab.rig.effect import Effect
 from modallab.rig.setup import RigSetup, Shot
@@ -286,15 +284,12 @@ def _loss_factors(system: DynamicSystem, top: float) -> tuple[float, ...]:
     return tuple(basis.loss_factors[basis.frequencies <= top].tolist())
 
 
-def drawn(
-    tolerances: Tolerances, structure: Structure, setup: RigSetup, rng: np.random.Generator
-) -> tuple[Effect, ...]:
-    """Return effects that make a true test out of a declared one: every number drawn within its tolerance.
+def drawn(numbers: int, rng: np.random.Generator) -> FloatArray:
+    """Return where so many numbers truly are, each drawn within its tolerance: positions (n,).
 
     Normal, but for what lies beyond `LIMIT` standard deviations, which is drawn again.
     """
-    known = nuisances(tolerances, assemble(structure), setup)
-    position = rng.standard_normal(len(known))
+    position = rng.standard_normal(numbers)
     while (far := np.abs(position) > LIMIT).any():
         position[far] = rng.standard_normal(int(far.sum()))
-    return known.effects(position)
+    return position
