@@ -10,7 +10,7 @@ from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.dof import DIRECTIONS, Dof
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.interchange.measured import MeasuredFile
-from modallab.interchange.uff_records import MOST_LINES, refusal
+from modallab.interchange.uff_split import MOST_LINES, refusal
 
 KINDS = (FrfKind.RECEPTANCE, FrfKind.MOBILITY, FrfKind.INERTANCE)  # 1, 2, 3 in a file
 _MOST_BLOCKS = 6_000

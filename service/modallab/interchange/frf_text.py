@@ -12,7 +12,7 @@ from modallab.core.dof import DIRECTIONS, Dof
 from modallab.core.errors import InvalidInputError
 from modallab.interchange.frf_block import KINDS, assemble, read_blocks
 from modallab.interchange.measured import MeasuredFile
-from modallab.interchange.uff_records import refusal
+from modallab.interchange.uff_split import refusal
 from modallab.rig.measurement import Measurement
 
 LARGEST = 24_000_000  # bytes: 100 responses of 3,201 lines take 11 million, 30 million with all digits

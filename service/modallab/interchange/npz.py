@@ -110,8 +110,15 @@ def _numbers(arrays: _Arrays, name: str, *ranks: int) -> NDArray[Any]:
             value=f"{array.dtype} {array.shape}",
             allowed=f"numbers in {' or '.join(map(str, ranks))} dimensions",
         )
-    if not np.isfinite(array).all():
-        raise InvalidInputError(f"{name} holds a value that is not finite", field=name, value="nan or inf")
+    bad = np.argwhere(~np.isfinite(array))
+    if len(bad):
+        place = ", ".join(str(i) for i in bad[0].tolist())
+        raise InvalidInputError(
+            f"{name} holds a value that is not finite, at [{place}]",
+            field=name,
+            value="nan or inf",
+            index=place,
+        )
     return array.astype(complex)
 
 

@@ -10,18 +10,21 @@ from modallab.core.dof import Dof
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.interchange.measured import MeasuredFile
 from modallab.interchange.uff_companions import Companions, not_si, same_axis
+from modallab.interchange.uff_contents import contents
 from modallab.interchange.uff_format import (
     AUTO_SPECTRUM,
     COHERENCE,
     FORCE,
     FRF,
+    KINDS,
     MOTIONS,
     MULTIPLE_COHERENCE,
     Function,
     decode,
     encode,
 )
-from modallab.interchange.uff_records import FUNCTION, LARGEST, UNITS, read_sets, refusal, starts
+from modallab.interchange.uff_records import UNITS, read_sets
+from modallab.interchange.uff_split import FUNCTION, LARGEST, refusal, starts
 from modallab.interchange.uff_text import NOWHERE, Origin, foreign, front
 from modallab.rig.measurement import Measurement
 
@@ -95,7 +98,7 @@ def read(payload: bytes, *, largest: int) -> MeasuredFile:
         If it is no universal file, is cut off or damaged, or its FRFs make no measurement.
     """
     functions, units, program = [], (1.0, 1.0), ""
-    for dataset in read_sets(payload, largest):
+    for dataset in read_sets(payload, largest, KINDS):
         if dataset["type"] == FUNCTION:
             functions.append(decode(dataset))
         elif dataset["type"] == UNITS:
@@ -110,6 +113,11 @@ def read(payload: bytes, *, largest: int) -> MeasuredFile:
             allowed=short[0],
         )
     found = [function for function in functions if function.type == FRF]
+    if not found:
+        raise refusal(
+            f"the file holds no FRF; what it holds: {contents(payload)}",
+            allowed="dataset 58 with function type 4",
+        )
     frf = _frf(found, units)
     reader = Companions(functions, found, frf, units)
     return MeasuredFile(
@@ -123,8 +131,6 @@ def read(payload: bytes, *, largest: int) -> MeasuredFile:
 
 
 def _frf(found: Sequence[Function], units: tuple[float, float]) -> FrfSet:
-    if not found:
-        raise refusal("the file holds no FRF", allowed="dataset 58 with function type 4")
     kind = _kind(found, units)
     ends = [(f.response, f.reference) for f in found]
     outputs = tuple(dict.fromkeys(response for response, _ in ends if response is not None))

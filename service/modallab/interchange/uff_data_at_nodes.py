@@ -7,7 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
-from modallab.interchange.uff_records import refusal
+from modallab.interchange.uff_split import refusal
 from modallab.interchange.uff_text import WIDTH
 
 _NORMAL, _COMPLEX = 2, (3, 7)  # analysis types

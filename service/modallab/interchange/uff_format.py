@@ -14,6 +14,7 @@ from modallab.core.frf import FrfKind
 from modallab.interchange.uff_text import number
 
 AUTO_SPECTRUM, FRF, COHERENCE, DENSITY, MULTIPLE_COHERENCE = 2, 4, 6, 9, 26  # function types
+KINDS = (AUTO_SPECTRUM, FRF, COHERENCE, DENSITY, MULTIPLE_COHERENCE)  # of which a measurement is made
 FORCE, FREQUENCY = 13, 18  # specific data types
 MOTIONS = {FrfKind.RECEPTANCE: 8, FrfKind.MOBILITY: 11, FrfKind.INERTANCE: 12}
 _MOST_NODES = 999_999_999

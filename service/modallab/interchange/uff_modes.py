@@ -11,8 +11,10 @@ import numpy as np
 from modallab.core.arrays import ComplexArray
 from modallab.core.dof import DIRECTIONS, TRANSLATIONS, Dof
 from modallab.core.modal_model import ModalModel, Mode
+from modallab.interchange.uff_contents import contents
 from modallab.interchange.uff_data_at_nodes import Shape, read_shape
-from modallab.interchange.uff_records import HEADER, LARGEST, SMALL, UNITS, factors, read_texts, refusal
+from modallab.interchange.uff_records import HEADER, SMALL, UNITS, factors, read_texts
+from modallab.interchange.uff_split import LARGEST, refusal
 from modallab.interchange.uff_text import NOWHERE, Origin, dataset, foreign, front, label, program_of, rows
 
 MODE = 55
@@ -115,7 +117,10 @@ def read(payload: bytes, *, largest: int) -> ModalModel:
     if len(shapes) < told:
         notes.append("left out: modes at 0 Hz, and conjugates")
     if not shapes:
-        raise refusal("the file holds no mode", allowed="dataset 55 with analysis type 2, 3 or 7")
+        raise refusal(
+            f"the file holds no mode; what it holds: {contents(payload)}",
+            allowed="dataset 55 with analysis type 2, 3 or 7",
+        )
     return _model(shapes, units, notes)
 
 

@@ -231,6 +231,13 @@ def test_a_hostile_file_is_refused_in_little_memory(case: str) -> None:
     assert caught.value.context["field"]
 
 
+def test_a_value_that_is_not_finite_is_refused_with_its_line() -> None:
+    values = np.ones((21, 1, 1))
+    values[5] = np.nan
+    with pytest.raises(InvalidInputError, match=r"values .* at \[5, 0, 0\]"):
+        read(file_of(values=values))
+
+
 _MEASURED = """
 import resource, subprocess, sys
 command = [sys.executable, "-m", "modallab.interchange.hdf5_reader", *sys.argv[1:]]

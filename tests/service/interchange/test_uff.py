@@ -18,6 +18,7 @@ from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.interchange import reading, uff
 from modallab.interchange.measured import MeasuredFile
+from modallab.interchange.uff_split import MOST_LINES
 from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
 from tests.rigs import rig
@@ -356,6 +357,39 @@ def test_what_acquisition_systems_put_beside_frfs_passes_by(
     assert back.notes == ("written by Analyser Rev 15A",)
 
 
+TIME = {"func_type": 1, "abscissa_spec_data_type": 17}
+
+
+# pyuff leaves files open when it writes binary data
+@pytest.mark.filterwarnings("ignore::pytest.PytestUnraisableExceptionWarning")
+@pytest.mark.parametrize("binary", [0, 1])
+def test_a_long_record_beside_frfs_passes_by_whatever_its_length(
+    foreign: Callable[..., bytes], binary: int
+) -> None:
+    count = MOST_LINES + 7
+    record = function(1, data=np.ones(count), x=np.arange(count) * 1e-4, binary=binary, **TIME)
+    back = read(foreign(record, function(1), record))
+    np.testing.assert_allclose(back.frf.values[:, 0, 0], CURVES[1], rtol=1e-11)
+
+
+def test_a_file_without_frfs_is_refused_with_what_it_holds(foreign: Callable[..., bytes]) -> None:
+    record = function(1, data=np.ones(25), **TIME)
+    line = b"    -1\n    82\n         1         2         8\nGround\n         1         2\n    -1\n"
+    told = r"trace lines \(82\), 2 time responses \(58\), coherences \(58\)"
+    with pytest.raises(InvalidInputError, match=told):
+        read(line + foreign(record, coherence(1), record))
+
+
+def test_a_value_that_is_no_number_is_refused_with_its_line(foreign: Callable[..., bytes]) -> None:
+    value = measured().frf.values[3, 0, 0].tobytes()
+    with pytest.raises(InvalidInputError, match=r"at line 4 \(6 Hz\)"):
+        read(uff.write(measured()).replace(value, np.array([np.nan, 0]).tobytes()))
+    text = foreign(function(1)).split(b"\n")
+    text[-5] = b" NaN" + text[-5][4:]
+    with pytest.raises(InvalidInputError, match=r"dataset 1 .* row 11 "):  # of 13
+        read(b"\n".join(text))
+
+
 def test_a_rounded_spacing_is_taken_for_the_analysers(foreign: Callable[..., bytes]) -> None:
     spacing = 0.1953125  # written as 1.95312e-01
     payload = foreign(function(1, x=np.arange(25) * spacing, ref_dir=2, rsp_dir=2))
@@ -382,7 +416,6 @@ def test_what_does_not_belong_to_every_frf_is_left_out_and_noted(foreign: Callab
     assert "per Hz" in note
 
 
-TIME = {"func_type": 1, "abscissa_spec_data_type": 17}
 NO_MEASUREMENT: dict[str, tuple[list[dict[str, Any]], str]] = {
     "no FRF": ([coherence(1)], "file"),
     "time signals only": ([function(1, data=np.ones(25), **TIME)], "file"),

@@ -1,0 +1,56 @@
+"""What a universal file holds, for whoever looked for something else in it."""
+
+from collections import Counter
+
+from modallab.interchange.uff_split import Dataset, split
+
+_FUNCTIONS = {
+    0: "functions of no type",
+    1: "time responses",
+    2: "auto spectra",
+    3: "cross spectra",
+    4: "FRFs",
+    5: "transmissibilities",
+    6: "coherences",
+    7: "auto correlations",
+    8: "cross correlations",
+    9: "power spectral densities",
+    10: "energy spectral densities",
+    11: "probability densities",
+    12: "spectra",
+    26: "multiple coherences",
+    27: "orders",
+}
+_DATASETS = {
+    15: "nodes",
+    18: "coordinate systems",
+    55: "data at nodes",
+    82: "trace lines",
+    151: "header",
+    164: "units",
+    1858: "qualifiers",
+    2400: "model header",
+    2411: "nodes",
+    2412: "elements",
+    2414: "analysis data",
+    2420: "coordinate systems",
+    2467: "groups",
+}
+
+
+def contents(payload: bytes) -> str:
+    """Return what datasets a universal file has and how many of each: `2 time responses (58), nodes (15)`.
+
+    Parameters
+    ----------
+    payload
+        The file, which has been read before.
+    """
+    counts = Counter(map(_name, split(payload, {}, ())))
+    return ", ".join(f"{count} {name}" if count > 1 else name for name, count in counts.items())
+
+
+def _name(dataset: Dataset) -> str:
+    if dataset.kind is not None:
+        return f"{_FUNCTIONS.get(dataset.kind, f'functions of type {dataset.kind}')} (58)"
+    return f"{_DATASETS.get(dataset.number, 'dataset')} ({dataset.number})"
