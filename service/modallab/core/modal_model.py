@@ -88,6 +88,10 @@ class ModalModel:
     fitted_lines: IntArray | None = None
     # (2, n_out) what lies below the range, 1/kg: -m/omega^2; and above it, m/N
     residuals: ComplexArray | None = None
+    # what lies so near the range that it bends the FRFs in it, `A/(lambda - omega^2)` whatever the law of
+    # damping: (n_beyond,) (rad/s)^2 and (n_beyond, n_out) 1/kg
+    beyond_eigenvalue: ComplexArray | None = None
+    beyond_constant: ComplexArray | None = None
     resynthesis_error: FloatArray | None = None  # (n_out,) rms misfit of the modes over rms of the FRF
     wander: Wander | None = None  # of the frequencies over the FRFs, None where they agree
     chart: StabilisationChart | None = None

@@ -12,6 +12,7 @@ from modallab.core.modal_model import ModalModel
 from modallab.core.progress import Progress, part, silent
 from modallab.extraction.collating.collated_words import wander_notes
 from modallab.extraction.collating.resynthesis import with_resynthesis
+from modallab.extraction.jointly.beyond import poles_beyond
 from modallab.extraction.jointly.global_method import GlobalMethod
 from modallab.extraction.jointly.global_model import GlobalFit, modal_model
 from modallab.extraction.jointly.global_range import modes_of
@@ -117,6 +118,7 @@ def extract_globally(
         responses,
         [Band(lines.start, lines.stop - 1, lines.start) for lines in ranges],
         smeared=0 if leakage is None else SMEARED,
+        beyond=poles_beyond(fits, responses.freq),
     )
 
 

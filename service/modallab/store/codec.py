@@ -112,6 +112,8 @@ def _take_modal_model(thing: ModalModel) -> tuple[Json, Arrays]:
             "modal_constant_errors": thing.modal_constant_error,
             "fitted_lines": thing.fitted_lines,
             "residuals": thing.residuals,
+            "beyond_eigenvalues": thing.beyond_eigenvalue,
+            "beyond_constants": thing.beyond_constant,
             "resynthesis_error": thing.resynthesis_error,
         }
     )
@@ -143,6 +145,8 @@ def _put_modal_model(body: Json, arrays: _Given) -> ModalModel:
         modal_constant_error=arrays.get("modal_constant_errors"),
         fitted_lines=arrays.get("fitted_lines"),
         residuals=arrays.get("residuals"),
+        beyond_eigenvalue=arrays.get("beyond_eigenvalues"),
+        beyond_constant=arrays.get("beyond_constants"),
         resynthesis_error=arrays.get("resynthesis_error"),
         drive=Dof.parse(body["drive"]) if "drive" in body else None,
         wander=from_plain(Wander, body["wander"], _named(arrays, _WANDER)) if "wander" in body else None,

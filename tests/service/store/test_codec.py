@@ -39,6 +39,17 @@ def test_how_frequencies_wander_comes_back_and_is_served_under_its_own_names() -
     assert not found.wander.shift.flags.writeable
 
 
+def test_poles_beyond_the_range_come_back() -> None:
+    poles, constants = np.array([4.0 + 1j, 9.0]), np.array([[1.0, 2j], [3.0, 4.0]])
+    given = ModalModel(
+        (Mode(23.5, 0.01, np.ones(2, complex)),), DOFS, beyond_eigenvalue=poles, beyond_constant=constants
+    )
+    codec = CODECS["modal_model"]
+    found = codec.put_together(*codec.take_apart(given))
+    np.testing.assert_array_equal(found.beyond_eigenvalue, poles)
+    np.testing.assert_array_equal(found.beyond_constant, constants)
+
+
 def test_a_model_of_an_earlier_version_has_neither_wander_nor_drive() -> None:
     codec = CODECS["modal_model"]
     body, arrays = codec.take_apart(ModalModel((Mode(23.5, 0.01, np.ones(2, complex)),), DOFS))

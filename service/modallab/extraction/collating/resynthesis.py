@@ -10,6 +10,7 @@ from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.core.modal_model import ModalModel
+from modallab.extraction.collating.outside import fit_outside, outside_columns
 from modallab.extraction.measured.bands import Band
 from modallab.extraction.measured.responses import Responses
 from modallab.extraction.options import Damping
@@ -27,10 +28,10 @@ def resynthesise(
     """Return the FRFs that modes and residuals make, (n_freq, n_dof, 1).
 
     `H_j = sum_r A_rj/(lambda_r - omega^2) + R_j - L_j/omega^2`, with the modal constants of each FRF and
-    what lies above and below the range; of viscously damped modes pole and mirror image. Where
-    frequencies wander, the pole of each FRF is its own: the FRFs are then of as many structures, and no
-    common pole fits them. From another drive point, and where a model has no FRFs, `A_rjk = phi_rj phi_rk`
-    with the common poles and no residuals.
+    what lies above and below the range, near it poles as in it; of viscously damped modes pole and mirror
+    image. Where frequencies wander, the pole of each FRF is its own: the FRFs are then of as many
+    structures, and no common pole fits them. From another drive point, and where a model has no FRFs,
+    `A_rjk = phi_rj phi_rk` with the common poles and no residuals.
 
     Parameters
     ----------
@@ -52,23 +53,28 @@ def resynthesise(
     own = model.drive is not None and model.modal_constant is not None
     if own and (drive is None or drive == model.drive):
         constant, force = _constants(model), model.drive
-        pole = _poles(model)
+        pole, beyond = _poles(model), _beyond(model, freq)
         residuals = np.zeros((2, len(model.dofs))) if model.residuals is None else model.residuals
     else:
         force = drive if drive is not None else model.drive
         constant = _products(model, force)
         pole = np.repeat(_common(model)[:, None], len(model.dofs), axis=1)
-        residuals = np.zeros((2, len(model.dofs)))
+        residuals, beyond = np.zeros((2, len(model.dofs))), 0.0
     assert force is not None  # `_products` has refused None
     steps = FrfKind.RECEPTANCE.steps_to(kind)
     factor = ((2j * np.pi * freq) ** steps)[:, None]
-    receptance = _modes(model, freq, pole, constant) + residuals[1]
+    receptance = _modes(model, freq, pole, constant) + residuals[1] + beyond
     values = factor * receptance + _below(freq, steps, residuals[0])
     return FrfSet(freq, values[:, :, None], model.dofs, (force,), kind)
 
 
 def with_resynthesis(
-    model: ModalModel, responses: Responses, bands: Sequence[Band], *, smeared: int = 0
+    model: ModalModel,
+    responses: Responses,
+    bands: Sequence[Band],
+    *,
+    smeared: int = 0,
+    beyond: ComplexArray | None = None,
 ) -> ModalModel:
     """Return modes with residuals of every FRF, and the part of it that all this leaves.
 
@@ -85,6 +91,8 @@ def with_resynthesis(
     smeared
         Lines to either side of a resonance's half-power points that a window holds down: modes do not
         resynthesise these, and they are left out.
+    beyond
+        (n_beyond,) (rad/s)^2, poles near the bands that bend the FRFs in them, in any law of damping.
     """
     lines = np.zeros(len(responses.freq), bool)
     for band in bands:
@@ -95,13 +103,17 @@ def with_resynthesis(
     modes = _modes(model, freq, _poles(model), _constants(model))
     usable = np.isfinite(variance)
     error = np.where(usable, variance, 0.0) + (APART * np.abs(modes)) ** 2
-    residuals = _residuals(freq, measured - modes, np.where(usable & (error > 0), error, np.inf))
-    rest = measured - modes - residuals[1] - _below(freq, 0, residuals[0])
+    error = np.where(usable & (error > 0), error, np.inf)
+    poles = np.zeros(0, complex) if beyond is None else beyond
+    residuals = fit_outside(freq, measured - modes, error, poles)
+    rest = measured - modes - outside_columns(freq, poles) @ residuals
     misfit = relative_error(freq, rest, measured, usable)
     random = relative_error(freq, np.sqrt(np.where(usable, variance, 0.0)), measured, usable)
     return replace(
         model,
-        residuals=residuals,
+        residuals=residuals[:2],
+        beyond_eigenvalue=beyond,
+        beyond_constant=None if beyond is None else residuals[2:],
         resynthesis_error=misfit,
         notes=(*model.notes, *_left(misfit, random, model.dofs)),
     )
@@ -149,6 +161,13 @@ def _modes(model: ModalModel, freq: FloatArray, pole: ComplexArray, constant: Co
     return values
 
 
+def _beyond(model: ModalModel, freq: FloatArray) -> ComplexArray | float:
+    """Return the receptance of poles beyond the range, (n_freq, n_frf), 0 if none is known."""
+    if model.beyond_eigenvalue is None or model.beyond_constant is None:
+        return 0.0
+    return outside_columns(freq, model.beyond_eigenvalue)[:, 2:] @ model.beyond_constant
+
+
 def _constants(model: ModalModel) -> ComplexArray:
     assert model.modal_constant is not None
     return model.modal_constant
@@ -193,22 +212,6 @@ def _below(freq: FloatArray, steps: int, mass: ComplexArray) -> ComplexArray:
         )
     omega = 2 * np.pi * freq
     return np.asarray(((1j * omega) ** steps / -(omega**2))[:, None] * mass)
-
-
-def _residuals(freq: FloatArray, rest: ComplexArray, variance: FloatArray) -> ComplexArray:
-    """Return L, 1/kg, and R, m/N, of `R - L/omega^2` fitted to the rest, (2, n_frf)."""
-    if not len(freq):
-        return np.zeros((2, rest.shape[1]), complex)
-    omega = 2 * np.pi * freq
-    middle = float(np.exp(np.log(omega).mean()) ** 2)  # so that both columns are of order one
-    columns = np.stack([-middle / omega**2, np.ones(len(freq))], axis=1)
-    known = np.isfinite(variance)
-    least = np.where(known, variance, np.inf).min(axis=0)
-    weight = np.where(known, np.where(known.any(axis=0), least, 1.0) / np.where(known, variance, 1.0), 0.0)
-    gram = np.einsum("fa,fj,fb->jab", columns, weight, columns, optimize=True)
-    right = np.einsum("fa,fj->ja", columns, weight * rest, optimize=True)
-    found = (np.linalg.pinv(gram, hermitian=True) @ right[:, :, None])[:, :, 0].T
-    return np.asarray(found * np.array([[middle], [1.0]]))
 
 
 def _left(misfit: FloatArray, random: FloatArray, dofs: Sequence[Dof]) -> Sequence[str]:

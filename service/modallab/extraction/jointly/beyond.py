@@ -1,0 +1,33 @@
+"""Poles beyond the ranges that bend the FRFs in them."""
+
+from collections.abc import Sequence
+
+import numpy as np
+
+from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.extraction.jointly.global_model import GlobalFit
+from modallab.extraction.jointly.projection import BEYOND, disturbed
+
+
+def poles_beyond(fits: Sequence[GlobalFit], freq: FloatArray) -> ComplexArray:
+    """Return what was fitted below the lowest range and above the highest, (n_beyond,) (rad/s)^2.
+
+    Poles between two ranges stand in one for modes of the other.
+
+    Parameters
+    ----------
+    fits
+        At least one, in rising frequency.
+    freq
+        (n_freq,) Hz, of the responses.
+    """
+    lowest, highest = fits[0].modes.fit, fits[-1].modes.fit
+    first, omega = freq[fits[0].lines][0], 2 * np.pi * freq[fits[-1].lines]
+    held = [(pole * omega[-1]) ** 2 for pole in BEYOND] if disturbed(omega) else []
+    return np.concatenate(
+        [
+            lowest.eigenvalue[lowest.frequency < first],
+            highest.eigenvalue[2 * np.pi * highest.frequency > omega[-1]],
+            np.array(held, complex),
+        ]
+    )
