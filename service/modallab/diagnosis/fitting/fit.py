@@ -95,12 +95,21 @@ def approach(
     if not len(start):
         left = vector(start)
         return effect, float(left @ left)
+
+    def weights(widen: float) -> FloatArray | None:
+        own = softened(thin, thin.fitted, widen) if widen else None
+        return None if own is None else np.concatenate([own, np.ones(len(here))])
+
+    stages = (*(w for w in BLURRED if w <= widening), 0.0)
+    how = np.concatenate([[knob.spec.absent is None for knob in panel.knobs], np.zeros(len(here), bool)])
+    if how.any() and not how[:n].all():
+        # How much before how: while the amount is wrong it draws the rest to where nothing tells it any more.
+        amounts = Descent(vector, slopes, start, (np.where(how, start, low), np.where(how, start, high)))
+        amounts.go(evaluations=4, enough=NEAR, weights=weights(stages[0]))
+        start = amounts.position
     descent = Descent(vector, slopes, start, (low, high))
-    for widen in (*(w for w in BLURRED if w <= widening), 0.0):
-        weights = softened(thin, thin.fitted, widen) if widen else None
-        if weights is not None:
-            weights = np.concatenate([weights, np.ones(len(here))])
-        descent.go(evaluations=4, enough=NEAR, weights=weights)
+    for widen in stages:
+        descent.go(evaluations=4, enough=NEAR, weights=weights(widen))
     return panel.turned(descent.position[:n])[0], float(descent.vector @ descent.vector)
 
 

@@ -4,6 +4,7 @@ from modallab.core.dof import Dof
 from modallab.core.place import Channels, Members
 from modallab.diagnosis.fitting.fit import approach, fit
 from modallab.effects.accelerometer_mass import AccelerometerMass
+from modallab.effects.cable_mass import CableMass
 from modallab.effects.gain_error import GainError
 from modallab.effects.joint_flexibility import JointFlexibility
 from modallab.effects.loss_factor_error import LossFactorError
@@ -132,3 +133,13 @@ def test_stated_errors_hold_where_all_channels_hear_the_same_leakage() -> None:
         scores.append((found.effects[0].parameters["factor"] - 1.5) / found.errors[0]["factor"])
     # 20 draws: known to 16 %, three of these; few resonances tell it, so that its error is known to a fifth.
     assert 0.5 < np.sqrt(np.mean(np.square(scores))) < 1.7
+
+
+def test_a_wrong_amount_does_not_draw_away_what_says_how_it_acts() -> None:
+    # Half the mass missing outweighs any damping: a ratio of both that is free at once goes astray with it.
+    predictor, _ = predicting(drawn(rig(roving=False, noise=1e-3), [CableMass(mass=0.0055, drag=25.0)]))
+    near, _ = approach(predictor.near(()), (), CableMass(mass=0.0028, drag=20.0), widening=0.0)
+    best = fit(predictor, [near])
+    for name, value in best.effects[0].parameters.items():
+        # All lines of this test are looked at first, so that both have one goal.
+        assert abs(near.parameters[name] - value) < best.errors[0][name]
