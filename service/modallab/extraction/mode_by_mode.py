@@ -20,6 +20,7 @@ from modallab.extraction.options import ExtractionOptions
 from modallab.extraction.singly.choosing import plan
 from modallab.extraction.singly.fitting import Table, fit_all, gather
 from modallab.extraction.singly.laws import LAWS
+from modallab.extraction.singly.leaked_fits import allowing_for_leakage
 from modallab.extraction.singly.method import TRAITS, ExtractionMethod
 
 SMEARED = 3  # lines: the main lobe of a Hanning window and its first side lobe
@@ -53,6 +54,8 @@ def extract_mode_by_mode(
     progress(0.2, f"fitting {len(found)} modes in {len(dofs)} FRFs")
     data = gather(freq, responses.receptance, responses.variance, windows, leakage, responses.drive_row)
     settled = fit_all(fit, LAWS[options.damping], data, progress=part(progress, 0.2, 0.9))
+    if leakage is not None:
+        settled = allowing_for_leakage(fit, LAWS[options.damping], data, leakage, settled)
     table = replace(settled.table, lines=windows.ends)
     notes = _missing(table, freq, found, given=bands is not None)
     if not TRAITS[method].exact:

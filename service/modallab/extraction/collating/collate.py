@@ -16,6 +16,7 @@ from modallab.extraction.collating.collated_words import (
     why_outlying,
 )
 from modallab.extraction.collating.driving_point import driving_point_flags
+from modallab.extraction.collating.leakage_flag import leakage_flags
 from modallab.extraction.collating.means import Averaging, averaged, beyond_chance
 from modallab.extraction.collating.scaling import scaled_shapes
 from modallab.extraction.collating.wander import UNSEEN, FittedModes, find_wander
@@ -161,7 +162,7 @@ def _mode(
         loss_factor_spread=_spread(loss_factor),
         standard_errors={"frequency": mean.error, "loss_factor": damping.error},
         shape_errors=shape_errors,
-        flags=flags,
+        flags=(*flags, *leakage_flags(table, m, mean, damping)),
     )
 
 

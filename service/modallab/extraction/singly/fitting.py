@@ -32,6 +32,8 @@ class Table:
     modal_constant_error: FloatArray
     screening: Screening
     lines: IntArray | None = None  # (n_modes, n_frf, 2) first and last that each fit drew on
+    # (n_modes, n_frf, 2) what leakage may still move frequency, Hz, and loss factor by; None where none leaks
+    leakage_bias: FloatArray | None = None
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,6 +82,7 @@ class Settled:
 
     table: Table
     cleaned: ComplexArray  # (n_modes, n_frf, n_lines) m/N, freed of leakage and other modes
+    others: ComplexArray  # (n_modes, n_frf, n_lines) m/N, the other modes
     inertance: BoolArray  # (n_modes,) True where the mode was fitted on inertance
 
 
@@ -112,28 +115,31 @@ def fit_all(
     rounds = ROUNDS if data.leakage is None else LEAKY_ROUNDS
     for n in range(rounds):
         progress(n / (rounds + 1), f"round {n + 1} of {rounds + 1}")
-        now = _fit_once(method, law, data, data.receptance * undone - others)
+        now = fit_once(method, law, data, data.receptance * undone - others)
         others = _others(law, data, now.table.modal_constant, now.eigenvalue) + known
         if data.leakage is not None:
-            step = _undo(law, data, data.leakage, now, now.rest + others)
+            step = undoing(law, data, data.leakage, now, now.rest + others)
             # modes much narrower than a line swing about the answer unless the late steps are halved
             share = 1.0 if n < LEAKY_ROUNDS // 2 else 0.5
             undone = (1 - share) * undone + share * step
     # the lines as they are now have no leakage left
     cleaned = data.receptance * undone - others
-    last = _fit_once(method, law, replace(data, leakage=None), cleaned)
-    return Settled(last.table, cleaned, last.inertance)
+    last = fit_once(method, law, replace(data, leakage=None), cleaned)
+    return Settled(last.table, cleaned, others, last.inertance)
 
 
 @dataclass(frozen=True, eq=False)
-class _Round:
+class Round:
+    """One fit of every window."""
+
     table: Table
     eigenvalue: ComplexArray  # (n_modes, n_frf)
     rest: ComplexArray  # receptance beside each mode, as `Data`
     inertance: BoolArray  # (n_modes,)
 
 
-def _fit_once(method: ExtractionMethod, law: Law, data: Data, target: ComplexArray) -> _Round:
+def fit_once(method: ExtractionMethod, law: Law, data: Data, target: ComplexArray) -> Round:
+    """Return a mode and a constant fitted to every window of `target`, (n_modes, n_frf, n_lines) m/N."""
     n_modes, n_frf, n_lines = data.freq.shape
     frf = np.stack([target, -data.x * target])
     weight = np.stack([data.weight, data.weight / np.maximum(data.x, TINY) ** 2])
@@ -161,8 +167,8 @@ def _complete(
     frf: ComplexArray,
     weight: FloatArray,
     inertance: BoolArray,
-) -> _Round:
-    """Return what `_fit_once` does, from the fits picked, (n_modes, n_frf), and their lines."""
+) -> Round:
+    """Return what `fit_once` does, from the fits picked, (n_modes, n_frf), and their lines."""
     widened = np.sqrt(np.maximum(fits.misfit[pick], 1))
     frequency, loss_factor = fits.frequency[pick], fits.loss_factor[pick]
     errors = fits.frequency_error[pick] * widened, fits.loss_factor_error[pick] * widened
@@ -187,7 +193,7 @@ def _complete(
     total = weight.sum(axis=2, keepdims=True)
     residual = (weight * (frf - factor * mode)).sum(axis=2, keepdims=True) / np.where(total > 0, total, 1)
     table = Table(frequency, loss_factor, constant, *errors, error, screening)
-    return _Round(table, eigenvalue, residual / factor, inertance)
+    return Round(table, eigenvalue, residual / factor, inertance)
 
 
 def _held(frf: ComplexArray, weight: FloatArray, shape: ComplexArray) -> tuple[ComplexArray, FloatArray]:
@@ -204,8 +210,8 @@ def _held(frf: ComplexArray, weight: FloatArray, shape: ComplexArray) -> tuple[C
     return constant, np.sqrt(np.maximum(misfit, 1) / 2 / safe)
 
 
-def _undo(law: Law, data: Data, leakage: Leakage, now: _Round, rest: ComplexArray) -> ComplexArray:
-    """Return what to multiply the measured lines by; `rest` is the receptance beside each mode."""
+def undoing(law: Law, data: Data, leakage: Leakage, now: Round, rest: ComplexArray) -> ComplexArray:
+    """Return what to multiply the measured lines by, as `data`; `rest` is the receptance beside each mode."""
     squared, constant = law.pole(now.eigenvalue, now.table.modal_constant)
     mode = law.response(data.freq, now.eigenvalue[:, :, None], now.table.modal_constant[:, :, None])
     # turned to inertance, a mode is a pole and its modal constant
