@@ -22,6 +22,8 @@ def modal_model(data: Json, given: Arrays) -> ModalModel:
         resynthesis_error=data.get("resynthesis_error"),
         wander=_wander(data.get("wander"), given),
         notes=texts(data.get("notes") or ()),
+        references=texts(data.get("references") or ()),
+        frfs=texts(data.get("frfs") or ()),
     )
 
 

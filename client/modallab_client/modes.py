@@ -42,8 +42,8 @@ class Wander:
     size_error: float
     unit: str
     explained: float  # 0 to 1, the part of the scatter that goes with the cause
-    shift: FloatArray  # (n_modes, n_dof) Hz, from the plain mean of each mode
-    shift_error: FloatArray  # (n_modes, n_dof) Hz, standard errors
+    shift: FloatArray  # (n_modes, n_frf) Hz, from the plain mean of each mode
+    shift_error: FloatArray  # (n_modes, n_frf) Hz, standard errors
     still_frequency: FloatArray  # (n_modes,) Hz, without the roving mass, or before the drift
 
 
@@ -70,18 +70,20 @@ class ModalModel:
     measurement_id: str | None
     dofs: tuple[str, ...]
     shapes: ComplexArray = field(repr=False)  # (n_dof, n_modes) 1/sqrt(kg)
-    # of each FRF, (n_modes, n_out); None for a model that was not read from FRFs, NaN where one is mute
+    # (n_modes, n_frf) in the order of `frfs`; None for a model not read from FRFs, NaN where one is mute
     modal_constants: ComplexArray | None = field(repr=False, default=None)  # 1/kg
     fitted_frequencies: FloatArray | None = field(repr=False, default=None)  # Hz
     fitted_loss_factors: FloatArray | None = field(repr=False, default=None)
     shape_errors: FloatArray | None = field(repr=False, default=None)  # (n_dof, n_modes) of |shape|
-    # (n_modes, n_out) 1/kg, standard error of either part
+    # (n_modes, n_frf) 1/kg, standard error of either part
     modal_constant_errors: FloatArray | None = field(repr=False, default=None)
     choices: Mapping[str, str] = field(repr=False, default_factory=dict)  # option -> what was taken, and why
-    # DoF -> rms of what modes and residuals leave over rms of the FRF
+    # FRF -> rms of what modes and residuals leave over rms of the FRF
     resynthesis_error: Mapping[str, float] | None = field(repr=False, default=None)
     wander: Wander | None = field(repr=False, default=None)  # None where frequencies agree over the FRFs
     notes: tuple[str, ...] = field(repr=False, default=())
+    references: tuple[str, ...] = ()  # that FRFs share: drive points, or responses while a hammer roved
+    frfs: tuple[str, ...] = field(repr=False, default=())  # a DoF, of several references "5:+Y / 1:+Y"
 
     @property
     def frequencies(self) -> FloatArray:

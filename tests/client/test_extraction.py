@@ -147,6 +147,8 @@ def test_a_modal_model_says_what_was_chosen_what_is_left_and_what_wanders(
         "resynthesis_error": {"1:+Y": 0.01, "3:+Y": 0.02},
         "wander": wander,
         "notes": ["n"],
+        "references": ["1:+Y"],
+        "frfs": ["1:+Y", "3:+Y"],
     }
     service.on("GET /v1/modal-models/mm1", about)
     shift = np.array([[0.1, np.nan]])
@@ -155,12 +157,19 @@ def test_a_modal_model_says_what_was_chosen_what_is_left_and_what_wanders(
     found = lab.modal_models.get("mm1")
     assert found.choices["lines"].startswith("8: ")
     assert found.resynthesis_error == {"1:+Y": 0.01, "3:+Y": 0.02}
+    assert (found.references, found.frfs) == (("1:+Y",), ("1:+Y", "3:+Y"))
     assert found.modes[0].complexity is not None
     assert found.modes[0].complexity.mpc == 0.99
     assert found.wander is not None
     assert (found.wander.cause, found.wander.size) == ("roving_mass", 0.02)
     np.testing.assert_array_equal(found.wander.shift, shift)
     assert found.notes == ("n",)
+
+
+def test_a_fit_of_several_references_is_asked_for_by_both_points(lab: ModalLab, service: FakeService) -> None:
+    service.on("GET /v1/modal-models/mm1/fits", fit_reply("line_fit"))
+    lab.modal_models.fit("mm1", mode=3, response="9:+Y", reference="1:+Y")
+    assert dict(service.requests[-1].url.params) == {"mode": "3", "response": "9:+Y", "reference": "1:+Y"}
 
 
 @pytest.mark.parametrize("method", DETAILS)

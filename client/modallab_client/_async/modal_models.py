@@ -72,7 +72,9 @@ class AsyncModalModels(AsyncShelf):
         arrays = await self._transport.npz(f"/v1/modal-models/{modal_model_id}/arrays")
         return _wire.read(_wire_modes.modal_model, about, arrays)
 
-    async def fit(self, modal_model_id: str, *, mode: int, response: str) -> FitPicture:
+    async def fit(
+        self, modal_model_id: str, *, mode: int, response: str, reference: str | None = None
+    ) -> FitPicture:
         """Return one of the fits that a modal model was collated from, to be drawn.
 
         Parameters
@@ -83,9 +85,12 @@ class AsyncModalModels(AsyncShelf):
             Counted from 1.
         response
             One of the model's `dofs`, in whose FRF.
+        reference
+            One of the model's `references`, which may be left out where there is but one.
         """
         path = f"{self.path}/{modal_model_id}/fits"
-        reply = await self._transport.request("GET", path, params={"mode": mode, "response": response})
+        asked = _wire.body(mode=mode, response=response, reference=reference)
+        reply = await self._transport.request("GET", path, params=asked)
         return _wire.read(_wire_extraction.fit, reply)
 
     async def chart(self, modal_model_id: str, points: int = 800) -> StabilisationChart:

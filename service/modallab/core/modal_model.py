@@ -1,5 +1,6 @@
 """Modes as a measurement or a model gives them."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Literal
 
@@ -46,6 +47,13 @@ class Mode:
         return complex((2 * np.pi * self.frequency) ** 2 * (1 + 1j * self.loss_factor))
 
 
+def frf_names(dofs: Sequence[Dof], references: Sequence[Dof]) -> tuple[str, ...]:
+    """Return FRFs by name, DoF by DoF: `5:+Y`, or of several references `5:+Y / 1:+Y`."""
+    if len(references) < 2:
+        return tuple(str(dof) for dof in dofs)
+    return tuple(f"{dof} / {reference}" for dof in dofs for reference in references)
+
+
 @dataclass(frozen=True, eq=False)
 class StabilisationChart:
     """Poles that a global method found at rising model orders, and which of them became modes."""
@@ -78,25 +86,37 @@ class ModalModel:
     dofs: tuple[Dof, ...]
     normalisation: Literal["mass", "none"] = "mass"
     method: str = ""
-    drive: Dof | None = None  # the point that all FRFs share; None where the modes are not from FRFs
-    # per FRF: (n_modes, n_out) Hz, -, and 1/kg; NaN where an FRF did not show the mode
+    # points that FRFs share: drive points, or responses while a hammer roves; none where modes are
+    # not from FRFs. FRFs are counted DoF by DoF, at each of them reference by reference.
+    references: tuple[Dof, ...] = ()
+    # per FRF: (n_modes, n_frf) Hz, -, and 1/kg; NaN where an FRF did not show the mode
     fitted_frequency: FloatArray | None = None
     fitted_loss_factor: FloatArray | None = None
     modal_constant: ComplexArray | None = None
-    modal_constant_error: FloatArray | None = None  # (n_modes, n_out) 1/kg, of either part
-    # (n_modes, n_out, 2) first and last line above 0 Hz that each single-mode fit drew on
+    modal_constant_error: FloatArray | None = None  # (n_modes, n_frf) 1/kg, of either part
+    # (n_modes, n_frf, 2) first and last line above 0 Hz that each single-mode fit drew on
     fitted_lines: IntArray | None = None
-    # (2, n_out) what lies below the range, 1/kg: -m/omega^2; and above it, m/N
+    # (2, n_frf) what lies below the range, 1/kg: -m/omega^2; and above it, m/N
     residuals: ComplexArray | None = None
     # what lies so near the range that it bends the FRFs in it, `A/(lambda - omega^2)` whatever the law of
-    # damping: (n_beyond,) (rad/s)^2 and (n_beyond, n_out) 1/kg
+    # damping: (n_beyond,) (rad/s)^2 and (n_beyond, n_frf) 1/kg
     beyond_eigenvalue: ComplexArray | None = None
     beyond_constant: ComplexArray | None = None
-    resynthesis_error: FloatArray | None = None  # (n_out,) rms misfit of the modes over rms of the FRF
+    resynthesis_error: FloatArray | None = None  # (n_frf,) rms misfit of the modes over rms of the FRF
     wander: Wander | None = None  # of the frequencies over the FRFs, None where they agree
     chart: StabilisationChart | None = None
     choices: dict[str, str] = field(default_factory=dict)  # option -> what was taken, and why
     notes: tuple[str, ...] = ()
+
+    @property
+    def drive(self) -> Dof | None:
+        """The point that all FRFs share; None where there is none, or several."""
+        return self.references[0] if len(self.references) == 1 else None
+
+    @property
+    def frfs(self) -> tuple[str, ...]:
+        """(n_frf,) names of the FRFs, as `frf_names`."""
+        return frf_names(self.dofs, self.references)
 
     @property
     def frequencies(self) -> FloatArray:

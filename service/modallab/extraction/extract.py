@@ -38,10 +38,10 @@ def extract(
     Parameters
     ----------
     frf
-        One drive point and many responses, or one response and a roving drive point; any kind.
+        Of any kind: from one drive point or several, or to one response or several from a roving drive point.
     coherence
-        (n_freq, n_out), or (n_freq, n_out, n_in); None where it was not measured: then the misfit of
-        the fits stands in for the random error.
+        (n_freq, n_out), multiple where several forces act at once, or (n_freq, n_out, n_in); None where it
+        was not measured: then the misfit of the fits stands in for the random error.
     averages
         Effective number of averages behind the coherence.
     method
@@ -112,5 +112,6 @@ def responses_read(
     responses = responses_of(frf, coherence, averages)
     if leakage is not None:  # what leaks is not coherent either, and no noise
         return responses, 0.0
-    kind = None if estimator is None else biased(estimator)
+    # of several references only that is known which bias may be left: noise of one force is in all FRFs
+    kind = None if estimator is None or len(responses.references) > 1 else biased(estimator)
     return without_noise_bias(responses, noise_shares(responses, kind), kind)

@@ -81,11 +81,12 @@ def extract_globally(
     alone = _one_by_one(responses, options, leakage)
     known = None if alone is None else as_fit(alone)
     leaked = None if leakage is None else Leaked(leakage, known, responses.drive_row)
+    n_ref = len(responses.references)
     fits, choices = [], {}
     for number, lines in enumerate(ranges):
         here = part(progress, 0.95 * number / len(ranges), 0.95 * (number + 1) / len(ranges))
         stretch = Stretch(
-            responses.freq[lines], responses.receptance[lines], weights[lines], knows_noise(responses)
+            responses.freq[lines], responses.receptance[lines], weights[lines], knows_noise(responses), n_ref
         )
         orders, choices["max_order"] = _orders(indicator[lines], options)
         found = modes_of(
@@ -144,15 +145,16 @@ def _one_by_one(
 
 
 def _some(responses: Responses) -> Responses:
-    """Return the FRFs, of many some evenly among them and that of the drive point."""
-    n = len(responses.dofs)
-    rows = np.unique(np.linspace(0, n - 1, min(n, WITNESSES)).round().astype(int))
-    if responses.drive_row is not None:
-        rows = np.union1d(rows, [responses.drive_row])
+    """Return the FRFs, of many those of some DoFs, evenly among them, and of the drive points."""
+    n, n_ref = len(responses.dofs), len(responses.references)
+    most = max(WITNESSES // n_ref, 1)
+    rows = np.unique(np.linspace(0, n - 1, min(n, most)).round().astype(int))
+    rows = np.union1d(rows, responses.driving[responses.driving >= 0])
+    frfs = (rows[:, None] * n_ref + np.arange(n_ref)).ravel()
     return replace(
         responses,
-        receptance=responses.receptance[:, rows],
-        coherence=responses.coherence[:, rows],
+        receptance=responses.receptance[:, frfs],
+        coherence=responses.coherence[:, frfs],
         dofs=tuple(responses.dofs[row] for row in rows),
     )
 
@@ -161,7 +163,7 @@ def _not_of_one_structure(alone: ModalModel | None) -> Iterator[str]:
     """Yield a warning where FRFs have no poles in common, and what moves them."""
     if alone is None or alone.wander is None:
         return
-    cause, *_ = wander_notes(alone.wander, alone.dofs)
+    cause, *_ = wander_notes(alone.wander, alone.frfs)
     yield f"a global method takes all FRFs to be of one structure, and these are not: {cause}"
     yield "modes may be split or doubled here; a method that fits each FRF by itself follows them"
 

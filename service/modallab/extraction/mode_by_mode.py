@@ -69,7 +69,7 @@ def extract_mode_by_mode(
     model = collate(
         table,
         dofs,
-        responses.drive,
+        responses.references,
         method=method,
         notes=notes,
         choices=decided.choices,

@@ -159,11 +159,11 @@ def _ends(responses: Responses, model: ModalModel) -> IntArray:
             value=model.method,
             allowed=", ".join(EXTRACTION_METHODS),
         )
-    if model.dofs != responses.dofs or model.fitted_lines.max(initial=0) >= len(responses.freq):
+    if model.frfs != responses.frfs or model.fitted_lines.max(initial=0) >= len(responses.freq):
         raise InvalidInputError(
             "these responses are not those that the modes were read from",
             field="responses",
-            value=len(responses.dofs),
+            value=len(responses.frfs),
             allowed="the measurement behind the modal model",
         )
     return model.fitted_lines

@@ -73,8 +73,12 @@ def extract_and_store(
     store.modal_models.add(model, owner=into.owner, inputs={"measurement_id": measurement_id}, id=into.id)
 
 
-def picture_of(measurement: Measurement, model: ModalModel, mode: int, response: Dof) -> FitPicture:
+def picture_of(
+    measurement: Measurement, model: ModalModel, mode: int, response: Dof, reference: Dof | None = None
+) -> FitPicture:
     """Return the fit of one mode, counted from 1, in one FRF of the measurement it was read from.
+
+    Which FRF of a response is told by the reference; it may be left out where there is but one.
 
     Raises
     ------
@@ -90,6 +94,15 @@ def picture_of(measurement: Measurement, model: ModalModel, mode: int, response:
         )
     if not 1 <= mode <= len(model.modes):
         raise InvalidInputError("no such mode", field="mode", value=mode, allowed=f"1 to {len(model.modes)}")
+    if reference is None and len(model.references) == 1:
+        reference = model.references[0]
+    if reference not in model.references:
+        raise InvalidInputError(
+            "which reference is not told" if reference is None else f"no FRFs of reference {reference}",
+            field="reference",
+            value="" if reference is None else str(reference),
+            allowed=", ".join(str(dof) for dof in model.references),
+        )
     leakage = leakage_of(measurement.setup)
     responses, _ = responses_read(
         measurement.frf,
@@ -98,7 +111,8 @@ def picture_of(measurement: Measurement, model: ModalModel, mode: int, response:
         leakage=leakage,
         estimator=measurement.setup.analyser.estimator,
     )
-    as_fitted, row = _as_measured(model, measurement.setup), model.dofs.index(response)
+    as_fitted = _as_measured(model, measurement.setup)
+    row = model.dofs.index(response) * len(model.references) + model.references.index(reference)
     return fit_picture(responses, as_fitted, mode - 1, row, leakage=leakage)
 
 
@@ -115,7 +129,7 @@ def resynthesised(measurement: Measurement, model: ModalModel) -> FrfSet:
     frf = measurement.frf
     freq = frf.freq if frf.kind is FrfKind.INERTANCE else frf.freq[frf.freq > 0]
     made = resynthesise(_as_measured(model, measurement.setup), freq, frf.kind)
-    if len(frf.inputs) == 1:
+    if made.inputs == frf.inputs:
         return made
     return FrfSet(made.freq, made.values.transpose(0, 2, 1), made.inputs, made.outputs, made.kind)
 

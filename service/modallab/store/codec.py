@@ -120,8 +120,8 @@ def _take_modal_model(thing: ModalModel) -> tuple[Json, Arrays]:
     if thing.chart is not None:
         arrays |= {f"{_CHART}{f.name}": getattr(thing.chart, f.name) for f in fields(StabilisationChart)}
     body = {"normalisation": thing.normalisation, "method": thing.method, "notes": list(thing.notes)}
-    if thing.drive is not None:
-        body["drive"] = str(thing.drive)
+    if thing.references:
+        body["references"] = [str(dof) for dof in thing.references]
     if thing.wander is not None:
         body["wander"], own = to_plain(thing.wander)
         arrays |= {f"{_WANDER}{name}": array for name, array in own.items()}
@@ -148,12 +148,18 @@ def _put_modal_model(body: Json, arrays: _Given) -> ModalModel:
         beyond_eigenvalue=arrays.get("beyond_eigenvalues"),
         beyond_constant=arrays.get("beyond_constants"),
         resynthesis_error=arrays.get("resynthesis_error"),
-        drive=Dof.parse(body["drive"]) if "drive" in body else None,
+        references=_references(body),
         wander=from_plain(Wander, body["wander"], _named(arrays, _WANDER)) if "wander" in body else None,
         chart=None if f"{_CHART}order" not in arrays else _chart(arrays),
         choices=body.get("choices", {}),
         notes=tuple(body["notes"]),
     )
+
+
+def _references(body: Json) -> tuple[Dof, ...]:
+    """Return what FRFs share; models kept before there could be several have one `drive`."""
+    names = body.get("references", [body["drive"]] if "drive" in body else [])
+    return tuple(Dof.parse(name) for name in names)
 
 
 def _named(arrays: _Given, prefix: str) -> _Given:

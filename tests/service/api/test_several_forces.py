@@ -55,3 +55,62 @@ def test_what_cannot_be_measured_so_is_refused_by_name(
 def test_bits_are_a_whole_number(service: Any) -> None:
     problem = service.post("/v1/rigs", {**RIG, "analyser": {"bits": 12.5}}, status=422)
     assert "bits" in str(problem)
+
+
+def _npz(service: Any, path: str) -> Any:
+    return np.load(io.BytesIO(service.request("GET", path).content))
+
+
+@pytest.fixture(scope="module")
+def driven_twice(service: Any, beam: str) -> str:
+    """The beam driven by two shakers at once, periodic random."""
+    rig = {**RIG, "analyser": {"n_lines": 401, "averages": 40}, "exciter": {"kind": "shaker"}}
+    id = service.post("/v1/rigs", rig)["id"]
+    return str(
+        service.result_of(
+            "/v1/measurements", {"structure_id": beam, "rig_id": id, "route": "sampled", "seed": 1}
+        )
+    )
+
+
+@pytest.mark.parametrize("method", ["poly_reference_lscf", "lscf", "dobson"])
+def test_modes_are_read_from_all_drive_points_together(
+    service: Any, beam: str, driven_twice: str, method: str
+) -> None:
+    body = {"measurement_id": driven_twice, "method": method}
+    id = service.result_of("/v1/modal-models", body)
+    model = service.get(f"/v1/modal-models/{id}")
+    assert (model["drive"], model["references"]) == (None, ["1:+Y", "16:+Y"])
+    assert model["dofs"] == ["1:+Y", "7:+Y", "16:+Y"]
+    assert model["frfs"][:2] == ["1:+Y / 1:+Y", "1:+Y / 16:+Y"]
+    assert list(model["resynthesis_error"]) == model["frfs"]
+    assert model["normalisation"] == "mass"
+    assert model["choices"]["references"].startswith("1:+Y, 16:+Y: ")
+    exact = service.get(f"/v1/structures/{beam}/modes?count=8")
+    found = [mode["frequency"] for mode in model["modes"]]
+    # noise of 1e-3 in 40 averages tells frequencies to some 1e-5 where nothing is biased
+    np.testing.assert_allclose(found, exact["frequencies"], rtol=2e-4)
+    arrays = _npz(service, f"/v1/modal-models/{id}/arrays")
+    assert arrays["shapes"].shape == (3, 8)
+    assert arrays["modal_constants"].shape == (8, 6)
+    made, test = (
+        _npz(service, path)
+        for path in (f"/v1/modal-models/{id}/frf", f"/v1/measurements/{driven_twice}/arrays")
+    )
+    assert made["values"].shape[1:] == test["values"].shape[1:] == (3, 2)
+    assert made["inputs"].tolist() == ["1:+Y", "16:+Y"]
+
+
+def test_a_fit_of_several_references_is_asked_for_by_both_points(service: Any, driven_twice: str) -> None:
+    body = {"measurement_id": driven_twice, "method": "dobson", "n_modes": 3}
+    id = service.result_of("/v1/modal-models", body)
+    asked = {"mode": 2, "response": "7:+Y", "reference": "16:+Y"}
+    fit = service.get(f"/v1/modal-models/{id}/fits", params=asked)
+    constant = _npz(service, f"/v1/modal-models/{id}/arrays")["modal_constants"][1, 3]  # 7:+Y / 16:+Y
+    assert complex(*fit["modal_constant"]) == pytest.approx(constant, rel=1e-3)  # fitted once more
+    for reference, value in ((None, ""), ("3:+Y", "3:+Y")):
+        params = {k: v for k, v in {**asked, "reference": reference}.items() if v is not None}
+        reply = service.request("GET", f"/v1/modal-models/{id}/fits", params=params)
+        assert reply.status_code == 422
+        context = reply.json()["context"]
+        assert (context["field"], context["value"], context["allowed"]) == ("reference", value, "1:+Y, 16:+Y")

@@ -241,8 +241,8 @@ def test_inputs_that_do_not_fit_are_named(plain_beam: Beam, freq: FloatArray) ->
     with pytest.raises(InvalidInputError, match="too few lines"):
         extract(frf.between(0, 6), coherence=None, averages=100)
     square = FrfSet(freq, np.ones((401, 2, 2), complex), frf.outputs[:2], frf.outputs[:2], frf.kind)
-    with pytest.raises(InvalidInputError, match="one drive point"):
-        extract(square, coherence=None, averages=100)
+    with pytest.raises(InvalidInputError, match="coherence does not fit"):
+        extract(square, coherence=np.ones((401, 2, 1)), averages=100)
 
 
 @pytest.mark.parametrize("seed", range(12))

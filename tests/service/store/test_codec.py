@@ -27,7 +27,9 @@ def wandering() -> Wander:
 
 
 def test_how_frequencies_wander_comes_back_and_is_served_under_its_own_names() -> None:
-    given = ModalModel((Mode(23.5, 0.01, np.ones(2, complex)),), DOFS, drive=DOFS[1], wander=wandering())
+    given = ModalModel(
+        (Mode(23.5, 0.01, np.ones(2, complex)),), DOFS, references=DOFS[1:2], wander=wandering()
+    )
     codec = CODECS["modal_model"]
     body, arrays = codec.take_apart(given)
     np.testing.assert_array_equal(arrays["wander_shift"], [[-0.5, np.nan]])

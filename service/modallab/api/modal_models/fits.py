@@ -22,6 +22,9 @@ from modallab.store.base import Store
 
 MODE = Annotated[int, Query(ge=1, le=100_000, description="counted from 1")]
 RESPONSE = Annotated[DofText, Query(description="one of the model's `dofs`")]
+REFERENCE = Annotated[
+    DofText | None, Query(description="one of the model's `references`; not needed where there is but one")
+]
 Pair = tuple[float | None, float | None]
 
 _MOST_ROWS = 40  # of what is drawn as many lines or as a surface: more hide each other
@@ -57,6 +60,7 @@ class FitOut(BaseModel):
 
     mode: int
     response: str
+    reference: str | None = Field(description="as asked")
     method: str
     damping: str
     kind: str = Field(description="of all responses here: the one that the mode was fitted on")
@@ -75,7 +79,7 @@ class FitOut(BaseModel):
     complex_details: dict[str, Any] = Field(description="complex ones")
 
     @classmethod
-    def of(cls, picture: FitPicture, mode: int, response: Dof) -> Self:
+    def of(cls, picture: FitPicture, mode: int, response: Dof, reference: Dof | None = None) -> Self:
         """Return what the contract shows of a fit."""
         drawn = _few(picture.details)
         flat = {name: numbers(values) for name, values in drawn.items()}
@@ -83,6 +87,7 @@ class FitOut(BaseModel):
         return cls(
             mode=mode,
             response=str(response),
+            reference=None if reference is None else str(reference),
             method=picture.method,
             damping=picture.damping.value,
             kind=picture.kind.value,

@@ -1,5 +1,6 @@
 """What a reply shows of a modal model."""
 
+from collections.abc import Sequence
 from dataclasses import asdict
 from typing import Any, Self
 
@@ -22,7 +23,7 @@ class WanderOut(BaseModel):
     """Frequencies that differ between FRFs by more than their random error.
 
     `size` is the kg that move with the response, or the relative change of frequency from the first FRF to
-    the last, or 0; shifts are from the plain mean of each mode, by DoF, one a mode, null where an FRF
+    the last, or 0; shifts are from the plain mean of each mode, by FRF, one a mode, null where an FRF
     does not show it. Where there are very many, `/arrays` alone has them: `wander_shift`.
     """
 
@@ -40,7 +41,7 @@ class WanderOut(BaseModel):
     mode_size_error: list[float | None]
 
     @classmethod
-    def of(cls, wander: Wander, dofs: list[str]) -> Self:
+    def of(cls, wander: Wander, frfs: Sequence[str]) -> Self:
         """Return what the contract shows of a wander."""
         few = wander.shift.size <= MOST_SHIFTS
         return cls(
@@ -49,8 +50,8 @@ class WanderOut(BaseModel):
             size_error=_finite(wander.size_error),
             unit=_UNITS.get(wander.cause, "1"),
             explained=_finite(wander.explained),
-            shift=_by_dof(dofs, wander.shift) if few else None,
-            shift_error=_by_dof(dofs, wander.shift_error) if few else None,
+            shift=_by_frf(frfs, wander.shift) if few else None,
+            shift_error=_by_frf(frfs, wander.shift_error) if few else None,
             still_frequency=numbers(wander.still_frequency),
             mode_size=numbers(wander.mode_size),
             mode_size_error=numbers(wander.mode_size_error),
@@ -71,12 +72,19 @@ class ModalModelOut(EntryOut):
     method: str
     measurement_id: str | None
     normalisation: str
-    drive: str | None
+    drive: str | None = Field(description="the point that all FRFs share; null where there are several")
+    references: list[str] = Field(
+        description="points that FRFs share: drive points, or responses while a hammer roves"
+    )
+    frfs: list[str] = Field(
+        description="names of the FRFs, in the order of the arrays: a DoF, of several references each with "
+        "each DoF, `5:+Y / 1:+Y`"
+    )
     dofs: list[str]
     modes: list[dict[str, Any]]
     choices: dict[str, str] = Field(description="option -> what was taken, and why")
     resynthesis_error: dict[str, float] | None = Field(
-        description="by DoF: rms of what modes and residuals leave over rms of the FRF, as mobility"
+        description="by FRF: rms of what modes and residuals leave over rms of the FRF, as mobility"
     )
     wander: WanderOut | None
     notes: list[str]
@@ -93,11 +101,13 @@ class ModalModelOut(EntryOut):
             measurement_id=entry.inputs.get("measurement_id"),
             normalisation=model.normalisation,
             drive=None if model.drive is None else str(model.drive),
+            references=[str(dof) for dof in model.references],
+            frfs=list(model.frfs) if model.references else [],
             dofs=dofs,
             modes=[_mode_out(mode) | {"complexity": complexity} for mode, complexity in shapes],
             choices=dict(model.choices),
-            resynthesis_error=None if left is None else dict(zip(dofs, left.tolist(), strict=True)),
-            wander=None if model.wander is None else WanderOut.of(model.wander, dofs),
+            resynthesis_error=None if left is None else dict(zip(model.frfs, left.tolist(), strict=True)),
+            wander=None if model.wander is None else WanderOut.of(model.wander, model.frfs),
             notes=list(model.notes),
         )
 
@@ -123,9 +133,9 @@ def _mode_out(mode: Mode) -> dict[str, Any]:
     }
 
 
-def _by_dof(dofs: list[str], table: FloatArray) -> dict[str, list[float | None]]:
-    """Return a table (n_modes, n_frf) by DoF."""
-    return dict(zip(dofs, numbers(table.T), strict=True))
+def _by_frf(frfs: Sequence[str], table: FloatArray) -> dict[str, list[float | None]]:
+    """Return a table (n_modes, n_frf) by FRF."""
+    return dict(zip(frfs, numbers(table.T), strict=True))
 
 
 def _finite(value: float) -> float | None:

@@ -13,6 +13,7 @@ from modallab.api.jobs import JobOut
 from modallab.api.kinds import KindWanted, measured_as
 from modallab.api.modal_models.fits import (
     MODE,
+    REFERENCE,
     RESPONSE,
     ChartOut,
     FitOut,
@@ -100,9 +101,12 @@ def get_modal_model_arrays(id: IdPath, store: StoreDep, precision: Precision = "
 
 
 @router.get("/{id}/fits", summary="One mode in one FRF, to be drawn: lines, curve, what the method drew")
-def get_fit(id: IdPath, store: StoreDep, mode: MODE, response: RESPONSE) -> FitOut:
+def get_fit(
+    id: IdPath, store: StoreDep, mode: MODE, response: RESPONSE, reference: REFERENCE = None
+) -> FitOut:
     model, at = store.modal_models.get(id), Dof.parse(response, field="response")
-    return FitOut.of(picture_of(measured_for(id, model, store), model, mode, at), mode, at)
+    of = None if reference is None else Dof.parse(reference, field="reference")
+    return FitOut.of(picture_of(measured_for(id, model, store), model, mode, at, of), mode, at, of)
 
 
 @router.get("/{id}/chart", summary="Stabilisation chart of a global method, mode indicators beside it")

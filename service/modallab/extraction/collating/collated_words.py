@@ -5,8 +5,8 @@ from collections.abc import Iterator, Sequence
 import numpy as np
 
 from modallab.core.arrays import FloatArray, IntArray
-from modallab.core.dof import Dof
 from modallab.core.wander import Wander, WanderCause
+from modallab.extraction.collating.referenced import ReferencedShapes
 from modallab.extraction.singly.fitting import Table
 
 SHOWN = 0.05  # of the random error: less than that in common is hardly told from none
@@ -35,13 +35,15 @@ def _means(wander: Wander | None) -> str:
     return "plain: every FRF is of a slightly different structure, and none is truer than another"
 
 
-def no_scale(at: int | None, drive: Dof) -> Iterator[str]:
-    """Yield a note where no response is at the drive point."""
-    if at is None:
-        yield f"no response at the drive point {drive}: shapes are not mass-normalised"
+def no_scale(shapes: ReferencedShapes) -> Iterator[str]:
+    """Yield a note where no response is at a drive point."""
+    if shapes.scale is None:
+        which = ", ".join(str(dof) for dof in shapes.references)
+        what = "the drive point" if len(shapes.references) == 1 else "any of the drive points"
+        yield f"no response at {what} {which}: shapes are not mass-normalised"
 
 
-def wander_notes(wander: Wander | None, dofs: Sequence[Dof]) -> Iterator[str]:
+def wander_notes(wander: Wander | None, names: Sequence[str]) -> Iterator[str]:
     """Yield what moves the frequencies, and for each mode how far and between which FRFs."""
     if wander is None:
         return
@@ -51,7 +53,7 @@ def wander_notes(wander: Wander | None, dofs: Sequence[Dof]) -> Iterator[str]:
         f"(chi-square {total:.3g} of {degrees} degrees of freedom): {_cause(wander)}"
     )
     for number, shift in enumerate(wander.shift, start=1):
-        if (text := _range(shift, dofs)) is not None:
+        if (text := _range(shift, names)) is not None:
             yield f"mode {number} wanders {text}"
 
 
@@ -87,18 +89,18 @@ def _cause(wander: Wander) -> str:
             )
 
 
-def _range(shift: FloatArray, dofs: Sequence[Dof]) -> str | None:
+def _range(shift: FloatArray, names: Sequence[str]) -> str | None:
     known = np.flatnonzero(np.isfinite(shift))
     if len(known) < 2:
         return None
     low, high = known[np.argmin(shift[known])], known[np.argmax(shift[known])]
     return (
-        f"by {shift[high] - shift[low]:.3g} Hz: {shift[low]:+.3g} Hz from its mean at {dofs[low]}, "
-        f"{shift[high]:+.3g} Hz at {dofs[high]}"
+        f"by {shift[high] - shift[low]:.3g} Hz: {shift[low]:+.3g} Hz from its mean at {names[low]}, "
+        f"{shift[high]:+.3g} Hz at {names[high]}"
     )
 
 
-def why_outlying(table: Table, order: IntArray, dofs: Sequence[Dof]) -> Iterator[str]:
+def why_outlying(table: Table, order: IntArray, names: Sequence[str]) -> Iterator[str]:
     """Yield for each outlier how far it is from the fits that count; `order` are the modes as listed."""
     for number, m in enumerate(order.tolist(), start=1):
         good = table.screening.good[m]
@@ -107,6 +109,6 @@ def why_outlying(table: Table, order: IntArray, dofs: Sequence[Dof]) -> Iterator
             off = table.frequency[m, j] - frequency
             share = 100 * (table.loss_factor[m, j] / damping - 1)
             yield (
-                f"mode {number}, {dofs[j]} left out: {off:+.3g} Hz from the median of the others (its "
+                f"mode {number}, {names[j]} left out: {off:+.3g} Hz from the median of the others (its "
                 f"standard error {table.frequency_error[m, j]:.2g} Hz), loss factor {share:+.0f} %"
             )

@@ -25,7 +25,7 @@ CLEAR = 3.0  # times the random error
 def resynthesise(
     model: ModalModel, freq: FloatArray, kind: FrfKind = FrfKind.RECEPTANCE, *, drive: Dof | None = None
 ) -> FrfSet:
-    """Return the FRFs that modes and residuals make, (n_freq, n_dof, 1).
+    """Return the FRFs that modes and residuals make, (n_freq, n_dof, n_ref); n_ref is 1 with `drive` given.
 
     `H_j = sum_r A_rj/(lambda_r - omega^2) + R_j - L_j/omega^2`, with the modal constants of each FRF and
     what lies above and below the range, near it poles as in it; of viscously damped modes pole and mirror
@@ -42,7 +42,7 @@ def resynthesise(
     kind
         What to return: m/N or its derivatives.
     drive
-        Where the force acts; that of the model's FRFs by default.
+        Where the force acts; those of the model's FRFs by default.
 
     Raises
     ------
@@ -50,22 +50,21 @@ def resynthesise(
         If the model has neither FRFs nor a mass-normalised shape at the drive point, or if 0 Hz is asked of
         a free structure's receptance or mobility.
     """
-    own = model.drive is not None and model.modal_constant is not None
+    own = bool(model.references) and model.modal_constant is not None
     if own and (drive is None or drive == model.drive):
-        constant, force = _constants(model), model.drive
+        constant, forces = _constants(model), model.references
         pole, beyond = _poles(model), _beyond(model, freq)
-        residuals = np.zeros((2, len(model.dofs))) if model.residuals is None else model.residuals
+        residuals = np.zeros((2, len(model.frfs))) if model.residuals is None else model.residuals
     else:
-        force = drive if drive is not None else model.drive
-        constant = _products(model, force)
+        force = _driven(model, drive if drive is not None else model.drive)
+        constant, forces = _products(model, force), (force,)
         pole = np.repeat(_common(model)[:, None], len(model.dofs), axis=1)
         residuals, beyond = np.zeros((2, len(model.dofs))), 0.0
-    assert force is not None  # `_products` has refused None
     steps = FrfKind.RECEPTANCE.steps_to(kind)
     factor = ((2j * np.pi * freq) ** steps)[:, None]
     receptance = _modes(model, freq, pole, constant) + residuals[1] + beyond
     values = factor * receptance + _below(freq, steps, residuals[0])
-    return FrfSet(freq, values[:, :, None], model.dofs, (force,), kind)
+    return FrfSet(freq, values.reshape(len(freq), -1, len(forces)), model.dofs, forces, kind)
 
 
 def with_resynthesis(
@@ -115,7 +114,7 @@ def with_resynthesis(
         beyond_eigenvalue=beyond,
         beyond_constant=None if beyond is None else residuals[2:],
         resynthesis_error=misfit,
-        notes=(*model.notes, *_left(misfit, random, model.dofs)),
+        notes=(*model.notes, *_left(misfit, random, model.frfs)),
     )
 
 
@@ -155,7 +154,7 @@ def relative_error(
 def _modes(model: ModalModel, freq: FloatArray, pole: ComplexArray, constant: ComplexArray) -> ComplexArray:
     """Return the receptance of all modes, (n_freq, n_frf); pole and constant (n_modes, n_frf)."""
     law = LAWS[Damping(taken(model.choices, "damping") or Damping.STRUCTURAL)]
-    values = np.zeros((len(freq), len(model.dofs)), complex)
+    values = np.zeros((len(freq), constant.shape[1]), complex)
     for one, size in zip(pole, constant, strict=True):  # one at a time: together they may not fit into memory
         values += law.response(freq[:, None], one, size)
     return values
@@ -179,7 +178,7 @@ def _common(model: ModalModel) -> ComplexArray:
 
 def _poles(model: ModalModel) -> ComplexArray:
     """Return the eigenvalue of every mode in every FRF, (n_modes, n_frf)."""
-    common = np.repeat(_common(model)[:, None], len(model.dofs), axis=1)
+    common = np.repeat(_common(model)[:, None], len(model.frfs), axis=1)
     frequency, loss_factor = model.fitted_frequency, model.fitted_loss_factor
     if model.wander is None or frequency is None or loss_factor is None:
         return common
@@ -187,17 +186,23 @@ def _poles(model: ModalModel) -> ComplexArray:
     return np.where(np.isfinite(model.wander.shift), own, common)
 
 
-def _products(model: ModalModel, drive: Dof | None) -> ComplexArray:
-    at = next((i for i, dof in enumerate(model.dofs) if drive is not None and dof.point == drive.point), None)
-    if drive is None or at is None or model.normalisation != "mass":
+def _products(model: ModalModel, drive: Dof) -> ComplexArray:
+    at = next(i for i, dof in enumerate(model.dofs) if dof.point == drive.point)
+    sense = model.dofs[at].sign * drive.sign
+    return np.asarray(sense * model.shapes[at][:, None] * model.shapes.T)
+
+
+def _driven(model: ModalModel, drive: Dof | None) -> Dof:
+    """Return the drive point, if shapes tell what a force there does."""
+    there = drive is not None and any(dof.point == drive.point for dof in model.dofs)
+    if drive is None or not there or model.normalisation != "mass":
         raise InvalidInputError(
             "FRFs need mass-normalised modes with a shape at the drive point",
             field="drive",
             value="none" if drive is None else str(drive),
             allowed=", ".join(str(dof) for dof in model.dofs[:5]) if model.normalisation == "mass" else "",
         )
-    sense = model.dofs[at].sign * drive.sign
-    return np.asarray(sense * model.shapes[at][:, None] * model.shapes.T)
+    return drive
 
 
 def _below(freq: FloatArray, steps: int, mass: ComplexArray) -> ComplexArray:
@@ -214,7 +219,7 @@ def _below(freq: FloatArray, steps: int, mass: ComplexArray) -> ComplexArray:
     return np.asarray(((1j * omega) ** steps / -(omega**2))[:, None] * mass)
 
 
-def _left(misfit: FloatArray, random: FloatArray, dofs: Sequence[Dof]) -> Sequence[str]:
+def _left(misfit: FloatArray, random: FloatArray, names: Sequence[str]) -> Sequence[str]:
     """Return a note where modes and residuals leave more of FRFs than random error can."""
     poor = np.flatnonzero((misfit > NOTED) & (misfit > CLEAR * random))
     if not len(poor):
@@ -222,5 +227,5 @@ def _left(misfit: FloatArray, random: FloatArray, dofs: Sequence[Dof]) -> Sequen
     worst = int(poor[np.argmax(misfit[poor])])
     return (
         f"modes and residuals leave more than {100 * NOTED:.0f} % of {len(poor)} FRFs, most of "
-        f"{dofs[worst]}: {100 * misfit[worst]:.0f} %, of which random error is {100 * random[worst]:.1g} %",
+        f"{names[worst]}: {100 * misfit[worst]:.0f} %, of which random error is {100 * random[worst]:.1g} %",
     )

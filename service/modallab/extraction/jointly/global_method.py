@@ -23,6 +23,9 @@ class Poles:
     # line, rms over the FRFs; a pole that fits noise has about 1
     strength: FloatArray
     spacing: float  # Hz, of the lines: much finer than that no pole is resolved
+    # (n_poles, n_in) how strongly each input reaches the pole's mode: residues are a shape times that; None
+    # of a method that takes each FRF by itself
+    participation: ComplexArray | None = None
 
     def __post_init__(self) -> None:
         n = len(self.order)
@@ -31,6 +34,9 @@ class Poles:
         object.__setattr__(self, "pole", frozen(self.pole, complex, (n,), name="pole"))
         object.__setattr__(self, "vector", frozen(self.vector, complex, (n, None), name="vector"))
         object.__setattr__(self, "strength", frozen(self.strength, float, (n,), name="strength"))
+        if self.participation is not None:
+            reach = frozen(self.participation, complex, (n, None), name="participation")
+            object.__setattr__(self, "participation", reach)
 
     @property
     def frequency(self) -> FloatArray:

@@ -6,15 +6,15 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray
-from modallab.core.dof import Dof
 from modallab.core.modal_model import ModalModel, Mode, StabilisationChart
-from modallab.correlation.complexity import phase_collinearity
-from modallab.extraction.collating.collate import COMPLEX, NODE, SMALL
+from modallab.extraction.collating.collate import NODE, SMALL
 from modallab.extraction.collating.collated_words import no_scale
-from modallab.extraction.collating.driving_point import driving_point_flags
-from modallab.extraction.collating.scaling import scaled_shapes
+from modallab.extraction.collating.referenced import ReferencedShapes, referenced_shapes
+from modallab.extraction.jointly.coincident import with_shapes_of_planes
 from modallab.extraction.jointly.global_range import RangeModes, pairs
 from modallab.extraction.measured.responses import Responses
+
+FITTED = "modal constants are fitted as those of one shape"
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,27 +42,40 @@ def modal_model(
     n_modes
         How many to keep, the most prominent ones; all if None.
     """
+    fits = [_as_reciprocity_has_it(fit, responses) for fit in fits]
     chosen = _chosen(fits, n_modes)
-    parts = [(fit, rows, _modes(fit.modes, rows, responses)) for fit, rows in zip(fits, chosen, strict=True)]
-    constants = [
-        (fit.modes.fit.modal_constant[rows], fit.modes.fit.modal_constant_error[rows])
-        for fit, rows, _ in parts
-    ]
-    taken = sum(len(rows) for rows in chosen)
+    each = [(fit.modes, row) for fit, rows in zip(fits, chosen, strict=True) for row in rows.tolist()]
+    constant = np.stack([modes.fit.modal_constant[row] for modes, row in each])
+    error = np.stack([modes.fit.modal_constant_error[row] for modes, row in each])
+    product = fits[0].modes.fit.participation is not None
+    # constants that are fitted as products say of a DoF no more together than each of them does
+    alike = len(responses.references) if product else 1
+    shapes = referenced_shapes(constant, np.sqrt(alike) * error, responses.dofs, responses.references)
+    close = [pairs(fit.modes.fit, rows.tolist()) for fit, rows in zip(fits, chosen, strict=True)]
+    near = [said.get(row, []) for said, rows in zip(close, chosen, strict=True) for row in rows.tolist()]
     return ModalModel(
-        modes=tuple(mode for _, _, modes in parts for mode in modes),
+        modes=tuple(
+            _mode(
+                fit,
+                row,
+                shapes,
+                n,
+                (*near[n], *_leaked(fit, row), *_nodes(constant[n], error[n], responses.frfs)),
+            )
+            for n, (fit, row) in enumerate(each)
+        ),
         dofs=responses.dofs,
-        drive=responses.drive,
-        normalisation="none" if responses.drive_row is None else "mass",
+        references=responses.references,
+        normalisation="none" if shapes.scale is None else "mass",
         method=method,
-        modal_constant=np.concatenate([constant for constant, _ in constants]),
-        modal_constant_error=np.concatenate([error for _, error in constants]),
+        modal_constant=constant,
+        modal_constant_error=error,
         chart=_chart(fits, chosen),
-        choices=dict(choices),
+        choices={**choices, **shapes.said(FITTED if product else None)},
         notes=(
-            *no_scale(responses.drive_row, responses.drive),
+            *no_scale(shapes),
             *_notes(fits, chosen),
-            *([f"{n_modes} modes asked for, {taken} found"] if n_modes and taken < n_modes else []),
+            *([f"{n_modes} modes asked for, {len(each)} found"] if n_modes and len(each) < n_modes else []),
         ),
     )
 
@@ -85,31 +98,25 @@ def _prominence(modes: RangeModes) -> FloatArray:
     return np.asarray(((peak / np.where(strongest > 0, strongest, 1.0)) ** 2).sum(axis=1))
 
 
-def _modes(modes: RangeModes, rows: IntArray, responses: Responses) -> list[Mode]:
-    fit, at = modes.fit, responses.drive_row
-    sense = 1 if at is None else responses.dofs[at].sign * responses.drive.sign
-    constant, error = fit.modal_constant[rows], fit.modal_constant_error[rows]
-    shapes, shape_errors = scaled_shapes(constant, error, at, sense)
-    close = pairs(fit, [int(row) for row in rows])
-    return [
-        Mode(
-            frequency=float(fit.frequency[row]),
-            loss_factor=float(fit.loss_factor[row]),
-            shape=shapes[n],
-            standard_errors={
-                "frequency": float(fit.frequency_error[row]),
-                "loss_factor": float(fit.loss_factor_error[row]),
-            },
-            shape_errors=shape_errors[n],
-            flags=(
-                *close.get(int(row), []),
-                *_leaked(modes, int(row)),
-                *_nodes(constant[n], error[n], responses.dofs),
-                *_odd(shapes[n], constant[n], error[n], at, sense, responses.dofs),
-            ),
-        )
-        for n, row in enumerate(rows)
-    ]
+def _as_reciprocity_has_it(fit: GlobalFit, responses: Responses) -> GlobalFit:
+    known = with_shapes_of_planes(fit.modes.fit, responses.driving, responses.senses)
+    return replace(fit, modes=replace(fit.modes, fit=known))
+
+
+def _mode(modes: RangeModes, row: int, shapes: ReferencedShapes, n: int, flags: Sequence[str]) -> Mode:
+    """Return mode `n` of the model, that of a row of its range's fit; `flags` come first."""
+    fit = modes.fit
+    return Mode(
+        frequency=float(fit.frequency[row]),
+        loss_factor=float(fit.loss_factor[row]),
+        shape=shapes.shape[n],
+        standard_errors={
+            "frequency": float(fit.frequency_error[row]),
+            "loss_factor": float(fit.loss_factor_error[row]),
+        },
+        shape_errors=shapes.error[n],
+        flags=(*flags, *shapes.odd(n)),
+    )
 
 
 def _leaked(modes: RangeModes, row: int) -> Iterator[str]:
@@ -123,27 +130,12 @@ def _leaked(modes: RangeModes, row: int) -> Iterator[str]:
         yield f"leakage_bias: up to {bias[0]:.2g} Hz in frequency and {share:.2g} % of the loss factor"
 
 
-def _nodes(constant: ComplexArray, error: FloatArray, dofs: Sequence[Dof]) -> Iterator[str]:
+def _nodes(constant: ComplexArray, error: FloatArray, names: Sequence[str]) -> Iterator[str]:
     """Yield the FRFs that hardly show a mode."""
     size = np.abs(constant)
     hidden: BoolArray = size < np.maximum(NODE * error, SMALL * size.max())
     for j in np.flatnonzero(hidden).tolist():
-        yield f"node: {dofs[j]}"
-
-
-def _odd(
-    shape: ComplexArray,
-    constant: ComplexArray,
-    error: FloatArray,
-    at: int | None,
-    sense: int,
-    dofs: Sequence[Dof],
-) -> Iterator[str]:
-    """Yield what is unusual about a shape: its drive point, or its phases."""
-    if at is not None:
-        yield from driving_point_flags(complex(constant[at]), float(error[at]), dofs[at], sense)
-    if shape.any() and (collinearity := float(phase_collinearity(shape[:, None])[0])) < COMPLEX:
-        yield f"complex shape: phase collinearity {collinearity:.2f}"
+        yield f"node: {names[j]}"
 
 
 def _chart(fits: Sequence[GlobalFit], chosen: Sequence[IntArray]) -> StabilisationChart:

@@ -4,19 +4,22 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
+import scipy.optimize
 
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from modallab.core.modal_model import StabilisationChart
 from modallab.core.progress import Progress, part
+from modallab.extraction.jointly.coincident import said_of_coincident
+from modallab.extraction.jointly.fitted import ModalFit
 from modallab.extraction.jointly.global_method import GlobalMethod, Poles
-from modallab.extraction.jointly.modal_fit import ModalFit
-from modallab.extraction.jointly.refinement import Stretch, refine, within
+from modallab.extraction.jointly.projection import below_one_another
+from modallab.extraction.jointly.refinement import Start, Stretch, refine, within
 from modallab.extraction.jointly.selection import NEAR, Selection, chart_of, select
 from modallab.extraction.jointly.stabilisation import stabilise
 from modallab.extraction.jointly.unleaked import Leaked, all_starts, cleaned, with_bias
 from modallab.extraction.options import Damping
 
-MOST_FRFS = 48  # that a pole finder is given; beyond, what they have in common
+MOST_DOFS = 48  # that a pole finder is given; beyond, what they have in common
 SAME = 0.5  # half-power bandwidths: how far a pole of the chart may be from the mode fitted from it,
 SAME_LINES = 0.25  # or as much of this part of the lines' spacing, if that is more
 
@@ -64,10 +67,11 @@ def modes_of(
         return None
     stability = stabilise(poles)
     selection = select(poles, stability)
-    start = np.asarray(selection.frequency**2 * (2 * np.pi) ** 2 * (1 + 1j * selection.loss_factor))
+    eigenvalue = np.asarray(selection.frequency**2 * (2 * np.pi) ** 2 * (1 + 1j * selection.loss_factor))
+    start = Start(eigenvalue, None if stretch.n_ref == 1 else selection.participation)
     if leaked is not None:
         start = all_starts(start, leaked, stretch.freq)
-    if not len(start):
+    if not len(start.eigenvalue):
         return None
     refined = refine(clean, start, damping, part(progress, 0.2, 1.0))
     if refined is None:
@@ -88,25 +92,30 @@ def modes_of(
 
 
 def _for_poles(stretch: Stretch) -> tuple[ComplexArray, FloatArray]:
-    """Return mobility and its weights as a pole finder takes them, (n_lines, n_out, 1).
+    """Return mobility and its weights as a pole finder takes them, (n_lines, n_dof, n_ref).
 
-    Of very many FRFs their strongest combinations: principal components, each FRF in parts of its
+    Of very many DoFs their strongest combinations: principal components, each DoF in parts of its
     noise, so that the noise of the components is alike.
     """
+    n_ref = stretch.n_ref
     omega = 2 * np.pi * stretch.freq[:, None]
     mobility, weight = 1j * omega * stretch.receptance, stretch.weight / omega**2
-    if mobility.shape[1] > MOST_FRFS:
+    # the lines of all references below one another: a combination of DoFs is one for all of them
+    mobility, weight = below_one_another(mobility, n_ref), below_one_another(weight, n_ref)
+    if mobility.shape[1] > MOST_DOFS:
         used = weight > 0
         noise = (used / np.where(used, weight, 1.0)).sum(axis=0) / np.maximum(used.sum(axis=0), 1)
         level = 1 / np.sqrt(np.where(noise > 0, noise, np.inf))
         even = np.where(used, mobility, 0) * level
         _, _, directions = np.linalg.svd(even.conj().T @ even, hermitian=True)
-        some = directions[:MOST_FRFS]
+        some = directions[:MOST_DOFS]
         variance = np.where(used, 1 / np.where(used, weight, 1.0), 0.0) * level**2 @ np.abs(some.T) ** 2
         heard = variance > 0
         mobility = even @ some.conj().T
         weight = np.where(heard, 1 / np.where(heard, variance, 1.0), 0.0)
-    return np.asarray(mobility[:, :, None], complex), weight[:, :, None]
+    shape = (len(stretch.freq), n_ref, -1)
+    apart = np.asarray(mobility, complex).reshape(shape).transpose(0, 2, 1)
+    return apart, weight.reshape(shape).transpose(0, 2, 1)
 
 
 def _match(selection: Selection, fit: ModalFit, freq: FloatArray) -> IntArray:
@@ -117,6 +126,10 @@ def _match(selection: Selection, fit: ModalFit, freq: FloatArray) -> IntArray:
     reach = np.maximum(width, SAME_LINES * float(np.median(np.diff(freq))))
     away = np.abs(selection.frequency[:, None] - fit.frequency) / reach
     nearest = away.argmin(axis=1)
+    # of modes at one frequency each has its own
+    row, own = scipy.optimize.linear_sum_assignment(np.minimum(away, SAME))
+    close = away[row, own] < SAME
+    nearest[row[close]] = own[close]
     near = away[np.arange(len(nearest)), nearest] < SAME
     return np.where(near, nearest, -1)
 
@@ -135,7 +148,7 @@ def _reason(selection: Selection, match: IntArray, mode: int) -> str:
 def pairs(fit: ModalFit, among: Sequence[int]) -> dict[int, list[str]]:
     """Return, for modes that share their resonance with others, what to say of it."""
     width = fit.loss_factor * fit.frequency
-    said: dict[int, list[str]] = {}
+    said = {row: [text] for row, text in said_of_coincident(fit).items() if row in among}
     for r in among:
         for s in among:
             gap = abs(fit.frequency[r] - fit.frequency[s]) / max(width[r], width[s])

@@ -2,41 +2,60 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Protocol
+from typing import Protocol, Self
 
 import numpy as np
 
-from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.core.arrays import ComplexArray, FloatArray, IntArray
 from modallab.extraction.options import Damping
 
 
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """Where responses are known: a row for each line, of several references one for each of them too."""
+
+    omega: FloatArray  # (n_rows,)
+    reference: IntArray  # (n_rows,) which one
+    n_references: int
+
+
 class ModalBasis(Protocol):
-    """A law of damping. A mode has two real parameters, and two real coefficients in each FRF.
+    """A law of damping. A mode has two real parameters or more, and two real coefficients in each response.
 
     Everything is complex with real coefficients, so that pairs of conjugate poles are linear too.
     """
 
-    # (2 coefficients, 2 parameters, n_slopes): how each coefficient weighs the slopes' columns
-    turn: FloatArray
+    @property
+    def turn(self) -> FloatArray:
+        """(2 coefficients, n_parameters, n_slopes): how each coefficient weighs the slopes' columns."""
+        ...
+
+    def at(self, order: IntArray) -> "ModalBasis":
+        """Return the basis for modes in another order."""
+        ...
 
     def parameters(self, eigenvalue: ComplexArray) -> FloatArray:
         """Return (n_modes, 2): omega_r^2, and what the damping adds to it."""
         ...
 
     def loss_factor(self, parameters: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the loss factors (n_modes,) and their derivatives by the parameters (n_modes, 2)."""
+        """Return the loss factors (n_modes,) and derivatives by the first two parameters (n_modes, 2)."""
         ...
 
-    def columns(self, omega: FloatArray, parameters: FloatArray) -> ComplexArray:
-        """Return (n_lines, n_modes, 2)."""
+    def columns(self, rows: Rows, parameters: FloatArray) -> ComplexArray:
+        """Return (n_rows, n_modes, 2)."""
         ...
 
-    def slopes(self, omega: FloatArray, parameters: FloatArray) -> ComplexArray:
-        """Return (n_lines, n_modes, n_slopes), of which the derivatives by the parameters are made."""
+    def slopes(self, rows: Rows, parameters: FloatArray) -> ComplexArray:
+        """Return (n_rows, n_modes, n_slopes), of which the derivatives by the parameters are made."""
         ...
 
     def constant(self, parameters: FloatArray) -> FloatArray:
-        """Return (n_modes, 2, 2): real and imaginary part of a modal constant per coefficient."""
+        """Return (n_modes, n_references, 2, 2): parts of a modal constant per coefficient."""
+        ...
+
+    def constant_slopes(self, parameters: FloatArray) -> FloatArray | None:
+        """Return its derivatives, (n_modes, n_references, n_parameters, 2, 2); None: they do not count."""
         ...
 
 
@@ -44,7 +63,10 @@ class ModalBasis(Protocol):
 class Structural:
     """`A/(lambda_r - omega^2)`, complex A; parameters are the parts of `lambda_r`."""
 
-    turn = np.array([[[1.0, 0.0], [0.0, 1.0]], [[0.0, 1.0], [-1.0, 0.0]]])
+    @property
+    def turn(self) -> FloatArray:
+        """(2, 2, 2)."""
+        return np.array([[[1.0, 0.0], [0.0, 1.0]], [[0.0, 1.0], [-1.0, 0.0]]])
 
     def parameters(self, eigenvalue: ComplexArray) -> FloatArray:
         """Return (n_modes, 2)."""
@@ -55,19 +77,27 @@ class Structural:
         stiffness, damping = parameters.T
         return damping / stiffness, np.stack([-damping / stiffness**2, 1 / stiffness], axis=1)
 
-    def columns(self, omega: FloatArray, parameters: FloatArray) -> ComplexArray:
-        """Return (n_lines, n_modes, 2)."""
-        one = 1 / (parameters @ [1, 1j] - omega[:, None] ** 2)
+    def columns(self, rows: Rows, parameters: FloatArray) -> ComplexArray:
+        """Return (n_rows, n_modes, 2)."""
+        one = 1 / (parameters @ [1, 1j] - rows.omega[:, None] ** 2)
         return np.stack([one, 1j * one], axis=2)
 
-    def slopes(self, omega: FloatArray, parameters: FloatArray) -> ComplexArray:
-        """Return (n_lines, n_modes, 2)."""
-        one = -1 / (parameters @ [1, 1j] - omega[:, None] ** 2) ** 2
+    def slopes(self, rows: Rows, parameters: FloatArray) -> ComplexArray:
+        """Return (n_rows, n_modes, 2)."""
+        one = -1 / (parameters @ [1, 1j] - rows.omega[:, None] ** 2) ** 2
         return np.stack([one, 1j * one], axis=2)
 
     def constant(self, parameters: FloatArray) -> FloatArray:
-        """Return (n_modes, 2, 2)."""
-        return np.tile(np.eye(2), (len(parameters), 1, 1))
+        """Return (n_modes, 1, 2, 2)."""
+        return np.tile(np.eye(2), (len(parameters), 1, 1, 1))
+
+    def at(self, order: IntArray) -> Self:
+        """Return the same: no mode is held apart."""
+        return self
+
+    def constant_slopes(self, parameters: FloatArray) -> None:
+        """Return None: a modal constant hardly depends on the pole."""
+        return
 
 
 @dataclass(frozen=True)
@@ -78,7 +108,10 @@ class Viscous:
     The modal constant is `a + s b`, `s - conj(s)` times the residue: of a mode that is real, the a of `a/D`.
     """
 
-    turn = np.array([[[-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]], [[0.0, -1.0, 0.0], [0.0, 0.0, -1.0]]])
+    @property
+    def turn(self) -> FloatArray:
+        """(2, 2, 3)."""
+        return np.array([[[-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]], [[0.0, -1.0, 0.0], [0.0, 0.0, -1.0]]])
 
     def parameters(self, eigenvalue: ComplexArray) -> FloatArray:
         """Return (n_modes, 2)."""
@@ -91,23 +124,31 @@ class Viscous:
         omega = np.sqrt(stiffness)
         return damping / omega, np.stack([-damping / (2 * stiffness * omega), 1 / omega], axis=1)
 
-    def columns(self, omega: FloatArray, parameters: FloatArray) -> ComplexArray:
-        """Return (n_lines, n_modes, 2)."""
-        one = 1 / self._below(omega, parameters)
-        return np.stack([one, 1j * omega[:, None] * one], axis=2)
+    def columns(self, rows: Rows, parameters: FloatArray) -> ComplexArray:
+        """Return (n_rows, n_modes, 2)."""
+        one = 1 / self._below(rows.omega, parameters)
+        return np.stack([one, 1j * rows.omega[:, None] * one], axis=2)
 
-    def slopes(self, omega: FloatArray, parameters: FloatArray) -> ComplexArray:
-        """Return (n_lines, n_modes, 3)."""
-        one = 1 / self._below(omega, parameters) ** 2
-        along = 1j * omega[:, None]
+    def slopes(self, rows: Rows, parameters: FloatArray) -> ComplexArray:
+        """Return (n_rows, n_modes, 3)."""
+        one = 1 / self._below(rows.omega, parameters) ** 2
+        along = 1j * rows.omega[:, None]
         return np.stack([one, along * one, along**2 * one], axis=2)
 
     def constant(self, parameters: FloatArray) -> FloatArray:
-        """Return (n_modes, 2, 2)."""
+        """Return (n_modes, 1, 2, 2)."""
         stiffness, damping = parameters.T
         across = np.sqrt(np.maximum(stiffness - damping**2 / 4, 0.0))
         one, none = np.ones_like(stiffness), np.zeros_like(stiffness)
-        return np.stack([np.stack([one, -damping / 2], 1), np.stack([none, across], 1)], axis=1)
+        return np.stack([np.stack([one, -damping / 2], 1), np.stack([none, across], 1)], axis=1)[:, None]
+
+    def at(self, order: IntArray) -> Self:
+        """Return the same: no mode is held apart."""
+        return self
+
+    def constant_slopes(self, parameters: FloatArray) -> None:
+        """Return None: a modal constant hardly depends on the pole."""
+        return
 
     def _below(self, omega: FloatArray, parameters: FloatArray) -> ComplexArray:
         stiffness, damping = parameters.T
@@ -117,28 +158,31 @@ class Viscous:
 BASES: Mapping[Damping, ModalBasis] = {Damping.STRUCTURAL: Structural(), Damping.VISCOUS: Viscous()}
 
 
-def residual_columns(omega: FloatArray, beyond: tuple[float, ...]) -> ComplexArray:
-    """Return (n_lines, 4 + 2 n_beyond): a constant, `-1/omega^2`, and poles held beyond the range.
+def residual_columns(rows: Rows, beyond: tuple[float, ...]) -> ComplexArray:
+    """Return (n_rows, n_references (4 + 2 n_beyond)): a constant, `-1/omega^2`, poles held beyond the range.
 
-    Each for real and imaginary part.
+    Each for real and imaginary part, and for each reference.
 
     Parameters
     ----------
     beyond
         Where these poles are: a mode not far above the range is no constant in it.
     """
+    omega = rows.omega
     real = [np.ones(len(omega)), -1 / omega**2, *(1 / (pole**2 - omega**2) for pole in beyond)]
-    return np.stack([part * column for column in real for part in (1, 1j)], axis=1)
+    columns = np.stack([part * column for column in real for part in (1, 1j)], axis=1)
+    own = rows.reference[:, None] == np.arange(rows.n_references)
+    return np.asarray((own[:, :, None] * columns[:, None]).reshape(len(omega), -1))
 
 
 def all_columns(
-    basis: ModalBasis, omega: FloatArray, parameters: FloatArray, beyond: tuple[float, ...]
+    basis: ModalBasis, rows: Rows, parameters: FloatArray, beyond: tuple[float, ...]
 ) -> ComplexArray:
-    """Return (n_lines, 2 n_modes + 4 + 2 n_beyond), mode by mode, then the residuals."""
-    columns = basis.columns(omega, parameters).reshape(len(omega), -1)
-    return np.concatenate([columns, residual_columns(omega, beyond)], axis=1)
+    """Return (n_rows, 2 n_modes + n_references (4 + 2 n_beyond)), mode by mode, then the residuals."""
+    columns = basis.columns(rows, parameters).reshape(len(rows.omega), -1)
+    return np.concatenate([columns, residual_columns(rows, beyond)], axis=1)
 
 
-def all_slopes(basis: ModalBasis, omega: FloatArray, parameters: FloatArray) -> ComplexArray:
-    """Return (n_lines, n_modes n_slopes), mode by mode."""
-    return basis.slopes(omega, parameters).reshape(len(omega), -1)
+def all_slopes(basis: ModalBasis, rows: Rows, parameters: FloatArray) -> ComplexArray:
+    """Return (n_rows, n_modes n_slopes), mode by mode."""
+    return basis.slopes(rows, parameters).reshape(len(rows.omega), -1)

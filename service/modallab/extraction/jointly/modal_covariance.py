@@ -16,22 +16,24 @@ FRFS = 32  # whose influence is held at once
 class Uncertainty:
     """Covariances on the scale of the fit."""
 
-    parameters: FloatArray  # (2 n_modes, 2 n_modes)
-    coefficients: FloatArray  # (n_frf, n_modes, 2, 2) of each modal constant's two
+    parameters: FloatArray  # (n, n) of all parameters, mode by mode
+    held: FloatArray  # (n_frf, n_modes, 2, 2) of each modal constant's two coefficients, the parameters held
+    through: FloatArray  # (n_frf, n_modes, 2, n) how the coefficients follow the parameters
     misfit: FloatArray  # (n_frf,) mean square residual over the lines' variance
     common: float  # share of the least random error at each line that all FRFs have in common
 
 
 def turned(basis: ModalBasis, linear: Linear) -> FloatArray:
-    """Return how the parameters weigh the slopes' columns, (n_frf, 2 n_modes, n_slopes)."""
-    n_modes = linear.beside.shape[1] // basis.turn.shape[2]
+    """Return how the parameters weigh the slopes' columns, (n_frf, n, n_slopes)."""
+    _, n_parameters, n_slopes = basis.turn.shape
+    n_modes = linear.beside.shape[1] // n_slopes
     n_frf = len(linear.coefficients)
     coefficients = linear.coefficients[:, : 2 * n_modes].reshape(n_frf, n_modes, 2)
     own = np.einsum("jrk,kpd->jrpd", coefficients, basis.turn)
-    out = np.zeros((n_frf, n_modes, 2, n_modes, basis.turn.shape[2]))
+    out = np.zeros((n_frf, n_modes, n_parameters, n_modes, n_slopes))
     modes = np.arange(n_modes)
     out[:, modes, :, modes] = own.swapaxes(0, 1)
-    return out.reshape(n_frf, 2 * n_modes, -1)
+    return out.reshape(n_frf, n_modes * n_parameters, -1)
 
 
 def uncertainty(lines: Scaled, basis: ModalBasis, parameters: FloatArray, linear: Linear) -> Uncertainty:
@@ -60,15 +62,13 @@ def uncertainty(lines: Scaled, basis: ModalBasis, parameters: FloatArray, linear
     if share > 0:
         together = _together(lines, basis, parameters, linear, c, wide) * share
         covariance = covariance + inverse @ together @ inverse
-    through = (linear.mixed @ c.swapaxes(1, 2))[:, : parameters.size].reshape(
-        -1, *parameters.shape, c.shape[1]
-    )
     n_modes = len(parameters)
+    follow = -(linear.mixed @ c.swapaxes(1, 2))[:, : 2 * n_modes]
+    through = follow.reshape(-1, n_modes, 2, parameters.size)
     modes = np.arange(n_modes)
     blocks = linear.inverse[:, : 2 * n_modes, : 2 * n_modes].reshape(-1, n_modes, 2, n_modes, 2)
     held = 0.5 * wide[:, None, None, None] * blocks[:, modes, :, modes].swapaxes(0, 1)
-    moved = through @ covariance @ through.swapaxes(2, 3)
-    return Uncertainty(covariance, held + moved, misfit, share)
+    return Uncertainty(covariance, held, through, misfit, share)
 
 
 def _inverse(normal: FloatArray) -> FloatArray:
@@ -92,7 +92,7 @@ def _common_share(lines: Scaled, basis: ModalBasis, parameters: FloatArray, line
     """
     together = alone = expected = alone_expected = 0.0
     for block in line_blocks(len(lines.omega), 8 * lines.response.shape[1]):
-        fitted = all_columns(basis, lines.omega[block], parameters, lines.beyond) @ linear.coefficients.T
+        fitted = all_columns(basis, lines.rows(block), parameters, lines.beyond) @ linear.coefficients.T
         weight = lines.weight[block]
         exact = weight * np.abs(fitted) ** 2  # one over the relative variance
         near = np.sqrt(exact / np.maximum(exact.max(axis=1, keepdims=True), 1e-300))
@@ -121,8 +121,8 @@ def _together(
     make = np.concatenate([-linear.mixed @ c.swapaxes(1, 2), c.swapaxes(1, 2)], axis=1)
     total = np.zeros((n_parameters, n_parameters))
     for block in line_blocks(len(lines.omega), 2 * FRFS * n_parameters):
-        columns = all_columns(basis, lines.omega[block], parameters, lines.beyond)
-        every = np.concatenate([columns, all_slopes(basis, lines.omega[block], parameters)], axis=1)
+        columns = all_columns(basis, lines.rows(block), parameters, lines.beyond)
+        every = np.concatenate([columns, all_slopes(basis, lines.rows(block), parameters)], axis=1)
         fitted = columns @ linear.coefficients.T
         weight = lines.weight[block]
         exact = weight * np.abs(fitted) ** 2

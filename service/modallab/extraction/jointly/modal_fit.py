@@ -1,13 +1,14 @@
 """All modes in all FRFs at once, by weighted least squares, with their covariance."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
-from modallab.core.arrays import ComplexArray, FloatArray, frozen
+from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.progress import Progress, silent
-from modallab.extraction.jointly.modal_basis import BASES, ModalBasis
-from modallab.extraction.jointly.modal_covariance import Uncertainty, turned, uncertainty
+from modallab.extraction.jointly.concluding import concluded
+from modallab.extraction.jointly.fitted import ModalFit
+from modallab.extraction.jointly.modal_basis import BASES, ModalBasis, Rows
+from modallab.extraction.jointly.modal_covariance import turned, uncertainty
+from modallab.extraction.jointly.participating import Participating
 from modallab.extraction.jointly.projection import Linear, Scaled, scaled, solve_linear
 from modallab.extraction.options import Damping
 
@@ -23,61 +24,6 @@ FARTHEST_BELOW, FARTHEST_ABOVE = 0.3, 1.4
 FIRST, STRICTER, LOOSER = 1e-4, 10.0, 0.1  # Levenberg-Marquardt damping, of the normal matrix's diagonal
 
 
-@dataclass(frozen=True, eq=False)
-class ModalFit:
-    """Receptance `H_j = sum_r A_rj/(lambda_r - omega^2) + R_j - L_j/omega^2` fitted to every FRF.
-
-    Standard errors are those of the linearised fit, widened by the misfit where that exceeds 1; of a
-    complex number: of either of its parts.
-    """
-
-    eigenvalue: ComplexArray  # (n_modes,) omega_r^2 (1 + i eta_r), (rad/s)^2, rising
-    modal_constant: ComplexArray  # (n_modes, n_frf) 1/kg
-    residuals: ComplexArray  # (2, n_frf) L below the range, 1/kg, and R above it, m/N
-    eigenvalue_covariance: FloatArray  # (2 n_modes, 2 n_modes) of all frequencies, Hz, then all loss factors
-    modal_constant_error: FloatArray  # (n_modes, n_frf) 1/kg
-    misfit: FloatArray  # (n_frf,) mean square residual over the lines' variance
-    # share of the least random error at each line that all FRFs have in common, from 0 to 1
-    common: float = 0.0
-
-    def __post_init__(self) -> None:
-        n, shape = len(self.eigenvalue), self.modal_constant.shape
-        covariance = frozen(self.eigenvalue_covariance, float, (2 * n, 2 * n), name="eigenvalue_covariance")
-        object.__setattr__(self, "eigenvalue_covariance", covariance)
-        for name, of, size in (
-            ("eigenvalue", complex, (n,)),
-            ("modal_constant", complex, (n, None)),
-            ("residuals", complex, (2, shape[1])),
-            ("modal_constant_error", float, shape),
-            ("misfit", float, shape[1:]),
-        ):
-            object.__setattr__(self, name, frozen(getattr(self, name), of, size, name=name))
-
-    @property
-    def frequency(self) -> FloatArray:
-        """(n_modes,) Hz."""
-        return np.asarray(np.sqrt(self.eigenvalue.real) / (2 * np.pi))
-
-    @property
-    def loss_factor(self) -> FloatArray:
-        """(n_modes,)."""
-        return np.asarray(self.eigenvalue.imag / self.eigenvalue.real)
-
-    @property
-    def frequency_error(self) -> FloatArray:
-        """(n_modes,) Hz."""
-        return self._errors[: len(self.eigenvalue)]
-
-    @property
-    def loss_factor_error(self) -> FloatArray:
-        """(n_modes,)."""
-        return self._errors[len(self.eigenvalue) :]
-
-    @property
-    def _errors(self) -> FloatArray:
-        return np.asarray(np.sqrt(np.maximum(np.diag(self.eigenvalue_covariance), 0.0)))
-
-
 def fit_modes(
     freq: FloatArray,
     receptance: ComplexArray,
@@ -85,6 +31,7 @@ def fit_modes(
     start: ComplexArray,
     *,
     damping: Damping = Damping.STRUCTURAL,
+    participation: ComplexArray | None = None,
     progress: Progress = silent,
 ) -> ModalFit:
     """Return all modes in all FRFs, with residuals, from eigenvalues to start at.
@@ -98,13 +45,17 @@ def fit_modes(
     freq
         (n_lines,) Hz, above 0, in any spacing.
     receptance
-        (n_lines, n_frf) m/N.
+        (n_lines, n_frf) m/N, of several references DoF by DoF.
     weight
         (n_lines, n_frf) one over E|error|^2; 0 leaves a line out.
     start
         (n_modes,) omega_r^2 (1 + i eta_r), (rad/s)^2.
     damping
         Law of the modes.
+    participation
+        (n_modes, n_ref) how strongly each reference reaches a mode, to start at: the modal constants of a
+        mode are then products `psi_j L_k`, and as many modes as references may coincide. None: each FRF has
+        a constant of its own.
     progress
         Told how many steps have been taken.
 
@@ -113,15 +64,28 @@ def fit_modes(
     Golub, G. H. and Pereyra, V. (1973), SIAM Journal on Numerical Analysis 10, 413-432.
     Kaufman, L. (1975), BIT 15, 49-57.
     """
-    basis = BASES[damping]
-    lines = scaled(2 * np.pi * freq, receptance, weight)
-    begin = basis.parameters(np.sort_complex(start) / lines.unit**2)
+    n_ref = 1 if participation is None else participation.shape[1]
+    lines = scaled(2 * np.pi * freq, receptance, weight, n_ref)
+    order = np.argsort(start, kind="stable")
+    reach = None if participation is None or n_ref == 1 else participation[order]
+    basis, begin = _begin(start[order] / lines.unit**2, reach, damping)
     parameters, linear = _descend(lines, basis, begin, progress)
     order = np.argsort(parameters[:, 0], kind="stable")
     if (np.diff(order) < 0).any():  # modes have changed places
-        parameters = parameters[order]
+        parameters, basis = parameters[order], basis.at(order)
         linear = solve_linear(lines, basis, parameters)
-    return _concluded(lines, basis, parameters, linear, uncertainty(lines, basis, parameters, linear))
+    return concluded(lines, basis, parameters, linear, uncertainty(lines, basis, parameters, linear))
+
+
+def _begin(
+    eigenvalue: ComplexArray, participation: ComplexArray | None, damping: Damping
+) -> tuple[ModalBasis, FloatArray]:
+    """Return the basis, and the parameters to start at."""
+    law = BASES[damping]
+    if participation is None:
+        return law, law.parameters(eigenvalue)
+    basis = Participating(damping, np.abs(participation).argmax(axis=1), participation.shape[1])
+    return basis, basis.start(law.parameters(eigenvalue), participation)
 
 
 def held_modes(
@@ -141,7 +105,7 @@ def held_modes(
     lines = scaled(2 * np.pi * freq, receptance, weight)
     parameters = basis.parameters(np.sort_complex(eigenvalue) / lines.unit**2)
     linear = solve_linear(lines, basis, parameters)
-    return _concluded(lines, basis, parameters, linear, uncertainty(lines, basis, parameters, linear))
+    return concluded(lines, basis, parameters, linear, uncertainty(lines, basis, parameters, linear))
 
 
 def fitted_receptance(fit: ModalFit, freq: FloatArray, damping: Damping) -> ComplexArray:
@@ -158,8 +122,8 @@ def fitted_receptance(fit: ModalFit, freq: FloatArray, damping: Damping) -> Comp
     omega = 2 * np.pi * freq
     parameters = basis.parameters(fit.eigenvalue)
     parts = np.stack([fit.modal_constant.real, fit.modal_constant.imag], axis=2)
-    coefficients = np.linalg.inv(basis.constant(parameters))[:, None] @ parts[..., None]
-    columns = basis.columns(omega, parameters).reshape(len(freq), -1)
+    coefficients = np.linalg.inv(basis.constant(parameters)) @ parts[..., None]
+    columns = basis.columns(Rows(omega, np.zeros(len(omega), int), 1), parameters).reshape(len(freq), -1)
     modes = columns @ coefficients[..., 0].swapaxes(1, 2).reshape(-1, fit.modal_constant.shape[1])
     below, above = fit.residuals
     return np.asarray(modes + above - below / omega[:, None] ** 2, complex)
@@ -199,7 +163,7 @@ def _descend(
 
 
 def _normal_equations(basis: ModalBasis, linear: Linear) -> tuple[FloatArray, FloatArray]:
-    """Return the normal matrix of all parameters (2 n_modes, 2 n_modes) and its right-hand side."""
+    """Return the normal matrix of all parameters and its right-hand side."""
     c = turned(basis, linear)
     normal = np.einsum("jps,jsq->pq", c @ linear.beside, c.swapaxes(1, 2), optimize=True)
     return normal, np.einsum("jps,js->p", c, linear.gradient)
@@ -220,40 +184,12 @@ def _moves(step: FloatArray, normal: FloatArray, parameters: FloatArray, varianc
 def _limited(step: FloatArray, parameters: FloatArray, ends: tuple[float, float]) -> FloatArray:
     """Return the step, each mode's cut to where its slopes still hold and its damping stays positive.
 
-    Of a mode beyond the ends of the range, whose damping hardly shows, to part of its distance from them.
+    Of a mode beyond the ends of the range, whose damping hardly shows, to part of its distance from them. A
+    participation, of which the largest is 1, moves by no more than `FARTHEST` at once either.
     """
-    stiffness, damping = parameters.T
+    stiffness, damping = parameters[:, :2].T
     beyond = np.abs(stiffness - np.clip(stiffness, *ends))
     most = FARTHEST * np.minimum(np.maximum(np.abs(damping), beyond), stiffness)
-    longest = np.maximum(np.abs(step).max(axis=1), 1e-300)
-    return np.asarray(step * np.minimum(1.0, most / longest)[:, None])
-
-
-def _concluded(
-    lines: Scaled, basis: ModalBasis, parameters: FloatArray, linear: Linear, known: Uncertainty
-) -> ModalFit:
-    """Return the fit in physical units."""
-    loss_factor, slope = basis.loss_factor(parameters)
-    frequency = lines.unit * np.sqrt(parameters[:, 0]) / (2 * np.pi)
-    n = len(parameters)
-    slopes = np.zeros((2 * n, n, 2))
-    modes = np.arange(n)
-    slopes[modes, modes, 0] = frequency / (2 * parameters[:, 0])
-    slopes[n + modes, modes] = slope
-    by = slopes.reshape(2 * n, 2 * n)
-    per_coefficient = basis.constant(parameters)
-    coefficients = linear.coefficients[:, : 2 * n].reshape(-1, n, 2)
-    parts = np.einsum("rck,jrk->rjc", per_coefficient, coefficients)
-    variance = np.einsum("rck,jrkl,rcl->rj", per_coefficient, known.coefficients, per_coefficient) / 2
-    scale = lines.unit**2 * lines.size
-    residuals = linear.coefficients[:, 2 * n :]
-    above, below = residuals[:, 0] + 1j * residuals[:, 1], residuals[:, 2] + 1j * residuals[:, 3]
-    return ModalFit(
-        eigenvalue=(2 * np.pi * frequency) ** 2 * (1 + 1j * loss_factor),
-        modal_constant=(parts[..., 0] + 1j * parts[..., 1]) * scale,
-        residuals=np.stack([below * scale, above * lines.size]),
-        eigenvalue_covariance=by @ known.parameters @ by.T,
-        modal_constant_error=np.sqrt(np.maximum(variance, 0.0)) * scale,
-        misfit=known.misfit,
-        common=known.common,
-    )
+    longest = np.maximum(np.abs(step[:, :2]).max(axis=1), 1e-300)
+    turned = np.maximum(np.abs(step[:, 2:]).max(axis=1, initial=0.0), 1e-300)
+    return np.asarray(step * np.minimum(1.0, np.minimum(most / longest, FARTHEST / turned))[:, None])

@@ -2,11 +2,15 @@
 
 from collections.abc import Iterator
 from dataclasses import dataclass
+from typing import TypeVar
 
 import numpy as np
+from numpy.typing import NDArray
 
-from modallab.core.arrays import ComplexArray, FloatArray
-from modallab.extraction.jointly.modal_basis import ModalBasis, all_columns, all_slopes
+from modallab.core.arrays import ComplexArray, FloatArray, IntArray
+from modallab.extraction.jointly.modal_basis import ModalBasis, Rows, all_columns, all_slopes
+
+Number = TypeVar("Number", np.float64, np.complex128)
 
 AT_ONCE = 2**22  # numbers in a block of products, 32 MB
 # A range so wide, of so many lines, is disturbed by how modes beyond it differ from a constant, and can tell.
@@ -18,14 +22,29 @@ RIDGE = 1e-13  # of columns of unit length: keeps what rounding alone parts from
 
 @dataclass(frozen=True, eq=False)
 class Scaled:
-    """Lines on scales of order one: omega up to 1, the weighted rms of each FRF 1."""
+    """Lines on scales of order one: omega up to 1, the weighted rms of each FRF 1.
 
-    omega: FloatArray  # (n_lines,) in `unit`
-    response: ComplexArray  # (n_lines, n_frf)
-    weight: FloatArray  # (n_lines, n_frf) one over E|error|^2, 0 for a line not used
+    Where FRFs of several references share their modes' shapes, they are one response with a row for each
+    line and reference, and n_frf is the number of DoFs.
+    """
+
+    omega: FloatArray  # (n_rows,) in `unit`
+    reference: IntArray  # (n_rows,) which one
+    n_references: int
+    response: ComplexArray  # (n_rows, n_frf)
+    weight: FloatArray  # (n_rows, n_frf) one over E|error|^2, 0 for a line not used
     unit: float  # rad/s
     size: FloatArray  # (n_frf,) m/N, the unit of each response
     beyond: tuple[float, ...] = ()  # in `unit`, poles held above the range
+
+    def rows(self, block: slice) -> Rows:
+        """Return some of the rows."""
+        return Rows(self.omega[block], self.reference[block], self.n_references)
+
+    @property
+    def n_residuals(self) -> int:
+        """How many columns the residuals have."""
+        return self.n_references * (4 + 2 * len(self.beyond))
 
 
 @dataclass(frozen=True, eq=False)
@@ -40,7 +59,7 @@ class Linear:
     misfit: FloatArray  # (n_frf,) weighted sum of squared residuals
 
 
-def scaled(omega: FloatArray, response: ComplexArray, weight: FloatArray) -> Scaled:
+def scaled(omega: FloatArray, response: ComplexArray, weight: FloatArray, n_references: int = 1) -> Scaled:
     """Return the lines on scales of order one; an FRF without any weight becomes zero.
 
     Parameters
@@ -48,14 +67,26 @@ def scaled(omega: FloatArray, response: ComplexArray, weight: FloatArray) -> Sca
     omega
         (n_lines,) rad/s, above 0.
     response, weight
-        (n_lines, n_frf) m/N and one over E|error|^2.
+        (n_lines, n_frf) m/N and one over E|error|^2, DoF by DoF.
+    n_references
+        That share the shapes of modes; 1 where each FRF has modal constants of its own.
     """
+    beyond = BEYOND if disturbed(omega) else ()
+    reference = np.tile(np.arange(n_references), len(omega))
+    omega = omega.repeat(n_references)
+    response, weight = below_one_another(response, n_references), below_one_another(weight, n_references)
     used = weight > 0
     size = np.sqrt((np.where(used, np.abs(response), 0.0) ** 2).mean(axis=0))
     size = np.where(size > 0, size, 1.0)
     unit = float(omega.max())
     heard = np.asarray(np.where(used, response, 0) / size, complex)
-    return Scaled(omega / unit, heard, weight * size**2, unit, size, BEYOND if disturbed(omega) else ())
+    return Scaled(omega / unit, reference, n_references, heard, weight * size**2, unit, size, beyond)
+
+
+def below_one_another(values: NDArray[Number], n_references: int) -> NDArray[Number]:
+    """Return (n_lines n_references, n_dof) of values (n_lines, n_dof n_references)."""
+    apart = values.reshape(len(values), -1, n_references)
+    return apart.transpose(0, 2, 1).reshape(len(values) * n_references, -1)
 
 
 def disturbed(omega: FloatArray) -> bool:
@@ -72,9 +103,9 @@ def solve_linear(lines: Scaled, basis: ModalBasis, parameters: FloatArray) -> Li
     Parameters
     ----------
     parameters
-        (n_modes, 2) on the scale of `lines`.
+        (n_modes, n_parameters) on the scale of `lines`.
     """
-    n_columns = 2 * len(parameters) + 4 + 2 * len(lines.beyond)
+    n_columns = 2 * len(parameters) + lines.n_residuals
     products, against = _products(lines, basis, parameters)
     length = np.sqrt(np.maximum(np.einsum("jii->ji", products), TINY))
     products /= length[:, :, None] * length[:, None, :]
@@ -110,14 +141,14 @@ def line_blocks(n_lines: int, width: int) -> Iterator[slice]:
 def _products(lines: Scaled, basis: ModalBasis, parameters: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return weighted products of all columns and slopes, and of the columns with the responses."""
     n_modes, n_frf = len(parameters), lines.response.shape[1]
-    n_columns = 2 * n_modes + 4 + 2 * len(lines.beyond)
+    n_columns = 2 * n_modes + lines.n_residuals
     n_all = n_columns + n_modes * basis.turn.shape[2]
     gather = _few if n_frf < n_all else _all_pairs
     products = np.zeros((n_frf, n_all, n_all))
     against = np.zeros((n_frf, n_columns))
     for block in line_blocks(len(lines.omega), n_all * max(n_all // 2, n_frf)):
-        columns = all_columns(basis, lines.omega[block], parameters, lines.beyond)
-        every = np.concatenate([columns, all_slopes(basis, lines.omega[block], parameters)], axis=1)
+        columns = all_columns(basis, lines.rows(block), parameters, lines.beyond)
+        every = np.concatenate([columns, all_slopes(basis, lines.rows(block), parameters)], axis=1)
         parts = np.concatenate([every.real, every.imag])
         weight = lines.weight[block]
         products += gather(parts, weight)
@@ -155,8 +186,8 @@ def _residual(
     sums = np.zeros((n_frf, n_columns + n_modes * basis.turn.shape[2]))
     square = np.zeros(n_frf)
     for block in line_blocks(len(lines.omega), sums.shape[1] + 4 * n_frf):
-        columns = all_columns(basis, lines.omega[block], parameters, lines.beyond)
-        every = np.concatenate([columns, all_slopes(basis, lines.omega[block], parameters)], axis=1)
+        columns = all_columns(basis, lines.rows(block), parameters, lines.beyond)
+        every = np.concatenate([columns, all_slopes(basis, lines.rows(block), parameters)], axis=1)
         left = lines.response[block] - columns @ coefficients.T
         weighted = lines.weight[block] * left
         square += (weighted * left.conj()).real.sum(axis=0)

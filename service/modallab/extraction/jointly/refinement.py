@@ -6,7 +6,8 @@ import numpy as np
 
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray
 from modallab.core.progress import Progress, part
-from modallab.extraction.jointly.modal_fit import ModalFit, fit_modes, fitted_receptance
+from modallab.extraction.jointly.fitted import ModalFit
+from modallab.extraction.jointly.modal_fit import fit_modes, fitted_receptance
 from modallab.extraction.jointly.projection import disturbed
 from modallab.extraction.jointly.selection import NEAR
 from modallab.extraction.measured.line_noise import weights_from_residuals
@@ -28,6 +29,15 @@ class Stretch:
     receptance: ComplexArray  # (n_lines, n_frf) m/N
     weight: FloatArray  # (n_lines, n_frf) one over E|error|^2
     known: bool  # whether the weights are the random error; else a shape that they may have
+    n_ref: int = 1  # references, of which each DoF has an FRF
+
+
+@dataclass(frozen=True, eq=False)
+class Start:
+    """Modes as a pole finder has them."""
+
+    eigenvalue: ComplexArray  # (n_modes,) omega_r^2 (1 + i eta_r), (rad/s)^2
+    participation: ComplexArray | None  # (n_modes, n_ref); None where FRFs are to be fitted each by itself
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,13 +51,13 @@ class Refined:
     leakage_bias: FloatArray | None = None
 
 
-def refine(stretch: Stretch, start: ComplexArray, damping: Damping, progress: Progress) -> Refined | None:
+def refine(stretch: Stretch, start: Start, damping: Damping, progress: Progress) -> Refined | None:
     """Return the fit of all modes that are seen; None if there is none.
 
     Parameters
     ----------
     start
-        (n_modes,) omega_r^2 (1 + i eta_r), (rad/s)^2, from a pole finder.
+        From a pole finder.
     damping
         Law of the modes.
     """
@@ -56,11 +66,19 @@ def refine(stretch: Stretch, start: ComplexArray, damping: Damping, progress: Pr
     start = _with_modes_beyond(start, stretch.freq)
     for n in range(ROUNDS):
         step = part(progress, n / ROUNDS, (n + 1) / ROUNDS)
-        fit = fit_modes(stretch.freq, stretch.receptance, weight, start, damping=damping, progress=step)
+        fit = fit_modes(
+            stretch.freq,
+            stretch.receptance,
+            weight,
+            start.eigenvalue,
+            damping=damping,
+            participation=start.participation,
+            progress=step,
+        )
         if not stretch.known and n < REWEIGHTED:
             fitted = fitted_receptance(fit, stretch.freq, damping)
             weight = weights_from_residuals(stretch.receptance, fitted, stretch.weight)
-            start = fit.eigenvalue
+            start = Start(fit.eigenvalue, fit.participation)
             continue
         none = none_of(fit, stretch.freq)
         if not none.any():
@@ -68,7 +86,8 @@ def refine(stretch: Stretch, start: ComplexArray, damping: Damping, progress: Pr
         left_out += [f"{f:.4g} Hz: no FRF shows it beyond its random error" for f in fit.frequency[none]]
         if not (within(fit, stretch.freq) & ~none).any():
             return None
-        start = fit.eigenvalue[~none]
+        reach = fit.participation
+        start = Start(fit.eigenvalue[~none], None if reach is None else reach[~none])
     return Refined(fit, weight, tuple(left_out))
 
 
@@ -85,6 +104,8 @@ def none_of(fit: ModalFit, freq: FloatArray) -> BoolArray:
     spacing = float(np.median(np.diff(freq)))
     width = fit.loss_factor * fit.frequency
     shown = (np.abs(fit.modal_constant) / np.maximum(fit.modal_constant_error, 1e-300)).max(axis=1)
+    if fit.clear is not None:
+        shown = np.maximum(shown, fit.clear)
     sure = (fit.frequency_error < SURE * np.maximum(width, spacing)) & (
         fit.loss_factor_error < fit.loss_factor
     )
@@ -94,7 +115,7 @@ def none_of(fit: ModalFit, freq: FloatArray) -> BoolArray:
     return np.asarray(none & ~(near & none[None, :] & surer).any(axis=1))
 
 
-def _with_modes_beyond(start: ComplexArray, freq: FloatArray) -> ComplexArray:
+def _with_modes_beyond(start: Start, freq: FloatArray) -> Start:
     """Return the eigenvalues with one beyond either end of a range that such a mode bends, and that can tell.
 
     A mode not far beyond is no constant over the range.
@@ -102,4 +123,9 @@ def _with_modes_beyond(start: ComplexArray, freq: FloatArray) -> ComplexArray:
     if not disturbed(freq):
         return start
     beyond = np.array([BELOW * freq[0], ABOVE * freq[-1]])
-    return np.append(start, (2 * np.pi * beyond) ** 2 * (1 + 1j * BEYOND_DAMPING))
+    eigenvalue = np.append(start.eigenvalue, (2 * np.pi * beyond) ** 2 * (1 + 1j * BEYOND_DAMPING))
+    reach = start.participation
+    if reach is not None:  # one of either sign, as nothing is known of them
+        unknown = (-1.0) ** np.multiply.outer(np.arange(2), np.arange(reach.shape[1]))
+        reach = np.concatenate([reach, unknown])
+    return Start(eigenvalue, reach)

@@ -32,6 +32,7 @@ class Selection:
     reasons: tuple[str, ...]  # (n_modes,) in words
     pairs: tuple[tuple[int, int], ...]  # neighbouring modes within `NEAR` bandwidths of each other
     left_out: tuple[str, ...]  # in words: columns that might have been modes, and why they are not
+    participation: ComplexArray | None  # (n_modes, n_in) at the highest of these orders, as of `Poles`
 
     def __post_init__(self) -> None:
         n = len(self.pole)
@@ -108,6 +109,7 @@ def select(poles: Poles, stability: IntArray) -> Selection:
             for column, why in zip(columns, against, strict=True)
             if why is not None and column.n_stable >= NOTED
         ),
+        None if poles.participation is None else poles.participation[[int(c.taken[0]) for c in modes]],
     )
 
 

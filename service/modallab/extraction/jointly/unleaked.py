@@ -6,8 +6,9 @@ import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray
 from modallab.core.modal_model import ModalModel
-from modallab.extraction.jointly.modal_fit import ModalFit, fit_modes, fitted_receptance
-from modallab.extraction.jointly.refinement import Refined, Stretch
+from modallab.extraction.jointly.fitted import ModalFit
+from modallab.extraction.jointly.modal_fit import fit_modes, fitted_receptance
+from modallab.extraction.jointly.refinement import Refined, Start, Stretch
 from modallab.extraction.measured.leakage import Leakage, OnePole
 from modallab.extraction.options import Damping
 
@@ -58,8 +59,8 @@ def cleaned(stretch: Stretch, leaked: Leaked, damping: Damping) -> Stretch:
     return replace(stretch, receptance=receptance, weight=weight / (1 + weight * doubt))
 
 
-def all_starts(start: ComplexArray, leaked: Leaked, freq: FloatArray) -> ComplexArray:
-    """Return eigenvalues of the modes known one by one, and those of `start` that are none of these.
+def all_starts(start: Start, leaked: Leaked, freq: FloatArray) -> Start:
+    """Return the modes known one by one, and those of `start` that are none of these.
 
     What is left of leakage hides stable poles from a chart.
     """
@@ -67,10 +68,15 @@ def all_starts(start: ComplexArray, leaked: Leaked, freq: FloatArray) -> Complex
         return start
     known = leaked.modes
     inside = (known.frequency >= freq[0]) & (known.frequency <= freq[-1])
-    frequency, near = np.sqrt(start.real) / (2 * np.pi), known.loss_factor * known.frequency
+    frequency, near = np.sqrt(start.eigenvalue.real) / (2 * np.pi), known.loss_factor * known.frequency
     near = np.maximum(near, float(np.median(np.diff(freq))))
     new = ~(np.abs(frequency[:, None] - known.frequency) < near).any(axis=1)
-    return np.concatenate([known.eigenvalue[inside], start[new]])
+    reach = start.participation
+    if reach is not None:
+        constants = known.modal_constant[inside].reshape(int(inside.sum()), -1, reach.shape[1])
+        strongest = np.linalg.svd(constants, full_matrices=False)[2][:, 0]
+        reach = np.concatenate([strongest, reach[new]])
+    return Start(np.concatenate([known.eigenvalue[inside], start.eigenvalue[new]]), reach)
 
 
 def with_bias(refined: Refined, stretch: Stretch, damping: Damping) -> Refined:
@@ -84,7 +90,14 @@ def with_bias(refined: Refined, stretch: Stretch, damping: Damping) -> Refined:
         The lines as they are.
     """
     weight, fit = _weights(refined.fit.eigenvalue, stretch), refined.fit
-    raw = fit_modes(stretch.freq, stretch.receptance, weight, fit.eigenvalue, damping=damping)
+    raw = fit_modes(
+        stretch.freq,
+        stretch.receptance,
+        weight,
+        fit.eigenvalue,
+        damping=damping,
+        participation=fit.participation,
+    )
     moved = np.stack([fit.frequency - raw.frequency, fit.loss_factor - raw.loss_factor], axis=1)
     most = np.stack([fit.loss_factor * fit.frequency, fit.loss_factor], axis=1)
     return replace(refined, leakage_bias=LEFT * np.minimum(np.abs(moved), most))

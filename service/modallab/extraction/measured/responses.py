@@ -1,14 +1,17 @@
 """Measured responses as extraction reads them: receptance above 0 Hz, with the random error of each line."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
 
-from modallab.core.arrays import BoolArray, ComplexArray, FloatArray
+from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfKind, FrfSet
+from modallab.core.modal_model import frf_names
 from modallab.extraction.measured.bands import coherent_lines
+from modallab.extraction.measured.multiple_coherence import of_each_force
 from modallab.extraction.measured.windows import line_variance
 from modallab.extraction.options import MIN_LINES
 
@@ -17,15 +20,17 @@ LARGEST = 1e60  # m/N
 
 @dataclass(frozen=True, eq=False)
 class Responses:
-    """FRFs between some points and one that is the same in all: a drive point, or a response while the
-    drive roves."""
+    """FRFs between many points and a few, the references: drive points, or responses while the drive roves.
+
+    FRFs are counted DoF by DoF, at each of them reference by reference.
+    """
 
     freq: FloatArray  # (n_freq,) Hz, above 0
     receptance: ComplexArray  # (n_freq, n_frf) m/N
     coherence: FloatArray  # (n_freq, n_frf), 1 where it was not measured
     averages: float
-    dofs: tuple[Dof, ...]  # (n_frf,) the point that differs
-    drive: Dof  # the point that does not
+    dofs: tuple[Dof, ...]  # (n_dof,)
+    references: tuple[Dof, ...]  # (n_ref,)
 
     @property
     def mobility(self) -> ComplexArray:
@@ -44,8 +49,31 @@ class Responses:
 
     @property
     def drive_row(self) -> int | None:
-        """Which of the FRFs is that of the drive point, None if none is."""
-        return next((i for i, dof in enumerate(self.dofs) if dof.point == self.drive.point), None)
+        """Which of the FRFs is that of the drive point; None if none is, or of several references."""
+        row = int(self.driving[0])
+        return row if len(self.references) == 1 and row >= 0 else None
+
+    @property
+    def driving(self) -> IntArray:
+        """(n_ref,) which of the DoFs is at the point of each reference, -1 if none is."""
+        return driving_rows(self.dofs, self.references)
+
+    @property
+    def senses(self) -> IntArray:
+        """(n_ref,) -1 where that DoF and the reference point opposite ways, else 1."""
+        pairs = zip(self.driving.tolist(), self.references, strict=True)
+        return np.array([self.dofs[i].sign * r.sign if i >= 0 else 1 for i, r in pairs], np.int64)
+
+    @property
+    def frfs(self) -> tuple[str, ...]:
+        """(n_frf,) their names."""
+        return frf_names(self.dofs, self.references)
+
+
+def driving_rows(dofs: Sequence[Dof], references: Sequence[Dof]) -> IntArray:
+    """Return which of the DoFs is at the point of each reference, (n_ref,), -1 if none is."""
+    points = [dof.point for dof in dofs]
+    return np.array([points.index(r.point) if r.point in points else -1 for r in references], int)
 
 
 def responses_of(frf: FrfSet, coherence: FloatArray | None, averages: float) -> Responses:
@@ -54,9 +82,10 @@ def responses_of(frf: FrfSet, coherence: FloatArray | None, averages: float) -> 
     Parameters
     ----------
     frf
-        One drive point and many responses, or one response and a roving drive point; any kind.
+        Of any kind. The fewer of its inputs and outputs are the references.
     coherence
-        (n_freq, n_out), or (n_freq, n_out, n_in); None where it was not measured.
+        (n_freq, n_out), multiple if there are several inputs, or (n_freq, n_out, n_in), ordinary; None where
+        it was not measured.
     averages
         Effective number of averages behind the coherence.
 
@@ -65,14 +94,6 @@ def responses_of(frf: FrfSet, coherence: FloatArray | None, averages: float) -> 
     InvalidInputError
         If the inputs do not fit together.
     """
-    n_out, n_in = len(frf.outputs), len(frf.inputs)
-    if min(n_out, n_in) != 1:
-        raise InvalidInputError(
-            "modes are read from one drive point, or one response with a roving drive point",
-            field="inputs",
-            value=f"{n_out} x {n_in}",
-            allowed="one input or one output",
-        )
     if not averages > 0:
         raise InvalidInputError(
             "averages must be above zero", field="averages", value=averages, allowed="> 0"
@@ -80,7 +101,10 @@ def responses_of(frf: FrfSet, coherence: FloatArray | None, averages: float) -> 
     trust = _coherence(frf, coherence)
     above = frf.freq > 0
     usable = frf.between(0.0, np.inf).to(FrfKind.RECEPTANCE)
-    values = usable.values.reshape(len(usable.freq), -1)
+    roved = len(frf.outputs) < len(frf.inputs)  # by the force: few listen to many
+    dofs, references = (frf.inputs, frf.outputs) if roved else (frf.outputs, frf.inputs)
+    order = (0, 2, 1) if roved else (0, 1, 2)
+    values = usable.values.transpose(order).reshape(len(usable.freq), -1)
     size = float(np.abs(values).max(initial=0.0))
     if size and not 1 / LARGEST < size < LARGEST:  # their squares must still be numbers
         raise InvalidInputError(
@@ -90,18 +114,16 @@ def responses_of(frf: FrfSet, coherence: FloatArray | None, averages: float) -> 
         raise InvalidInputError(
             "too few lines", field="freq", value=len(usable.freq), allowed=f"at least {MIN_LINES} above 0 Hz"
         )
-    roving, fixed = (frf.outputs, frf.inputs[0]) if n_in == 1 else (frf.inputs, frf.outputs[0])
-    return Responses(usable.freq, values, trust[above], averages, roving, fixed)
+    trust = trust[above].transpose(order).reshape(values.shape)
+    return Responses(usable.freq, values, trust, averages, dofs, references)
 
 
 def _coherence(frf: FrfSet, coherence: FloatArray | None) -> FloatArray:
-    """Return the coherence, (n_freq, n_frf), checked; 1 where it is not known."""
+    """Return the coherence of each FRF, shaped as they are, checked; 1 where it is not known."""
     n_freq, n_out, n_in = frf.values.shape
     if coherence is None:
-        return np.ones((n_freq, n_out * n_in))
-    if coherence.shape not in ((n_freq, n_out), (n_freq, n_out, n_in)) or (
-        coherence.size != n_freq * n_out * n_in
-    ):
+        return np.ones(frf.values.shape)
+    if coherence.shape not in ((n_freq, n_out), (n_freq, n_out, n_in)):
         raise InvalidInputError(
             "coherence does not fit the FRFs",
             field="coherence",
@@ -116,4 +138,5 @@ def _coherence(frf: FrfSet, coherence: FloatArray | None) -> FloatArray:
             value=float(coherence[bad][0]),
             allowed="0 to 1",
         )
-    return np.minimum(coherence, 1.0).reshape(n_freq, -1)
+    known = np.minimum(coherence, 1.0)
+    return known if known.ndim == 3 else of_each_force(frf.values, known)

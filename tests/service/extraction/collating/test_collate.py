@@ -33,14 +33,14 @@ PHI = np.array([[2.0 + 0.1j, -1.0, 0.5 - 0.2j, 0.3], [1.0, 1.0, -1.0j, 0.2]])
 
 
 def test_shapes_come_back_from_their_modal_constants_in_rising_frequency() -> None:
-    model = collate(table(PHI[:, :1] * PHI), DOFS, DOFS[0], method="dobson")
+    model = collate(table(PHI[:, :1] * PHI), DOFS, DOFS[:1], method="dobson")
     assert model.frequencies[0] < model.frequencies[1]
     np.testing.assert_allclose(model.shapes, PHI[::-1].T, rtol=1e-12)  # rounding
     assert model.normalisation == "mass"
 
 
 def test_an_outlier_is_named_and_left_out_of_mean_and_spread() -> None:
-    model = collate(table(PHI[:, :1] * PHI, outlying=(3,)), DOFS, DOFS[0], method="dobson")
+    model = collate(table(PHI[:, :1] * PHI, outlying=(3,)), DOFS, DOFS[:1], method="dobson")
     mode = model.modes[1]
     assert mode.flags == ("outlier: 4:+Y",)
     assert mode.frequency == pytest.approx(20.1)
@@ -55,7 +55,7 @@ def test_an_outlier_is_named_and_left_out_of_mean_and_spread() -> None:
 
 def test_the_error_of_the_drive_point_reaches_every_component() -> None:
     constants = PHI[:, :1] * PHI
-    model = collate(table(constants), DOFS, DOFS[0], method="dobson")
+    model = collate(table(constants), DOFS, DOFS[:1], method="dobson")
     stated = model.modes[1].shape_errors
     assert stated is not None
     rng = np.random.default_rng(1)
@@ -71,7 +71,7 @@ def test_what_all_constants_have_wrong_by_one_part_is_half_as_wrong_in_shapes(sh
     constants = PHI[:, :1] * PHI
     part = 0.01  # of every constant
     given = replace(table(constants), modal_constant_error=part * np.abs(constants))
-    stated = collate(given, DOFS, DOFS[0], method="dobson", shared=shared).modes[1].shape_errors
+    stated = collate(given, DOFS, DOFS[:1], method="dobson", shared=shared).modes[1].shape_errors
     assert stated is not None
     rng = np.random.default_rng(1)
     common, own = (
@@ -86,22 +86,22 @@ def test_what_all_constants_have_wrong_by_one_part_is_half_as_wrong_in_shapes(sh
 def test_a_drive_point_out_of_phase_is_flagged() -> None:
     constants = PHI[:, :1] * PHI
     constants[:, 0] *= -1
-    model = collate(table(constants), DOFS, DOFS[0], method="dobson")
+    model = collate(table(constants), DOFS, DOFS[:1], method="dobson")
     assert "drive point 1:+Y has a modal constant of the wrong sign" in model.modes[0].flags
 
 
 def test_a_mode_that_no_frf_shows_well_is_left_out() -> None:
     shown = table(PHI[:, :1] * PHI)
     shown.screening.good[1] = False
-    assert len(collate(shown, DOFS, DOFS[0], method="dobson").modes) == 1
+    assert len(collate(shown, DOFS, DOFS[:1], method="dobson").modes) == 1
 
 
 def test_a_still_drive_point_leaves_no_shape_rather_than_nan() -> None:
     constants = PHI[:, :1] * PHI
     constants[1, 0] = 0
-    model = collate(table(constants), DOFS, DOFS[0], method="dobson")
+    model = collate(table(constants), DOFS, DOFS[:1], method="dobson")
     assert np.isfinite(model.shapes).all()
-    assert np.isfinite(collate(table(0 * constants), DOFS, Dof(9, "Y"), method="dobson").shapes).all()
+    assert np.isfinite(collate(table(0 * constants), DOFS, (Dof(9, "Y"),), method="dobson").shapes).all()
 
 
 def one_structure(seed: int, errors: FloatArray, frequency: FloatArray | float = 100.0) -> Table:
@@ -126,7 +126,7 @@ def test_frfs_of_one_structure_count_as_they_are_sure_and_the_error_is_honest() 
     dofs = tuple(Dof(node, "Y") for node in range(1, 12))
     scores, damping, plain = [], [], []
     for seed in range(600):
-        model = collate(one_structure(seed, errors), dofs, dofs[0], method="dobson")
+        model = collate(one_structure(seed, errors), dofs, dofs[:1], method="dobson")
         mode = model.modes[0]
         scores.append((mode.frequency - 100.0) / mode.standard_errors["frequency"])
         damping.append((mode.loss_factor - 0.01) / mode.standard_errors["loss_factor"])
@@ -144,7 +144,7 @@ def test_frfs_of_one_structure_count_as_they_are_sure_and_the_error_is_honest() 
 def test_frfs_that_differ_without_a_pattern_have_their_scatter_in_the_error() -> None:
     dofs = tuple(Dof(node, "Y") for node in range(1, 12))
     moved = 100.0 + 0.2 * np.random.default_rng(1).standard_normal(11)
-    model = collate(one_structure(2, np.full(11, 0.01), moved), dofs, dofs[0], method="dobson")
+    model = collate(one_structure(2, np.full(11, 0.01), moved), dofs, dofs[:1], method="dobson")
     assert model.wander is not None
     assert model.wander.cause is WanderCause.UNKNOWN
     (mode,) = model.modes
@@ -157,12 +157,12 @@ def test_frfs_that_differ_without_a_pattern_have_their_scatter_in_the_error() ->
 
 
 def test_an_outlier_says_how_far_off_it_is() -> None:
-    model = collate(table(PHI[:, :1] * PHI, outlying=(3,)), DOFS, DOFS[0], method="dobson")
+    model = collate(table(PHI[:, :1] * PHI, outlying=(3,)), DOFS, DOFS[:1], method="dobson")
     assert any(note.startswith("mode 2, 4:+Y left out: +4.9 Hz") for note in model.notes)
 
 
 def test_constants_come_with_errors_and_the_point_that_all_frfs_share() -> None:
-    model = collate(table(PHI[:, :1] * PHI), DOFS, DOFS[0], method="dobson", choices={"lines": "8"})
+    model = collate(table(PHI[:, :1] * PHI), DOFS, DOFS[:1], method="dobson", choices={"lines": "8"})
     assert model.modal_constant_error is not None
     np.testing.assert_array_equal(model.modal_constant_error, np.full((2, 4), 0.01))
     assert model.drive == DOFS[0]
@@ -170,7 +170,7 @@ def test_constants_come_with_errors_and_the_point_that_all_frfs_share() -> None:
 
 
 def test_a_shape_whose_phases_differ_is_flagged() -> None:
-    model = collate(table(PHI[:, :1] * PHI), DOFS, DOFS[0], method="dobson")
+    model = collate(table(PHI[:, :1] * PHI), DOFS, DOFS[:1], method="dobson")
     # by hand: phi^T phi = 1 + 1 - 1 + 0.04, phi^H phi = 3.04; the square of 1.04/3.04
     assert model.modes[0].flags == ("complex shape: phase collinearity 0.12",)
     assert model.modes[1].flags == ()

@@ -42,7 +42,7 @@ def with_truncated(of: Beam, freq: FloatArray) -> ModalModel:
     middle = (2 * np.pi * freq.mean()) ** 2
     above = (constants[10:] / (eigenvalues[10:] - middle)).sum(axis=0)
     residuals = np.stack([constants[:2].sum(axis=0), above])
-    return replace(exact(of), drive=DRIVE, modal_constant=of.constants, residuals=residuals)
+    return replace(exact(of), references=(DRIVE,), modal_constant=of.constants, residuals=residuals)
 
 
 def test_exact_modes_with_residuals_are_the_frf_but_for_the_slope_of_higher_modes(
@@ -64,7 +64,7 @@ def test_all_modes_resynthesise_to_rounding(plain_beam: Beam, freq: FloatArray) 
     )
     rigid = plain_beam.all_constants[:2].sum(axis=0)
     residuals = np.stack([rigid, np.zeros(11)])
-    model = ModalModel(modes, RESPONSES, drive=DRIVE, modal_constant=every, residuals=residuals)
+    model = ModalModel(modes, RESPONSES, references=(DRIVE,), modal_constant=every, residuals=residuals)
     found = resynthesise(model, freq[1:]).values[:, :, 0]
     # damping in proportion to mass holds rigid bodies too, which residuals cannot tell
     x = (2 * np.pi * freq[1:, None, None]) ** 2

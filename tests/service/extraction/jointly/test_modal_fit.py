@@ -4,7 +4,8 @@ import numpy as np
 import pytest
 
 from modallab.core.arrays import ComplexArray, FloatArray
-from modallab.extraction.jointly.modal_fit import ModalFit, fit_modes, held_modes
+from modallab.extraction.jointly.fitted import ModalFit
+from modallab.extraction.jointly.modal_fit import fit_modes, held_modes
 from modallab.extraction.options import Damping
 
 LAWS = list(Damping)

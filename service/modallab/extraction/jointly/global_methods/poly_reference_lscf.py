@@ -1,5 +1,9 @@
 """Poly-reference least-squares complex frequency: a right matrix fraction for several inputs."""
 
+from dataclasses import replace
+
+import numpy as np
+
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray
 from modallab.extraction.jointly.fraction_poles import poles_of_fractions
 from modallab.extraction.jointly.global_method import GLOBAL_METHODS, Poles
@@ -17,4 +21,8 @@ def poly_reference_lscf(freq: FloatArray, frf: ComplexArray, weight: FloatArray,
     Peeters, B., Van der Auweraer, H., Guillaume, P. and Leuridan, J. (2004), Shock and Vibration 11,
     395-409.
     """
-    return poles_of_fractions(freq, frf, weight, orders)
+    poles = poles_of_fractions(freq, frf, weight, orders)
+    residue = poles.vector.reshape(-1, *frf.shape[1:])
+    # of rank one, so that each row is the participation
+    clearest = np.linalg.norm(residue, axis=2).argmax(axis=1)
+    return replace(poles, participation=residue[np.arange(len(residue)), clearest])
