@@ -32,6 +32,8 @@ BESIDE = 16  # orders more, for what lies outside the range
 LEAST_ORDER = 4
 BEGIN = "dobson"  # undoes leakage of modes apart
 WITNESSES = 24  # FRFs that tell whether all are of one structure
+# Shares of the time, of many FRFs: modes one by one, of some FRFs or where lines leak of all, and all fits
+BEGUN, BEGUN_LEAKED, FITTED = 0.1, 0.6, 0.95
 LINES_PER_ORDER = 3  # fewer lines than unknowns fit anything
 
 
@@ -78,13 +80,15 @@ def extract_globally(
     indicator = mode_indicator(responses.mobility, responses.coherent)
     ranges = _ranges(responses, indicator, bands)
     weights = line_weights(responses, bias)
-    alone = _one_by_one(responses, options, leakage)
+    begun = BEGUN if leakage is None else BEGUN_LEAKED
+    alone = _one_by_one(responses, options, leakage, part(progress, 0.0, begun))
     known = None if alone is None else as_fit(alone)
     leaked = None if leakage is None else Leaked(leakage, known, responses.drive_row)
     n_ref = len(responses.references)
     fits, choices = [], {}
     for number, lines in enumerate(ranges):
-        here = part(progress, 0.95 * number / len(ranges), 0.95 * (number + 1) / len(ranges))
+        share = (FITTED - begun) / len(ranges)
+        here = part(progress, begun + number * share, begun + (number + 1) * share)
         stretch = Stretch(
             responses.freq[lines], responses.receptance[lines], weights[lines], knows_noise(responses), n_ref
         )
@@ -101,7 +105,7 @@ def extract_globally(
             _none_in(responses.freq[lines], given=bands is not None)
         else:
             fits.append(GlobalFit(lines, found))
-    progress(0.95, "modes of all FRFs")
+    progress(FITTED, "modes of all FRFs")
     model = modal_model(
         fits,
         responses,
@@ -124,7 +128,7 @@ def extract_globally(
 
 
 def _one_by_one(
-    responses: Responses, options: ExtractionOptions, leakage: Leakage | None
+    responses: Responses, options: ExtractionOptions, leakage: Leakage | None, progress: Progress
 ) -> ModalModel | None:
     """Return modes as a method sees them that takes them and the FRFs one by one; None if it sees none.
 
@@ -139,6 +143,7 @@ def _one_by_one(
             bands=None,
             n_modes=None,
             leakage=leakage,
+            progress=progress,
         )
     except NoModeInBandError:
         return None

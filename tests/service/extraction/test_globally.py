@@ -128,6 +128,22 @@ def test_noise_moves_modes_by_their_standard_errors(plain_beam: Beam, freq: np.n
     assert np.sqrt(np.mean(np.square(scored))) == pytest.approx(1.0, abs=0.2)
 
 
+def test_progress_rises_in_parts_none_of_which_is_most(plain_beam: Beam, freq: np.ndarray) -> None:
+    said = []
+    frf, coherence = noise_of(plain_beam.frf(freq), 3, averages=100)
+    extract(
+        frf,
+        coherence=coherence,
+        averages=100,
+        method=METHOD,
+        progress=lambda *told: said.append(told[0]),
+    )
+    steps = np.diff([0.0, *said, 1.0])
+    assert (steps >= 0).all()
+    # rounds and steps are as many as they are: what those not needed would take is told at once
+    assert steps.max() < 0.5
+
+
 def test_a_band_holds_several_modes_and_one_without_is_named(plain_beam: Beam, freq: np.ndarray) -> None:
     frf, coherence = noise_of(plain_beam.frf(freq), 3, averages=100)
     model = extract(frf, coherence=coherence, averages=100, method=METHOD, bands=[(100.0, 380.0)])

@@ -20,6 +20,7 @@ from modallab.extraction.jointly.unleaked import Leaked, all_starts, cleaned, wi
 from modallab.extraction.options import Damping
 
 MOST_DOFS = 48  # that a pole finder is given; beyond, what they have in common
+POLES = 0.05  # of the time, of many FRFs: the rest goes into the fit of the modes
 SAME = 0.5  # half-power bandwidths: how far a pole of the chart may be from the mode fitted from it,
 SAME_LINES = 0.25  # or as much of this part of the lines' spacing, if that is more
 
@@ -73,7 +74,7 @@ def modes_of(
         start = all_starts(start, leaked, stretch.freq)
     if not len(start.eigenvalue):
         return None
-    refined = refine(clean, start, damping, part(progress, 0.2, 1.0))
+    refined = refine(clean, start, damping, part(progress, POLES, 1.0))
     if refined is None:
         return None
     if leaked is not None:

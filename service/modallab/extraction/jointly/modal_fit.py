@@ -13,6 +13,7 @@ from modallab.extraction.jointly.projection import Linear, Scaled, scaled, solve
 from modallab.extraction.options import Damping
 
 ROUNDS = 40  # steps tried; from a pole finder's start four to eight are taken
+USUAL = 6  # steps, in which half of the work is said to be done
 SETTLED = 0.02  # standard errors: what a last step may still move a mode by
 NOTHING = 0.05  # of what random error lowers the misfit by per unknown: a step that wins less is the last
 LEVEL = 1e-9  # of the misfit: what a step gains or loses by rounding, and through directions nobody sees
@@ -140,7 +141,7 @@ def _descend(
     lowest = np.where(parameters[:, 0] > ends[1], ends[1], FARTHEST_BELOW**2 * ends[0])
     highest = np.where(parameters[:, 0] < ends[0], ends[0], FARTHEST_ABOVE**2 * ends[1])
     for n in range(ROUNDS):
-        progress(n / ROUNDS, "fitting all modes to all FRFs")
+        progress(n / (n + USUAL), "fitting all modes to all FRFs")
         normal, slope = _normal_equations(basis, linear)
         step = _limited(_step(normal, slope, damping).reshape(parameters.shape), parameters, ends)
         trial = parameters + step

@@ -16,6 +16,7 @@ from modallab.extraction.options import Damping
 SEEN = 5.0  # standard errors: noise alone shows a modal constant so large once in 300,000 FRFs
 SURE = 0.5  # of a bandwidth or a line: a mode less surely placed may be none
 ROUNDS = 12  # of leaving out modes that prove to be none
+LATER = 0.4  # of the time that is left is for rounds after the next: the first takes longest
 REWEIGHTED = 2  # times, where only residuals tell the random error
 ABOVE, BELOW = 1.2, 0.8  # of the ends of the range, where a mode beyond is looked for first
 BEYOND_DAMPING = 0.01
@@ -65,7 +66,7 @@ def refine(stretch: Stretch, start: Start, damping: Damping, progress: Progress)
     left_out: list[str] = []
     start = _with_modes_beyond(start, stretch.freq)
     for n in range(ROUNDS):
-        step = part(progress, n / ROUNDS, (n + 1) / ROUNDS)
+        step = part(progress, 1 - LATER**n, 1 - LATER ** (n + 1))
         fit = fit_modes(
             stretch.freq,
             stretch.receptance,
