@@ -25,7 +25,7 @@ from modallab.extraction.measured.responses import Responses
 from modallab.extraction.mode_by_mode import SMEARED, extract_mode_by_mode
 from modallab.extraction.options import ExtractionOptions
 from modallab.extraction.singly.choosing import law_of
-from modallab.extraction.singly.method import EXTRACTION_METHODS
+from modallab.extraction.singly.method import EXTRACTION_METHODS, TRAITS
 
 PER_PEAK = 4  # orders a peak: two hold its pole, the rest what lies beside it and noise
 BESIDE = 16  # orders more, for what lies outside the range
@@ -170,7 +170,11 @@ def _not_of_one_structure(alone: ModalModel | None) -> Iterator[str]:
         return
     cause, *_ = wander_notes(alone.wander, alone.frfs)
     yield f"a global method takes all FRFs to be of one structure, and these are not: {cause}"
-    yield "modes may be split or doubled here; a method that fits each FRF by itself follows them"
+    followers = ", ".join(name for name, traits in TRAITS.items() if traits.exact)
+    yield (
+        "modes may be split or doubled here; methods that fit each FRF by itself follow them and tell how "
+        f"far they move: {followers}"
+    )
 
 
 def _ranges(

@@ -80,6 +80,9 @@ def test_frfs_of_several_structures_are_told_from_those_of_one(
     assert warnings(plain_beam) == []
     (warning,) = warnings(roving_beam)
     assert "as the accelerometer roves" in warning
+    noisy, coherence = noise_of(roving_beam.frf(freq), 1, 100.0)
+    notes = extract(noisy, coherence=coherence, averages=100.0, method=METHOD).notes
+    assert any("follow them" in note and "dobson" in note for note in notes), "with what to read them instead"
 
 
 def test_modes_of_clean_responses_are_exact(plain_beam: Beam, freq: np.ndarray) -> None:

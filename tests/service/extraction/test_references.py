@@ -5,6 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from modallab.core.dof import Dof
+from modallab.core.errors import InvalidInputError
+from modallab.core.frf import FrfSet
 from modallab.core.modal_model import ModalModel
 from modallab.extraction.extract import extract
 from modallab.extraction.options import Damping, ExtractionOptions
@@ -20,6 +23,7 @@ from tests.service.extraction.several_references import (
     exact,
 )
 
+MANY = tuple(Dof(node, "Y") for node in range(1, 13))
 POLY = "poly_reference_lscf"
 
 
@@ -75,6 +79,16 @@ def test_a_pair_a_small_part_of_a_bandwidth_apart_has_its_own_shapes(gap: float)
     assert not any("coincident" in flag for mode in model.modes for flag in mode.flags)
 
 
+def test_products_place_a_close_pair_far_more_surely_than_constants_of_each_frf() -> None:
+    made = driven(0.05, noise=1e-2)
+    free, product = (
+        np.array([mode.standard_errors["frequency"] for mode in modes_of(made, method).modes])
+        for method in ("lscf", POLY)
+    )
+    assert (product[PAIR] < free[PAIR] / 5).all()  # a gap in frequency against a difference in shape
+    np.testing.assert_allclose(product[[0, 3]], free[[0, 3]], rtol=0.1)  # modes apart gain nothing
+
+
 def test_viscous_modes_of_one_frequency_are_told_apart_too() -> None:
     made = driven(0.05)
     omega = 2 * np.pi * FREQ
@@ -125,6 +139,14 @@ def test_without_noise_told_the_pair_is_found_all_the_same() -> None:
     made = driven(0.0)
     model = extract(made.frf, coherence=None, averages=1.0, method=POLY)
     np.testing.assert_allclose(model.frequencies, [30.0, 55.0, 55.0, 90.0], rtol=1e-5)
+
+
+def test_more_references_than_can_be_fitted_together_are_refused_by_number() -> None:
+    one = driven(0.3, (0,))
+    frf = FrfSet(FREQ, one.frf.values.repeat(7, axis=2).repeat(2, axis=1), MANY, MANY[:7], one.frf.kind)
+    with pytest.raises(InvalidInputError, match="few references") as refused:
+        extract(frf, coherence=None, averages=1.0, method=POLY)
+    assert refused.value.context["value"] == 7
 
 
 def test_without_a_drive_point_among_the_responses_there_is_no_scale() -> None:
