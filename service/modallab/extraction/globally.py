@@ -11,6 +11,7 @@ from modallab.core.errors import NoModeInBandError
 from modallab.core.modal_model import ModalModel
 from modallab.core.progress import Progress, part, silent
 from modallab.extraction.collating.collated_words import wander_notes
+from modallab.extraction.collating.law_flag import with_law_flags
 from modallab.extraction.collating.resynthesis import with_resynthesis
 from modallab.extraction.jointly.beyond import poles_beyond
 from modallab.extraction.jointly.global_method import GlobalMethod
@@ -118,6 +119,7 @@ def extract_globally(
         },
     )
     model = replace(model, notes=(*_not_of_one_structure(alone), *model.notes))
+    model = with_law_flags(model, responses, options)
     return with_resynthesis(
         model,
         responses,

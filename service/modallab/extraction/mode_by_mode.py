@@ -10,6 +10,7 @@ from modallab.core.errors import NoModeInBandError
 from modallab.core.modal_model import ModalModel
 from modallab.core.progress import Progress, part, silent
 from modallab.extraction.collating.collate import collate
+from modallab.extraction.collating.law_flag import with_law_flags
 from modallab.extraction.collating.resynthesis import with_resynthesis
 from modallab.extraction.collating.shared_error import shared_error
 from modallab.extraction.measured.bands import Band, find_bands, given_bands, mode_indicator
@@ -75,6 +76,7 @@ def extract_mode_by_mode(
         choices=decided.choices,
         shared=shared_error(LAWS[options.damping], data, settled, windows.index),
     )
+    model = with_law_flags(model, responses, options)
     return with_resynthesis(model, responses, found, smeared=0 if leakage is None else SMEARED)
 
 

@@ -14,6 +14,7 @@ from modallab.extraction.collating.collated_words import (
     wander_notes,
     why_outlying,
 )
+from modallab.extraction.collating.leakage_flag import leakage_flags
 from modallab.extraction.collating.means import Averaging, averaged, beyond_chance
 from modallab.extraction.collating.referenced import ReferencedShapes, referenced_shapes
 from modallab.extraction.collating.wander import UNSEEN, FittedModes, find_wander
@@ -152,7 +153,7 @@ def _mode(
         loss_factor_spread=_spread(loss_factor),
         standard_errors={"frequency": mean.error, "loss_factor": damping.error},
         shape_errors=shapes.error[number],
-        flags=(*_unused(table, m, names), *shapes.odd(number)),
+        flags=(*_unused(table, m, names), *shapes.odd(number), *leakage_flags(table, m, mean, damping)),
     )
 
 
