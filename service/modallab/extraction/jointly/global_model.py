@@ -53,17 +53,9 @@ def modal_model(
     shapes = referenced_shapes(constant, np.sqrt(alike) * error, responses.dofs, responses.references)
     close = [pairs(fit.modes.fit, rows.tolist()) for fit, rows in zip(fits, chosen, strict=True)]
     near = [said.get(row, []) for said, rows in zip(close, chosen, strict=True) for row in rows.tolist()]
+    nodes = [[*_nodes(a, e, responses.frfs)] for a, e in zip(constant, error, strict=True)]
     return ModalModel(
-        modes=tuple(
-            _mode(
-                fit,
-                row,
-                shapes,
-                n,
-                (*near[n], *_leaked(fit, row), *_nodes(constant[n], error[n], responses.frfs)),
-            )
-            for n, (fit, row) in enumerate(each)
-        ),
+        modes=tuple(_mode(*each[n], shapes, n, (*near[n], *nodes[n])) for n in range(len(each))),
         dofs=responses.dofs,
         references=responses.references,
         normalisation="none" if shapes.scale is None else "mass",
@@ -104,7 +96,7 @@ def _as_reciprocity_has_it(fit: GlobalFit, responses: Responses) -> GlobalFit:
 
 
 def _mode(modes: RangeModes, row: int, shapes: ReferencedShapes, n: int, flags: Sequence[str]) -> Mode:
-    """Return mode `n` of the model, that of a row of its range's fit; `flags` come first."""
+    """Return mode `n` of the model, that of a row of its range's fit; `flags` are of more than itself."""
     fit = modes.fit
     return Mode(
         frequency=float(fit.frequency[row]),
@@ -115,7 +107,7 @@ def _mode(modes: RangeModes, row: int, shapes: ReferencedShapes, n: int, flags: 
             "loss_factor": float(fit.loss_factor_error[row]),
         },
         shape_errors=shapes.error[n],
-        flags=(*flags, *shapes.odd(n)),
+        flags=(*flags, *_leaked(modes, row), *shapes.odd(n)),
     )
 
 
