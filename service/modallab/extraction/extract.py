@@ -1,6 +1,7 @@
 """The one way from measured responses to modes."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from modallab.core.arrays import FloatArray
 from modallab.core.errors import InvalidInputError
@@ -10,6 +11,7 @@ from modallab.core.progress import Progress, silent
 from modallab.extraction.globally import extract_globally
 from modallab.extraction.jointly.global_method import GLOBAL_METHODS
 from modallab.extraction.measured.leakage import Leakage, biased
+from modallab.extraction.measured.low_coherence import low_coherence_notes
 from modallab.extraction.measured.noise_bias import noise_shares, without_noise_bias
 from modallab.extraction.measured.responses import Responses, responses_of
 from modallab.extraction.mode_by_mode import extract_mode_by_mode
@@ -74,7 +76,7 @@ def extract(
     check_offered(method, options)
     responses, bias = responses_read(frf, coherence, averages, leakage=leakage, estimator=estimator)
     if method in GLOBAL_METHODS:
-        return extract_globally(
+        model = extract_globally(
             GLOBAL_METHODS[method],
             responses,
             options,
@@ -85,16 +87,18 @@ def extract(
             bias=bias,
             progress=progress,
         )
-    return extract_mode_by_mode(
-        EXTRACTION_METHODS[method],
-        responses,
-        options,
-        method=method,
-        bands=bands,
-        n_modes=n_modes,
-        leakage=leakage,
-        progress=progress,
-    )
+    else:
+        model = extract_mode_by_mode(
+            EXTRACTION_METHODS[method],
+            responses,
+            options,
+            method=method,
+            bands=bands,
+            n_modes=n_modes,
+            leakage=leakage,
+            progress=progress,
+        )
+    return replace(model, notes=(*model.notes, *low_coherence_notes(model, responses)))
 
 
 def responses_read(

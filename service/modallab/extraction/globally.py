@@ -82,7 +82,9 @@ def extract_globally(
     ranges = _ranges(responses, indicator, bands)
     weights = line_weights(responses, bias)
     begun = BEGUN if leakage is None else BEGUN_LEAKED
-    alone = _one_by_one(responses, options, leakage, part(progress, 0.0, begun))
+    alone = _one_by_one(
+        responses, options, leakage, slice(ranges[0].start, ranges[-1].stop), part(progress, 0.0, begun)
+    )
     known = None if alone is None else as_fit(alone)
     leaked = None if leakage is None else Leaked(leakage, known, responses.drive_row)
     n_ref = len(responses.references)
@@ -130,16 +132,21 @@ def extract_globally(
 
 
 def _one_by_one(
-    responses: Responses, options: ExtractionOptions, leakage: Leakage | None, progress: Progress
+    responses: Responses,
+    options: ExtractionOptions,
+    leakage: Leakage | None,
+    lines: slice,
+    progress: Progress,
 ) -> ModalModel | None:
     """Return modes as a method sees them that takes them and the FRFs one by one; None if it sees none.
 
-    Where nothing leaks some of the FRFs will do: they only have to say whether they are of one structure.
+    Where nothing leaks some of the FRFs and the lines asked for will do: they only have to say whether they
+    are of one structure.
     """
     try:
         return extract_mode_by_mode(
             EXTRACTION_METHODS[BEGIN],
-            responses if leakage is not None else _some(responses),
+            responses if leakage is not None else _some(_within(responses, lines)),
             ExtractionOptions(damping=options.damping),
             method=BEGIN,
             bands=None,
@@ -163,6 +170,15 @@ def _some(responses: Responses) -> Responses:
         receptance=responses.receptance[:, frfs],
         coherence=responses.coherence[:, frfs],
         dofs=tuple(responses.dofs[row] for row in rows),
+    )
+
+
+def _within(responses: Responses, lines: slice) -> Responses:
+    return replace(
+        responses,
+        freq=responses.freq[lines],
+        receptance=responses.receptance[lines],
+        coherence=responses.coherence[lines],
     )
 
 

@@ -13,6 +13,7 @@ from modallab.extraction.collating.collate import collate
 from modallab.extraction.collating.law_flag import with_law_flags
 from modallab.extraction.collating.resynthesis import with_resynthesis
 from modallab.extraction.collating.shared_error import shared_error
+from modallab.extraction.collating.single_mode import flag_further_peaks, flag_misfits
 from modallab.extraction.measured.bands import Band, find_bands, given_bands, mode_indicator
 from modallab.extraction.measured.leakage import Leakage
 from modallab.extraction.measured.responses import Responses
@@ -24,6 +25,7 @@ from modallab.extraction.singly.laws import LAWS
 from modallab.extraction.singly.leaked_fits import allowing_for_leakage
 from modallab.extraction.singly.method import TRAITS, ExtractionMethod
 
+MOST_NAMED = 8  # peaks that are no modes; more are counted
 SMEARED = 3  # lines: the main lobe of a Hanning window and its first side lobe
 
 
@@ -76,6 +78,10 @@ def extract_mode_by_mode(
         choices=decided.choices,
         shared=shared_error(LAWS[options.damping], data, settled, windows.index),
     )
+    if leakage is None and TRAITS[method].exact:
+        model = flag_misfits(model, responses, LAWS[options.damping], decided.leave_out)
+    if bands is not None:
+        model = flag_further_peaks(model, freq, indicator, found)
     model = with_law_flags(model, responses, options)
     return with_resynthesis(model, responses, found, smeared=0 if leakage is None else SMEARED)
 
@@ -83,16 +89,18 @@ def extract_mode_by_mode(
 def _missing(table: Table, freq: FloatArray, bands: Sequence[Band], *, given: bool) -> list[str]:
     """Return a note on every band found that proved empty; raise if it was given, or if all are."""
     seen = np.asarray(table.screening.good.any(axis=1))
-    notes = []
-    for band, shown in zip(bands, seen.tolist(), strict=True):
-        lower, upper = float(freq[band.first]), float(freq[band.last])
-        if not shown and (given or not seen.any()):
-            raise NoModeInBandError(
-                f"no FRF shows a mode between {lower:g} and {upper:g} Hz",
-                field="bands",
-                lower=lower,
-                upper=upper,
-            )
-        if not shown:
-            notes.append(f"a peak at {freq[band.peak]:g} Hz is no mode")
-    return notes
+    empty = [band for band, shown in zip(bands, seen.tolist(), strict=True) if not shown]
+    if empty and (given or not seen.any()):
+        lower, upper = float(freq[empty[0].first]), float(freq[empty[0].last])
+        raise NoModeInBandError(
+            f"no FRF shows a mode between {lower:g} and {upper:g} Hz",
+            field="bands",
+            lower=lower,
+            upper=upper,
+        )
+    peaks = [f"{freq[band.peak]:g}" for band in empty]
+    if len(peaks) > MOST_NAMED:
+        return [
+            f"{len(peaks)} peaks from {peaks[0]} to {peaks[-1]} Hz are no modes: noise, or bands are needed"
+        ]
+    return [f"a peak at {peak} Hz is no mode" for peak in peaks]

@@ -159,11 +159,14 @@ def test_responses_without_shape_hold_no_mode(value: complex, plain_beam: Beam, 
         extract(flat, coherence=None, averages=CLEAN)
 
 
-def test_one_dead_channel_is_flagged_and_the_others_speak(plain_beam: Beam, freq: FloatArray) -> None:
+@pytest.mark.parametrize("method", ["dobson", "lscf"])
+def test_one_dead_channel_is_flagged_and_the_others_speak(
+    method: str, plain_beam: Beam, freq: FloatArray
+) -> None:
     frf = plain_beam.frf(freq)
     values = frf.values.copy()
     values[:, 3, 0] = 0
-    model = extract(replace(frf, values=values), coherence=None, averages=CLEAN)
+    model = extract(replace(frf, values=values), coherence=None, averages=CLEAN, method=method)
     np.testing.assert_allclose(model.frequencies, plain_beam.frequencies[:, 0], rtol=2e-6)  # as with all
     assert all(np.isfinite(mode.shape).all() for mode in model.modes)
     assert all("7:+Y" in " ".join(mode.flags) for mode in model.modes)

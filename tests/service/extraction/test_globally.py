@@ -155,6 +155,23 @@ def test_a_band_holds_several_modes_and_one_without_is_named(plain_beam: Beam, f
         extract(frf, coherence=coherence, averages=100, method=METHOD, bands=[(340.0, 400.0)])
 
 
+def test_what_wanders_outside_the_band_asked_for_is_no_matter(plain_beam: Beam, freq: np.ndarray) -> None:
+    frf = plain_beam.frf(freq)
+    values = frf.values.copy()
+    above = freq > 300
+    for j in range(1, values.shape[1]):  # as if each FRF were of a structure of its own there
+        values[above, j] = np.roll(values[above, j], 2 * j, axis=0)
+    spoilt = FrfSet(freq, values, frf.outputs, frf.inputs, frf.kind)
+    told = [
+        any("of one structure" in note for note in model.notes)
+        for model in (
+            extract(spoilt, coherence=None, averages=CLEAN, method=METHOD, bands=[band])
+            for band in ((20.0, 250.0), (20.0, 800.0))
+        )
+    ]
+    assert told == [False, True]
+
+
 def test_the_most_prominent_modes_are_kept_and_the_others_named(plain_beam: Beam, freq: np.ndarray) -> None:
     frf, coherence = noise_of(plain_beam.frf(freq), 3, averages=100)
     model = extract(frf, coherence=coherence, averages=100, method=METHOD, n_modes=3)

@@ -102,3 +102,13 @@ def test_circle_fit_cannot_leave_its_peak_out(plain_beam: Beam, freq: FloatArray
             method="circle_fit",
             options=ExtractionOptions(leave_out=2),
         )
+
+
+def test_peaks_of_noise_are_counted_where_they_are_many() -> None:
+    frf = viscous_set()
+    rng = np.random.default_rng(5)
+    noise = rng.normal(size=(2, *frf.values.shape)) * np.abs(frf.values).max() / 20
+    noisy = FrfSet(FREQ, frf.values + noise[0] + 1j * noise[1], DOFS, DOFS[:1], frf.kind)
+    model = extract(noisy, coherence=None, averages=100.0)
+    (note,) = [note for note in model.notes if "no mode" in note]
+    assert "peaks from" in note

@@ -42,10 +42,14 @@ def line_weights(responses: Responses, bias: FloatArray | float = 0.0) -> FloatA
 
 
 def _roughness(values: ComplexArray) -> FloatArray:
-    """Return E|error|^2 of each FRF (n_frf,), from differences of its lines; 0 for one that is zero."""
+    """Return E|error|^2 of each FRF (n_frf,), from differences of its lines.
+
+    Of one that is zero it is that of the least exact other: a dead channel must not count as exact.
+    """
     rough = scipy.ndimage.convolve1d(values, ROUGH, axis=0, mode="nearest")
     power = np.quantile(np.abs(rough) ** 2, QUIET, axis=0) / -np.log1p(-QUIET)  # of an exponential law
-    return np.asarray(power + ROUNDING * (np.abs(values) ** 2).mean(axis=0))
+    noise = power + ROUNDING * (np.abs(values) ** 2).mean(axis=0)
+    return np.asarray(np.where(noise > 0, noise, noise.max(initial=0.0)))
 
 
 def weights_from_residuals(receptance: ComplexArray, fitted: ComplexArray, weight: FloatArray) -> FloatArray:
@@ -62,6 +66,7 @@ def weights_from_residuals(receptance: ComplexArray, fitted: ComplexArray, weigh
     near, count = (
         scipy.ndimage.uniform_filter1d(values, width, axis=0, mode="nearest") for values in (power, used)
     )
-    variance = near / np.maximum(count, 1 / width) + ROUNDING * np.abs(fitted) ** 2
+    largest = np.abs(fitted).max(axis=1, keepdims=True, initial=0.0)
+    variance = near / np.maximum(count, 1 / width) + ROUNDING * largest**2
     usable = (used > 0) & (variance > 0)
     return np.where(usable, 1 / np.where(usable, variance, 1.0), 0.0)
