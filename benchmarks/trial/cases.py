@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from benchmarks.trial.foreign import FOREIGN
-from benchmarks.trial.hidden import GAPS, Gauge, hide
+from benchmarks.trial.hidden import GAPS, TRIES, Gauge, hide
 from benchmarks.trial.mistakes import MISTAKES
 from benchmarks.trial.rigs import ON_CANTILEVER, ON_FRAME, ON_HAMMER, Bench, bench, small_bench
 from benchmarks.trial.tolerated import Tolerated
@@ -58,6 +58,7 @@ NOISES = (1e-5, 1e-4, 1e-3)
 # After one single of each kind, a round goes on with these.
 OTHERS = ("pair",) * 6 + ("nothing",) * 4 + ("unknown",) * 4 + ("log_book",) * 2
 ROUND = len(KINDS) + len(OTHERS)
+NEARLY = 0.95  # of the least gap: logarithms of strengths are found to a thousandth
 # Signals that do not repeat leak already, and no hammer plays them.
 NOT_LEAKING = ("leakage", "double_hit")
 # Of no other kind's doing: what stays to be found when the kind itself is not looked for is nothing.
@@ -169,8 +170,22 @@ class _Draw:
     def bench(self, *kinds: str) -> Bench:
         return bench(kinds, self.rng, noise=self.noise, leaking=self.leaking)
 
-    def gauge(self, where: Bench) -> Tolerated:
+    def tolerated(self, where: Bench) -> Tolerated:
         return Tolerated(where, tolerant=self.tolerant)
+
+    def seen(
+        self, kinds: Sequence[str], where: Bench
+    ) -> tuple[tuple[Effect, ...], float, tuple[Effect, ...]]:
+        """Return an effect of each kind, the gap of all, and deviations that none of them hides behind."""
+        known = self.tolerated(where)
+        for _ in range(TRIES):
+            hidden = tuple(hide(k, where, self.rng, lambda one: known.gauge.opened([one]))[0] for k in kinds)
+            deviating = known.deviations(self.rng)
+            left = min(known.unexplained([*deviating, one]) for one in hidden)
+            if left >= GAPS[0] * NEARLY:
+                gap = known.unexplained([*deviating, *hidden])
+                return hidden, gap, deviating
+        raise ModalLabError(f"{', '.join(kinds)} cannot be seen beyond what is tolerated")
 
     def sealed(
         self,
@@ -182,8 +197,10 @@ class _Draw:
         setup: RigSetup | None = None,
         excluded: Sequence[str] = (),
         what: str = "",
+        deviating: Sequence[Effect] | None = None,
     ) -> Case:
-        found = Tolerated(where, tolerant=self.tolerant).deviations(self.rng, truth)
+        if deviating is None:
+            deviating = self.tolerated(where).deviations(self.rng)
         seed = int(self.rng.integers(2**31))
         return Case(
             self.number,
@@ -196,7 +213,7 @@ class _Draw:
             setup or where.setup,
             tuple(excluded),
             what,
-            found,
+            tuple(deviating),
         )
 
     def possible(self, kinds: Sequence[str]) -> list[str]:
@@ -206,16 +223,14 @@ class _Draw:
         if kind not in self.possible((kind,)):
             kind = str(self.rng.choice(self.possible(KINDS)))
         where = self.bench(kind)
-        gauge = self.gauge(where)
-        effect, gap = hide(kind, where, self.rng, lambda one: gauge.opened([one]))
-        return self.sealed("single", where, (effect,), gap)
+        hidden, gap, deviating = self.seen((kind,), where)
+        return self.sealed("single", where, hidden, gap, deviating=deviating)
 
     def pair(self) -> Case:
         kinds = [str(k) for k in self.rng.choice(self.possible(PAIRED), size=2, replace=False)]
         where = self.bench(*kinds)
-        gauge = self.gauge(where)
-        both = [hide(kind, where, self.rng, lambda one: gauge.opened([one]))[0] for kind in kinds]
-        return self.sealed("pair", where, both, gauge.opened(both))
+        hidden, gap, deviating = self.seen(kinds, where)
+        return self.sealed("pair", where, hidden, gap, deviating=deviating)
 
     def nothing(self) -> Case:
         return self.sealed("nothing", self.bench(), (), 1.0)
@@ -225,14 +240,14 @@ class _Draw:
         foreign = bool(self.number % 2)
         kind = str(self.rng.choice(list(FOREIGN) if foreign else self.possible(UNMISTAKABLE)))
         where = self.bench(kind)
-        gauge = self.gauge(where)
-        effect, gap = hide(kind, where, self.rng, lambda one: gauge.opened([one]))
-        return self.sealed("unknown", where, (effect,), gap, excluded=() if foreign else (kind,))
+        hidden, gap, deviating = self.seen((kind,), where)
+        without = () if foreign else (kind,)
+        return self.sealed("unknown", where, hidden, gap, excluded=without, deviating=deviating)
 
     def log_book(self) -> Case:
         """Return a case whose log book is wrong by a believable factor, so that it can be seen."""
         where = self.bench()
-        gauge = self.gauge(where)
+        gauge = self.tolerated(where).gauge
         for name in self.rng.permutation(list(MISTAKES)):
             setup, amounts = MISTAKES[str(name)](where.setup, self.rng)
             try:

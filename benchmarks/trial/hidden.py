@@ -108,12 +108,14 @@ class Gauge:
         else:
             self._along = np.zeros((0, 0))
 
-    def opened(self, effects: Sequence[Effect], setup: RigSetup | None = None) -> float:
+    def opened(
+        self, effects: Sequence[Effect], setup: RigSetup | None = None, named: Sequence[Effect] = ()
+    ) -> float:
         """Return the gap that effects open in expectation, beyond what deviations could be.
 
-        Random error included: 1 if they do nothing.
+        Random error included: 1 if they do nothing, or if what is named does the same.
         """
-        vector, weight = self._vector(effects, setup)
+        vector, weight = self._vector(effects, setup, named)
         return 1.0 + float(weight @ self._beyond(vector) ** 2)
 
     def apart(

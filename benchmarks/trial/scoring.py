@@ -6,7 +6,7 @@ from typing import Any
 import numpy as np
 
 from benchmarks.trial.cases import Case
-from benchmarks.trial.hidden import Gauge, spectra_of
+from benchmarks.trial.hidden import spectra_of
 from benchmarks.trial.tolerated import Tolerated
 from modallab.core.arrays import BoolArray
 from modallab.core.dof import Dof
@@ -156,7 +156,7 @@ def _limit(named: Sequence[Effect]) -> float:
 
 def _apart(case: Case, named: Sequence[Effect]) -> float:
     """Return how far what was named predicts from the truth, in standard deviations of all data together."""
-    gauge = Gauge(case.bench, Tolerated(case.bench, tolerant=case.tolerances).steps())
+    gauge = Tolerated(case.bench, tolerant=case.tolerances).gauge
     true = () if case.type == "log_book" else case.truth
     setup = case.setup if case.type == "log_book" else None
     try:

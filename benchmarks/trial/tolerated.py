@@ -1,28 +1,22 @@
 """What differs a little in every test and is no missing effect: tolerances, all truly varied."""
 
 from collections.abc import Sequence
+from functools import cached_property
 
 import numpy as np
 
-from benchmarks.trial.hidden import Gauge
+from benchmarks.trial.hidden import Gauge, spectra_of
 from benchmarks.trial.rigs import Bench
-from modallab.core.arrays import BoolArray, FloatArray
-from modallab.core.place import Channels
-from modallab.diagnosis.numbers.tolerances import LIMIT, Nuisances, Tolerances, drawn, nuisances
+from modallab.diagnosis.fitting.fit import fit
+from modallab.diagnosis.numbers.tolerances import Nuisances, Tolerances, drawn, nuisances
+from modallab.diagnosis.observing.observed import observe
+from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.fe.assembly import assemble
 from modallab.rig.effect import Effect
+from modallab.rig.measure import measurement_of
 from modallab.rig.setup import RigSetup
 
 DELAY = 1e-3  # over the top of the band
-# The kind of effect that changes what is tolerated.
-KIND = {
-    "modulus": "stiffness_error",
-    "density": "density_error",
-    "sensitivity": "gain_error",
-    "accelerometer_mass": "accelerometer_mass",
-    "delay": "channel_delay",
-    "modal_loss_factor": "loss_factor_error",
-}
 
 
 def tolerances(bench: Bench) -> Tolerances:
@@ -44,71 +38,27 @@ class Tolerated:
         self._bench = bench
         system = assemble(bench.structure)
         self.numbers = nuisances(tolerances(bench), system, bench.setup) if tolerant else Nuisances()
-        self._gauges: dict[tuple[bool, ...], Gauge] = {}
 
-    def opened(self, effects: Sequence[Effect], setup: RigSetup | None = None) -> float:
-        """Return the gap that effects open in expectation, beyond what is tolerated; see `Gauge`.
-
-        Of what is tolerated itself only what lies beyond its limit counts.
-        """
-        own = np.any([np.zeros(len(self.numbers), bool), *map(self._changed, effects)], axis=0)
-        key = tuple(own.tolist())
-        if key not in self._gauges:
-            self._gauges[key] = Gauge(self._bench, self.steps(~own))
-        return self._gauges[key].opened([self.surplus(one) for one in effects], setup)
-
-    def steps(self, which: BoolArray | None = None) -> list[tuple[Effect, ...]]:
-        """Return each number that may differ alone, one standard deviation off; of some, or all."""
+    @cached_property
+    def gauge(self) -> Gauge:
+        """Gaps beyond what a straight line of these numbers explains."""
         each = np.eye(len(self.numbers))
-        return [self.numbers.effects(position) for position in (each if which is None else each[which])]
+        return Gauge(self._bench, [self.numbers.effects(position) for position in each])
 
-    def surplus(self, effect: Effect) -> Effect:
-        """Return what of an effect lies beyond what is tolerated of its kind there; all where nothing is."""
-        limit = self.limit(effect)
-        if not limit:
-            return effect
-        name, away = _amount(effect)
-        beyond = float(np.sign(away)) * max(abs(away) - limit, 0.0)
-        return effect.with_parameters({name: effect.parameters[name] - away + beyond})
+    def deviations(self, rng: np.random.Generator) -> tuple[Effect, ...]:
+        """Return how one test differs from what its model and log book say."""
+        return self.numbers.effects(drawn(len(self.numbers), rng))
 
-    def limit(self, effect: Effect) -> float:
-        """Return how far from nothing the diagnosis tolerates an effect, 0 where it does not."""
-        spreads = [
-            one.spread for one, own in zip(self.numbers.numbers, self._changed(effect), strict=True) if own
-        ]
-        unit = self.numbers.mass if effect.kind == "accelerometer_mass" else 1.0
-        return LIMIT * unit * max(spreads, default=0.0)
+    def unexplained(self, acting: Sequence[Effect], setup: RigSetup | None = None) -> float:
+        """Return the gap that is left in expectation where all numbers lie as well as their limits let them.
 
-    def _changed(self, effect: Effect) -> BoolArray:
-        """Return which numbers (n,) an effect changes, if it is of their kind and acts just where they do."""
-        whole = effect.at is None
-        return np.array(
-            [
-                KIND[one.name] == effect.kind
-                and (whole or (isinstance(one.at, Channels) and one.at == effect.at))
-                for one in self.numbers.numbers
-            ],
-            bool,
-        )
-
-    def deviations(self, rng: np.random.Generator, hidden: Sequence[Effect] = ()) -> tuple[Effect, ...]:
-        """Return how one test differs from what its model and log book say.
-
-        Normal, within `LIMIT` standard deviations. Drawn again where it would draw what is hidden back
-        within what is tolerated, so that there would be nothing to be found.
+        Random error included. Of what is itself tolerated, or what several numbers do together, a straight
+        line does not tell how much is left.
         """
-        position = drawn(len(self.numbers), rng)
-        while any(self._drawn_back(one, position) for one in hidden):
-            position = drawn(len(self.numbers), rng)
-        return self.numbers.effects(position)
-
-    def _drawn_back(self, effect: Effect, position: FloatArray) -> bool:
-        own = self._changed(effect)
-        return bool(own.any() and (_amount(effect)[1] * position[own] < 0).all())
-
-
-def _amount(effect: Effect) -> tuple[str, float]:
-    """Return the only number that an effect of a tolerated kind has, and how far it is from nothing."""
-    ((name, spec),) = effect.specs().items()
-    assert spec.absent is not None
-    return name, effect.parameters[name] - spec.absent
+        if not len(self.numbers):
+            return self.gauge.opened(acting, setup)
+        measured = measurement_of(spectra_of(self._bench, acting, setup), self._bench.setup)
+        observed = observe(measured, (), fraction=0.0)
+        predictor = Predictor(self._bench.structure, self._bench.setup, observed).allowing(self.numbers)
+        named = self.numbers.effects(fit(predictor, ()).tolerated)
+        return Gauge(self._bench).opened(acting, setup, named)

@@ -37,6 +37,7 @@ class Fit:
     chi_square: float  # over the fitted lines and channels, and of what is tolerated
     n_parameters: int  # of the effects; what is tolerated is free in every fit alike
     n_data: int
+    correlation: float  # how many data one independent datum stands for
     spread: Callable[[], Errors]
     tolerated: FloatArray = field(default_factory=lambda: np.zeros(0))  # position, see `Nuisances`
     # The same to look further from: as far as the fit is not right, drawn back to what is declared.
@@ -58,8 +59,9 @@ class Fit:
 
     @property
     def bic(self) -> float:
-        """Bayesian information criterion; lower is better."""
-        return self.chi_square + self.n_parameters * float(np.log(max(self.n_data, 2)))
+        """Bayesian information criterion, times the correlation of the data; lower is better."""
+        independent = max(self.n_data / self.correlation, 2)
+        return self.chi_square + self.n_parameters * self.correlation * float(np.log(independent))
 
 
 def approach(
@@ -168,7 +170,17 @@ def fit(predictor: Predictor, effects: Sequence[Effect], *, fixed: Sequence[Effe
         # As large as it is likely: wider errors have to pay for what they forgive.
         chi_square -= 2 * float(np.log(lessened(plain.observed, predictor.observed)).sum())
         left = plain.tolerating(position).residual([*fixed, *final])
-    return Fit(tuple(final), left, chi_square, len(task.panel), len(best), spread, position, outlook)
+    return Fit(
+        tuple(final),
+        left,
+        chi_square,
+        len(task.panel),
+        len(best),
+        plain.observed.correlation,
+        spread,
+        position,
+        outlook,
+    )
 
 
 def _drawn_back(slopes: FloatArray, position: FloatArray) -> FloatArray:
