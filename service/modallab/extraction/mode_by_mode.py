@@ -90,7 +90,13 @@ def _missing(table: Table, freq: FloatArray, bands: Sequence[Band], *, given: bo
     """Return a note on every band found that proved empty; raise if it was given, or if all are."""
     seen = np.asarray(table.screening.good.any(axis=1))
     empty = [band for band, shown in zip(bands, seen.tolist(), strict=True) if not shown]
-    if empty and (given or not seen.any()):
+    if empty and not given and not seen.any():
+        raise NoModeInBandError(
+            f"no FRF shows a mode at any of {len(empty)} peaks beyond its random error; bands may help",
+            field="bands",
+            value=", ".join(f"{freq[band.peak]:g}" for band in empty[:MOST_NAMED]),
+        )
+    if empty and given:
         lower, upper = float(freq[empty[0].first]), float(freq[empty[0].last])
         raise NoModeInBandError(
             f"no FRF shows a mode between {lower:g} and {upper:g} Hz",

@@ -3,7 +3,7 @@ import pytest
 
 from modallab.core.arrays import FloatArray
 from modallab.core.dof import Dof
-from modallab.core.errors import InvalidInputError
+from modallab.core.errors import InvalidInputError, NoModeInBandError
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.core.modal_model import ModalModel
 from modallab.extraction.extract import extract
@@ -112,3 +112,11 @@ def test_peaks_of_noise_are_counted_where_they_are_many() -> None:
     model = extract(noisy, coherence=None, averages=100.0)
     (note,) = [note for note in model.notes if "no mode" in note]
     assert "peaks from" in note
+
+
+def test_where_all_peaks_are_noise_their_number_is_told_and_no_band_that_nobody_gave() -> None:
+    rng = np.random.default_rng(11)
+    noise = rng.normal(size=(2, len(FREQ), 2, 1))
+    frf = FrfSet(FREQ, noise[0] + 1j * noise[1], DOFS, DOFS[:1], FrfKind.INERTANCE)
+    with pytest.raises(NoModeInBandError, match=r"at any of \d+ peaks"):
+        extract(frf, coherence=np.full((len(FREQ), 2), 0.5), averages=10.0)
