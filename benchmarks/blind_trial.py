@@ -6,8 +6,8 @@ is such that the gap it opens is log-uniform from 2 to 10,000. The diagnosis is 
 measurement with its log book; the scorer alone knows the truth.
 
 Sets: 1 exact model, periodic random; 2 pure random through a Hann window; 3 with tolerances, all varied; 3a
-the same with up to two of the proposed tests done. A case is the same whatever others are run with it: a
-trial may be cut and continued, and its cases run one by one.
+the same with up to two of the proposed tests done, scored before them as well. A case is the same whatever
+others are run with it: a trial may be cut and continued, and its cases run one by one.
 
     python -m benchmarks.blind_trial --set 1 --cases 416 --seed 1 --workers 2 --out set1.jsonl --resume
     python -m benchmarks.blind_trial --out set1.jsonl set2.jsonl --report docs/trial.md
@@ -78,7 +78,9 @@ def read(paths: Iterable[Path]) -> list[dict[str, Any]]:
                 line = json.loads(text)
             except json.JSONDecodeError:
                 continue
-            found[line["set"], line["seed"], line["number"]] = line
+            # Before any further test a case of 3a is one of 3.
+            for each in (line, *([line["first"] | {"seed": line["seed"]}] if "first" in line else [])):
+                found[each["set"], each["seed"], each["number"]] = each
     return list(found.values())
 
 

@@ -90,7 +90,7 @@ def answered_here(question: Question) -> Answer:
 
 
 def run(case: Case, ask: Ask = answered_here) -> dict[str, Any]:
-    """Return the score of a case, as plain data.
+    """Return the score of a case, as plain data; of set 3a that before any further test beside it.
 
     Parameters
     ----------
@@ -99,17 +99,25 @@ def run(case: Case, ask: Ask = answered_here) -> dict[str, Any]:
     """
     question = Question.of(case)
     first = ask(question)
+    scored = _scored(replace(case, set="3") if case.set == "3a" else case, question, first, first)
+    if case.set != "3a":
+        return scored
     last, tests = first, list[dict[str, Any]]()
-    if case.set == "3a":
-        try:
-            last = _followed_up(case, question, first, tests, ask)
-        except Exception:
-            last = replace(first, trouble=traceback.format_exc(limit=-6))
+    try:
+        last = _followed_up(case, question, first, tests, ask)
+    except Exception:
+        last = replace(first, trouble=traceback.format_exc(limit=-6))
+    return _scored(case, question, first, last, tests) | {"first": scored}
+
+
+def _scored(
+    case: Case, question: Question, first: Answer, last: Answer, tests: Sequence[dict[str, Any]] = ()
+) -> dict[str, Any]:
     return score(case, question.measurement, last.found) | {
         "seconds": first.seconds,
         "seconds_with_tests": last.seconds,
         "trouble": last.trouble,
-        "tests": tests,
+        "tests": list(tests),
     }
 
 

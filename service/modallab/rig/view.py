@@ -14,7 +14,7 @@ from modallab.rig.smear import Smear, smear
 
 POINTS = 10  # Gauss points a panel: 1e-8 of a spectrum for panels no longer than `refined` makes them
 THIN = 5  # of them for derivatives: 1e-3 of a spectrum at the worst line
-COARSE = 4  # points a line of the unrefined grid, for a first look over many hypotheses
+COARSE = 2  # points a line of the unrefined grid, for a first look over many hypotheses
 
 
 @dataclass(frozen=True, eq=False)
@@ -85,16 +85,17 @@ def refined_view(analyser: Analyser, poles: FloatArray, widths: FloatArray, poin
 
 @lru_cache(maxsize=16)
 def coarse_view(analyser: Analyser, step: int) -> View:
-    """Return how every `step`-th line sees a stationary signal, on a grid that knows no resonance."""
-    nodes, weights = _gauss(analyser.freq[:-1], analyser.freq[1:], COARSE)
+    """Return how every `step`-th line sees a stationary signal, on a grid that knows no resonance.
+
+    Even steps of half a line: of smooth functions no rule of as many points is better, and a window's
+    line shape squared holds no finer detail.
+    """
+    place = (np.arange(COARSE * (analyser.n_lines - 1)) + 0.5) / COARSE
     window = analyser.line_window
     lines = np.arange(0, analyser.n_lines, step, dtype=float)
-    place, share = nodes / analyser.spacing, weights / analyser.spacing
     n = samples_of(analyser)
-    near, mirrored = window.line_shapes(lines, place, n), window.line_shapes(lines, -place, n)
-    near *= share
-    mirrored *= share
-    return View(nodes, near, mirrored)
+    near, mirrored = (window.line_shapes(lines, one, n) / COARSE for one in (place, -place))
+    return View(place * analyser.spacing, near, mirrored)
 
 
 def refined(
