@@ -77,6 +77,30 @@ def reduction_of(kind: str, parameters: Mapping[str, float] | None = None) -> Re
     return cls(**given)
 
 
+def pencil_modes(mass: FloatArray, stiffness: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return the modes of two full matrices: omega_r^2 (k,), rising, and mass-normalised shapes (n, k).
+
+    Motions without mass have none, k <= n, and shapes are the least motions that move their mass. An
+    omega_r^2 below zero is a stiffness that pushes away.
+
+    Parameters
+    ----------
+    mass, stiffness
+        (n, n) kg and N/m, symmetric; the mass not negative.
+    """
+    size = np.sqrt(np.maximum(np.diag(mass), 0.0))
+    scale = np.divide(1.0, size, out=np.zeros_like(size), where=size > 0)
+    values, turn = eigh(scale[:, None] * mass * scale)
+    kept = values > MASSLESS * values[-1]
+    basis = scale[:, None] * turn[:, kept] / np.sqrt(values[kept])
+    squares, within = eigh(basis.T @ stiffness @ basis)
+    shapes = basis @ within
+    if not kept.all():
+        moving, _ = np.linalg.qr(size[:, None] * turn[:, kept])
+        shapes = moving @ (moving.T @ shapes)
+    return squares, shapes
+
+
 @dataclass(frozen=True, eq=False)
 class ReducedSystem:
     """Mass and stiffness at the masters, and how every DoF follows them: x = T x_master."""
@@ -99,13 +123,8 @@ class ReducedSystem:
 
         A reduction that keeps k modes at more masters than that has k modes and no others.
         """
-        size = np.sqrt(np.diag(self.mass))
-        scale = np.divide(1.0, size, out=np.zeros_like(size), where=size > 0)
-        values, turn = eigh(scale[:, None] * self.mass * scale)
-        kept = values > MASSLESS * values[-1]
-        basis = scale[:, None] * turn[:, kept] / np.sqrt(values[kept])
-        squares, within = eigh(basis.T @ self.stiffness @ basis)
-        return np.sqrt(np.maximum(squares, 0.0)) / (2 * np.pi), basis @ within
+        squares, shapes = pencil_modes(self.mass, self.stiffness)
+        return np.sqrt(np.maximum(squares, 0.0)) / (2 * np.pi), shapes
 
 
 def reduce(system: DynamicSystem, masters: tuple[Dof, ...], reduction: Reduction) -> ReducedSystem:

@@ -26,6 +26,14 @@ def test_the_modes_that_are_kept_are_exact_and_no_others_are_there() -> None:
     np.testing.assert_allclose(whole * signs, exact, atol=1e-6 * np.abs(exact).max())
 
 
+def test_shapes_of_the_reduced_model_are_the_models_own_at_the_masters() -> None:
+    _, shapes = reduce(BEAM, MASTERS, reduction_of("serep", {"modes": 4})).modes()
+    exact = BEAM.modes().shapes[[BEAM.index(dof) for dof in MASTERS], 2:6].real
+    signs = np.sign((shapes[:, 2:] * exact).sum(axis=0))
+    # rounding; what the masters could do besides has no mass there, and no place in a shape
+    np.testing.assert_allclose(shapes[:, 2:] * signs, exact, atol=1e-6 * np.abs(exact).max())
+
+
 def test_motion_that_no_kept_mode_has_is_fitted() -> None:
     reduced = reduce(BEAM, MASTERS, reduction_of("serep", {"modes": 3}))
     at_masters = reduced.transformation[[BEAM.index(dof) for dof in MASTERS]]

@@ -1,0 +1,1 @@
+"""Direct methods: matrices, not coefficients, corrected or searched for errors in one go."""

@@ -1,0 +1,206 @@
+"""A model and measured modes brought to the same degrees of freedom."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from modallab.core.arrays import BoolArray, FloatArray
+from modallab.core.dof import Dof
+from modallab.core.errors import InvalidInputError, UnderdeterminedError
+from modallab.core.modal_model import ModalModel
+from modallab.correlation.mac import mac, pair_modes
+from modallab.fe.expansion import FLAG, expand
+from modallab.fe.reduction import REDUCTIONS, pencil_modes, reduce, reduction_of
+from modallab.fe.system import DynamicSystem
+from modallab.updating.direct.method import DirectOptions, DirectProblem
+from modallab.updating.target import as_real, real_modes
+
+EXPANSION = "expansion"
+COMPLEX = 0.1  # share of a shape that is out of phase with the rest of it: beyond, no real mode stands for it
+MOST = 1500  # DoFs, of full matrices of which four are kept: 72 MB
+# of the lowest measured omega^2: what moves more slowly is a rigid body but for rounding, and no partner
+RIGID = 1e-4
+
+
+@dataclass(frozen=True, eq=False)
+class Completed:
+    """A model's matrices, and all measured modes at their degrees of freedom."""
+
+    mass: FloatArray  # (n, n) kg
+    stiffness: FloatArray  # (n, n) N/m
+    pattern: BoolArray | None  # (n, n) where the structure connects DoFs; None of a reduced model
+    dofs: tuple[Dof, ...]
+    shapes: FloatArray  # (n, n_measured) mass-normalised, 1/sqrt(kg)
+    squares: FloatArray  # (n_measured,) rad^2/s^2
+    how: str  # shapes and DoFs came to fit, in words
+    notes: tuple[str, ...]
+
+    def problem(self, n_modes: int) -> DirectProblem:
+        """Return what a method is given: the lowest `n_modes` measured modes, paired with the model's.
+
+        Raises
+        ------
+        UnderdeterminedError
+            If the model has fewer modes than are to pair with its own.
+        """
+        own_squares, own = pencil_modes(self.mass, self.stiffness)
+        squares, shapes = self.squares[:n_modes], self.shapes[:, :n_modes]
+        n_rigid_body = int((own_squares <= RIGID * squares.min()).sum())
+        candidates = np.arange(n_rigid_body, len(own_squares))
+        table = mac(shapes, own[:, candidates])
+        partner = dict(pair_modes(table, 0.0))
+        if len(partner) < n_modes:
+            raise UnderdeterminedError(
+                f"{n_modes} measured modes, and {len(candidates)} of the model at these degrees of freedom",
+                field="n_modes",
+                value=n_modes,
+                allowed=f"<= {len(partner)}",
+            )
+        chosen = np.array([partner[r] for r in range(n_modes)])
+        return DirectProblem(
+            mass=self.mass,
+            stiffness=self.stiffness,
+            dofs=self.dofs,
+            shapes=shapes,
+            squares=squares,
+            model_shapes=own,
+            model_squares=own_squares,
+            partners=candidates[chosen],
+            mac=table[np.arange(n_modes), chosen],
+            n_rigid_body=n_rigid_body,
+        )
+
+
+def complete(system: DynamicSystem, target: ModalModel, options: DirectOptions) -> Completed:
+    """Return model and measurement at the same DoFs: shapes expanded to the model's, or it reduced to theirs.
+
+    Where every DoF was measured neither is done. Shapes without a scale are given that of the model's mass.
+
+    Raises
+    ------
+    UnknownDofError
+        If the structure lacks a measured DoF.
+    InvalidInputError
+        If a mode is complex, a DoF was measured twice, the reduction is unknown or does not hold with
+        these DoFs, or the matrices are too large.
+    """
+    if options.completion != EXPANSION and options.completion not in REDUCTIONS:
+        raise InvalidInputError(
+            "shapes are expanded, or the model is reduced",
+            field="completion",
+            value=options.completion,
+            allowed=", ".join((EXPANSION, *REDUCTIONS)),
+        )
+    measured = _ordered(system, target)
+    if len(measured.dofs) == len(system.dofs):
+        found = _as_measured(system, measured)
+    elif options.completion == EXPANSION:
+        found = _expanded(system, measured, options)
+    else:
+        found = _reduced(system, measured, options)
+    if target.normalisation == "mass":
+        return found
+    sizes = np.sqrt(np.einsum("ir,ij,jr->r", found.shapes, found.mass, found.shapes))
+    note = "measured shapes had no scale: they were given that of the model's mass"
+    return replace(found, shapes=found.shapes / sizes, notes=(*found.notes, note))
+
+
+def _ordered(system: DynamicSystem, target: ModalModel) -> ModalModel:
+    """Return measured modes as real ones, at DoFs in their positive sense and the order of the model.
+
+    Raises
+    ------
+    UnknownDofError, InvalidInputError
+        As `complete`.
+    """
+    modes = real_modes(target)
+    aside = np.linalg.norm(target.shapes, axis=0) ** 2 - np.linalg.norm(modes.shapes, axis=0) ** 2
+    share = np.sqrt(np.maximum(aside, 0.0)) / np.linalg.norm(target.shapes, axis=0)
+    if (share > COMPLEX).any():
+        worst = int(share.argmax())
+        raise InvalidInputError(
+            f"measured mode {worst + 1} is complex: {share[worst]:.0%} of it moves out of phase",
+            field="modes",
+            value=worst + 1,
+            allowed=f"up to {COMPLEX:.0%}: the method is one of real modes",
+        )
+    rows = np.array([system.index(dof) for dof in target.dofs])
+    if len(set(rows.tolist())) < len(rows):
+        twice = next(dof for i, dof in enumerate(target.dofs) if rows[i] in rows[:i])
+        raise InvalidInputError(
+            f"{twice} was measured twice", field="dofs", value=str(twice), allowed="each DoF once"
+        )
+    order, by_frequency = np.argsort(rows), np.argsort(target.frequencies, kind="stable")
+    signs = np.array([dof.sign for dof in target.dofs])[:, None]
+    shapes = (signs * as_real(target.shapes))[order]
+    return replace(
+        target,
+        modes=tuple(replace(target.modes[r], shape=shapes[:, r], shape_errors=None) for r in by_frequency),
+        dofs=tuple(system.dofs[rows[i]] for i in order),
+    )
+
+
+def _full(system: DynamicSystem) -> tuple[FloatArray, FloatArray, BoolArray]:
+    """Return mass, stiffness and where either connects DoFs, (n, n) each, all that is attached included."""
+    whole, n = system.folded(), len(system.dofs)
+    if whole.mass.shape[0] > n:
+        raise InvalidInputError(
+            "what is attached to the structure has degrees of freedom that no shape is known at",
+            field="completion",
+            value=EXPANSION,
+            allowed=", ".join(REDUCTIONS),
+        )
+    if n > MOST:
+        raise InvalidInputError(
+            "too many degrees of freedom for full matrices",
+            field="completion",
+            value=n,
+            allowed=f"<= {MOST}; reduce the model to measured ones: {', '.join(REDUCTIONS)}",
+        )
+    pattern = np.zeros((n, n), bool)
+    for matrix in (whole.mass, whole.stiffness):
+        entries = matrix.tocoo()
+        pattern[entries.row, entries.col] = True
+    return whole.mass.toarray(), whole.stiffness.toarray(), pattern
+
+
+def _as_measured(system: DynamicSystem, measured: ModalModel) -> Completed:
+    squares = (2 * np.pi * measured.frequencies) ** 2
+    how = "every degree of freedom was measured"
+    return Completed(*_full(system), system.dofs, measured.shapes.real, squares, how, ())
+
+
+def _expanded(system: DynamicSystem, measured: ModalModel, options: DirectOptions) -> Completed:
+    matrices = _full(system)
+    found = expand(system, measured, reduction_of(options.expansion, options.reduction_parameters))
+    doubtful = [str(r) for r, mode in enumerate(found.model.modes, 1) if FLAG in mode.flags]
+    note = f"the model would not move as expanded in modes {', '.join(doubtful)}"
+    squares = (2 * np.pi * measured.frequencies) ** 2
+    return Completed(
+        *matrices,
+        system.dofs,
+        found.model.shapes.real,
+        squares,
+        f"expanded: {found.model.choices[EXPANSION]}",
+        (note,) if doubtful else (),
+    )
+
+
+def _reduced(system: DynamicSystem, measured: ModalModel, options: DirectOptions) -> Completed:
+    highest = float(measured.frequencies.max())
+    reduction = reduction_of(options.completion, options.reduction_parameters).reaching(highest)
+    # One frequency for all modes, where it takes one and has none: in their midst.
+    small = reduce(system, measured.dofs, reduction.at_mode(float(np.median(measured.frequencies))))
+    squares = (2 * np.pi * measured.frequencies) ** 2
+    numbers = ", ".join(f"{name} {value:g}" for name, value in small.reduction.parameters.items() if value)
+    how = f"reduced to {len(measured.dofs)} degrees of freedom: {small.reduction.kind}"
+    return Completed(
+        small.mass,
+        small.stiffness,
+        None,
+        measured.dofs,
+        measured.shapes.real,
+        squares,
+        f"{how} ({numbers})" if numbers else how,
+        (),
+    )

@@ -1,0 +1,84 @@
+"""The steps that methods with measured modes as a constraint share."""
+
+import numpy as np
+
+from modallab.core.arrays import FloatArray
+from modallab.core.errors import UnderdeterminedError
+
+ALIKE = 1e10  # condition of the modal mass beyond which shapes tell nothing of one another
+
+
+def modal_mass(shapes: FloatArray, mass: FloatArray) -> FloatArray:
+    """Return Phi^T M Phi, (m, m).
+
+    Parameters
+    ----------
+    shapes
+        (n, m) 1/sqrt(kg).
+    mass
+        (n, n) kg.
+
+    Raises
+    ------
+    UnderdeterminedError
+        If the shapes are not independent of one another in this mass.
+    """
+    product = shapes.T @ mass @ shapes
+    product = (product + product.T) / 2
+    values = np.linalg.eigvalsh(product)
+    if not values[0] * ALIKE > values[-1]:
+        raise UnderdeterminedError(
+            f"the {len(values)} measured shapes are not independent of one another",
+            field="modes",
+            value=len(values),
+            allowed="modes that measured degrees of freedom tell apart",
+        )
+    return np.asarray(product)
+
+
+def mass_orthonormal(shapes: FloatArray, mass: FloatArray) -> FloatArray:
+    """Return the shapes nearest to given ones that are orthonormal in a mass: Phi (Phi^T M Phi)^(-1/2).
+
+    Parameters
+    ----------
+    shapes
+        (n, m) 1/sqrt(kg).
+    mass
+        (n, n) kg.
+
+    Raises
+    ------
+    UnderdeterminedError
+        If the shapes are not independent of one another in this mass.
+
+    References
+    ----------
+    Targoff, W. P. (1976), AIAA Journal 14(2), 164; Baruch, M. and Bar Itzhack, I. Y. (1978), AIAA Journal
+    16(4), 346-351.
+    """
+    values, turn = np.linalg.eigh(modal_mass(shapes, mass))
+    return np.asarray(shapes @ (turn / np.sqrt(values)) @ turn.T)
+
+
+def with_measured_modes(
+    stiffness: FloatArray, mass: FloatArray, shapes: FloatArray, squares: FloatArray
+) -> FloatArray:
+    """Return the stiffness nearest to a given one that has these modes, (n, n), N/m [2.7].
+
+    K + D + D^T with D = 1/2 M Phi (Phi^T K Phi + Lambda) Phi^T M - K Phi Phi^T M, nearest in the norm of
+    M^(-1/2) dK M^(-1/2).
+
+    Parameters
+    ----------
+    stiffness, mass
+        (n, n) N/m and kg.
+    shapes
+        (n, m) orthonormal in `mass`.
+    squares
+        (m,) rad^2/s^2.
+    """
+    carried = mass @ shapes
+    pushed = stiffness @ shapes
+    own = shapes.T @ pushed + np.diag(squares)
+    half = 0.5 * carried @ own @ carried.T - pushed @ carried.T
+    return np.asarray(stiffness + half + half.T)

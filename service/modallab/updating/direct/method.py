@@ -1,0 +1,107 @@
+"""What a direct method is: from a model's matrices and measured modes to corrections or to errors."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, field
+from typing import Protocol
+
+import numpy as np
+
+from modallab.core.arrays import FloatArray, IntArray, frozen
+from modallab.core.dof import Dof
+from modallab.core.registry import Family
+
+
+@dataclass(frozen=True, eq=False)
+class DirectProblem:
+    """A model's matrices and measured modes at the same degrees of freedom."""
+
+    mass: FloatArray  # (n, n) kg, symmetric
+    stiffness: FloatArray  # (n, n) N/m, symmetric
+    dofs: tuple[Dof, ...]
+    shapes: FloatArray  # (n, m) measured, mass-normalised, 1/sqrt(kg)
+    squares: FloatArray  # (m,) omega_r^2 of these, rad^2/s^2
+    model_shapes: FloatArray  # (n, k) the model's own, mass-normalised
+    model_squares: FloatArray  # (k,) rising
+    partners: IntArray  # (m,) which of the model's modes each measured one pairs with
+    mac: FloatArray  # (m,) of these pairs
+    n_rigid_body: int  # of the model's modes, the first
+
+    def __post_init__(self) -> None:
+        n, m, k = len(self.dofs), len(self.squares), len(self.model_squares)
+        shapes = {
+            "mass": (n, n),
+            "stiffness": (n, n),
+            "shapes": (n, m),
+            "squares": (m,),
+            "model_shapes": (n, k),
+            "model_squares": (k,),
+            "mac": (m,),
+        }
+        for name, shape in shapes.items():
+            object.__setattr__(self, name, frozen(getattr(self, name), float, shape, name=name))
+        object.__setattr__(self, "partners", frozen(self.partners, int, (m,), name="partners"))
+
+
+@dataclass(frozen=True, eq=False)
+class Correction:
+    """Matrices that give a model the measured modes."""
+
+    mass: FloatArray  # (n, n) kg
+    stiffness: FloatArray  # (n, n) N/m
+    changed: tuple[str, ...] = ("mass", "stiffness")  # those that are not the model's own
+
+
+@dataclass(frozen=True, eq=False)
+class ErrorLocation:
+    """Where a model is wrong, by matrix: `mass`, `stiffness`, or both in one `force_balance`."""
+
+    matrices: Mapping[str, FloatArray]  # (n, n) each
+    # (n,) each: size of a DoF's row against what the same modes make of the model's own, 0 where it is right
+    dof_errors: Mapping[str, FloatArray]
+
+
+class DirectMethod(Protocol):
+    """Corrects a model's matrices by measured modes, or says where they are wrong, without iteration."""
+
+    def __call__(self, problem: DirectProblem) -> Correction | ErrorLocation:
+        """Return updated matrices, or errors by degree of freedom."""
+        ...
+
+
+DIRECT_METHODS: Family[DirectMethod] = Family("updating method", home="modallab.updating.direct.methods")
+
+
+@dataclass(frozen=True)
+class DirectOptions:
+    """How a direct method comes by shapes at all degrees of freedom of a model, and which modes it uses."""
+
+    # "expansion": shapes to all DoFs of the model; or the kind of a reduction of the model to measured DoFs
+    completion: str = "expansion"
+    expansion: str = "dynamic"  # the reduction by which shapes are expanded
+    reduction_parameters: Mapping[str, float] = field(default_factory=dict)  # of either
+    n_modes: int | None = None  # lowest measured modes that are used, the others held against the result
+
+
+def row_shares(change: FloatArray, reference: FloatArray, scale: FloatArray) -> FloatArray:
+    """Return the size of each row of `change` over that of `reference`, (n,); 0 where both are zero.
+
+    Parameters
+    ----------
+    change, reference
+        (n, k).
+    scale
+        (k,) what makes the columns of one unit.
+    """
+    sizes = np.linalg.norm(reference * scale, axis=1)
+    # A row that the reference leaves empty is held against the whole of it.
+    floor = np.finfo(float).eps * float(sizes.max(initial=0.0))
+    moved = np.linalg.norm(change * scale, axis=1)
+    return np.asarray(np.divide(moved, np.maximum(sizes, floor), out=np.zeros_like(moved), where=moved > 0))
+
+
+def of_one_unit(matrix: FloatArray) -> FloatArray:
+    """Return 1 over the root of each diagonal entry, (n,): what takes the units of DoFs out of a matrix."""
+    diagonal = np.diag(matrix)
+    return np.asarray(
+        np.divide(1.0, np.sqrt(np.maximum(diagonal, 0.0)), out=np.zeros(len(diagonal)), where=diagonal > 0)
+    )

@@ -1,0 +1,5 @@
+"""Direct methods, one file each."""
+
+from modallab.core.registry import discover
+
+discover(__name__, __path__)

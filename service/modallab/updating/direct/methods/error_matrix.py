@@ -1,0 +1,69 @@
+"""Errors of mass and stiffness from the flexibility that modes show."""
+
+import numpy as np
+
+from modallab.core.arrays import FloatArray
+from modallab.core.errors import UnderdeterminedError
+from modallab.correlation.mac import FLOOR
+from modallab.updating.direct.method import (
+    DIRECT_METHODS,
+    DirectProblem,
+    ErrorLocation,
+    of_one_unit,
+    row_shares,
+)
+
+
+@DIRECT_METHODS.register("error_matrix")
+def error_matrix(problem: DirectProblem) -> ErrorLocation:
+    """First-order errors of stiffness and mass, as far as the measured modes show them.
+
+    dK = K (F_a - F_x) K with F = Phi Lambda^-1 Phi^T of model and measured modes in pairs, and dM =
+    M (Phi_a Phi_a^T - Phi_x Phi_x^T) M [2.26, 2.27]. Right to first order with all modes; with few, rows
+    are held against what the same modes make of the model's own matrix, for stiff DoFs otherwise outweigh
+    wrong ones. Mass takes many more modes than stiffness: low modes rule flexibility, not mobility.
+    Sidhu, J. and Ewins, D. J. (1984), Proc. 2nd International Modal Analysis Conference.
+
+    Raises
+    ------
+    UnderdeterminedError
+        If a measured mode pairs with none of the model.
+    """
+    own, own_squares = problem.model_shapes[:, problem.partners], problem.model_squares[problem.partners]
+    _check_pairs(problem, own)
+    stiffness, seen_stiffness = _error(
+        problem.stiffness, own / np.sqrt(own_squares), problem.shapes / np.sqrt(problem.squares)
+    )
+    mass, seen_mass = _error(problem.mass, own, problem.shapes)
+    return ErrorLocation(
+        {"mass": mass, "stiffness": stiffness},
+        {
+            "mass": row_shares(mass, seen_mass, of_one_unit(problem.mass)),
+            "stiffness": row_shares(stiffness, seen_stiffness, of_one_unit(problem.stiffness)),
+        },
+    )
+
+
+def _check_pairs(problem: DirectProblem, own: FloatArray) -> None:
+    """Raise `UnderdeterminedError` if a measured mode has little of the model's modes it is held against.
+
+    Of all together, for only their sum counts: close modes may have turned into one another.
+    """
+    carried = problem.mass @ problem.shapes
+    sizes = np.einsum("ir,ir->r", problem.shapes, carried)
+    share = ((own.T @ carried) ** 2).sum(axis=0) / sizes
+    worst = int(share.argmin())
+    if share[worst] < FLOOR:
+        raise UnderdeterminedError(
+            f"measured mode {worst + 1} pairs with no mode of the model",
+            field="modes",
+            value=worst + 1,
+            allowed=f"{FLOOR:.0%} or more of its motion in modes of the model",
+        )
+
+
+def _error(matrix: FloatArray, own: FloatArray, measured: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return A (F_a F_a^T - F_x F_x^T) A, and what the model's modes alone make of A, (n, n) each."""
+    ours, theirs = matrix @ own, matrix @ measured
+    seen = ours @ ours.T
+    return seen - theirs @ theirs.T, seen

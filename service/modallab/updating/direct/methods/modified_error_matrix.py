@@ -1,0 +1,27 @@
+"""Forces that do not balance when the model moves as measured."""
+
+import numpy as np
+
+from modallab.updating.direct.method import DIRECT_METHODS, DirectProblem, ErrorLocation
+
+
+@DIRECT_METHODS.register("modified_error_matrix")
+def modified_error_matrix(problem: DirectProblem) -> ErrorLocation:
+    """Rows of the force balance that are not zero: DoFs where mass or stiffness is wrong.
+
+    dK Phi Phi^T - dM Phi Lambda Phi^T = M Phi Lambda Phi^T - K Phi Phi^T [2.29], without any assumption that
+    errors are small, and from a single mode on; which of the two matrices is wrong it does not say. A
+    DoF's error is the share of inertia and elastic forces there that is left over, 0 to 1, so that units
+    and stiff DoFs do not matter. It takes shapes as they are: what an expansion got wrong is imbalance
+    too. Fisette, E., Stavrinidis, C. and Ibrahim, S. (1988), Proc. 6th International Modal Analysis
+    Conference.
+    """
+    inertia = problem.mass @ problem.shapes * problem.squares
+    elastic = problem.stiffness @ problem.shapes
+    left = inertia - elastic
+    # Forces of a mode grow with omega^2, its energy does not.
+    even = 1 / np.sqrt(problem.squares)
+    sizes = [np.linalg.norm(force * even, axis=1) for force in (left, inertia, elastic)]
+    whole = sizes[1] + sizes[2]
+    share = np.divide(sizes[0], whole, out=np.zeros_like(whole), where=whole > 0)
+    return ErrorLocation({"force_balance": left @ problem.shapes.T}, {"force_balance": np.asarray(share)})
