@@ -21,11 +21,12 @@ service is sent model, log book and measurement. Seconds are then those for whic
 
 import argparse
 import json
+import subprocess
 import traceback
 from collections.abc import Iterable, Sequence
 from concurrent.futures import ProcessPoolExecutor, as_completed
 from contextlib import nullcontext
-from functools import partial
+from functools import cache, partial
 from pathlib import Path
 from typing import Any
 
@@ -53,11 +54,21 @@ def one(number: int, seed: int, which: str, ask: Ask) -> dict[str, Any]:
         If a service that is asked does not answer.
     """
     try:
-        return run(case(number, seed, which), ask) | {"seed": seed}
+        return run(case(number, seed, which), ask) | {"seed": seed, "revision": revision()}
     except UnreachableError:
         raise
     except Exception:  # nothing was asked of the diagnosis: the case does not count
         return {"number": number, "set": which, "seed": seed, "void": traceback.format_exc(limit=-3)}
+
+
+@cache
+def revision() -> str:
+    """Return which commit runs, empty where it is not known."""
+    here = ["git", "-C", str(Path(__file__).parent), "describe", "--always", "--dirty"]
+    try:
+        return subprocess.run(here, capture_output=True, text=True, check=True).stdout.strip()
+    except (OSError, subprocess.CalledProcessError):
+        return ""
 
 
 def numbers(text: str) -> list[int]:
@@ -79,7 +90,8 @@ def read(paths: Iterable[Path]) -> list[dict[str, Any]]:
             except json.JSONDecodeError:
                 continue
             # Before any further test a case of 3a is one of 3.
-            for each in (line, *([line["first"] | {"seed": line["seed"]}] if "first" in line else [])):
+            own = {name: line[name] for name in ("seed", "revision") if name in line}
+            for each in (line, *([line["first"] | own] if "first" in line else [])):
                 found[each["set"], each["seed"], each["number"]] = each
     return list(found.values())
 

@@ -32,9 +32,16 @@ def report(lines: Sequence[Line]) -> str:
     for name, words in SETS.items():
         mine = [line for line in lines if line["set"] == name]
         if mine:
-            parts += [f"## Set {name}: {words}", "", *_scores(mine), "", *_by_kind(mine), ""]
+            parts += [f"## Set {name}: {words}", "", _of(mine), "", *_scores(mine), "", *_by_kind(mine), ""]
             parts += [*_calibration(mine), "", *_matrix(mine), ""]
     return "\n".join(parts)
+
+
+def _of(lines: Sequence[Line]) -> str:
+    """Return which cases these are, and which code answered them."""
+    seeds = ", ".join(str(seed) for seed in sorted({line["seed"] for line in lines if "seed" in line}))
+    revisions = ", ".join(sorted({line["revision"] for line in lines if line.get("revision")}))
+    return f"{len(lines)} cases, seed {seeds or 'not kept'}, code {revisions or 'not kept'}."
 
 
 def _scores(lines: Sequence[Line]) -> list[str]:
