@@ -17,6 +17,7 @@ from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.reduction import REDUCTIONS
 from modallab.rig.effect import EFFECTS
 from modallab.rig.excitation import EXCITATIONS
+from modallab.updating.direct.method import DIRECT_METHODS
 from modallab.updating.method import UPDATERS
 
 router = APIRouter(prefix="/catalog", tags=["catalog"])
@@ -38,7 +39,7 @@ FAMILIES: Mapping[FamilyName, Mapping[str, Any]] = {
     "windows": WINDOWS,
     "estimators": ESTIMATORS,
     "extraction-methods": {**EXTRACTION_METHODS, **GLOBAL_METHODS},
-    "updating-methods": UPDATERS,
+    "updating-methods": {**UPDATERS, **DIRECT_METHODS},
     "reductions": REDUCTIONS,
 }
 

@@ -13,6 +13,7 @@ from modallab.jobs.destination import Destination
 from modallab.jobs.diagnosing import diagnose_and_store
 from modallab.jobs.extracting import extract_and_store
 from modallab.jobs.measuring import measure_and_store
+from modallab.jobs.updating_directly import update_directly_and_store
 from modallab.store.base import Store
 from modallab.store.plain import from_plain
 from modallab.updating.method import UPDATERS, UpdateOptions
@@ -54,5 +55,6 @@ TASKS: Mapping[str, Task] = {
     "measure_and_store": measure_and_store,
     "extract_and_store": extract_and_store,
     "update_and_store": update_and_store,
+    "update_directly_and_store": update_directly_and_store,
     "diagnose_and_store": diagnose_and_store,
 }

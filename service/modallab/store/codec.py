@@ -21,6 +21,7 @@ from modallab.fe.structure import Structure
 from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
 from modallab.store.plain import Arrays, Json, from_plain, to_plain
+from modallab.updating.direct.result import DirectResult
 from modallab.updating.method import UpdateResult
 
 T = TypeVar("T")
@@ -187,12 +188,19 @@ def _put_diagnosis(body: Json, arrays: _Given) -> Diagnosis:
     return from_plain(Diagnosis, body, {f"{_CURVES}{name}": array for name, array in arrays.items()})
 
 
+def _put_update(body: Json, arrays: _Given) -> UpdateResult | DirectResult:
+    # Direct methods say which of them it was, others do not.
+    if "method" in body:
+        return from_plain(DirectResult, body, arrays)
+    return from_plain(UpdateResult, body, arrays)
+
+
 CODECS: Mapping[str, Codec[Any]] = {
     "structure": _plain(Structure),
     "rig": _plain(RigSetup),
     "measurement": Codec(_take_measurement, _put_measurement),
     "modal_model": Codec(_take_modal_model, _put_modal_model),
     "correlation": _plain(Correlation),
-    "update": _plain(UpdateResult),
+    "update": Codec(to_plain, _put_update),
     "diagnosis": Codec(_take_diagnosis, _put_diagnosis),
 }

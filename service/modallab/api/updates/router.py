@@ -3,12 +3,17 @@
 from typing import Annotated
 
 from fastapi import APIRouter, status
+from starlette.responses import Response
 
+from modallab.api.arrays import NPZ, Precision, npz_of
 from modallab.api.deps import IdPath, JobsDep, OwnerDep, StoreDep
-from modallab.api.examples import example
+from modallab.api.examples import examples
 from modallab.api.jobs import JobOut
 from modallab.api.shelves import add_routes
+from modallab.api.updates.direct import direct_arrays
 from modallab.api.updates.schemas import UpdateOut, UpdateStart
+from modallab.core.errors import NotFoundError
+from modallab.updating.direct.result import DirectResult
 
 router = APIRouter(prefix="/updates", tags=["updates"])
 
@@ -19,20 +24,42 @@ _BODY = {
     "parameterisation": {"macros": [[1, 2, 3, 4], [5, 6, 7, 8]], "parts": ["mass", "stiffness"]},
     "options": {"max_iterations": 30},
 }
+_DIRECT = {
+    "structure_id": "5f0c31",
+    "modal_model_id": "77ab10",
+    "method": "berman_nagy",
+    "options": {"completion": "expansion", "expansion": "serep", "n_modes": 5},
+}
 
 
 @router.post("", status_code=status.HTTP_202_ACCEPTED, summary="Correct a model by measured modes")
 def start_update(
-    body: Annotated[UpdateStart, example(_BODY)], store: StoreDep, jobs: JobsDep, owner: OwnerDep
+    body: Annotated[UpdateStart, examples(coefficients=_BODY, matrices=_DIRECT)],
+    store: StoreDep,
+    jobs: JobsDep,
+    owner: OwnerDep,
 ) -> JobOut:
     store.modal_models.check(body.modal_model_id)
     arguments = body.to_arguments(store.structures.get(body.structure_id))
-    return JobOut.of(jobs.submit("update_and_store", arguments, owner=owner))
+    task = "update_directly_and_store" if body.direct else "update_and_store"
+    return JobOut.of(jobs.submit(task, arguments, owner=owner))
 
 
 @router.get("/{id}", summary="How an update went")
 def get_update(id: IdPath, store: StoreDep) -> UpdateOut:
     return UpdateOut.of(store.updates.get(id), store.updates.entry(id))
+
+
+@router.get(
+    "/{id}/arrays", response_class=Response, responses=NPZ, summary="Matrices of a direct method: npz"
+)
+def get_update_arrays(id: IdPath, store: StoreDep, precision: Precision = "double") -> Response:
+    result = store.updates.get(id)
+    if not isinstance(result, DirectResult):
+        raise NotFoundError(
+            "this update moved coefficients: its model is a structure, not matrices", field="id", value=id
+        )
+    return npz_of(direct_arrays(result), precision)
 
 
 add_routes(router, "updates")

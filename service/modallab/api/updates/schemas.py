@@ -1,19 +1,31 @@
 """Wire types of updates."""
 
 import math
+from collections.abc import Set
 from typing import Annotated, Any, Literal, Self
 
 from pydantic import Field
 
 from modallab.api.deps import Id
+from modallab.api.reductions import Reduced, ReductionIn
+from modallab.api.updates.direct import DirectOut, direct_fields
 from modallab.api.wire import Count, EntryOut, Number, Text, Wire
+from modallab.core.errors import InvalidInputError
 from modallab.fe.structure import Structure
 from modallab.store.base import Entry
 from modallab.store.plain import to_plain
+from modallab.updating.direct.method import DIRECT_METHODS, EXPANSION, DirectOptions
+from modallab.updating.direct.result import DirectResult
 from modallab.updating.iteration import Iteration
 from modallab.updating.method import UPDATERS, Stages, UpdateOptions, UpdateResult
 from modallab.updating.parameterisation import Parameterisation, automatic_groups, parameterise
 
+METHODS = {**UPDATERS, **DIRECT_METHODS}
+_DIRECT = {"completion", "expansion", "n_modes"}  # options of direct methods
+Completion = Annotated[
+    Text | ReductionIn,
+    Field(description="`expansion` of shapes to all DoFs, or a reduction of the model to measured ones"),
+]
 Group = Annotated[list[Count], Field(min_length=1, max_length=5000)]
 
 
@@ -43,10 +55,39 @@ class OptionsIn(Wire):
     max_step: Number | None = None
     rank_jump: Number | None = None
     min_mac: Number | None = None
+    completion: Completion | None = None
+    expansion: Reduced | None = None
+    n_modes: Count | None = Field(
+        default=None, ge=1, le=1000, description="lowest measured modes that a direct method uses"
+    )
 
     def to_domain(self) -> UpdateOptions:
-        """Return the options; `InvalidInputError` where one is out of bounds."""
-        return UpdateOptions(**self.model_dump(exclude_none=True))
+        """Return the options of a method that moves coefficients; `InvalidInputError` where one is wrong."""
+        given = self.model_dump(exclude_none=True)
+        _refuse(given.keys() & _DIRECT, "a method that moves coefficients")
+        return UpdateOptions(**given)
+
+    def to_direct(self) -> DirectOptions:
+        """Return the options of a direct method; `InvalidInputError` where one is wrong."""
+        given = self.model_dump(exclude_none=True).keys()
+        _refuse(given - _DIRECT, "a direct method")
+        completion, numbers = _named(self.completion or EXPANSION)
+        if completion != EXPANSION:
+            _refuse(given & {"expansion"}, "a method on a reduced model")
+            return DirectOptions(completion, reduction_parameters=numbers, n_modes=self.n_modes)
+        _refuse(numbers.keys(), "an expansion without a reduction, which `expansion` takes")
+        return DirectOptions(EXPANSION, *_named(self.expansion or DirectOptions.expansion), self.n_modes)
+
+
+def _named(given: str | ReductionIn) -> tuple[str, dict[str, float]]:
+    return (given, {}) if isinstance(given, str) else (given.kind, given.parameters)
+
+
+def _refuse(fields: Set[str], of: str) -> None:
+    """Raise `InvalidInputError` if options were given that mean nothing to a method."""
+    if fields:
+        name = min(fields)
+        raise InvalidInputError(f"{name} is no option of {of}", field=name, value=name, allowed="left out")
 
 
 class UpdateStart(Wire):
@@ -66,18 +107,37 @@ class UpdateStart(Wire):
         InvalidInputError
             If the method, a part, a member or an option is unknown or out of bounds.
         """
-        UPDATERS[self.method]
-        return {
+        if self.method not in METHODS:
+            raise InvalidInputError(
+                f"no updating method called {self.method!r}",
+                field="method",
+                value=self.method,
+                allowed=", ".join(sorted(METHODS)),
+            )
+        arguments = {
             "structure_id": self.structure_id,
             "modal_model_id": self.modal_model_id,
             "method": self.method,
+        }
+        if self.direct:
+            _refuse(self.model_fields_set & {"parameterisation"}, "a direct method")
+            return arguments | {"options": to_plain(self.options.to_direct())[0]}
+        return arguments | {
             "parameterisation": to_plain(self.parameterisation.to_domain(structure))[0],
             "options": to_plain(self.options.to_domain())[0],
         }
 
+    @property
+    def direct(self) -> bool:
+        """True if the method works on matrices and not on coefficients."""
+        return self.method in DIRECT_METHODS
+
 
 class UpdateOut(EntryOut):
-    """How an update went; coefficients and errors by part and member, 1 = no change."""
+    """How an update went; coefficients and errors by part and member, 1 = no change.
+
+    A direct method has none of these but `direct`, and makes no structure.
+    """
 
     converged: bool
     stopped_because: str
@@ -87,14 +147,17 @@ class UpdateOut(EntryOut):
     suspected: dict[str, list[int]]
     frequencies: dict[str, list[float] | None]
     mac: dict[str, list[float] | None]
-    rank: int
+    rank: int | None
     condition_number: float | None
     history: list[dict[str, Any]]
-    structure_id: str
+    structure_id: str | None
+    direct: DirectOut | None = None
 
     @classmethod
-    def of(cls, result: UpdateResult, entry: Entry) -> Self:
+    def of(cls, result: UpdateResult | DirectResult, entry: Entry) -> Self:
         """Return what the contract shows of an update."""
+        if isinstance(result, DirectResult):
+            return cls(**cls.fields(entry), **direct_fields(result))
         return cls(
             **cls.fields(entry),
             converged=result.converged,

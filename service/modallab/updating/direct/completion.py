@@ -12,10 +12,9 @@ from modallab.correlation.mac import mac, pair_modes
 from modallab.fe.expansion import FLAG, expand
 from modallab.fe.reduction import REDUCTIONS, pencil_modes, reduce, reduction_of
 from modallab.fe.system import DynamicSystem
-from modallab.updating.direct.method import DirectOptions, DirectProblem
+from modallab.updating.direct.method import EXPANSION, DirectOptions, DirectProblem
 from modallab.updating.target import as_real, real_modes
 
-EXPANSION = "expansion"
 COMPLEX = 0.1  # share of a shape that is out of phase with the rest of it: beyond, no real mode stands for it
 MOST = 1500  # DoFs, of full matrices of which four are kept: 72 MB
 # of the lowest measured omega^2: what moves more slowly is a rigid body but for rounding, and no partner
@@ -81,16 +80,9 @@ def complete(system: DynamicSystem, target: ModalModel, options: DirectOptions) 
     UnknownDofError
         If the structure lacks a measured DoF.
     InvalidInputError
-        If a mode is complex, a DoF was measured twice, the reduction is unknown or does not hold with
-        these DoFs, or the matrices are too large.
+        If a mode is complex, a DoF was measured twice, the reduction does not hold with these DoFs, or the
+        matrices are too large.
     """
-    if options.completion != EXPANSION and options.completion not in REDUCTIONS:
-        raise InvalidInputError(
-            "shapes are expanded, or the model is reduced",
-            field="completion",
-            value=options.completion,
-            allowed=", ".join((EXPANSION, *REDUCTIONS)),
-        )
     measured = _ordered(system, target)
     if len(measured.dofs) == len(system.dofs):
         found = _as_measured(system, measured)
@@ -172,7 +164,7 @@ def _as_measured(system: DynamicSystem, measured: ModalModel) -> Completed:
 
 def _expanded(system: DynamicSystem, measured: ModalModel, options: DirectOptions) -> Completed:
     matrices = _full(system)
-    found = expand(system, measured, reduction_of(options.expansion, options.reduction_parameters))
+    found = expand(system, measured, reduction_of(options.reduction, options.reduction_parameters))
     doubtful = [str(r) for r, mode in enumerate(found.model.modes, 1) if FLAG in mode.flags]
     note = f"the model would not move as expanded in modes {', '.join(doubtful)}"
     squares = (2 * np.pi * measured.frequencies) ** 2
@@ -188,7 +180,7 @@ def _expanded(system: DynamicSystem, measured: ModalModel, options: DirectOption
 
 def _reduced(system: DynamicSystem, measured: ModalModel, options: DirectOptions) -> Completed:
     highest = float(measured.frequencies.max())
-    reduction = reduction_of(options.completion, options.reduction_parameters).reaching(highest)
+    reduction = reduction_of(options.reduction, options.reduction_parameters).reaching(highest)
     # One frequency for all modes, where it takes one and has none: in their midst.
     small = reduce(system, measured.dofs, reduction.at_mode(float(np.median(measured.frequencies))))
     squares = (2 * np.pi * measured.frequencies) ** 2

@@ -8,7 +8,9 @@ import numpy as np
 
 from modallab.core.arrays import FloatArray, IntArray, frozen
 from modallab.core.dof import Dof
+from modallab.core.errors import InvalidInputError
 from modallab.core.registry import Family
+from modallab.fe.reduction import REDUCTIONS, reduction_of
 
 
 @dataclass(frozen=True, eq=False)
@@ -71,15 +73,39 @@ class DirectMethod(Protocol):
 DIRECT_METHODS: Family[DirectMethod] = Family("updating method", home="modallab.updating.direct.methods")
 
 
+EXPANSION = "expansion"
+
+
 @dataclass(frozen=True)
 class DirectOptions:
-    """How a direct method comes by shapes at all degrees of freedom of a model, and which modes it uses."""
+    """How a direct method comes by shapes at all degrees of freedom of a model, and which modes it uses.
+
+    Raises
+    ------
+    InvalidInputError
+        If there is no such completion, or the reduction or its numbers do not exist.
+    """
 
     # "expansion": shapes to all DoFs of the model; or the kind of a reduction of the model to measured DoFs
-    completion: str = "expansion"
+    completion: str = EXPANSION
     expansion: str = "dynamic"  # the reduction by which shapes are expanded
     reduction_parameters: Mapping[str, float] = field(default_factory=dict)  # of either
     n_modes: int | None = None  # lowest measured modes that are used, the others held against the result
+
+    def __post_init__(self) -> None:
+        if self.completion != EXPANSION and self.completion not in REDUCTIONS:
+            raise InvalidInputError(
+                "shapes are expanded, or the model is reduced",
+                field="completion",
+                value=self.completion,
+                allowed=", ".join((EXPANSION, *REDUCTIONS)),
+            )
+        reduction_of(self.reduction, self.reduction_parameters)
+
+    @property
+    def reduction(self) -> str:
+        """The kind of reduction by which either is done."""
+        return self.expansion if self.completion == EXPANSION else self.completion
 
 
 def row_shares(change: FloatArray, reference: FloatArray, scale: FloatArray) -> FloatArray:

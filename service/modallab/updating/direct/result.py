@@ -6,6 +6,8 @@ from dataclasses import dataclass, field
 from modallab.core.arrays import FloatArray, frozen
 from modallab.core.dof import Dof
 
+REPRODUCED = 1e-6  # of a frequency, or below 1 of a MAC: what leaves more has not the measured modes
+
 
 @dataclass(frozen=True, eq=False)
 class MeasuredModes:
@@ -73,6 +75,11 @@ class DirectResult:
                 key: frozen(table, float, shape, name=name) for key, table in getattr(self, name).items()
             }
             object.__setattr__(self, name, tables)
+
+    @property
+    def converged(self) -> bool:
+        """True if there is an updated model and it has the measured modes."""
+        return self.reproduced is not None and self.reproduced < REPRODUCED
 
     @property
     def corrects(self) -> bool:

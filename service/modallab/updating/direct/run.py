@@ -24,7 +24,6 @@ from modallab.updating.direct.method import (
 from modallab.updating.direct.result import DirectResult, MeasuredModes, OtherModes
 
 DEFAULTS = DirectOptions()
-REPRODUCED = 1e-6  # of a frequency, or below 1 of a MAC: a correction that leaves more has not had the modes
 
 
 def update_directly(
