@@ -14,6 +14,7 @@ from modallab.extraction.measured.leakage import Leakage, biased
 from modallab.extraction.measured.low_coherence import low_coherence_notes
 from modallab.extraction.measured.noise_bias import noise_shares, without_noise_bias
 from modallab.extraction.measured.responses import Responses, responses_of
+from modallab.extraction.measured.white_forces import white_forces_notes
 from modallab.extraction.mode_by_mode import extract_mode_by_mode
 from modallab.extraction.offered import check_offered
 from modallab.extraction.options import ExtractionOptions
@@ -98,7 +99,8 @@ def extract(
             leakage=leakage,
             progress=progress,
         )
-    return replace(model, notes=(*model.notes, *low_coherence_notes(model, responses)))
+    warned = (*low_coherence_notes(model, responses), *white_forces_notes(responses, leakage))
+    return replace(model, notes=(*model.notes, *warned))
 
 
 def responses_read(
