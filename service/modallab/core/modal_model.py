@@ -33,6 +33,8 @@ class Mode:
     loss_factor_spread: Spread | None = None
     standard_errors: dict[str, float] = field(default_factory=dict)  # of frequency, loss_factor
     shape_errors: FloatArray | None = None  # (n_dof,) of |shape|, 1/sqrt(kg)
+    # of frequency, loss_factor: what leakage may still move them by; empty where none leaks
+    leakage_bias: dict[str, float] = field(default_factory=dict)
     flags: tuple[str, ...] = ()
 
     def __post_init__(self) -> None:

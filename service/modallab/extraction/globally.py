@@ -1,8 +1,9 @@
 """Modes by global methods: poles of all FRFs together, one fit of all modes, with honest errors."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from itertools import pairwise
+from typing import NoReturn
 
 import numpy as np
 
@@ -18,13 +19,13 @@ from modallab.extraction.jointly.global_method import GlobalMethod
 from modallab.extraction.jointly.global_model import GlobalFit, modal_model
 from modallab.extraction.jointly.global_range import modes_of
 from modallab.extraction.jointly.refinement import Stretch
-from modallab.extraction.jointly.unleaked import Leaked, as_fit
+from modallab.extraction.jointly.unleaked import Leaked, leaked_by
 from modallab.extraction.measured.bands import Band, find_bands, given_bands, mode_indicator
 from modallab.extraction.measured.leakage import Leakage
 from modallab.extraction.measured.line_noise import knows_noise, line_weights
 from modallab.extraction.measured.responses import Responses
 from modallab.extraction.mode_by_mode import SMEARED, extract_mode_by_mode
-from modallab.extraction.options import ExtractionOptions
+from modallab.extraction.options import Damping, ExtractionOptions
 from modallab.extraction.singly.choosing import law_of
 from modallab.extraction.singly.method import EXTRACTION_METHODS, TRAITS
 
@@ -80,55 +81,69 @@ def extract_globally(
     """
     indicator = mode_indicator(responses.mobility, responses.coherent)
     ranges = _ranges(responses, indicator, bands)
-    weights = line_weights(responses, bias)
     begun = BEGUN if leakage is None else BEGUN_LEAKED
     alone = _one_by_one(
         responses, options, leakage, slice(ranges[0].start, ranges[-1].stop), part(progress, 0.0, begun)
     )
-    known = None if alone is None else as_fit(alone)
-    leaked = None if leakage is None else Leaked(leakage, known, responses.drive_row)
-    n_ref = len(responses.references)
-    fits, choices = [], {}
-    for number, lines in enumerate(ranges):
-        share = (FITTED - begun) / len(ranges)
-        here = part(progress, begun + number * share, begun + (number + 1) * share)
-        stretch = Stretch(
-            responses.freq[lines], responses.receptance[lines], weights[lines], knows_noise(responses), n_ref
-        )
-        orders, choices["max_order"] = _orders(indicator[lines], options)
-        found = modes_of(
-            find,
-            stretch,
-            orders,
-            options.damping,
-            leaked=leaked,
-            progress=here,
-        )
-        if found is None or not found.inside.any():
-            _none_in(responses.freq[lines], given=bands is not None)
-        else:
-            fits.append(GlobalFit(lines, found))
-    progress(FITTED, "modes of all FRFs")
-    model = modal_model(
-        fits,
+    charts = [_Chart(lines, *_orders(indicator[lines], options)) for lines in ranges]
+    fits = _fits(
+        find,
         responses,
-        method=method,
-        n_modes=n_modes,
-        choices={
-            **choices,
-            "damping": law_of(options),
-            "range": _said(responses.freq, ranges, bands),
-        },
+        line_weights(responses, bias),
+        charts,
+        options.damping,
+        leaked=None if leakage is None else leaked_by(leakage, alone, responses.drive_row),
+        given=bands is not None,
+        progress=part(progress, begun, FITTED),
     )
+    progress(FITTED, "modes of all FRFs")
+    choices = {
+        "max_order": charts[-1].why,
+        "damping": law_of(options),
+        "range": _said(responses.freq, ranges, bands),
+    }
+    model = modal_model(fits, responses, method=method, n_modes=n_modes, choices=choices)
     model = replace(model, notes=(*_not_of_one_structure(alone), *model.notes))
-    model = with_law_flags(model, responses, options)
     return with_resynthesis(
-        model,
+        with_law_flags(model, responses, options),
         responses,
         [Band(lines.start, lines.stop - 1, lines.start) for lines in ranges],
         smeared=0 if leakage is None else SMEARED,
         beyond=poles_beyond(fits, responses.freq),
     )
+
+
+@dataclass(frozen=True, eq=False)
+class _Chart:
+    """A range of lines, and the orders of its stabilisation chart."""
+
+    lines: slice
+    orders: IntArray
+    why: str
+
+
+def _fits(
+    find: GlobalMethod,
+    responses: Responses,
+    weights: FloatArray,
+    charts: Sequence[_Chart],
+    damping: Damping,
+    *,
+    leaked: Leaked | None,
+    given: bool,
+    progress: Progress,
+) -> list[GlobalFit]:
+    """Return the modes of each range; raise where it holds none."""
+    fits, known, n_ref = [], knows_noise(responses), len(responses.references)
+    for number, chart in enumerate(charts):
+        here = part(progress, number / len(charts), (number + 1) / len(charts))
+        freq, lines = responses.freq[chart.lines], chart.lines
+        stretch = Stretch(freq, responses.receptance[lines], weights[lines], known, n_ref)
+        found = modes_of(find, stretch, chart.orders, damping, leaked=leaked, progress=here)
+        if found is None or not found.inside.any():
+            _none_in(freq, given=given)
+        fits.append(GlobalFit(lines, found))
+    return fits
 
 
 def _one_by_one(
@@ -230,7 +245,7 @@ def _n_peaks(indicator: FloatArray) -> int:
         return 1
 
 
-def _none_in(freq: FloatArray, *, given: bool) -> None:
+def _none_in(freq: FloatArray, *, given: bool) -> NoReturn:
     lower, upper = float(freq[0]), float(freq[-1])
     what = f"no FRF shows a mode between {lower:g} and {upper:g} Hz"
     if given:

@@ -14,7 +14,7 @@ from modallab.extraction.collating.collated_words import (
     wander_notes,
     why_outlying,
 )
-from modallab.extraction.collating.leakage_flag import leakage_flags
+from modallab.extraction.collating.leakage_flag import leakage_bias_of, leakage_flags
 from modallab.extraction.collating.means import Averaging, averaged, beyond_chance
 from modallab.extraction.collating.referenced import ReferencedShapes, referenced_shapes
 from modallab.extraction.collating.wander import UNSEEN, FittedModes, find_wander
@@ -145,15 +145,22 @@ def _mode(
         averaging,
         shared,
     )
+    errors = {"frequency": mean.error, "loss_factor": damping.error}
+    bias = leakage_bias_of(table, m)
     return Mode(
         frequency=mean.value,
         loss_factor=damping.value,
         shape=shapes.shape[number],
         frequency_spread=_spread(frequency),
         loss_factor_spread=_spread(loss_factor),
-        standard_errors={"frequency": mean.error, "loss_factor": damping.error},
+        standard_errors=errors,
         shape_errors=shapes.error[number],
-        flags=(*_unused(table, m, names), *shapes.odd(number), *leakage_flags(table, m, mean, damping)),
+        leakage_bias=bias,
+        flags=(
+            *_unused(table, m, names),
+            *shapes.odd(number),
+            *leakage_flags(bias, errors, damping.value),
+        ),
     )
 
 

@@ -1,13 +1,12 @@
-"""What is said of a mode that leakage may still bias."""
+"""What leakage may still bias a mode by, and what is said of it."""
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 
-from modallab.extraction.collating.means import Mean
 from modallab.extraction.singly.fitting import Table
 
 
-def leakage_flags(table: Table, m: int, frequency: Mean, loss_factor: Mean) -> Iterator[str]:
-    """Yield by how much leakage may still bias a mode, where that is more than the random error.
+def leakage_bias_of(table: Table, m: int) -> dict[str, float]:
+    """Return by what leakage may still move the mean over the FRFs: frequency, Hz, and loss factor.
 
     Parameters
     ----------
@@ -15,15 +14,33 @@ def leakage_flags(table: Table, m: int, frequency: Mean, loss_factor: Mean) -> I
         Fits; those that count more in the mean do so here.
     m
         Row of the mode.
-    frequency, loss_factor
-        The means with their standard errors.
+
+    Returns
+    -------
+    dict
+        Empty where nothing leaks.
     """
     if table.leakage_bias is None:
-        return
+        return {}
     good = table.screening.good[m]
     error = table.loss_factor_error[m][good]
     weight = (error.min() / error) ** 2
     bias = (weight[:, None] * table.leakage_bias[m][good]).sum(axis=0) / weight.sum()
-    if bias[0] > frequency.error or bias[1] > loss_factor.error:
-        share = 100 * bias[1] / loss_factor.value
-        yield f"leakage_bias: up to {bias[0]:.2g} Hz in frequency and {share:.2g} % of the loss factor"
+    return {"frequency": float(bias[0]), "loss_factor": float(bias[1])}
+
+
+def leakage_flags(
+    bias: Mapping[str, float], standard_errors: Mapping[str, float], loss_factor: float
+) -> Iterator[str]:
+    """Yield by how much leakage may still bias a mode, where that is more than the random error.
+
+    Parameters
+    ----------
+    bias, standard_errors
+        Of "frequency", Hz, and "loss_factor"; no bias where nothing leaks.
+    loss_factor
+        Of the mode.
+    """
+    if any(bias[name] > standard_errors[name] for name in bias):
+        off, share = bias["frequency"], 100 * bias["loss_factor"] / loss_factor
+        yield f"leakage_bias: up to {off:.2g} Hz in frequency and {share:.2g} % of the loss factor"

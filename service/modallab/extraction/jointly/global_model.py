@@ -9,6 +9,7 @@ from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from modallab.core.modal_model import ModalModel, Mode, StabilisationChart
 from modallab.extraction.collating.collate import NODE, SMALL
 from modallab.extraction.collating.collated_words import no_scale
+from modallab.extraction.collating.leakage_flag import leakage_flags
 from modallab.extraction.collating.referenced import ReferencedShapes, referenced_shapes
 from modallab.extraction.jointly.coincident import with_shapes_of_planes
 from modallab.extraction.jointly.global_range import RangeModes, pairs
@@ -97,29 +98,22 @@ def _as_reciprocity_has_it(fit: GlobalFit, responses: Responses) -> GlobalFit:
 
 def _mode(modes: RangeModes, row: int, shapes: ReferencedShapes, n: int, flags: Sequence[str]) -> Mode:
     """Return mode `n` of the model, that of a row of its range's fit; `flags` are of more than itself."""
-    fit = modes.fit
+    fit, loss_factor = modes.fit, float(modes.fit.loss_factor[row])
+    errors = _numbers(np.array([fit.frequency_error[row], fit.loss_factor_error[row]]))
+    bias = {} if modes.leakage_bias is None else _numbers(modes.leakage_bias[row])
     return Mode(
         frequency=float(fit.frequency[row]),
-        loss_factor=float(fit.loss_factor[row]),
+        loss_factor=loss_factor,
         shape=shapes.shape[n],
-        standard_errors={
-            "frequency": float(fit.frequency_error[row]),
-            "loss_factor": float(fit.loss_factor_error[row]),
-        },
+        standard_errors=errors,
         shape_errors=shapes.error[n],
-        flags=(*flags, *_leaked(modes, row), *shapes.odd(n)),
+        leakage_bias=bias,
+        flags=(*flags, *leakage_flags(bias, errors, loss_factor), *shapes.odd(n)),
     )
 
 
-def _leaked(modes: RangeModes, row: int) -> Iterator[str]:
-    """Yield by how much leakage may still bias a mode, where that is more than the random error."""
-    if modes.leakage_bias is None:
-        return
-    fit = modes.fit
-    bias = modes.leakage_bias[row]
-    if bias[0] > fit.frequency_error[row] or bias[1] > fit.loss_factor_error[row]:
-        share = 100 * bias[1] / fit.loss_factor[row]
-        yield f"leakage_bias: up to {bias[0]:.2g} Hz in frequency and {share:.2g} % of the loss factor"
+def _numbers(of: FloatArray) -> dict[str, float]:
+    return dict(zip(("frequency", "loss_factor"), of.tolist(), strict=True))
 
 
 def _nodes(constant: ComplexArray, error: FloatArray, names: Sequence[str]) -> Iterator[str]:

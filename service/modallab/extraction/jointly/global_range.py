@@ -12,11 +12,12 @@ from modallab.core.progress import Progress, part
 from modallab.extraction.jointly.coincident import said_of_coincident
 from modallab.extraction.jointly.fitted import ModalFit
 from modallab.extraction.jointly.global_method import GlobalMethod, Poles
+from modallab.extraction.jointly.leaked_modes import allowing_for_leakage
 from modallab.extraction.jointly.projection import below_one_another
 from modallab.extraction.jointly.refinement import Start, Stretch, refine, within
 from modallab.extraction.jointly.selection import NEAR, Selection, chart_of, select
 from modallab.extraction.jointly.stabilisation import stabilise
-from modallab.extraction.jointly.unleaked import Leaked, all_starts, cleaned, with_bias
+from modallab.extraction.jointly.unleaked import Leaked, all_starts, cleaned
 from modallab.extraction.options import Damping
 
 MOST_DOFS = 48  # that a pole finder is given; beyond, what they have in common
@@ -78,7 +79,7 @@ def modes_of(
     if refined is None:
         return None
     if leaked is not None:
-        refined = with_bias(refined, stretch, damping)
+        refined = allowing_for_leakage(refined, stretch, leaked, damping)
     fit, inside = refined.fit, within(refined.fit, stretch.freq)
     match = _match(selection, fit, stretch.freq)
     return RangeModes(

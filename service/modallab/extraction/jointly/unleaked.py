@@ -7,15 +7,14 @@ import numpy as np
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray
 from modallab.core.modal_model import ModalModel
 from modallab.extraction.jointly.fitted import ModalFit
-from modallab.extraction.jointly.modal_fit import fit_modes, fitted_receptance
-from modallab.extraction.jointly.refinement import Refined, Start, Stretch
+from modallab.extraction.jointly.modal_fit import fitted_receptance
+from modallab.extraction.jointly.refinement import Start, Stretch
 from modallab.extraction.measured.leakage import Leakage, OnePole
 from modallab.extraction.options import Damping
 
 LEAKED = 0.02  # relative error that a line at a resonance has left, once corrected; on the flanks far less
 FLANKS = 0.1  # of that error is left anywhere
 CLEAR = 3.0  # standard errors, before a cleaned line is held to disagree
-LEFT = 0.05  # part of what leakage moves a mode by that the correction may leave
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,21 +23,40 @@ class Leaked:
 
     leakage: Leakage
     modes: ModalFit | None  # from a method that undoes leakage mode by mode; None where it sees none
+    bias: FloatArray  # (n_modes, 2) what leakage may still move these by: frequency, Hz, and loss factor
     drive: int | None  # which of the FRFs is that of the drive point
 
 
-def as_fit(model: ModalModel) -> ModalFit:
-    """Return modes found one by one in the form of a fit of all, without errors."""
+def leaked_by(leakage: Leakage, alone: ModalModel | None, drive: int | None) -> Leaked:
+    """Return what lines are cleaned by.
+
+    Parameters
+    ----------
+    leakage
+        What a window did to them.
+    alone
+        Modes found one by one with leakage undone; None where there are none.
+    drive
+        Which of the FRFs is that of the drive point.
+    """
+    modes = () if alone is None else alone.modes
+    bias = [[mode.leakage_bias["frequency"], mode.leakage_bias["loss_factor"]] for mode in modes]
+    return Leaked(leakage, None if alone is None else _as_fit(alone), np.reshape(bias, (-1, 2)), drive)
+
+
+def _as_fit(model: ModalModel) -> ModalFit:
+    """Return modes found one by one in the form of a fit of all, errors of each independent."""
     assert model.modal_constant is not None
     assert model.residuals is not None
-    n, n_frf = model.modal_constant.shape
+    assert model.modal_constant_error is not None
+    error = [mode.standard_errors[name] for name in ("frequency", "loss_factor") for mode in model.modes]
     return ModalFit(
         eigenvalue=np.array([mode.eigenvalue for mode in model.modes]),
         modal_constant=model.modal_constant,
         residuals=model.residuals,
-        eigenvalue_covariance=np.zeros((2 * n, 2 * n)),
-        modal_constant_error=np.zeros((n, n_frf)),
-        misfit=np.ones(n_frf),
+        eigenvalue_covariance=np.diag(np.square(error)),
+        modal_constant_error=model.modal_constant_error,
+        misfit=np.ones(model.modal_constant.shape[1]),
     )
 
 
@@ -53,7 +71,7 @@ def cleaned(stretch: Stretch, leaked: Leaked, damping: Damping) -> Stretch:
     if leaked.modes is None:
         return stretch
     receptance = stretch.receptance * _undo(leaked.modes, stretch, leaked, damping)
-    weight = _weights(leaked.modes.eigenvalue, replace(stretch, receptance=receptance))
+    weight = leaked_weights(leaked.modes.eigenvalue, replace(stretch, receptance=receptance))
     away = np.abs(receptance - fitted_receptance(leaked.modes, stretch.freq, damping)) ** 2
     doubt = np.where(weight * away > CLEAR**2, away, 0.0)
     return replace(stretch, receptance=receptance, weight=weight / (1 + weight * doubt))
@@ -79,28 +97,13 @@ def all_starts(start: Start, leaked: Leaked, freq: FloatArray) -> Start:
     return Start(np.concatenate([known.eigenvalue[inside], start.eigenvalue[new]]), reach)
 
 
-def with_bias(refined: Refined, stretch: Stretch, damping: Damping) -> Refined:
-    """Return the modes of cleaned lines with what leakage may still move them by.
-
-    That is a part of what cleaning has moved them by, from a fit of the lines as they are.
-
-    Parameters
-    ----------
-    stretch
-        The lines as they are.
-    """
-    weight, fit = _weights(refined.fit.eigenvalue, stretch), refined.fit
-    raw = fit_modes(
-        stretch.freq,
-        stretch.receptance,
-        weight,
-        fit.eigenvalue,
-        damping=damping,
-        participation=fit.participation,
-    )
-    moved = np.stack([fit.frequency - raw.frequency, fit.loss_factor - raw.loss_factor], axis=1)
-    most = np.stack([fit.loss_factor * fit.frequency, fit.loss_factor], axis=1)
-    return replace(refined, leakage_bias=LEFT * np.minimum(np.abs(moved), most))
+def leaked_weights(eigenvalue: ComplexArray, stretch: Stretch) -> FloatArray:
+    """Return weights with what leakage may be wrong by: in proportion to power about a resonance."""
+    own = eigenvalue[_nearest(eigenvalue, stretch.freq)]
+    near = np.maximum(own.imag / np.abs(own - (2 * np.pi * stretch.freq) ** 2), FLANKS)
+    used = stretch.weight > 0
+    error = (LEAKED * near[:, None] * np.abs(stretch.receptance)) ** 2
+    return np.where(used, 1 / (1 / np.where(used, stretch.weight, 1.0) + error), 0.0)
 
 
 def _nearest(eigenvalue: ComplexArray, freq: FloatArray) -> IntArray:
@@ -111,15 +114,6 @@ def _nearest(eigenvalue: ComplexArray, freq: FloatArray) -> IntArray:
         inside = np.arange(len(frequency))
     away = np.abs(freq[:, None] - frequency[inside])
     return np.asarray(inside[away.argmin(axis=1)])
-
-
-def _weights(eigenvalue: ComplexArray, stretch: Stretch) -> FloatArray:
-    """Return weights with what leakage may be wrong by: in proportion to power about a resonance."""
-    own = eigenvalue[_nearest(eigenvalue, stretch.freq)]
-    near = np.maximum(own.imag / np.abs(own - (2 * np.pi * stretch.freq) ** 2), FLANKS)
-    used = stretch.weight > 0
-    error = (LEAKED * near[:, None] * np.abs(stretch.receptance)) ** 2
-    return np.where(used, 1 / (1 / np.where(used, stretch.weight, 1.0) + error), 0.0)
 
 
 def _undo(fit: ModalFit, stretch: Stretch, leaked: Leaked, damping: Damping) -> ComplexArray:

@@ -53,22 +53,30 @@ def leakage_flags(model: ModalModel, frequency: float) -> tuple[Mode, list[str]]
 
 def test_random_error_above_what_leakage_leaves_is_the_whole_error(plain_beam: Beam) -> None:
     rough = leaked("h2", Route.DRAWN, Noise(force=0.3, response=1e-5))
+    told = []
     for frequency, loss_factor in zip(
         plain_beam.frequencies[:, 0], plain_beam.loss_factors[:, 0], strict=True
     ):
         mode, flags = leakage_flags(rough, frequency)
         # of eight standard normal numbers one beyond 4 comes once in 2,000 such tests
         assert abs(mode.loss_factor - loss_factor) < 4 * mode.standard_errors["loss_factor"]
-        assert flags == []
+        told.append(len(flags))
+    # single FRFs tell the two modes below 0.2 lines to half their damping: what cleans them is then biased
+    assert told == [1, 1, 0, 0, 0, 0, 0, 0]
 
 
 def test_what_leakage_may_leave_beyond_random_error_is_flagged_with_a_bound_that_holds(
     plain_beam: Beam,
 ) -> None:
     fine = leaked("h1", Route.EXPECTED, Noise(force=1e-4, response=1e-7))
-    # of the modes wider than a tenth of a line mode 3, 0.3 line wide, is moved most by its leakage
-    mode, (flag,) = leakage_flags(fine, plain_beam.frequencies[2, 0])
-    said = float(flag.split(" and ")[1].split(" %")[0]) / 100
-    assert abs(mode.loss_factor / plain_beam.loss_factors[2, 0] - 1) < said
-    assert said < 0.05
-    assert all(leakage_flags(fine, frequency)[1] == [] for frequency in plain_beam.frequencies[5:, 0])
+    truth = plain_beam.loss_factors[:, 0]
+    # mode 1, 0.1 line wide, is none when it is looked for by itself: its lines leak as they did
+    for row in (0, 1):
+        mode, (flag,) = leakage_flags(fine, plain_beam.frequencies[row, 0])
+        said = float(flag.split(" and ")[1].split(" %")[0]) / 100
+        assert abs(mode.loss_factor - truth[row]) < said * mode.loss_factor
+    # of the others mode 3, 0.3 line wide, is moved most by its leakage: less than random error moves it
+    mode, flags = leakage_flags(fine, plain_beam.frequencies[2, 0])
+    assert abs(mode.loss_factor - truth[2]) < mode.leakage_bias["loss_factor"] < 0.06 * truth[2]
+    assert flags == []
+    assert all(leakage_flags(fine, frequency)[1] == [] for frequency in plain_beam.frequencies[3:, 0])
