@@ -163,8 +163,14 @@ def frac(found: "ResponseCorrelation") -> "Axes":
 
 
 def update(result: "Update") -> "Axes":
-    """Draw the coefficients by member with their standard errors; return the axes."""
+    """Draw the coefficients by member with their standard errors, or errors by DoF; return the axes."""
     _, axes = _pyplot().subplots(layout="constrained")
+    if result.direct is not None:
+        for matrix, found in result.direct.dof_errors.items():
+            axes.semilogy(range(1, len(found) + 1), list(found.values()), ".", label=matrix)
+        axes.set(xlabel="DoF, by error", ylabel="relative error")
+        axes.legend()
+        return axes  # type: ignore[no-any-return]
     width = 0.8 / max(1, len(result.coefficients))
     for i, (part, members) in enumerate(result.coefficients.items()):
         errors = [result.standard_errors.get(part, {}).get(member, 0.0) for member in members]

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import fields
 from typing import Any, TypeVar
 
-from modallab_client import findings, located
+from modallab_client import _wire_direct, findings, located
 from modallab_client._wire import Arrays, Json, floats, number, texts
 
 T = TypeVar("T")
@@ -26,6 +26,7 @@ def update(data: Json) -> findings.Update:
         condition_number=data.get("condition_number"),
         structure_id=data.get("structure_id"),
         history=tuple(_iteration(one) for one in data.get("history") or ()),
+        direct=_wire_direct.findings(data["direct"]) if data.get("direct") else None,
     )
 
 

@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING, Any
 
 from modallab_client import _plots, _tables
 from modallab_client.correlation import Correlation as Correlation
+from modallab_client.direct import DirectFindings as DirectFindings
 from modallab_client.located import Located as Located
 from modallab_client.models import ComplexArray, FloatArray
 
@@ -54,14 +55,19 @@ class Update:
     mac: Mapping[str, FloatArray]
     rank: int | None
     condition_number: float | None
-    structure_id: str | None  # the updated model
+    structure_id: str | None  # the updated model; None of direct methods, see `updates.matrices`
     history: tuple[Iteration, ...] = ()
+    direct: DirectFindings | None = None  # of methods that work on matrices
 
     def table(self) -> str:
-        """Return the coefficients that moved, with their standard errors, as text."""
+        """Return coefficients with their standard errors, or DoFs with the errors found there, as text."""
         return _tables.text(*self._rows())
 
     def _rows(self) -> _tables.Table:
+        if self.direct is not None:
+            found = self.direct.dof_errors.items()
+            errors = [(name, dof, f"{error:.3g}") for name, dofs in found for dof, error in dofs.items()]
+            return ("matrix", "DoF", "relative error"), errors
         rows = [
             (part, str(member), f"{value:.4g}", _error(self.standard_errors.get(part, {}).get(member)))
             for part, members in self.coefficients.items()
@@ -70,7 +76,7 @@ class Update:
         return ("part", "member", "coefficient", "standard error"), rows
 
     def plot(self) -> "Axes":
-        """Draw the coefficients by member; return the axes."""
+        """Draw the coefficients by member, or errors by DoF; return the axes."""
         return _plots.update(self)
 
     def _repr_html_(self) -> str:

@@ -132,6 +132,21 @@ def test_the_example_is_the_same_with_await(here: ModalLab) -> None:
     asyncio.run(talk())
 
 
+def test_a_direct_update_gives_matrices(here: ModalLab) -> None:
+    beam = here.structures.catalogue("chapter-5-beam")
+    truth = here.structures.change(beam.id, members=[11], property="modulus", factor=1.3)
+    dofs = [f"{n}:+Y" for n in range(1, 22, 2)]
+    modes = here.structures.synthetic_modes(truth.id, count=5, dofs=dofs)
+    update = here.updates.start(beam.id, modes.id, method="baruch", completion="guyan").result()
+    assert update.direct is not None
+    assert update.converged == (update.direct.reproduced is not None and update.direct.reproduced < 1e-6)
+    np.testing.assert_allclose(update.frequencies["after"], update.frequencies["measured"], rtol=1e-6)
+    made = here.updates.matrices(update.id)
+    assert made.dofs == tuple(dofs)
+    assert made.stiffness is not None
+    assert made.stiffness.shape == (11, 11)
+
+
 def test_what_is_wrong_comes_back_as_its_class(here: ModalLab) -> None:
     beam = here.structures.catalogue("chapter-5-beam")
     here.structures.change(beam.id, members=[7], property="modulus", factor=1.3)

@@ -3,9 +3,10 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from modallab_client import _wire, _wire_findings
+from modallab_client import _wire, _wire_direct, _wire_findings
 from modallab_client._sync.jobs import Job
 from modallab_client._sync.shelf import Shelf
+from modallab_client.direct import UpdatedMatrices
 from modallab_client.findings import Update
 
 
@@ -25,6 +26,9 @@ class Updates(Shelf):
         lower: float | None = None,
         upper: float | None = None,
         max_iterations: int | None = None,
+        completion: str | Mapping[str, Any] | None = None,
+        expansion: str | Mapping[str, Any] | None = None,
+        n_modes: int | None = None,
         parameterisation: Mapping[str, Any] | None = None,
         options: Mapping[str, Any] | None = None,
     ) -> Job[Update]:
@@ -42,13 +46,18 @@ class Updates(Shelf):
             Of mass, stiffness, axial, bending, damping.
         lower, upper, max_iterations
             Bounds of every coefficient, 1 = no change; steps of each stage.
+        completion, expansion, n_modes
+            Of direct methods: `expansion` of shapes to all DoFs, and by which reduction, or a reduction of
+            the model to measured DoFs; the lowest modes that are used, the others held against the result.
         parameterisation, options
             The same and more as the JSON has it; the keywords above go into them.
         """
         chosen = dict(parameterisation or {}) | _wire.body(
             macros=macros, parts=parts, lower=lower, upper=upper
         )
-        tuned = dict(options or {}) | _wire.body(max_iterations=max_iterations)
+        tuned = dict(options or {}) | _wire.body(
+            max_iterations=max_iterations, completion=completion, expansion=expansion, n_modes=n_modes
+        )
         body = _wire.body(parameterisation=chosen or None, options=tuned or None, method=method)
         body |= {"structure_id": structure_id, "modal_model_id": modal_model_id}
         job = self._transport.request("POST", self.path, json=body)
@@ -58,3 +67,8 @@ class Updates(Shelf):
         """Return a finished update."""
         reply = self._transport.request("GET", f"/v1/updates/{update_id}")
         return _wire.read(_wire_findings.update, reply)
+
+    def matrices(self, update_id: str) -> UpdatedMatrices:
+        """Return the matrices of a direct method."""
+        arrays = self._transport.npz(f"/v1/updates/{update_id}/arrays")
+        return _wire.read(_wire_direct.matrices, arrays)

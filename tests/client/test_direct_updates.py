@@ -1,0 +1,68 @@
+"""Direct updating methods as the client asks for them and reads them."""
+
+from typing import Any
+
+import numpy as np
+
+from modallab_client import ModalLab, _wire_findings
+from tests.client.fake import UPDATE, FakeService, npz
+
+DIRECT: dict[str, Any] = UPDATE | {
+    "coefficients": {},
+    "standard_errors": {},
+    "suspected": {},
+    "iterations": {},
+    "history": [],
+    "rank": None,
+    "structure_id": None,
+    "direct": {
+        "method": "berman_nagy",
+        "completion": "expanded: serep",
+        "n_dofs": 2,
+        "n_modes": 1,
+        "reproduced": 1e-12,
+        "connectivity_loss": {"stiffness": 0.85},
+        "other_modes": {"before": [9.0], "after": [8.0], "mac": [0.9], "rigid_body": None},
+        "dof_errors": {
+            "stiffness": [{"dof": "2:+Y", "error": 0.3}, {"dof": "1:+Y", "error": 0.0}],
+            "mass": [{"dof": "1:+Y", "error": 0.1}, {"dof": "2:+Y", "error": 0.02}],
+        },
+        "notes": ["n"],
+    },
+}
+
+
+def test_a_direct_update_is_asked_by_keywords_and_its_matrices_come_apart(
+    lab: ModalLab, service: FakeService
+) -> None:
+    service.on("POST /v1/updates", {"id": "j1", "state": "queued"})
+    service.on("GET /v1/updates/u1/arrays", npz(dofs=np.array(["1:+Y", "2:+Y"]), stiffness=np.eye(2)))
+    lab.updates.start("s1", "mm1", method="berman_nagy", expansion="serep", n_modes=5)
+    assert service.body(0)["options"] == {"expansion": "serep", "n_modes": 5}
+    made = lab.updates.matrices("u1")
+    assert made.dofs == ("1:+Y", "2:+Y")
+    np.testing.assert_array_equal(made.stiffness, np.eye(2))
+    assert made.mass is None
+
+
+def test_what_it_cost_is_read() -> None:
+    update = _wire_findings.update(DIRECT)
+    assert update.structure_id is None
+    assert update.direct is not None
+    assert update.direct.connectivity_loss == {"stiffness": 0.85}
+    assert update.direct.other_modes is not None
+    np.testing.assert_array_equal(update.direct.other_modes.after, [8.0])
+    assert list(update.direct.dof_errors["stiffness"]) == ["2:+Y", "1:+Y"]
+    locating = DIRECT | {"direct": DIRECT["direct"] | {"other_modes": None, "reproduced": None}}
+    found = _wire_findings.update(locating).direct
+    assert found is not None
+    assert found.other_modes is None
+
+
+def test_errors_by_dof_show_themselves() -> None:
+    update = _wire_findings.update(DIRECT)
+    assert "2:+Y" in update.table()
+    assert "<th>relative error</th>" in update._repr_html_()
+    drawn = update.plot().lines
+    np.testing.assert_array_equal(drawn[0].get_ydata(), [0.3, 0.0])
+    assert _wire_findings.update(UPDATE).direct is None
