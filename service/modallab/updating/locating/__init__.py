@@ -1,0 +1,1 @@
+"""Error location from one linear step: which coefficients a measurement speaks for."""
