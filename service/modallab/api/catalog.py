@@ -18,6 +18,7 @@ from modallab.fe.reduction import REDUCTIONS
 from modallab.rig.effect import EFFECTS
 from modallab.rig.excitation import EXCITATIONS
 from modallab.updating.direct.method import DIRECT_METHODS
+from modallab.updating.locating.method import LOCATORS
 from modallab.updating.method import UPDATERS
 
 router = APIRouter(prefix="/catalog", tags=["catalog"])
@@ -39,7 +40,7 @@ FAMILIES: Mapping[FamilyName, Mapping[str, Any]] = {
     "windows": WINDOWS,
     "estimators": ESTIMATORS,
     "extraction-methods": {**EXTRACTION_METHODS, **GLOBAL_METHODS},
-    "updating-methods": {**UPDATERS, **DIRECT_METHODS},
+    "updating-methods": {**UPDATERS, **DIRECT_METHODS, **LOCATORS},
     "reductions": REDUCTIONS,
 }
 

@@ -12,6 +12,7 @@ from modallab.core.progress import Progress
 from modallab.jobs.destination import Destination
 from modallab.jobs.diagnosing import diagnose_and_store
 from modallab.jobs.extracting import extract_and_store
+from modallab.jobs.locating import locate_and_store
 from modallab.jobs.measuring import measure_and_store
 from modallab.jobs.updating_directly import update_directly_and_store
 from modallab.store.base import Store
@@ -56,5 +57,6 @@ TASKS: Mapping[str, Task] = {
     "extract_and_store": extract_and_store,
     "update_and_store": update_and_store,
     "update_directly_and_store": update_directly_and_store,
+    "locate_and_store": locate_and_store,
     "diagnose_and_store": diagnose_and_store,
 }

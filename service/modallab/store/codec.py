@@ -22,6 +22,7 @@ from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
 from modallab.store.plain import Arrays, Json, from_plain, to_plain
 from modallab.updating.direct.result import DirectResult
+from modallab.updating.locating.method import LocationResult
 from modallab.updating.method import UpdateResult
 
 T = TypeVar("T")
@@ -188,10 +189,12 @@ def _put_diagnosis(body: Json, arrays: _Given) -> Diagnosis:
     return from_plain(Diagnosis, body, {f"{_CURVES}{name}": array for name, array in arrays.items()})
 
 
-def _put_update(body: Json, arrays: _Given) -> UpdateResult | DirectResult:
-    # Direct methods say which of them it was, others do not.
+def _put_update(body: Json, arrays: _Given) -> UpdateResult | DirectResult | LocationResult:
+    # Each has a field that the others lack.
     if "method" in body:
         return from_plain(DirectResult, body, arrays)
+    if "locator" in body:
+        return from_plain(LocationResult, body, arrays)
     return from_plain(UpdateResult, body, arrays)
 
 

@@ -149,7 +149,33 @@ def test_an_update_of_coefficients_has_no_matrices(service: Any, beam: str, spar
     assert "coefficients" in reply.json()["detail"]
 
 
+@pytest.mark.parametrize("method", ["zhang_sensitivity", "zhang_subspace"])
+def test_members_are_suspected_by_one_step(service: Any, beam: str, sparse: str, method: str) -> None:
+    body = {
+        "structure_id": beam,
+        "modal_model_id": sparse,
+        "method": method,
+        "parameterisation": {"macros": [[n, n + 1] for n in range(1, 20, 2)], "parts": ["stiffness"]},
+        "options": {"suspect_threshold": 0.2},
+    }
+    found = service.get(f"/v1/updates/{service.result_of('/v1/updates', body)}")
+    assert found["suspected"] == {"stiffness": [11, 12]}
+    assert found["structure_id"] is None
+    assert found["direct"] is None
+    located = found["located"]
+    assert located["method"] == method
+    # to first order, of 0.5
+    assert located["changes"]["stiffness"]["11"] == pytest.approx(0.4, abs=0.15)
+    assert bool(located["remaining"]) == (method == "zhang_subspace")
+    reply = service.request("POST", "/v1/updates", json=body | {"options": {"max_step": 0.1}})
+    assert reply.status_code == 422
+    assert reply.json()["context"]["field"] == "max_step"
+
+
 def test_direct_methods_are_in_the_catalogue(service: Any) -> None:
     kinds = {one["kind"]: one["summary"] for one in service.get("/v1/catalog/updating-methods")}
-    for method in ("baruch", "berman_nagy", "error_matrix", "modified_error_matrix"):
+    for method in (
+        *("baruch", "berman_nagy", "error_matrix", "modified_error_matrix"),
+        *("zhang_sensitivity", "zhang_subspace"),
+    ):
         assert kinds[method]

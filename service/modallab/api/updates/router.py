@@ -41,8 +41,7 @@ def start_update(
 ) -> JobOut:
     store.modal_models.check(body.modal_model_id)
     arguments = body.to_arguments(store.structures.get(body.structure_id))
-    task = "update_directly_and_store" if body.direct else "update_and_store"
-    return JobOut.of(jobs.submit(task, arguments, owner=owner))
+    return JobOut.of(jobs.submit(body.task, arguments, owner=owner))
 
 
 @router.get("/{id}", summary="How an update went")
@@ -56,9 +55,7 @@ def get_update(id: IdPath, store: StoreDep) -> UpdateOut:
 def get_update_arrays(id: IdPath, store: StoreDep, precision: Precision = "double") -> Response:
     result = store.updates.get(id)
     if not isinstance(result, DirectResult):
-        raise NotFoundError(
-            "this update moved coefficients: its model is a structure, not matrices", field="id", value=id
-        )
+        raise NotFoundError("this update has coefficients of members, and no matrices", field="id", value=id)
     return npz_of(direct_arrays(result), precision)
 
 

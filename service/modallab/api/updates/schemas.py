@@ -1,6 +1,5 @@
 """Wire types of updates."""
 
-import math
 from collections.abc import Set
 from typing import Annotated, Any, Literal, Self
 
@@ -9,6 +8,7 @@ from pydantic import Field
 from modallab.api.deps import Id
 from modallab.api.reductions import Reduced, ReductionIn
 from modallab.api.updates.direct import DirectOut, direct_fields
+from modallab.api.updates.located import LocatedOut, located_fields, number
 from modallab.api.wire import Count, EntryOut, Number, Text, Wire
 from modallab.core.errors import InvalidInputError
 from modallab.fe.structure import Structure
@@ -17,10 +17,12 @@ from modallab.store.plain import to_plain
 from modallab.updating.direct.method import DIRECT_METHODS, EXPANSION, DirectOptions
 from modallab.updating.direct.result import DirectResult
 from modallab.updating.iteration import Iteration
+from modallab.updating.locating.method import LOCATORS, LocationResult
+from modallab.updating.locating.run import LocationOptions
 from modallab.updating.method import UPDATERS, Stages, UpdateOptions, UpdateResult
 from modallab.updating.parameterisation import Parameterisation, automatic_groups, parameterise
 
-METHODS = {**UPDATERS, **DIRECT_METHODS}
+METHODS = {**UPDATERS, **DIRECT_METHODS, **LOCATORS}
 _DIRECT = {"completion", "expansion", "n_modes"}  # options of direct methods
 Completion = Annotated[
     Text | ReductionIn,
@@ -66,6 +68,12 @@ class OptionsIn(Wire):
         given = self.model_dump(exclude_none=True)
         _refuse(given.keys() & _DIRECT, "a method that moves coefficients")
         return UpdateOptions(**given)
+
+    def to_location(self) -> LocationOptions:
+        """Return the options of a method that locates by one step; `InvalidInputError` where one is wrong."""
+        given = self.model_dump(exclude_none=True)
+        _refuse(given.keys() - LocationOptions.specs().keys(), "a method that locates errors by one step")
+        return LocationOptions(**given)
 
     def to_direct(self) -> DirectOptions:
         """Return the options of a direct method; `InvalidInputError` where one is wrong."""
@@ -119,24 +127,29 @@ class UpdateStart(Wire):
             "modal_model_id": self.modal_model_id,
             "method": self.method,
         }
-        if self.direct:
+        if self.method in DIRECT_METHODS:
             _refuse(self.model_fields_set & {"parameterisation"}, "a direct method")
             return arguments | {"options": to_plain(self.options.to_direct())[0]}
+        locating = self.method in LOCATORS
+        options = self.options.to_location() if locating else self.options.to_domain()
         return arguments | {
             "parameterisation": to_plain(self.parameterisation.to_domain(structure))[0],
-            "options": to_plain(self.options.to_domain())[0],
+            "options": to_plain(options)[0],
         }
 
     @property
-    def direct(self) -> bool:
-        """True if the method works on matrices and not on coefficients."""
-        return self.method in DIRECT_METHODS
+    def task(self) -> str:
+        """The task that runs the method."""
+        if self.method in DIRECT_METHODS:
+            return "update_directly_and_store"
+        return "locate_and_store" if self.method in LOCATORS else "update_and_store"
 
 
 class UpdateOut(EntryOut):
     """How an update went; coefficients and errors by part and member, 1 = no change.
 
-    A direct method has none of these but `direct`, and makes no structure.
+    A direct method has none of these but `direct`, one that only locates none but `suspected` and `located`;
+    neither makes a structure.
     """
 
     converged: bool
@@ -152,12 +165,15 @@ class UpdateOut(EntryOut):
     history: list[dict[str, Any]]
     structure_id: str | None
     direct: DirectOut | None = None
+    located: LocatedOut | None = None
 
     @classmethod
-    def of(cls, result: UpdateResult | DirectResult, entry: Entry) -> Self:
+    def of(cls, result: UpdateResult | DirectResult | LocationResult, entry: Entry) -> Self:
         """Return what the contract shows of an update."""
         if isinstance(result, DirectResult):
             return cls(**cls.fields(entry), **direct_fields(result))
+        if isinstance(result, LocationResult):
+            return cls(**cls.fields(entry), **located_fields(result))
         return cls(
             **cls.fields(entry),
             converged=result.converged,
@@ -169,18 +185,14 @@ class UpdateOut(EntryOut):
             frequencies=_stages(result.frequencies),
             mac=_stages(result.mac),
             rank=result.rank,
-            condition_number=_number(result.condition_number),
+            condition_number=number(result.condition_number),
             history=[_iteration(one) for one in result.history],
             structure_id=entry.inputs["updated_structure_id"],
         )
 
 
-def _number(value: float) -> float | None:
-    return value if math.isfinite(value) else None
-
-
 def _finite(values: Any) -> dict[int, float | None]:
-    return {member: _number(value) for member, value in values.items()}
+    return {member: number(value) for member, value in values.items()}
 
 
 def _stages(stages: Stages) -> dict[str, list[float] | None]:
@@ -197,7 +209,7 @@ def _iteration(one: Iteration) -> dict[str, Any]:
         "stage": one.stage,
         "max_change": one.max_change,
         "rank": one.rank,
-        "condition_number": _number(one.condition_number),
+        "condition_number": number(one.condition_number),
         "coefficients": coefficients,
         "frequencies": one.frequencies.tolist(),
         "mac": one.mac.tolist(),
