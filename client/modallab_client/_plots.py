@@ -171,8 +171,12 @@ def update(result: "Update") -> "Axes":
         axes.set(xlabel="DoF, by error", ylabel="relative error")
         axes.legend()
         return axes  # type: ignore[no-any-return]
-    width = 0.8 / max(1, len(result.coefficients))
-    for i, (part, members) in enumerate(result.coefficients.items()):
+    shown = result.coefficients
+    if result.suspects is not None:
+        found_changes = result.suspects.changes.items()
+        shown = {part: {n: 1 + change for n, change in table.items()} for part, table in found_changes}
+    width = 0.8 / max(1, len(shown))
+    for i, (part, members) in enumerate(shown.items()):
         errors = [result.standard_errors.get(part, {}).get(member, 0.0) for member in members]
         places = [member + i * width for member in members]
         changes = [value - 1 for value in members.values()]

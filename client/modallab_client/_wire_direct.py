@@ -1,4 +1,4 @@
-"""JSON and npz to what direct updating methods find; pure."""
+"""JSON and npz to what updating methods find that do not iterate; pure."""
 
 from modallab_client import direct
 from modallab_client._wire import Arrays, Json, floats, texts
@@ -34,3 +34,12 @@ def _others(data: Json | None) -> direct.OtherModes | None:
 def matrices(given: Arrays) -> direct.UpdatedMatrices:
     """Return the matrices of a direct method."""
     return direct.UpdatedMatrices(texts(given["dofs"]), **{name: given.get(name) for name in MATRICES})
+
+
+def suspects(data: Json) -> direct.Suspects:
+    """Return what error location by one step found."""
+    changes, weights = (
+        {part: {int(n): float(x) for n, x in table.items()} for part, table in data[name].items()}
+        for name in ("changes", "weights")
+    )
+    return direct.Suspects(data["method"], changes, weights, floats(data.get("remaining") or ()))

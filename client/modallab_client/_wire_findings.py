@@ -27,6 +27,7 @@ def update(data: Json) -> findings.Update:
         structure_id=data.get("structure_id"),
         history=tuple(_iteration(one) for one in data.get("history") or ()),
         direct=_wire_direct.findings(data["direct"]) if data.get("direct") else None,
+        suspects=_wire_direct.suspects(data["located"]) if data.get("located") else None,
     )
 
 

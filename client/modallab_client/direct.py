@@ -1,4 +1,4 @@
-"""What direct updating methods find: corrected matrices, or where matrices are wrong."""
+"""What methods find that do not iterate: corrected matrices, or where a model is wrong."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -43,3 +43,22 @@ class UpdatedMatrices:
     mass_error: FloatArray | None  # (n, n) what was added, or is estimated to be wrong
     stiffness_error: FloatArray | None
     force_balance: FloatArray | None  # (n, n) forces that are left over
+
+
+@dataclass(frozen=True, eq=False)
+class Suspects:
+    """What a method found that locates errors by one step; `suspected` of the update names the members."""
+
+    method: str
+    changes: Mapping[str, Mapping[int, float]]  # part -> member -> change of its coefficient, to first order
+    weights: Mapping[str, Mapping[int, float]]  # share of the difference that each stands for
+    remaining: FloatArray  # (k,) share that 1, 2, ... coefficients leave, where they are added one by one
+
+    def rows(self) -> list[tuple[str, str, str, str]]:
+        """Return part, member, change and weight of every coefficient that has a change, as text."""
+        return [
+            (part, str(member), f"{change:.4g}", f"{self.weights[part][member]:.3g}")
+            for part, members in self.changes.items()
+            for member, change in members.items()
+            if change
+        ]

@@ -9,6 +9,7 @@ from typing import TYPE_CHECKING, Any
 from modallab_client import _plots, _tables
 from modallab_client.correlation import Correlation as Correlation
 from modallab_client.direct import DirectFindings as DirectFindings
+from modallab_client.direct import Suspects as Suspects
 from modallab_client.located import Located as Located
 from modallab_client.models import ComplexArray, FloatArray
 
@@ -58,9 +59,10 @@ class Update:
     structure_id: str | None  # the updated model; None of direct methods, see `updates.matrices`
     history: tuple[Iteration, ...] = ()
     direct: DirectFindings | None = None  # of methods that work on matrices
+    suspects: Suspects | None = None  # of methods that locate errors by one step
 
     def table(self) -> str:
-        """Return coefficients with their standard errors, or DoFs with the errors found there, as text."""
+        """Return coefficients with their standard errors, or the errors located, as text."""
         return _tables.text(*self._rows())
 
     def _rows(self) -> _tables.Table:
@@ -68,6 +70,8 @@ class Update:
             found = self.direct.dof_errors.items()
             errors = [(name, dof, f"{error:.3g}") for name, dofs in found for dof, error in dofs.items()]
             return ("matrix", "DoF", "relative error"), errors
+        if self.suspects is not None:
+            return ("part", "member", "change", "weight"), self.suspects.rows()
         rows = [
             (part, str(member), f"{value:.4g}", _error(self.standard_errors.get(part, {}).get(member)))
             for part, members in self.coefficients.items()

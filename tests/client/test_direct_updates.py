@@ -3,6 +3,7 @@
 from typing import Any
 
 import numpy as np
+from matplotlib.patches import Rectangle
 
 from modallab_client import ModalLab, _wire_findings
 from tests.client.fake import UPDATE, FakeService, npz
@@ -66,3 +67,25 @@ def test_errors_by_dof_show_themselves() -> None:
     drawn = update.plot().lines
     np.testing.assert_array_equal(drawn[0].get_ydata(), [0.3, 0.0])
     assert _wire_findings.update(UPDATE).direct is None
+
+
+LOCATED: dict[str, Any] = {name: value for name, value in DIRECT.items() if name != "direct"} | {
+    "suspected": {"stiffness": [11]},
+    "located": {
+        "method": "zhang_subspace",
+        "changes": {"stiffness": {"10": 0.0, "11": 0.4}},
+        "weights": {"stiffness": {"10": 0.0, "11": 0.9}},
+        "remaining": [0.1],
+    },
+}
+
+
+def test_suspects_of_one_step_are_read_and_shown() -> None:
+    update = _wire_findings.update(LOCATED)
+    assert update.suspected == {"stiffness": (11,)}
+    assert update.suspects is not None
+    np.testing.assert_array_equal(update.suspects.remaining, [0.1])
+    assert update.suspects.rows() == [("stiffness", "11", "0.4", "0.9")]
+    assert "weight" in update.table()
+    ends = [bar.get_y() + bar.get_height() for bar in update.plot().patches if isinstance(bar, Rectangle)]
+    np.testing.assert_allclose(ends, [1.0, 1.4])
