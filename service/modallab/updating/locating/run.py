@@ -9,8 +9,8 @@ from modallab.core.parameters import Parameterised, parameter
 from modallab.core.progress import Progress, silent
 from modallab.fe.assembly import Assembly
 from modallab.fe.structure import Structure
-from modallab.updating.fit import Fit
-from modallab.updating.locating.method import LOCATORS, LinearProblem, LocationResult
+from modallab.updating.fit import Fit, State
+from modallab.updating.locating.method import LOCATORS, LinearLocation, LinearProblem, LocationResult
 from modallab.updating.parameterisation import Parameterisation, by_member
 from modallab.updating.target import real_modes
 
@@ -66,6 +66,12 @@ def locate(
     progress(0.6, f"{method} over {len(parameterisation.macros)} coefficients")
     problem = LinearProblem(sensitivity, state.difference / state.size)
     found = find(problem, threshold=options.suspect_threshold, jump=options.rank_jump)
+    return _result(method, parameterisation, found, fit, state)
+
+
+def _result(
+    method: str, parameterisation: Parameterisation, found: LinearLocation, fit: Fit, state: State
+) -> LocationResult:
     parts = parameterisation.parts
     marked = by_member(parameterisation, found.suspected.astype(float), parts=parts)
     return LocationResult(
@@ -74,7 +80,7 @@ def locate(
         weights=by_member(parameterisation, found.weight, parts=parts),
         suspected={part: tuple(sorted(n for n, x in table.items() if x)) for part, table in marked.items()},
         remaining=found.remaining,
-        measured=measured.frequencies,
+        measured=fit.target.frequencies,
         frequencies=state.frequencies,
         mac=state.mac,
         rank=found.rank,
