@@ -2,6 +2,7 @@
 PYTHON ?= python3
 BIN := .venv/bin
 STAMP := .venv/.installed
+TRIAL := benchmarks/trial/results
 export OPENBLAS_NUM_THREADS ?= 1
 
 .PHONY: setup check test demo serve bench trial docs sync-client lock
@@ -33,12 +34,12 @@ bench: setup ## speed as ratios against a limit or a peer of the same run
 	$(BIN)/python -m benchmarks
 
 trial: setup ## the blind trial of the diagnosis, for hours; may be cut and continued; writes docs/trial.md
-	mkdir -p build/trial
-	$(BIN)/python -m benchmarks.blind_trial --set 1 --cases 416 --out build/trial/1.jsonl --resume
-	$(BIN)/python -m benchmarks.blind_trial --set 2 --cases 156 --out build/trial/2.jsonl --resume
-	$(BIN)/python -m benchmarks.blind_trial --set 3 --cases 156 --out build/trial/3.jsonl --resume
-	$(BIN)/python -m benchmarks.blind_trial --set 3a --cases 156 --types single --out build/trial/3a.jsonl --resume
-	$(BIN)/python -m benchmarks.blind_trial --out build/trial/*.jsonl --report docs/trial.md
+	$(BIN)/python -m benchmarks.blind_trial --set 1 --cases 416 --seed 8001 --out $(TRIAL)/1.jsonl --resume
+	$(BIN)/python -m benchmarks.blind_trial --set 2 --cases 156 --seed 8001 --out $(TRIAL)/2.jsonl --resume
+	$(BIN)/python -m benchmarks.blind_trial --set 3a --cases 156 --types single --seed 8001 --out $(TRIAL)/3a.jsonl --resume
+	$(BIN)/python -m benchmarks.blind_trial --set 3 --cases 156 --types pair nothing unknown log_book --seed 8001 \
+		--out $(TRIAL)/3.jsonl --resume
+	$(BIN)/python -m benchmarks.blind_trial --out $(TRIAL)/*.jsonl --report docs/trial.md
 
 docs: setup ## pages and pictures of all effects
 	$(BIN)/python -m docs.gallery
