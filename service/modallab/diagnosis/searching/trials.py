@@ -21,6 +21,7 @@ from modallab.rig.effect import Effect
 
 FITTED = 6  # candidates of a round that are fitted in full
 PLACES_FITTED = 3  # of them that may be of one kind
+LINEAR = 0.6  # of a round's time, roughly, that all but nonlinear forces take
 SHOWN = 3  # that are fitted in any case, for whoever reads what else was thought of
 HOPELESS = 2.0  # times what an explanation that leaves noise alone left on a first look: no rival comes back
 
@@ -52,12 +53,13 @@ def trials(predictor: Predictor, base: Fit, suspects: Suspects, *, progress: Pro
     predictor = predictor.tolerating(base.outlook)
     likely = suspects.of(predictor, base.effects)
     linear = [effect for effect in likely if effect.on_motion() is None]
-    tried = _Round(predictor, base.effects)
-    tried.look(linear, part(progress, 0.0, 0.6))
     costly = [effect for effect in likely if effect.on_motion() is not None]
+    share = LINEAR if costly else 1.0
+    tried = _Round(predictor, base.effects)
+    tried.look(linear, part(progress, 0.0, share))
     if tried.explained is not None:
         costly = [effect for effect in costly if _feigned(effect, tried.explained, predictor.system)]
-    tried.look(costly, part(progress, 0.6, 1.0))
+    tried.look(costly, part(progress, share, 1.0))
     return best_first(tried.fits)
 
 
