@@ -134,7 +134,7 @@ def test_a_first_look_is_the_expected_spectra_where_resonances_are_lines_wide() 
     quick, full = glimpse(bench, 4), expected_spectra(bench)
     np.testing.assert_array_equal(quick.freq, full.freq[::4])
     # midpoints h = half a line apart, poles a = 0.6 lines away: of a peak of 1 they miss
-    # 2 exp(-2 pi a / h) (pi / a) W(ia)^2 / 1.5 = 5.8e-3 at most, 9e-3 of the two thirds that a line sees of it
+    # 2 exp(-2 pi a / h) (pi / a) W(ia)^2 / 1.5 = 5.8e-3 at most, 9e-3 of the two thirds that a line sees
     np.testing.assert_allclose(quick.xx, full.xx[:, ::4], rtol=9e-3)
     np.testing.assert_allclose(quick.ff, full.ff[:, ::4], rtol=9e-3)
 
