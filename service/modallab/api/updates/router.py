@@ -41,7 +41,7 @@ def start_update(
 ) -> JobOut:
     store.modal_models.check(body.modal_model_id)
     arguments = body.to_arguments(store.structures.get(body.structure_id))
-    return JobOut.of(jobs.submit(body.task, arguments, owner=owner))
+    return JobOut.of(jobs.submit("update_and_store", arguments, owner=owner))
 
 
 @router.get("/{id}", summary="How an update went")

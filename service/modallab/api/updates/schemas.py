@@ -137,13 +137,6 @@ class UpdateStart(Wire):
             "options": to_plain(options)[0],
         }
 
-    @property
-    def task(self) -> str:
-        """The task that runs the method."""
-        if self.method in DIRECT_METHODS:
-            return "update_directly_and_store"
-        return "locate_and_store" if self.method in LOCATORS else "update_and_store"
-
 
 class UpdateOut(EntryOut):
     """How an update went; coefficients and errors by part and member, 1 = no change.
