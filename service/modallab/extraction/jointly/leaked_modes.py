@@ -9,9 +9,8 @@ from modallab.extraction.jointly.fitted import ModalFit
 from modallab.extraction.jointly.modal_fit import fit_modes
 from modallab.extraction.jointly.refinement import Refined, Stretch
 from modallab.extraction.jointly.unleaked import Leaked, leaked_weights
+from modallab.extraction.measured.leakage import LEFT
 from modallab.extraction.options import Damping
-
-LEFT = 0.05  # part of what leakage moves a mode by that the correction may leave
 
 
 def allowing_for_leakage(refined: Refined, stretch: Stretch, leaked: Leaked, damping: Damping) -> Refined:

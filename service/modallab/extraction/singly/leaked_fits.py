@@ -5,14 +5,13 @@ from dataclasses import replace
 import numpy as np
 
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray
-from modallab.extraction.measured.leakage import Leakage
+from modallab.extraction.measured.leakage import LEFT, Leakage
 from modallab.extraction.singly.fitting import Data, Settled, Table, fit_once, undoing
 from modallab.extraction.singly.laws import Law
 from modallab.extraction.singly.leakage_feedback import Feedback, feedback
 from modallab.extraction.singly.method import ExtractionMethod
 from modallab.extraction.singly.screening import Screening, screen
 
-LEFT = 0.05  # part of what leakage moves a mode by that the correction may leave
 UNSETTLED = 5.0  # strength of feedback at which fits differ by where they began, as on a line's own centre
 
 
