@@ -13,7 +13,7 @@ class OtherModes:
     before: FloatArray  # (k,) Hz
     after: FloatArray  # (k,) Hz; below zero: a stiffness that pushes away
     mac: FloatArray  # (k,)
-    rigid_body: float | None  # Hz, at which motions that were free are held; None where there were none
+    rigid_body: float | None  # Hz, highest at which a motion that was free is held; None where none was
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,9 +24,7 @@ class DirectFindings:
     completion: str  # how model and shapes came to the same DoFs
     n_dofs: int
     n_modes: int  # measured modes that were used, the lowest
-    reproduced: (
-        float | None
-    )  # largest error of a used frequency, or 1 - MAC; None where nothing was corrected
+    reproduced: float | None  # largest error of a used frequency, or 1 - MAC; None: nothing was corrected
     connectivity_loss: Mapping[str, float]  # by matrix: share that connects what the structure does not
     other_modes: OtherModes | None
     dof_errors: Mapping[str, Mapping[str, float]]  # matrix -> DoF -> relative error, the largest first

@@ -19,9 +19,10 @@ class DofErrorOut(BaseModel):
 
 
 class OtherModesOut(BaseModel):
-    """Elastic modes of the model that no measured one was used for, Hz; `rigid_body`: null where held.
+    """Elastic modes of the model that no measured one was used for, Hz.
 
-    Below zero a frequency stands for a stiffness that pushes away.
+    `rigid_body`: highest at which a motion that was free is held now; null where none was free. Below zero a
+    frequency stands for a stiffness that pushes away.
     """
 
     before: list[float]

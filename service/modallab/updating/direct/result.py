@@ -36,9 +36,8 @@ class OtherModes:
     before: FloatArray  # (k,) Hz, rising
     after: FloatArray  # (k,) Hz
     mac: FloatArray  # (k,)
-    rigid_body: (
-        float | None
-    )  # Hz, highest at which the corrected matrices hold a motion that strained nothing
+    # Hz, highest at which the corrected matrices hold a motion that was free; None where none was
+    rigid_body: float | None
 
     def __post_init__(self) -> None:
         for name in ("before", "after", "mac"):
@@ -54,9 +53,8 @@ class DirectResult:
     completion: str  # how model and shapes came to the same DoFs, in words
     mass: FloatArray | None  # (n, n) kg, updated; None where the method locates only
     stiffness: FloatArray | None  # (n, n) N/m
-    errors: Mapping[
-        str, FloatArray
-    ]  # (n, n) by matrix: what was added to it, or is estimated to be wrong with it
+    # (n, n) by matrix: what was added to it, or is estimated to be wrong with it
+    errors: Mapping[str, FloatArray]
     dof_errors: Mapping[str, FloatArray]  # (n,) by matrix, of each DoF
     # by matrix: norm of the correction where the structure connects nothing over its whole norm
     connectivity_loss: Mapping[str, float]

@@ -30,9 +30,7 @@ class LinearLocation:
     change: FloatArray  # (n_params,) of each coefficient, to first order; 0 where none was solved for
     weight: FloatArray  # (n_params,) how much of the difference each stands for
     suspected: BoolArray  # (n_params,)
-    remaining: (
-        FloatArray  # (k,) share of the difference left by 1, 2, ... coefficients; empty if not searched so
-    )
+    remaining: FloatArray  # (k,) share of the difference left by 1, 2, ... of them; empty if not searched so
     rank: int
     condition_number: float
 
