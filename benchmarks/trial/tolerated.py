@@ -14,7 +14,6 @@ from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.fe.assembly import assemble
 from modallab.rig.effect import Effect
 from modallab.rig.measure import measurement_of
-from modallab.rig.setup import RigSetup
 
 DELAY = 1e-3  # over the top of the band
 
@@ -49,16 +48,16 @@ class Tolerated:
         """Return how one test differs from what its model and log book say."""
         return self.numbers.effects(drawn(len(self.numbers), rng))
 
-    def unexplained(self, acting: Sequence[Effect], setup: RigSetup | None = None) -> float:
+    def unexplained(self, acting: Sequence[Effect]) -> float:
         """Return the gap that is left in expectation where all numbers lie as well as their limits let them.
 
         Random error included. Of what is itself tolerated, or what several numbers do together, a straight
         line does not tell how much is left.
         """
         if not len(self.numbers):
-            return self.gauge.opened(acting, setup)
-        measured = measurement_of(spectra_of(self._bench, acting, setup), self._bench.setup)
+            return self.gauge.opened(acting)
+        measured = measurement_of(spectra_of(self._bench, acting), self._bench.setup)
         observed = observe(measured, (), fraction=0.0)
         predictor = Predictor(self._bench.structure, self._bench.setup, observed).allowing(self.numbers)
         named = self.numbers.effects(fit(predictor, ()).tolerated)
-        return Gauge(self._bench).opened(acting, setup, named)
+        return Gauge(self._bench).opened(acting, named=named)
