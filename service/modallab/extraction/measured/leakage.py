@@ -12,8 +12,8 @@ from modallab.core.errors import InvalidInputError
 MIN_SAMPLES = 256  # a window's autocorrelation is smooth: this many give it to 1e-5
 LEAST_DAMPED = 1e-3  # lines
 # Part of what leakage moves a mode by that undoing it may leave: the closed form is of one mode and a smooth
-# rest. Without random error it leaves 0.1 to 3 % in loss factors of a free beam's modes 0.3 to 1.5 lines wide,
-# 2 to 7 % at 1.9 lines, medians over eleven FRFs; at 0.2 lines, where errors feed back, up to 26 %.
+# rest. Without random error it leaves 0.1 to 3 % in loss factors of a free beam's modes 0.3 to 1.5 lines
+# wide, 2 to 7 % at 1.9 lines, medians over eleven FRFs; at 0.2 lines, where errors feed back, up to 26 %.
 LEFT = 0.05
 
 
