@@ -8,6 +8,7 @@ from typing import Any, Literal
 from fastapi import APIRouter
 from pydantic import BaseModel
 
+from modallab.api.updates.schemas import METHODS
 from modallab.estimation.estimator import ESTIMATORS
 from modallab.estimation.windows import WINDOWS
 from modallab.extraction.jointly.global_method import GLOBAL_METHODS
@@ -17,9 +18,6 @@ from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.reduction import REDUCTIONS
 from modallab.rig.effect import EFFECTS
 from modallab.rig.excitation import EXCITATIONS
-from modallab.updating.direct.method import DIRECT_METHODS
-from modallab.updating.locating.method import LOCATORS
-from modallab.updating.method import UPDATERS
 
 router = APIRouter(prefix="/catalog", tags=["catalog"])
 
@@ -40,7 +38,7 @@ FAMILIES: Mapping[FamilyName, Mapping[str, Any]] = {
     "windows": WINDOWS,
     "estimators": ESTIMATORS,
     "extraction-methods": {**EXTRACTION_METHODS, **GLOBAL_METHODS},
-    "updating-methods": {**UPDATERS, **DIRECT_METHODS, **LOCATORS},
+    "updating-methods": METHODS,
     "reductions": REDUCTIONS,
 }
 
