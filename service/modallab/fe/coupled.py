@@ -3,10 +3,12 @@
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.fe.rebuilding import kept
 
 CLOSE = 0.1  # coupling over a mode's own dynamic stiffness above which modes are solved for together
 EXACT = 1e-11  # of the modal force, that a solution leaves of it
 ROUNDS = 40  # of corrections at most
+ASKED = 8  # modal forces whose answers are kept
 
 
 class CoupledModes:
@@ -30,8 +32,11 @@ class CoupledModes:
         self._direct, self._coupling, self._omega = direct, coupling, omega
         share = omega[:, None] * np.abs(coupling).sum(axis=1) / np.abs(direct)
         self._near = np.flatnonzero((share > CLOSE).any(axis=0))
-        self._far = np.setdiff1d(np.arange(direct.shape[1]), self._near)
         self._inverse = np.linalg.inv(self._together(self._near))
+        self._apart = coupling.copy()  # between modes that are not solved for together
+        self._apart[np.ix_(self._near, self._near)] = 0.0
+        self._alone, self._turned = np.ascontiguousarray(1 / direct.T), -1j * omega
+        self._kept: dict[str, object] = {}
 
     def _together(self, modes: np.ndarray) -> ComplexArray:
         """Return the dynamic stiffness of some modes, (n_freq, k, k)."""
@@ -43,30 +48,34 @@ class CoupledModes:
         """Return left G right^T of modal shapes (n_left, m) and (n_right, m), (n_freq, n_left, n_right)."""
         if len(left) < len(right):  # G is symmetric
             return self.receptance(right, left).swapaxes(1, 2)
-        answer = self._answer(right.T)
-        found = (left @ answer.reshape(len(answer), -1)).reshape(len(left), *answer.shape[1:])
-        return np.asarray(found.swapaxes(0, 1))
+        # A column at a time, which stays in the cache; and many questions are of a force asked about before.
+        found = np.array([left @ self._known_answer(force) for force in right])
+        return found.transpose(2, 1, 0)
+
+    def _known_answer(self, force: FloatArray | ComplexArray) -> ComplexArray:
+        """Return the modal answers (m, n_freq) to modal forces (m,)."""
+        key = (force.dtype.char, force.tobytes())
+        return kept(self._kept, "answers", key, lambda: self._answer(force), ASKED)
 
     def _answer(self, force: FloatArray | ComplexArray) -> ComplexArray:
-        """Return the modal answers (m, n_freq, k) to modal forces (m, k)."""
-        direct = self._direct.T[:, :, None]
-        answer = np.zeros((len(force), len(self._omega), force.shape[1]), complex)
-        left = np.broadcast_to(force[:, None, :], answer.shape)
+        """Return the modal answers (m, n_freq) to modal forces (m,)."""
+        left: ComplexArray = np.repeat(force[:, None], len(self._omega), axis=1).astype(complex)
+        answer = np.zeros_like(left)
         enough = EXACT * float(np.abs(force).max(initial=0.0))
         for _ in range(ROUNDS):
-            answer[self._far] += left[self._far] / direct[self._far]
-            near = self._inverse @ left[self._near].swapaxes(0, 1)
-            answer[self._near] += near.swapaxes(0, 1)
-            left = force[:, None, :] - direct * answer - 1j * self._omega[:, None] * self._coupled(answer)
+            step = left * self._alone
+            step[self._near] = (self._inverse @ left[self._near].T[..., None])[..., 0].T
+            answer += step
+            # What a step answers alone or together is answered: what it does to the others is left.
+            left = self._coupled(step)
+            left *= self._turned
             if not float(np.abs(left).max(initial=0.0)) > enough:
                 return answer
-        every = np.arange(len(force))
-        whole = np.linalg.solve(self._together(every), np.asarray(force, complex))
-        return np.asarray(whole.swapaxes(0, 1))
+        whole = np.linalg.solve(self._together(np.arange(len(force))), np.asarray(force, complex)[:, None])
+        return np.asarray(whole[..., 0].T)
 
     def _coupled(self, answer: ComplexArray) -> ComplexArray:
-        flat = answer.reshape(len(answer), -1)
-        if np.iscomplexobj(self._coupling):
-            return np.asarray(self._coupling @ flat).reshape(answer.shape)
-        product: ComplexArray = (self._coupling @ flat.view(float)).view(complex)
-        return product.reshape(answer.shape)
+        if np.iscomplexobj(self._apart):
+            return np.asarray(self._apart @ answer)
+        product: ComplexArray = (self._apart @ answer.view(float)).view(complex)
+        return product

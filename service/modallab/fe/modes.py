@@ -1,6 +1,6 @@
 """Modes of mass, stiffness and damping, and the receptance they add up to."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -14,10 +14,13 @@ from modallab.core.errors import InvalidInputError
 from modallab.fe.coupled import CoupledModes
 from modallab.fe.losses import Losses
 from modallab.fe.modal_damping import ModalLoss
+from modallab.fe.rebuilding import kept
 from modallab.fe.remainder import Remainder
 
 COUPLED = 1e-9  # off-diagonal modal damping, relative to the diagonal, above which modes turn complex
 ROUNDING = 1e-12  # what products with the largest modal damping leave where there is none
+ASKED = 3  # sets of frequencies whose responses are kept
+LARGEST = 500_000  # numbers of a response, frequencies times modes, that is kept
 
 
 @dataclass(frozen=True, eq=False)
@@ -34,6 +37,7 @@ class ModalBasis:
     viscous: FloatArray | ComplexArray | None = None  # (m, m) Phi^T C Phi, 1/s
     frequency_max: float = np.inf  # Hz
     remainder: Remainder | None = None
+    _kept: dict[str, object] = field(default_factory=dict, init=False, repr=False)
 
     def elastic(self, count: int | None = None) -> "ModalBasis":
         """Return the first `count` elastic modes alone; damping between modes is left out."""
@@ -94,8 +98,13 @@ class ModalBasis:
         return np.divide(lost, square, out=np.zeros_like(lost), where=square > 0)
 
     def at(self, omega: FloatArray) -> "ModalResponse":
-        """Return the modes' response at `omega` (n_freq,) rad/s, above zero."""
-        return ModalResponse(self, omega)
+        """Return the modes' response at `omega` (n_freq,) rad/s, above zero.
+
+        Asked for again at the same frequencies, as by many suspects on one structure, it is known.
+        """
+        if omega.size * len(self.eigenvalues) > LARGEST:
+            return ModalResponse(self, omega)
+        return kept(self._kept, "responses", omega.tobytes(), lambda: ModalResponse(self, omega), ASKED)
 
 
 class ModalResponse:

@@ -49,9 +49,16 @@ def _woodbury(alpha: ComplexArray, z: ComplexArray) -> ComplexArray:
     to_b, from_b, within = alpha[..., :-r, -r:], alpha[..., -r:, :-r], alpha[..., -r:, -r:]
     if r == 1:  # one division instead of a solver call for every line
         return np.asarray(alpha[..., :-1, :-1] - to_b * (z / (1 + z * within)) * from_b)
-    inner = z @ within
+    inner = _product(z, within)
     inner[..., np.arange(r), np.arange(r)] += 1.0
-    return np.asarray(alpha[..., :-r, :-r] - to_b @ solved(inner, z @ from_b))
+    return np.asarray(alpha[..., :-r, :-r] - _product(to_b, solved(inner, _product(z, from_b))))
+
+
+def _product(a: ComplexArray, b: ComplexArray) -> ComplexArray:
+    """Return a @ b; over two columns without a call for every line."""
+    if a.shape[-1] != 2:
+        return np.asarray(a @ b)
+    return np.asarray(a[..., 0, None] * b[..., None, 0, :] + a[..., 1, None] * b[..., None, 1, :])
 
 
 def solved(matrix: ComplexArray, right: ComplexArray) -> ComplexArray:

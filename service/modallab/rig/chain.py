@@ -232,7 +232,9 @@ def all_effects(setup: RigSetup, added: Sequence[Effect]) -> list[Effect]:
     return sorted([*implied, *named, *added], key=lambda effect: (effect.stage, effect.at is not None))
 
 
-def chain(system: DynamicSystem, setup: RigSetup, added: Sequence[Effect] = ()) -> Chain:
+def chain(
+    system: DynamicSystem, setup: RigSetup, added: Sequence[Effect] = (), *, alike: bool = False
+) -> Chain:
     """Return the measuring chain of a system on a rig.
 
     Parameters
@@ -241,6 +243,8 @@ def chain(system: DynamicSystem, setup: RigSetup, added: Sequence[Effect] = ()) 
         The structure, bare.
     added
         Effects beside those of the declared hardware.
+    alike
+        Whether nonlinear forces take the same motion in every run, as `with_equivalents`.
 
     Raises
     ------
@@ -257,7 +261,7 @@ def chain(system: DynamicSystem, setup: RigSetup, added: Sequence[Effect] = ()) 
     each = [(effect, acts) for effect in effects if any(acts := _acts_on_runs(effect))]
     runs = tuple(_run(system, shot, each) for shot in setup.shots)
     if local := [force for effect in effects if (force := effect.on_motion()) is not None]:
-        runs = with_equivalents(runs, local, setup.analyser, source)
+        runs = with_equivalents(runs, local, setup.analyser, source, alike=alike)
     return Chain(setup, runs, noise, source, tuple(effects))
 
 

@@ -12,7 +12,7 @@ from modallab.fe.receptance import attached_variants
 from modallab.rig.analyser import Analyser
 from modallab.rig.drive import reaction, transmission
 from modallab.rig.linearise import Taken, at_work, equivalents, left_over
-from modallab.rig.local_force import LocalForce
+from modallab.rig.local_force import Linearised, LocalForce
 from modallab.rig.run import Run
 from modallab.rig.source import Source
 from modallab.rig.view import refined
@@ -26,12 +26,28 @@ FINEST = 64  # grid points a line at most where a spectrum is steep
 
 
 def with_equivalents(
-    runs: Sequence[Run], forces: Sequence[LocalForce], analyser: Analyser, source: Source
+    runs: Sequence[Run],
+    forces: Sequence[LocalForce],
+    analyser: Analyser,
+    source: Source,
+    *,
+    alike: bool = False,
 ) -> tuple[Run, ...]:
     """Return runs with every nonlinear force in them: its straight line attached, the rest beside it.
 
     What repeats with the record has its power on the lines, what does not everywhere between them.
+
+    Parameters
+    ----------
+    alike
+        Whether forces take in every run what they take in the first, where all power lies between the
+        lines: there runs differ by what an accelerometer weighs, which is little for a first look. On
+        the lines a resonance that moves past one of them may move much more, or much less.
     """
+    if alike and source.continuous == 1:
+        (first,) = with_equivalents(runs[:1], forces, analyser, source)
+        rest = (replace(_with_lines(run, first.local), taken=first.taken) for run in runs[1:])
+        return (first, *rest)
     if source.continuous > 0:
         return tuple(_by_quadrature(runs, forces, analyser, source.continuous))
     omega, power = 2 * np.pi * analyser.freq[1:], np.full(analyser.n_lines - 1, _power_of_line(analyser))
@@ -39,7 +55,7 @@ def with_equivalents(
     rms = equivalents(forces, *without, omega, power)
     taken = _taken(forces, *at_work(forces, rms, *without, omega), omega, analyser)
     each = zip(runs, rms, taken, strict=True)
-    return tuple(replace(_with_lines(run, forces, own), taken=one) for run, own, one in each)
+    return tuple(replace(_with_lines(run, _lines(forces, own)), taken=one) for run, own, one in each)
 
 
 def _taken(
@@ -80,7 +96,7 @@ def _by_quadrature(
         lines, power = lines[:0], power[:0]
     rms: FloatArray | None = None
     for run in runs:
-        at = run if rms is None else _with_lines(run, forces, rms)
+        at = run if rms is None else _with_lines(run, _lines(forces, rms))
         known = at.resonances(analyser.frequency_max)
         for _ in range(REFINEMENTS):
             nodes, hertz = refined(panels, *known)
@@ -89,7 +105,7 @@ def _by_quadrature(
             driven, fed_back = motions([run], forces, omega)
             begin = _free(forces, driven, omega, weights) if rms is None else rms
             rms = equivalents(forces, driven, fed_back, omega, weights, begin[None])[0]
-            loaded = _with_lines(run, forces, rms)
+            loaded = _with_lines(run, _lines(forces, rms))
             moved = loaded.resonances(analyser.frequency_max)
             if _resolved(moved, known, analyser):
                 break
@@ -116,8 +132,12 @@ def _resolved(
     return bool((near & (width <= 2 * half[:, None])).any(axis=1).all())
 
 
-def _with_lines(run: Run, forces: Sequence[LocalForce], rms: FloatArray) -> Run:
-    system, found = run.system, tuple(force.at(float(own)) for force, own in zip(forces, rms, strict=True))
+def _lines(forces: Sequence[LocalForce], rms: FloatArray) -> tuple[Linearised, ...]:
+    return tuple(force.at(float(own)) for force, own in zip(forces, rms, strict=True))
+
+
+def _with_lines(run: Run, found: tuple[Linearised, ...]) -> Run:
+    system = run.system
     for one in found:
         column, line = system.selection((one.force.dof,)), np.array([[one.slope]])
         of_velocity = one.force.of_velocity
@@ -174,16 +194,18 @@ def residuals(
     finest
         Grid points a line at most where spectra are steep.
     """
-    forces = [one.force for one in runs[0].local]
+    forces, every = [one.force for one in runs[0].local], (len(runs), len(freq), len(runs[0].local))
+    if all(run.local is runs[0].local for run in runs):  # taken alike, left alike
+        runs = runs[:1]
     lines, taken = _on_even_lines(runs, forces, analyser, source, finest)
-    shape = (len(runs), len(freq), len(forces))
+    shape = (len(runs), *every[1:])
     density, line = np.empty(shape), np.empty(shape, complex)
     for r, (run, own) in enumerate(zip(runs, taken, strict=True)):
         for i, one in enumerate(run.local):
             power, held = left_over(one, own.spectrum[:, i], own.answer[:, i], lines[1])
             density[r, :, i], line[r, :, i] = np.interp(freq, lines, power), np.interp(freq, lines, held)
     unit = np.where([force.of_velocity for force in forces], 2j * np.pi * freq[:, None], 1.0)
-    return Residuals(density, line * unit)
+    return Residuals(np.broadcast_to(density, every), np.broadcast_to(line * unit, every))
 
 
 def _on_even_lines(

@@ -58,10 +58,16 @@ class Predictor:
         """The predictors of single tests that this one is made of."""
         return (self,)
 
-    def chain(self, effects: Sequence[Effect]) -> Chain:
-        """Return the measuring chain of the model on the rig of the log book, with some effects more."""
+    def chain(self, effects: Sequence[Effect], *, alike: bool = False) -> Chain:
+        """Return the measuring chain of the model on the rig of the log book, with some effects more.
+
+        Parameters
+        ----------
+        alike
+            Whether nonlinear forces are taken to move alike in every run, for first looks.
+        """
         self.alive()
-        return chain(self._loose, self.setup, self._with(effects))
+        return chain(self._loose, self.setup, self._with(effects), alike=alike)
 
     def _with(self, effects: Sequence[Effect]) -> list[Effect]:
         return [*self._own, *self._rest, *effects]
@@ -143,7 +149,7 @@ class Predictor:
 
     def glimpse(self, effects: Sequence[Effect]) -> Predicted:
         """Return the expected spectra at every `step`-th line, leakage coarse."""
-        return Predicted.of(glimpse(self.chain(effects), self.step))
+        return Predicted.of(glimpse(self.chain(effects, alike=True), self.step))
 
     def without_lines(self, every: int) -> "Predictor":
         """Return the same with one of so many lines held out of its fits as well.
