@@ -15,7 +15,7 @@ from modallab.rig.hardware import Accelerometers
 from modallab.rig.setup import RigSetup
 from tests.rigs import beam_system, rig
 
-FORCES = [CubicStiffness(Dof(11, "Y"), 1e13), Friction(Dof(11, "Y"), 0.02, 1e-3)]
+FORCES = [CubicStiffness(Dof(11, "Y"), 1e10), Friction(Dof(11, "Y"), 0.02, 1e-3)]
 
 
 def roving(mass: float, excitation: str) -> RigSetup:
