@@ -1,7 +1,7 @@
 """What can be chosen, read from the families: a new member shows up with no other change."""
 
 import inspect
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import asdict
 from typing import Any, Literal
 
@@ -9,15 +9,17 @@ from fastapi import APIRouter
 from pydantic import BaseModel
 
 from modallab.api.updates.schemas import METHODS
+from modallab.core.parameters import OptionSpec
 from modallab.estimation.estimator import ESTIMATORS
 from modallab.estimation.windows import WINDOWS
+from modallab.extraction import offered as extraction
 from modallab.extraction.jointly.global_method import GLOBAL_METHODS
-from modallab.extraction.offered import offered
 from modallab.extraction.singly.method import EXTRACTION_METHODS
 from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.reduction import REDUCTIONS
 from modallab.rig.effect import EFFECTS
 from modallab.rig.excitation import EXCITATIONS
+from modallab.updating import offered as updating
 
 router = APIRouter(prefix="/catalog", tags=["catalog"])
 
@@ -40,6 +42,11 @@ FAMILIES: Mapping[FamilyName, Mapping[str, Any]] = {
     "extraction-methods": {**EXTRACTION_METHODS, **GLOBAL_METHODS},
     "updating-methods": METHODS,
     "reductions": REDUCTIONS,
+}
+# What a method may be told, of families that have options.
+OFFERED: Mapping[FamilyName, Callable[[str], Mapping[str, OptionSpec]]] = {
+    "extraction-methods": extraction.offered,
+    "updating-methods": updating.offered,
 }
 
 
@@ -65,7 +72,7 @@ def _summary(member: Any) -> str:
 
 
 def _parameters(family: FamilyName, kind: str, member: Any) -> dict[str, dict[str, Any]]:
-    if family == "extraction-methods":
-        return {name: asdict(spec) for name, spec in offered(kind).items()}
+    if options := OFFERED.get(family):
+        return {name: asdict(spec) for name, spec in options(kind).items()}
     specs = getattr(member, "specs", None)
     return {} if specs is None else {name: asdict(spec) for name, spec in specs().items()}

@@ -29,6 +29,18 @@ class ParameterSpec:
         return self.lower < 0
 
 
+@dataclass(frozen=True)
+class OptionSpec:
+    """What one option of a method means; a default of None is chosen from the data."""
+
+    doc: str
+    unit: str = ""
+    lower: float | None = None
+    upper: float | None = None
+    choices: tuple[str, ...] = ()
+    default: float | str | None = None
+
+
 def parameter(
     default: float,
     *,
@@ -51,6 +63,14 @@ class Parameterised:
         """Return the specification of every fitted number by name."""
         own: Any = cls
         return dict(_specs(own))
+
+    @classmethod
+    def as_options(cls) -> dict[str, OptionSpec]:
+        """Return the same with the defaults, for those who set a method's options."""
+        return {
+            name: OptionSpec(spec.doc, spec.unit, spec.lower, spec.upper, default=getattr(cls, name))
+            for name, spec in cls.specs().items()
+        }
 
     def __post_init__(self) -> None:
         for name, spec in self.specs().items():

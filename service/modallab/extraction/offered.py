@@ -1,26 +1,15 @@
 """What each method may be told: for those who choose one, and to refuse in time what it cannot do."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass, fields
+from dataclasses import fields
 
 from modallab.core.errors import InvalidInputError
+from modallab.core.parameters import OptionSpec
 from modallab.extraction.jointly.global_method import GLOBAL_METHODS
 from modallab.extraction.options import MIN_LINES, MOST_ORDER, Damping, ExtractionOptions
 from modallab.extraction.singly.method import EXTRACTION_METHODS, TRAITS
 
 COUNT = "1"  # unit of what is counted
-
-
-@dataclass(frozen=True)
-class OptionSpec:
-    """What one option means; the default None is chosen from the data."""
-
-    doc: str
-    unit: str = ""
-    lower: int | None = None
-    upper: int | None = None
-    choices: tuple[str, ...] = ()
-    default: str | None = None
 
 
 SPECS: Mapping[str, OptionSpec] = {

@@ -173,7 +173,11 @@ def test_members_are_suspected_by_one_step(service: Any, beam: str, sparse: str,
 
 
 def test_direct_methods_are_in_the_catalogue(service: Any) -> None:
-    kinds = {one["kind"]: one["summary"] for one in service.get("/v1/catalog/updating-methods")}
+    found = service.get("/v1/catalog/updating-methods")
+    kinds = {one["kind"]: one["summary"] for one in found}
+    options = {one["kind"]: set(one["parameters"]) for one in found}
+    assert options["baruch"] == {"completion", "expansion", "n_modes"}
+    assert options["zhang_subspace"] == {"suspect_threshold", "rank_jump", "min_mac"}
     for method in (
         *("baruch", "berman_nagy", "error_matrix", "modified_error_matrix"),
         *("zhang_sensitivity", "zhang_subspace"),

@@ -20,10 +20,10 @@ from modallab.updating.iteration import Iteration
 from modallab.updating.locating.method import LOCATORS, LocationResult
 from modallab.updating.locating.run import LocationOptions
 from modallab.updating.method import UPDATERS, Stages, UpdateOptions, UpdateResult
+from modallab.updating.offered import DIRECT
 from modallab.updating.parameterisation import Parameterisation, automatic_groups, parameterise
 
 METHODS = {**UPDATERS, **DIRECT_METHODS, **LOCATORS}
-_DIRECT = {"completion", "expansion", "n_modes"}  # options of direct methods
 Completion = Annotated[
     Text | ReductionIn,
     Field(description="`expansion` of shapes to all DoFs, or a reduction of the model to measured ones"),
@@ -66,7 +66,7 @@ class OptionsIn(Wire):
     def to_domain(self) -> UpdateOptions:
         """Return the options of a method that moves coefficients; `InvalidInputError` where one is wrong."""
         given = self.model_dump(exclude_none=True)
-        _refuse(given.keys() & _DIRECT, "a method that moves coefficients")
+        _refuse(given.keys() & DIRECT.keys(), "a method that moves coefficients")
         return UpdateOptions(**given)
 
     def to_location(self) -> LocationOptions:
@@ -78,7 +78,7 @@ class OptionsIn(Wire):
     def to_direct(self) -> DirectOptions:
         """Return the options of a direct method; `InvalidInputError` where one is wrong."""
         given = self.model_dump(exclude_none=True).keys()
-        _refuse(given - _DIRECT, "a direct method")
+        _refuse(given - DIRECT.keys(), "a direct method")
         completion, numbers = _named(self.completion or EXPANSION)
         if completion != EXPANSION:
             _refuse(given & {"expansion"}, "a method on a reduced model")

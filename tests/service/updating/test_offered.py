@@ -1,0 +1,36 @@
+"""What methods may be told: the options that their requests take, with the defaults that they have."""
+
+from typing import Any
+
+import pytest
+
+from modallab.core.errors import InvalidInputError
+from modallab.updating.direct.method import DIRECT_METHODS, DirectOptions
+from modallab.updating.locating.method import LOCATORS
+from modallab.updating.locating.run import LocationOptions
+from modallab.updating.method import UPDATERS, UpdateOptions
+from modallab.updating.offered import offered
+
+
+@pytest.mark.parametrize("method", [*UPDATERS, *LOCATORS, *DIRECT_METHODS])
+def test_the_defaults_that_are_told_are_those_of_a_run(method: str) -> None:
+    kind: Any = UpdateOptions if method in UPDATERS else LocationOptions
+    kind = DirectOptions if method in DIRECT_METHODS else kind
+    told = {name: spec.default for name, spec in offered(method).items()}
+    assert told
+    assert kind(**told) == kind()
+
+
+@pytest.mark.parametrize("method", [*UPDATERS, *LOCATORS])
+def test_bounds_are_those_that_are_kept(method: str) -> None:
+    kind: Any = UpdateOptions if method in UPDATERS else LocationOptions
+    for name, spec in offered(method).items():
+        assert spec.upper is not None
+        with pytest.raises(InvalidInputError) as refused:
+            kind(**{name: 2 * spec.upper})
+        assert refused.value.context["field"] == name
+
+
+def test_a_method_that_there_is_not_is_named() -> None:
+    with pytest.raises(InvalidInputError, match="no updating method called 'guess'"):
+        offered("guess")
