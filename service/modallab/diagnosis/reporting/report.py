@@ -105,7 +105,8 @@ def _missing(diagnosis: Diagnosis) -> str:
     named = table(head, rows, words=3, style="cards")
     if len(diagnosis.steps) > 1 and min(step.probability for step in diagnosis.steps) < EVEN:
         alike += paragraph(ALONE, "soft")
-    return f"<h2>What was missing</h2>{named}<ul class='soft'>{meant}</ul>{alike}"
+    title = "What was added" if diagnosis.verdict is Verdict.UNEXPLAINED else "What was missing"
+    return f"<h2>{title}</h2>{named}<ul class='soft'>{meant}</ul>{alike}"
 
 
 def _tolerated(diagnosis: Diagnosis) -> str:

@@ -20,6 +20,7 @@ from modallab.diagnosis.result import (
 from modallab.fe.structure import Structure
 from modallab.rig.effect import EFFECTS
 
+LITTLE = 0.5  # of what was above 1: left of it, above which nothing is explained
 RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
 # What a further test changes, by the contract's name of it; {} stands for the value.
 CHANGES = {
@@ -141,9 +142,11 @@ def headline(diagnosis: Diagnosis) -> str:
         return f"Explained. What was missing: {found}."
     if diagnosis.verdict is Verdict.AMBIGUOUS:
         return f"Explained, but not by one cause alone: {found}, or what looks the same."
-    if diagnosis.steps:
-        helps = "helps" if len(diagnosis.steps) == 1 else "help"
-        return f"Not wholly explained: {found} {helps}, and something else is left."
+    if steps := diagnosis.steps:
+        s = "s" if len(steps) == 1 else ""
+        if steps[-1].gap_after - 1 > LITTLE * (steps[0].gap_before - 1):
+            return f"Unexplained: {found} close{s} little of the gap, and need not be there."
+        return f"Not wholly explained: {found} help{s}, and something else is left."
     return "Unexplained: no suspect accounts for the difference."
 
 

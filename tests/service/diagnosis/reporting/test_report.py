@@ -77,6 +77,11 @@ def test_what_comes_from_outside_cannot_become_markup() -> None:
         (Verdict.UNEXPLAINED, (), "Unexplained: no suspect accounts for the difference."),
         (Verdict.UNEXPLAINED, (STEP,), "something else is left"),
         (
+            Verdict.UNEXPLAINED,
+            (replace(STEP, gap_after=700.0),),
+            "Unexplained: extra mass at 4:+Y closes little of the gap, and need not be there.",
+        ),
+        (
             Verdict.AMBIGUOUS,
             (replace(STEP, rivals_alike=(Alias("density_error", Members((3,))),)),),
             "cannot tell it from density error at member 3",
@@ -85,6 +90,13 @@ def test_what_comes_from_outside_cannot_become_markup() -> None:
 )
 def test_every_ending_is_said_in_plain_words(verdict: Verdict, steps: tuple[Step, ...], words: str) -> None:
     assert words in text_of(report(diagnosis(verdict, steps)))
+
+
+def test_what_was_missing_is_claimed_only_where_it_explains_the_test() -> None:
+    said = {one: text_of(report(diagnosis(one))) for one in (Verdict.EXPLAINED, Verdict.UNEXPLAINED)}
+    assert "What was missing" in said[Verdict.EXPLAINED]
+    assert "What was missing" not in said[Verdict.UNEXPLAINED]
+    assert "What was added" in said[Verdict.UNEXPLAINED]
 
 
 def test_effects_of_later_rounds_are_shown_with_their_own_rivals() -> None:
