@@ -4,16 +4,17 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from modallab.core.arrays import FloatArray, IntArray
-from modallab.core.errors import UnderdeterminedError
+from modallab.core.arrays import ComplexArray, FloatArray, IntArray
+from modallab.core.errors import InvalidInputError, UnderdeterminedError
 from modallab.correlation.mac import mac, pair_modes
 from modallab.fe.assembly import Assembly, Coefficients, coefficients_of
+from modallab.fe.damping import StructuralDamping
 from modallab.fe.modes import ModalBasis, modal_basis
 from modallab.fe.structure import Structure
 from modallab.fe.system import SMALL
-from modallab.updating.parameterisation import Parameterisation, spread_over_members
-from modallab.updating.sensitivity import derivatives, part_matrices
-from modallab.updating.target import RealModes
+from modallab.updating.parameterisation import Parameterisation, refuse_loss_factors, spread_over_members
+from modallab.updating.sensitivity import PartMatrices, derivatives, part_matrices
+from modallab.updating.target import TargetModes
 
 REACH = 2.0  # modes of the model up to this multiple of the highest measured frequency may pair
 
@@ -26,8 +27,10 @@ class State:
     basis: ModalBasis
     modes: IntArray  # (n_modes,) column of the basis that pairs with each measured mode
     mac: FloatArray  # (n_modes,)
-    difference: FloatArray  # (n_rows,) measured minus model: eigenvalues, then shapes DoF by DoF
-    size: FloatArray  # (n_rows,) lambda_r for an eigenvalue, 1 for a shape: what balances the rows
+    # (n_rows,) measured minus model: eigenvalues, then shapes DoF by DoF; of damped modes the real parts
+    # of all and then the imaginary ones
+    difference: FloatArray
+    size: FloatArray  # (n_rows,) Re lambda_r for an eigenvalue, 1 for a shape: what balances the rows
 
     @property
     def frequencies(self) -> FloatArray:
@@ -41,21 +44,38 @@ class State:
 
 
 class Fit:
-    """A structure, the coefficients that may move, and the modes it should have."""
+    """A structure, the coefficients that may move, and the modes it should have.
+
+    Real modes are held against the model without its damping, damped ones against the model with it.
+
+    Raises
+    ------
+    InvalidInputError
+        If loss factors are asked of real modes, or damped modes of a structure whose damping is not
+        hysteretic.
+    UnderdeterminedError
+        If there are fewer measured numbers than coefficients.
+    """
 
     def __init__(
-        self, assembly: Assembly, parameterisation: Parameterisation, target: RealModes, min_mac: float
+        self, assembly: Assembly, parameterisation: Parameterisation, target: TargetModes, min_mac: float
     ) -> None:
         self.parameterisation, self.target, self.min_mac = parameterisation, target, min_mac
         self._assembly = assembly
         structure = assembly.structure
         self._base = coefficients_of(structure)
         self._groups = parameterisation.groups(structure)
-        self._parts = part_matrices(assembly, self._base, parameterisation)
+        self._mass_loss = 0.0
+        self._undamped: tuple[PartMatrices, ...] | None = None
+        if target.damped:
+            self._mass_loss = _mass_loss(structure)
+        else:
+            refuse_loss_factors(parameterisation)
+            self._undamped = part_matrices(assembly, self._base, parameterisation)
         self._sensors = np.zeros((len(structure.dofs), len(target.dofs)))
         rows = [structure.index(dof) for dof in target.dofs]
         self._sensors[rows, np.arange(len(rows))] = [dof.sign for dof in target.dofs]
-        n_params, n_rows = len(parameterisation.macros), len(target.squares) * (1 + len(target.dofs))
+        n_params, n_rows = len(parameterisation.macros), target.n_rows
         if n_rows < n_params:
             raise UnderdeterminedError(
                 f"{n_rows} measured numbers cannot determine {n_params} coefficients",
@@ -69,15 +89,35 @@ class Fit:
         return spread_over_members(self.parameterisation, self._groups, values, self._base)
 
     def structure(self, values: FloatArray) -> Structure:
-        """Return the structure with its members corrected to `values` (n_params,)."""
+        """Return the structure with its members corrected to `values` (n_params,).
+
+        A loss factor below zero, which no member can have, becomes zero.
+        """
         to = self.coefficients(values)
+        moved = to.loss_factor != self._base.loss_factor
         members = tuple(
-            replace(member, mass_factor=float(m), axial_factor=float(a), bending_factor=float(b))
-            for member, m, a, b in zip(
-                self._assembly.structure.members, to.mass, to.axial, to.bending, strict=True
+            replace(
+                member,
+                mass_factor=float(m),
+                axial_factor=float(a),
+                bending_factor=float(b),
+                loss_factor=max(float(eta), 0.0) if changed else member.loss_factor,
+            )
+            for member, m, a, b, eta, changed in zip(
+                self._assembly.structure.members,
+                to.mass,
+                to.axial,
+                to.bending,
+                to.loss_factor,
+                moved,
+                strict=True,
             )
         )
         return replace(self._assembly.structure, members=members)
+
+    def losses_below_zero(self, values: FloatArray, tolerance: float) -> int:
+        """Return how many members have a loss factor below zero at `values` (n_params,)."""
+        return int((self.coefficients(values).loss_factor < -tolerance).sum())
 
     def state(self, values: FloatArray) -> State:
         """Return the model at `values` (n_params,).
@@ -91,7 +131,7 @@ class Fit:
         basis = self._modes(values)
         candidates = np.flatnonzero(basis.frequencies <= REACH * target.frequencies.max())
         candidates = candidates[candidates >= basis.n_rigid_body]
-        shapes = self._sensors.T @ basis.shapes.real
+        shapes = self._sensors.T @ basis.shapes
         table = mac(target.shapes, shapes[:, candidates])
         partner = dict(pair_modes(table, self.min_mac))
         alone = [r for r in range(len(target.squares)) if r not in partner]
@@ -106,31 +146,67 @@ class Fit:
         modes = candidates[chosen]
         own = shapes[:, modes]
         shape_difference = self._like(own) - own
-        squares = basis.eigenvalues.real[modes]
+        eigenvalues = basis.eigenvalues[modes]
+        squares = eigenvalues.real
+        size = np.concatenate([squares, np.ones(shape_difference.size)])
+        misses = target.squares - (eigenvalues if target.damped else squares)
         return State(
             values=values,
             basis=basis,
             modes=modes,
             mac=table[np.arange(len(chosen)), chosen],
-            difference=np.concatenate([target.squares - squares, shape_difference.ravel()]),
-            size=np.concatenate([squares, np.ones(shape_difference.size)]),
+            difference=self._rows(np.concatenate([misses, shape_difference.ravel()])),
+            size=np.tile(size, 2) if target.damped else size,
         )
 
     def sensitivity(self, state: State) -> FloatArray:
         """Return the derivatives of the model's rows, (n_rows, n_params)."""
-        moved = derivatives(state.basis, state.modes, self._sensors, self._parts)
-        return np.concatenate([moved.eigenvalues, moved.shapes.reshape(-1, moved.shapes.shape[2])])
+        moved = derivatives(
+            state.basis, state.modes, self._sensors, self._parts(state.values), self._mass_loss
+        )
+        return self._rows(
+            np.concatenate([moved.eigenvalues, moved.shapes.reshape(-1, moved.shapes.shape[2])])
+        )
+
+    def _parts(self, values: FloatArray) -> tuple[PartMatrices, ...]:
+        """Return the matrices behind the coefficients; with damping they move with the coefficients."""
+        if self._undamped is None:
+            damped = self.coefficients(values)
+            return part_matrices(self._assembly, self._base, self.parameterisation, damped)
+        return self._undamped
+
+    def _rows(self, values: FloatArray | ComplexArray) -> FloatArray:
+        """Return numbers of modes as rows of the equations: coefficients are real, so that both parts of
+        a damped mode's are equations of their own."""
+        return np.concatenate([values.real, values.imag]) if self.target.damped else values.real
 
     def _modes(self, values: FloatArray) -> ModalBasis:
         system = self._assembly.system(self.coefficients(values))
         all_modes = len(system.dofs) < SMALL
         limit = np.inf if all_modes else REACH * float(self.target.frequencies.max())
-        return modal_basis(system.mass, system.stiffness, None, None, system.rigid, frequency_max=limit)
+        damping = system.damping if self.target.damped else None
+        return modal_basis(system.mass, system.stiffness, damping, None, system.rigid, frequency_max=limit)
 
-    def _like(self, own: FloatArray) -> FloatArray:
-        """Return the measured shapes in the sense of the model's, in its scale if they have none."""
+    def _like(self, own: FloatArray | ComplexArray) -> FloatArray | ComplexArray:
+        """Return the measured shapes in the sense of the model's, in its scale if they have none.
+
+        phi^T M phi = 1 leaves only the sign open; a scale of nobody's choice also turns a complex shape.
+        """
         measured = self.target.shapes
-        along = (measured * own).sum(axis=0)
+        along = (measured.conj() * own).sum(axis=0)
         if self.target.mass_normalised:
-            return measured * np.where(along < 0, -1.0, 1.0)
-        return np.asarray(measured * along / (measured**2).sum(axis=0))
+            return measured * np.where(along.real < 0, -1.0, 1.0)
+        return np.asarray(measured * along / (np.abs(measured) ** 2).sum(axis=0))
+
+
+def _mass_loss(structure: Structure) -> float:
+    """Return a of D = a M + b K, rad^2/s^2."""
+    law = structure.damping
+    if not isinstance(law, StructuralDamping):
+        raise InvalidInputError(
+            "damped modes update hysteretic damping, member by member; the model has another law",
+            field="damping",
+            value=type(law).__name__,
+            allowed=StructuralDamping.__name__,
+        )
+    return law.mass_coefficient

@@ -10,7 +10,7 @@ from modallab.core.errors import DivergedError, UnderdeterminedError
 from modallab.core.progress import Progress, silent
 from modallab.updating.fit import Fit, State
 from modallab.updating.parameterisation import MacroElement
-from modallab.updating.solve import CLOSE, Step, bounded_step
+from modallab.updating.solve import Step, at_bounds, bounded_step
 
 ASTRAY = 10.0  # times the differences at the start: beyond, the linear equations say nothing
 ROUNDING = 1e-6  # balanced differences below this are what eigenvalues of a good model scatter by
@@ -114,13 +114,12 @@ def iterate(fit: Fit, start: FloatArray, rule: StopRule, *, stage: str, progress
 
 
 def _step(fit: Fit, state: State, rule: StopRule) -> Step:
-    bounds = (fit.parameterisation.lower, fit.parameterisation.upper)
     return bounded_step(
         fit.sensitivity(state),
         state.difference,
         state.size,
         state.values,
-        bounds,
+        fit.parameterisation.bounds,
         max_step=rule.max_step,
         jump=rule.jump,
     )
@@ -128,7 +127,7 @@ def _step(fit: Fit, state: State, rule: StopRule) -> Step:
 
 def _moved(fit: Fit, state: State, step: Step, begun: float) -> State:
     try:
-        to = np.clip(state.values + step.parameters, fit.parameterisation.lower, fit.parameterisation.upper)
+        to = np.clip(state.values + step.parameters, *fit.parameterisation.bounds)
         after = fit.state(to)
     except (UnderdeterminedError, np.linalg.LinAlgError) as error:
         raise DivergedError(str(error)) from error
@@ -138,6 +137,5 @@ def _moved(fit: Fit, state: State, step: Step, begun: float) -> State:
 
 
 def _at_bounds(fit: Fit, state: State) -> str:
-    lower, upper = fit.parameterisation.lower, fit.parameterisation.upper
-    n = int(((state.values <= lower * CLOSE) | (state.values >= upper / CLOSE)).sum())
+    n = int(np.logical_or(*at_bounds(state.values, fit.parameterisation.bounds)).sum())
     return f"; {n} of {len(state.values)} coefficients rest on a bound" if n else ""

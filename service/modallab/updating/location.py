@@ -8,6 +8,7 @@ from modallab.core.arrays import FloatArray, frozen
 from modallab.updating.parameterisation import MacroElement, Parameterisation
 
 NOTICEABLE = 0.02  # a coefficient's move that is more than what location_tolerance leaves open
+NOTICEABLE_LOSS = 0.002  # the same of loss factors: as much less as their threshold is lower
 
 
 @dataclass(frozen=True, eq=False)
@@ -22,28 +23,40 @@ class Suspicion:
         object.__setattr__(self, "start", frozen(self.start, float, shape, name="start"))
 
 
-def suspicion(parameterisation: Parameterisation, values: FloatArray, threshold: float) -> Suspicion | None:
+def suspicion(
+    parameterisation: Parameterisation, values: FloatArray, threshold: float, damping_threshold: float = 0.008
+) -> Suspicion | None:
     """Return the members of every macro element whose coefficient moved beyond the threshold, if any.
 
     One wrong element moves a macro element of many by little. Where none moves beyond the threshold,
     those that moved at least half as far as the farthest are taken, if that one moved noticeably.
-    Coefficients of the others go back to 1 for stage two. 1992 thesis, section 3.3.
+    Loss factors have a threshold of their own and are judged among themselves. Coefficients of the
+    others go back to no change for stage two. 1992 thesis, sections 3.3 and 6.3.
 
     Parameters
     ----------
     values
         (n_macros,) where stage one ended.
     """
-    moved = np.abs(values - 1.0)
-    farthest = float(moved.max())
-    enough = threshold if farthest > threshold else max(farthest / 2, NOTICEABLE)
+    moved = np.abs(values - parameterisation.unchanged)
+    damping = parameterisation.damping
+    enough = np.where(
+        damping,
+        _enough(moved[damping], damping_threshold, NOTICEABLE_LOSS),
+        _enough(moved[~damping], threshold, NOTICEABLE),
+    )
     macros: list[MacroElement] = []
     start: list[float] = []
-    for macro, value, far in zip(parameterisation.macros, values, moved, strict=True):
-        if far > enough:
+    for macro, value, far in zip(parameterisation.macros, values, moved > enough, strict=True):
+        if far:
             macros += [MacroElement((number,), macro.part) for number in macro.members]
             start += [float(value)] * len(macro.members)
     if not macros:
         return None
     inside = Parameterisation(tuple(macros), parameterisation.lower, parameterisation.upper)
     return Suspicion(inside, np.array(start))
+
+
+def _enough(moved: FloatArray, threshold: float, noticeable: float) -> float:
+    farthest = float(moved.max(initial=0.0))
+    return threshold if farthest > threshold else max(farthest / 2, noticeable)

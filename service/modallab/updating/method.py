@@ -11,7 +11,7 @@ from modallab.core.progress import Progress, silent
 from modallab.core.registry import Family
 from modallab.fe.structure import Structure
 from modallab.updating.iteration import Iteration
-from modallab.updating.parameterisation import Parameterisation
+from modallab.updating.parameterisation import Parameterisation, Part
 
 
 @dataclass(frozen=True)
@@ -27,6 +27,13 @@ class UpdateOptions(Parameterised):
     )
     suspect_threshold: float = parameter(
         0.08, unit="-", lower=0.0, upper=10.0, doc="distance from 1 at which a macro element is suspected"
+    )
+    damping_threshold: float = parameter(
+        0.008,
+        unit="-",
+        lower=0.0,
+        upper=2.0,
+        doc="loss factor from which the damping of a macro element is suspected",
     )
     max_step: float = parameter(
         0.3, unit="-", lower=1e-3, upper=10.0, doc="largest change of a coefficient in one step of stage 2"
@@ -60,7 +67,7 @@ class Stages:
 
 @dataclass(frozen=True, eq=False)
 class UpdateResult:
-    """What an update found; coefficients are 1 where nothing is to be corrected."""
+    """What an update found; coefficients are 1 where nothing is to be corrected, 0 of damping."""
 
     structure: Structure  # the updated model
     coefficients: Mapping[str, Mapping[int, float]]  # by part and member
@@ -98,4 +105,14 @@ class Updater(Protocol):
         ...
 
 
-UPDATERS: Family[Updater] = Family("updating method", home="modallab.updating.methods")
+METHODS_HOME = "modallab.updating.methods"
+UPDATERS: Family[Updater] = Family("updating method", home=METHODS_HOME)
+# Parts that a method corrects where none are named, if these are not mass and stiffness.
+PARTS: Family[tuple[Part, ...]] = Family("updating method", home=METHODS_HOME)
+
+
+def parts_of(method: str) -> tuple[Part, ...]:
+    """Return the parts that a method corrects where none are named."""
+    if method in PARTS:
+        return PARTS[method]
+    return (Part.MASS, Part.STIFFNESS)

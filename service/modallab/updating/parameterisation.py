@@ -7,21 +7,29 @@ from itertools import pairwise
 
 import numpy as np
 
-from modallab.core.arrays import FloatArray
+from modallab.core.arrays import BoolArray, FloatArray
 from modallab.core.errors import InvalidInputError
 from modallab.fe.assembly import Coefficients
 from modallab.fe.structure import Member, Structure
 
 RUN_LENGTH = 4  # members in an automatic macro element, at most
+# Loss factors that may be added: on the way to a solution some pass below zero, and none is far above 1.
+LOSS_FACTORS = (-1.0, 2.0)
 
 
 class Part(StrEnum):
-    """The matrix of an element that a coefficient multiplies."""
+    """The matrix of an element that a coefficient multiplies; of damping, the loss factor added to it."""
 
     MASS = "mass"
     STIFFNESS = "stiffness"  # axial and bending together
     AXIAL = "axial"
     BENDING = "bending"
+    DAMPING = "damping"  # eta of D_e = eta K_e, beside what the element has: 0 = no change
+
+    @property
+    def unchanged(self) -> float:
+        """Coefficient that leaves the model as it is."""
+        return 0.0 if self is Part.DAMPING else 1.0
 
 
 @dataclass(frozen=True)
@@ -37,7 +45,9 @@ class MacroElement:
 
 @dataclass(frozen=True)
 class Parameterisation:
-    """The coefficients of an update, 1 where nothing is to be corrected.
+    """The coefficients of an update, 1 where nothing is to be corrected, 0 of damping.
+
+    The bounds are those of coefficients that multiply a matrix; loss factors have `LOSS_FACTORS`.
 
     Raises
     ------
@@ -77,6 +87,22 @@ class Parameterisation:
     def parts(self) -> tuple[Part, ...]:
         """The parts that have a coefficient, in the order they came."""
         return tuple(dict.fromkeys(macro.part for macro in self.macros))
+
+    @property
+    def damping(self) -> BoolArray:
+        """(n_macros,) True of coefficients that are loss factors."""
+        return np.array([macro.part is Part.DAMPING for macro in self.macros])
+
+    @property
+    def unchanged(self) -> FloatArray:
+        """(n_macros,) coefficients that leave the model as it is."""
+        return np.array([macro.part.unchanged for macro in self.macros])
+
+    @property
+    def bounds(self) -> tuple[FloatArray, FloatArray]:
+        """(n_macros,) each: lower and upper bound of every coefficient."""
+        least, most = LOSS_FACTORS
+        return np.where(self.damping, least, self.lower), np.where(self.damping, most, self.upper)
 
     def groups(self, structure: Structure) -> FloatArray:
         """Return (n_macros, n_members): 1 where a member belongs to a macro element.
@@ -124,6 +150,17 @@ def parameterise(
     return Parameterisation(macros, lower, upper)
 
 
+def refuse_loss_factors(parameterisation: Parameterisation) -> None:
+    """Raise `InvalidInputError` if real modes are to say what a loss factor is."""
+    if parameterisation.damping.any():
+        raise InvalidInputError(
+            "a method of real modes finds no damping",
+            field="parts",
+            value=Part.DAMPING.value,
+            allowed=", ".join(part for part in Part if part is not Part.DAMPING),
+        )
+
+
 def automatic_groups(structure: Structure) -> tuple[tuple[int, ...], ...]:
     """Return macro elements for a structure that nobody has divided.
 
@@ -164,6 +201,8 @@ def spread_over_members(
 ) -> Coefficients:
     """Return what multiplies each member's parts: the structure's own factors times the coefficients.
 
+    Loss factors are added to the structure's own.
+
     Parameters
     ----------
     groups
@@ -174,14 +213,18 @@ def spread_over_members(
         What the structure's members carry.
     """
     factors = {name: np.ones(groups.shape[1]) for name in ("mass", "axial", "bending")}
+    added = np.zeros(groups.shape[1])
     for macro, row, value in zip(parameterisation.macros, groups, values, strict=True):
+        if macro.part is Part.DAMPING:
+            added[row > 0] += value
+            continue
         for name in _matrices(macro.part):
             factors[name][row > 0] *= value
     return Coefficients(
         mass=base.mass * factors["mass"],
         axial=base.axial * factors["axial"],
         bending=base.bending * factors["bending"],
-        loss_factor=base.loss_factor,
+        loss_factor=base.loss_factor + added,
     )
 
 
@@ -192,9 +235,9 @@ def by_member(
     parts: Iterable[Part],
     members: Iterable[int] = (),
 ) -> dict[str, dict[int, float]]:
-    """Return values (n_macros,) by part and member number; 1 for the other `members` named."""
+    """Return values (n_macros,) by part and member number; no change for the other `members` named."""
     numbers = tuple(members)
-    table = {part.value: dict.fromkeys(numbers, 1.0) for part in parts}
+    table = {part.value: dict.fromkeys(numbers, part.unchanged) for part in parts}
     for macro, value in zip(parameterisation.macros, values, strict=True):
         table[macro.part.value].update(dict.fromkeys(macro.members, float(value)))
     return table

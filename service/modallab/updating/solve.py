@@ -4,9 +4,9 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from modallab.core.arrays import FloatArray
+from modallab.core.arrays import BoolArray, FloatArray
 
-CLOSE = 1 + 1e-9  # a coefficient this near its bound sits on it, but for rounding
+CLOSE = 1e-9  # a coefficient this near its bound, relative, sits on it but for rounding
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +59,7 @@ def bounded_step(
     difference: FloatArray,
     size: FloatArray,
     values: FloatArray,
-    bounds: tuple[float, float],
+    bounds: tuple[FloatArray | float, FloatArray | float],
     *,
     max_step: float,
     jump: float = 1e3,
@@ -76,14 +76,15 @@ def bounded_step(
     values
         (n_params,) where the parameters are.
     bounds
-        Lower and upper bound of every parameter.
+        Lower and upper bound, of each parameter (n_params,) or of all alike.
     """
     lower, upper = bounds
     free = np.ones(len(values), bool)
     while True:
         step = balanced_step(sensitivity * free, difference, size, jump=jump)
         moved = step.parameters * free  # a held one would move by a rounding error
-        out = ((values <= lower * CLOSE) & (moved < 0)) | ((values >= upper / CLOSE) & (moved > 0))
+        low, high = at_bounds(values, bounds)
+        out = (low & (moved < 0)) | (high & (moved > 0))
         leaving = free & out
         if not leaving.any():
             break
@@ -91,3 +92,11 @@ def bounded_step(
     room = np.minimum(np.where(moved > 0, upper - values, values - lower), max_step)
     share = np.divide(room, np.abs(moved), out=np.ones_like(moved), where=moved != 0).min(initial=1.0)
     return replace(step, parameters=moved * share, share=float(share))
+
+
+def at_bounds(
+    values: FloatArray, bounds: tuple[FloatArray | float, FloatArray | float]
+) -> tuple[BoolArray, BoolArray]:
+    """Return which parameters sit on their lower and which on their upper bound, (n_params,) each."""
+    lower, upper = bounds
+    return values <= lower + CLOSE * np.abs(lower), values >= upper - CLOSE * np.abs(upper)

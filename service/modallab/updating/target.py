@@ -1,4 +1,4 @@
-"""Measured modes as real modes of an undamped model can be held against them."""
+"""Measured modes as those of a model, undamped or damped, can be held against them."""
 
 from dataclasses import dataclass
 
@@ -9,45 +9,113 @@ from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.modal_model import ModalModel
 
+COMPLEX = 0.1  # share of a shape that is out of phase with the rest of it: beyond, no real mode stands for it
+
 
 @dataclass(frozen=True, eq=False)
-class RealModes:
-    """Undamped modes at some DoFs, and how far off they may be."""
+class TargetModes:
+    """Modes at some DoFs, and how far off they may be; complex arrays are those of damped modes."""
 
-    squares: FloatArray  # (n_modes,) omega_r^2, rad^2/s^2
-    shapes: FloatArray  # (n_dof, n_modes)
+    squares: FloatArray | ComplexArray  # (n_modes,) omega_r^2 (1 + i eta_r), rad^2/s^2
+    shapes: FloatArray | ComplexArray  # (n_dof, n_modes)
     dofs: tuple[Dof, ...]
     mass_normalised: bool
-    errors: FloatArray | None  # (n_modes * (1 + n_dof),) standard errors, eigenvalues over themselves first
+    # (n_rows,) standard errors: eigenvalues over their real part, then shapes; of damped modes the real
+    # parts of all and then the imaginary ones
+    errors: FloatArray | None
 
     def __post_init__(self) -> None:
-        n = len(self.squares)
-        object.__setattr__(self, "squares", frozen(self.squares, float, (None,), name="frequencies"))
-        object.__setattr__(self, "shapes", frozen(self.shapes, float, (len(self.dofs), n), name="shapes"))
+        n, kind = len(self.squares), complex if self.damped else float
+        object.__setattr__(self, "squares", frozen(self.squares, kind, (None,), name="frequencies"))
+        object.__setattr__(self, "shapes", frozen(self.shapes, kind, (len(self.dofs), n), name="shapes"))
         if self.errors is not None:
-            size = n * (1 + len(self.dofs))
-            object.__setattr__(self, "errors", frozen(self.errors, float, (size,), name="standard_errors"))
+            errors = frozen(self.errors, float, (self.n_rows,), name="standard_errors")
+            object.__setattr__(self, "errors", errors)
+
+    @property
+    def damped(self) -> bool:
+        """True of modes that have loss factors and phases."""
+        return np.iscomplexobj(self.squares)
+
+    @property
+    def n_rows(self) -> int:
+        """How many real numbers were measured."""
+        return len(self.squares) * (1 + len(self.dofs)) * (2 if self.damped else 1)
 
     @property
     def frequencies(self) -> FloatArray:
         """(n_modes,) Hz."""
-        return np.asarray(np.sqrt(self.squares) / (2 * np.pi))
+        return np.asarray(np.sqrt(self.squares.real) / (2 * np.pi))
+
+
+def _turned(shapes: ComplexArray) -> ComplexArray:
+    """Return shapes (n_dof, n_modes), each turned to be as real as it can be."""
+    return np.asarray(shapes * np.exp(-0.5j * np.angle((shapes**2).sum(axis=0))))
 
 
 def as_real(shapes: ComplexArray) -> FloatArray:
     """Return the real part of shapes (n_dof, n_modes), each turned first to be as real as it can be."""
-    turn = np.exp(-0.5j * np.angle((shapes**2).sum(axis=0)))
-    return np.asarray((shapes * turn).real)
+    return np.asarray(_turned(shapes).real)
 
 
-def real_modes(target: ModalModel) -> RealModes:
+def real_modes(target: ModalModel) -> TargetModes:
     """Return the real modes nearest to measured ones.
 
     Raises
     ------
     InvalidInputError
-        If there is no mode or DoF, a frequency is not above zero, or a shape is zero.
+        If there is no mode or DoF, a frequency is not above zero, or a shape is zero or far from real.
     """
+    _check(target)
+    shapes = as_real(target.shapes)
+    still = np.flatnonzero(~shapes.any(axis=0))
+    if still.size:
+        raise InvalidInputError("a shape is zero", field="shapes", value=int(still[0]) + 1, allowed="motion")
+    share = _out_of_phase(target)
+    if (share > COMPLEX).any():
+        worst = int(share.argmax())
+        raise InvalidInputError(
+            f"measured mode {worst + 1} is complex: {share[worst]:.0%} of it moves out of phase",
+            field="modes",
+            value=worst + 1,
+            allowed=f"up to {COMPLEX:.0%}: the method is one of real modes",
+        )
+    return TargetModes(
+        squares=(2 * np.pi * target.frequencies) ** 2,
+        shapes=shapes,
+        dofs=target.dofs,
+        mass_normalised=target.normalisation == "mass",
+        errors=_errors(target),
+    )
+
+
+def complex_modes(target: ModalModel) -> TargetModes:
+    """Return measured modes with their loss factors and phases.
+
+    Raises
+    ------
+    InvalidInputError
+        If there is no mode or DoF, a frequency is not above zero, a shape is zero, or the modes are those
+        of an undamped structure.
+    """
+    _check(target)
+    still = np.flatnonzero(~target.shapes.any(axis=0))
+    if still.size:
+        raise InvalidInputError("a shape is zero", field="shapes", value=int(still[0]) + 1, allowed="motion")
+    if not target.loss_factors.any() and not target.shapes.imag.any():
+        raise InvalidInputError(
+            "the modes are real, without a loss factor or a phase: nothing tells of damping",
+            field="loss_factors",
+            value=0.0,
+            allowed="modes of a damped structure; inverse_eigensensitivity takes real ones",
+        )
+    squares = np.array([mode.eigenvalue for mode in target.modes])
+    return TargetModes(
+        squares, target.shapes, target.dofs, target.normalisation == "mass", _damped_errors(target)
+    )
+
+
+def _check(target: ModalModel) -> None:
     if not target.modes or not target.dofs:
         raise InvalidInputError("the modal model is empty", field="modal_model", value=0, allowed=">= 1 mode")
     frequencies = target.frequencies
@@ -58,17 +126,14 @@ def real_modes(target: ModalModel) -> RealModes:
             value=float(frequencies.min()),
             allowed="> 0 Hz",
         )
-    shapes = as_real(target.shapes)
-    still = np.flatnonzero(~shapes.any(axis=0))
-    if still.size:
-        raise InvalidInputError("a shape is zero", field="shapes", value=int(still[0]) + 1, allowed="motion")
-    return RealModes(
-        squares=(2 * np.pi * frequencies) ** 2,
-        shapes=shapes,
-        dofs=target.dofs,
-        mass_normalised=target.normalisation == "mass",
-        errors=_errors(target),
-    )
+
+
+def _out_of_phase(target: ModalModel) -> FloatArray:
+    """Return the share of each shape that stays imaginary however it is turned, its own errors taken off."""
+    turned = _turned(target.shapes)
+    errors = [0.0 if mode.shape_errors is None else (mode.shape_errors**2).sum() for mode in target.modes]
+    aside = np.maximum((turned.imag**2).sum(axis=0) - np.array(errors), 0.0)
+    return np.asarray(np.sqrt(aside) / np.linalg.norm(turned, axis=0))
 
 
 def _errors(target: ModalModel) -> FloatArray | None:
@@ -85,3 +150,18 @@ def _errors(target: ModalModel) -> FloatArray | None:
         eigenvalues.append(2 * mode.standard_errors["frequency"] / mode.frequency)
         shapes.append(mode.shape_errors)
     return np.concatenate([np.array(eigenvalues), np.stack(shapes, axis=1).ravel()])
+
+
+def _damped_errors(target: ModalModel) -> FloatArray | None:
+    """Return the standard errors of all rows, real parts first, None unless every one is known.
+
+    Either part of a shape is as uncertain as its size.
+    """
+    real = _errors(target)
+    if real is None or not all("loss_factor" in mode.standard_errors for mode in target.modes):
+        return None
+    n = len(target.modes)
+    loss = np.array([mode.standard_errors["loss_factor"] for mode in target.modes])
+    # Im lambda = eta omega^2 moves with the frequency too
+    imaginary = np.hypot(loss, target.loss_factors * real[:n])
+    return np.concatenate([real, imaginary, real[n:]])

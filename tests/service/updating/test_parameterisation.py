@@ -62,6 +62,19 @@ def test_values_by_member_are_1_where_no_coefficient_is() -> None:
     assert table == {"mass": {1: 1.0, 2: 1.5, 3: 1.5}, "axial": {1: 1.0, 2: 1.0, 3: 1.0}}
 
 
+def test_a_coefficient_of_damping_is_added_to_the_loss_factor() -> None:
+    parameters = parameterise([(1, 2), (3,)], ("stiffness", "damping"), lower=0.5, upper=4.0)
+    values = np.array([2.0, 1.0, 0.1, -0.002])
+    spread = spread_over_members(parameters, parameters.groups(BEAM), values, coefficients_of(BEAM))
+    own = coefficients_of(BEAM).loss_factor[0]
+    np.testing.assert_allclose(spread.loss_factor[:4], own + np.array([0.1, 0.1, -0.002, 0.0]))
+    assert spread.axial[:3].tolist() == [2.0, 2.0, 1.0]
+    assert parameters.unchanged.tolist() == [1.0, 1.0, 0.0, 0.0]
+    assert [bound.tolist() for bound in parameters.bounds] == [[0.5, 0.5, -1.0, -1.0], [4.0, 4.0, 2.0, 2.0]]
+    table = by_member(parameters, values, parts=parameters.parts, members=(1, 4))
+    assert table["damping"] == {1: 0.1, 2: 0.1, 3: -0.002, 4: 0.0}
+
+
 MASS_1 = MacroElement((1,), Part.MASS)
 WRONG: dict[str, tuple[Callable[[], object], str]] = {
     "no macro element": (lambda: Parameterisation(()), "macros"),

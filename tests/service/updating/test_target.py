@@ -1,5 +1,6 @@
-"""Measured modes as real modes."""
+"""Measured modes as those of a model, undamped or damped."""
 
+from collections.abc import Callable
 from dataclasses import replace
 
 import numpy as np
@@ -10,7 +11,7 @@ from hypothesis import strategies as st
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.modal_model import ModalModel, Mode
-from modallab.updating.target import as_real, real_modes
+from modallab.updating.target import TargetModes, as_real, complex_modes, real_modes
 
 DOFS = (Dof(1, "Y"), Dof(2, "Y"), Dof(3, "Y"))
 SHAPE = np.array([1.0, -0.4, 0.2])
@@ -47,7 +48,59 @@ def test_errors_go_along_only_if_every_mode_states_them() -> None:
         (replace(MODEL, dofs=DOFS[:2]), "shapes"),
     ],
 )
-def test_modes_that_no_model_can_have_are_refused(model: ModalModel, field: str) -> None:
+@pytest.mark.parametrize("read", [real_modes, complex_modes])
+def test_modes_that_no_model_can_have_are_refused(
+    read: Callable[[ModalModel], TargetModes], model: ModalModel, field: str
+) -> None:
     with pytest.raises(InvalidInputError) as caught:
-        real_modes(model)
+        read(model)
     assert caught.value.context["field"] == field
+
+
+def lagging(share: float, errors: float | None = None) -> ModalModel:
+    """A shape of which a share is out of phase, its errors as large as told."""
+    aside = np.array([0.0, 1.0, 2.0]) / np.sqrt(5)  # at right angles to the shape: no turn takes any of it
+    shape = SHAPE + 1j * share / np.sqrt(1 - share**2) * np.linalg.norm(SHAPE) * aside
+    stated = None if errors is None else np.full(3, errors)
+    return replace(MODEL, modes=(replace(MODEL.modes[0], shape=shape, shape_errors=stated),))
+
+
+def test_complex_modes_are_no_real_ones() -> None:
+    real_modes(lagging(0.05))
+    with pytest.raises(InvalidInputError, match="mode 1 is complex: 30% of it moves out of phase") as caught:
+        real_modes(lagging(0.3))
+    assert caught.value.context["field"] == "modes"
+
+
+def test_what_its_own_errors_turn_a_shape_by_is_no_damping() -> None:
+    # 0.2 at each of three DoFs is as much as the imaginary part, 0.34 of a shape of length 1.1
+    real_modes(lagging(0.3, errors=0.2))
+
+
+def test_real_modes_are_no_complex_ones() -> None:
+    undamped = replace(MODEL, modes=(replace(MODEL.modes[0], loss_factor=0.0),))
+    with pytest.raises(InvalidInputError, match="the modes are real") as caught:
+        complex_modes(undamped)
+    assert caught.value.context["field"] == "loss_factors"
+    assert complex_modes(MODEL).damped  # a loss factor alone is damping too: in proportion to stiffness
+    assert not real_modes(undamped).damped
+
+
+def test_damped_modes_are_read_as_they_are() -> None:
+    found = complex_modes(lagging(0.3))
+    np.testing.assert_allclose(found.squares, (2 * np.pi * 20.0) ** 2 * (1 + 0.01j))
+    np.testing.assert_array_equal(found.shapes, lagging(0.3).shapes)
+    np.testing.assert_allclose(found.frequencies, [20.0])
+    assert found.n_rows == 2 * (1 + 3)
+
+
+def test_errors_of_damped_modes_need_those_of_loss_factors() -> None:
+    known = {"frequency": 0.1, "loss_factor": 0.002}
+    sure = replace(MODEL.modes[0], standard_errors=known, shape_errors=np.array([0.01, 0.02, 0.03]))
+    errors = complex_modes(replace(MODEL, modes=(sure,))).errors
+    assert errors is not None
+    # Im lambda / omega^2 = eta: its own error, and what eta = 0.01 makes of that of omega^2, 1 %
+    imaginary = np.hypot(0.002, 0.01 * 0.01)
+    np.testing.assert_allclose(errors, [0.01, 0.01, 0.02, 0.03, imaginary, 0.01, 0.02, 0.03])
+    unsure = replace(sure, standard_errors={"frequency": 0.1})
+    assert complex_modes(replace(MODEL, modes=(unsure,))).errors is None

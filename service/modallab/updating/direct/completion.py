@@ -13,9 +13,8 @@ from modallab.fe.expansion import FLAG, expand
 from modallab.fe.reduction import REDUCTIONS, pencil_modes, reduce, reduction_of
 from modallab.fe.system import DynamicSystem
 from modallab.updating.direct.method import EXPANSION, DirectOptions, DirectProblem
-from modallab.updating.target import as_real, real_modes
+from modallab.updating.target import real_modes
 
-COMPLEX = 0.1  # share of a shape that is out of phase with the rest of it: beyond, no real mode stands for it
 MOST = 1500  # DoFs, of full matrices of which four are kept: 72 MB
 # of the lowest measured omega^2: what moves more slowly is a rigid body but for rounding, and no partner
 RIGID = 1e-4
@@ -106,16 +105,6 @@ def _ordered(system: DynamicSystem, target: ModalModel) -> ModalModel:
         As `complete`.
     """
     modes = real_modes(target)
-    aside = np.linalg.norm(target.shapes, axis=0) ** 2 - np.linalg.norm(modes.shapes, axis=0) ** 2
-    share = np.sqrt(np.maximum(aside, 0.0)) / np.linalg.norm(target.shapes, axis=0)
-    if (share > COMPLEX).any():
-        worst = int(share.argmax())
-        raise InvalidInputError(
-            f"measured mode {worst + 1} is complex: {share[worst]:.0%} of it moves out of phase",
-            field="modes",
-            value=worst + 1,
-            allowed=f"up to {COMPLEX:.0%}: the method is one of real modes",
-        )
     rows = np.array([system.index(dof) for dof in target.dofs])
     if len(set(rows.tolist())) < len(rows):
         twice = next(dof for i, dof in enumerate(target.dofs) if rows[i] in rows[:i])
@@ -124,7 +113,7 @@ def _ordered(system: DynamicSystem, target: ModalModel) -> ModalModel:
         )
     order, by_frequency = np.argsort(rows), np.argsort(target.frequencies, kind="stable")
     signs = np.array([dof.sign for dof in target.dofs])[:, None]
-    shapes = (signs * as_real(target.shapes))[order]
+    shapes = (signs * modes.shapes)[order]
     return replace(
         target,
         modes=tuple(replace(target.modes[r], shape=shapes[:, r], shape_errors=None) for r in by_frequency),

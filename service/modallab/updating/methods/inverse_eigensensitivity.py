@@ -1,18 +1,12 @@
 """Inverse eigensensitivity in two stages: macro elements first, then the elements inside them."""
 
-import numpy as np
-
 from modallab.core.modal_model import ModalModel
-from modallab.core.progress import Progress, part, silent
-from modallab.fe.assembly import Assembly
+from modallab.core.progress import Progress, silent
 from modallab.fe.structure import Structure
-from modallab.updating.certainty import certainty
-from modallab.updating.fit import Fit, State
-from modallab.updating.iteration import Ending, Path, StopRule, iterate
-from modallab.updating.location import Suspicion, suspicion
-from modallab.updating.method import DEFAULTS, UPDATERS, Stages, UpdateOptions, UpdateResult
-from modallab.updating.parameterisation import Parameterisation, Part, by_member
+from modallab.updating.method import DEFAULTS, UPDATERS, UpdateOptions, UpdateResult
+from modallab.updating.parameterisation import Parameterisation
 from modallab.updating.target import real_modes
+from modallab.updating.two_stage import update_in_two_stages
 
 
 @UPDATERS.register("inverse_eigensensitivity")
@@ -44,55 +38,4 @@ def inverse_eigensensitivity(
     UnknownDofError
         If the structure lacks a measured DoF.
     """
-    measured, assembly = real_modes(target), Assembly(structure)
-    whole = Fit(assembly, parameterisation, measured, options.min_mac)
-    start = np.ones(len(parameterisation.macros))
-    before = whole.state(start)
-    rule = StopRule(options.location_tolerance, np.inf, options.max_iterations, options.rank_jump)
-    located = iterate(whole, start, rule, stage="location", progress=part(progress, 0.0, 0.5))
-    suspected = suspicion(parameterisation, located.final.values, options.suspect_threshold)
-    if located.ending is Ending.DIVERGED:
-        fit, path = whole, Path((), located.final, located.ending, located.why)
-    elif suspected is None:
-        fit, path = whole, Path((), before, located.ending, f"{located.why}; no macro element is suspected")
-    else:
-        fit = Fit(assembly, suspected.parameterisation, measured, options.min_mac)
-        rule = StopRule(options.tolerance, options.max_step, options.max_iterations, options.rank_jump)
-        path = iterate(fit, suspected.start, rule, stage="updating", progress=part(progress, 0.5, 1.0))
-    return _result(before, located, suspected, fit, path, parameterisation.parts, options.rank_jump)
-
-
-def _result(
-    before: State,
-    located: Path,
-    suspected: Suspicion | None,
-    fit: Fit,
-    path: Path,
-    parts: tuple[Part, ...],
-    jump: float,
-) -> UpdateResult:
-    final, moved = path.final, fit.parameterisation
-    sure = certainty(fit, final, jump=jump)
-    errors = None if path.ending is Ending.DIVERGED or suspected is None else sure.standard_errors
-    corrected = fit.structure(final.values)
-    numbers = [member.number for member in corrected.members]
-    return UpdateResult(
-        structure=corrected,
-        coefficients=by_member(moved, final.values, parts=parts, members=numbers),
-        standard_errors={} if errors is None else by_member(moved, errors, parts=parts),
-        suspected=_members(suspected, parts),
-        frequencies=Stages(
-            before.frequencies, located.final.frequencies, final.frequencies, fit.target.frequencies
-        ),
-        mac=Stages(before.mac, located.final.mac, final.mac),
-        history=located.history + path.history,
-        converged=path.converged,
-        stopped_because=path.why,
-        rank=sure.rank,
-        condition_number=sure.condition_number,
-    )
-
-
-def _members(suspected: Suspicion | None, parts: tuple[Part, ...]) -> dict[str, tuple[int, ...]]:
-    macros = () if suspected is None else suspected.parameterisation.macros
-    return {part.value: tuple(sorted(m.members[0] for m in macros if m.part is part)) for part in parts}
+    return update_in_two_stages(structure, parameterisation, real_modes(target), options, progress)

@@ -1,0 +1,85 @@
+"""Location, then updating: macro elements first, then the elements inside them."""
+
+import numpy as np
+
+from modallab.core.progress import Progress, part
+from modallab.fe.assembly import Assembly
+from modallab.fe.structure import Structure
+from modallab.updating.certainty import certainty
+from modallab.updating.fit import Fit, State
+from modallab.updating.iteration import Ending, Path, StopRule, iterate
+from modallab.updating.location import Suspicion, suspicion
+from modallab.updating.method import Stages, UpdateOptions, UpdateResult
+from modallab.updating.parameterisation import Parameterisation, Part, by_member
+from modallab.updating.target import TargetModes
+
+
+def update_in_two_stages(
+    structure: Structure,
+    parameterisation: Parameterisation,
+    measured: TargetModes,
+    options: UpdateOptions,
+    progress: Progress,
+) -> UpdateResult:
+    """Return the model corrected to the modes, and how it was found.
+
+    Stage one moves the coefficients of the macro elements until they stand still; those that end
+    away from no change are suspected. Stage two moves the elements inside them from where stage one
+    ended, all others back at no change. 1992 thesis, chapter 3.
+    """
+    assembly = Assembly(structure)
+    whole = Fit(assembly, parameterisation, measured, options.min_mac)
+    start = parameterisation.unchanged
+    before = whole.state(start)
+    rule = StopRule(options.location_tolerance, np.inf, options.max_iterations, options.rank_jump)
+    located = iterate(whole, start, rule, stage="location", progress=part(progress, 0.0, 0.5))
+    suspected = suspicion(
+        parameterisation, located.final.values, options.suspect_threshold, options.damping_threshold
+    )
+    if located.ending is Ending.DIVERGED:
+        fit, path = whole, Path((), located.final, located.ending, located.why)
+    elif suspected is None:
+        fit, path = whole, Path((), before, located.ending, f"{located.why}; no macro element is suspected")
+    else:
+        fit = Fit(assembly, suspected.parameterisation, measured, options.min_mac)
+        rule = StopRule(options.tolerance, options.max_step, options.max_iterations, options.rank_jump)
+        path = iterate(fit, suspected.start, rule, stage="updating", progress=part(progress, 0.5, 1.0))
+    return _result(before, located, suspected, fit, path, parameterisation.parts, options)
+
+
+def _result(
+    before: State,
+    located: Path,
+    suspected: Suspicion | None,
+    fit: Fit,
+    path: Path,
+    parts: tuple[Part, ...],
+    options: UpdateOptions,
+) -> UpdateResult:
+    final, moved = path.final, fit.parameterisation
+    sure = certainty(fit, final, jump=options.rank_jump)
+    errors = None if path.ending is Ending.DIVERGED or suspected is None else sure.standard_errors
+    corrected = fit.structure(final.values)
+    below = fit.losses_below_zero(final.values, options.tolerance)
+    note = f"; {below} loss factors came out below zero and are zero in the structure" if below else ""
+    numbers = [member.number for member in corrected.members]
+    return UpdateResult(
+        structure=corrected,
+        coefficients=by_member(moved, final.values, parts=parts, members=numbers),
+        standard_errors={} if errors is None else by_member(moved, errors, parts=parts),
+        suspected=_members(suspected, parts),
+        frequencies=Stages(
+            before.frequencies, located.final.frequencies, final.frequencies, fit.target.frequencies
+        ),
+        mac=Stages(before.mac, located.final.mac, final.mac),
+        history=located.history + path.history,
+        converged=path.converged,
+        stopped_because=path.why + note,
+        rank=sure.rank,
+        condition_number=sure.condition_number,
+    )
+
+
+def _members(suspected: Suspicion | None, parts: tuple[Part, ...]) -> dict[str, tuple[int, ...]]:
+    macros = () if suspected is None else suspected.parameterisation.macros
+    return {part.value: tuple(sorted(m.members[0] for m in macros if m.part is part)) for part in parts}
