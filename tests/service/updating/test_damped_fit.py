@@ -6,13 +6,19 @@ import numpy as np
 import pytest
 
 from modallab.core.arrays import FloatArray
+from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
-from modallab.fe.assembly import Assembly
+from modallab.core.modal_model import ModalModel, Mode
+from modallab.fe.assembly import Assembly, assemble
+from modallab.fe.beam import beam
 from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.changes import MemberChange, MemberProperty, change
-from modallab.fe.damping import Damping, ModalDamping, ViscousDamping
-from modallab.fe.structure import Structure
+from modallab.fe.damping import Damping, ModalDamping, StructuralDamping, ViscousDamping
+from modallab.fe.modes import modal_basis
+from modallab.fe.structure import Material, Section, Structure, Support
+from modallab.fe.system import SMALL
 from modallab.updating.fit import Fit
+from modallab.updating.iteration import StopRule, iterate
 from modallab.updating.parameterisation import Parameterisation, parameterise
 from modallab.updating.target import complex_modes, real_modes
 from tests.service.updating.cases import BAY, BAY_DOFS, BEAM, BEAM_DOFS, modes_of
@@ -119,3 +125,33 @@ def test_real_modes_are_not_asked_for_damping() -> None:
         Fit(Assembly(BAY), parameterise([(1, 2)], PARTS), target, 0.3)
     assert caught.value.context["field"] == "parts"
     assert caught.value.context["value"] == "damping"
+
+
+def test_a_large_structure_is_corrected_without_all_its_modes() -> None:
+    groups = [tuple(range(i, i + 13)) for i in range(1, 131, 13)]
+    long = beam(
+        length=1.5,
+        n_elements=130,
+        section=Section(5e-4, 4.1667e-9),
+        material=Material(2.09e11, 7800.0),
+        damping=StructuralDamping(),
+        supports=(Support(1, ("Y", "RZ")),),
+    )
+    assert len(long.dofs) >= SMALL
+    wrong = [
+        MemberChange(groups[4], MemberProperty.MODULUS, factor=1.5),
+        MemberChange(groups[1], MemberProperty.LOSS_FACTOR, value=0.05),
+    ]
+    truth = assemble(change(long, wrong))
+    exact = modal_basis(truth.mass, truth.stiffness, truth.damping, None, truth.rigid).elastic(8)
+    dofs = tuple(Dof(node, "Y") for node in range(5, 132, 5))
+    shapes = exact.shapes[[truth.index(dof) for dof in dofs]]
+    modes = map(Mode, exact.frequencies, exact.loss_factors, shapes.T)
+    parameters = parameterise(groups, ("stiffness", "damping"))
+    fit = Fit(Assembly(long), parameters, complex_modes(ModalModel(tuple(modes), dofs)), 0.3)
+    path = iterate(fit, parameters.unchanged, StopRule(1e-6, 0.3, 20, 1e6), stage="updating")
+    assert path.converged
+    expected = parameters.unchanged
+    expected[[4, 11]] = 1.5, 0.05
+    # what modes above eight times the measured range add to the coupling: 1.5e-4 here
+    np.testing.assert_allclose(path.final.values, expected, atol=3e-4)
