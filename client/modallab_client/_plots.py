@@ -177,10 +177,12 @@ def update(result: "Update") -> "Axes":
         shown = {part: {n: 1 + change for n, change in table.items()} for part, table in found_changes}
     width = 0.8 / max(1, len(shown))
     for i, (part, members) in enumerate(shown.items()):
+        unchanged = 0.0 if part == "damping" else 1.0
         errors = [result.standard_errors.get(part, {}).get(member, 0.0) for member in members]
         places = [member + i * width for member in members]
-        changes = [value - 1 for value in members.values()]
-        axes.bar(places, changes, width=width, bottom=1, yerr=errors, label=part)
+        changes = [value - unchanged for value in members.values()]
+        name = "damping: 1 + loss factor" if part == "damping" else part
+        axes.bar(places, changes, width=width, bottom=1, yerr=errors, label=name)
     axes.axhline(1.0, color="grey", linewidth=0.8)
     axes.set(xlabel="member", ylabel="coefficient (1 = no change)")
     axes.legend()

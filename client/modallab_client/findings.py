@@ -43,7 +43,10 @@ class Iteration:
 
 @dataclass(frozen=True, eq=False)
 class Update:
-    """A model brought closer to a test; coefficients multiply an element's matrix, 1 = no change."""
+    """A model brought closer to a test; coefficients multiply an element's matrix, 1 = no change.
+
+    Those of damping are loss factors added to an element's own, 0 = no change.
+    """
 
     id: str
     converged: bool

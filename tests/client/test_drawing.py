@@ -39,6 +39,15 @@ def test_a_measurement_shows_magnitude_over_coherence() -> None:
     np.testing.assert_array_equal(lower.lines[0].get_xdata(), [2.0, 4.0], "nothing moves at 0 Hz")
 
 
+def test_loss_factors_are_drawn_from_no_change_as_coefficients_are() -> None:
+    found = {**UPDATE, "coefficients": {"stiffness": {"11": 2.0}, "damping": {"11": 0.05}}}
+    axes = _wire_findings.update(found).plot()
+    bars = [bar for bar in axes.patches if isinstance(bar, Rectangle)]
+    np.testing.assert_allclose([bar.get_y() + bar.get_height() for bar in bars], [2.0, 1.05])
+    _, labels = axes.get_legend_handles_labels()
+    assert labels == ["stiffness", "damping: 1 + loss factor"]
+
+
 def lengths(axes: Any) -> list[float]:
     """Return where the bars of a drawing end."""
     return [bar.get_x() + bar.get_width() for bar in axes.patches if isinstance(bar, Rectangle)]

@@ -43,7 +43,8 @@ class Updates(Shelf):
         macros
             `auto`, or the member lists of the macro elements.
         parts
-            Of mass, stiffness, axial, bending, damping.
+            Of mass, stiffness, axial, bending, damping; left out: mass and stiffness, of a method of complex
+            modes damping too.
         lower, upper, max_iterations
             Bounds of every coefficient, 1 = no change; steps of each stage.
         completion, expansion, n_modes

@@ -8,7 +8,8 @@ from modallab.fe.reduction import REDUCTIONS
 from modallab.updating.direct.method import DIRECT_METHODS, EXPANSION, DirectOptions
 from modallab.updating.locating.method import LOCATORS
 from modallab.updating.locating.run import LocationOptions
-from modallab.updating.method import UPDATERS, UpdateOptions
+from modallab.updating.method import UPDATERS, UpdateOptions, parts_of
+from modallab.updating.parameterisation import Part
 
 DIRECT: Mapping[str, OptionSpec] = {
     "completion": OptionSpec(
@@ -34,7 +35,10 @@ def offered(method: str) -> Mapping[str, OptionSpec]:
         If there is no such method.
     """
     if method in UPDATERS:
-        return UpdateOptions.as_options()
+        options = UpdateOptions.as_options()
+        if Part.DAMPING not in parts_of(method):
+            del options["damping_threshold"]
+        return options
     if method in LOCATORS:
         return LocationOptions.as_options()
     if method in DIRECT_METHODS:

@@ -19,9 +19,15 @@ from modallab.updating.direct.result import DirectResult
 from modallab.updating.iteration import Iteration
 from modallab.updating.locating.method import LOCATORS, LocationResult
 from modallab.updating.locating.run import LocationOptions
-from modallab.updating.method import UPDATERS, Stages, UpdateOptions, UpdateResult
-from modallab.updating.offered import DIRECT
-from modallab.updating.parameterisation import Parameterisation, automatic_groups, parameterise
+from modallab.updating.method import UPDATERS, Stages, UpdateOptions, UpdateResult, parts_of
+from modallab.updating.offered import DIRECT, offered
+from modallab.updating.parameterisation import (
+    Parameterisation,
+    Part,
+    automatic_groups,
+    parameterise,
+    refuse_loss_factors,
+)
 
 METHODS = {**UPDATERS, **DIRECT_METHODS, **LOCATORS}
 Completion = Annotated[
@@ -32,18 +38,30 @@ Group = Annotated[list[Count], Field(min_length=1, max_length=5000)]
 
 
 class ParameterisationIn(Wire):
-    """Which coefficients may move: members in groups, parts of their matrices, bounds; 1 = no change."""
+    """Which coefficients may move: members in groups, parts of their matrices, bounds; 1 = no change.
+
+    A coefficient of damping is the loss factor added to a member's own: 0 = no change, bounds -1 and 2.
+    """
 
     macros: Literal["auto"] | Annotated[list[Group], Field(min_length=1, max_length=1000)] = "auto"
-    parts: list[Text] = Field(default=["mass", "stiffness"], min_length=1, max_length=5)
+    parts: list[Text] | None = Field(
+        default=None,
+        min_length=1,
+        max_length=5,
+        description="mass, stiffness, axial, bending, damping; left out: mass and stiffness, of a method of "
+        "complex modes damping too",
+    )
     lower: Number = 0.05
     upper: Number = 10.0
 
-    def to_domain(self, structure: Structure) -> Parameterisation:
-        """Return the parameterisation; `InvalidInputError` where the structure lacks a member."""
+    def to_domain(self, structure: Structure, method: str) -> Parameterisation:
+        """Return the parameterisation; `InvalidInputError` where structure or method have none such."""
         groups = automatic_groups(structure) if self.macros == "auto" else self.macros
-        chosen = parameterise(groups, self.parts, lower=self.lower, upper=self.upper)
+        usual = parts_of(method)
+        chosen = parameterise(groups, self.parts or usual, lower=self.lower, upper=self.upper)
         chosen.groups(structure)
+        if Part.DAMPING not in usual:
+            refuse_loss_factors(chosen)
         return chosen
 
 
@@ -54,6 +72,7 @@ class OptionsIn(Wire):
     location_tolerance: Number | None = None
     tolerance: Number | None = None
     suspect_threshold: Number | None = None
+    damping_threshold: Number | None = None
     max_step: Number | None = None
     rank_jump: Number | None = None
     min_mac: Number | None = None
@@ -63,10 +82,11 @@ class OptionsIn(Wire):
         default=None, ge=1, le=1000, description="lowest measured modes that a direct method uses"
     )
 
-    def to_domain(self) -> UpdateOptions:
+    def to_domain(self, method: str) -> UpdateOptions:
         """Return the options of a method that moves coefficients; `InvalidInputError` where one is wrong."""
         given = self.model_dump(exclude_none=True)
         _refuse(given.keys() & DIRECT.keys(), "a method that moves coefficients")
+        _refuse(given.keys() - offered(method).keys(), "a method of real modes")
         return UpdateOptions(**given)
 
     def to_location(self) -> LocationOptions:
@@ -131,15 +151,15 @@ class UpdateStart(Wire):
             _refuse(self.model_fields_set & {"parameterisation"}, "a direct method")
             return arguments | {"options": to_plain(self.options.to_direct())[0]}
         locating = self.method in LOCATORS
-        options = self.options.to_location() if locating else self.options.to_domain()
+        options = self.options.to_location() if locating else self.options.to_domain(self.method)
         return arguments | {
-            "parameterisation": to_plain(self.parameterisation.to_domain(structure))[0],
+            "parameterisation": to_plain(self.parameterisation.to_domain(structure, self.method))[0],
             "options": to_plain(options)[0],
         }
 
 
 class UpdateOut(EntryOut):
-    """How an update went; coefficients and errors by part and member, 1 = no change.
+    """How an update went; coefficients and errors by part and member, 1 = no change, 0 of damping.
 
     A direct method has none of these but `direct`, one that only locates none but `suspected` and `located`;
     neither makes a structure.
