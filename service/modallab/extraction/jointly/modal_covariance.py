@@ -5,8 +5,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
-from modallab.extraction.jointly.modal_basis import ModalBasis, all_columns, all_slopes
-from modallab.extraction.jointly.projection import Linear, Scaled, line_blocks
+from modallab.extraction.jointly.modal_basis import ModalBasis, all_columns
+from modallab.extraction.jointly.projection import (
+    Linear,
+    Scaled,
+    below_one_another,
+    columns_and_slopes,
+    line_blocks,
+)
 
 BY_CHANCE = 3.0  # standard deviations
 FRFS = 32  # whose influence is held at once
@@ -79,7 +85,7 @@ def _inverse(normal: FloatArray) -> FloatArray:
 
 def _misfit(lines: Scaled, linear: Linear, own: FloatArray, inverse: FloatArray) -> FloatArray:
     """Return the mean square residual over the variance, (n_frf,): of as many lines as are not used up."""
-    n_used = (lines.weight > 0).sum(axis=0)
+    n_used = (lines.weight > 0).sum(axis=0).reshape(len(own), -1).sum(axis=1)
     used_up = linear.coefficients.shape[1] + np.einsum("jpq,qp->j", own, inverse)
     return np.asarray(linear.misfit / np.maximum(n_used - used_up / 2, 1.0))
 
@@ -91,14 +97,19 @@ def _common_share(lines: Scaled, basis: ModalBasis, parameters: FloatArray, line
     variances v_i and v_j, and a common part k min(v), go together by `k min(v)/sqrt(v_i v_j)`.
     """
     together = alone = expected = alone_expected = 0.0
+    of_frf = lines.mixture(basis, parameters).coefficients(linear.coefficients).T
     for block in line_blocks(len(lines.omega), 8 * lines.response.shape[1]):
-        fitted = all_columns(basis, lines.rows(block), parameters, lines.beyond) @ linear.coefficients.T
-        weight = lines.weight[block]
+        own = all_columns(basis, lines.omega[block], parameters, lines.beyond) @ of_frf
+        # of several references: what the FRFs of one have in common
+        fitted, response = (
+            below_one_another(values, lines.n_references) for values in (own, lines.response[block])
+        )
+        weight = below_one_another(lines.weight[block], lines.n_references)
         exact = weight * np.abs(fitted) ** 2  # one over the relative variance
         near = np.sqrt(exact / np.maximum(exact.max(axis=1, keepdims=True), 1e-300))
         # a response's error is in proportion to the response: its phase is taken out
         turn = np.sqrt(weight) * fitted.conj() / np.maximum(np.abs(fitted), 1e-300)
-        score = near * turn * (lines.response[block] - fitted)
+        score = near * turn * (response - fitted)
         size = np.abs(score) ** 2
         together += float((np.abs(score.sum(axis=1)) ** 2 - size.sum(axis=1)).sum())
         alone += float(size.sum())
@@ -116,27 +127,37 @@ def _together(
     lines: Scaled, basis: ModalBasis, parameters: FloatArray, linear: Linear, c: FloatArray, wide: FloatArray
 ) -> FloatArray:
     """Return what errors common to all FRFs add to the normal matrix's covariance, for a share of 1."""
-    n_frf, n_parameters = c.shape[:2]
+    n_parameters = c.shape[1]
     # how the parameters' influence is made of columns and slopes
     make = np.concatenate([-linear.mixed @ c.swapaxes(1, 2), c.swapaxes(1, 2)], axis=1)
+    mix = lines.mixture(basis, parameters)
+    of_frf = mix.coefficients(linear.coefficients).T
+    influence = mix.influence(make)
     total = np.zeros((n_parameters, n_parameters))
     for block in line_blocks(len(lines.omega), 2 * FRFS * n_parameters):
-        columns = all_columns(basis, lines.rows(block), parameters, lines.beyond)
-        every = np.concatenate([columns, all_slopes(basis, lines.rows(block), parameters)], axis=1)
-        fitted = columns @ linear.coefficients.T
-        weight = lines.weight[block]
-        exact = weight * np.abs(fitted) ** 2
-        least = np.sqrt(0.5 / np.maximum(exact.max(axis=1), 1e-300)) * (exact.max(axis=1) > 0)
-        pull = weight * fitted * least[:, None] * np.sqrt(wide)
-        sum_over = np.zeros((len(every), n_parameters), complex)
-        for start in range(0, n_frf, FRFS):
-            some = slice(start, start + FRFS)
-            each = _influence(every, make[some]).conj() * pull[:, some, None]
-            sum_over += each.sum(axis=1)
-            flat = each.reshape(-1, n_parameters)
-            total -= _real_square(flat)
-        total += _real_square(sum_over)
+        every = columns_and_slopes(lines, basis, parameters, block)
+        fitted = every[:, : mix.n_each] @ of_frf
+        for k, made in enumerate(influence):
+            own = slice(k, None, lines.n_references)
+            total += _shared(every, made, fitted[:, own], lines.weight[block, own], wide)
     return total
+
+
+def _shared(
+    every: ComplexArray, make: FloatArray, fitted: ComplexArray, weight: FloatArray, wide: FloatArray
+) -> FloatArray:
+    """Return what the FRFs of one reference add to that at some lines; `make` (n_dof, n, n_parameters)."""
+    exact = weight * np.abs(fitted) ** 2
+    least = np.sqrt(0.5 / np.maximum(exact.max(axis=1), 1e-300)) * (exact.max(axis=1) > 0)
+    pull = weight * fitted * least[:, None] * np.sqrt(wide)
+    sum_over = np.zeros((len(every), make.shape[2]), complex)
+    total = np.zeros((make.shape[2], make.shape[2]))
+    for start in range(0, len(make), FRFS):
+        some = slice(start, start + FRFS)
+        each = _influence(every, make[some]).conj() * pull[:, some, None]
+        sum_over += each.sum(axis=1)
+        total -= _real_square(each.reshape(-1, make.shape[2]))
+    return np.asarray(total + _real_square(sum_over))
 
 
 def _influence(every: ComplexArray, make: FloatArray) -> ComplexArray:

@@ -6,7 +6,7 @@ from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.progress import Progress, silent
 from modallab.extraction.jointly.concluding import concluded
 from modallab.extraction.jointly.fitted import ModalFit
-from modallab.extraction.jointly.modal_basis import BASES, ModalBasis, Rows
+from modallab.extraction.jointly.modal_basis import BASES, ModalBasis
 from modallab.extraction.jointly.modal_covariance import turned, uncertainty
 from modallab.extraction.jointly.participating import Participating
 from modallab.extraction.jointly.projection import Linear, Scaled, scaled, solve_linear
@@ -124,7 +124,7 @@ def fitted_receptance(fit: ModalFit, freq: FloatArray, damping: Damping) -> Comp
     parameters = basis.parameters(fit.eigenvalue)
     parts = np.stack([fit.modal_constant.real, fit.modal_constant.imag], axis=2)
     coefficients = np.linalg.inv(basis.constant(parameters)) @ parts[..., None]
-    columns = basis.columns(Rows(omega, np.zeros(len(omega), int), 1), parameters).reshape(len(freq), -1)
+    columns = basis.columns(omega, parameters).reshape(len(freq), -1)
     modes = columns @ coefficients[..., 0].swapaxes(1, 2).reshape(-1, fit.modal_constant.shape[1])
     below, above = fit.residuals
     return np.asarray(modes + above - below / omega[:, None] ** 2, complex)

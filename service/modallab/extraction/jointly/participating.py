@@ -1,59 +1,15 @@
 """What one mode contributes to FRFs of several references: one shape, and how strongly each reaches it."""
 
-from collections.abc import Mapping
 from dataclasses import dataclass, replace
-from typing import Protocol
 
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray
-from modallab.extraction.jointly.modal_basis import BASES, ModalBasis, Rows
+from modallab.extraction.jointly.modal_basis import BASES, Law
 from modallab.extraction.options import Damping
 
 OF_POLE = 2  # parameters of a mode that place it; the others are its participation
 TURNED = np.array([[0.0, -1.0], [1.0, 0.0]])  # times i, in parts
-
-
-@dataclass(frozen=True, eq=False)
-class _Terms:
-    """A mode of shape psi and participation L gives `psi L p + conj(psi L) q`; all (n_rows, n_modes)."""
-
-    pole: ComplexArray  # p
-    mirror: ComplexArray  # q
-    pole_slopes: tuple[ComplexArray, ComplexArray]  # of p by the two parameters
-    mirror_slopes: tuple[ComplexArray, ComplexArray]
-
-
-class _Law(Protocol):
-    def __call__(self, omega: FloatArray, stiffness: FloatArray, damping: FloatArray) -> _Terms: ...
-
-
-def _structural(omega: FloatArray, stiffness: FloatArray, damping: FloatArray) -> _Terms:
-    """`p = 1/(lambda - omega^2)`, without a mirror."""
-    one = np.asarray(1 / (stiffness + 1j * damping - omega[:, None] ** 2), complex)
-    none = np.zeros_like(one)
-    return _Terms(one, none, (-(one**2), -1j * one**2), (none, none))
-
-
-def _viscous(omega: FloatArray, stiffness: FloatArray, damping: FloatArray) -> _Terms:
-    """`p = 1/((s - conj(s)) (i omega - s))`, q the same of conj(s), as `modal_basis.Viscous` has a mode."""
-    across = np.sqrt(np.maximum(stiffness - damping**2 / 4, np.finfo(float).tiny))
-    by_stiffness, by_damping = 0.5 / across, -damping / (4 * across)  # slopes of `across`
-
-    def of(pole: ComplexArray, side: int) -> tuple[ComplexArray, tuple[ComplexArray, ComplexArray]]:
-        gap = 1j * omega[:, None] - pole
-        one = 1 / (2j * side * across * gap)
-        slopes = (side * 1j * by_stiffness, -0.5 + side * 1j * by_damping)  # of the pole
-        own = (by_stiffness, by_damping)
-        first, second = (one * (s / gap - a / across) for s, a in zip(slopes, own, strict=True))
-        return one, (first, second)
-
-    pole, pole_slopes = of(-damping / 2 + 1j * across, 1)
-    mirror, mirror_slopes = of(-damping / 2 - 1j * across, -1)
-    return _Terms(pole, mirror, pole_slopes, mirror_slopes)
-
-
-_LAWS: Mapping[Damping, _Law] = {Damping.STRUCTURAL: _structural, Damping.VISCOUS: _viscous}
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,6 +22,11 @@ class Participating:
     damping: Damping
     pivot: IntArray  # (n_modes,) which reference
     n_references: int
+
+    @property
+    def turned(self) -> bool:
+        """As of the law."""
+        return self._law.turned
 
     @property
     def turn(self) -> FloatArray:
@@ -81,7 +42,7 @@ class Participating:
         return turn
 
     @property
-    def _law(self) -> ModalBasis:
+    def _law(self) -> Law:
         return BASES[self.damping]
 
     @property
@@ -116,24 +77,36 @@ class Participating:
         """Return (n_modes,) and the derivatives by the law's parameters, (n_modes, 2)."""
         return self._law.loss_factor(parameters[:, :OF_POLE])
 
-    def columns(self, rows: Rows, parameters: FloatArray) -> ComplexArray:
-        """Return (n_rows, n_modes, 2)."""
-        terms = self._terms(rows, parameters)
-        reach = self.participation(parameters).T[rows.reference]
-        return _pair(reach * terms.pole, reach.conj() * terms.mirror)
+    def columns(self, omega: FloatArray, parameters: FloatArray) -> ComplexArray:
+        """Return those of the law, (n_lines, n_modes, 2)."""
+        return self._law.columns(omega, parameters[:, :OF_POLE])
 
-    def slopes(self, rows: Rows, parameters: FloatArray) -> ComplexArray:
-        """Return (n_rows, n_modes, n_slopes)."""
-        terms = self._terms(rows, parameters)
-        reach = self.participation(parameters).T[rows.reference]
-        of_pole = [
-            _pair(reach * p, reach.conj() * q)
-            for p, q in zip(terms.pole_slopes, terms.mirror_slopes, strict=True)
-        ]
-        here = rows.reference[:, None, None] == self._free
-        both = _pair(terms.pole, terms.mirror)
-        of_reach = (here[..., None] * both[:, :, None]).reshape(*both.shape[:2], -1)
-        return np.concatenate([*of_pole, of_reach], axis=2)
+    def slopes(self, omega: FloatArray, parameters: FloatArray) -> ComplexArray:
+        """Return those of the law, (n_lines, n_modes, n_own)."""
+        return self._law.slopes(omega, parameters[:, :OF_POLE])
+
+    def mixing(self, parameters: FloatArray) -> FloatArray:
+        """Return (n_references, n_modes, 2 + n_own, 2 + n_slopes).
+
+        A mode of shape psi gives a reference `psi L`, and that its law's coefficients: a rotation of the
+        parts of psi, and the inverse of how the law makes modal constants of coefficients. The slopes by the
+        law's parameters are those of both; those by parts of an L are the columns, at that reference alone.
+        """
+        law, n_own = parameters[:, :OF_POLE], self._law.turn.shape[2]
+        unit = np.linalg.inv(self._law.constant(law)[:, 0])  # (n_modes, coefficient, part)
+        reach = self.constant(parameters).swapaxes(0, 1)  # (n_references, n_modes, part, part of psi)
+        shape = (self.n_references, len(parameters), 2 + n_own, 2 + self.turn.shape[2])
+        mixing = np.zeros(shape)
+        mixing[:, :, :2, :2] = unit @ reach
+        for p in range(OF_POLE):
+            of_law = np.zeros((len(parameters), 2 + n_own, 2))
+            of_law[:, :2] = -unit @ self._law.constant_by_pole(law)[:, p] @ unit
+            of_law[:, 2:] = self._law.turn[:, p].T @ unit
+            mixing[:, :, :, 2 + 2 * p : 4 + 2 * p] = of_law @ reach
+        modes = np.arange(len(parameters))
+        for n, free in enumerate(self._free.T):
+            mixing[free, modes, :2, 6 + 2 * n : 8 + 2 * n] = unit
+        return mixing
 
     def constant(self, parameters: FloatArray) -> FloatArray:
         """Return (n_modes, n_references, 2, 2)."""
@@ -148,11 +121,3 @@ class Participating:
         slopes[modes, self._free, OF_POLE + 2 * free] = np.eye(2)
         slopes[modes, self._free, OF_POLE + 1 + 2 * free] = TURNED
         return slopes
-
-    def _terms(self, rows: Rows, parameters: FloatArray) -> _Terms:
-        return _LAWS[self.damping](rows.omega, parameters[:, 0], parameters[:, 1])
-
-
-def _pair(pole: ComplexArray, mirror: ComplexArray) -> ComplexArray:
-    """Return what real and imaginary part of a shape multiply, (n_rows, n_modes, 2)."""
-    return np.stack([pole + mirror, 1j * (pole - mirror)], axis=2)
