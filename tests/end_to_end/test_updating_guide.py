@@ -63,3 +63,17 @@ def test_the_node_between_the_stiffer_members_is_named_first(names: dict[str, An
     # moments of the wrong members, at nodes 11 to 13, stand as forces around them; further off they die out
     far = [error for dof, error in errors.items() if abs(int(dof.split(":")[0]) - 12) > 4]
     assert max(far) < names["error"] / 10
+
+
+def test_lossy_members_are_found_with_the_stiffer_ones(names: dict[str, Any]) -> None:
+    update = names["update"]
+    assert update.converged
+    for part, unchanged, wrong in (
+        ("mass", 1.0, {}),
+        ("stiffness", 1.0, {12: 2.0, 13: 2.0, 31: 2.0}),
+        ("damping", 0.0, {1: 0.05, 2: 0.05}),
+    ):
+        for member, value in update.coefficients[part].items():
+            # exact modes: quadratic convergence below the tolerance of the last step, 1e-4
+            assert value == pytest.approx(wrong.get(member, unchanged), abs=1e-6)
+        assert set(wrong) <= set(update.suspected[part])
