@@ -91,7 +91,7 @@ def diagnose(
     candidates = Suspects(suspected(predictor, suspects), RULED_OUT if suspects is None else 0.0)
     path = search(predictor, start, candidates, max_effects=max_effects, progress=pulse)
     pulse(0.94, "writing down what was found")
-    explained = only_noise_left(predictor, path.fit.residual)
+    explained = only_noise_left(predictor, path.fit.residual, reach=None)
     steps = tuple(step(predictor, accepted, path.fit, explained=explained) for accepted in path.steps)
     verdict = _verdict(explained, steps)
     model, log_book = extended(structure, measurement.setup, path.fit.effects)

@@ -25,13 +25,15 @@ TOLD = 2.0  # standard errors of a gap on what was held out that an effect has t
 CHANCE = 3e-5  # probability below which a gap above 1 is not put down to chance: four standard errors
 
 
-def only_noise_left(predictor: Predictor, left: Residual, *, reach: int | None = None) -> bool:
+def only_noise_left(predictor: Predictor, left: Residual, *, reach: int | None = NEAR_LINES) -> bool:
     """Return whether every part of the gap is 1 within its scatter, fitted and held out alike.
 
     Parameters
     ----------
     reach
-        As `correlations`: with `NEAR_LINES` a gap has to be small to pass, and without it large to fail.
+        As `correlations`. Leakage may go together over all lines, but so does what is missing, above all
+        a level of noise: so a search takes lines for independent beyond a few, and goes on where a gap is
+        not small. None asks for a large one: what a verdict has to be sure of.
     """
     observed = predictor.observed
     for where in (observed.fitted, observed.kept):

@@ -8,7 +8,6 @@ from modallab.diagnosis.fitting.fit import Fit
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.searching.judging import (
     CONVINCING,
-    NEAR_LINES,
     improves,
     only_noise_left,
     temperature,
@@ -35,8 +34,7 @@ def search(
     start
         The fit without any effect.
     """
-    # Leakage may go together over all lines, but so does what is missing: that has to be looked for.
-    if only_noise_left(predictor, start.residual, reach=NEAR_LINES):
+    if only_noise_left(predictor, start.residual):
         return Path(start)
     progress(0.05, f"gap {start.residual.gap(predictor.observed.fitted):.3g}")
     first = trials(predictor, start, suspects, progress=part(progress, 0.05, 0.25))

@@ -14,6 +14,7 @@ from modallab.diagnosis.searching.search import convincing, search
 from modallab.diagnosis.searching.trials import Suspects
 from modallab.effects.extra_mass import ExtraMass
 from modallab.effects.polarity import Polarity
+from modallab.effects.response_noise import ResponseNoise
 from tests.diagnosing import drawn, model, rig
 
 MASS, TURNED = ExtraMass(Dof(4, "Y"), 0.02), Polarity(Channels((Dof(5, "Y"),)))
@@ -43,3 +44,13 @@ def test_a_search_goes_on_past_what_is_not_convincing(
     monkeypatch.setattr(module, "trials", lambda *_, **__: found)
     path = search(predictor, fit(predictor, ()), Suspects([]), max_effects=1, progress=silent)
     assert [step.kind_and_place for step in path.steps] == [name_of(MASS)]
+
+
+def test_noise_beside_something_larger_is_no_leakage() -> None:
+    # A little more noise than declared goes together over all lines, as leakage does.
+    hidden = (MASS, ResponseNoise(ratio=1.5e-3))
+    test = drawn(rig(kind="random", window="hann", noise=1e-2), hidden, seed=5)
+    predictor = Predictor(model(), test.setup, observe(test, (Dof(7, "Y"),), fraction=0.25))
+    suspects = Suspects([ExtraMass(MASS.at), ResponseNoise()])
+    path = search(predictor, fit(predictor, ()), suspects, max_effects=3, progress=silent)
+    assert {step.kind_and_place for step in path.steps} == {name_of(one) for one in hidden}
