@@ -12,6 +12,7 @@ from modallab.core.errors import NoModeInBandError
 from modallab.core.modal_model import ModalModel
 from modallab.core.progress import Progress, part, silent
 from modallab.extraction.collating.collated_words import wander_notes
+from modallab.extraction.collating.doubled import with_doubled_flags
 from modallab.extraction.collating.law_flag import with_law_flags
 from modallab.extraction.collating.resynthesis import with_resynthesis
 from modallab.extraction.jointly.beyond import poles_beyond
@@ -103,6 +104,7 @@ def extract_globally(
         "range": _said(responses.freq, ranges, bands),
     }
     model = modal_model(fits, responses, method=method, n_modes=n_modes, choices=choices)
+    model = with_doubled_flags(model, alone)
     model = replace(model, notes=(*_not_of_one_structure(alone), *model.notes))
     return with_resynthesis(
         with_law_flags(model, responses, options),
@@ -205,8 +207,8 @@ def _not_of_one_structure(alone: ModalModel | None) -> Iterator[str]:
     yield f"a global method takes all FRFs to be of one structure, and these are not: {cause}"
     followers = ", ".join(name for name, traits in TRAITS.items() if traits.exact)
     yield (
-        "modes may be split or doubled here; methods that fit each FRF by itself follow them and tell how "
-        f"far they move: {followers}"
+        "modes may be split or doubled here (flags say so where a cause is found); methods that fit each FRF "
+        f"by itself follow them and tell how far they move: {followers}"
     )
 
 
