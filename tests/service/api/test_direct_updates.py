@@ -172,6 +172,19 @@ def test_members_are_suspected_by_one_step(service: Any, beam: str, sparse: str,
     assert reply.json()["context"]["field"] == "max_step"
 
 
+def test_a_method_that_keeps_the_members_has_coefficients_of_each(service: Any, beam: str, full: str) -> None:
+    found = run(service, beam, full, "eigendynamic_constraint")
+    assert found["converged"]
+    assert found["structure_id"] is None
+    expected = [1.5 if n in (11, 12) else 1.0 for n in range(1, 21)]
+    # exact shapes: only rounding is left
+    np.testing.assert_allclose(
+        [found["coefficients"]["stiffness"][str(n)] for n in range(1, 21)], expected, rtol=1e-6
+    )
+    np.testing.assert_allclose(list(found["coefficients"]["mass"].values()), 1.0, rtol=1e-6)
+    assert found["direct"]["connectivity_loss"] == {"mass": 0.0, "stiffness": 0.0}
+
+
 def test_direct_methods_are_in_the_catalogue(service: Any) -> None:
     found = service.get("/v1/catalog/updating-methods")
     kinds = {one["kind"]: one["summary"] for one in found}
@@ -179,7 +192,7 @@ def test_direct_methods_are_in_the_catalogue(service: Any) -> None:
     assert options["baruch"] == {"completion", "expansion", "n_modes"}
     assert options["zhang_subspace"] == {"suspect_threshold", "rank_jump", "min_mac"}
     for method in (
-        *("baruch", "berman_nagy", "error_matrix", "modified_error_matrix"),
+        *("baruch", "berman_nagy", "eigendynamic_constraint", "error_matrix", "modified_error_matrix"),
         *("zhang_sensitivity", "zhang_subspace"),
     ):
         assert kinds[method]

@@ -81,7 +81,7 @@ def _ranked(result: DirectResult, matrix: str) -> list[DofErrorOut]:
 
 
 def direct_fields(result: DirectResult) -> dict[str, Any]:
-    """Return the fields of an update's reply; those of coefficients are empty."""
+    """Return the fields of an update's reply; coefficients only of a method that keeps the members."""
     modes = result.modes
     if result.corrects:
         ended = "solved at once, without iteration"
@@ -93,7 +93,7 @@ def direct_fields(result: DirectResult) -> dict[str, Any]:
         "converged": result.converged,
         "stopped_because": ended,
         "iterations": {},
-        "coefficients": {},
+        "coefficients": {part: dict(table) for part, table in result.coefficients.items()},
         "standard_errors": {},
         "suspected": {},
         "frequencies": {

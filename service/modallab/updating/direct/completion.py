@@ -12,7 +12,7 @@ from modallab.correlation.mac import mac, pair_modes
 from modallab.fe.expansion import FLAG, expand
 from modallab.fe.reduction import REDUCTIONS, pencil_modes, reduce, reduction_of
 from modallab.fe.system import DynamicSystem
-from modallab.updating.direct.method import EXPANSION, DirectOptions, DirectProblem
+from modallab.updating.direct.method import EXPANSION, DirectOptions, DirectProblem, Elements
 from modallab.updating.target import real_modes
 
 MOST = 1500  # DoFs, of full matrices of which four are kept: 72 MB
@@ -32,6 +32,7 @@ class Completed:
     squares: FloatArray  # (n_measured,) rad^2/s^2
     how: str  # shapes and DoFs came to fit, in words
     notes: tuple[str, ...]
+    elements: Elements | None = None
 
     def problem(self, n_modes: int) -> DirectProblem:
         """Return what a method is given: the lowest `n_modes` measured modes, paired with the model's.
@@ -66,6 +67,7 @@ class Completed:
             partners=candidates[chosen],
             mac=table[np.arange(n_modes), chosen],
             n_rigid_body=n_rigid_body,
+            elements=self.elements,
         )
 
 
@@ -89,11 +91,20 @@ def complete(system: DynamicSystem, target: ModalModel, options: DirectOptions) 
         found = _expanded(system, measured, options)
     else:
         found = _reduced(system, measured, options)
+    if found.pattern is not None:
+        found = replace(found, elements=_elements(system))
     if target.normalisation == "mass":
         return found
     sizes = np.sqrt(np.einsum("ir,ij,jr->r", found.shapes, found.mass, found.shapes))
     note = "measured shapes had no scale: they were given that of the model's mass"
     return replace(found, shapes=found.shapes / sizes, notes=(*found.notes, note))
+
+
+def _elements(system: DynamicSystem) -> Elements | None:
+    table = system.members
+    if table is None:
+        return None
+    return Elements(table.numbers, table.rows, table.mass, table.axial + table.bending)
 
 
 def _ordered(system: DynamicSystem, target: ModalModel) -> ModalModel:

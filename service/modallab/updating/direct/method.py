@@ -14,6 +14,29 @@ from modallab.fe.reduction import REDUCTIONS, reduction_of
 
 
 @dataclass(frozen=True, eq=False)
+class Elements:
+    """The matrices that a model is the sum of, member by member, beside what belongs to none."""
+
+    numbers: tuple[int, ...]  # of the members
+    rows: IntArray  # (n_members, 6) place in the model's matrices, -1 where a DoF is held
+    mass: FloatArray  # (n_members, 6, 6) kg
+    stiffness: FloatArray  # (n_members, 6, 6) N/m
+
+    def times(self, matrices: FloatArray, shapes: FloatArray) -> FloatArray:
+        """Return each member's matrix (n_members, 6, 6) times shapes (n, m), (n_members, n, m)."""
+        out = np.zeros((len(self.numbers), len(shapes) + 1, shapes.shape[1]))
+        local = np.vstack([shapes, np.zeros(shapes.shape[1])])[self.rows]  # the last row is held: -1
+        out[np.arange(len(self.numbers))[:, None], self.rows] = matrices @ local
+        return out[:, :-1]
+
+    def sum(self, matrices: FloatArray, n: int) -> FloatArray:
+        """Return the (n, n) sum of members' matrices (n_members, 6, 6)."""
+        out = np.zeros((n + 1, n + 1))
+        np.add.at(out, (self.rows[:, :, None], self.rows[:, None, :]), matrices)
+        return out[:-1, :-1]
+
+
+@dataclass(frozen=True, eq=False)
 class DirectProblem:
     """A model's matrices and measured modes at the same degrees of freedom."""
 
@@ -27,6 +50,7 @@ class DirectProblem:
     partners: IntArray  # (m,) which of the model's modes each measured one pairs with
     mac: FloatArray  # (m,) of these pairs
     n_rigid_body: int  # of the model's modes, the first
+    elements: Elements | None = None  # None of a reduced model, and of matrices without members
 
     def __post_init__(self) -> None:
         n, m, k = len(self.dofs), len(self.squares), len(self.model_squares)
@@ -51,6 +75,8 @@ class Correction:
     mass: FloatArray  # (n, n) kg
     stiffness: FloatArray  # (n, n) N/m
     changed: tuple[str, ...] = ("mass", "stiffness")  # those that are not the model's own
+    # by part and member, 1 = no change; of methods that keep the members
+    coefficients: Mapping[str, Mapping[int, float]] = field(default_factory=dict)
 
 
 @dataclass(frozen=True, eq=False)

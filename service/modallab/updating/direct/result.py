@@ -62,6 +62,8 @@ class DirectResult:
     others: OtherModes | None  # None where nothing was corrected
     reproduced: float | None  # largest relative error of a used frequency, or 1 - MAC
     notes: tuple[str, ...] = field(default=())
+    # by part and member, 1 = no change; of methods that keep the members
+    coefficients: Mapping[str, Mapping[int, float]] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
         n = len(self.dofs)

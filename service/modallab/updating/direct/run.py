@@ -117,6 +117,7 @@ def _corrected(method: str, ready: Completed, problem: DirectProblem, found: Cor
         others=_others(problem, found, squares, shapes),
         reproduced=float(max(off, 1 - mac_after[:n].min())),
         notes=ready.notes,
+        coefficients=found.coefficients,
     )
 
 
