@@ -66,12 +66,17 @@ def one(number: int, seed: int, which: str, ask: Ask) -> dict[str, Any]:
 
 @cache
 def revision() -> str:
-    """Return which commit runs, empty where it is not known."""
-    here = ["git", "-C", str(Path(__file__).parent), "describe", "--always", "--dirty"]
+    """Return which commit runs, and whether with other code; empty where it is not known."""
+    git = ["git", "-C", str(Path(__file__).parent.parent)]
+    code = ["status", "--porcelain", "--", "*.py", "pyproject.toml", "requirements.lock"]
     try:
-        return subprocess.run(here, capture_output=True, text=True, check=True).stdout.strip()
+        commit, changed = (
+            subprocess.run([*git, *asked], capture_output=True, text=True, check=True).stdout.strip()
+            for asked in (["describe", "--always"], code)
+        )
     except (OSError, subprocess.CalledProcessError):
         return ""
+    return f"{commit}-dirty" if changed else commit
 
 
 def numbers(text: str) -> list[int]:
