@@ -32,12 +32,13 @@ def test_below_the_threshold_the_farthest_is_suspected_if_it_moved_at_all() -> N
 
 def test_loss_factors_are_judged_among_themselves() -> None:
     both = parameterise([(1, 2), (3, 4)], ("stiffness", "damping"))
-    found = suspicion(both, np.array([1.5, 1.0, 0.01, 0.002]), 0.08, 0.008)
+    found = suspicion(both, np.array([1.5, 1.0, 0.02, 0.009]), 0.08, 0.008)
     assert found is not None
     assert [str(macro) for macro in found.parameterisation.macros] == [
-        *("stiffness of 1", "stiffness of 2", "damping of 1", "damping of 2")
+        *("stiffness of 1", "stiffness of 2"),
+        *("damping of 1", "damping of 2", "damping of 3", "damping of 4"),
     ]
-    np.testing.assert_array_equal(found.start, [1.5, 1.5, 0.01, 0.01])
+    np.testing.assert_array_equal(found.start, [1.5, 1.5, 0.02, 0.02, 0.009, 0.009])
     # below both thresholds: what moved farthest, in either kind, if at all
     slight = suspicion(both, np.array([1.0, 1.01, 0.003, -0.004]), 0.08, 0.008)
     assert slight is not None
