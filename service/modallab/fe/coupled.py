@@ -3,7 +3,7 @@
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
-from modallab.fe.rebuilding import kept
+from modallab.fe.keeping import kept
 
 CLOSE = 0.1  # coupling over a mode's own dynamic stiffness above which modes are solved for together
 EXACT = 1e-11  # of the modal force, that a solution leaves of it

@@ -12,9 +12,9 @@ from scipy.sparse.linalg import LinearOperator, eigsh, splu
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.errors import InvalidInputError
 from modallab.fe.coupled import CoupledModes
+from modallab.fe.keeping import kept
 from modallab.fe.losses import Losses
 from modallab.fe.modal_damping import ModalLoss
-from modallab.fe.rebuilding import kept
 from modallab.fe.remainder import Remainder
 
 COUPLED = 1e-9  # off-diagonal modal damping, relative to the diagonal, above which modes turn complex

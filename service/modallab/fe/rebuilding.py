@@ -1,26 +1,11 @@
-"""Matrices of a system whose members are others, and keeping the latest of them."""
-
-from collections.abc import Callable
-from typing import TypeVar
+"""Matrices of a system whose members are others."""
 
 import numpy as np
 from scipy.sparse import csc_array
 
 from modallab.fe.member_table import MemberTable
 
-T = TypeVar("T")
-KEPT = 16  # variants with other matrices that are kept
 ROUNDING = 1e-12  # relative, of a sum over members
-
-
-def kept(shared: dict[str, object], name: str, key: object, make: Callable[[], T], most: int = KEPT) -> T:
-    """Return what was made for a key before, or else make it; the latest few of a name are kept."""
-    variants: dict[object, T] = shared.setdefault(name, {})  # type: ignore[assignment]
-    found = variants.pop(key) if key in variants else make()
-    variants[key] = found  # behind all others: the first one is what was not asked for longest
-    if len(variants) > most:
-        del variants[next(iter(variants))]
-    return found
 
 
 def grounded(shared: dict[str, object], stiffness: csc_array, table: MemberTable) -> bool:

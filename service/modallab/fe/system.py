@@ -13,11 +13,12 @@ from modallab.core.errors import InvalidInputError, UnknownDofError
 from modallab.fe.alteration import Alteration
 from modallab.fe.attachment import Attachment, block_diagonal, carried, grown, motions, with_added
 from modallab.fe.damping import ViscousDamping
+from modallab.fe.keeping import kept
 from modallab.fe.loaded import half_power, loaded_modes, only_loads
 from modallab.fe.member_table import MemberTable
 from modallab.fe.modal_damping import ModalLoss
 from modallab.fe.modes import ModalBasis, undamped_basis
-from modallab.fe.rebuilding import grounded, kept, rebuilt
+from modallab.fe.rebuilding import grounded, rebuilt
 
 MODAL_BAND = 2e3  # Hz, of modes of a large structure that modal damping is written out for
 MASSES = 256  # masses at nodes that are kept

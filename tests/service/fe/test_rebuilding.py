@@ -1,4 +1,4 @@
-"""Systems whose members are others: what need not be solved for again, and what is kept."""
+"""Systems whose members are others: what need not be solved for again."""
 
 from dataclasses import replace
 
@@ -11,7 +11,6 @@ from modallab.fe.beam import beam
 from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.changes import GroundStiffness, MemberChange, MemberProperty, change
 from modallab.fe.damping import ModalDamping, StructuralDamping
-from modallab.fe.rebuilding import KEPT, kept
 from modallab.fe.receptance import direct_receptance, receptance
 from modallab.fe.structure import Material, Section, Structure
 from modallab.fe.system import SMALL
@@ -80,26 +79,3 @@ def test_modal_damping_is_of_the_bare_structure_whatever_hangs_on_it() -> None:
     for found in (receptance(loaded, FREQ, pick, pick), direct_receptance(loaded, FREQ, pick, pick)):
         np.testing.assert_allclose(found, exact, rtol=1e-7)
     np.testing.assert_allclose(bare.resonances(800.0)[1][:3], (etas * basis.frequencies)[:3] / 2, rtol=1e-9)
-
-
-def test_the_latest_few_are_kept() -> None:
-    shared: dict[str, object] = {}
-    made: list[int] = []
-
-    def ask(key: int) -> int:
-        def make() -> int:
-            made.append(key)
-            return key
-
-        return kept(shared, "numbers", key, make)
-
-    for key in range(KEPT):
-        assert ask(key) == key
-    for key in range(KEPT):
-        ask(key)
-    assert made == list(range(KEPT))  # none twice
-    ask(0), ask(KEPT)  # 1 is now what was not asked for longest
-    ask(0)
-    assert made == list(range(KEPT + 1))
-    ask(1)
-    assert made[-1] == 1

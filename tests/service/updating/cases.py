@@ -5,10 +5,12 @@ import numpy as np
 from modallab.core.dof import Dof
 from modallab.core.modal_model import ModalModel
 from modallab.fe.assembly import assemble
+from modallab.fe.beam import beam
 from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.changes import MemberChange, MemberProperty, change
+from modallab.fe.damping import StructuralDamping
 from modallab.fe.selected import ModeNoise, synthetic_modes
-from modallab.fe.structure import Structure
+from modallab.fe.structure import Material, Section, Structure, Support
 
 BEAM, BAY = STRUCTURES["chapter-5-beam"](), STRUCTURES["bay"]()
 BEAM_DOFS = tuple(Dof(node, "Y") for node in range(1, 22, 2))
@@ -28,6 +30,18 @@ WRONG_BAY = change(
         MemberChange((12, 13, 31), MemberProperty.MODULUS, factor=2.0),
     ],
 )
+
+
+def long_cantilever() -> Structure:
+    """Return a cantilever whose modes are not all worked out: 390 degrees of freedom."""
+    return beam(
+        length=1.5,
+        n_elements=130,
+        section=Section(5e-4, 4.1667e-9),
+        material=Material(2.09e11, 7800.0),
+        damping=StructuralDamping(),
+        supports=(Support(1, ("Y", "RZ")),),
+    )
 
 
 def modes_of(

@@ -8,14 +8,13 @@ import pytest
 from modallab.core.arrays import IntArray
 from modallab.core.dof import Dof
 from modallab.fe.assembly import Assembly, coefficients_of
-from modallab.fe.beam import beam
 from modallab.fe.catalogued import STRUCTURES
-from modallab.fe.damping import StructuralDamping
 from modallab.fe.modes import modal_basis
-from modallab.fe.structure import Material, Section, Structure, Support
+from modallab.fe.structure import Structure
 from modallab.fe.system import SMALL
 from modallab.updating.parameterisation import Parameterisation, Part, parameterise
 from modallab.updating.sensitivity import Derivatives, derivatives, part_matrices
+from tests.service.updating.cases import long_cantilever
 
 
 def found(
@@ -102,14 +101,7 @@ def test_coefficients_that_members_carry_scale_their_derivatives() -> None:
 
 
 def test_a_large_structure_is_differentiated_without_all_its_modes() -> None:
-    structure = beam(
-        length=1.5,
-        n_elements=130,
-        section=Section(5e-4, 4.1667e-9),
-        material=Material(2.09e11, 7800.0),
-        damping=StructuralDamping(),
-        supports=(Support(1, ("Y", "RZ")),),
-    )
+    structure = long_cantilever()
     assert len(structure.dofs) >= SMALL
     parameters, modes = parameterise([tuple(range(1, 14)), tuple(range(60, 80))]), np.array([0, 1, 2])
     dofs = (Dof(40, "Y"), Dof(131, "Y"))
