@@ -131,6 +131,16 @@ def test_noise_moves_modes_by_their_standard_errors(plain_beam: Beam, freq: np.n
     assert np.sqrt(np.mean(np.square(scored))) == pytest.approx(1.0, abs=0.2)
 
 
+@pytest.mark.parametrize("noisy", [True, False])
+def test_one_frf_alone_gives_its_modes(noisy: bool, plain_beam: Beam, freq: np.ndarray) -> None:
+    frf, coherence = noise_of(plain_beam.frf(freq), 1, averages=1e4)
+    values = frf.values if noisy else plain_beam.frf(freq).values
+    driven = FrfSet(freq, values[:, :1], frf.outputs[:1], frf.inputs, frf.kind)
+    model = extract(driven, coherence=coherence[:, :1] if noisy else None, averages=1e4, method=METHOD)
+    # random error is 0.07 % of a line: a tenth of a bandwidth of the narrowest mode would be 1e-3
+    np.testing.assert_allclose(model.frequencies, plain_beam.frequencies[:, 0], rtol=1e-4)
+
+
 def test_progress_rises_in_parts_none_of_which_is_most(plain_beam: Beam, freq: np.ndarray) -> None:
     said = []
     frf, coherence = noise_of(plain_beam.frf(freq), 3, averages=100)

@@ -96,6 +96,8 @@ def _common_share(lines: Scaled, basis: ModalBasis, parameters: FloatArray, line
     Least squares over all pairs of FRFs at all lines: standardised residuals of two FRFs with relative
     variances v_i and v_j, and a common part k min(v), go together by `k min(v)/sqrt(v_i v_j)`.
     """
+    if lines.response.shape[1] == lines.n_references:
+        return 0.0  # of one DoF no FRF has another beside it
     together = alone = expected = alone_expected = 0.0
     of_frf = lines.mixture(basis, parameters).coefficients(linear.coefficients).T
     for block in line_blocks(len(lines.omega), 8 * lines.response.shape[1]):
@@ -117,7 +119,7 @@ def _common_share(lines: Scaled, basis: ModalBasis, parameters: FloatArray, line
         expected += float((near2.sum(axis=1) ** 2 - (near2**2).sum(axis=1)).sum())
         alone_expected += float(near2.sum())
     # FRFs that share nothing go together by chance, by a standard deviation of the root of `expected`
-    if not alone > 0 or together < BY_CHANCE * np.sqrt(expected):
+    if not (alone > 0 and expected > 0) or together < BY_CHANCE * np.sqrt(expected):
         return 0.0
     # what the fit has used up of residuals, and what they exceed their variance by, is in both sums
     return float(np.clip(together / expected * alone_expected / alone, 0.0, 1.0))
