@@ -164,8 +164,7 @@ def report() -> str:
     parts = [INTRODUCTION]
     for name, spoil in CONDITIONS.items():
         table = {
-            method: np.array([errors(method, spoil, width) for width in BANDWIDTHS])
-            for method in METHODS
+            method: np.array([errors(method, spoil, width) for width in BANDWIDTHS]) for method in METHODS
         }
         rows = [
             (quantity, method, *(_cell(value, n) for value in values[:, n]))
