@@ -46,7 +46,7 @@ class LossFactorError(Effect):
         """Raise unless its members are there and have a loss of their own; see `Effect.check`."""
         super().check(structure, setup)
         if isinstance(self.at, Members) and isinstance(structure.damping, ModalDamping):
-            own = [m.number for m in structure.members if m.loss_factor]
+            own = [m.number for m in structure.all_members if m.loss_factor]
             if not set(self.at.numbers) & set(own):
                 raise self._misplaced(f"null, as modal damping belongs to no member; or members {own}")
 
@@ -58,18 +58,18 @@ class LossFactorError(Effect):
                 return super().added_to(structure)
             wrong, common = set(self.at.numbers), law.stiffness_coefficient
         else:
-            wrong, common = {m.number for m in structure.members if m.loss_factor is not None}, 0.0
+            wrong, common = {m.number for m in structure.all_members if m.loss_factor is not None}, 0.0
             if isinstance(law, ModalDamping):
                 law = ModalDamping(tuple(self.factor * eta for eta in law.loss_factors))
             else:
                 law = replace(law, stiffness_coefficient=self.factor * law.stiffness_coefficient)
-        members = tuple(
+        members = (
             replace(m, loss_factor=self.factor * (common if m.loss_factor is None else m.loss_factor))
             if m.number in wrong
             else m
-            for m in structure.members
+            for m in structure.all_members
         )
-        return replace(structure, members=members, damping=law)
+        return replace(structure.of_members(members), damping=law)
 
     @classmethod
     def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:

@@ -8,10 +8,13 @@ from modallab.core.parameters import parameter
 from modallab.core.place import Channels, Place
 from modallab.correlation.evidence import Evidence
 from modallab.fe.interpolation import motion_beside
+from modallab.fe.structure import Structure
 from modallab.fe.system import DynamicSystem
 from modallab.rig.channel import Channel
 from modallab.rig.effect import EFFECTS, Effect
 from modallab.rig.setup import RigSetup
+
+BESIDE = "channels at nodes of bars, whose shape says how a point beside the node moves"
 
 
 @EFFECTS.register("misplaced_accelerometer")
@@ -43,14 +46,26 @@ class MisplacedAccelerometer(Effect):
         if channel.force or system.members is None or not self.acts_on(channel.dof):
             return channel
         dof = channel.dof
+        if not system.members.has_bar(dof.node):
+            raise self._misplaced(BESIDE)
         channel = channel.hearing(dof, -1.0)
         for row, weight in motion_beside(system.members, dof.node, self.distance, dof.direction):
             channel = channel.hearing(system.dofs[row], dof.sign * weight)
         return channel
 
+    def check(self, structure: Structure, setup: RigSetup | None = None) -> None:
+        """Raise unless its channels are at nodes of bars; see `Effect.check`."""
+        super().check(structure, setup)
+        named = self.at.dofs if isinstance(self.at, Channels) else ()
+        nodes = {node for m in structure.members for node in m.nodes}
+        if any(dof.node in structure.nodes and dof.node not in nodes for dof in named):
+            raise self._misplaced(BESIDE)
+
     @classmethod
     def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:
-        return tuple(Channels((dof,)) for dof in setup.responses) if system.members else ()
+        """Return the channels at nodes of bars, each."""
+        table = system.members
+        return tuple(Channels((dof,)) for dof in setup.responses if table and table.has_bar(dof.node))
 
     @classmethod
     def signature(cls, evidence: Evidence) -> float:

@@ -42,16 +42,16 @@ class StiffnessError(Effect):
 
     def added_to(self, structure: Structure) -> Structure:
         """Return the model with the members' stiffness corrected."""
-        wrong = self.at.numbers if isinstance(self.at, Members) else [m.number for m in structure.members]
-        members = tuple(
+        wrong = self.at.numbers if isinstance(self.at, Members) else [m.number for m in structure.all_members]
+        members = (
             replace(
                 m, axial_factor=m.axial_factor * self.factor, bending_factor=m.bending_factor * self.factor
             )
             if m.number in wrong
             else m
-            for m in structure.members
+            for m in structure.all_members
         )
-        return replace(structure, members=members)
+        return structure.of_members(members)
 
     @classmethod
     def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:

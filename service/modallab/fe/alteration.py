@@ -35,27 +35,23 @@ class Alteration:
 
 @dataclass(frozen=True, eq=False)
 class Jointed:
-    """Matrices of a member that springs join to its nodes: (6 + k, 6 + k), the k jumps of rotation last.
+    """Matrices of a member that springs join to its nodes: (w + k, w + k), the k jumps of rotation last.
 
     A jump is measured in square roots of its flexibility, so that a rigid joint is a regular limit.
     """
 
     mass: FloatArray
     stiffness: FloatArray
-
-    @property
-    def inner(self) -> int:
-        """How many jumps move on their own."""
-        return len(self.mass) - 6
+    inner: int  # how many jumps move on their own
 
 
 def jointed(mass: FloatArray, stiffness: FloatArray, joints: tuple[float, float]) -> Jointed:
-    """Return a member, (6, 6) each, with rotational springs between its ends and its nodes.
+    """Return a member, (w, w) each, with rotational springs between its ends and its nodes.
 
     With g the jump's share of the member's motion u + g delta the energy is
     (u + g delta)^T K (u + g delta) / 2 + delta^2 / (2 flexibility), and the mass likewise.
     """
-    inner = []
+    inner, width = [], len(mass)
     for row, flexibility in zip(TURNING, joints, strict=True):
         own = flexibility * stiffness[row, row]
         if own == 0:
@@ -64,17 +60,17 @@ def jointed(mass: FloatArray, stiffness: FloatArray, joints: tuple[float, float]
             inner.append((row, flexibility))
             continue
         # Moves as its spring lets it: a coordinate of its own would only add a mode at infinity.
-        still = np.eye(6)
+        still = np.eye(width)
         still[row] -= flexibility * stiffness[row] / (1 + own)
         mass = still.T @ mass @ still
         stiffness = stiffness - flexibility * np.outer(stiffness[row], stiffness[row]) / (1 + own)
-    with_jumps = np.eye(6, 6 + len(inner))
-    springs = np.zeros(6 + len(inner))
-    for k, (row, flexibility) in enumerate(inner, start=6):
+    with_jumps = np.eye(width, width + len(inner))
+    springs = np.zeros(width + len(inner))
+    for k, (row, flexibility) in enumerate(inner, start=width):
         with_jumps[row, k] = np.sqrt(flexibility)
         springs[k] = 1.0
     back = with_jumps.T
-    return Jointed(back @ mass @ with_jumps, back @ stiffness @ with_jumps + np.diag(springs))
+    return Jointed(back @ mass @ with_jumps, back @ stiffness @ with_jumps + np.diag(springs), len(inner))
 
 
 def span(blocks: list[FloatArray]) -> FloatArray:

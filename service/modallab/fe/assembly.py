@@ -1,7 +1,7 @@
 """Structure and coefficients to matrices, by a sparsity pattern that is found once."""
 
 from dataclasses import dataclass
-from functools import cached_property, lru_cache
+from functools import cached_property
 
 import numpy as np
 from scipy.sparse import csc_array
@@ -9,12 +9,12 @@ from scipy.sparse import csc_array
 from modallab.core.arrays import FloatArray, IntArray
 from modallab.core.dof import Dof
 from modallab.fe.damping import ModalDamping, StructuralDamping
-from modallab.fe.element import ELEMENTS, Bar, ElementParts
 from modallab.fe.losses import Losses
+from modallab.fe.member_matrices import bar_of, member_matrices
 from modallab.fe.member_table import MemberTable
 from modallab.fe.modal_damping import ModalLoss
 from modallab.fe.shear import Shear
-from modallab.fe.structure import PLANE, Material, Section, Structure
+from modallab.fe.structure import ACROSS, Member, Structure
 from modallab.fe.system import DynamicSystem
 
 
@@ -32,7 +32,7 @@ def coefficients_of(structure: Structure) -> Coefficients:
     """Return the coefficients that a structure's members carry."""
     law = structure.damping
     common = law.stiffness_coefficient if isinstance(law, StructuralDamping) else 0.0
-    members = structure.members
+    members = structure.all_members
     return Coefficients(
         mass=np.array([m.mass_factor for m in members]),
         axial=np.array([m.axial_factor for m in members]),
@@ -41,37 +41,18 @@ def coefficients_of(structure: Structure) -> Coefficients:
     )
 
 
-@lru_cache(maxsize=512)
-def _parts(element: str, bar: Bar) -> ElementParts:
-    return ELEMENTS[element](bar)
-
-
-def _bar(length: float, section: Section, material: Material) -> Bar:
-    return Bar(
-        length,
-        section.area,
-        section.second_moment,
-        material.modulus,
-        material.density,
-        material.shear_modulus,
-        section.shear_coefficient,
-    )
-
-
 class Assembly:
     """The element matrices of a structure in global axes and the pattern they add up in.
 
-    `mass`, `axial`, `bending` are (n_members, 6, 6), DoFs (X, Y, RZ) at each end; `rows`
-    (n_members, 6) gives their place in the system, -1 where a DoF is held.
+    `mass`, `axial`, `bending` are (n_members, w, w), of bars w = 6 and DoFs (X, Y, RZ) at each end; `rows`
+    (n_members, w) gives their place in the system, -1 where a DoF is held or a member has fewer.
     """
 
     def __init__(self, structure: Structure) -> None:
         self.structure = structure
-        self.mass, self.axial, self.bending = self._global_parts()
-        index = {(d.node, d.direction): i for i, d in enumerate(structure.dofs)}
-        self.rows: IntArray = np.array(
-            [[index.get((n, d), -1) for n in m.nodes for d in PLANE] for m in structure.members]
-        )
+        parts = member_matrices(structure)
+        self.mass, self.axial, self.bending = parts.mass, parts.axial, parts.bending
+        self.rows, self._bars = parts.rows, parts.bars
         n = len(structure.dofs)
         grid_r = np.broadcast_to(self.rows[:, :, None], self.mass.shape)
         grid_c = np.broadcast_to(self.rows[:, None, :], self.mass.shape)
@@ -83,30 +64,8 @@ class Assembly:
         self._indices = unique % n
         self._indptr = np.searchsorted(unique, np.arange(n + 1) * n)
 
-    def _global_parts(self) -> tuple[FloatArray, FloatArray, FloatArray]:
-        structure = self.structure
-        local, turns = [], []
-        for member in structure.members:
-            start, end = (np.array(structure.nodes[n]) for n in member.nodes)
-            length = structure.length(member)
-            c, s = (end - start) / length
-            turn = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
-            turns.append(np.kron(np.eye(2), turn))
-            section, material = member.section, member.material
-            local.append(_parts(member.element, _bar(length, section, material)))
-        t = np.array(turns)
-
-        def turned(parts: list[FloatArray]) -> FloatArray:
-            return np.asarray(t.swapaxes(1, 2) @ np.array(parts) @ t)
-
-        return (
-            turned([p.mass for p in local]),
-            turned([p.stiffness["axial"] for p in local]),
-            turned([p.stiffness["bending"] for p in local]),
-        )
-
     def matrix(self, parts: FloatArray, diagonal: FloatArray | None = None) -> csc_array:
-        """Return the (n, n) sum of element matrices (n_members, 6, 6), plus a diagonal (n,)."""
+        """Return the (n, n) sum of element matrices (n_members, w, w), plus a diagonal (n,)."""
         data = np.bincount(self._place, weights=parts[self._kept], minlength=len(self._indices))
         if diagonal is not None:
             data[self._diagonal] = data[self._diagonal] + diagonal
@@ -144,9 +103,10 @@ class Assembly:
         losses = Losses.of(law, use.loss_factor)
         damping, viscous = losses.matrices(mass, stiffness)
         table = MemberTable(
-            numbers=tuple(m.number for m in self.structure.members),
-            ends=tuple(m.nodes for m in self.structure.members),
-            points=np.array([[self.structure.nodes[n] for n in m.nodes] for m in self.structure.members]),
+            numbers=tuple(m.number for m in self.structure.all_members),
+            ends=tuple(m.nodes for m in self.structure.all_members),
+            bars=self._bars,
+            points=self._points,
             rows=self.rows,
             mass=mass,
             axial=use.axial[:, None, None] * self.axial,
@@ -166,29 +126,53 @@ class Assembly:
             modal=ModalLoss(law.loss_factors) if isinstance(law, ModalDamping) else None,
         )
 
+    @cached_property
+    def _points(self) -> FloatArray:
+        """(n_members, 2, 2) m, x and y of each end of a bar; of another member a bar of length 1."""
+        nodes = self.structure.nodes
+        nowhere = np.array([[0.0, 0.0], [1.0, 0.0]])
+        return np.array(
+            [
+                [nodes[n] for n in m.nodes] if isinstance(m, Member) else nowhere
+                for m in self.structure.all_members
+            ]
+        )
+
     def _shear(self, use: Coefficients) -> Shear:
-        structure = self.structure
-        bars = [_bar(structure.length(m), m.section, m.material) for m in structure.members]
-        lacking = np.array([m.element == "frame" for m in structure.members])
+        n = len(self.structure.all_members)
+        rigidity, line_mass, flexibility, gyration = np.zeros((4, n))
+        for i, member in enumerate(self.structure.all_members):
+            if not isinstance(member, Member):
+                continue
+            bar = bar_of(self.structure, member)
+            rigidity[i] = bar.modulus * bar.second_moment
+            line_mass[i] = bar.density * bar.area
+            if member.element == "frame":
+                flexibility[i] = bar.shear_flexibility
+                gyration[i] = bar.second_moment / bar.area
         return Shear(
-            points=np.array([[structure.nodes[n] for n in m.nodes] for m in structure.members]),
-            rigidity=use.bending * [bar.modulus * bar.second_moment for bar in bars],
-            line_mass=use.mass * [bar.density * bar.area for bar in bars],
-            flexibility=lacking * [bar.shear_flexibility for bar in bars],
-            gyration=lacking * [bar.second_moment / bar.area for bar in bars],
-            amount=np.zeros(len(bars)),
+            points=self._points,
+            rigidity=use.bending * rigidity,
+            line_mass=use.mass * line_mass,
+            flexibility=flexibility,
+            gyration=gyration,
+            amount=np.zeros(n),
         )
 
     @cached_property
     def _rigid_shapes(self) -> FloatArray:
         """Return the (n, n_rigid) motions of the geometry that strain nothing but springs to ground."""
         structure = self.structure
+        if structure.blocks:
+            place = {dof: i for i, dof in enumerate(structure.blocks.dofs)}
+            return structure.blocks.motions[[place[dof] for dof in structure.dofs]]
         free: list[tuple[float, ...]] = []
         held: list[tuple[float, ...]] = []
         x0, y0 = np.mean(list(structure.nodes.values()), axis=0)
         known = set(structure.dofs)
+        across = any(dof.direction in ACROSS for dof in known)
         for node, (x, y) in structure.nodes.items():
-            rows = {"X": (1.0, 0.0, y0 - y), "Y": (0.0, 1.0, x - x0), "RZ": (0.0, 0.0, 1.0)}
+            rows = _turning_plate(x - x0, y - y0) if across else _turning_frame(x - x0, y - y0)
             for direction, row in rows.items():
                 (free if Dof(node, direction) in known else held).append(row)
         shapes = np.array(free)
@@ -197,6 +181,16 @@ class Assembly:
             rank = int((values > 1e-9 * values[0]).sum()) if values[0] > 0 else 0
             shapes = shapes @ vh[rank:].T
         return shapes
+
+
+def _turning_frame(x: float, y: float) -> dict[str, tuple[float, ...]]:
+    """Return how a node moves in its plane with the whole: along X, along Y, about Z."""
+    return {"X": (1.0, 0.0, -y), "Y": (0.0, 1.0, x), "RZ": (0.0, 0.0, 1.0)}
+
+
+def _turning_plate(x: float, y: float) -> dict[str, tuple[float, ...]]:
+    """Return how a node moves across its plane with the whole: along Z, about X, about Y."""
+    return {"Z": (1.0, y, -x), "RX": (0.0, 1.0, 0.0), "RY": (0.0, 0.0, 1.0)}
 
 
 def assemble(structure: Structure, coefficients: Coefficients | None = None) -> DynamicSystem:

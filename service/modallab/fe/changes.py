@@ -9,7 +9,8 @@ import numpy as np
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.fe.damping import StructuralDamping
-from modallab.fe.structure import GroundSpring, Member, PointMass, Structure
+from modallab.fe.members import AnyMember, Block, Member
+from modallab.fe.structure import GroundSpring, PointMass, Structure
 
 
 class MemberProperty(StrEnum):
@@ -17,8 +18,8 @@ class MemberProperty(StrEnum):
 
     DENSITY = "density"  # the element's mass matrix, kg/m^3
     MODULUS = "modulus"  # its whole stiffness matrix, N/m^2
-    AXIAL_STIFFNESS = "axial_stiffness"  # E A, N
-    BENDING_STIFFNESS = "bending_stiffness"  # E I, N m^2
+    AXIAL_STIFFNESS = "axial_stiffness"  # E A, N; of a plate E t, N/m
+    BENDING_STIFFNESS = "bending_stiffness"  # E I, N m^2; of a plate E t^3 / 12 (1 - nu^2), N m
     LOSS_FACTOR = "loss_factor"  # eta of D = eta K
 
 
@@ -112,35 +113,56 @@ def change(structure: Structure, changes: Iterable[Change]) -> Structure:
 def _with_members(structure: Structure, made: MemberChange) -> Structure:
     for number in made.members:
         structure.member(number)  # an unknown one is an error, not a change of nothing
-    members = tuple(
-        _changed(structure, member, made) if member.number in made.members else member
-        for member in structure.members
+    numbers = set(made.members)
+    return structure.of_members(
+        _changed(structure, member, made) if member.number in numbers else member
+        for member in structure.all_members
     )
-    return replace(structure, members=members)
 
 
-def _changed(structure: Structure, member: Member, made: MemberChange) -> Member:
-    modulus, section = member.material.modulus, member.section
-
-    def moved(factor: float, nominal: float) -> float:
-        return made.of(factor) if made.value is None else made.value / nominal
+def _changed(structure: Structure, member: AnyMember, made: MemberChange) -> AnyMember:
+    def moved(factor: float) -> float:
+        return made.of(factor) if made.value is None else made.value / _nominal(member, made.property)
 
     match made.property:
         case MemberProperty.DENSITY:
-            return replace(member, mass_factor=moved(member.mass_factor, member.material.density))
+            return replace(member, mass_factor=moved(member.mass_factor))
         case MemberProperty.MODULUS:
-            axial, bending = moved(member.axial_factor, modulus), moved(member.bending_factor, modulus)
+            axial, bending = moved(member.axial_factor), moved(member.bending_factor)
             return replace(member, axial_factor=axial, bending_factor=bending)
         case MemberProperty.AXIAL_STIFFNESS:
-            return replace(member, axial_factor=moved(member.axial_factor, modulus * section.area))
+            return replace(member, axial_factor=moved(member.axial_factor))
         case MemberProperty.BENDING_STIFFNESS:
-            nominal = modulus * section.second_moment
-            return replace(member, bending_factor=moved(member.bending_factor, nominal))
+            return replace(member, bending_factor=moved(member.bending_factor))
         case MemberProperty.LOSS_FACTOR:
             return replace(member, loss_factor=_loss_factor(structure, member, made))
 
 
-def _loss_factor(structure: Structure, member: Member, made: MemberChange) -> float:
+def _nominal(member: AnyMember, property: MemberProperty) -> float:
+    """Return what section and material say a property is; of a plate E t, N/m, and D, N m."""
+    if isinstance(member, Block):
+        raise InvalidInputError(
+            f"member {member.number} is given by its matrices, which have no {property}",
+            field="value",
+            value=property,
+            allowed="a factor",
+        )
+    material = member.material
+    if isinstance(member, Member):
+        axial = material.modulus * member.section.area
+        bending = material.modulus * member.section.second_moment
+    else:
+        axial = material.modulus * member.thickness
+        bending = axial * member.thickness**2 / 12 / (1 - material.poisson_ratio**2)
+    return {
+        MemberProperty.DENSITY: material.density,
+        MemberProperty.MODULUS: material.modulus,
+        MemberProperty.AXIAL_STIFFNESS: axial,
+        MemberProperty.BENDING_STIFFNESS: bending,
+    }[property]
+
+
+def _loss_factor(structure: Structure, member: AnyMember, made: MemberChange) -> float:
     law, own = structure.damping, member.loss_factor
     if own is None and isinstance(law, StructuralDamping):
         own = law.stiffness_coefficient

@@ -54,7 +54,7 @@ def _walk(table: MemberTable, node: int, distance: float) -> tuple[int, float]:
 def _onward(table: MemberTable, node: int, forward: bool, last: int | None) -> int | None:
     """Return the member that leads on from a node; at a node where all start, or all end, the second
     one is the way back."""
-    joined = [e for e, ends in enumerate(table.ends) if node in ends and e != last]
+    joined = [e for e, ends in enumerate(table.ends) if table.bars[e] and node in ends and e != last]
     same = [e for e in joined if table.ends[e][0 if forward else 1] == node]
     if same or last is not None:
         return (same or joined or [None])[0]  # type: ignore[list-item]

@@ -5,7 +5,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 from scipy.sparse import coo_array, csc_array
 
-from modallab.core.arrays import FloatArray, IntArray
+from modallab.core.arrays import BoolArray, FloatArray, IntArray
 from modallab.core.errors import InvalidInputError
 from modallab.fe.alteration import TURNING, Alteration, jointed, span
 from modallab.fe.attachment import Attachment
@@ -19,10 +19,11 @@ class MemberTable:
     """The matrices of each member as they stand in a system, and the damping law they follow."""
 
     numbers: tuple[int, ...]
-    ends: tuple[tuple[int, int], ...]  # nodes
-    points: FloatArray  # (n_members, 2, 2) m, x and y of each end
-    rows: IntArray  # (n_members, 6), -1 where a DoF is held
-    mass: FloatArray  # (n_members, 6, 6)
+    ends: tuple[tuple[int, ...], ...]  # nodes; of a bar its two ends
+    bars: BoolArray  # (n_members,) straight, with two ends
+    points: FloatArray  # (n_members, 2, 2) m, x and y of each end of a bar
+    rows: IntArray  # (n_members, w), -1 where a DoF is held or a member has fewer
+    mass: FloatArray  # (n_members, w, w)
     axial: FloatArray
     bending: FloatArray
     losses: Losses
@@ -46,10 +47,10 @@ class MemberTable:
         InvalidInputError
             If there is no such member.
         """
-        e = self.position(number)
+        e, width = self.position(number), self.rows.shape[1]
         mass, bending = self.mass[e], self.bending[e]
         if alteration.shear:
-            (more_mass,), (more_bending,) = self.shear.of(e).added(alteration.shear)
+            (more_mass,), (more_bending,) = self._sheared(self.shear.of(e), alteration.shear)
             mass, bending = mass + more_mass, bending + more_bending
         stiffness = alteration.axial * self.axial[e] + alteration.bending * bending
         new = jointed(alteration.mass * mass, stiffness, alteration.joints)
@@ -59,10 +60,10 @@ class MemberTable:
         kept = np.flatnonzero(self.rows[e] >= 0)
         lossy = (alteration.loss - 1) * new.stiffness
         # Rigid motions strain nothing: most changes need fewer columns than the member has DoFs.
-        v = span([part[kept][:, own] for part in (dm, dk, lossy) for own in (kept, slice(6, None))])
-        reach = np.zeros((6 + new.inner, v.shape[1] + new.inner))
+        v = span([part[kept][:, own] for part in (dm, dk, lossy) for own in (kept, slice(width, None))])
+        reach = np.zeros((width + new.inner, v.shape[1] + new.inner))
         reach[kept, : v.shape[1]] = v
-        reach[6:, v.shape[1] :] = np.eye(new.inner)
+        reach[width:, v.shape[1] :] = np.eye(new.inner)
         columns = np.zeros((n, v.shape[1]))
         columns[self.rows[e][kept]] = v
         lost = self.losses
@@ -78,8 +79,12 @@ class MemberTable:
 
     @property
     def damping(self) -> tuple[FloatArray, FloatArray]:
-        """Hysteretic D_e and viscous C_e, (n_members, 6, 6) each."""
+        """Hysteretic D_e and viscous C_e, (n_members, w, w) each."""
         return self.losses.matrices(self.mass, self.axial + self.bending)
+
+    def has_bar(self, node: int) -> bool:
+        """Return whether a bar ends at a node."""
+        return any(bar and node in pair for pair, bar in zip(self.ends, self.bars, strict=True))
 
     def end_at(self, node: int) -> tuple[int, int]:
         """Return the member that a joint at a node sets loose, by number, and which of its ends is there.
@@ -92,8 +97,9 @@ class MemberTable:
         InvalidInputError
             If fewer than two members meet at the node.
         """
-        into = [n for n, ends in zip(self.numbers, self.ends, strict=True) if ends[1] == node]
-        out_of = [n for n, ends in zip(self.numbers, self.ends, strict=True) if ends[0] == node]
+        bars = [(n, ends) for n, ends, bar in zip(self.numbers, self.ends, self.bars, strict=True) if bar]
+        into = [n for n, ends in bars if ends[1] == node]
+        out_of = [n for n, ends in bars if ends[0] == node]
         if len(into) + len(out_of) < 2:
             raise InvalidInputError(
                 f"no two members meet at node {node}",
@@ -110,8 +116,9 @@ class MemberTable:
 
     @property
     def joints(self) -> tuple[int, ...]:
-        """Nodes at which two members or more meet."""
-        nodes, counts = np.unique(np.array(self.ends), return_counts=True)
+        """Nodes at which two bars or more meet."""
+        ends = [node for pair, bar in zip(self.ends, self.bars, strict=True) if bar for node in pair]
+        nodes, counts = np.unique(np.array(ends, int), return_counts=True)
         return tuple(int(node) for node in nodes[counts > 1])
 
     def scaled(self, *, mass: float, stiffness: float, loss: float = 1.0) -> "MemberTable":
@@ -127,13 +134,21 @@ class MemberTable:
 
     def sheared(self, amount: float) -> "MemberTable":
         """Return the table of members that all have so much more shear flexibility and rotary inertia."""
-        mass, bending = self.shear.added(amount)
+        mass, bending = self._sheared(self.shear, amount)
         return replace(
             self, mass=self.mass + mass, bending=self.bending + bending, shear=self.shear.more(amount)
         )
 
+    def _sheared(self, shear: Shear, amount: float) -> tuple[FloatArray, FloatArray]:
+        """Return what so much more shear adds to mass and bending stiffness, (n, w, w) each."""
+        more = self.rows.shape[1] - 6
+        if more < 0:  # of members none of which is a bar
+            return self.mass[:1] * 0.0, self.bending[:1] * 0.0
+        mass, bending = (np.pad(part, ((0, 0), (0, more), (0, more))) for part in shear.added(amount))
+        return mass, bending
+
     def sum(self, parts: FloatArray, n: int) -> csc_array:
-        """Return the (n, n) sum of member matrices (n_members, 6, 6)."""
+        """Return the (n, n) sum of member matrices (n_members, w, w)."""
         r = np.broadcast_to(self.rows[:, :, None], parts.shape)
         c = np.broadcast_to(self.rows[:, None, :], parts.shape)
         kept = (r >= 0) & (c >= 0)

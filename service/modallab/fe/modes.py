@@ -258,9 +258,11 @@ def _lowest(
     # Factorising K + s M instead of K keeps a free structure regular; s near the first elastic
     # eigenvalues keeps the low modes well apart.
     shift = max(1e-3 * highest, 1.0)
+    # No pivot but those on the diagonal: the matrix is positive definite, and others would undo the ordering.
     factor = splu(
         csc_array(stiffness + shift * mass),
         permc_spec="MMD_AT_PLUS_A",
+        diag_pivot_thresh=0.0,
         options={"SymmetricMode": True},
     )
     inverse = LinearOperator((n, n), matvec=factor.solve, dtype=float)

@@ -1,8 +1,9 @@
 """A structure as an analyst describes it; checked once, when it is made."""
 
-from collections.abc import Mapping
-from dataclasses import dataclass, field
+from collections.abc import Iterable, Mapping
+from dataclasses import dataclass, field, replace
 from functools import cached_property
+from itertools import pairwise
 from types import MappingProxyType
 
 import numpy as np
@@ -12,91 +13,16 @@ from scipy.sparse.csgraph import connected_components
 from modallab.core.dof import DIRECTIONS, Dof
 from modallab.core.errors import InvalidInputError, StructureError, UnknownDofError
 from modallab.core.place import EffectSpec
+from modallab.fe.blocks import Blocks
 from modallab.fe.damping import Damping, StructuralDamping
+from modallab.fe.members import FARTHEST, AnyMember, Block, Plate, not_negative
+from modallab.fe.members import Material as Material
+from modallab.fe.members import Member as Member
+from modallab.fe.members import Section as Section
+from modallab.fe.members import positive as positive
 
-PLANE = ("X", "Y", "RZ")
-
-
-# No beam is outside of these, and products of what is inside neither vanish nor overflow.
-SMALLEST, LARGEST = 1e-30, 1e30
-FARTHEST = 1e9  # m
-
-
-def positive(value: float, name: str) -> None:
-    """Raise `StructureError` unless the value is above zero and of a size that can be computed with."""
-    if not SMALLEST <= value <= LARGEST:  # NaN fails too
-        allowed = f"{SMALLEST:g} to {LARGEST:g}"
-        raise StructureError(f"{name} must be positive", field=name, value=value, allowed=allowed)
-
-
-def not_negative(value: float, name: str) -> None:
-    """Raise `StructureError` if the value is below zero or of a size that cannot be computed with."""
-    if not 0 <= value <= LARGEST:
-        allowed = f"0 to {LARGEST:g}"
-        raise StructureError(f"{name} must not be negative", field=name, value=value, allowed=allowed)
-
-
-def within(value: float, lowest: float, highest: float, name: str) -> None:
-    """Raise `StructureError` unless the value lies between the bounds."""
-    if not lowest <= value <= highest:
-        allowed = f"{lowest:g} to {highest:g}"
-        raise StructureError(f"{name} is out of bounds", field=name, value=value, allowed=allowed)
-
-
-@dataclass(frozen=True)
-class Section:
-    """A cross-section."""
-
-    area: float  # m^2
-    second_moment: float  # m^4
-    name: str = ""
-    shear_coefficient: float = 5 / 6  # kappa, share of the area that shears; 5/6: a rectangle
-
-    def __post_init__(self) -> None:
-        positive(self.area, "area")
-        positive(self.second_moment, "second_moment")
-        within(self.shear_coefficient, 0.01, 1.0, "shear_coefficient")
-
-
-@dataclass(frozen=True)
-class Material:
-    """An isotropic material."""
-
-    modulus: float  # N/m^2
-    density: float  # kg/m^3
-    name: str = ""
-    poisson_ratio: float = 0.3
-
-    def __post_init__(self) -> None:
-        positive(self.modulus, "modulus")
-        positive(self.density, "density")
-        within(self.poisson_ratio, -0.99, 0.5, "poisson_ratio")
-
-    @property
-    def shear_modulus(self) -> float:
-        """G = E / (2 (1 + nu)), N/m^2."""
-        return self.modulus / (2 * (1 + self.poisson_ratio))
-
-
-@dataclass(frozen=True)
-class Member:
-    """One element; its factors multiply the matrices that section and material give."""
-
-    number: int
-    nodes: tuple[int, int]
-    section: Section
-    material: Material
-    element: str = "frame"
-    mass_factor: float = 1.0
-    axial_factor: float = 1.0
-    bending_factor: float = 1.0
-    loss_factor: float | None = None  # of its own; None: the structure's damping law
-
-    def __post_init__(self) -> None:
-        for name in ("mass_factor", "axial_factor", "bending_factor"):
-            positive(getattr(self, name), name)
-        if self.loss_factor is not None:
-            not_negative(self.loss_factor, "loss_factor")
+PLANE = ("X", "Y", "RZ")  # of a frame
+ACROSS = ("Z", "RX", "RY")  # of a plate
 
 
 @dataclass(frozen=True)
@@ -140,8 +66,8 @@ class Structure:
         with nothing, every DoF held.
     """
 
-    nodes: Mapping[int, tuple[float, float]]  # m
-    members: tuple[Member, ...]
+    nodes: Mapping[int, tuple[float, ...]]  # m; X, Y, and Z where a file brought elements in space
+    members: tuple[Member, ...]  # bars
     supports: tuple[Support, ...] = ()
     masses: tuple[PointMass, ...] = ()
     springs: tuple[GroundSpring, ...] = ()
@@ -149,6 +75,8 @@ class Structure:
     directions: tuple[str, ...] = PLANE  # that every node has, unless held
     effects: tuple[EffectSpec, ...] = ()
     name: str = ""
+    others: tuple[Plate | Block, ...] = ()  # members that are no bars
+    blocks: Blocks | None = None  # matrices of members that are given by them, and the DoFs there are then
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "nodes", MappingProxyType(dict(sorted(self.nodes.items()))))
@@ -166,8 +94,9 @@ class Structure:
             raise StructureError(f"there is no node {node}", field=name, value=node)
 
     def _check_nodes(self) -> None:
+        n_axes = 3 if self.blocks else 2
         for number, place in self.nodes.items():
-            if number < 1 or not np.abs(place).max() <= FARTHEST:
+            if number < 1 or len(place) != n_axes or not np.abs(place).max() <= FARTHEST:
                 allowed = f"within {FARTHEST:g} m"
                 raise StructureError(
                     f"node {number} has no place", field="nodes", value=str(place), allowed=allowed
@@ -184,19 +113,24 @@ class Structure:
                     )
 
     def _check_members(self) -> None:
-        if not self.members:
+        if not self.all_members:
             raise StructureError("a structure needs members", field="members", value=0, allowed=">= 1")
-        numbers = [member.number for member in self.members]
+        numbers = [member.number for member in self.all_members]
         if len(set(numbers)) < len(numbers):
             raise StructureError("two members share a number", field="members")
-        for member in self.members:
+        for member in self.all_members:
             for node in member.nodes:
                 self._check_known(node, "members")
-            if self.length(member) < 1e-9:
+            if isinstance(member, Block):
+                self._check_block(member)
+            elif isinstance(member, Plate):
+                member.check_corners([self.nodes[n] for n in member.nodes])
+            elif self.length(member) < 1e-9:
                 raise StructureError(f"member {member.number} has no length", field="members", value=0.0)
         position = {node: i for i, node in enumerate(self.nodes)}
-        ends = np.array([[position[n] for n in member.nodes] for member in self.members])
-        graph = coo_array((np.ones(len(ends)), (ends[:, 0], ends[:, 1])), shape=(len(position),) * 2)
+        ends = [(position[a], position[b]) for member in self.all_members for a, b in pairwise(member.nodes)]
+        rows, columns = np.array(ends, int).reshape(-1, 2).T
+        graph = coo_array((np.ones(len(rows)), (rows, columns)), shape=(len(position),) * 2)
         parts, label = connected_components(graph, directed=False)
         if parts > 1:
             loose = [node for node, i in position.items() if label[i] != label[0]]
@@ -207,15 +141,27 @@ class Structure:
                 allowed="one connected structure",
             )
 
+    def _check_block(self, member: Block) -> None:
+        n_blocks = 0 if self.blocks is None else len(self.blocks.mass)
+        if not 0 <= member.index < n_blocks:
+            raise StructureError(
+                f"member {member.number} has no matrices",
+                field="members",
+                value=member.index,
+                allowed=f"0 to {n_blocks - 1}",
+            )
+
     def length(self, member: Member) -> float:
-        """Return a member's length, m."""
-        (x1, y1), (x2, y2) = (self.nodes[n] for n in member.nodes)
+        """Return a bar's length, m."""
+        (x1, y1), (x2, y2) = (self.nodes[n][:2] for n in member.nodes)
         return float(np.hypot(x2 - x1, y2 - y1))
 
     @cached_property
     def dofs(self) -> tuple[Dof, ...]:
-        """Free degrees of freedom, node by node, in the order of `directions`."""
+        """Free degrees of freedom, node by node, in the order of `directions`; of blocks, in theirs."""
         held = {(s.node, d) for s in self.supports for d in s.directions}
+        if self.blocks:
+            return tuple(dof for dof in self.blocks.dofs if (dof.node, dof.direction) not in held)
         return tuple(Dof(n, d) for n in self.nodes for d in self.directions if (n, d) not in held)
 
     @cached_property
@@ -241,7 +187,32 @@ class Structure:
                 f"the structure has no degree of freedom {dof}", field="dof", value=str(dof), allowed=has
             ) from None
 
-    def member(self, number: int) -> Member:
+    @cached_property
+    def all_members(self) -> tuple[AnyMember, ...]:
+        """Bars, and then what else there is, in the order of every matrix by member."""
+        return (*self.members, *self.others)
+
+    def of_members(self, members: Iterable[AnyMember]) -> "Structure":
+        """Return the structure made of other members, all of them."""
+        every = tuple(members)
+        bars = tuple(member for member in every if isinstance(member, Member))
+        others = tuple(member for member in every if not isinstance(member, Member))
+        return replace(self, members=bars, others=others)
+
+    @cached_property
+    def groups(self) -> Mapping[str, tuple[int, ...]]:
+        """Members by number under the names of their groups."""
+        found: dict[str, list[int]] = {}
+        for member in self.all_members:
+            if member.group:
+                found.setdefault(member.group, []).append(member.number)
+        return {name: tuple(numbers) for name, numbers in found.items()}
+
+    @cached_property
+    def _by_number(self) -> dict[int, AnyMember]:
+        return {member.number: member for member in self.all_members}
+
+    def member(self, number: int) -> AnyMember:
         """Return the member of that number.
 
         Raises
@@ -249,12 +220,12 @@ class Structure:
         InvalidInputError
             If there is none.
         """
-        for member in self.members:
-            if member.number == number:
-                return member
-        raise InvalidInputError(
-            f"there is no member {number}",
-            field="members",
-            value=number,
-            allowed=", ".join(str(m.number) for m in self.members[:100]),
-        )
+        try:
+            return self._by_number[number]
+        except KeyError:
+            raise InvalidInputError(
+                f"there is no member {number}",
+                field="members",
+                value=number,
+                allowed=", ".join(str(m.number) for m in self.all_members[:100]),
+            ) from None

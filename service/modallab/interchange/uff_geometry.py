@@ -7,6 +7,7 @@ follows itself.
 from collections.abc import Iterator, Sequence
 from itertools import chain
 
+from modallab.fe.members import sides
 from modallab.fe.structure import Structure
 from modallab.interchange.uff_text import NOWHERE, Origin, dataset, front, label, rows
 
@@ -23,7 +24,7 @@ def write(structure: Structure, origin: Origin = NOWHERE) -> bytes:
     as one begins where the one before ends.
     """
     name = label(structure.name) if structure.name.strip() else "members"
-    lines = _trace_lines([member.nodes for member in structure.members])
+    lines = _trace_lines([side for member in structure.all_members for side in sides(member)])
     return b"".join(
         [
             front(origin),
@@ -60,4 +61,5 @@ def _trace_lines(members: Sequence[tuple[int, int]]) -> Iterator[list[int]]:
             yield line
             line = []
         line = list(chain(line, [_LIFT] if line else [], stroke))
-    yield line
+    if line:
+        yield line

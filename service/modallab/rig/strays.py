@@ -37,9 +37,10 @@ def stray_responses(alone: Chain, freq: FloatArray) -> ComplexArray:
 def _lever(system: DynamicSystem, drive: Dof) -> FloatArray:
     """Return how a force at a drive point changes, per metre that it moves along the member, (n_dof,)."""
     column = np.zeros(len(system.dofs))
-    if system.members is None or drive.direction not in ("X", "Y"):
+    table = system.members
+    if table is None or drive.direction not in ("X", "Y") or not table.has_bar(drive.node):
         return column
     for sign in (1, -1):
-        for row, weight in motion_beside(system.members, drive.node, sign * STEP, drive.direction):
+        for row, weight in motion_beside(table, drive.node, sign * STEP, drive.direction):
             column[row] += sign * drive.sign * weight / (2 * STEP)
     return column

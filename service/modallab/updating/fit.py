@@ -98,7 +98,7 @@ class Fit:
         """
         to = self.coefficients(values)
         moved = to.loss_factor != self._base.loss_factor
-        members = tuple(
+        return self._assembly.structure.of_members(
             replace(
                 member,
                 mass_factor=float(m),
@@ -107,7 +107,7 @@ class Fit:
                 loss_factor=max(float(eta), 0.0) if changed else member.loss_factor,
             )
             for member, m, a, b, eta, changed in zip(
-                self._assembly.structure.members,
+                self._assembly.structure.all_members,
                 to.mass,
                 to.axial,
                 to.bending,
@@ -116,7 +116,6 @@ class Fit:
                 strict=True,
             )
         )
-        return replace(self._assembly.structure, members=members)
 
     def losses_below_zero(self, values: FloatArray, tolerance: float) -> int:
         """Return how many members have a loss factor below zero at `values` (n_params,)."""

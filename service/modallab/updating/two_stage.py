@@ -62,7 +62,7 @@ def _result(
     corrected = fit.structure(final.values)
     below = fit.losses_below_zero(final.values, options.tolerance)
     note = f"; {below} loss factors came out below zero and are zero in the structure" if below else ""
-    numbers = [member.number for member in corrected.members]
+    numbers = [member.number for member in corrected.all_members]
     return UpdateResult(
         structure=corrected,
         coefficients=by_member(moved, final.values, parts=parts, members=numbers),

@@ -56,7 +56,7 @@ def _out(store: Store, id: str) -> StructureOut:
         name=structure.name,
         n_nodes=len(structure.nodes),
         n_dofs=len(structure.dofs),
-        members=len(structure.members),
+        members=len(structure.all_members),
     )
 
 

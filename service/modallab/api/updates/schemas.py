@@ -25,6 +25,7 @@ from modallab.updating.parameterisation import (
     Parameterisation,
     Part,
     automatic_groups,
+    named_groups,
     parameterise,
     refuse_loss_factors,
 )
@@ -34,7 +35,7 @@ Completion = Annotated[
     Text | ReductionIn,
     Field(description="`expansion` of shapes to all DoFs, or a reduction of the model to measured ones"),
 ]
-Group = Annotated[list[Count], Field(min_length=1, max_length=5000)]
+Group = Annotated[list[Count], Field(min_length=1, max_length=5000)] | Text  # numbers, or a group's name
 
 
 class ParameterisationIn(Wire):
@@ -56,7 +57,10 @@ class ParameterisationIn(Wire):
 
     def to_domain(self, structure: Structure, method: str) -> Parameterisation:
         """Return the parameterisation; `InvalidInputError` where structure or method have none such."""
-        groups = automatic_groups(structure) if self.macros == "auto" else self.macros
+        if self.macros == "auto":
+            groups = automatic_groups(structure)
+        else:
+            groups = tuple(tuple(group) for group in named_groups(structure, self.macros))
         usual = parts_of(method)
         chosen = parameterise(groups, self.parts or usual, lower=self.lower, upper=self.upper)
         chosen.groups(structure)

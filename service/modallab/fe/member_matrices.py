@@ -1,0 +1,129 @@
+"""The matrices of each member in the structure's axes, whatever it is made of."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+
+from modallab.core.arrays import BoolArray, FloatArray, IntArray
+from modallab.fe.element import ELEMENTS, Bar, ElementParts
+from modallab.fe.facet import Facets, plate_matrices
+from modallab.fe.members import Block, Material, Member, Plate, Section
+from modallab.fe.structure import ACROSS, PLANE, Structure
+
+
+@dataclass(frozen=True, eq=False)
+class MemberMatrices:
+    """Mass and stiffness of members; what a member has fewer DoFs than another is empty."""
+
+    mass: FloatArray  # (n_members, w, w) kg, kg m, kg m^2
+    axial: FloatArray  # (n_members, w, w) N/m, N, N m
+    bending: FloatArray  # (n_members, w, w)
+    rows: IntArray  # (n_members, w) place in the system, -1 where a DoF is held or there is none
+    bars: BoolArray  # (n_members,) straight, with two ends
+
+
+def bar_of(structure: Structure, member: Member) -> Bar:
+    """Return a straight member in its own axes."""
+    return _bar(structure.length(member), member.section, member.material)
+
+
+def _bar(length: float, section: Section, material: Material) -> Bar:
+    return Bar(
+        length,
+        section.area,
+        section.second_moment,
+        material.modulus,
+        material.density,
+        material.shear_modulus,
+        section.shear_coefficient,
+    )
+
+
+@lru_cache(maxsize=512)
+def _parts(element: str, bar: Bar) -> ElementParts:
+    return ELEMENTS[element](bar)
+
+
+def member_matrices(structure: Structure) -> MemberMatrices:
+    """Return the matrices of all members, factors left out."""
+    bars, plates, blocks = (
+        [(i, m) for i, m in enumerate(structure.all_members) if isinstance(m, kind)]
+        for kind in (Member, Plate, Block)
+    )
+    widths = [6] if bars else []
+    widths += [len(ACROSS) * len(plate.nodes) for _, plate in plates]
+    widths += [structure.blocks.rows.shape[1]] if blocks and structure.blocks else []
+    n, width = len(structure.all_members), max(widths)
+    mass, axial, bending = np.zeros((3, n, width, width))
+    out = MemberMatrices(
+        mass,
+        axial,
+        bending,
+        rows=np.full((n, width), -1),
+        bars=np.array([isinstance(member, Member) for member in structure.all_members]),
+    )
+    if bars:
+        _fill_bars(out, structure, [i for i, _ in bars], [m for _, m in bars])  # type: ignore[misc]
+    for corners in (3, 4):
+        facets = [(i, m) for i, m in plates if len(m.nodes) == corners]
+        if facets:
+            _fill_plates(out, structure, [i for i, _ in facets], [m for _, m in facets])  # type: ignore[misc]
+    if blocks:
+        _fill_blocks(out, structure, [i for i, _ in blocks], [m for _, m in blocks])  # type: ignore[misc]
+    return out
+
+
+def _rows(structure: Structure, members: Sequence[Member | Plate], directions: Sequence[str]) -> IntArray:
+    index = {(d.node, d.direction): i for i, d in enumerate(structure.dofs)}
+    return np.array([[index.get((n, d), -1) for n in m.nodes for d in directions] for m in members])
+
+
+def _fill_bars(out: MemberMatrices, structure: Structure, at: list[int], members: list[Member]) -> None:
+    local, turns = [], []
+    for member in members:
+        start, end = (np.array(structure.nodes[n]) for n in member.nodes)
+        length = structure.length(member)
+        c, s = (end - start) / length
+        turn = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
+        turns.append(np.kron(np.eye(2), turn))
+        local.append(_parts(member.element, bar_of(structure, member)))
+    t = np.array(turns)
+
+    def turned(parts: list[FloatArray]) -> FloatArray:
+        return np.asarray(t.swapaxes(1, 2) @ np.array(parts) @ t)
+
+    out.mass[at, :6, :6] = turned([p.mass for p in local])
+    out.axial[at, :6, :6] = turned([p.stiffness["axial"] for p in local])
+    out.bending[at, :6, :6] = turned([p.stiffness["bending"] for p in local])
+    out.rows[at, :6] = _rows(structure, members, PLANE)
+
+
+def _fill_plates(out: MemberMatrices, structure: Structure, at: list[int], plates: list[Plate]) -> None:
+    facets = Facets(
+        corners=np.array([[structure.nodes[n][:2] for n in plate.nodes] for plate in plates]),
+        thickness=np.array([plate.thickness for plate in plates]),
+        modulus=np.array([plate.material.modulus for plate in plates]),
+        density=np.array([plate.material.density for plate in plates]),
+        poisson_ratio=np.array([plate.material.poisson_ratio for plate in plates]),
+    )
+    mass, bending = plate_matrices(facets)
+    width = mass.shape[1]
+    out.mass[at, :width, :width] = mass
+    out.bending[at, :width, :width] = bending
+    out.rows[at, :width] = _rows(structure, plates, ACROSS)
+
+
+def _fill_blocks(out: MemberMatrices, structure: Structure, at: list[int], members: list[Block]) -> None:
+    blocks = structure.blocks
+    assert blocks is not None
+    index = {dof: i for i, dof in enumerate(structure.dofs)}
+    place = np.array([*(index.get(dof, -1) for dof in blocks.dofs), -1])  # the last one of what is not there
+    own = [member.index for member in members]
+    width = blocks.rows.shape[1]
+    out.mass[at, :width, :width] = blocks.mass[own]
+    out.axial[at, :width, :width] = blocks.axial[own]
+    if blocks.bending is not None:
+        out.bending[at, :width, :width] = blocks.bending[own]
+    out.rows[at, :width] = place[blocks.rows[own]]

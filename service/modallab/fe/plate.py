@@ -1,0 +1,108 @@
+"""Flat rectangular plates that move across their plane."""
+
+from collections.abc import Mapping
+from enum import StrEnum
+
+from modallab.core.errors import StructureError
+from modallab.fe.damping import Damping, StructuralDamping
+from modallab.fe.members import Material, Plate, positive
+from modallab.fe.structure import ACROSS, GroundSpring, PointMass, Structure, Support
+
+
+class Edge(StrEnum):
+    """A side of a rectangle from 0, 0 to length, width."""
+
+    LEFT = "left"  # X = 0
+    RIGHT = "right"
+    BOTTOM = "bottom"  # Y = 0
+    TOP = "top"
+
+
+class Holding(StrEnum):
+    """How a side is held."""
+
+    FREE = "free"
+    SIMPLY_SUPPORTED = "simply_supported"  # no deflection, and so no slope along the side
+    CLAMPED = "clamped"
+
+    def directions(self, edge: Edge) -> tuple[str, ...]:
+        """Return what is held at the nodes of a side."""
+        if self is Holding.SIMPLY_SUPPORTED:
+            return ("Z", "RX" if edge in (Edge.LEFT, Edge.RIGHT) else "RY")
+        return ACROSS if self is Holding.CLAMPED else ()
+
+
+def plate(
+    *,
+    length: float,
+    width: float,
+    thickness: float,
+    n_elements: tuple[int, int],
+    material: Material,
+    damping: Damping | None = None,
+    edges: Mapping[Edge, Holding] | None = None,
+    supports: tuple[Support, ...] = (),
+    masses: tuple[PointMass, ...] = (),
+    springs: tuple[GroundSpring, ...] = (),
+    name: str = "",
+) -> Structure:
+    """Return a rectangular plate in X, Y with DoFs Z, RX and RY.
+
+    Nodes are numbered row by row, along X from 0, 0; so are the elements, each between four nodes.
+
+    Parameters
+    ----------
+    length, width, thickness
+        m, along X, Y and Z.
+    n_elements
+        Along X and along Y.
+    edges
+        How sides are held; those left out are free.
+
+    Raises
+    ------
+    StructureError
+        If a size is not positive or there is no element.
+    """
+    for size, what in ((length, "length"), (width, "width"), (thickness, "thickness")):
+        positive(size, what)
+    along, across = n_elements
+    if along < 1 or across < 1:
+        raise StructureError(
+            "a plate needs an element each way",
+            field="n_elements",
+            value=f"{along}, {across}",
+            allowed=">= 1, >= 1",
+        )
+    row = along + 1
+    sides = {
+        Edge.LEFT: range(1, row * (across + 1), row),
+        Edge.RIGHT: range(row, row * (across + 1) + 1, row),
+        Edge.BOTTOM: range(1, row + 1),
+        Edge.TOP: range(row * across + 1, row * (across + 1) + 1),
+    }
+    held = tuple(
+        Support(node, directions)
+        for edge, holding in (edges or {}).items()
+        if (directions := holding.directions(edge))
+        for node in sides[edge]
+    )
+    corners = [(row * j + i + 1, row * (j + 1) + i + 1) for j in range(across) for i in range(along)]
+    return Structure(
+        nodes={
+            row * j + i + 1: (length * i / along, width * j / across)
+            for j in range(across + 1)
+            for i in range(row)
+        },
+        members=(),
+        others=tuple(
+            Plate(number, (low, low + 1, high + 1, high), thickness, material)
+            for number, (low, high) in enumerate(corners, 1)
+        ),
+        supports=(*supports, *held),
+        masses=masses,
+        springs=springs,
+        damping=damping or StructuralDamping(),
+        directions=ACROSS,
+        name=name,
+    )
