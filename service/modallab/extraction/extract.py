@@ -12,7 +12,11 @@ from modallab.extraction.globally import extract_globally
 from modallab.extraction.jointly.global_method import GLOBAL_METHODS
 from modallab.extraction.measured.leakage import Leakage, biased
 from modallab.extraction.measured.low_coherence import low_coherence_notes
-from modallab.extraction.measured.noise_bias import noise_shares, without_noise_bias
+from modallab.extraction.measured.noise_bias import (
+    force_noise_of_leaked,
+    noise_shares,
+    without_noise_bias,
+)
 from modallab.extraction.measured.responses import Responses, responses_of
 from modallab.extraction.measured.white_forces import white_forces_notes
 from modallab.extraction.mode_by_mode import extract_mode_by_mode
@@ -116,8 +120,11 @@ def responses_read(
     Parameters and errors as `extract`.
     """
     responses = responses_of(frf, coherence, averages)
-    if leakage is not None:  # what leaks is not coherent either, and no noise
+    if leakage is not None and len(responses.references) > 1:
         return responses, 0.0
+    if leakage is not None:  # a scale of all lines alike: how well it is known is no matter of weights
+        shares = force_noise_of_leaked(responses, leakage)
+        return without_noise_bias(responses, shares, leakage.estimator)[0], 0.0
     # of several references only that is known which bias may be left: noise of one force is in all FRFs
     kind = None if estimator is None or len(responses.references) > 1 else biased(estimator)
     return without_noise_bias(responses, noise_shares(responses, kind), kind)

@@ -25,7 +25,7 @@ def concluded(
     slopes[modes, modes, 0] = frequency / (2 * parameters[:, 0])
     slopes[n + modes, modes, :2] = slope
     by = slopes.reshape(2 * n, -1)
-    scale = (lines.unit**2 * lines.size).repeat(lines.n_references)
+    scale = _scale(lines)
     constant, held, moved = _constants(basis, parameters, linear, known)
     residuals = linear.coefficients[:, 2 * n :].reshape(len(scale), -1)
     above, below = residuals[:, 0] + 1j * residuals[:, 1], residuals[:, 2] + 1j * residuals[:, 3]
@@ -47,6 +47,22 @@ def concluded(
     )
 
 
+def constants(lines: Scaled, basis: ModalBasis, parameters: FloatArray, linear: Linear) -> ComplexArray:
+    """Return the modal constants in physical units, (n_modes, n_frf) 1/kg."""
+    parts = _parts(basis, parameters, linear)[0]
+    return np.asarray((parts[..., 0] + 1j * parts[..., 1]).reshape(len(parameters), -1) * _scale(lines))
+
+
+def _scale(lines: Scaled) -> FloatArray:
+    return (lines.unit**2 * lines.size).repeat(lines.n_references)
+
+
+def _parts(basis: ModalBasis, parameters: FloatArray, linear: Linear) -> tuple[FloatArray, FloatArray]:
+    """Return both parts of the modal constants, (n_modes, n_dof, n_ref, 2), and the coefficients in them."""
+    coefficients = linear.coefficients[:, : 2 * len(parameters)].reshape(-1, len(parameters), 2)
+    return np.einsum("rmck,jrk->rjmc", basis.constant(parameters), coefficients), coefficients
+
+
 def _constants(
     basis: ModalBasis, parameters: FloatArray, linear: Linear, known: Uncertainty
 ) -> tuple[ComplexArray, FloatArray, FloatArray]:
@@ -56,8 +72,7 @@ def _constants(
     """
     n_modes, n_parameters = parameters.shape
     per = basis.constant(parameters)
-    coefficients = linear.coefficients[:, : 2 * n_modes].reshape(-1, n_modes, 2)
-    parts = np.einsum("rmck,jrk->rjmc", per, coefficients)
+    parts, coefficients = _parts(basis, parameters, linear)
     held = np.einsum("rmck,jrkl,rmcl->rjm", per, known.held, per, optimize=True) / 2
     follow = np.einsum("rmck,jrkp->rjmcp", per, known.through, optimize=True)
     if (slopes := basis.constant_slopes(parameters)) is not None:

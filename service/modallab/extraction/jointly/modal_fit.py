@@ -4,7 +4,7 @@ import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.progress import Progress, silent
-from modallab.extraction.jointly.concluding import concluded
+from modallab.extraction.jointly.concluding import concluded, constants
 from modallab.extraction.jointly.fitted import ModalFit
 from modallab.extraction.jointly.modal_basis import BASES, ModalBasis
 from modallab.extraction.jointly.modal_covariance import turned, uncertainty
@@ -76,6 +76,34 @@ def fit_modes(
         parameters, basis = parameters[order], basis.at(order)
         linear = solve_linear(lines, basis, parameters)
     return concluded(lines, basis, parameters, linear, uncertainty(lines, basis, parameters, linear))
+
+
+def one_step(
+    freq: FloatArray, receptance: ComplexArray, weight: FloatArray, fit: ModalFit, *, damping: Damping
+) -> tuple[ComplexArray, ComplexArray]:
+    """Return where one Gauss-Newton step takes the modes of a fit, to tell how they follow small changes.
+
+    Parameters
+    ----------
+    freq, receptance, weight, damping
+        As of `fit_modes`; the lines a little changed.
+    fit
+        What it returned of the lines as they were.
+
+    Returns
+    -------
+    Eigenvalues, (n_modes,) (rad/s)^2, and modal constants, (n_modes, n_frf) 1/kg.
+    """
+    n_ref = 1 if fit.participation is None else fit.participation.shape[1]
+    lines = scaled(2 * np.pi * freq, receptance, weight, n_ref)
+    basis, parameters = _begin(fit.eigenvalue / lines.unit**2, fit.participation, damping)
+    normal, slope = _normal_equations(basis, solve_linear(lines, basis, parameters))
+    step = _step(normal, slope, 0.0).reshape(parameters.shape)
+    # a mode far beyond the range is one that nothing holds
+    parameters = parameters + _limited(step, parameters, (float(lines.omega.min()) ** 2, 1.0))
+    constant = constants(lines, basis, parameters, solve_linear(lines, basis, parameters))
+    stiffness = lines.unit**2 * parameters[:, 0]
+    return np.asarray(stiffness * (1 + 1j * basis.loss_factor(parameters)[0])), constant
 
 
 def _begin(

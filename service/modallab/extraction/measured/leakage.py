@@ -55,6 +55,10 @@ class Leakage:
     correlation: FloatArray  # (n_lag,) autocorrelation times quadrature weight
     estimator: Biased
     source_mass: float = 0.0  # kg behind the force transducer, which the source drives too: an armature
+    # The window makes errors of neighbouring lines alike: the sum of the squared correlations of a line's
+    # error with those of all lines, itself included. What is fitted to many lines varies by so much more.
+    alike: float = 1.0
+    variance: float = np.inf  # of its power spectrum, lines^2
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "lag", frozen(self.lag, float, (None,), name="lag"))
@@ -94,7 +98,11 @@ class Leakage:
         lag, weight = np.polynomial.legendre.leggauss(96)
         lag = (lag + 1) / 2
         at = np.interp(lag, np.arange(len(window)) / len(window), correlation / correlation[0])
-        return cls(lag, at * weight / 2, kind, source_mass)
+        power = window**2
+        alike = len(window) * float((power**2).sum()) / float(power.sum()) ** 2
+        slope = np.diff(window, prepend=0.0, append=0.0) * len(window) / (2 * np.pi)
+        variance = float((slope**2).sum() / power.sum())  # without bound for a window that jumps
+        return cls(lag, at * weight / 2, kind, source_mass, alike, variance)
 
     def undone(self, freq: FloatArray, spacing: float, response: "OnePole", drive: "OnePole") -> ComplexArray:
         """Return what to multiply leaked inertance by, if one mode and a smooth rest are all there is.

@@ -5,12 +5,13 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from modallab.core.arrays import FloatArray
-from modallab.extraction.measured.leakage import Biased
+from modallab.extraction.measured.leakage import Biased, Leakage
 from modallab.extraction.measured.responses import Responses
 
 FAINT = 0.05  # coherence below which a line tells nothing of how noise is shared out
 ROUNDS = 12  # of least squares, weights and the force's spectrum renewed; they settle in a few
 TINY = 1e-12  # noise over signal: none
+QUIETEST = 4  # one in so many lines tells the force's noise where others leak
 KNOWN = 0.2  # of the noise taken off: how well it is known, at its worst lines
 
 
@@ -66,6 +67,27 @@ def _white(loose: FloatArray, weaker: FloatArray, weight: FloatArray) -> tuple[f
     sure = float((level - tilt**2 / square).sum())
     force = max(float((sum_ - tilt * slope / square).sum()) / sure, 0.0) if sure > 0 else 0.0
     return force, np.maximum((slope - force * tilt) / square, 0.0)
+
+
+def force_noise_of_leaked(responses: Responses, leakage: Leakage) -> NoiseShares:
+    """Return noise of the force over its signal where lines leak; that of the responses is not told.
+
+    What leaks is not coherent either. On the flanks it is known: about a line the response is straight, and
+    its variance over the window's power spectrum is its slope squared times that of the window. Noise of a
+    force that is white, with white noise, is all FRFs' and all lines', so that lines tell it where hardly
+    anything else is incoherent. A force that an armature loads is not white: then none is told.
+    """
+    none = np.zeros(responses.coherence.shape)
+    if leakage.source_mass > 0:
+        return NoiseShares(none[:, 0], none)
+    g2 = np.maximum(responses.coherence, TINY)
+    inertance = responses.freq[:, None] ** 2 * responses.receptance
+    slope = np.abs(np.gradient(inertance, axis=0))
+    leaked = leakage.variance * (slope / np.maximum(np.abs(inertance), 1e-300)) ** 2
+    left = np.median((1 - g2) / g2 - leaked, axis=1)
+    quiet = np.argsort(np.median(leaked, axis=1), kind="stable")[: max(len(left) // QUIETEST, 1)]
+    level = max(float(np.median(left[quiet])), 0.0)
+    return NoiseShares(np.full(len(left), level), none)
 
 
 def without_noise_bias(

@@ -37,14 +37,35 @@ def test_modes_that_the_lines_tell_are_not_flagged(estimator: str, plain_beam: B
     assert np.isfinite(off[:, WIDE]).all()
 
 
-def test_no_mode_is_surer_than_the_one_that_cleaned_its_lines() -> None:
+@pytest.mark.parametrize("estimator", ["h1", "h2"])
+def test_all_frfs_together_tell_wide_modes_better_than_those_that_cleaned_their_lines(estimator: str) -> None:
     # those are of Dobson's method, which says the same of them when asked by itself
-    alone, joint = (read(taken("h2")[0], "h2", method) for method in ("dobson", "lscf"))
-    for cleaner in alone.modes:
-        mode = min(joint.modes, key=lambda mode: abs(mode.frequency - cleaner.frequency))
+    alone, joint = (read(taken(estimator)[0], estimator, method) for method in ("dobson", "lscf"))
+    for cleaner, mode in zip(alone.modes[WIDE], joint.modes[-5:], strict=True):
         for name, error in cleaner.standard_errors.items():
-            assert mode.standard_errors[name] >= error * (1 - 1e-9)  # rounding
-            assert mode.leakage_bias[name] >= cleaner.leakage_bias[name]
+            assert mode.standard_errors[name] < 0.7 * error
+
+
+@pytest.mark.parametrize("estimator", ["h1", "h2"])
+def test_standard_errors_of_leaked_modes_are_of_the_size_of_what_they_are_off_by(
+    estimator: str, plain_beam: Beam
+) -> None:
+    off, flagged = judged(estimator, "lscf", of(plain_beam))
+    seen = off[~flagged]
+    # the larger of two normal numbers is 1.16 rms; 38 and more of them tell that to a tenth. Lines of drawn
+    # tests are independent, so that errors which allow for a window's likeness are a third too wide there
+    assert 0.5 < np.sqrt((seen**2).mean()) < 1.5
+
+
+def test_noise_of_the_force_does_not_lower_modal_constants_where_lines_leak(plain_beam: Beam) -> None:
+    scores = []
+    for measurement in taken("h1"):
+        model = read(measurement, "h1", "lscf")
+        assert model.modal_constant is not None
+        exact = np.abs(plain_beam.constants[WIDE])
+        scores.append(np.median(np.abs(model.modal_constant[-5:]) / exact) - 1)
+    # noise of 1 % of the force's power would make it -0.01; leakage on flanks is told from it to a tenth
+    assert np.abs(np.mean(scores)) < 0.002
 
 
 def fitted() -> tuple[Refined, Stretch]:
@@ -67,19 +88,40 @@ def vaguer(fit: ModalFit, by: float) -> ModalFit:
     )
 
 
-def test_modes_take_over_errors_and_bias_of_those_that_cleaned_their_lines() -> None:
+def test_modes_share_errors_and_bias_of_those_that_cleaned_their_lines() -> None:
     refined, stretch = fitted()
-    known, bias = vaguer(refined.fit, 3.0), np.array([[0.2, 0.01], [0.1, 0.02]])
+    bias = np.array([[0.02, 0.0005], [0.01, 0.0002]])
+    leaked = Leaked(Leakage.of(HANN, "h1"), vaguer(refined.fit, 5.0), bias, drive=0)
+    surer = replace(leaked, modes=vaguer(refined.fit, 1e-6), bias=0 * bias)
+    alone, out = (allowing_for_leakage(refined, stretch, by, Damping.STRUCTURAL) for by in (surer, leaked))
+    # a Hann window makes errors of lines alike: (35/128)/(3/8)^2 times the variance
+    np.testing.assert_allclose(
+        alone.fit.eigenvalue_covariance, 35 / 18 * refined.fit.eigenvalue_covariance, rtol=1e-3
+    )
+    for name in ("frequency_error", "loss_factor_error", "modal_constant_error"):
+        own, wider = getattr(alone.fit, name), getattr(out.fit, name)
+        assert (wider > 1.02 * own).any()
+        assert (wider >= own).all()
+    assert out.leakage_bias is not None
+    assert alone.leakage_bias is not None
+    assert (out.leakage_bias >= alone.leakage_bias).all()
+    twice = replace(leaked, bias=1e3 * bias)
+    more = allowing_for_leakage(refined, stretch, twice, Damping.STRUCTURAL).leakage_bias
+    assert more is not None
+    assert (more > out.leakage_bias).all()
+
+
+def test_a_cleaner_too_vague_to_follow_hands_on_its_own_error_and_bias() -> None:
+    refined, stretch = fitted()
+    fit, bias = refined.fit, np.array([[0.2, 0.01], [0.1, 0.02]])
+    known = vaguer(fit, 0.5 / float((fit.loss_factor_error / fit.loss_factor).min()))
     leaked = Leaked(Leakage.of(HANN, "h1"), known, bias, drive=0)
     out = allowing_for_leakage(refined, stretch, leaked, Damping.STRUCTURAL)
-    np.testing.assert_allclose(out.fit.frequency_error, 3 * refined.fit.frequency_error)
-    np.testing.assert_allclose(out.fit.loss_factor_error, 3 * refined.fit.loss_factor_error)
-    np.testing.assert_allclose(out.fit.modal_constant_error, 3 * refined.fit.modal_constant_error)
+    assert (out.fit.frequency_error >= known.frequency_error).all()
+    assert (out.fit.loss_factor_error >= known.loss_factor_error).all()
+    assert (out.fit.modal_constant_error >= known.modal_constant_error).all()
     assert out.leakage_bias is not None
     np.testing.assert_allclose(out.leakage_bias, bias)
-    surer = replace(leaked, modes=vaguer(refined.fit, 0.1))
-    kept = allowing_for_leakage(refined, stretch, surer, Damping.STRUCTURAL)
-    np.testing.assert_allclose(kept.fit.eigenvalue_covariance, refined.fit.eigenvalue_covariance)
 
 
 @pytest.mark.parametrize("none", [True, False])
