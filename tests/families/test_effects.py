@@ -171,6 +171,17 @@ def test_what_it_is_given_stays_as_it_was(kind: str) -> None:
         assert given == (Drive(SETUP.drive, 0.1), NoiseLevels(0.1, 0.2), Source(0.3))
 
 
+@pytest.mark.parametrize("kind", [kind for kind in KINDS if not EFFECTS[kind].by_run])
+def test_a_structure_with_it_is_the_same_in_every_run(kind: str) -> None:
+    # chains ask it once for all runs; one that differs has to say `by_run`
+    last = Shot((Dof.parse("16:+Y"),), (Dof.parse("3:+Y"),), moment=1.0)
+    for effect in examples(kind):
+        one, other = (effect.on_system(SYSTEMS[kind], shot) for shot in (replace(SHOT, moment=0.0), last))
+        assert one.mass is other.mass
+        assert one.stiffness is other.stiffness
+        assert [a.key for a in one.attachments] == [a.key for a in other.attachments]
+
+
 @pytest.mark.parametrize("kind", KINDS)
 def test_it_changes_something_at_every_place_it_names(kind: str) -> None:
     # a spring between structure and armature is nothing without an armature

@@ -62,6 +62,22 @@ class Attachment:
         return z if self.inner == 0 else _condensed(z, self.inner)
 
 
+def spring(column: FloatArray, stiffness: float) -> Attachment:
+    """Return a spring, N/m (N m for a rotation), from a motion (n, 1) to the ground."""
+    return Attachment(column, stiffness=np.array([[stiffness]]))
+
+
+def damper(column: FloatArray, viscous: float) -> Attachment:
+    """Return a viscous damper, N s/m (N m s for a rotation), from a motion (n, 1) to the ground."""
+    return Attachment(column, viscous=np.array([[viscous]]))
+
+
+def oscillator(column: FloatArray, mass: float, frequency: float, loss_factor: float) -> Attachment:
+    """Return a mass, kg, on a damped spring that hangs on a motion (n, 1); Hz, when that is held."""
+    between = (2 * np.pi * frequency) ** 2 * mass * np.array([[1.0, -1.0], [-1.0, 1.0]])
+    return Attachment(column, np.diag([0.0, mass]), between, loss_factor * between, inner=1)
+
+
 def _condensed(z: ComplexArray, inner: int) -> ComplexArray:
     """Return z (n_freq, r + inner, r + inner) without its last coordinates, on which nothing acts."""
     outer, across, back = z[:, :-inner, :-inner], z[:, :-inner, -inner:], z[:, -inner:, :-inner]

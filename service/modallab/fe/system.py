@@ -11,7 +11,17 @@ from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError, UnknownDofError
 from modallab.fe.alteration import Alteration
-from modallab.fe.attachment import Attachment, block_diagonal, carried, grown, motions, with_added
+from modallab.fe.attachment import (
+    Attachment,
+    block_diagonal,
+    carried,
+    damper,
+    grown,
+    motions,
+    oscillator,
+    spring,
+    with_added,
+)
 from modallab.fe.damping import ViscousDamping
 from modallab.fe.keeping import kept
 from modallab.fe.loaded import half_power, loaded_modes, only_loads
@@ -21,7 +31,8 @@ from modallab.fe.modes import ModalBasis, undamped_basis
 from modallab.fe.rebuilding import grounded, rebuilt
 
 MODAL_BAND = 2e3  # Hz, of modes of a large structure that modal damping is written out for
-MASSES = 256  # masses at nodes that are kept
+# Every run of a test hangs the same things on its structure: the latest are kept.
+HUNG, ROWS = 256, 1_000_000  # at most, and rows of them all
 SMALL = 250  # DoFs below which a dense eigen-solution is the faster one
 
 
@@ -86,11 +97,12 @@ class DynamicSystem:
 
     def add_masses(self, nodes: Sequence[int], mass: float) -> "DynamicSystem":
         """Return the system with the same mass, kg, at each of some nodes."""
-        hung = [
-            kept(self.shared, "masses", (node, mass), partial(self._mass, node, mass), MASSES)
-            for node in nodes
-        ]
+        hung = [self._known((node, mass), partial(self._mass, node, mass)) for node in nodes]
         return replace(self, attachments=(*self.attachments, *hung))
+
+    def _known(self, key: tuple[object, ...], make: Callable[[], Attachment]) -> Attachment:
+        """Return what was attached to the same matrices before, or else make it."""
+        return kept(self.shared, "hung", key, make, min(HUNG, 1 + ROWS // len(self.dofs)))
 
     def _mass(self, node: int, mass: float) -> Attachment:
         moved = tuple(d for d in self.dofs if d.node == node and d.translational)
@@ -100,11 +112,11 @@ class DynamicSystem:
 
     def add_spring(self, dof: Dof, stiffness: float) -> "DynamicSystem":
         """Return the system with a spring, N/m (N m for a rotation), from a DoF to the ground."""
-        return self.attach(Attachment(self.selection((dof,)), stiffness=np.array([[stiffness]])))
+        return self._hang(dof, spring, stiffness)
 
     def add_damper(self, dof: Dof, viscous: float) -> "DynamicSystem":
         """Return the system with a viscous damper, N s/m (N m s for a rotation), from a DoF to the ground."""
-        return self.attach(Attachment(self.selection((dof,)), viscous=np.array([[viscous]])))
+        return self._hang(dof, damper, viscous)
 
     def add_oscillator(self, dof: Dof, mass: float, frequency: float, loss_factor: float) -> "DynamicSystem":
         """Return the system with a mass, kg, on a damped spring that hangs on a DoF.
@@ -116,10 +128,12 @@ class DynamicSystem:
         loss_factor
             Of the spring.
         """
-        spring = (2 * np.pi * frequency) ** 2 * mass * np.array([[1.0, -1.0], [-1.0, 1.0]])
-        own = np.diag([0.0, mass])
-        column = self.selection((dof,))
-        return self.attach(Attachment(column, own, spring, loss_factor * spring, inner=1))
+        return self._hang(dof, oscillator, mass, frequency, loss_factor)
+
+    def _hang(self, dof: Dof, make: Callable[..., Attachment], *numbers: float) -> "DynamicSystem":
+        """Return the system with one thing more that hangs on a DoF, made from its column and numbers."""
+        key = (make, dof, numbers)
+        return self.attach(self._known(key, lambda: make(self.selection((dof,)), *numbers)))
 
     def change_member(
         self, number: int, *, mass: float = 0.0, axial: float = 0.0, bending: float = 0.0
@@ -151,7 +165,8 @@ class DynamicSystem:
         """
         old, attachment = self.altered.get(number, (Alteration(), None))
         both = old.also(alteration)
-        new = self._known_members.altered(number, both, len(self.dofs))
+        table, n = self._known_members, len(self.dofs)
+        new = self._known((number, both), lambda: table.altered(number, both, n))
         rest = tuple(a for a in self.attachments if a is not attachment)
         return replace(self, attachments=(*rest, new), altered={**self.altered, number: (both, new)})
 

@@ -224,6 +224,9 @@ class Chain:
         return frequencies, widths
 
 
+_Altered = tuple[DynamicSystem, DynamicSystem]  # a structure without an effect and with it
+
+
 def all_effects(setup: RigSetup, added: Sequence[Effect]) -> list[Effect]:
     """Return what the declared hardware implies, what the log book names, and `added`, in stage order."""
     implied = [effect for cls in EFFECTS.values() for effect in cls.from_setup(setup)]
@@ -259,7 +262,8 @@ def chain(
     for effect in effects:
         noise, source = effect.on_noise(noise), effect.on_source(source)
     each = [(effect, acts) for effect in effects if any(acts := _acts_on_runs(effect))]
-    runs = tuple(_run(system, shot, each) for shot in setup.shots)
+    latest: dict[int, _Altered] = {}
+    runs = tuple(_run(system, shot, each, latest) for shot in setup.shots)
     if local := [force for effect in effects if (force := effect.on_motion()) is not None]:
         runs = with_equivalents(runs, local, setup.analyser, source, alike=alike)
     return Chain(setup, runs, noise, source, tuple(effects))
@@ -275,13 +279,29 @@ def _acts_on_runs(effect: Effect) -> tuple[bool, bool, bool]:
     )
 
 
-def _run(system: DynamicSystem, shot: Shot, effects: Sequence[tuple[Effect, tuple[bool, bool, bool]]]) -> Run:
+def _run(
+    system: DynamicSystem,
+    shot: Shot,
+    effects: Sequence[tuple[Effect, tuple[bool, bool, bool]]],
+    latest: dict[int, _Altered],
+) -> Run:
+    """Return one run with all effects.
+
+    Parameters
+    ----------
+    latest
+        What the effects, by number, made of structures in runs before.
+    """
     drives = [Drive(dof) for dof in shot.drives]
     forces = [Channel.ideal(dof, force=True) for dof in shot.drives]
     responses = [Channel.ideal(dof) for dof in shot.outputs]
-    for effect, (to_system, to_drive, to_channel) in effects:
-        if to_system:
+    for i, (effect, (to_system, to_drive, to_channel)) in enumerate(effects):
+        if to_system and effect.by_run:
             system = effect.on_system(system, shot)
+        elif to_system:
+            if i not in latest or latest[i][0] is not system:
+                latest[i] = system, effect.on_system(system, shot)
+            system = latest[i][1]
         if to_drive:
             drives = [effect.on_drive(drive) for drive in drives]
         if to_channel:

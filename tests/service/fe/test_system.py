@@ -12,6 +12,7 @@ from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.changes import MemberChange, MemberProperty, change
 from modallab.fe.damping import Damping, StructuralDamping, ViscousDamping
 from modallab.fe.receptance import direct_receptance, receptance
+from modallab.fe.system import DynamicSystem
 
 BEAM = assemble(STRUCTURES["chapter-5-beam"]())
 
@@ -42,6 +43,16 @@ def test_hanging_something_on_changes_nothing_underneath() -> None:
 
 def test_modes_are_solved_for_once_for_every_variant() -> None:
     assert BEAM.add_mass(3, 1.0).base_modes(800.0) is BEAM.base_modes(800.0)
+
+
+def test_what_is_hung_on_twice_is_made_once() -> None:
+    # every run of a test with a roving accelerometer asks for the same
+    def hung(mass: float) -> DynamicSystem:
+        return BEAM.add_spring(Dof(3, "Y"), 1e4).add_oscillator(Dof(5, "Y"), mass, 90.0, 0.1).change_member(4)
+
+    one, same, other = hung(0.1), hung(0.1), hung(0.2)
+    assert all(a is b for a, b in zip(one.attachments, same.attachments, strict=True))
+    assert [a.key == b.key for a, b in zip(one.attachments, other.attachments, strict=True)] == [1, 0, 1]
 
 
 @pytest.mark.parametrize("name", ["chapter-5-beam", "bay", "cantilever"])

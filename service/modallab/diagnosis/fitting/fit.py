@@ -144,7 +144,7 @@ def fit(predictor: Predictor, effects: Sequence[Effect], *, fixed: Sequence[Effe
     if len(start):
         low, high = (np.concatenate([s, np.full(len(task.free), end)]) for s, end in _sides(task.panel))
         descent = Descent(task.vector, task.slopes, start, (low, high))
-        descent.go(evaluations=PATIENCE, enough=THERE)
+        descent.go(evaluations=PATIENCE, enough=NEAR)
         if float(descent.vector @ descent.vector) < NEARLY * len(descent.vector):
             descent.go(evaluations=PATIENCE, enough=THERE)
         start, slopes = descent.position, descent.jacobian[: len(descent.vector) - len(task.free)]

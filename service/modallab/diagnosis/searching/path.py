@@ -26,6 +26,7 @@ class Path:
 
     start: Fit
     steps: tuple[Accepted, ...] = field(default=())
+    ended: bool = False  # nothing was found that could be added
 
     @property
     def fit(self) -> Fit:

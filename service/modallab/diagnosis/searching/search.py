@@ -1,6 +1,7 @@
 """Adds the effect that explains most, until only random error is left or no effect explains more."""
 
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from itertools import islice
 
 from modallab.core.progress import Progress, part
@@ -96,13 +97,13 @@ def _longer(
     Beyond a second one as long as the last closed much of the gap: what a catalogue lacks can be feigned
     little by little by many effects, none of which is there.
     """
-    while len(path.steps) < max_effects and not only_noise_left(predictor, path.fit.residual):
+    while len(path.steps) < max_effects and not (path.ended or only_noise_left(predictor, path.fit.residual)):
         if len(path.steps) > 1 and not _closes_much(predictor, path.steps[-1]):
             break
         found = trials(predictor, path.fit, suspects, progress=progress)
         best = next(convincing(predictor, path.fit, found), None)
         if best is None:
-            break
+            return replace(path, ended=True)
         step = Accepted(name_of(best[0].effects[-1]), path.fit, *best)
         path = Path(path.start, (*path.steps, step))
     return path

@@ -46,6 +46,22 @@ def test_a_search_goes_on_past_what_is_not_convincing(
     assert [step.kind_and_place for step in path.steps] == [name_of(MASS)]
 
 
+def test_where_nothing_can_be_added_is_not_looked_again(
+    predictor: Predictor, found: list[Fit], monkeypatch: pytest.MonkeyPatch
+) -> None:
+    looked: list[int] = []
+
+    def trials(_predictor: Predictor, base: Fit, *_: object, **__: object) -> list[Fit]:
+        looked.append(len(base.effects))
+        return [] if base.effects else found
+
+    monkeypatch.setattr(module, "trials", trials)
+    monkeypatch.setattr(module, "only_noise_left", lambda *_: False)  # so that it is looked for a second one
+    path = search(predictor, fit(predictor, ()), Suspects([]), max_effects=4, progress=silent)
+    assert len(path.steps) == 1
+    assert looked == [0, 1]
+
+
 def test_noise_beside_something_larger_is_no_leakage() -> None:
     # A little more noise than declared goes together over all lines, as leakage does.
     hidden = (MASS, ResponseNoise(ratio=1.5e-3))
