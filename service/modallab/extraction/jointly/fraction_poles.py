@@ -150,7 +150,9 @@ def _strengths(freq: FloatArray, residue: ComplexArray, weight: FloatArray, pole
     The sum of `1/|i omega_k - s|^2` over endless lines is known in closed form.
     """
     step = 2 * np.pi * float(freq[1] - freq[0])
-    nearest = np.clip(np.rint((pole.imag - 2 * np.pi * freq[0]) / step).astype(int), 0, len(freq) - 1)
+    used = np.flatnonzero(weight.any(axis=1))
+    between = 2 * np.pi * (freq[used[1:]] + freq[used[:-1]]) / 2
+    nearest = used[np.searchsorted(between, pole.imag)]
     decay = -pole.real
     fade = np.exp(-2 * np.pi * decay / step)
     beat = np.cos(2 * np.pi * (pole.imag / step - freq[0] / (freq[1] - freq[0])))

@@ -10,6 +10,7 @@ from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from modallab.core.modal_model import StabilisationChart
 from modallab.core.progress import Progress, part
 from modallab.extraction.jointly.coincident import said_of_coincident
+from modallab.extraction.jointly.even_lines import poles_of_lines
 from modallab.extraction.jointly.fitted import ModalFit
 from modallab.extraction.jointly.global_method import GlobalMethod, Poles
 from modallab.extraction.jointly.leaked_modes import allowing_for_leakage
@@ -64,7 +65,7 @@ def modes_of(
     """
     progress(0.0, "looking for poles")
     clean = stretch if leaked is None else cleaned(stretch, leaked, damping)
-    poles = find(clean.freq, *_for_poles(clean), orders)
+    poles = poles_of_lines(find, clean.freq, *_for_poles(clean), orders)
     if not len(poles.order):
         return None
     stability = stabilise(poles)
