@@ -102,6 +102,12 @@ def test_noise_leaves_finite_numbers_and_says_how_sure(kind: str) -> None:
         assert np.isfinite(list(table.values())).all()
     assert result.rank > 0
     assert np.isfinite(result.condition_number)
+    told = result.identifiability
+    assert told is not None
+    assert told.covariance is not None
+    for part, ends in result.intervals.items():
+        for number, (low, high) in ends.items():
+            assert low < high, (part, number)
     assert result.stopped_because
 
 
@@ -134,6 +140,8 @@ def test_what_cannot_be_updated_is_refused(kind: str) -> None:
         update(BEAM, PARAMETERS, replace(target, dofs=(Dof(99, "Y"), *DOFS[1:])))
     with pytest.raises(InvalidInputError):
         update(BEAM, PARAMETERS, replace(target, modes=()))
+    with pytest.raises(UnderdeterminedError, match="no measured number moves"):  # bending stretches nothing
+        update(BEAM, parameterise(automatic_groups(BEAM), ("axial",)), target)
     unlike = replace(target.modes[3], shape=np.array([1, 0, 0, 1, 0, 0, -1, 0, 0, -1, 0j]))
     with pytest.raises(UnderdeterminedError, match="mode 4"):
         update(BEAM, PARAMETERS, replace(target, modes=(*target.modes[:3], unlike)))

@@ -6,20 +6,20 @@ import numpy as np
 
 from modallab.core.arrays import FloatArray
 from modallab.updating.fit import Fit, State
-from modallab.updating.solve import Step, balanced_step
+from modallab.updating.identifiability import Identifiability, identify
+from modallab.updating.solve import balanced_step
 
 
 @dataclass(frozen=True, eq=False)
 class Certainty:
     """What the measurement says about the coefficients where they ended."""
 
-    rank: int
-    condition_number: float
     standard_errors: FloatArray | None  # (n_params,), None if there is nothing to judge by
+    identifiability: Identifiability
 
 
-def certainty(fit: Fit, state: State, *, jump: float) -> Certainty:
-    """Return rank, condition number and standard errors at a state.
+def certainty(fit: Fit, state: State, *, jump: float, within: float) -> Certainty:
+    """Return standard errors of the coefficients at a state, and what data identify.
 
     Standard errors are those of the measured frequencies and shapes carried through the last step,
     where the modal model states all of them; else every balanced row is taken to be as uncertain
@@ -27,15 +27,20 @@ def certainty(fit: Fit, state: State, *, jump: float) -> Certainty:
     beyond the rank are not in them: there the measurement says nothing at all.
     """
     step = balanced_step(fit.sensitivity(state), state.difference, state.size, jump=jump)
-    return Certainty(step.rank, step.condition_number, _standard_errors(fit, state, step))
+    rows = _errors(fit, state, step.rank)
+    told = identify(
+        fit.parameterisation, state.values, step, state.difference / state.size, rows, within=within
+    )
+    errors = None if rows is None else np.asarray(np.sqrt(step.inverse**2 @ rows**2))
+    return Certainty(errors, told)
 
 
-def _standard_errors(fit: Fit, state: State, step: Step) -> FloatArray | None:
-    stated = fit.target.errors
-    if stated is not None:
-        return np.asarray(np.sqrt(step.inverse**2 @ stated**2))
-    spare = len(state.difference) - step.rank
+def _errors(fit: Fit, state: State, rank: int) -> FloatArray | None:
+    """Return the standard errors of balanced rows (n_rows,)."""
+    if fit.target.errors is not None:
+        return fit.target.errors
+    spare = len(state.difference) - rank
     if spare == 0:
         return None
     scatter = np.sqrt(((state.difference / state.size) ** 2).sum() / spare)
-    return np.asarray(scatter * np.sqrt((step.inverse**2).sum(axis=1)))
+    return np.full(len(state.difference), scatter)

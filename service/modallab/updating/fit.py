@@ -57,11 +57,17 @@ class Fit:
         If loss factors are asked of real modes, or damped modes of a structure whose damping is not
         hysteretic.
     UnderdeterminedError
-        If there are fewer measured numbers than coefficients.
+        If there are fewer measured numbers than coefficients, unless something else is known of these.
     """
 
     def __init__(
-        self, assembly: Assembly, parameterisation: Parameterisation, target: TargetModes, min_mac: float
+        self,
+        assembly: Assembly,
+        parameterisation: Parameterisation,
+        target: TargetModes,
+        min_mac: float,
+        *,
+        regularised: bool = False,
     ) -> None:
         self.parameterisation, self.target, self.min_mac = parameterisation, target, min_mac
         self._assembly = assembly
@@ -79,7 +85,7 @@ class Fit:
         rows = [structure.index(dof) for dof in target.dofs]
         self._sensors[rows, np.arange(len(rows))] = [dof.sign for dof in target.dofs]
         n_params, n_rows = len(parameterisation.macros), target.n_rows
-        if n_rows < n_params:
+        if n_rows < n_params and not regularised:
             raise UnderdeterminedError(
                 f"{n_rows} measured numbers cannot determine {n_params} coefficients",
                 field="macros",

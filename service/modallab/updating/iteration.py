@@ -82,7 +82,8 @@ def iterate(fit: Fit, start: FloatArray, rule: StopRule, *, stage: str, progress
     Raises
     ------
     UnderdeterminedError
-        If a measured mode pairs with nothing at the start already.
+        If a measured mode pairs with nothing at the start already, or no measured number moves with
+        any coefficient.
     """
     state = fit.state(start)
     begun = state.distance
@@ -109,13 +110,15 @@ def iterate(fit: Fit, start: FloatArray, rule: StopRule, *, stage: str, progress
         largest = history[-1].max_change
         progress((count + 1) / rule.max_iterations, f"{stage} {count + 1}: largest change {largest:.2g}")
         if largest < rule.tolerance and step.share == 1.0:
-            return Path(tuple(history), state, Ending.CONVERGED, Ending.CONVERGED + _at_bounds(fit, state))
-    return Path(tuple(history), state, Ending.STILL_MOVING, Ending.STILL_MOVING + _at_bounds(fit, state))
+            return Path(tuple(history), state, Ending.CONVERGED, Ending.CONVERGED + resting(fit, state))
+    return Path(tuple(history), state, Ending.STILL_MOVING, Ending.STILL_MOVING + resting(fit, state))
 
 
 def _step(fit: Fit, state: State, rule: StopRule) -> Step:
+    sensitivity = fit.sensitivity(state)
+    refuse_blind(sensitivity)
     return bounded_step(
-        fit.sensitivity(state),
+        sensitivity,
         state.difference,
         state.size,
         state.values,
@@ -136,6 +139,18 @@ def _moved(fit: Fit, state: State, step: Step, begun: float) -> State:
     return after
 
 
-def _at_bounds(fit: Fit, state: State) -> str:
+def refuse_blind(rows: FloatArray) -> None:
+    """Raise `UnderdeterminedError` if the derivatives (n_rows, n_params) are all zero."""
+    if not rows.any():
+        raise UnderdeterminedError(
+            "no measured number moves with any coefficient",
+            field="macros",
+            value=rows.shape[1],
+            allowed="parts of members that move in the measured modes",
+        )
+
+
+def resting(fit: Fit, state: State) -> str:
+    """Return how many coefficients rest on a bound, as words to add; nothing if none does."""
     n = int(np.logical_or(*at_bounds(state.values, fit.parameterisation.bounds)).sum())
     return f"; {n} of {len(state.values)} coefficients rest on a bound" if n else ""

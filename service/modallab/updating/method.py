@@ -5,13 +5,31 @@ from dataclasses import dataclass, field
 from typing import Protocol
 
 from modallab.core.arrays import FloatArray, frozen
+from modallab.core.errors import InvalidInputError
 from modallab.core.modal_model import ModalModel
-from modallab.core.parameters import Parameterised, parameter
+from modallab.core.parameters import OptionSpec, Parameterised, parameter
 from modallab.core.progress import Progress, silent
 from modallab.core.registry import Family
 from modallab.fe.structure import Structure
+from modallab.updating.evidence import Prior
+from modallab.updating.identifiability import Identifiability
 from modallab.updating.iteration import Iteration
 from modallab.updating.parameterisation import Parameterisation, Part
+
+REFUSED, REGULARISED = "refused", "regularised"
+CHOICES: Mapping[str, OptionSpec] = {
+    "prior": OptionSpec(
+        "what is held likely before: sparse, few elements wrong; common, many a little; range, only bounds",
+        choices=tuple(Prior),
+        default=Prior.SPARSE.value,
+    ),
+    "few_rows": OptionSpec(
+        "fewer measured numbers than coefficients",
+        choices=(REFUSED, REGULARISED),
+        default=REFUSED,
+    ),
+}
+TWO_STAGE = ("location_tolerance", "suspect_threshold", "damping_threshold", "max_step")
 
 
 @dataclass(frozen=True)
@@ -44,6 +62,31 @@ class UpdateOptions(Parameterised):
     min_mac: float = parameter(
         0.3, unit="-", lower=0.0, upper=1.0, doc="MAC below which a measured and a model mode do not pair"
     )
+    identified_within: float = parameter(
+        0.3,
+        unit="-",
+        lower=1e-6,
+        upper=10.0,
+        doc="relative standard error, by the data alone, above which a coefficient is told as not identified",
+    )
+    prior: str = Prior.SPARSE.value
+    few_rows: str = REFUSED
+
+    def __post_init__(self) -> None:
+        super().__post_init__()
+        for name, spec in CHOICES.items():
+            if getattr(self, name) not in spec.choices:
+                raise InvalidInputError(
+                    f"there is no {name} {getattr(self, name)!r}",
+                    field=name,
+                    value=str(getattr(self, name)),
+                    allowed=", ".join(spec.choices),
+                )
+
+    @classmethod
+    def as_options(cls) -> dict[str, OptionSpec]:
+        """Return what those who set the options are told: numbers, and what is chosen by name."""
+        return {**super().as_options(), **CHOICES}
 
 
 DEFAULTS = UpdateOptions()
@@ -54,7 +97,7 @@ class Stages:
     """One number a mode as measured, before the update, after location and after it."""
 
     before: FloatArray
-    location: FloatArray
+    location: FloatArray  # as before the update where a method has no such stage
     after: FloatArray
     measured: FloatArray | None = None  # none for a MAC
 
@@ -71,7 +114,7 @@ class UpdateResult:
 
     structure: Structure  # the updated model
     coefficients: Mapping[str, Mapping[int, float]]  # by part and member
-    standard_errors: Mapping[str, Mapping[int, float]]  # of those that stage two moved
+    standard_errors: Mapping[str, Mapping[int, float]]  # of those that were corrected
     suspected: Mapping[str, tuple[int, ...]]  # members by part
     frequencies: Stages  # Hz, (n_modes,) each
     mac: Stages  # of measured modes with their partners, (n_modes,) each
@@ -80,6 +123,9 @@ class UpdateResult:
     stopped_because: str
     rank: int
     condition_number: float
+    # by part and member: low and high end of what holds a coefficient with 95 %, by the data alone
+    intervals: Mapping[str, Mapping[int, tuple[float, float]]] = field(default_factory=dict)
+    identifiability: Identifiability | None = None  # None of a path that diverged
     iterations: Mapping[str, int] = field(init=False)  # "location", "updating"
 
     def __post_init__(self) -> None:
@@ -109,6 +155,19 @@ METHODS_HOME = "modallab.updating.methods"
 UPDATERS: Family[Updater] = Family("updating method", home=METHODS_HOME)
 # Parts that a method corrects where none are named, if these are not mass and stiffness.
 PARTS: Family[tuple[Part, ...]] = Family("updating method", home=METHODS_HOME)
+
+# Options that a method does without, if these are not those that choose a prior.
+IDLE: Family[tuple[str, ...]] = Family("updating method", home=METHODS_HOME)
+
+
+def options_of(method: str) -> dict[str, OptionSpec]:
+    """Return the options that mean something to a method."""
+    idle = set(CHOICES)
+    if method in IDLE:
+        idle = set(IDLE[method])
+    if Part.DAMPING not in parts_of(method):
+        idle.add("damping_threshold")
+    return {name: spec for name, spec in UpdateOptions.as_options().items() if name not in idle}
 
 
 def parts_of(method: str) -> tuple[Part, ...]:

@@ -8,8 +8,7 @@ from modallab.fe.reduction import REDUCTIONS
 from modallab.updating.direct.method import DIRECT_METHODS, EXPANSION, DirectOptions
 from modallab.updating.locating.method import LOCATORS
 from modallab.updating.locating.run import LocationOptions
-from modallab.updating.method import UPDATERS, UpdateOptions, parts_of
-from modallab.updating.parameterisation import Part
+from modallab.updating.method import UPDATERS, options_of
 
 DIRECT: Mapping[str, OptionSpec] = {
     "completion": OptionSpec(
@@ -35,10 +34,7 @@ def offered(method: str) -> Mapping[str, OptionSpec]:
         If there is no such method.
     """
     if method in UPDATERS:
-        options = UpdateOptions.as_options()
-        if Part.DAMPING not in parts_of(method):
-            del options["damping_threshold"]
-        return options
+        return options_of(method)
     if method in LOCATORS:
         return LocationOptions.as_options()
     if method in DIRECT_METHODS:

@@ -57,8 +57,10 @@ def _result(
     options: UpdateOptions,
 ) -> UpdateResult:
     final, moved = path.final, fit.parameterisation
-    sure = certainty(fit, final, jump=options.rank_jump)
-    errors = None if path.ending is Ending.DIVERGED or suspected is None else sure.standard_errors
+    sure = certainty(fit, final, jump=options.rank_jump, within=options.identified_within)
+    told = sure.identifiability
+    corrected_any = path.ending is not Ending.DIVERGED and suspected is not None
+    errors = sure.standard_errors if corrected_any else None
     corrected = fit.structure(final.values)
     below = fit.losses_below_zero(final.values, options.tolerance)
     note = f"; {below} loss factors came out below zero and are zero in the structure" if below else ""
@@ -75,8 +77,10 @@ def _result(
         history=located.history + path.history,
         converged=path.converged,
         stopped_because=path.why + note,
-        rank=sure.rank,
-        condition_number=sure.condition_number,
+        rank=told.rank,
+        condition_number=told.condition_number,
+        intervals=told.by_member() if corrected_any else {},
+        identifiability=told if corrected_any else None,
     )
 
 

@@ -25,12 +25,24 @@ def test_the_defaults_that_are_told_are_those_of_a_run(method: str) -> None:
 def test_bounds_are_those_that_are_kept(method: str) -> None:
     kind: Any = UpdateOptions if method in UPDATERS else LocationOptions
     for name, spec in offered(method).items():
-        assert spec.upper is not None
+        beyond: float | str = "neither"
+        if not spec.choices:
+            assert spec.upper is not None
+            beyond = 2 * spec.upper
         with pytest.raises(InvalidInputError) as refused:
-            kind(**{name: 2 * spec.upper})
+            kind(**{name: beyond})
         assert refused.value.context["field"] == name
 
 
 def test_a_method_that_there_is_not_is_named() -> None:
     with pytest.raises(InvalidInputError, match="no updating method called 'guess'"):
         offered("guess")
+
+
+def test_a_method_is_told_only_what_means_something_to_it() -> None:
+    at_once, two_stage = offered("one_shot"), offered("inverse_eigensensitivity")
+    assert "suspect_threshold" not in at_once
+    assert at_once["prior"].choices == ("sparse", "common", "range")
+    assert at_once["few_rows"].default == "refused"
+    assert "prior" not in two_stage
+    assert "damping_threshold" not in two_stage

@@ -1,0 +1,138 @@
+"""How surely all 62 coefficients of the bay are found at once, without noise and with the thesis's NL3.
+
+python -m benchmarks.one_shot            # prints the figures
+"""
+
+from dataclasses import dataclass
+from functools import cache
+from itertools import pairwise
+
+import numpy as np
+
+from modallab.core.arrays import FloatArray
+from modallab.core.dof import Dof
+from modallab.core.modal_model import ModalModel
+from modallab.fe.assembly import assemble
+from modallab.fe.catalogued import STRUCTURES
+from modallab.fe.changes import MemberChange, MemberProperty, change
+from modallab.fe.selected import ModeNoise, synthetic_modes
+from modallab.fe.structure import Structure
+from modallab.updating.method import UPDATERS, UpdateOptions, UpdateResult
+from modallab.updating.parameterisation import parameterise
+
+BAY = STRUCTURES["bay"]()
+NODES = (1, 3, 5, 7, 8, 10, 13, 14, 16, 18, 20, 23, 26, 28, 30)
+DOFS = tuple(Dof(node, direction) for node in NODES for direction in ("X", "Y"))
+MODES = 10
+MEMBERS = tuple(member.number for member in BAY.members)
+EACH = parameterise([(number,) for number in MEMBERS])
+BEGIN = (1, 5, 8, 13, 16, 20, 25, 29, 32)  # where the macro elements of the thesis begin
+MACROS = parameterise([tuple(range(*ends)) for ends in pairwise(BEGIN)])
+PATTERNS = SEEDS = 50
+FACTORS = (0.3, 3.0)
+MOST_WRONG = 6
+CLOSE = 1e-6  # of a coefficient that counts as found
+ITERATIONS = 15
+NL3 = ModeNoise(eigenvalue=0.005, eigenvector=0.05)
+WRONG = {("mass", 25): 1.5, ("mass", 26): 1.5} | {("stiffness", number): 2.0 for number in (12, 13, 31)}
+
+
+def true_bay(wrong: dict[tuple[str, int], float]) -> Structure:
+    """Return the bay with coefficients that are not 1 on mass or stiffness of members."""
+    properties = {"mass": MemberProperty.DENSITY, "stiffness": MemberProperty.MODULUS}
+    return change(BAY, [MemberChange((n,), properties[part], factor=f) for (part, n), f in wrong.items()])
+
+
+def pattern(seed: int) -> dict[tuple[str, int], float]:
+    """Return errors of one to six members, in mass, stiffness or both, their logarithms evenly drawn."""
+    rng = np.random.default_rng(seed)
+    wrong = {}
+    for number in rng.choice(MEMBERS, rng.integers(1, MOST_WRONG + 1), replace=False):
+        for part in (("mass",), ("stiffness",), ("mass", "stiffness"))[rng.integers(3)]:
+            wrong[part, int(number)] = float(np.exp(rng.uniform(*np.log(FACTORS))))
+    return wrong
+
+
+def measured(wrong: dict[tuple[str, int], float], noise: ModeNoise, seed: int) -> ModalModel:
+    """Return ten modes of the wrong bay at 30 degrees of freedom."""
+    rng = np.random.default_rng(seed)
+    return synthetic_modes(assemble(true_bay(wrong)), MODES, DOFS, noise=noise, rng=rng)
+
+
+def misses(result: UpdateResult, wrong: dict[tuple[str, int], float]) -> FloatArray:
+    """Return how far every coefficient ended from the truth, (62,)."""
+    return np.array(
+        [
+            value - wrong.get((part, number), 1.0)
+            for part, table in result.coefficients.items()
+            for number, value in table.items()
+        ]
+    )
+
+
+@dataclass(frozen=True)
+class Found:
+    """How one draw of noise went."""
+
+    suspected: bool  # every wrong coefficient is among the suspects
+    frequency: float  # largest relative error after the update, against the truth
+    covered: float  # share of coefficients inside their intervals
+    worst: float  # largest error of a coefficient
+
+
+def exact(seed: int) -> tuple[float, int]:
+    """Return the largest error of a coefficient and the iterations of one pattern without noise."""
+    wrong, options = pattern(seed), UpdateOptions(max_iterations=ITERATIONS)
+    result = UPDATERS["one_shot"](BAY, EACH, measured(wrong, ModeNoise(), 0), options=options)
+    return float(np.abs(misses(result, wrong)).max()), result.iterations["updating"]
+
+
+@cache
+def true_frequencies() -> FloatArray:
+    """Return the frequencies of the Table 3.1 case, Hz."""
+    return measured(WRONG, ModeNoise(), 0).frequencies
+
+
+def noisy(seed: int, method: str = "one_shot") -> Found:
+    """Return how one draw of NL3 on the case of table 3.1 went."""
+    result = UPDATERS[method](BAY, EACH if method == "one_shot" else MACROS, measured(WRONG, NL3, seed))
+    inside = [
+        low <= WRONG.get((part, number), 1.0) <= high
+        for part, table in result.intervals.items()
+        for number, (low, high) in table.items()
+    ]
+    return Found(
+        suspected=all(number in result.suspected[part] for part, number in WRONG),
+        frequency=float(np.abs(result.frequencies.after / true_frequencies() - 1).max()),
+        covered=float(np.mean(inside)) if inside else 0.0,
+        worst=float(np.abs(misses(result, WRONG)).max()),
+    )
+
+
+def run() -> list[tuple[str, float, float]]:
+    """Return (name, figure, limit): of patterns found, and of noise against location and updating."""
+    errors, steps = zip(*(exact(seed) for seed in range(PATTERNS)), strict=True)
+    missed = sum(error >= CLOSE for error in errors)
+    drawn = [noisy(seed) for seed in range(SEEDS)]
+    plain = [noisy(seed, "inverse_eigensensitivity") for seed in range(SEEDS)]
+    worst = float(np.median([one.worst for one in drawn]))
+    covered = float(np.mean([one.covered for one in drawn]))
+    return [
+        (f"one_shot: of {PATTERNS} patterns not within {CLOSE:g} in {ITERATIONS} steps", missed, 2.0),
+        ("one_shot: most steps of a pattern", max(steps), ITERATIONS),
+        (f"one_shot, NL3: of {SEEDS} draws with a wrong element unsuspected", _unsuspected(drawn), 0.0),
+        ("one_shot, NL3: largest error of a frequency", max(one.frequency for one in drawn), 0.003),
+        ("one_shot, NL3: 95 % intervals that miss the truth", 1 - covered, 0.10),
+        ("one_shot, NL3: those that hold it", covered, 0.99),
+        ("one_shot, NL3: worst coefficient, median", worst, 0.235),
+        ("one_shot, NL3: the same over two stages'", worst / float(np.median([o.worst for o in plain])), 0.5),
+    ]
+
+
+def _unsuspected(drawn: list[Found]) -> int:
+    return sum(not one.suspected for one in drawn)
+
+
+if __name__ == "__main__":
+    for name, figure, limit in run():
+        print(f"{name:<66} {figure:8.3g}  limit {limit:.3g}")

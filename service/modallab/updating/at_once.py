@@ -1,0 +1,124 @@
+"""Updating in one stage: what all coefficients came to, how sure, and which are wrong."""
+
+import numpy as np
+
+from modallab.core.arrays import BoolArray
+from modallab.core.errors import UnderdeterminedError
+from modallab.core.progress import Progress
+from modallab.fe.assembly import Assembly
+from modallab.fe.structure import Structure
+from modallab.updating.evidence import Prior
+from modallab.updating.fit import Fit
+from modallab.updating.identifiability import Identifiability, identify
+from modallab.updating.iteration import Ending, Path
+from modallab.updating.location import NOTICEABLE, NOTICEABLE_LOSS
+from modallab.updating.method import REGULARISED, Stages, UpdateOptions, UpdateResult
+from modallab.updating.parameterisation import Parameterisation, by_member
+from modallab.updating.relative import changes, slopes
+from modallab.updating.target import TargetModes
+from modallab.updating.whole import Rule, WholePath, correct, unweighted
+
+CLEAR = 3.0  # standard errors from no change at which a coefficient is suspected
+
+
+def update_at_once(
+    structure: Structure,
+    parameterisation: Parameterisation,
+    measured: TargetModes,
+    options: UpdateOptions,
+    progress: Progress,
+) -> UpdateResult:
+    """Return the model corrected to the modes, and how it was found."""
+    # A mode of far wrong elements may look like none of the model's at first: its rows count little until
+    # it does, so that any partner will do to begin with.
+    fit = Fit(
+        Assembly(structure), parameterisation, measured, 0.0, regularised=options.few_rows == REGULARISED
+    )
+    rule = Rule(Prior(options.prior), options.tolerance, options.max_iterations, options.rank_jump)
+    whole = _paired(correct(fit, rule, progress), options.min_mac)
+    before, path, final = whole.before, whole.path, whole.path.final
+    told = _identified(fit, whole, options)
+    made_sense = path.ending is not Ending.DIVERGED
+    corrected, parts = fit.structure(final.values), parameterisation.parts
+    numbers = [member.number for member in corrected.all_members]
+    return UpdateResult(
+        structure=corrected,
+        coefficients=by_member(parameterisation, final.values, parts=parts, members=numbers),
+        standard_errors=_standard_errors(parameterisation, whole) if made_sense else {},
+        suspected=_suspected(parameterisation, whole),
+        frequencies=Stages(before.frequencies, before.frequencies, final.frequencies, measured.frequencies),
+        mac=Stages(before.mac, before.mac, final.mac),
+        history=path.history,
+        converged=path.converged,
+        stopped_because=path.why,
+        rank=told.rank,
+        condition_number=told.condition_number,
+        intervals=told.by_member() if made_sense else {},
+        identifiability=told if made_sense else None,
+    )
+
+
+def _paired(whole: WholePath, min_mac: float) -> WholePath:
+    """Return the path, diverged if it lost a mode.
+
+    Raises
+    ------
+    UnderdeterminedError
+        If a measured mode looks like none of the model, before and after.
+    """
+    lost = np.flatnonzero(whole.path.final.mac < min_mac)
+    if not lost.size:
+        return whole
+    why = f"measured mode {lost[0] + 1} pairs with no mode of the model"
+    never = np.flatnonzero((whole.path.final.mac < min_mac) & (whole.before.mac < min_mac))
+    if never.size:
+        raise UnderdeterminedError(
+            f"measured mode {never[0] + 1} pairs with no mode of the model",
+            field="modes",
+            value=int(never[0]) + 1,
+            allowed=f"a MAC of {min_mac} with a mode of the model",
+        )
+    path = Path(whole.path.history, whole.path.final, Ending.DIVERGED, f"{Ending.DIVERGED}: {why}")
+    return WholePath(whole.before, path, whole.belief, whole.weights)
+
+
+def _identified(fit: Fit, whole: WholePath, options: UpdateOptions) -> Identifiability:
+    """Return what the data say without the prior, each block as uncertain as it turned out to be."""
+    state, belief = whole.path.final, whole.belief
+    errors = np.sqrt(belief.scales[whole.weights.block])
+    rows, missed = (linear.T / errors for linear in whole.weights.rows(fit, state))
+    step = unweighted(rows.T, missed, options.rank_jump)
+    return identify(
+        fit.parameterisation,
+        state.values,
+        step,
+        missed,
+        np.ones(len(missed)),
+        within=options.identified_within,
+    )
+
+
+def _standard_errors(parameterisation: Parameterisation, whole: WholePath) -> dict[str, dict[int, float]]:
+    """Return those of the coefficients that the prior left free to move, by prior and data."""
+    kept = np.flatnonzero(whole.belief.kept)
+    if not kept.size:
+        return {}
+    errors = np.sqrt(np.diag(whole.belief.covariance)) * slopes(parameterisation, whole.path.final.values)
+    free = Parameterisation(
+        tuple(parameterisation.macros[i] for i in kept), parameterisation.lower, parameterisation.upper
+    )
+    return by_member(free, errors[kept], parts=parameterisation.parts)
+
+
+def _suspected(parameterisation: Parameterisation, whole: WholePath) -> dict[str, tuple[int, ...]]:
+    """Return members by part whose coefficients moved noticeably, and by more than chance."""
+    values = whole.path.final.values
+    away = np.abs(values - parameterisation.unchanged)
+    noticeable: BoolArray = away > np.where(parameterisation.damping, NOTICEABLE_LOSS, NOTICEABLE)
+    far = np.abs(changes(parameterisation, values))
+    clear = noticeable & (far > CLEAR * np.sqrt(np.diag(whole.belief.covariance)))
+    wrong = [macro for macro, one in zip(parameterisation.macros, clear, strict=True) if one]
+    return {
+        part.value: tuple(sorted(n for macro in wrong if macro.part is part for n in macro.members))
+        for part in parameterisation.parts
+    }

@@ -1,0 +1,155 @@
+"""All coefficients corrected at once, from as much prior knowledge as the data call for."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from modallab.core.arrays import FloatArray
+from modallab.core.errors import DivergedError, UnderdeterminedError
+from modallab.core.progress import Progress, silent
+from modallab.updating.evidence import Belief, Equations, Prior, believe
+from modallab.updating.fit import Fit, State
+from modallab.updating.iteration import ASTRAY, ROUNDING, Ending, Iteration, Path, refuse_blind, resting
+from modallab.updating.relative import changed, changes, slopes
+from modallab.updating.solve import Step, balanced_step
+from modallab.updating.weights import Weights
+
+DOUBLED = float(np.log(2.0))  # a coefficient doubles or halves in one step, at most
+SHORTER, TRIES = 1 / 3, 6  # a step after which the model makes no sense is shortened so often
+START = 0.1  # variance from which the widths are looked for: coefficients wrong by a third
+BOUNDS_APART = 4.0  # standard deviations of a prior between the bounds of a coefficient
+
+
+@dataclass(frozen=True)
+class Rule:
+    """What is held likely before, and when the path ends."""
+
+    prior: Prior
+    tolerance: float  # of the largest relative change of a coefficient
+    max_iterations: int
+    jump: float  # of singular values, where the rank ends
+
+
+@dataclass(frozen=True, eq=False)
+class WholePath:
+    """How all coefficients went at once, and what was believed of them at the end."""
+
+    before: State
+    path: Path
+    belief: Belief  # of their changes, `relative.changes`
+    weights: Weights
+
+
+def correct(fit: Fit, rule: Rule, progress: Progress = silent) -> WholePath:
+    """Return the path from no change to where no coefficient moves by the tolerance.
+
+    At every step the measured modes are made linear in the logarithms of the coefficients, and the
+    coefficients most likely after prior and data are walked to, no farther than to twice or half of
+    each. Errors of the straight line count as errors of the data: early, they keep those out that do
+    not need to move, and go away with the steps. A coefficient that would leave its bounds stays there
+    and the others are found again.
+
+    Raises
+    ------
+    UnderdeterminedError
+        If no measured number moves with any coefficient.
+    """
+    weights = Weights.of(fit.target)
+    start = state = fit.state(fit.parameterisation.unchanged)
+    begun, history = start.distance, list[Iteration]()
+    belief = _open(fit, weights, state, rule.prior)
+    ending, why = Ending.STILL_MOVING, str(Ending.STILL_MOVING)
+    for count in range(rule.max_iterations):
+        rows, missed = weights.rows(fit, state)
+        refuse_blind(rows)
+        belief = _believed(fit, state, (rows, missed), weights, rule.prior, belief.widths)
+        wanted = _within_bounds(fit, belief)
+        try:
+            after, whole = _walked(fit, state, wanted, begun)
+        except DivergedError as error:
+            ending, why = Ending.DIVERGED, f"{Ending.DIVERGED}: {error}"
+            break
+        far = float(np.abs(wanted - changes(fit.parameterisation, state.values)).max())
+        history.append(_record(fit, state, after, unweighted(rows, missed, rule.jump)))
+        state = after
+        progress((count + 1) / rule.max_iterations, f"iteration {count + 1}: largest change {far:.2g}")
+        if far < rule.tolerance and whole:
+            ending, why = Ending.CONVERGED, str(Ending.CONVERGED)
+            break
+    if ending is not Ending.DIVERGED:
+        why += resting(fit, state)
+    return WholePath(start, Path(tuple(history), state, ending, why), belief, weights)
+
+
+def unweighted(rows: FloatArray, missed: FloatArray, jump: float) -> Step:
+    """Return the step that solves rows (n_rows, n_params), in their units already, without any prior."""
+    return balanced_step(rows, missed, np.ones(len(missed)), jump=jump)
+
+
+def _open(fit: Fit, weights: Weights, state: State, prior: Prior) -> Belief:
+    """Return what is held likely before the first step."""
+    n = len(state.values)
+    widths = np.full(n, START)
+    if prior is Prior.RANGE:
+        lower, upper = (changes(fit.parameterisation, bound) for bound in fit.parameterisation.bounds)
+        widths = ((upper - lower) / BOUNDS_APART) ** 2
+    return Belief(np.zeros(n), np.diag(widths), widths, weights.floors**2)
+
+
+def _believed(
+    fit: Fit,
+    state: State,
+    linear: tuple[FloatArray, FloatArray],
+    weights: Weights,
+    prior: Prior,
+    widths: FloatArray,
+) -> Belief:
+    """Return what data made linear at a state, and the prior, say of all changes from the start."""
+    rows, missed = linear
+    rows = rows * slopes(fit.parameterisation, state.values)
+    wanted = missed + rows @ changes(fit.parameterisation, state.values)
+    equations = Equations(rows, wanted, weights.block, weights.floors)
+    return believe(equations, prior, widths, weights.scales(missed))
+
+
+def _within_bounds(fit: Fit, belief: Belief) -> FloatArray:
+    """Return the changes most likely within their bounds: those beyond stay there, the others given that."""
+    lower, upper = (changes(fit.parameterisation, bound) for bound in fit.parameterisation.bounds)
+    wanted, held = belief.mean, np.zeros(len(belief.mean), bool)
+    while (out := ~held & ((wanted < lower) | (wanted > upper))).any():
+        held |= out
+        ends = np.clip(belief.mean, lower, upper)[held] - belief.mean[held]
+        given = np.linalg.solve(belief.covariance[np.ix_(held, held)], ends)
+        wanted = belief.mean + belief.covariance[:, held] @ given
+    return np.asarray(np.clip(wanted, lower, upper))
+
+
+def _walked(fit: Fit, state: State, wanted: FloatArray, begun: float) -> tuple[State, bool]:
+    """Return the model a step nearer to what is wanted, and whether it is there."""
+    now = changes(fit.parameterisation, state.values)
+    share = min(1.0, DOUBLED / max(float(np.abs(wanted - now).max()), DOUBLED))
+    why = "the model moved away from the measurement"
+    for _ in range(TRIES):
+        to = wanted if share == 1.0 else now + share * (wanted - now)
+        try:
+            after = fit.state(changed(fit.parameterisation, to))
+            if after.distance < ASTRAY * max(begun, ROUNDING):
+                return after, share == 1.0
+        except (UnderdeterminedError, np.linalg.LinAlgError) as error:
+            why = str(error)
+        share *= SHORTER
+    raise DivergedError(why)
+
+
+def _record(fit: Fit, before: State, after: State, solved: Step) -> Iteration:
+    return Iteration(
+        "updating",
+        fit.parameterisation.macros,
+        after.values - before.values,
+        solved.rank,
+        solved.singular_values,
+        solved.condition_number,
+        after.values,
+        after.frequencies,
+        after.mac,
+    )
