@@ -1,22 +1,17 @@
 """Measurements from npz files of unknown origin: nothing is believed that was not checked."""
 
-import io
-import zipfile
 from typing import Any
 
-import numpy as np
-from numpy.lib import format as npy
 from numpy.typing import NDArray
 
 from modallab.core.arrays import FloatArray
-from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.interchange.measured import MeasuredFile
+from modallab.interchange.npz_arrays import dofs, load, numbers, reals, texts
 
 _NEEDED = ("freq", "values", "outputs", "inputs", "kind")
 _OPTIONAL = ("coherence", "averages", "force_spectrum", "response_spectrum")
-_Arrays = dict[str, NDArray[Any]]
 
 
 def read(payload: bytes, *, largest: int) -> MeasuredFile:
@@ -35,117 +30,34 @@ def read(payload: bytes, *, largest: int) -> MeasuredFile:
     InvalidInputError
         If it is no such file, its arrays do not fit together, or hold NaN.
     """
-    arrays = _load(payload, largest)
+    arrays = load(payload, (*_NEEDED, *_OPTIONAL), largest)
     missing = [name for name in _NEEDED if name not in arrays]
     if missing:
         raise InvalidInputError(
             f"the file lacks {', '.join(missing)}", field="file", allowed=", ".join(_NEEDED)
         )
     frf = FrfSet(
-        freq=_reals(arrays, "freq", 1),
-        values=_numbers(arrays, "values", 3),
-        outputs=_dofs(arrays, "outputs"),
-        inputs=_dofs(arrays, "inputs"),
+        freq=reals(arrays, "freq", 1),
+        values=numbers(arrays, "values", 3),
+        outputs=dofs(arrays, "outputs"),
+        inputs=dofs(arrays, "inputs"),
         kind=_kind(arrays["kind"]),
     )
 
     def optional(name: str, *ranks: int) -> FloatArray | None:
-        return _reals(arrays, name, *ranks) if name in arrays else None
+        return reals(arrays, name, *ranks) if name in arrays else None
 
     return MeasuredFile(
         frf=frf,
         coherence=optional("coherence", 2, 3),
-        averages=float(_reals(arrays, "averages", 0)) if "averages" in arrays else None,
+        averages=float(reals(arrays, "averages", 0)) if "averages" in arrays else None,
         force_spectrum=optional("force_spectrum", 3),
         response_spectrum=optional("response_spectrum", 2, 3),
     )
 
 
-def _load(payload: bytes, largest: int) -> _Arrays:
-    try:
-        with zipfile.ZipFile(io.BytesIO(payload)) as archive:
-            members = {info.filename.removesuffix(".npy"): info for info in archive.infolist()}
-            total = sum(info.file_size for info in members.values())
-            if total > largest:
-                raise InvalidInputError(
-                    "the arrays are too large", field="file", value=total, allowed=largest
-                )
-            wanted = [name for name in (*_NEEDED, *_OPTIONAL) if name in members]
-            return {name: _array(archive, members[name]) for name in wanted}
-    except (
-        zipfile.BadZipFile,
-        zipfile.LargeZipFile,
-        NotImplementedError,
-        RuntimeError,
-        EOFError,
-        OSError,
-    ) as error:
-        raise InvalidInputError(f"not a npz file: {error}", field="file", allowed="npz") from None
-
-
-def _array(archive: zipfile.ZipFile, info: zipfile.ZipInfo) -> NDArray[Any]:
-    try:
-        with archive.open(info) as raw:
-            data = io.BytesIO(raw.read(info.file_size))
-        version = npy.read_magic(data)
-        read_header = npy.read_array_header_1_0 if version == (1, 0) else npy.read_array_header_2_0
-        shape, _, dtype = read_header(data)
-        # A header may claim any size: numpy would allocate it before it finds the data missing.
-        claimed = dtype.itemsize * int(np.prod(shape, dtype=object))
-        if dtype.hasobject or claimed != len(data.getbuffer()) - data.tell():
-            raise ValueError("its header does not fit its data")
-        data.seek(0)
-        return np.asarray(npy.read_array(data, allow_pickle=False))
-    # Any: decompressors and the parser of numpy's headers raise a dozen kinds at hostile bytes.
-    except Exception as error:
-        raise InvalidInputError(f"cannot read {info.filename!r}: {error}", field=info.filename) from None
-
-
-def _numbers(arrays: _Arrays, name: str, *ranks: int) -> NDArray[Any]:
-    array = arrays[name]
-    if array.dtype.kind not in "iufc" or array.ndim not in ranks:
-        raise InvalidInputError(
-            f"{name} has the wrong type or shape",
-            field=name,
-            value=f"{array.dtype} {array.shape}",
-            allowed=f"numbers in {' or '.join(map(str, ranks))} dimensions",
-        )
-    bad = np.argwhere(~np.isfinite(array))
-    if len(bad):
-        place = ", ".join(str(i) for i in bad[0].tolist())
-        raise InvalidInputError(
-            f"{name} holds a value that is not finite, at [{place}]",
-            field=name,
-            value="nan or inf",
-            index=place,
-        )
-    return array.astype(complex)
-
-
-def _reals(arrays: _Arrays, name: str, *ranks: int) -> FloatArray:
-    array = _numbers(arrays, name, *ranks)
-    if array.imag.any():
-        raise InvalidInputError(f"{name} is not real", field=name, value="complex", allowed="real numbers")
-    return array.real
-
-
-def _texts(array: NDArray[Any], name: str) -> list[str]:
-    if array.dtype.kind not in "US":
-        raise InvalidInputError(f"{name} is no text", field=name, value=str(array.dtype), allowed="strings")
-    try:
-        texts = [str(text) for text in array.astype(str).ravel()]
-        "".join(texts).encode()  # an array may hold halves of characters, which no reply can
-    except UnicodeError:
-        raise InvalidInputError(f"{name} is no text", field=name, allowed="strings in UTF-8") from None
-    return texts
-
-
-def _dofs(arrays: _Arrays, name: str) -> tuple[Dof, ...]:
-    return tuple(Dof.parse(text, field=name) for text in _texts(arrays[name], name))
-
-
 def _kind(array: NDArray[Any]) -> FrfKind:
-    text = ", ".join(_texts(array, "kind"))
+    text = ", ".join(texts(array, "kind"))
     if text not in tuple(FrfKind):
         raise InvalidInputError(f"no kind {text!r}", field="kind", value=text, allowed=", ".join(FrfKind))
     return FrfKind(text)

@@ -1,60 +1,79 @@
-"""A three-node plate that shears, on a membrane."""
+"""A three-node thin plate, on a membrane."""
 
 import numpy as np
 
 from modallab.core.arrays import FloatArray
 from modallab.fe.facet import (
     FACETS,
-    SHEARED,
     FacetParts,
     Facets,
-    bending_strains,
     drilling_strain,
     energy,
     membrane_strains,
-    natural_shear,
     symmetric,
 )
 
-SLOPES = np.array([[-1.0, 1.0, 0.0], [-1.0, 0.0, 1.0]])  # of the shape functions by r and s
-POINTS = [(1 / 6, 1 / 6), (2 / 3, 1 / 6), (1 / 6, 2 / 3)]  # of weight 1/6 each: exact for squares
+SLOPES = np.array([[-1.0, 1.0, 0.0], [-1.0, 0.0, 1.0]])  # of the linear shape functions by r and s
+POINTS = [(1 / 6, 1 / 6), (2 / 3, 1 / 6), (1 / 6, 2 / 3)]  # of weight 1/3 of the area: exact for squares
+SIDES = [(0, 1), (1, 2), (2, 0)]
 
 
 def _shapes(r: float, s: float) -> FloatArray:
     return np.array([1 - r - s, r, s])
 
 
-def _tied(tangents: FloatArray, r: float, s: float) -> FloatArray:
-    """Return the shear along r and s, (n, 2, 9), constant along each side; tangents are (n, 2, 2)."""
+def _quadratic_slopes(r: float, s: float) -> FloatArray:
+    """Return derivatives by r and s, (2, 6), of quadratic shapes: of corners, then middles of `SIDES`."""
+    linear = _shapes(r, s)
+    corners = (4 * linear - 1) * SLOPES
+    middles = [4 * (linear[a] * SLOPES[:, b] + linear[b] * SLOPES[:, a]) for a, b in SIDES]
+    return np.hstack([corners, np.array(middles).T])
 
-    def at(r: float, s: float, axis: int) -> FloatArray:
-        return natural_shear(_shapes(r, s), SLOPES[axis], tangents[:, axis])
 
-    along, across = at(0.5, 0.0, 0), at(0.0, 0.5, 1)
-    slant = across - along - at(0.5, 0.5, 1) + at(0.5, 0.5, 0)
-    return np.stack([along + slant * s, across - slant * r], axis=1)
+def _turns(corners: FloatArray) -> FloatArray:
+    """Return how normals turn towards x and y, (n, 6, 2, 9), at corners and middles of sides.
+
+    At the middles a normal stays normal to a cubic along the side, and turns linearly across it.
+    """
+    n = len(corners)
+    out = np.zeros((n, 6, 2, 9))
+    for i in range(3):
+        out[:, i, 0, 3 * i + 2] = 1.0  # beta_x = theta_y
+        out[:, i, 1, 3 * i + 1] = -1.0  # beta_y = -theta_x
+    for k, (a, b) in enumerate(SIDES, 3):
+        side = corners[:, b] - corners[:, a]
+        length = np.linalg.norm(side, axis=1)[:, None]
+        tangent = side / length
+        mixed = np.eye(2) / 2 - 0.75 * tangent[:, :, None] * tangent[:, None, :]
+        out[:, k] = mixed @ (out[:, a] + out[:, b])
+        out[:, k, :, 3 * a] += 1.5 * tangent / length
+        out[:, k, :, 3 * b] -= 1.5 * tangent / length
+    return out
 
 
 @FACETS.register("triangle")
 def triangle(facets: Facets) -> FacetParts:
-    """Return the parts of linear Mindlin plates whose shear is tied along the sides.
+    """Return the parts of thin plates whose normals stay normal along the sides: they do not shear.
 
-    Lee and Bathe, Computers and Structures 82 (2004) 945-962 (MITC3). Constant strain in the membrane.
-    Stiffer than quadrilaterals of the same size.
+    Batoz, Bathe and Ho, International Journal for Numerical Methods in Engineering 15 (1980) 1771-1812
+    (DKT). Constant strain in the membrane; the deflection that carries mass is linear.
     """
     n, thickness = len(facets.corners), facets.thickness
-    law, sheared = facets.plane_stress, SHEARED * facets.shear_modulus * thickness
+    law = facets.plane_stress
     jacobian = SLOPES @ facets.corners  # (n, 2, 2)
     inverse = np.linalg.inv(jacobian)
     area = np.abs(np.linalg.det(jacobian)) / 2
     local = inverse @ SLOPES
     bending, drilling = np.zeros((2, n, 9, 9))
-    bending += energy(bending_strains(local), law, area * thickness**3 / 12)
-    eye = np.eye(2)[None]
+    turns = _turns(facets.corners)
+    eye = np.eye(1)[None]
     for place in POINTS:
-        bending += energy(inverse @ _tied(jacobian, *place), eye, area * sheared / 3)
+        slopes = inverse @ _quadratic_slopes(*place)  # (n, 2, 6)
+        bent = np.einsum("nai,nibm->nabm", slopes, turns)  # of beta_b along a
+        curvature = np.stack([bent[:, 0, 0], bent[:, 1, 1], bent[:, 1, 0] + bent[:, 0, 1]], axis=1)
+        bending += energy(curvature, law, area * thickness**3 / 36)
         turned = drilling_strain(_shapes(*place), local)
-        drilling += energy(turned, eye[:, :1, :1], area * facets.shear_modulus * thickness / 3)
+        drilling += energy(turned, eye, area * facets.shear_modulus * thickness / 3)
     overlap = area[:, None, None] / 12 * (np.ones((3, 3)) + np.eye(3))
     membrane = energy(membrane_strains(local), law, area * thickness)
     return FacetParts(overlap, symmetric(bending), symmetric(membrane), symmetric(drilling))

@@ -1,0 +1,121 @@
+"""What matrices from elsewhere must be, and the motions among which they have no strain."""
+
+from collections.abc import Sequence
+
+import numpy as np
+from scipy.linalg import eigh
+from scipy.sparse import csc_array, diags_array
+from scipy.sparse.linalg import LinearOperator, SuperLU, eigsh, splu
+
+from modallab.core.arrays import FloatArray
+from modallab.core.dof import Dof
+from modallab.core.errors import StructureError
+from modallab.fe.members import LARGEST, SMALLEST
+
+UNEVEN = 1e-8  # relative to the largest entry, of what a matrix and its transpose may differ by
+LEAST = 1e-12  # pivot of a mass matrix with a unit diagonal: below, it is singular but for rounding
+SLOW = 12  # motions that may strain nothing: six of a body, and as many mechanisms
+SMALL = 250  # degrees of freedom below which a dense eigen-solution is the faster one
+NAMED = 10  # degrees of freedom that an error names
+
+
+def symmetric(matrices: FloatArray, what: Sequence[str], of: str) -> None:
+    """Make matrices (n, k, k) symmetric to the last digit, in place.
+
+    Raises
+    ------
+    StructureError
+        If one is not symmetric, named by `what` (n,), or holds a value that is not finite.
+    """
+    if not np.isfinite(matrices).all():
+        i = int(np.argwhere(~np.isfinite(matrices))[0][0])
+        raise StructureError(
+            f"the {of} of {what[i]} holds a value that is not finite", field=of, value="nan or inf"
+        )
+    size = np.abs(matrices).max(axis=(1, 2), initial=0.0)
+    if (size > LARGEST).any():
+        i = int(np.argmax(size))
+        raise StructureError(
+            f"the {of} of {what[i]} is of no size that can be computed with",
+            field=of,
+            value=float(size[i]),
+            allowed=f"<= {LARGEST:g}",
+        )
+    turned = matrices.swapaxes(1, 2)
+    off = np.abs(matrices - turned).max(axis=(1, 2), initial=0.0)
+    if (off > UNEVEN * size).any():
+        i = int(np.argmax(off - UNEVEN * size))
+        raise StructureError(
+            f"the {of} of {what[i]} is not symmetric",
+            field=of,
+            value=float(off[i] / size[i]),
+            allowed=f"K = K^T to {UNEVEN:g} of the largest entry",
+        )
+    matrices += turned.copy()
+    matrices /= 2
+
+
+def check_mass(mass: csc_array, dofs: Sequence[Dof]) -> None:
+    """Raise `StructureError` unless a mass matrix (n, n) is positive definite, which modes rest on."""
+    diagonal = mass.diagonal()
+    bare = np.flatnonzero(diagonal < SMALLEST).tolist()
+    if bare:
+        raise StructureError(
+            f"{len(bare)} degrees of freedom carry no mass",
+            field="mass",
+            value=_listed([dofs[i] for i in bare]),
+            allowed="mass or inertia at every one: give them some, or condense them before",
+        )
+    scale = diags_array(1 / np.sqrt(diagonal))
+    factor = _factor(csc_array(scale @ mass @ scale))
+    if factor is None or factor.U.diagonal().min() < LEAST:
+        raise StructureError(
+            "the mass matrix is not positive definite",
+            field="mass",
+            allowed="some motion without mass, or of negative mass, is none of a structure",
+        )
+
+
+def slow_motions(mass: csc_array, stiffness: csc_array) -> FloatArray:
+    """Return the slowest mass-normalised motions (n, k) of a structure, among which are its rigid ones.
+
+    Raises
+    ------
+    StructureError
+        If the stiffness is negative for some motion.
+    """
+    n = mass.shape[0]
+    few = min(SLOW, n)
+    # As a share of the highest eigenvalue this is above rounding, and below what is elastic.
+    shift = 1e-9 * float((abs(stiffness).sum(axis=0) / mass.diagonal()).max()) or 1.0
+    factor = _factor(csc_array(stiffness + shift * mass))
+    if factor is None or factor.U.diagonal().min() <= 0:
+        raise StructureError(
+            "the stiffness matrix is negative for some motion",
+            field="stiffness",
+            allowed="a positive semi-definite matrix",
+        )
+    if n < SMALL:
+        _, shapes = eigh(stiffness.toarray(), mass.toarray(), subset_by_index=(0, few - 1))
+        return np.asarray(shapes)
+    inverse = LinearOperator((n, n), matvec=factor.solve, dtype=float)
+    # eigsh draws a random start otherwise: the same input, the same motions
+    _, shapes = eigsh(stiffness, few, mass, sigma=-shift, OPinv=inverse, v0=np.ones(n))
+    return np.asarray(shapes)
+
+
+def _factor(matrix: csc_array) -> SuperLU | None:
+    """Return L U of a symmetric matrix with pivots on its diagonal, whose signs are those of its
+    eigenvalues; None where a pivot is zero."""
+    try:
+        factor = splu(
+            matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}
+        )
+    except RuntimeError:
+        return None
+    return factor if np.array_equal(factor.perm_r, factor.perm_c) else None
+
+
+def _listed(dofs: Sequence[Dof]) -> str:
+    more = f" and {len(dofs) - NAMED} more" if len(dofs) > NAMED else ""
+    return ", ".join(map(str, dofs[:NAMED])) + more

@@ -1,0 +1,85 @@
+"""Grid points of bulk data, and where they are held."""
+
+from collections.abc import Iterable, Sequence
+
+from modallab.core.dof import DIRECTIONS
+from modallab.core.errors import InvalidInputError
+from modallab.fe.structure import Support
+from modallab.interchange.nastran.deck import Card, Deck
+from modallab.interchange.nastran.properties import by_number
+
+Place = tuple[float, float, float]
+
+
+def components(card: Card, at: int) -> tuple[str, ...]:
+    """Return the directions that a field names, `123` or `456`."""
+    text = card.text(at)
+    if not set(text) <= set("0123456") or "0" in text:
+        raise card.wrong(at, "digits 1 to 6")
+    return tuple(DIRECTIONS[int(digit) - 1] for digit in dict.fromkeys(text))
+
+
+def grid_points(cards: Sequence[Card]) -> tuple[dict[int, Place], list[Support]]:
+    """Return where grid points are, m, and what they hold by themselves."""
+    of_all = next((card for card in cards if card.name == "GRDSET"), None)
+    places: dict[int, Place] = {}
+    held: list[Support] = []
+    for number, card in by_number([card for card in cards if card.name == "GRID"], "grid points").items():
+        for at, what in ((2, "CP"), (6, "CD")):
+            own = card if card.text(at) else of_all or card
+            if own.text(at) and own.integer(at) != 0:
+                raise own.wrong(at, f"0 or blank: other systems of coordinates ({what}) are not read")
+        if not 1 <= number <= 999_999_999:
+            raise card.wrong(1, "1 to 999999999")
+        places[number] = (card.real(3, 0.0), card.real(4, 0.0), card.real(5, 0.0))
+        own = card if card.text(7) else of_all or card
+        if held_here := components(own, 7):
+            held.append(Support(number, held_here))
+    if not places:
+        raise InvalidInputError("the file has no grid points", field="GRID", value=0, allowed=">= 1")
+    return places, held
+
+
+def supports(deck: Deck) -> list[Support]:
+    """Return what the chosen set of single-point constraints holds, or the only one there is.
+
+    Raises
+    ------
+    InvalidInputError
+        If there are several sets and case control chooses none.
+    """
+    cards = [card for card in deck.cards if card.name in ("SPC", "SPC1")]
+    sums = {card.integer(1): card for card in deck.cards if card.name == "SPCADD"}
+    sets = sorted({card.integer(1) for card in cards})
+    chosen = deck.choices.get("SPC")
+    if chosen is None and len(sets) > 1:
+        if len(sums) != 1:
+            raise InvalidInputError(
+                "the file has several sets of constraints, and chooses none",
+                field="SPC",
+                value=", ".join(map(str, sets)),
+                allowed="SPC = n in its case control, or one set",
+            )
+        chosen = next(iter(sums))
+    wanted = set(sets) if chosen is None else {chosen}
+    if chosen in sums:
+        add = sums[chosen]
+        wanted = {add.integer(at) for at in range(2, len(add.fields) + 1) if add.text(at)}
+    return [support for card in cards if card.integer(1) in wanted for support in _held(card)]
+
+
+def _held(card: Card) -> Iterable[Support]:
+    if card.name == "SPC":
+        for at in (2, 5):
+            if card.text(at):
+                card.must_be(at + 2, (0.0,), "a prescribed motion")
+                yield Support(card.integer(at), components(card, at + 1))
+        return
+    held = components(card, 2)
+    if card.text(4).upper() == "THRU":
+        for number in range(card.integer(3), card.integer(5) + 1):
+            yield Support(number, held)
+        return
+    for at in range(3, len(card.fields) + 1):
+        if card.text(at):
+            yield Support(card.integer(at), held)

@@ -1,0 +1,142 @@
+"""A structure from bulk data: cards that carry mass and stiffness, and those that are left out."""
+
+from collections import Counter
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from modallab.core.dof import DIRECTIONS, Dof
+from modallab.core.errors import InvalidInputError
+from modallab.fe.damping import Damping, StructuralDamping
+from modallab.fe.imported import Element, of_elements
+from modallab.fe.structure import Structure, Support
+from modallab.interchange.nastran import elements as made
+from modallab.interchange.nastran.deck import Deck, read_deck
+from modallab.interchange.nastran.grid import grid_points, supports
+from modallab.interchange.nastran.properties import BARS
+
+READ = frozenset(
+    ["GRID", "GRDSET", "MAT1", *BARS, "PSHELL", "PELAS", "SPC", "SPC1", "SPCADD", "PARAM", *made.CARDS]
+)
+# Loads, requests and tables: nothing of mass, stiffness or how it is held.
+LEFT_OUT = frozenset(
+    """
+    ASET ASET1 CORD1R CORD2R CORD1C CORD2C CORD1S CORD2S DAREA DLOAD EIGB EIGC EIGR EIGRL FORCE FORCE1
+    FORCE2 FREQ FREQ1 FREQ2 FREQ3 FREQ4 FREQ5 GRAV LOAD MOMENT MOMENT1 MOMENT2 PLOAD PLOAD1 PLOAD2 PLOAD4
+    PLOTEL RFORCE RLOAD1 RLOAD2 SET1 SET3 SUPORT SUPORT1 TABDMP1 TABLED1 TABLED2 TABLED3 TABLED4 TEMP TEMPD
+    TLOAD1 TLOAD2 TSTEP USET USET1
+    """.split()  # noqa: SIM905
+)
+STIFFLESS = 1e-12  # of the largest stiffness of its kind, below which a degree of freedom has none
+
+
+def read(payload: bytes, *, damping: Damping | None = None, name: str = "") -> Structure:
+    """Return the structure of a bulk data file, whose numbers must be in SI units.
+
+    Members are its elements by number, in groups by property. Masses are consistent. Directions without
+    stiffness are left out, as by AUTOSPC.
+
+    Raises
+    ------
+    InvalidInputError
+        If a card carries mass, stiffness or constraints and is not read, a field is at fault, or the
+        structure cannot be analysed.
+    """
+    deck = read_deck(payload)
+    _refuse_unknown(deck)
+    places, held = grid_points(deck.cards)
+    held = [*held, *supports(deck)]
+    for support in held:
+        if support.node not in places:
+            raise InvalidInputError(
+                f"there is no grid point {support.node} to hold",
+                field="SPC",
+                value=support.node,
+                allowed="grid points of this file",
+            )
+    cards = [card for card in deck.cards if card.name in made.CARDS]
+    used = sorted({made.known_point(card, at, places) for card in cards for at in made.ends_of(card)})
+    table = [Dof(node, direction) for node in used for direction in DIRECTIONS]
+    row = {(dof.node, dof.direction): i for i, dof in enumerate(table)}
+    found = made.build(cards, made.given(deck, places, row))
+    scale, loss = _parameters(deck)
+    elements, dofs = _with_stiffness([replace(one, mass=scale * one.mass) for one in found], table)
+    return of_elements(
+        elements,
+        dofs,
+        {dof.node: places[dof.node] for dof in dofs},
+        supports=_merged(held, dofs),
+        damping=damping or StructuralDamping(stiffness_coefficient=loss),
+        name=name,
+    )
+
+
+def _refuse_unknown(deck: Deck) -> None:
+    unknown = Counter(card.name for card in deck.cards if card.name not in READ | LEFT_OUT)
+    if unknown:
+        listed = ", ".join(f"{name} ({n})" for name, n in sorted(unknown.items())[:20])
+        raise InvalidInputError(
+            f"cards that are not read: {listed}",
+            field="file",
+            value=listed,
+            allowed=", ".join(sorted(READ)),
+            line=next(card.line for card in deck.cards if card.name in unknown),
+        )
+
+
+def _parameters(deck: Deck) -> tuple[float, float]:
+    """Return what masses are multiplied by, and the loss factor of all elements."""
+    scale, loss = 1.0, 0.0
+    for card in deck.cards:
+        if card.name == "PARAM" and card.text(1).upper() == "WTMASS":
+            scale = card.real(2)
+            if scale <= 0:
+                raise card.wrong(2, "> 0")
+        if card.name == "PARAM" and card.text(1).upper() == "G":
+            loss = card.real(2)
+            if loss < 0:
+                raise card.wrong(2, ">= 0")
+    return scale, loss
+
+
+def _with_stiffness(
+    elements: Sequence[Element], table: Sequence[Dof]
+) -> tuple[list[Element], tuple[Dof, ...]]:
+    """Return elements and degrees of freedom without those that no element makes stiff."""
+    diagonal = np.zeros(len(table))
+    for one in elements:
+        stiffness = one.axial if one.bending is None else one.axial + one.bending
+        np.add.at(diagonal, one.rows, np.diag(stiffness))
+    kept = np.zeros(len(table), bool)
+    translational = np.array([dof.translational for dof in table], bool)
+    for kind in (translational, ~translational):
+        kept |= kind & (diagonal > STIFFLESS * diagonal[kind].max(initial=0.0))
+    place = np.cumsum(kept) - 1
+    out = []
+    for one in elements:
+        own = np.flatnonzero(kept[list(one.rows)])
+        if not len(own):
+            continue
+        at = np.ix_(own, own)
+        out.append(
+            replace(
+                one,
+                rows=place[np.array(one.rows)[own]].tolist(),
+                mass=one.mass[at],
+                axial=one.axial[at],
+                bending=None if one.bending is None else one.bending[at],
+            )
+        )
+    return out, tuple(dof for dof, there in zip(table, kept, strict=True) if there)
+
+
+def _merged(held: Sequence[Support], dofs: Sequence[Dof]) -> tuple[Support, ...]:
+    """Return the supports of degrees of freedom there are, one for each node."""
+    there = set(dofs)
+    by_node: dict[int, dict[str, None]] = {}
+    for support in held:
+        for direction in support.directions:
+            if Dof(support.node, direction) in there:
+                by_node.setdefault(support.node, {})[direction] = None
+    return tuple(Support(node, tuple(directions)) for node, directions in by_node.items())
