@@ -99,7 +99,7 @@ def _missing(table: Table, freq: FloatArray, bands: Sequence[Band], *, given: bo
     if empty and given:
         lower, upper = float(freq[empty[0].first]), float(freq[empty[0].last])
         raise NoModeInBandError(
-            f"no FRF shows a mode between {lower:g} and {upper:g} Hz",
+            f"no FRF shows a mode by itself between {lower:g} and {upper:g} Hz",
             field="bands",
             lower=lower,
             upper=upper,

@@ -14,7 +14,7 @@ from modallab.extraction.measured.responses import Responses
 from modallab.extraction.measured.windows import Windows, without_nearest
 from modallab.extraction.options import MIN_LINES, Damping
 from modallab.extraction.singly.choosing import taken
-from modallab.extraction.singly.fitting import Data, fit_all, gather
+from modallab.extraction.singly.fitting import Data, Settled, fit_all, gather
 from modallab.extraction.singly.laws import LAWS, Law
 from modallab.extraction.singly.method import EXTRACTION_METHODS, PICTURES, ModeFit
 
@@ -86,22 +86,51 @@ def fit_picture(
         if not 0 <= value < n:
             raise InvalidInputError(f"no such {name}", field=name, value=value, allowed=f"0 to {n - 1}")
     damping = Damping(taken(model.choices, "damping") or Damping.STRUCTURAL)
-    law = LAWS[damping]
     data = _lines_again(responses, ends[mode], int(taken(model.choices, "leave_out") or 0), leakage)
-    settled = fit_all(EXTRACTION_METHODS[model.method], law, data, _known(law, model, mode, data))
+    settled, place = _again(LAWS[damping], model, mode, row, data)
     table, mean = settled.table, model.modes[mode]
-    found = bool(table.frequency[0, row] > 0)  # where it was not, the modal constant is of the mean mode
+    found = bool(table.frequency[0, place] > 0)  # where it was not, the modal constant is of the mean mode
     fit = ModeFit(
-        float(table.frequency[0, row] if found else mean.frequency),
-        float(table.loss_factor[0, row] if found else mean.loss_factor),
-        complex(table.modal_constant[0, row]),
+        float(table.frequency[0, place] if found else mean.frequency),
+        float(table.loss_factor[0, place] if found else mean.loss_factor),
+        complex(table.modal_constant[0, place]),
     )
-    inside = (0, row, slice(0, int(ends[mode, row, 1] - ends[mode, row, 0] + 1)))
+    n_lines = int(ends[mode, row, 1] - ends[mode, row, 0] + 1)
+    inside = (0, row, slice(0, n_lines))
     order = 2 if settled.inertance[0] else 0
     freq = data.freq[inside]
     factor = (2j * np.pi * freq) ** order
-    seen = _Seen(freq, factor * settled.cleaned[inside], data.weight[inside] / np.abs(factor) ** 2, order)
+    cleaned = factor * settled.cleaned[0, place, :n_lines]
+    seen = _Seen(freq, cleaned, data.weight[inside] / np.abs(factor) ** 2, order)
     return _drawn(model.method, damping, fit, seen, factor * data.receptance[inside])
+
+
+def _again(law: Law, model: ModalModel, mode: int, row: int, data: Data) -> tuple[Settled, int]:
+    """Return the fit of one FRF once more, and its place among those done for it.
+
+    All FRFs decided together which kind of response the mode was fitted on: it is the one that gives the
+    same frequency again. The drive point's fit is done too where leakage is undone by it. A fit that did not
+    count has no frequency to know it by: then all are done.
+    """
+    method = EXTRACTION_METHODS[model.method]
+    fitted = np.nan if model.fitted_frequency is None else float(model.fitted_frequency[mode, row])
+    if not np.isfinite(fitted):
+        rows = np.arange(data.freq.shape[1])
+        return fit_all(method, law, data, _known(law, model, mode, data, rows)), row
+    drive = None if data.leakage is None else data.drive
+    rows = np.unique([row] if drive is None else [row, drive])
+    some = Data(
+        data.freq[:, rows],
+        data.receptance[:, rows],
+        data.weight[:, rows],
+        data.spacing,
+        data.leakage,
+        None if drive is None else int(np.searchsorted(rows, drive)),
+    )
+    known, place = _known(law, model, mode, some, rows), int(np.searchsorted(rows, row))
+    both = [fit_all(method, law, some, known, inertance=np.array([kind])) for kind in (False, True)]
+    away = [abs(float(tried.table.frequency[0, place]) - fitted) for tried in both]
+    return both[int(np.argmin(away))], place
 
 
 @dataclass(frozen=True, eq=False)
@@ -183,16 +212,17 @@ def _lines_again(responses: Responses, ends: IntArray, leave_out: int, leakage: 
     return gather(responses.freq, receptance, variance, windows, leakage, responses.drive_row)
 
 
-def _known(law: Law, model: ModalModel, mode: int, data: Data) -> ComplexArray:
-    """Return the receptance of all other modes of the model, (1, n_frf, n_lines)."""
+def _known(law: Law, model: ModalModel, mode: int, data: Data, rows: IntArray) -> ComplexArray:
+    """Return the receptance of all other modes of the model, (1, n_rows, n_lines); `data` of these rows."""
     known = np.zeros_like(data.receptance)
     if model.modal_constant is None or model.fitted_frequency is None or model.fitted_loss_factor is None:
         return known
     for m, other in enumerate(model.modes):
         if m != mode:
-            shown = np.isfinite(model.fitted_frequency[m])
-            frequency = np.where(shown, model.fitted_frequency[m], other.frequency)
-            loss_factor = np.where(shown, model.fitted_loss_factor[m], other.loss_factor)
+            shown = np.isfinite(model.fitted_frequency[m, rows])
+            frequency = np.where(shown, model.fitted_frequency[m, rows], other.frequency)
+            loss_factor = np.where(shown, model.fitted_loss_factor[m, rows], other.loss_factor)
             eigenvalue = (2 * np.pi * frequency) ** 2 * (1 + 1j * loss_factor)
-            known += law.response(data.freq, eigenvalue[:, None], model.modal_constant[m][:, None])
+            constant = model.modal_constant[m, rows]
+            known += law.response(data.freq, eigenvalue[:, None], constant[:, None])
     return known

@@ -8,13 +8,16 @@ from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.core.modal_model import ModalModel
-from modallab.extraction.extract import CHOSEN, extract
+from modallab.estimation.windows import WINDOWS
+from modallab.extraction.extract import CHOSEN, extract, responses_read
 from modallab.extraction.measured.leakage import Leakage
 from modallab.extraction.measured.responses import Responses, responses_of
 from modallab.extraction.options import Damping, ExtractionOptions
 from modallab.extraction.picture import fit_picture
 from modallab.extraction.singly.method import EXTRACTION_METHODS, TRAITS, ModeFit
 from tests.service.extraction.conftest import Beam
+from tests.service.extraction.leaked_beam import read as read_leaked
+from tests.service.extraction.leaked_beam import taken
 
 KINDS = sorted(EXTRACTION_METHODS)
 EXACT = [kind for kind in KINDS if TRAITS[kind].exact]
@@ -126,6 +129,40 @@ def test_every_picture_is_of_numbers(kind: str, plain_beam: Beam, freq: FloatArr
             for name, values in picture.details.items():
                 assert np.isfinite(values).all(), name
             assert np.isfinite(picture.curve).all()
+
+
+@pytest.mark.parametrize("kind", EXACT)
+def test_a_fit_of_one_frf_alone_is_the_one_among_all(kind: str, plain_beam: Beam, freq: FloatArray) -> None:
+    responses, model = read(plain_beam, freq, kind)
+    assert model.fitted_frequency is not None
+    assert model.fitted_loss_factor is not None
+    assert model.modal_constant is not None
+    for mode, row in ((0, 3), (MODE, ROW), (7, 10)):
+        picture = fit_picture(responses, model, mode, row)
+        # its neighbours are taken off as they ended, and no more in turn
+        assert picture.frequency == pytest.approx(model.fitted_frequency[mode, row], rel=1e-6)
+        assert picture.loss_factor == pytest.approx(model.fitted_loss_factor[mode, row], rel=1e-3)
+        assert picture.modal_constant == pytest.approx(model.modal_constant[mode, row], rel=1e-3)
+
+
+@pytest.mark.parametrize("estimator", ["h1", "h2"])
+def test_a_leaked_fit_of_one_frf_is_the_one_among_all(estimator: str) -> None:
+    measurement = taken(estimator)[0]
+    leakage = Leakage.of(WINDOWS["hann"].samples(1024), estimator)
+    model = read_leaked(measurement, estimator, "dobson")
+    responses, _ = responses_read(
+        measurement.frf,
+        measurement.coherence,
+        measurement.averages,
+        leakage=leakage,
+        estimator=estimator,
+    )
+    assert model.fitted_frequency is not None
+    assert model.fitted_loss_factor is not None
+    for row in (0, 4, 10):
+        picture = fit_picture(responses, model, 5, row, leakage=leakage)
+        assert picture.frequency == pytest.approx(model.fitted_frequency[5, row], rel=1e-5)
+        assert picture.loss_factor == pytest.approx(model.fitted_loss_factor[5, row], rel=1e-2)
 
 
 def test_lines_left_out_are_shown_but_not_used(plain_beam: Beam, freq: FloatArray) -> None:

@@ -92,6 +92,7 @@ def fit_all(
     data: Data,
     known: ComplexArray | float = 0.0,
     progress: Progress = silent,
+    inertance: BoolArray | None = None,
 ) -> Settled:
     """Return every mode in every FRF.
 
@@ -109,13 +110,15 @@ def fit_all(
         (n_modes, n_frf, n_lines) receptance of modes that are not to be fitted again, m/N.
     progress
         Told of every round.
+    inertance
+        (n_modes,) True where a mode is to be fitted on inertance; None: the better kind, as above.
     """
     others = np.zeros_like(data.receptance) + known
     undone = np.ones_like(data.receptance)
     rounds = ROUNDS if data.leakage is None else LEAKY_ROUNDS
     for n in range(rounds):
         progress(n / (rounds + 1), f"round {n + 1} of {rounds + 1}")
-        now = fit_once(method, law, data, data.receptance * undone - others)
+        now = fit_once(method, law, data, data.receptance * undone - others, inertance)
         others = _others(law, data, now.table.modal_constant, now.eigenvalue) + known
         if data.leakage is not None:
             step = undoing(law, data, data.leakage, now, now.rest + others)
@@ -124,7 +127,7 @@ def fit_all(
             undone = (1 - share) * undone + share * step
     # the lines as they are now have no leakage left
     cleaned = data.receptance * undone - others
-    last = fit_once(method, law, replace(data, leakage=None), cleaned)
+    last = fit_once(method, law, replace(data, leakage=None), cleaned, inertance)
     return Settled(last.table, cleaned, others, last.inertance)
 
 
@@ -138,7 +141,13 @@ class Round:
     inertance: BoolArray  # (n_modes,)
 
 
-def fit_once(method: ExtractionMethod, law: Law, data: Data, target: ComplexArray) -> Round:
+def fit_once(
+    method: ExtractionMethod,
+    law: Law,
+    data: Data,
+    target: ComplexArray,
+    inertance: BoolArray | None = None,
+) -> Round:
     """Return a mode and a constant fitted to every window of `target`, (n_modes, n_frf, n_lines) m/N."""
     n_modes, n_frf, n_lines = data.freq.shape
     frf = np.stack([target, -data.x * target])
@@ -147,7 +156,10 @@ def fit_once(method: ExtractionMethod, law: Law, data: Data, target: ComplexArra
     freq = np.broadcast_to(data.freq, frf.shape)
     order = np.repeat([0, 2], n_modes * n_frf)
     fits = law.fit(method, freq.reshape(rows), frf.reshape(rows), weight.reshape(rows), order)
-    kind = _better_kind(np.where(fits.found, fits.misfit, np.inf).reshape(2, n_modes, n_frf))
+    if inertance is None:
+        kind = _better_kind(np.where(fits.found, fits.misfit, np.inf).reshape(2, n_modes, n_frf))
+    else:
+        kind = inertance.astype(np.int64)
     pick = (kind[:, None] * n_modes + np.arange(n_modes)[:, None]) * n_frf + np.arange(n_frf)
     return _complete(law, data, fits, pick, frf.reshape(rows)[pick], weight.reshape(rows)[pick], kind == 1)
 
