@@ -4,7 +4,7 @@ from collections.abc import Mapping
 from dataclasses import fields
 from typing import Any, TypeVar
 
-from modallab_client import _wire_direct, findings, located
+from modallab_client import _wire_direct, findings, identified, located
 from modallab_client._wire import Arrays, Json, floats, number, texts
 
 T = TypeVar("T")
@@ -26,9 +26,40 @@ def update(data: Json) -> findings.Update:
         condition_number=data.get("condition_number"),
         structure_id=data.get("structure_id"),
         history=tuple(_iteration(one) for one in data.get("history") or ()),
+        intervals={
+            part: {int(member): (float(low), float(high)) for member, (low, high) in found.items()}
+            for part, found in (data.get("intervals") or {}).items()
+        },
+        identifiability=_identifiability(data["identifiability"]) if data.get("identifiability") else None,
         direct=_wire_direct.findings(data["direct"]) if data.get("direct") else None,
         suspects=_wire_direct.suspects(data["located"]) if data.get("located") else None,
     )
+
+
+def _identifiability(data: Json) -> identified.Identifiability:
+    return identified.Identifiability(
+        rank=data["rank"],
+        condition_number=data.get("condition_number"),
+        singular_values=floats(data["singular_values"]),
+        unidentified={part: tuple(map(int, found)) for part, found in data["unidentified"].items()},
+        directions=tuple(
+            identified.Direction(
+                words=one["words"],
+                standard_error=one.get("standard_error"),
+                shares=tuple(
+                    identified.Share(each["part"], tuple(map(int, each["members"])), each["share"])
+                    for each in one["shares"]
+                ),
+            )
+            for one in data["directions"]
+        ),
+    )
+
+
+def covariance(given: Arrays) -> identified.Covariance:
+    """Return the covariance of an update's coefficients."""
+    names = texts(given["coefficients"])
+    return identified.Covariance(names, given["intervals"], given.get("covariance"))
 
 
 def _iteration(data: Json) -> findings.Iteration:

@@ -6,10 +6,11 @@ from dataclasses import dataclass, field
 from html import escape
 from typing import TYPE_CHECKING, Any
 
-from modallab_client import _plots, _tables
+from modallab_client import _plots, _tables, identified
 from modallab_client.correlation import Correlation as Correlation
 from modallab_client.direct import DirectFindings as DirectFindings
 from modallab_client.direct import Suspects as Suspects
+from modallab_client.identified import Identifiability as Identifiability
 from modallab_client.located import Located as Located
 from modallab_client.models import ComplexArray, FloatArray
 
@@ -61,11 +62,13 @@ class Update:
     condition_number: float | None
     structure_id: str | None  # the updated model; None of direct methods, see `updates.matrices`
     history: tuple[Iteration, ...] = ()
+    intervals: Mapping[str, Mapping[int, tuple[float, float]]] = field(default_factory=dict)  # 95 %, by data
+    identifiability: Identifiability | None = None
     direct: DirectFindings | None = None  # of methods that work on matrices
     suspects: Suspects | None = None  # of methods that locate errors by one step
 
     def table(self) -> str:
-        """Return coefficients with their standard errors, or the errors located, as text."""
+        """Return coefficients with standard errors and 95 % intervals, or the errors located, as text."""
         return _tables.text(*self._rows())
 
     def _rows(self) -> _tables.Table:
@@ -76,11 +79,17 @@ class Update:
         if self.suspects is not None:
             return ("part", "member", "change", "weight"), self.suspects.rows()
         rows = [
-            (part, str(member), f"{value:.4g}", _error(self.standard_errors.get(part, {}).get(member)))
+            (
+                part,
+                str(member),
+                f"{value:.4g}",
+                _error(self.standard_errors.get(part, {}).get(member)),
+                identified.ends(self.intervals.get(part, {}).get(member)),
+            )
             for part, members in self.coefficients.items()
             for member, value in members.items()
         ]
-        return ("part", "member", "coefficient", "standard error"), rows
+        return ("part", "member", "coefficient", "standard error", "95 % by the data"), rows
 
     def plot(self) -> "Axes":
         """Draw the coefficients by member, or errors by DoF; return the axes."""

@@ -8,6 +8,7 @@ from modallab_client._async.jobs import AsyncJob
 from modallab_client._async.shelf import AsyncShelf
 from modallab_client.direct import UpdatedMatrices
 from modallab_client.findings import Update
+from modallab_client.identified import Covariance
 
 
 class AsyncUpdates(AsyncShelf):
@@ -26,6 +27,8 @@ class AsyncUpdates(AsyncShelf):
         lower: float | None = None,
         upper: float | None = None,
         max_iterations: int | None = None,
+        prior: str | None = None,
+        few_rows: str | None = None,
         completion: str | Mapping[str, Any] | None = None,
         expansion: str | Mapping[str, Any] | None = None,
         n_modes: int | None = None,
@@ -41,12 +44,15 @@ class AsyncUpdates(AsyncShelf):
         method
             One of `lab.catalog.updating_methods()`.
         macros
-            `auto`, or the member lists of the macro elements.
+            `auto`, `each` member by itself, or the member lists of the macro elements.
         parts
             Of mass, stiffness, axial, bending, damping; left out: mass and stiffness, of a method of complex
             modes damping too.
         lower, upper, max_iterations
             Bounds of every coefficient, 1 = no change; steps of each stage.
+        prior, few_rows
+            Of methods that correct all at once: what is held likely before, `sparse`, `common` or `range`;
+            fewer measured numbers than coefficients, `refused` or `regularised`.
         completion, expansion, n_modes
             Of direct methods: `expansion` of shapes to all DoFs, and by which reduction, or a reduction of
             the model to measured DoFs; the lowest modes that are used, the others held against the result.
@@ -57,7 +63,12 @@ class AsyncUpdates(AsyncShelf):
             macros=macros, parts=parts, lower=lower, upper=upper
         )
         tuned = dict(options or {}) | _wire.body(
-            max_iterations=max_iterations, completion=completion, expansion=expansion, n_modes=n_modes
+            max_iterations=max_iterations,
+            prior=prior,
+            few_rows=few_rows,
+            completion=completion,
+            expansion=expansion,
+            n_modes=n_modes,
         )
         body = _wire.body(parameterisation=chosen or None, options=tuned or None, method=method)
         body |= {"structure_id": structure_id, "modal_model_id": modal_model_id}
@@ -68,6 +79,11 @@ class AsyncUpdates(AsyncShelf):
         """Return a finished update."""
         reply = await self._transport.request("GET", f"/v1/updates/{update_id}")
         return _wire.read(_wire_findings.update, reply)
+
+    async def covariance(self, update_id: str) -> Covariance:
+        """Return the covariance of an update's coefficients, by the errors of the data alone."""
+        arrays = await self._transport.npz(f"/v1/updates/{update_id}/covariance")
+        return _wire.read(_wire_findings.covariance, arrays)
 
     async def matrices(self, update_id: str) -> UpdatedMatrices:
         """Return the matrices of a direct method."""

@@ -11,9 +11,11 @@ from modallab.api.examples import examples
 from modallab.api.jobs import JobOut
 from modallab.api.shelves import add_routes
 from modallab.api.updates.direct import direct_arrays
+from modallab.api.updates.identified import identified_arrays
 from modallab.api.updates.schemas import UpdateOut, UpdateStart
 from modallab.core.errors import NotFoundError
 from modallab.updating.direct.result import DirectResult
+from modallab.updating.method import UpdateResult
 
 router = APIRouter(prefix="/updates", tags=["updates"])
 
@@ -23,6 +25,13 @@ _BODY = {
     "method": "inverse_eigensensitivity",
     "parameterisation": {"macros": [[1, 2, 3, 4], [5, 6, 7, 8]], "parts": ["mass", "stiffness"]},
     "options": {"max_iterations": 30},
+}
+_AT_ONCE = {
+    "structure_id": "5f0c31",
+    "modal_model_id": "77ab10",
+    "method": "one_shot",
+    "parameterisation": {"macros": [[1], [2], [3], [4]], "parts": ["mass", "stiffness"]},
+    "options": {"prior": "sparse", "few_rows": "regularised"},
 }
 _DIRECT = {
     "structure_id": "5f0c31",
@@ -34,7 +43,7 @@ _DIRECT = {
 
 @router.post("", status_code=status.HTTP_202_ACCEPTED, summary="Correct a model by measured modes")
 def start_update(
-    body: Annotated[UpdateStart, examples(coefficients=_BODY, matrices=_DIRECT)],
+    body: Annotated[UpdateStart, examples(coefficients=_BODY, at_once=_AT_ONCE, matrices=_DIRECT)],
     store: StoreDep,
     jobs: JobsDep,
     owner: OwnerDep,
@@ -57,6 +66,16 @@ def get_update_arrays(id: IdPath, store: StoreDep, precision: Precision = "doubl
     if not isinstance(result, DirectResult):
         raise NotFoundError("this update has coefficients of members, and no matrices", field="id", value=id)
     return npz_of(direct_arrays(result), precision)
+
+
+@router.get(
+    "/{id}/covariance", response_class=Response, responses=NPZ, summary="Covariance of coefficients: npz"
+)
+def get_update_covariance(id: IdPath, store: StoreDep) -> Response:
+    result = store.updates.get(id)
+    if not isinstance(result, UpdateResult) or result.identifiability is None:
+        raise NotFoundError("this update has no coefficients that were free to move", field="id", value=id)
+    return npz_of(identified_arrays(result.identifiability), "double")
 
 
 add_routes(router, "updates")

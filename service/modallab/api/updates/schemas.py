@@ -8,6 +8,7 @@ from pydantic import Field
 from modallab.api.deps import Id
 from modallab.api.reductions import Reduced, ReductionIn
 from modallab.api.updates.direct import DirectOut, direct_fields
+from modallab.api.updates.identified import IdentifiabilityOut
 from modallab.api.updates.located import LocatedOut, located_fields, number
 from modallab.api.wire import Count, EntryOut, Number, Text, Wire
 from modallab.core.errors import InvalidInputError
@@ -44,7 +45,9 @@ class ParameterisationIn(Wire):
     A coefficient of damping is the loss factor added to a member's own: 0 = no change, bounds -1 and 2.
     """
 
-    macros: Literal["auto"] | Annotated[list[Group], Field(min_length=1, max_length=1000)] = "auto"
+    macros: Literal["auto", "each"] | Annotated[list[Group], Field(min_length=1, max_length=1000)] = Field(
+        default="auto", description="lists of members, `auto`, or `each` member by itself"
+    )
     parts: list[Text] | None = Field(
         default=None,
         min_length=1,
@@ -59,6 +62,8 @@ class ParameterisationIn(Wire):
         """Return the parameterisation; `InvalidInputError` where structure or method have none such."""
         if self.macros == "auto":
             groups = automatic_groups(structure)
+        elif self.macros == "each":
+            groups = tuple((member.number,) for member in structure.all_members)
         else:
             groups = tuple(tuple(group) for group in named_groups(structure, self.macros))
         usual = parts_of(method)
@@ -80,6 +85,13 @@ class OptionsIn(Wire):
     max_step: Number | None = None
     rank_jump: Number | None = None
     min_mac: Number | None = None
+    identified_within: Number | None = None
+    prior: Text | None = Field(
+        default=None, description="`sparse`, `common` or `range`, of a method that corrects all at once"
+    )
+    few_rows: Text | None = Field(
+        default=None, description="`refused` or `regularised`, of a method that has a prior"
+    )
     completion: Completion | None = None
     expansion: Reduced | None = None
     n_modes: Count | None = Field(
@@ -90,7 +102,7 @@ class OptionsIn(Wire):
         """Return the options of a method that moves coefficients; `InvalidInputError` where one is wrong."""
         given = self.model_dump(exclude_none=True)
         _refuse(given.keys() & DIRECT.keys(), "a method that moves coefficients")
-        _refuse(given.keys() - offered(method).keys(), "a method of real modes")
+        _refuse(given.keys() - offered(method).keys(), method)
         return UpdateOptions(**given)
 
     def to_location(self) -> LocationOptions:
@@ -181,6 +193,10 @@ class UpdateOut(EntryOut):
     condition_number: float | None
     history: list[dict[str, Any]]
     structure_id: str | None
+    intervals: dict[str, dict[int, tuple[float, float]]] = Field(
+        default={}, description="low and high end of what holds a coefficient with 95 %, by the data alone"
+    )
+    identifiability: IdentifiabilityOut | None = None
     direct: DirectOut | None = None
     located: LocatedOut | None = None
 
@@ -191,6 +207,7 @@ class UpdateOut(EntryOut):
             return cls(**cls.fields(entry), **direct_fields(result))
         if isinstance(result, LocationResult):
             return cls(**cls.fields(entry), **located_fields(result))
+        told = result.identifiability
         return cls(
             **cls.fields(entry),
             converged=result.converged,
@@ -205,6 +222,8 @@ class UpdateOut(EntryOut):
             condition_number=number(result.condition_number),
             history=[_iteration(one) for one in result.history],
             structure_id=entry.inputs["updated_structure_id"],
+            intervals={part: dict(table) for part, table in result.intervals.items()},
+            identifiability=None if told is None else IdentifiabilityOut.of(told),
         )
 
 

@@ -1,0 +1,53 @@
+"""What data say of the coefficients of an update, and do not."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+from modallab_client.models import FloatArray
+
+
+@dataclass(frozen=True)
+class Share:
+    """A coefficient's share of a direction; the squares of all add up to one."""
+
+    part: str
+    members: tuple[int, ...]
+    share: float
+
+
+@dataclass(frozen=True)
+class Direction:
+    """Coefficients that may change together, with little or nothing of it in the data."""
+
+    words: str
+    standard_error: float | None  # of the relative change along it; None where data say nothing at all
+    shares: tuple[Share, ...]
+
+    def __str__(self) -> str:
+        error = self.standard_error
+        return self.words if error is None else f"{self.words} (standard error {error:.2g})"
+
+
+@dataclass(frozen=True, eq=False)
+class Identifiability:
+    """How far the data alone determine the coefficients that were free to move."""
+
+    rank: int
+    condition_number: float | None
+    singular_values: FloatArray
+    unidentified: Mapping[str, tuple[int, ...]]  # part -> members
+    directions: tuple[Direction, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Covariance:
+    """The covariance of coefficients by the errors of the data."""
+
+    coefficients: tuple[str, ...]  # (n_params,) as `mass of 3`
+    intervals: FloatArray  # (n_params, 2) that hold each with 95 %
+    covariance: FloatArray | None  # (n_params, n_params); None where there is nothing to judge errors by
+
+
+def ends(interval: tuple[float, float] | None) -> str:
+    """Return an interval as text, nothing for none."""
+    return "" if interval is None else f"{interval[0]:.3g} to {interval[1]:.3g}"

@@ -1,0 +1,57 @@
+"""What data say of coefficients, as the client asks for it and reads it."""
+
+from typing import Any
+
+import numpy as np
+
+from modallab_client import ModalLab, _wire_findings
+from tests.client.fake import UPDATE, FakeService, npz
+
+WORDS = "mass and stiffness of 11 can hardly be told apart by these data"
+SHARES = [{"part": part, "members": [11], "share": 0.7} for part in ("mass", "stiffness")]
+AT_ONCE: dict[str, Any] = UPDATE | {
+    "coefficients": {"stiffness": {"11": 2.0, "12": 1.0}},
+    "standard_errors": {"stiffness": {"11": 0.01}},
+    "intervals": {"stiffness": {"11": [1.6, 2.5], "12": [0.8, 1.3]}},
+    "identifiability": {
+        "rank": 2,
+        "condition_number": 12.0,
+        "singular_values": [12.0, 1.0],
+        "unidentified": {"mass": [11]},
+        "directions": [{"words": WORDS, "standard_error": 0.44, "shares": SHARES}],
+    },
+}
+
+
+def test_intervals_and_directions_are_read() -> None:
+    update = _wire_findings.update(AT_ONCE)
+    assert update.intervals["stiffness"][11] == (1.6, 2.5)
+    assert update.identifiability is not None
+    assert update.identifiability.unidentified == {"mass": (11,)}
+    (direction,) = update.identifiability.directions
+    assert str(direction) == f"{WORDS} (standard error 0.44)"
+    assert [one.part for one in direction.shares] == ["mass", "stiffness"]
+    assert "1.6 to 2.5" in update.table()
+
+
+def test_an_update_without_them_is_read_too() -> None:
+    update = _wire_findings.update(UPDATE)
+    assert update.intervals == {}
+    assert update.identifiability is None
+    assert " to " not in update.table()
+
+
+def test_a_prior_is_asked_for_by_keyword_and_the_covariance_comes_apart(
+    lab: ModalLab, service: FakeService
+) -> None:
+    service.on("POST /v1/updates", {"id": "j1", "state": "queued"})
+    covariance = npz(
+        coefficients=np.array(["mass of 11"]), intervals=np.array([[0.9, 1.1]]), covariance=np.eye(1)
+    )
+    service.on("GET /v1/updates/u1/covariance", covariance)
+    lab.updates.start("s1", "mm1", method="one_shot", macros="each", prior="common", few_rows="regularised")
+    assert service.body(0)["options"] == {"prior": "common", "few_rows": "regularised"}
+    assert service.body(0)["parameterisation"] == {"macros": "each"}
+    found = lab.updates.covariance("u1")
+    assert found.coefficients == ("mass of 11",)
+    np.testing.assert_array_equal(found.covariance, np.eye(1))
