@@ -143,7 +143,12 @@ def job_status(data: Json) -> models.JobStatus:
 def structure(data: Json) -> models.Structure:
     """Return a structure."""
     return models.Structure(
-        data["id"], data["n_nodes"], data["n_dofs"], data["members"], data.get("name") or ""
+        data["id"],
+        data["n_nodes"],
+        data["n_dofs"],
+        data["members"],
+        data.get("name") or "",
+        data.get("groups") or {},
     )
 
 

@@ -3,7 +3,7 @@
 Structures, rigs, measurements and jobs. Modal models are in `modes`, what comes of comparing in `findings`.
 """
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
 from typing import TYPE_CHECKING, Any
 
@@ -57,6 +57,7 @@ class Structure:
     n_dofs: int
     members: int
     name: str = ""
+    groups: Mapping[str, Sequence[int]] = field(default_factory=dict, hash=False)  # members by name
 
 
 @dataclass(frozen=True, eq=False)

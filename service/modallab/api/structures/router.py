@@ -3,11 +3,11 @@
 from typing import Annotated
 
 import numpy as np
-from fastapi import APIRouter, Query, status
+from fastapi import APIRouter, File, Form, Query, UploadFile, status
 from starlette.responses import Response
 
 from modallab.api.arrays import NPZ, Precision, npz_of
-from modallab.api.deps import IdPath, OwnerDep, StoreDep
+from modallab.api.deps import IdPath, OwnerDep, SettingsDep, StoreDep
 from modallab.api.examples import example, examples
 from modallab.api.files import UFF, origin, uff_reply
 from modallab.api.modal_models.found import ModalModelOut
@@ -17,11 +17,13 @@ from modallab.api.shelves import add_routes
 from modallab.api.structures.changes import ChangesIn
 from modallab.api.structures.expansions import ExpandedOut, ExpansionIn
 from modallab.api.structures.frf import FrfQuery
-from modallab.api.structures.schemas import ModesOut, StructureIn, StructureOut
+from modallab.api.structures.schemas import ModesOut, StructureIn, StructureOut, damping_of
+from modallab.api.wire import Text
 from modallab.fe.changes import change
 from modallab.fe.expansion import expand
 from modallab.fe.selected import lowest_modes, synthetic_modes
 from modallab.interchange import uff_geometry
+from modallab.interchange.model_reading import read_model
 from modallab.rig.exact import as_modelled
 from modallab.store.base import Store
 
@@ -42,8 +44,21 @@ _FRAME = {
     ],
     "supports": [{"node": 1, "directions": ["X", "Y", "RZ"]}],
 }
+_PLATE = {
+    "kind": "plate",
+    "length": 0.6,
+    "width": 0.4,
+    "thickness": 0.004,
+    "n_elements": [12, 8],
+    "material": _STEEL,
+    "edges": {"left": "clamped"},
+}
+_MODEL = "Nastran bulk data, npz of matrices, or zip of Matrix Market files"
+_LAW = "a damping law as JSON; by default what the file's elements have"
 _DAMPED = _BEAM | {"damping": {"law": "structural", "stiffness_coefficient": 0.005, "mass_coefficient": 0.0}}
-_BODY = examples(catalogue={"kind": "catalogue", "name": "chapter-5-beam"}, beam=_DAMPED, frame=_FRAME)
+_BODY = examples(
+    catalogue={"kind": "catalogue", "name": "chapter-5-beam"}, beam=_DAMPED, frame=_FRAME, plate=_PLATE
+)
 _CHANGES = {"changes": [{"members": [7], "property": "modulus", "factor": 1.3}]}
 _SYNTHETIC = {"count": 8, "dofs": ["1:+Y", "11:+Y", "21:+Y"], "noise": {"eigenvalue": 0.005}, "seed": 3}
 _EXPANSION = {"modal_model_id": "77ab10", "reduction": "serep"}
@@ -57,12 +72,27 @@ def _out(store: Store, id: str) -> StructureOut:
         n_nodes=len(structure.nodes),
         n_dofs=len(structure.dofs),
         members=len(structure.all_members),
+        groups={name: list(numbers) for name, numbers in structure.groups.items()},
     )
 
 
 @router.post("", status_code=status.HTTP_201_CREATED, summary="Describe a structure")
 def create_structure(body: Annotated[StructureIn, _BODY], store: StoreDep, owner: OwnerDep) -> StructureOut:
     return _out(store, store.structures.add(body.to_domain(), owner=owner))
+
+
+@router.post("/import", status_code=status.HTTP_201_CREATED, summary="A structure from a file")
+def import_structure(
+    file: Annotated[UploadFile, File(description=_MODEL)],
+    store: StoreDep,
+    settings: SettingsDep,
+    owner: OwnerDep,
+    name: Annotated[Text, Form()] = "",
+    damping: Annotated[str | None, Form(description=_LAW, max_length=20_000)] = None,
+) -> StructureOut:
+    law = None if damping is None else damping_of(damping)
+    read = read_model(file.file, largest=settings.upload_limit, damping=law, name=name)
+    return _out(store, store.structures.add(read, owner=owner))
 
 
 @router.get("/{id}", summary="A structure in numbers")

@@ -3,17 +3,19 @@
 from dataclasses import replace
 from typing import Annotated, Any, Literal
 
-from pydantic import Field
+from pydantic import Field, TypeAdapter, ValidationError
 
 from modallab.api.wire import Count, DofText, Effects, EntryOut, Number, Text, Wire
 from modallab.core.dof import Dof
-from modallab.core.errors import StructureError
+from modallab.core.errors import InvalidInputError, StructureError
 from modallab.fe.beam import beam
 from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.damping import Damping, ModalDamping, StructuralDamping, ViscousDamping
+from modallab.fe.plate import Edge, Holding, plate
 from modallab.fe.structure import GroundSpring, Material, Member, PointMass, Section, Structure, Support
 
 _MOST = 2000  # nodes or members: beyond, modes take longer than a request may
+Each = Annotated[Count, Field(ge=1, le=_MOST)]
 
 
 class SectionIn(Wire):
@@ -90,6 +92,24 @@ class ModalIn(Wire):
 DampingIn = Annotated[StructuralIn | ViscousIn | ModalIn, Field(discriminator="law")]
 
 
+def damping_of(text: str) -> Damping:
+    """Return the damping law that a form's field writes as JSON.
+
+    Raises
+    ------
+    InvalidInputError
+        If it is none.
+    """
+    try:
+        return TypeAdapter(DampingIn).validate_json(text).to_domain()
+    except ValidationError as error:
+        fault = error.errors()[0]
+        field = ".".join(map(str, ("damping", *fault["loc"])))
+        raise InvalidInputError(
+            f"{field}: {fault['msg']}", field=field, value=text[:200], allowed='{"law": "structural", ...}'
+        ) from None
+
+
 class SupportIn(Wire):
     """Directions of a node that are held."""
 
@@ -116,13 +136,8 @@ class _Described(Wire):
     supports: list[SupportIn] = Field([], max_length=_MOST)
     masses: list[PointMassIn] = Field([], max_length=_MOST)
     springs: list[GroundSpringIn] = Field([], max_length=_MOST)
-    theory: Literal["bernoulli_euler", "timoshenko"] = "bernoulli_euler"
     effects: Effects = ()
     name: Text = ""
-
-    @property
-    def _element(self) -> str:
-        return "timoshenko" if self.theory == "timoshenko" else "frame"
 
     def _common(self) -> dict[str, Any]:
         return {
@@ -140,7 +155,15 @@ class _Described(Wire):
         return replace(plain, effects=tuple(effect.spec for effect in effects))
 
 
-class BeamIn(_Described):
+class _OfBars(_Described):
+    theory: Literal["bernoulli_euler", "timoshenko"] = "bernoulli_euler"
+
+    @property
+    def _element(self) -> str:
+        return "timoshenko" if self.theory == "timoshenko" else "frame"
+
+
+class BeamIn(_OfBars):
     """A straight beam along X in bending, nodes 1 to n + 1."""
 
     kind: Literal["beam"]
@@ -172,10 +195,40 @@ class MemberIn(Wire):
     material: Text
 
 
+class PlateIn(_Described):
+    """A flat rectangular plate in X and Y, moving along Z; nodes row by row from 0, 0."""
+
+    kind: Literal["plate"]
+    length: Number
+    width: Number
+    thickness: Number
+    n_elements: tuple[Each, Each] = Field(description="along X and along Y")
+    material: MaterialIn
+    edges: dict[Edge, Holding] = Field({}, description="how sides are held; free where left out")
+
+    def to_domain(self) -> Structure:
+        """Return the structure."""
+        along, across = self.n_elements
+        if along * across > _MOST:
+            raise StructureError(
+                "too many elements", field="n_elements", value=along * across, allowed=f"<= {_MOST}"
+            )
+        plain = plate(
+            length=self.length,
+            width=self.width,
+            thickness=self.thickness,
+            n_elements=self.n_elements,
+            material=self.material.to_domain(),
+            edges=self.edges,
+            **self._common(),
+        )
+        return self._with_effects(plain)
+
+
 Coordinates = tuple[Number, Number]
 
 
-class FrameIn(_Described):
+class FrameIn(_OfBars):
     """A plane frame in X and Y."""
 
     kind: Literal["frame"]
@@ -221,7 +274,7 @@ class CatalogueIn(Wire):
         return STRUCTURES[self.name]()
 
 
-StructureIn = Annotated[BeamIn | FrameIn | CatalogueIn, Field(discriminator="kind")]
+StructureIn = Annotated[BeamIn | FrameIn | PlateIn | CatalogueIn, Field(discriminator="kind")]
 
 
 class StructureOut(EntryOut):
@@ -231,6 +284,7 @@ class StructureOut(EntryOut):
     n_nodes: int
     n_dofs: int
     members: int
+    groups: dict[str, list[int]] = Field(description="members by the names under which they may be updated")
 
 
 class ModesOut(EntryOut):

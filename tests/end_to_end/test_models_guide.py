@@ -1,0 +1,57 @@
+"""What docs/models.md tells to type."""
+
+import re
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import pytest
+
+from modallab.interchange.nastran.model import READ
+
+TEXT = (Path(__file__).parents[2] / "docs" / "models.md").read_text(encoding="utf-8")
+
+
+@pytest.fixture(scope="module")
+def names(tmp_path_factory: pytest.TempPathFactory) -> Iterator[dict[str, Any]]:
+    """What the blocks leave behind, run one after the other in an empty folder."""
+    left: dict[str, Any] = {}
+    with pytest.MonkeyPatch.context() as patch:
+        patch.chdir(tmp_path_factory.mktemp("models"))
+        for block in re.findall(r"^```python\n(.*?)^```", TEXT, flags=re.DOTALL | re.MULTILINE):
+            exec(block, left)
+    yield left
+    left["lab"].close()
+
+
+def test_groups_are_those_of_the_page(names: dict[str, Any]) -> None:
+    assert f"print(bracket.groups)  # {dict(names['bracket'].groups)}" in TEXT
+
+
+def test_an_update_by_groups_finds_what_was_changed(names: dict[str, Any]) -> None:
+    found = names["update"].coefficients["stiffness"]
+    # exact modes of an exact model: to the tolerance of the iteration
+    assert found[1] == pytest.approx(1.2, abs=1e-4)
+    assert found[2] == pytest.approx(1.0, abs=1e-4)
+
+
+def test_a_chain_of_masses_has_its_frequencies(names: dict[str, Any]) -> None:
+    stiffness = np.array([[4e5, -4e5, 0], [-4e5, 6e5, -2e5], [0, -2e5, 2e5]])
+    root = np.diag(1 / np.sqrt([2.0, 1.0, 2.0]))
+    exact = np.sqrt(np.linalg.eigvalsh(root @ stiffness @ root)[1:]) / (2 * np.pi)
+    found = names["lab"].structures.modes(names["chain"].id, count=2)
+    np.testing.assert_allclose(found.frequencies, exact, rtol=1e-10)  # rounding
+    assert found.n_rigid_body == 1
+
+
+def test_a_plate_is_measured(names: dict[str, Any]) -> None:
+    assert names["test"].values.shape[1:] == (5, 1)
+    assert np.isfinite(names["test"].values).all()
+
+
+def test_every_card_of_the_page_is_read() -> None:
+    told = set(
+        re.findall(r"\b[A-Z]+[0-9]?\b", TEXT[TEXT.index("| bulk data card") : TEXT.index("Loads, tables")])
+    )
+    assert told >= READ
