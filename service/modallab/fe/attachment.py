@@ -8,8 +8,11 @@ import numpy as np
 from scipy.sparse import csc_array
 
 from modallab.core.arrays import ComplexArray, FloatArray, frozen
+from modallab.fe.keeping import kept
 
 FEW = 250  # degrees of freedom up to which full matrices are put together faster
+ASKED = 2  # frequency axes whose dynamic stiffness is kept
+LARGEST = 20_000  # numbers of one that is kept
 
 
 @dataclass(frozen=True, eq=False)
@@ -47,7 +50,19 @@ class Attachment:
         return self.inner, *(None if part is None else (part.shape, part.tobytes()) for part in parts)
 
     def dynamic_stiffness(self, omega: FloatArray) -> ComplexArray:
-        """Return Z, (n_freq, r, r), N/m, at `omega` (n_freq,) rad/s."""
+        """Return Z, (n_freq, r, r), N/m, at `omega` (n_freq,) rad/s.
+
+        Asked for again at the same frequencies, as in every run of a test, it is known.
+        """
+        if len(omega) * self.columns.shape[1] ** 2 > LARGEST:
+            return self._stiffness(omega)
+        return kept(self._kept, "stiffness", omega.tobytes(), lambda: self._stiffness(omega), ASKED)
+
+    @cached_property
+    def _kept(self) -> dict[str, object]:
+        return {}
+
+    def _stiffness(self, omega: FloatArray) -> ComplexArray:
         r = self.columns.shape[1] + self.inner
         w = omega[:, None, None]
         z = np.zeros((len(omega), r, r), complex)
@@ -59,7 +74,9 @@ class Attachment:
             z += 1j * self.damping
         if self.viscous is not None:
             z += 1j * w * self.viscous
-        return z if self.inner == 0 else _condensed(z, self.inner)
+        z = z if self.inner == 0 else _condensed(z, self.inner)
+        z.flags.writeable = False
+        return z
 
 
 def spring(column: FloatArray, stiffness: float) -> Attachment:
@@ -134,10 +151,18 @@ def carried(slow: FloatArray, attachments: tuple[Attachment, ...]) -> FloatArray
     return np.vstack(rows)
 
 
-def block_diagonal(blocks: list[ComplexArray], n: int) -> ComplexArray:
-    """Return matrices (n, r, r) block by block, (n, R, R)."""
+def stacked(n: int, attachments: Sequence[Attachment]) -> FloatArray:
+    """Return the columns of attachments to a structure of `n` DoFs side by side, (n, R)."""
+    return np.hstack([np.zeros((n, 0)), *(a.columns for a in attachments)])
+
+
+def attached_stiffness(attachments: Sequence[Attachment], omega: FloatArray) -> ComplexArray:
+    """Return the dynamic stiffness of attachments block by block, (n_freq, R, R), N/m."""
+    if len(attachments) == 1:
+        return attachments[0].dynamic_stiffness(omega)
+    blocks = [a.dynamic_stiffness(omega) for a in attachments]
     sizes = [block.shape[1] for block in blocks]
-    out = np.zeros((n, sum(sizes), sum(sizes)), complex)
+    out = np.zeros((len(omega), sum(sizes), sum(sizes)), complex)
     start = 0
     for block, size in zip(blocks, sizes, strict=True):
         out[:, start : start + size, start : start + size] = block

@@ -8,7 +8,7 @@ from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
 
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray
-from modallab.fe.attachment import Attachment
+from modallab.fe.attachment import Attachment, attached_stiffness, stacked
 from modallab.fe.modes import ModalResponse
 from modallab.fe.system import SMALL, DynamicSystem
 
@@ -93,8 +93,8 @@ def attached_variants(
     shared, own = parted(systems)
     whole = lean(replace(systems[0], attachments=shared))
     response = whole.base_modes(float(omega.max()) / (2 * np.pi)).at(omega)
-    variants = [replace(s, attachments=a) for s, a in zip(systems, own, strict=True)]
-    widths = {v.stacked.shape[1] for v in variants}
+    stacks = [stacked(len(right), attachments) for attachments in own]
+    widths = {stack.shape[1] for stack in stacks}
     if len(widths) > 1:  # variants that cannot be stacked
         response = systems[0].base_modes(float(omega.max()) / (2 * np.pi)).at(omega)
         each = zip(systems, lefts, strict=True)
@@ -104,15 +104,15 @@ def attached_variants(
     def places(block: FloatArray) -> list[int]:
         return [columns.setdefault(column.tobytes(), len(columns)) for column in block.T]
 
-    rows = [places(np.hstack([left, v.stacked])) for left, v in zip(lefts, variants, strict=True)]
-    inputs = [places(np.hstack([right, v.stacked])) for v in variants]
+    rows = [places(np.hstack([left, stack])) for left, stack in zip(lefts, stacks, strict=True)]
+    inputs = [places(np.hstack([right, stack])) for stack in stacks]
     used = np.array([np.frombuffer(column) for column in columns]).T
     a, b = np.broadcast_arrays(np.array(rows)[:, :, None], np.array(inputs)[:, None, :])
     alpha = _attached_pairs(response, whole, used, a.ravel(), b.ravel())
     picked = np.moveaxis(alpha.reshape(-1, *a.shape), 0, 1)
     if widths == {0}:
         return picked
-    z = np.array([v.attached_stiffness(response.omega) for v in variants])
+    z = np.array([attached_stiffness(attachments, response.omega) for attachments in own])
     return _woodbury(picked, z)
 
 

@@ -13,13 +13,14 @@ from modallab.core.errors import InvalidInputError, UnknownDofError
 from modallab.fe.alteration import Alteration
 from modallab.fe.attachment import (
     Attachment,
-    block_diagonal,
+    attached_stiffness,
     carried,
     damper,
     grown,
     motions,
     oscillator,
     spring,
+    stacked,
     with_added,
 )
 from modallab.fe.damping import ViscousDamping
@@ -292,11 +293,11 @@ class DynamicSystem:
     @property
     def stacked(self) -> FloatArray:
         """(n, R): the columns of all attachments side by side."""
-        return np.hstack([np.zeros((len(self.dofs), 0)), *(a.columns for a in self.attachments)])
+        return stacked(len(self.dofs), self.attachments)
 
     def attached_stiffness(self, omega: FloatArray) -> ComplexArray:
         """Return the dynamic stiffness of all attachments, (n_freq, R, R), block by block."""
-        return block_diagonal([a.dynamic_stiffness(omega) for a in self.attachments], len(omega))
+        return attached_stiffness(self.attachments, omega)
 
     def base_modes(self, frequency_max: float) -> ModalBasis:
         """Return modes of the matrices alone, attachments left out: all of them below `SMALL` DoFs,

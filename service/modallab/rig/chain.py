@@ -231,8 +231,13 @@ def all_effects(setup: RigSetup, added: Sequence[Effect]) -> list[Effect]:
     """Return what the declared hardware implies, what the log book names, and `added`, in stage order."""
     implied = [effect for cls in EFFECTS.values() for effect in cls.from_setup(setup)]
     named = [build(spec) for spec in setup.effects]
-    # What acts everywhere comes first: a member's own factor multiplies what holds for all members.
-    return sorted([*implied, *named, *added], key=lambda effect: (effect.stage, effect.at is not None))
+
+    def order(effect: Effect) -> tuple[int, bool, bool]:
+        # What acts everywhere comes first: a member's own factor multiplies what holds for all members.
+        # Before it what all runs have in common, which is then worked out once.
+        return effect.stage, effect.by_run, effect.at is not None
+
+    return sorted([*implied, *named, *added], key=order)
 
 
 def chain(
