@@ -60,7 +60,7 @@ def bars_in_space(bars: SpatialBars) -> tuple[FloatArray, FloatArray, FloatArray
         # what does not bend stays straight between its ends, however these turn
         swayed[second == 0] = 0.0
         add(mass, own[::2], (np.where(second == 0, bars.line_mass, 0.0) * length)[:, None, None] * shared)
-        inertia = np.where(kappa > 0, bars.line_mass * second / bars.area, 0.0)
+        inertia = np.divide(bars.line_mass * second, bars.area, out=np.zeros(n), where=kappa > 0)
         swayed += inertia[:, None, None] * rotary_inertia(length, phi)
         add(mass, own, swayed * turn)
     axes = bar_axes(bars)

@@ -1,6 +1,6 @@
 """Grid points of bulk data, and where they are held."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 
 from modallab.core.dof import DIRECTIONS
 from modallab.core.errors import InvalidInputError
@@ -29,8 +29,6 @@ def grid_points(cards: Sequence[Card]) -> tuple[dict[int, Place], list[Support]]
             own = card if card.text(at) else of_all or card
             if own.text(at) and own.integer(at) != 0:
                 raise own.wrong(at, f"0 or blank: other systems of coordinates ({what}) are not read")
-        if not 1 <= number <= 999_999_999:
-            raise card.wrong(1, "1 to 999999999")
         places[number] = (card.real(3, 0.0), card.real(4, 0.0), card.real(5, 0.0))
         own = card if card.text(7) else of_all or card
         if held_here := components(own, 7):
@@ -40,7 +38,7 @@ def grid_points(cards: Sequence[Card]) -> tuple[dict[int, Place], list[Support]]
     return places, held
 
 
-def supports(deck: Deck) -> list[Support]:
+def supports(deck: Deck, places: Mapping[int, Place]) -> list[Support]:
     """Return what the chosen set of single-point constraints holds, or the only one there is.
 
     Raises
@@ -65,10 +63,10 @@ def supports(deck: Deck) -> list[Support]:
     if chosen in sums:
         add = sums[chosen]
         wanted = {add.integer(at) for at in range(2, len(add.fields) + 1) if add.text(at)}
-    return [support for card in cards if card.integer(1) in wanted for support in _held(card)]
+    return [support for card in cards if card.integer(1) in wanted for support in _held(card, places)]
 
 
-def _held(card: Card) -> Iterable[Support]:
+def _held(card: Card, places: Mapping[int, Place]) -> Iterable[Support]:
     if card.name == "SPC":
         for at in (2, 5):
             if card.text(at):
@@ -77,8 +75,9 @@ def _held(card: Card) -> Iterable[Support]:
         return
     held = components(card, 2)
     if card.text(4).upper() == "THRU":
-        for number in range(card.integer(3), card.integer(5) + 1):
-            yield Support(number, held)
+        # of a range those that there are: it may be of any length
+        first, last = card.integer(3), card.integer(5)
+        yield from (Support(number, held) for number in places if first <= number <= last)
         return
     for at in range(3, len(card.fields) + 1):
         if card.text(at):

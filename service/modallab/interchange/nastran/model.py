@@ -46,7 +46,7 @@ def read(payload: bytes, *, damping: Damping | None = None, name: str = "") -> S
     deck = read_deck(payload)
     _refuse_unknown(deck)
     places, held = grid_points(deck.cards)
-    held = [*held, *supports(deck)]
+    held = [*held, *supports(deck, places)]
     for support in held:
         if support.node not in places:
             raise InvalidInputError(

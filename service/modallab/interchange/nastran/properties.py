@@ -52,18 +52,18 @@ def material(card: Card) -> Mat:
     given = [bool(card.text(at)) for at in (2, 3, 4)]
     if sum(given) < 2:
         raise card.wrong(2, "two of E, G and NU")
+    for at in (2, 3):
+        if card.text(at) and card.real(at) <= 0:
+            raise card.wrong(at, "> 0")
     if given[0]:
         modulus = card.real(2)
         nu = card.real(4) if given[2] else modulus / (2 * card.real(3)) - 1
     else:
         nu = card.real(4)
         modulus = 2 * card.real(3) * (1 + nu)
-    shear = card.real(3) if given[1] else modulus / (2 * (1 + nu))
-    for at, value in ((2, modulus), (3, shear)):
-        if value <= 0:
-            raise card.wrong(at, "> 0")
     if not -0.99 <= nu < 0.5:
         raise card.wrong(4, "-0.99 to 0.5")
+    shear = card.real(3) if given[1] else modulus / (2 * (1 + nu))
     density = _not_negative(card, 5)
     loss = _not_negative(card, 8) if card.text(8) else None
     return Mat(modulus, shear, nu, density, loss)
@@ -83,6 +83,16 @@ def _of(card: Card, at: int, materials: Mapping[int, Mat]) -> Mat:
     return materials[number]
 
 
+def _sheared(card: Card, at: int, default: float) -> tuple[float, float]:
+    """Return shear coefficients from a field and the next; what has no area does not shear."""
+    both = card.real(at, default), card.real(at + 1, default)
+    if min(both) < 0:
+        raise card.wrong(at, ">= 0")
+    if max(both) > 0 and card.real(3, 0.0) == 0:
+        raise card.wrong(3, "> 0 of what shears")
+    return both
+
+
 def pbar(card: Card, materials: Mapping[int, Mat]) -> BarProperty:
     """Return a PBAR; K1 and K2 left out or 0: no shear."""
     card.must_be(19, (0.0,), "a product of inertia I12")
@@ -93,7 +103,7 @@ def pbar(card: Card, materials: Mapping[int, Mat]) -> BarProperty:
         (_not_negative(card, 4), _not_negative(card, 5)),
         _not_negative(card, 6),
         _not_negative(card, 7),
-        (_not_negative(card, 17), _not_negative(card, 18)),
+        _sheared(card, 17, 0.0),
     )
 
 
@@ -116,7 +126,7 @@ def pbeam(card: Card, materials: Mapping[int, Mat]) -> BarProperty:
         (_not_negative(card, 4), _not_negative(card, 5)),
         _not_negative(card, 7),
         _not_negative(card, 8),
-        (card.real(first, 1.0), card.real(first + 1, 1.0)),
+        _sheared(card, first, 1.0),
     )
 
 
@@ -242,6 +252,8 @@ def by_number(cards: Sequence[Card], what: str) -> dict[int, Card]:
     out: dict[int, Card] = {}
     for card in cards:
         number = card.integer(1)
+        if not 1 <= number <= 999_999_999:
+            raise card.wrong(1, "1 to 999999999")
         if number in out:
             raise InvalidInputError(
                 f"two {what} have number {number}, in lines {out[number].line} and {card.line}",

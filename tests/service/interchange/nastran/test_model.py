@@ -211,6 +211,12 @@ WRONG = {
     "no property": (swapped("CBAR,9,5", "CBAR,9,6"), "CBAR in line 6, field 3: '6'"),
     "no material": (swapped("PBAR,5,1", "PBAR,5,2"), "PBAR in line 5, field 3: '2'"),
     "half a material": (swapped("7.+10,,.3", "7.+10,,"), "MAT1 in line 4, field 3"),
+    "no shear modulus": (swapped("7.+10,,.3", "7.+10,0."), "MAT1 in line 4, field 4"),
+    "shear of no area": (
+        swapped("4.-4,3.-9,5.-8,1.-8", "0.,3.-9,5.-8,1.-8\n+\n+,1.,1."),
+        "PBAR in line 5, field 4",
+    ),
+    "a number of no element": (BAR + "CONM2,-3,2,,2.", "CONM2 in line 7, field 2"),
     "negative density": (swapped("2700.", "-2700."), "MAT1 in line 4, field 6"),
     "a vector along the bar": (swapped("0.,1.,0.", "1.,0.,0."), "CBAR in line 6, field 6"),
     "no length": (swapped("GRID,2,,1.,0.,0.", "GRID,2,,0.,0.,0."), "CBAR in line 6, field 4"),
