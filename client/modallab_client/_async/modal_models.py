@@ -48,7 +48,7 @@ class AsyncModalModels(AsyncShelf):
             Of single-mode methods: lines around each resonance, and how many of them nearest to it are not
             used; left out: chosen from the data, which `choices` of the result tell.
         damping
-            Law of a mode's damping, `structural` or `viscous`.
+            Law of a mode's damping, `structural` or `viscous`; left out: as the lines tell, else structural.
         max_order
             Of global methods: highest order of the stabilisation chart.
         correct_window_damping

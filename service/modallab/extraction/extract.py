@@ -2,12 +2,15 @@
 
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import partial
+from typing import Protocol
 
 from modallab.core.arrays import FloatArray
 from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfSet
 from modallab.core.modal_model import ModalModel
-from modallab.core.progress import Progress, silent
+from modallab.core.progress import Progress, part, silent
+from modallab.extraction.collating.told_law import told_law, with_told_law
 from modallab.extraction.globally import extract_globally
 from modallab.extraction.jointly.global_method import GLOBAL_METHODS
 from modallab.extraction.measured.leakage import Leakage, biased
@@ -21,10 +24,17 @@ from modallab.extraction.measured.responses import Responses, responses_of
 from modallab.extraction.measured.white_forces import white_forces_notes
 from modallab.extraction.mode_by_mode import extract_mode_by_mode
 from modallab.extraction.offered import check_offered
-from modallab.extraction.options import ExtractionOptions
-from modallab.extraction.singly.method import EXTRACTION_METHODS
+from modallab.extraction.options import Damping, ExtractionOptions
+from modallab.extraction.singly.method import EXTRACTION_METHODS, TRAITS
 
 CHOSEN = ExtractionOptions()  # everything from the data
+LAW_TOLD = 0.6  # of the time, after which modes by the structural law have told which law holds
+
+
+class Read(Protocol):
+    """Modes by some options."""
+
+    def __call__(self, *, options: ExtractionOptions, progress: Progress) -> ModalModel: ...
 
 
 def extract(
@@ -81,30 +91,43 @@ def extract(
     check_offered(method, options)
     responses, bias = responses_read(frf, coherence, averages, leakage=leakage, estimator=estimator)
     if method in GLOBAL_METHODS:
-        model = extract_globally(
+        read: Read = partial(
+            extract_globally,
             GLOBAL_METHODS[method],
             responses,
-            options,
             method=method,
             bands=bands,
             n_modes=n_modes,
             leakage=leakage,
             bias=bias,
-            progress=progress,
         )
     else:
-        model = extract_mode_by_mode(
+        read = partial(
+            extract_mode_by_mode,
             EXTRACTION_METHODS[method],
             responses,
-            options,
             method=method,
             bands=bands,
             n_modes=n_modes,
             leakage=leakage,
-            progress=progress,
         )
+    if options.damping is None and (method in GLOBAL_METHODS or TRAITS[method].exact):
+        model = _by_told_law(read, options, progress)
+    else:
+        model = read(options=options, progress=progress)
     warned = (*low_coherence_notes(model, responses), *white_forces_notes(responses, leakage))
     return replace(model, notes=(*model.notes, *warned))
+
+
+def _by_told_law(read: Read, options: ExtractionOptions, progress: Progress) -> ModalModel:
+    """Return the modes by the law of damping that they tell, structural where they do not."""
+    model = read(options=options, progress=part(progress, 0.0, LAW_TOLD))
+    told = told_law(model)
+    if told.law is Damping.VISCOUS:
+        viscous = replace(options, damping=told.law)
+        model = read(options=viscous, progress=part(progress, LAW_TOLD, 1.0))
+    progress(1.0, "law of damping told")
+    return with_told_law(model, told)
 
 
 def responses_read(

@@ -92,7 +92,7 @@ def extract_globally(
         responses,
         line_weights(responses, bias),
         charts,
-        options.damping,
+        options.law,
         leaked=None if leakage is None else leaked_by(leakage, alone, responses.drive_row),
         given=bands is not None,
         progress=part(progress, begun, FITTED),
@@ -164,7 +164,7 @@ def _one_by_one(
         return extract_mode_by_mode(
             EXTRACTION_METHODS[BEGIN],
             responses if leakage is not None else _some(_within(responses, lines)),
-            ExtractionOptions(damping=options.damping),
+            ExtractionOptions(damping=options.law),
             method=BEGIN,
             bands=None,
             n_modes=None,

@@ -56,9 +56,9 @@ def extract_mode_by_mode(
     )
     progress(0.2, f"fitting {len(found)} modes in {len(dofs)} FRFs")
     data = gather(freq, responses.receptance, responses.variance, windows, leakage, responses.drive_row)
-    settled = fit_all(fit, LAWS[options.damping], data, progress=part(progress, 0.2, 0.9))
+    settled = fit_all(fit, LAWS[options.law], data, progress=part(progress, 0.2, 0.9))
     if leakage is not None:
-        settled = allowing_for_leakage(fit, LAWS[options.damping], data, leakage, settled)
+        settled = allowing_for_leakage(fit, LAWS[options.law], data, leakage, settled)
     table = replace(settled.table, lines=windows.ends)
     notes = _missing(table, freq, found, given=bands is not None)
     if not TRAITS[method].exact:
@@ -76,10 +76,10 @@ def extract_mode_by_mode(
         method=method,
         notes=notes,
         choices=decided.choices,
-        shared=shared_error(LAWS[options.damping], data, settled, windows.index),
+        shared=shared_error(LAWS[options.law], data, settled, windows.index),
     )
     if leakage is None and TRAITS[method].exact:
-        model = flag_misfits(model, responses, LAWS[options.damping], decided.leave_out)
+        model = flag_misfits(model, responses, LAWS[options.law], decided.leave_out)
     if bands is not None:
         model = flag_further_peaks(model, freq, indicator, found)
     model = with_law_flags(model, responses, options)

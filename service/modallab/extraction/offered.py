@@ -15,9 +15,7 @@ COUNT = "1"  # unit of what is counted
 SPECS: Mapping[str, OptionSpec] = {
     "lines": OptionSpec("lines around each resonance that a fit draws on", COUNT, lower=MIN_LINES),
     "leave_out": OptionSpec("of these, how many nearest resonance are not used", COUNT, lower=0),
-    "damping": OptionSpec(
-        "law of a mode's damping", choices=tuple(Damping), default=ExtractionOptions.damping.value
-    ),
+    "damping": OptionSpec("law of a mode's damping", choices=tuple(Damping)),
     "max_order": OptionSpec("highest order of the stabilisation chart", COUNT, lower=2, upper=MOST_ORDER),
 }
 

@@ -28,8 +28,13 @@ class ExtractionOptions:
 
     lines: int | None = None  # around each resonance; of single-mode methods
     leave_out: int | None = None  # of these, the nearest to resonance; of single-mode methods
-    damping: Damping = Damping.STRUCTURAL
+    damping: Damping | None = None
     max_order: int | None = None  # of the stabilisation chart; of global methods
+
+    @property
+    def law(self) -> Damping:
+        """The law of damping to fit by: structural where none is asked for."""
+        return self.damping or Damping.STRUCTURAL
 
     def __post_init__(self) -> None:
         bounds = {"lines": (MIN_LINES, None), "leave_out": (0, None), "max_order": (2, MOST_ORDER)}

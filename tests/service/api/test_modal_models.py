@@ -28,7 +28,7 @@ def test_what_was_chosen_is_told_with_the_reason(service: Any, measured: str) ->
     choices = extracted(service, measured)["choices"]
     assert choices["lines"].startswith("8: ")
     assert "do not leak" in choices["lines"]
-    assert choices["damping"] == "structural: unless another is asked for"
+    assert choices["damping"].startswith("structural: as the lines tell")
 
 
 def test_what_was_asked_for_is_done(service: Any, measured: str) -> None:

@@ -52,7 +52,7 @@ class OptionsIn(Wire):
 
     lines: Count | None = Field(default=None, description="around each resonance; of single-mode methods")
     leave_out: Count | None = Field(default=None, description="of these, the nearest to resonance")
-    damping: Damping = Field(default=ExtractionOptions.damping, description="law of a mode's damping")
+    damping: Damping | None = Field(default=None, description="law of a mode's damping")
     max_order: Count | None = Field(default=None, description="of the stabilisation chart; of global methods")
 
     def to_domain(self) -> ExtractionOptions:

@@ -16,14 +16,14 @@ def with_law_flags(model: ModalModel, responses: Responses, options: ExtractionO
     A viscous mode is a pole at `omega_r sqrt(1 - zeta^2)`, which structural modes are fitted to with complex
     constants as well as viscous ones with real: lines do not tell the laws apart where damping is light,
     and frequencies differ by `eta^2/4` of themselves, `eta = 2 zeta`. That is no random error. Said where
-    coherence tells how large this is, unless the viscous law was asked for.
+    coherence tells how large this is, unless the viscous law was asked for or told.
 
     Parameters
     ----------
     model
         Fitted under the law of `options`.
     """
-    if options.damping is Damping.VISCOUS or not knows_noise(responses):
+    if options.law is Damping.VISCOUS or not knows_noise(responses):
         return model
     return replace(model, modes=tuple(_flagged(mode) for mode in model.modes))
 

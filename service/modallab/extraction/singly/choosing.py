@@ -47,8 +47,7 @@ def plan(method: str, options: ExtractionOptions, leakage: Leakage | None) -> Pl
 
 def law_of(options: ExtractionOptions) -> str:
     """Return the law of damping, and whether anybody asked for it."""
-    why = "unless another is asked for" if options.damping is ExtractionOptions.damping else ASKED
-    return f"{options.damping}: {why}"
+    return f"{options.law}: {'unless another is asked for' if options.damping is None else ASKED}"
 
 
 def taken(choices: Mapping[str, str], option: str) -> str | None:
