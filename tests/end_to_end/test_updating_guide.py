@@ -77,3 +77,23 @@ def test_lossy_members_are_found_with_the_stiffer_ones(names: dict[str, Any]) ->
             # exact modes: quadratic convergence below the tolerance of the last step, 1e-4
             assert value == pytest.approx(wrong.get(member, unchanged), abs=1e-6)
         assert set(wrong) <= set(update.suspected[part])
+
+
+def test_all_coefficients_at_once_find_the_wrong_members_and_no_other(names: dict[str, Any]) -> None:
+    update, wrong = names["at_once"], {("mass", 25): 1.5, ("mass", 26): 1.5}
+    wrong |= {("stiffness", member): 2.0 for member in (12, 13, 31)}
+    assert update.converged
+    assert update.suspected == {"mass": (25, 26), "stiffness": (12, 13, 31)}
+    for (part, member), value in wrong.items():
+        # four standard errors: they hold 91 % within two, as the guide says
+        assert abs(update.coefficients[part][member] - value) < 4 * update.standard_errors[part][member]
+
+
+def test_the_guides_example_of_a_direction_is_named(names: dict[str, Any]) -> None:
+    told = names["at_once"].identifiability.directions
+    assert any("mass and stiffness of 10-12" in one.words for one in told)
+    assert all(one.standard_error > 0.3 for one in told)
+    wrong = {"mass": (25, 26), "stiffness": (12, 13, 31)}
+    ends = [names["at_once"].intervals[part][member] for part in wrong for member in wrong[part]]
+    inside = [low <= value <= high for (low, high), value in zip(ends, (1.5, 1.5, 2, 2, 2), strict=True)]
+    assert sum(inside) >= 4  # each with 95 %: two of five outside in one draw of 50

@@ -39,12 +39,13 @@ def update_at_once(
     before, path, final = whole.before, whole.path, whole.path.final
     told = _identified(fit, whole, options)
     made_sense = path.ending is not Ending.DIVERGED
+    errors_known = made_sense and _judged(fit, told.rank)
     corrected, parts = fit.structure(final.values), parameterisation.parts
     numbers = [member.number for member in corrected.all_members]
     return UpdateResult(
         structure=corrected,
         coefficients=by_member(parameterisation, final.values, parts=parts, members=numbers),
-        standard_errors=_standard_errors(parameterisation, whole) if made_sense else {},
+        standard_errors=_standard_errors(parameterisation, whole) if errors_known else {},
         suspected=_suspected(parameterisation, whole),
         frequencies=Stages(before.frequencies, before.frequencies, final.frequencies, measured.frequencies),
         mac=Stages(before.mac, before.mac, final.mac),
@@ -88,14 +89,13 @@ def _identified(fit: Fit, whole: WholePath, options: UpdateOptions) -> Identifia
     errors = np.sqrt(belief.scales[whole.weights.block])
     rows, missed = (linear.T / errors for linear in whole.weights.rows(fit, state))
     step = unweighted(rows.T, missed, options.rank_jump)
-    return identify(
-        fit.parameterisation,
-        state.values,
-        step,
-        missed,
-        np.ones(len(missed)),
-        within=options.identified_within,
-    )
+    known = np.ones(len(missed)) if _judged(fit, step.rank) else None
+    return identify(fit.parameterisation, state.values, step, missed, known, within=options.identified_within)
+
+
+def _judged(fit: Fit, rank: int) -> bool:
+    """Return whether errors are stated, or more rows than the coefficients meet show how large they are."""
+    return fit.target.errors is not None or fit.target.n_rows > rank
 
 
 def _standard_errors(parameterisation: Parameterisation, whole: WholePath) -> dict[str, dict[int, float]]:

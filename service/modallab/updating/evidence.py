@@ -67,47 +67,72 @@ def believe(equations: Equations, prior: Prior, widths: FloatArray, scales: Floa
     least = equations.floors**2
     widths, scales = np.maximum(widths, REVIVED), np.maximum(scales, least)
     for _ in range(ROUNDS):
-        belief, told = _posterior(equations, widths, scales)
+        solved = _solved(equations, widths, scales)
         before = np.concatenate([widths, scales])
-        scales = np.maximum(_scales(equations, belief), least)
-        widths = _widths(prior, belief, told)
+        scales = np.maximum(_scales(equations, solved), least)
+        widths = _widths(prior, widths, solved)
         after = np.concatenate([widths, scales])
         if (np.abs(after - before) <= SETTLED * before).all():
             break
-    return _posterior(equations, widths, scales)[0]
+    mean = _solved(equations, widths, scales).mean
+    return Belief(mean, _covariance(equations, widths, scales), widths, scales)
 
 
-def _posterior(equations: Equations, widths: FloatArray, scales: FloatArray) -> tuple[Belief, FloatArray]:
-    """Return the posterior, and the share of each unknown that the data determine."""
-    kept = np.flatnonzero(widths)
-    error, spread = np.sqrt(scales[equations.block]), np.sqrt(widths[kept])
-    rows = equations.matrix[:, kept] * spread / error[:, None]
-    # In units of the prior the matrix is 1 + something positive: regular whatever the equations are.
-    inside = np.linalg.inv(np.eye(len(kept)) + rows.T @ rows)
-    mean, told = np.zeros(len(widths)), np.zeros(len(widths))
-    mean[kept] = spread * (inside @ (rows.T @ (equations.values / error)))
-    told[kept] = 1 - np.diag(inside)
+@dataclass(frozen=True, eq=False)
+class _Solved:
+    mean: FloatArray  # (n_params,)
+    told: FloatArray  # (n_params,) share of each unknown that the data determine, the rest being the prior's
+    used: FloatArray  # (n_rows,) share of each row that fitting used up
+
+
+def _in_units(equations: Equations, widths: FloatArray, scales: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return rows of the unknowns kept, and right-hand sides, in units of their errors and of the prior."""
+    error = np.sqrt(scales[equations.block])
+    kept = widths > 0
+    return equations.matrix[:, kept] * np.sqrt(widths[kept]) / error[:, None], equations.values / error
+
+
+def _solved(equations: Equations, widths: FloatArray, scales: FloatArray) -> _Solved:
+    """Return the posterior mean and how it is determined, by the smaller of two matrices.
+
+    In units of the prior each is 1 + something positive: regular whatever the equations are.
+    """
+    rows, values = _in_units(equations, widths, scales)
+    n_rows, n_kept = rows.shape
+    mean, told, kept = np.zeros(len(widths)), np.zeros(len(widths)), widths > 0
+    if n_rows < n_kept:
+        inverse = np.linalg.inv(np.eye(n_rows) + rows @ rows.T)
+        half, used = inverse @ rows, 1 - np.diag(inverse)
+        mean[kept], told[kept] = rows.T @ (inverse @ values), (rows * half).sum(axis=0)
+    else:
+        inverse = np.linalg.inv(np.eye(n_kept) + rows.T @ rows)
+        used = ((rows @ inverse) * rows).sum(axis=1)
+        mean[kept], told[kept] = inverse @ (rows.T @ values), 1 - np.diag(inverse)
+    return _Solved(mean * np.sqrt(widths), told, used)
+
+
+def _covariance(equations: Equations, widths: FloatArray, scales: FloatArray) -> FloatArray:
+    rows, _ = _in_units(equations, widths, scales)
+    kept, spread = np.flatnonzero(widths), np.sqrt(widths[widths > 0])
     covariance = np.zeros((len(widths), len(widths)))
+    inside = np.linalg.inv(np.eye(len(kept)) + rows.T @ rows)
     covariance[np.ix_(kept, kept)] = spread[:, None] * inside * spread
-    return Belief(mean, covariance, widths, scales), told
+    return covariance
 
 
-def _scales(equations: Equations, belief: Belief) -> FloatArray:
+def _scales(equations: Equations, solved: _Solved) -> FloatArray:
     """Return the mean square that is left of each block, over the rows that fitting did not use up."""
-    kept, n = belief.kept, len(equations.floors)
-    rows = equations.matrix[:, kept]
-    left = (equations.values - rows @ belief.mean[kept]) ** 2
-    used = ((rows @ belief.covariance[np.ix_(kept, kept)]) * rows).sum(axis=1)
-    count, spent = np.bincount(equations.block, minlength=n), np.bincount(equations.block, used, n)
-    spare = np.maximum(count - spent / belief.scales, FEWEST * count)
-    return np.asarray(np.bincount(equations.block, left, n) / spare)
+    n = len(equations.floors)
+    left = (equations.values - equations.matrix @ solved.mean) ** 2
+    count, spent = np.bincount(equations.block, minlength=n), np.bincount(equations.block, solved.used, n)
+    return np.asarray(np.bincount(equations.block, left, n) / np.maximum(count - spent, FEWEST * count))
 
 
-def _widths(prior: Prior, belief: Belief, told: FloatArray) -> FloatArray:
+def _widths(prior: Prior, widths: FloatArray, solved: _Solved) -> FloatArray:
     if prior is Prior.RANGE:
-        return belief.widths
+        return widths
+    mean, told = solved.mean, solved.told
     if prior is Prior.COMMON:
-        common = (belief.mean**2).sum() / max(float(told.sum()), GONE)
+        common = (mean**2).sum() / max(float(told.sum()), GONE)
         return np.full(len(told), max(common, REVIVED))
-    wanted = np.divide(belief.mean**2, told, out=np.zeros_like(told), where=told > GONE)
-    return np.asarray(wanted)
+    return np.asarray(np.divide(mean**2, told, out=np.zeros_like(told), where=told > GONE))
