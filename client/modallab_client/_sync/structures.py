@@ -1,13 +1,11 @@
 """Structures: made, changed, and their modes."""
 
-import json
 from collections.abc import Mapping, Sequence
-from pathlib import Path
 from typing import Any
 
-from modallab_client import _matrices, _wire, _wire_correlation
+from modallab_client import _wire, _wire_correlation
+from modallab_client._sync.described import Described
 from modallab_client._sync.modal_models import ModalModels
-from modallab_client._sync.shelf import Shelf
 from modallab_client.correlation import Expansion, ReducedModel
 from modallab_client.models import Frf, ModeShapes, Structure, StructureModes
 from modallab_client.modes import ModalModel
@@ -15,167 +13,8 @@ from modallab_client.modes import ModalModel
 Given = Mapping[str, Any]
 
 
-class Structures(Shelf):
+class Structures(Described):
     """Structures on the service; none is ever changed in place."""
-
-    path = "/v1/structures"
-
-    def create(self, **body: Any) -> Structure:
-        """Return a new structure; the keywords are the JSON's names, `kind` among them."""
-        return _wire.read(_wire.structure, self._transport.request("POST", "/v1/structures", json=body))
-
-    def beam(
-        self,
-        *,
-        length: float,
-        n_elements: int,
-        section: Given,
-        material: Given,
-        damping: Given | None = None,
-        theory: str | None = None,
-        supports: Sequence[Given] | None = None,
-        effects: Sequence[Given] | None = None,
-    ) -> Structure:
-        """Return a new straight beam along X, its nodes 1 to n + 1 with DoFs Y and RZ.
-
-        Parameters
-        ----------
-        length
-            m.
-        n_elements
-            Elements of equal length.
-        section
-            `area` in m^2 and `second_moment` in m^4.
-        material
-            `modulus` in N/m^2 and `density` in kg/m^3.
-        damping
-            `law` and its coefficients; left out: none.
-        theory
-            `bernoulli_euler` (the default) or `timoshenko`.
-        supports
-            `[{"node": 1, "directions": ["Y", "RZ"]}]`; left out: free.
-        effects
-            What has no field here: `[{"kind", "at", "parameters"}]`.
-        """
-        shape = _wire.body(length=length, n_elements=n_elements, section=section, material=material)
-        rest = _wire.body(damping=damping, theory=theory, supports=supports, effects=effects)
-        return self.create(kind="beam", **shape, **rest)
-
-    def frame(
-        self,
-        *,
-        nodes: Mapping[str, Sequence[float]],
-        sections: Mapping[str, Given],
-        materials: Mapping[str, Given],
-        members: Sequence[Given],
-        damping: Given | None = None,
-        theory: str | None = None,
-        supports: Sequence[Given] | None = None,
-        effects: Sequence[Given] | None = None,
-    ) -> Structure:
-        """Return a new frame of members between nodes; a plane frame lies in X, Y.
-
-        Parameters
-        ----------
-        nodes
-            Coordinates in m by node number, `{"1": [0.0, 0.0]}`.
-        sections, materials
-            By name; fields as of a beam.
-        members
-            `[{"number": 1, "nodes": [1, 2], "section": "bar", "material": "alloy"}]`.
-        damping, theory, supports, effects
-            As of a beam.
-        """
-        shape = _wire.body(nodes=nodes, sections=sections, materials=materials, members=members)
-        rest = _wire.body(damping=damping, theory=theory, supports=supports, effects=effects)
-        return self.create(kind="frame", **shape, **rest)
-
-    def plate(
-        self,
-        *,
-        length: float,
-        width: float,
-        thickness: float,
-        n_elements: Sequence[int],
-        material: Given,
-        edges: Mapping[str, str] | None = None,
-        damping: Given | None = None,
-        supports: Sequence[Given] | None = None,
-        effects: Sequence[Given] | None = None,
-    ) -> Structure:
-        """Return a new flat rectangular plate in X, Y with DoFs Z, RX and RY, nodes row by row.
-
-        Parameters
-        ----------
-        length, width, thickness
-            m, along X, Y and Z.
-        n_elements
-            Along X and along Y.
-        material
-            `modulus` in N/m^2, `density` in kg/m^3 and, left out 0.3, `poisson_ratio`.
-        edges
-            How `left`, `right`, `bottom` and `top` are held: `simply_supported` or `clamped`; left out: free.
-        damping, supports, effects
-            As of a beam.
-        """
-        shape = _wire.body(length=length, width=width, thickness=thickness, material=material, edges=edges)
-        rest = _wire.body(damping=damping, supports=supports, effects=effects)
-        return self.create(kind="plate", n_elements=list(n_elements), **shape, **rest)
-
-    def upload(
-        self, file: str | Path | bytes, *, name: str | None = None, damping: Given | None = None
-    ) -> Structure:
-        """Return a structure from Nastran bulk data or a file of matrices, by path or as bytes.
-
-        Parameters
-        ----------
-        file
-            Bulk data, npz, or zip of Matrix Market files; its content says which, not its name.
-        name
-            Of the structure.
-        damping
-            `law` and its coefficients; left out: what the file's elements have.
-        """
-        content = file if isinstance(file, bytes) else Path(file).read_bytes()
-        called = "model" if isinstance(file, bytes) else Path(file).name
-        data = _wire.body(name=name, damping=None if damping is None else json.dumps(damping))
-        reply = self._transport.request(
-            "POST", f"{self.path}/import", files={"file": (called, content)}, data=data
-        )
-        return _wire.read(_wire.structure, reply)
-
-    def import_matrices(
-        self,
-        *,
-        dofs: Sequence[str],
-        mass: Any = None,
-        stiffness: Any = None,
-        groups: Mapping[str, tuple[Any, Any]] | None = None,
-        coordinates: Mapping[int, Sequence[float]] | None = None,
-        name: str | None = None,
-        damping: Given | None = None,
-    ) -> Structure:
-        """Return a structure from its mass and stiffness matrices, (n, n), whole or in named groups.
-
-        Parameters
-        ----------
-        dofs
-            (n,) `"5:+Z"`, in the order of the rows.
-        mass, stiffness
-            Arrays or scipy's sparse ones.
-        groups
-            In place of these two what each part of the model adds to them, by its name.
-        coordinates
-            Of the nodes, m; left out: not known.
-        name, damping
-            As of `upload`.
-        """
-        arrays = _matrices.npz(dofs, mass, stiffness, groups, coordinates)
-        return self.upload(arrays, name=name, damping=damping)
-
-    def catalogue(self, name: str) -> Structure:
-        """Return a new structure from the catalogue; `lab.catalog.structures()` lists the names."""
-        return self.create(kind="catalogue", name=name)
 
     def change(
         self,

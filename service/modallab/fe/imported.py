@@ -74,38 +74,7 @@ def of_elements(
         cannot be analysed.
     """
     _check_table(dofs)
-    if not elements:
-        raise StructureError("a model needs elements", field="elements", value=0, allowed=">= 1")
-    width = max(len(element.rows) for element in elements)
-    if len(elements) * width**2 > MOST:
-        raise StructureError(
-            "the element matrices hold too many numbers",
-            field="elements",
-            value=len(elements) * width**2,
-            allowed=f"elements times the square of the largest's degrees of freedom <= {MOST}",
-        )
-    rows = np.full((len(elements), width), -1)
-    mass, axial, bending = np.zeros((3, len(elements), width, width))
-    for i, element in enumerate(elements):
-        k = len(element.rows)
-        rows[i, :k] = element.rows
-        mass[i, :k, :k] = element.mass
-        axial[i, :k, :k] = element.axial
-        if element.bending is not None:
-            bending[i, :k, :k] = element.bending
-    what = [f"element {element.number}" for element in elements]
-    for part, of in ((mass, "mass"), (axial, "stiffness"), (bending, "stiffness")):
-        symmetric(part, what, of)
-    free = _free(dofs, supports)
-    total_mass, total_stiffness = (_total(part, rows, len(dofs)) for part in (mass, axial + bending))
-    kept = np.ix_(free, free)
-    check_mass(csc_array(total_mass[kept]), [dofs[i] for i in free])
-    if motions is None:
-        motions = np.zeros((len(dofs), 0))
-        slow = slow_motions(csc_array(total_mass[kept]), csc_array(total_stiffness[kept]))
-        motions = np.zeros((len(dofs), slow.shape[1]))
-        motions[free] = slow
-    blocks = Blocks(tuple(dofs), rows, mass, axial, bending if bending.any() else None, motions)
+    blocks = _blocks(elements, dofs, supports, motions)
     return Structure(
         nodes={node: (0.0, 0.0, 0.0) if places is None else places[node] for node in _nodes(dofs)},
         members=(),
@@ -125,6 +94,53 @@ def of_elements(
         name=name,
         blocks=blocks,
     )
+
+
+def _blocks(
+    elements: Sequence[Element],
+    dofs: Sequence[Dof],
+    supports: tuple[Support, ...],
+    motions: FloatArray | None,
+) -> Blocks:
+    rows, mass, axial, bending = _padded(elements)
+    what = [f"element {element.number}" for element in elements]
+    for part, of in ((mass, "mass"), (axial, "stiffness"), (bending, "stiffness")):
+        symmetric(part, what, of)
+    free = _free(dofs, supports)
+    kept = np.ix_(free, free)
+    total_mass, total_stiffness = (
+        csc_array(_total(part, rows, len(dofs))[kept]) for part in (mass, axial + bending)
+    )
+    check_mass(total_mass, [dofs[i] for i in free])
+    if motions is None:
+        slow = slow_motions(total_mass, total_stiffness)
+        motions = np.zeros((len(dofs), slow.shape[1]))
+        motions[free] = slow
+    return Blocks(tuple(dofs), rows, mass, axial, bending if bending.any() else None, motions)
+
+
+def _padded(elements: Sequence[Element]) -> tuple[IntArray, FloatArray, FloatArray, FloatArray]:
+    """Return rows (n, w), mass, axial and bending stiffness (n, w, w) of elements of several sizes."""
+    if not elements:
+        raise StructureError("a model needs elements", field="elements", value=0, allowed=">= 1")
+    width = max(len(element.rows) for element in elements)
+    if len(elements) * width**2 > MOST:
+        raise StructureError(
+            "the element matrices hold too many numbers",
+            field="elements",
+            value=len(elements) * width**2,
+            allowed=f"elements times the square of the largest's degrees of freedom <= {MOST}",
+        )
+    rows = np.full((len(elements), width), -1)
+    mass, axial, bending = np.zeros((3, len(elements), width, width))
+    for i, element in enumerate(elements):
+        k = len(element.rows)
+        rows[i, :k] = element.rows
+        mass[i, :k, :k] = element.mass
+        axial[i, :k, :k] = element.axial
+        if element.bending is not None:
+            bending[i, :k, :k] = element.bending
+    return rows, mass, axial, bending
 
 
 def of_groups(

@@ -75,18 +75,7 @@ def plate(
             allowed=">= 1, >= 1",
         )
     row = along + 1
-    sides = {
-        Edge.LEFT: range(1, row * (across + 1), row),
-        Edge.RIGHT: range(row, row * (across + 1) + 1, row),
-        Edge.BOTTOM: range(1, row + 1),
-        Edge.TOP: range(row * across + 1, row * (across + 1) + 1),
-    }
-    held = tuple(
-        Support(node, directions)
-        for edge, holding in (edges or {}).items()
-        if (directions := holding.directions(edge))
-        for node in sides[edge]
-    )
+    held = _held(along, across, edges or {})
     corners = [(row * j + i + 1, row * (j + 1) + i + 1) for j in range(across) for i in range(along)]
     return Structure(
         nodes={
@@ -105,4 +94,22 @@ def plate(
         damping=damping or StructuralDamping(),
         directions=ACROSS,
         name=name,
+    )
+
+
+def _held(along: int, across: int, edges: Mapping[Edge, Holding]) -> tuple[Support, ...]:
+    """Return the supports of the nodes of sides that are held."""
+    row = along + 1
+    last = row * (across + 1)
+    sides = {
+        Edge.LEFT: range(1, last, row),
+        Edge.RIGHT: range(row, last + 1, row),
+        Edge.BOTTOM: range(1, row + 1),
+        Edge.TOP: range(row * across + 1, last + 1),
+    }
+    return tuple(
+        Support(node, directions)
+        for edge, holding in edges.items()
+        if (directions := holding.directions(edge))
+        for node in sides[edge]
     )
