@@ -10,9 +10,11 @@ from modallab.fe.damping import StructuralDamping
 from modallab.fe.imported import GroupMatrices, of_groups
 from modallab.fe.plate import plate
 from modallab.fe.structure import Material, Structure
+from modallab.rig.analyser import Analyser
 from modallab.rig.effect import EFFECTS, build
-from modallab.rig.measure import measure
-from modallab.rig.setup import Accelerometers, Analyser, RigSetup
+from modallab.rig.hardware import Accelerometers
+from modallab.rig.measure import Route, measure
+from modallab.rig.setup import RigSetup
 
 LOSSY = StructuralDamping(0.01)
 PLATE = plate(
@@ -36,7 +38,7 @@ def test_an_effect_acts_where_it_says_that_it_could(structure: Structure, kind: 
     for at in EFFECTS[kind].places(assemble(structure), SETUP)[:1]:
         effect = build(EffectSpec(kind, at, WEAK.get(kind, {})))
         effect.check(structure, SETUP)
-        found = measure(structure, SETUP, [effect], route="expected", rng=np.random.default_rng(0))
+        found = measure(structure, SETUP, [effect], route=Route.EXPECTED, rng=np.random.default_rng(0))
         assert np.isfinite(found.frf.values).all()
         if effect.structural:
             assert effect.added_to(structure).dofs == structure.dofs
