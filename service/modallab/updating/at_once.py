@@ -51,7 +51,7 @@ def update_at_once(
         mac=Stages(before.mac, before.mac, final.mac),
         history=path.history,
         converged=path.converged,
-        stopped_because=path.why,
+        stopped_because=path.why + whole.weights.missed(whole.belief.scales),
         rank=told.rank,
         condition_number=told.condition_number,
         intervals=told.by_member() if made_sense else {},
@@ -103,7 +103,7 @@ def _standard_errors(parameterisation: Parameterisation, whole: WholePath) -> di
     kept = np.flatnonzero(whole.belief.kept)
     if not kept.size:
         return {}
-    errors = np.sqrt(np.diag(whole.belief.covariance)) * slopes(parameterisation, whole.path.final.values)
+    errors = whole.belief.errors * slopes(parameterisation, whole.path.final.values)
     free = Parameterisation(
         tuple(parameterisation.macros[i] for i in kept), parameterisation.lower, parameterisation.upper
     )
@@ -116,7 +116,7 @@ def _suspected(parameterisation: Parameterisation, whole: WholePath) -> dict[str
     away = np.abs(values - parameterisation.unchanged)
     noticeable: BoolArray = away > np.where(parameterisation.damping, NOTICEABLE_LOSS, NOTICEABLE)
     far = np.abs(changes(parameterisation, values))
-    clear = noticeable & (far > CLEAR * np.sqrt(np.diag(whole.belief.covariance)))
+    clear = noticeable & (far > CLEAR * whole.belief.errors)
     wrong = [macro for macro, one in zip(parameterisation.macros, clear, strict=True) if one]
     return {
         part.value: tuple(sorted(n for macro in wrong if macro.part is part for n in macro.members))

@@ -45,6 +45,11 @@ class Belief:
     scales: FloatArray  # (n_blocks,) variance of each block's rows
 
     @property
+    def errors(self) -> FloatArray:
+        """(n_params,) standard deviations."""
+        return np.asarray(np.sqrt(np.maximum(np.diag(self.covariance), 0.0)))
+
+    @property
     def kept(self) -> BoolArray:
         """(n_params,) False of coefficients for which the data ask no width at all."""
         return self.widths > 0
@@ -93,29 +98,42 @@ def _in_units(equations: Equations, widths: FloatArray, scales: FloatArray) -> t
 
 
 def _solved(equations: Equations, widths: FloatArray, scales: FloatArray) -> _Solved:
-    """Return the posterior mean and how it is determined, by the smaller of two matrices.
+    """Return the posterior mean and how it is determined, by the smaller of two square matrices.
 
-    In units of the prior each is 1 + something positive: regular whatever the equations are.
+    In units of the prior each is 1 + something positive, by whose eigenvalues no rounding turns a
+    variance negative however exact the rows are.
     """
     rows, values = _in_units(equations, widths, scales)
-    n_rows, n_kept = rows.shape
     mean, told, kept = np.zeros(len(widths)), np.zeros(len(widths)), widths > 0
-    if n_rows < n_kept:
-        inverse = np.linalg.inv(np.eye(n_rows) + rows @ rows.T)
-        half, used = inverse @ rows, 1 - np.diag(inverse)
-        mean[kept], told[kept] = rows.T @ (inverse @ values), (rows * half).sum(axis=0)
+    if rows.shape[0] < rows.shape[1]:
+        data, turn = _eigen(rows @ rows.T)
+        across = turn.T @ rows
+        mean[kept] = across.T @ ((turn.T @ values) / (1 + data))
+        told[kept], used = (across**2).T @ (1 / (1 + data)), turn**2 @ (data / (1 + data))
     else:
-        inverse = np.linalg.inv(np.eye(n_kept) + rows.T @ rows)
-        used = ((rows @ inverse) * rows).sum(axis=1)
-        mean[kept], told[kept] = inverse @ (rows.T @ values), 1 - np.diag(inverse)
+        data, turn = _eigen(rows.T @ rows)
+        along = rows @ turn
+        mean[kept] = turn @ ((along.T @ values) / (1 + data))
+        told[kept], used = turn**2 @ (data / (1 + data)), along**2 @ (1 / (1 + data))
     return _Solved(mean * np.sqrt(widths), told, used)
+
+
+def _eigen(square: FloatArray) -> tuple[FloatArray, FloatArray]:
+    values, turn = np.linalg.eigh(square)
+    return np.maximum(values, 0.0), turn
 
 
 def _covariance(equations: Equations, widths: FloatArray, scales: FloatArray) -> FloatArray:
     rows, _ = _in_units(equations, widths, scales)
     kept, spread = np.flatnonzero(widths), np.sqrt(widths[widths > 0])
+    if rows.shape[0] < rows.shape[1]:
+        data, turn = _eigen(rows @ rows.T)
+        across = turn.T @ rows
+        inside = np.eye(len(kept)) - (across.T / (1 + data)) @ across
+    else:
+        data, turn = _eigen(rows.T @ rows)
+        inside = (turn / (1 + data)) @ turn.T
     covariance = np.zeros((len(widths), len(widths)))
-    inside = np.linalg.inv(np.eye(len(kept)) + rows.T @ rows)
     covariance[np.ix_(kept, kept)] = spread[:, None] * inside * spread
     return covariance
 

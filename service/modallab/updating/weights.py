@@ -9,28 +9,35 @@ from modallab.updating.fit import Fit, State
 from modallab.updating.target import TargetModes
 
 EXACT = 1e-7  # of a row's size: what eigenvalues of a good model scatter by, however well they were measured
-FEW = 5  # sensors below which one shape has too few rows to tell its error by
+MISSED = 3.0  # times its stated errors: a mode that the model misses by more is told
+MISSED_UNSTATED = 0.02  # the same of eigenvalues of which no error is stated
+SHAPES_WORSE = 10.0  # times the relative error of an eigenvalue that shapes have, where nobody says
 
 
 @dataclass(frozen=True, eq=False)
 class Weights:
-    """Rows in units of their stated errors, or balanced where none are stated, and their blocks."""
+    """Rows in units of their errors, and their blocks: an eigenvalue is in one block with its shape.
+
+    An eigenvalue with no shape beside it would count as badly measured wherever the model misses it.
+    """
 
     units: FloatArray  # (n_rows,) that balanced rows are divided by
-    block: IntArray  # (n_rows,) all eigenvalues are one block, and every shape
+    block: IntArray  # (n_rows,) which mode a row is of, counted from 0
     floors: FloatArray  # (n_blocks,) of a row in its unit
+    stated: bool
 
     @classmethod
     def of(cls, target: TargetModes) -> "Weights":
-        """Return the weights of measured modes."""
-        block = _blocks(target)
-        sizes = np.concatenate([np.ones(len(target.squares)), np.abs(target.shapes).ravel()])
-        sizes = np.tile(sizes, 2) if target.damped else sizes
-        n = int(block.max()) + 1
-        mean = np.sqrt(np.bincount(block, sizes**2, n) / np.bincount(block, minlength=n))
+        """Return the weights of measured modes: by stated errors, or by usual ones where none are stated."""
+        n_dofs, n_modes = target.shapes.shape
+        size = np.sqrt((np.abs(target.shapes) ** 2).mean(axis=0))
+        sizes = np.concatenate([np.ones(n_modes), np.tile(size, n_dofs)])
+        block, kinds = np.tile(np.arange(n_modes), 1 + n_dofs), 2 if target.damped else 1
+        usual = np.where(np.arange(len(sizes)) < n_modes, 1.0, SHAPES_WORSE) * sizes
+        sizes, usual, block = (np.tile(one, kinds) for one in (sizes, usual, block))
         if target.errors is None:
-            return cls(np.ones(len(sizes)), block, EXACT * mean)
-        return cls(np.maximum(target.errors, EXACT * mean[block]), block, np.ones(n))
+            return cls(usual, block, np.full(n_modes, EXACT), False)
+        return cls(np.maximum(target.errors, EXACT * sizes), block, np.ones(n_modes), True)
 
     def rows(self, fit: Fit, state: State) -> tuple[FloatArray, FloatArray]:
         """Return derivatives (n_rows, n_params) and what the model misses (n_rows,), in these units."""
@@ -43,9 +50,16 @@ class Weights:
         square = np.bincount(self.block, remaining**2, n) / np.bincount(self.block, minlength=n)
         return np.asarray(np.maximum(square, self.floors**2))
 
+    def missed(self, scales: FloatArray) -> str:
+        """Return which modes the model misses by more than errors explain, as words to add; nothing if none.
 
-def _blocks(target: TargetModes) -> IntArray:
-    n_dofs, n_modes = target.shapes.shape
-    shapes = 1 + np.arange(n_modes) if n_dofs >= FEW else np.ones(n_modes, int)
-    block = np.concatenate([np.zeros(n_modes, int), np.tile(shapes, n_dofs)])
-    return np.tile(block, 2) if target.damped else block
+        Parameters
+        ----------
+        scales
+            (n_blocks,) mean square of their rows.
+        """
+        far = np.flatnonzero(np.sqrt(scales) > (MISSED if self.stated else MISSED_UNSTATED))
+        if not far.size:
+            return ""
+        modes = ", ".join(str(mode + 1) for mode in far)
+        return f"; measured mode{'s' * (far.size > 1)} {modes} missed by more than errors explain"

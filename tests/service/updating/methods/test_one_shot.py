@@ -86,6 +86,34 @@ def test_many_small_errors_are_found_by_a_prior_common_to_all() -> None:
     assert rms("common") < rms("range")
 
 
+@pytest.mark.parametrize("noise", [None, NL3], ids=["exact", "NL3"])
+def test_a_modulus_wrong_everywhere_leaves_shapes_alone_and_is_found_by_frequencies(
+    noise: ModeNoise | None,
+) -> None:
+    wrong = {("stiffness", member.number): 1.3 for member in BAY.members}
+    result = one_shot(BAY, EACH, measured(wrong, noise or ModeNoise(), 1))
+    assert result.frequencies.measured is not None
+    # eigenvalues of 0.5 % are frequencies of 0.25 % off
+    rtol = 0.0025 if noise else 1e-6
+    np.testing.assert_allclose(result.frequencies.after, result.frequencies.measured, rtol=rtol)
+    # 31 coefficients that all differ are less sure than a few
+    np.testing.assert_allclose(
+        list(result.coefficients["stiffness"].values()), 1.3, atol=0.1 if noise else 1e-6
+    )
+
+
+def test_a_mode_that_was_read_wrong_is_named_and_leaves_the_others_alone() -> None:
+    target = modes_of(WRONG_BEAM, 8, BEAM_DOFS)
+    third = replace(target.modes[2], frequency=2 * target.modes[2].frequency)
+    modes = (*target.modes[:2], third, *target.modes[3:])
+    result = one_shot(BEAM, BEAM_EACH, replace(target, modes=modes))
+    assert "; measured mode 3 missed by more than errors explain" in result.stopped_because
+    assert result.suspected == {"mass": (1, 2), "stiffness": (11, 12)}
+    others = np.arange(8) != 2
+    # exact modes: what is left is the tolerance of the last step, 1e-4, squared
+    np.testing.assert_allclose(result.frequencies.after[others], target.frequencies[others], rtol=1e-6)
+
+
 def test_fewer_numbers_than_coefficients_are_refused_with_their_count_or_regularised() -> None:
     target = modes_of(WRONG_BEAM, 3, BEAM_DOFS)
     with pytest.raises(UnderdeterminedError, match="36 measured numbers cannot determine 40 coefficients"):
