@@ -148,11 +148,19 @@ def _notes(fits: Sequence[GlobalFit], chosen: Sequence[IntArray]) -> Iterator[st
         for row in rows:
             number += 1
             yield f"mode {number}, {fit.modes.fit.frequency[row]:.5g} Hz: {fit.modes.reasons[row]}"
-        for row in np.flatnonzero(~np.isin(np.arange(len(fit.modes.inside)), rows)):
-            beyond = "less prominent than those asked for" if fit.modes.inside[row] else "beyond the range"
-            yield f"left out, {fit.modes.fit.frequency[row]:.5g} Hz: {beyond}"
+        for row in np.flatnonzero(~np.isin(np.arange(len(fit.modes.inside)), rows)).tolist():
+            yield f"left out, {fit.modes.fit.frequency[row]:.5g} Hz: {_why_not(fit.modes, row)}"
         for reason in fit.modes.notes:
             yield f"left out, {reason}"
         if fit.modes.fit.common > 0:
             share = 100 * fit.modes.fit.common
             yield f"the FRFs have {share:.0f} % of their random error in common: standard errors allow for it"
+
+
+def _why_not(modes: RangeModes, row: int) -> str:
+    """Return in words why a pole of the fit is not kept as a mode."""
+    if modes.inside[row]:
+        return "less prominent than those asked for"
+    if modes.fit.loss_factor[row] <= 0:
+        return "it bends the lines there but gains energy, as no mode does"
+    return "beyond the range"

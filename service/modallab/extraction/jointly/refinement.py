@@ -93,12 +93,16 @@ def refine(stretch: Stretch, start: Start, damping: Damping, progress: Progress)
 
 
 def within(fit: ModalFit, freq: FloatArray) -> BoolArray:
-    """Return which modes lie inside the range."""
+    """Return which poles are modes inside the range; one that gains energy bends it, and is none."""
+    return _between(fit, freq) & (fit.loss_factor > 0)
+
+
+def _between(fit: ModalFit, freq: FloatArray) -> BoolArray:
     return np.asarray((fit.frequency >= freq[0]) & (fit.frequency <= freq[-1]))
 
 
 def none_of(fit: ModalFit, freq: FloatArray) -> BoolArray:
-    """Return which modes inside the range are none: nowhere seen, or hardly placed.
+    """Return which poles inside the range are nothing: nowhere seen, or hardly placed.
 
     Where two share one resonance and either might be left out, the one less seen.
     """
@@ -108,9 +112,9 @@ def none_of(fit: ModalFit, freq: FloatArray) -> BoolArray:
     if fit.clear is not None:
         shown = np.maximum(shown, fit.clear)
     sure = (fit.frequency_error < SURE * np.maximum(width, spacing)) & (
-        fit.loss_factor_error < fit.loss_factor
+        fit.loss_factor_error < np.abs(fit.loss_factor)
     )
-    none = ((shown < SEEN) | ~sure) & within(fit, freq)
+    none = ((shown < SEEN) | ~sure) & _between(fit, freq)
     near = np.abs(fit.frequency[:, None] - fit.frequency) < NEAR * np.maximum(width[:, None], width)
     surer = shown[None, :] < shown[:, None]
     return np.asarray(none & ~(near & none[None, :] & surer).any(axis=1))
