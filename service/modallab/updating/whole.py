@@ -119,7 +119,8 @@ def _within_bounds(fit: Fit, belief: Belief) -> FloatArray:
     while (out := ~held & ((wanted < lower) | (wanted > upper))).any():
         held |= out
         ends = np.clip(belief.mean, lower, upper)[held] - belief.mean[held]
-        given = np.linalg.solve(belief.covariance[np.ix_(held, held)], ends)
+        # least squares: coefficients that only show together have a singular covariance
+        given = np.linalg.lstsq(belief.covariance[np.ix_(held, held)], ends, rcond=None)[0]
         wanted = belief.mean + belief.covariance[:, held] @ given
     return np.asarray(np.clip(wanted, lower, upper))
 
