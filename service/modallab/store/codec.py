@@ -186,7 +186,8 @@ def _take_diagnosis(thing: Diagnosis) -> tuple[Json, Arrays]:
 
 
 def _put_diagnosis(body: Json, arrays: _Given) -> Diagnosis:
-    return from_plain(Diagnosis, body, {f"{_CURVES}{name}": array for name, array in arrays.items()})
+    of_curves = {f"{_CURVES}{name}": array for name, array in arrays.items()}
+    return from_plain(Diagnosis, body, of_curves | dict(arrays))  # a structure may have arrays of its own
 
 
 def _put_update(body: Json, arrays: _Given) -> UpdateResult | DirectResult | LocationResult:

@@ -194,10 +194,23 @@ def test_effects_that_need_bars_are_refused_at_plates(service: Any, plate: str) 
         assert reply.json()["context"]["field"] == "at"
 
 
-def test_a_diagnosis_says_that_it_knows_bars_alone(service: Any, plate: str) -> None:
-    rig = service.post("/v1/rigs", {"drive": "1:+Z", "responses": ["1:+Z", "7:+Z"]})["id"]
-    body = {"structure_id": plate, "rig_id": rig, "route": "expected"}
-    test = service.result_of("/v1/measurements", body)
-    reply = service.request("POST", "/v1/diagnoses", json={"structure_id": plate, "measurement_id": test})
-    assert reply.status_code == 422
-    assert "no bar" in reply.json()["context"]["value"]
+def test_what_hangs_on_a_plate_is_found_and_reported(service: Any, plate: str) -> None:
+    rig = {
+        "drive": "1:+Z",
+        "responses": ["1:+Z", "7:+Z", "18:+Z", "32:+Z"],
+        "analyser": {"frequency_max": 250.0, "n_lines": 126},
+        "noise": {"force": 1e-3, "response": 1e-3},
+    }
+    hidden = {"kind": "extra_mass", "at": "20:+Z", "parameters": {"mass": 0.05}}
+    asked = {"structure_id": plate, "rig_id": service.post("/v1/rigs", rig)["id"], "effects": [hidden]}
+    test = service.result_of("/v1/measurements", asked | {"seed": 2})
+    asked = {"structure_id": plate, "measurement_id": test, "suspects": ["extra_mass", "ground_spring"]}
+    found = service.result_of("/v1/diagnoses", asked)
+    reply = service.get(f"/v1/diagnoses/{found}")
+    assert [(one["effect"]["kind"], one["effect"]["at"]) for one in reply["steps"]] == [
+        ("extra_mass", "20:+Z")
+    ]
+    # a few parts in a thousand: noise of 1e-3 over a hundred lines, and three of four channels are fitted
+    assert reply["steps"][0]["effect"]["parameters"]["mass"]["value"] == pytest.approx(0.05, rel=0.005)
+    page = service.request("GET", f"/v1/diagnoses/{found}/report").text
+    assert "between members" in page

@@ -12,7 +12,6 @@ from modallab.api.diagnoses.located import located_out
 from modallab.api.diagnoses.tolerated import TolerancesIn, tolerated_out
 from modallab.api.wire import Count, DofText, EntryOut, Number, Seed, Text, Wire, place_out
 from modallab.core.dof import Dof
-from modallab.core.errors import InvalidInputError
 from modallab.diagnosis.result import Alias, Diagnosis, FittedEffect, NextTest, Rival, Step
 from modallab.fe.structure import Structure
 from modallab.rig.effect import EFFECTS
@@ -53,17 +52,10 @@ class DiagnosisStart(Wire):
         Raises
         ------
         InvalidInputError
-            If a suspect is unknown, or a member is no bar.
+            If a suspect is unknown.
         UnknownDofError
             If the structure lacks a DoF to hold out.
         """
-        if structure.others:
-            raise InvalidInputError(
-                "a diagnosis looks among the members of beams and plane frames",
-                field="structure_id",
-                value=f"member {structure.others[0].number} is no bar",
-                allowed="a structure of bars",
-            )
         kinds = None if self.suspects == "all" else list(self.suspects)
         for kind in kinds or ():
             EFFECTS[kind]

@@ -33,6 +33,7 @@ figure.middle { max-width: 520px; }
 svg { width: 100%; height: auto; display: block; overflow: visible; }
 svg text { fill: var(--soft); font-size: 12px; }
 svg .tick, svg .label { text-anchor: middle; }
+svg .tick { paint-order: stroke; stroke: var(--paper); stroke-width: 3px; }
 svg .side { text-anchor: end; }
 svg .name { fill: var(--ink); font-size: 12.5px; }
 svg path { fill: none; stroke-linejoin: round; }
@@ -49,6 +50,7 @@ svg .noise { fill: var(--noise); opacity: .5; }
 svg .fitted { fill: var(--after); }
 svg .held { fill: var(--noise); }
 svg .member { stroke: var(--ink); stroke-width: 3; }
+svg .rim { stroke: var(--soft); stroke-width: 1; }
 svg .marked { stroke: var(--before); stroke-width: 7; stroke-linecap: round; opacity: .75; }
 svg .node { stroke: var(--ink); stroke-width: 1; }
 svg .ring { fill: none; stroke: var(--before); stroke-width: 3; }

@@ -1,6 +1,6 @@
 """Where model and measurement part, as pictures: on the structure, and over frequency and response."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 
@@ -11,6 +11,7 @@ from modallab.diagnosis.reporting import svg
 from modallab.diagnosis.reporting.figures import residual
 from modallab.diagnosis.reporting.legend import keys
 from modallab.diagnosis.result import Curves, Diagnosis
+from modallab.fe.members import AnyMember, sides
 from modallab.fe.structure import Structure
 
 LEVELS = (2.0, 5.0, 15.0, 50.0)  # random errors at which the colour changes
@@ -18,6 +19,9 @@ NAMES = ("below 2", "2 to 5", "5 to 15", "15 to 50", "above 50 random errors")
 COLUMNS = 120
 TALLEST, ROWS = 15.0, 300.0  # height of a row, and of all rows together
 SIDE, ROOM = 40.0, 230.0  # margin of a structure's drawing, and its height at most
+# Onto the paper: depth goes up to the right at half its length, as in a cabinet projection.
+FROM_ASIDE = np.array([[1.0, 0.0], [0.35, 0.35], [0.0, 1.0]])
+ARROWS = {"X": (-1.0, 0.0), "Y": (0.0, 1.0), "Z": (-0.7, 0.7)}  # where a force comes from, on the paper
 APART = (22.0, 13.0)  # of two numbers in a drawing, at least, across or down
 
 
@@ -90,7 +94,8 @@ def _sketch(diagnosis: Diagnosis) -> str:
     """Return the members of the structure, its measured nodes, and rings where something was added."""
     structure, curves = diagnosis.structure, diagnosis.curves
     at, height = _places(structure)
-    parts = [_line("member", at[a], at[b]) for a, b in (member.nodes for member in structure.members)]
+    parts = [_line("rim", at[a], at[b]) for a, b in _drawn(structure.others)]
+    parts += [_line("member", at[a], at[b]) for a, b in _drawn(structure.members)]
     rings = [_ring(step.effect.at, structure, at) for step in diagnosis.steps]
     off = np.sqrt((residual(curves, curves.before)[1:, :, 0] ** 2).mean(axis=0))
     for dof, level in zip(curves.outputs, np.digitize(off, LEVELS), strict=True):
@@ -103,14 +108,21 @@ def _sketch(diagnosis: Diagnosis) -> str:
     return svg.drawing(svg.WIDTH, height, "the structure, and where it was measured", parts)
 
 
+def _drawn(members: Iterable[AnyMember]) -> list[tuple[int, int]]:
+    """Return the lines between nodes that draw members, a line between two of them once."""
+    return list(dict.fromkeys((min(ends), max(ends)) for member in members for ends in sides(member)))
+
+
 def _places(structure: Structure) -> tuple[dict[int, tuple[float, float]], float]:
     """Return where each node is in the drawing, and the drawing's height."""
     nodes = np.array(list(structure.nodes.values()))
+    if nodes.shape[1] == 3 and np.ptp(nodes[:, 2]) > 0:
+        nodes = nodes @ FROM_ASIDE
     low, span = nodes.min(axis=0), np.maximum(np.ptp(nodes, axis=0), 1e-12)
     scale = min((svg.WIDTH - 2 * SIDE) / span[0], ROOM / span[1])
     height = float(span[1] * scale + 2 * SIDE) if span[1] > 1e-9 else 2 * SIDE
     left = (svg.WIDTH - span[0] * scale) / 2
-    drawn = [(left + (x - low[0]) * scale, height - SIDE - (y - low[1]) * scale) for x, y in nodes]
+    drawn = [(left + (x - low[0]) * scale, height - SIDE - (y - low[1]) * scale) for x, y in nodes[:, :2]]
     return dict(zip(structure.nodes, [(float(x), float(y)) for x, y in drawn], strict=True)), height
 
 
@@ -120,7 +132,7 @@ def _line(style: str, start: tuple[float, float], end: tuple[float, float]) -> s
 
 def _ring(place: Place, structure: Structure, at: dict[int, tuple[float, float]]) -> str:
     if isinstance(place, Members):
-        ends = [structure.member(number).nodes for number in place.numbers]
+        ends = _drawn(structure.member(number) for number in place.numbers)
         return "".join(_line("marked", at[a], at[b]) for a, b in ends)
     dofs = place.dofs if isinstance(place, Channels) else (place,) if isinstance(place, Dof) else ()
     return "".join(
@@ -130,30 +142,19 @@ def _ring(place: Place, structure: Structure, at: dict[int, tuple[float, float]]
 
 def _upright(structure: Structure, at: dict[int, tuple[float, float]]) -> set[int]:
     """Return the nodes beside whose members there is room, and above whom there is none."""
-    steep = {
-        node
-        for member in structure.members
-        if abs(at[member.nodes[0]][0] - at[member.nodes[1]][0])
-        < abs(at[member.nodes[0]][1] - at[member.nodes[1]][1])
-        for node in member.nodes
-    }
-    flat = {
-        node
-        for member in structure.members
-        if abs(at[member.nodes[0]][1] - at[member.nodes[1]][1]) < 1
-        for node in member.nodes
-    }
-    return steep - flat
+    ends = np.array(_drawn(structure.all_members)).reshape(-1, 2)
+    across, up = np.abs([np.subtract(at[a], at[b]) for a, b in ends.tolist()]).reshape(-1, 2).T
+    return set(ends[across < up].ravel().tolist()) - set(ends[up < 1].ravel().tolist())
 
 
 def _arrow(drive: Dof, at: dict[int, tuple[float, float]], upright: set[int]) -> str:
     """Return an arrow to the drive point, from the side that the force comes from."""
     x, y = at[drive.node]
-    dx, dy = (-1.0, 0.0) if drive.direction == "X" else (0.0, 1.0)
-    if dy and drive.node in upright:  # beside its member, which would hide it
+    dx, dy = ARROWS[drive.direction]
+    if drive.direction == "Y" and drive.node in upright:  # beside its member, which would hide it
         x, y = x + (14.0 if x < svg.WIDTH / 2 else -14.0), y - 9.0
     tip, tail = (x + 9 * dx, y + 9 * dy), (x + 30 * dx, y + 30 * dy)
-    wings = [(tip[0] + 6 * dx + 4 * dy * s, tip[1] + 6 * dy + 4 * dx * s) for s in (-1, 1)]
+    wings = [(tip[0] + 6 * dx + 4 * dy * s, tip[1] + 6 * dy - 4 * dx * s) for s in (-1, 1)]
     head = (
         f"M{wings[0][0]:.1f},{wings[0][1]:.1f}L{tip[0]:.1f},{tip[1]:.1f}L{wings[1][0]:.1f},{wings[1][1]:.1f}"
     )

@@ -61,7 +61,7 @@ def _several(what: str, names: list[str]) -> str:
 def where(place: Place, structure: Structure) -> str:
     """Return a place as one points at it: a node by the members that meet there, a member by its ends."""
     if isinstance(place, Dof):
-        meeting = [member.number for member in structure.members if place.node in member.nodes]
+        meeting = [member.number for member in structure.all_members if place.node in member.nodes]
         way = (
             f"in rotation {place.direction[1:]}"
             if place.direction.startswith("R")
@@ -69,10 +69,9 @@ def where(place: Place, structure: Structure) -> str:
         )
         return f"node {place.node}, {way}; {_between(meeting)}" if meeting else f"node {place.node}, {way}"
     if isinstance(place, Members):
-        ends = [structure.member(number).nodes for number in place.numbers]
         return "; ".join(
-            f"member {number}, between nodes {first} and {last}"
-            for number, (first, last) in zip(place.numbers, ends, strict=True)
+            f"member {number}, between nodes {_listed([str(n) for n in structure.member(number).nodes])}"
+            for number in place.numbers
         )
     if isinstance(place, Channels):
         return _where(place)

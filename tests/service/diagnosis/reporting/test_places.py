@@ -10,6 +10,9 @@ from modallab.core.dof import Dof
 from modallab.core.place import Members
 from modallab.diagnosis.reporting.places import where_drawn
 from modallab.diagnosis.result import Diagnosis, FittedEffect, Verdict
+from modallab.fe.assembly import assemble
+from modallab.fe.imported import GroupMatrices, of_groups
+from modallab.fe.plate import plate
 from modallab.fe.structure import Material, Member, Section, Structure
 from tests.diagnosed import STEP, curves, diagnosis
 
@@ -94,3 +97,26 @@ def test_numbers_of_the_nodes_of_a_frame_keep_apart() -> None:
     places = np.array(list(numbers.values()))
     apart = np.abs(places[:, None] - places) >= (22, 13)
     assert (apart.any(axis=2) | np.eye(6, dtype=bool)).all()
+
+
+def test_a_plate_is_drawn_by_the_rims_of_its_elements() -> None:
+    found = diagnosis()
+    body = plate(length=0.6, width=0.4, thickness=0.004, n_elements=(3, 2), material=Material(7e10, 2700.0))
+    outputs = tuple(Dof(node, "Z") for node in (1, 3, 6, 8, 10, 12))
+    shown = replace(found.curves, inputs=(Dof(1, "Z"),), outputs=outputs)
+    *_, sketch = drawings(replace(found, structure=body, curves=shown))
+    rims = [one for one in sketch.iter("path") if one.get("class") == "rim"]
+    assert len(rims) == 3 * 3 + 4 * 2, "those between two elements once"
+
+
+def test_a_model_in_space_is_drawn_from_aside() -> None:
+    flat = plate(length=0.6, width=0.4, thickness=0.004, n_elements=(3, 2), material=Material(7e10, 2700.0))
+    system = assemble(flat)
+    at = {node: (x, 0.0, y) for node, (x, y) in flat.nodes.items()}  # upright: its depth is its height
+    upright = of_groups([GroupMatrices("all", system.mass, system.stiffness)], flat.dofs, at)
+    found = diagnosis()
+    outputs = tuple(Dof(node, "Z") for node in (1, 3, 6, 8, 10, 12))
+    shown = replace(found.curves, inputs=(Dof(1, "Z"),), outputs=outputs)
+    *_, sketch = drawings(replace(found, structure=upright, curves=shown))
+    heights = {float(one.get("cy", 0)) for one in sketch.iter("circle")}
+    assert len(heights) == 3, "the rows of nodes lie above one another"
