@@ -7,13 +7,13 @@ import numpy as np
 from scipy.linalg import eig, eigh
 from scipy.sparse import csc_array
 from scipy.sparse.csgraph import connected_components
-from scipy.sparse.linalg import LinearOperator, eigsh, splu
 
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.errors import InvalidInputError
 from modallab.fe.coupled import CoupledModes
 from modallab.fe.keeping import kept
 from modallab.fe.losses import Losses
+from modallab.fe.lowest import Lowest, lowest_below, lowest_first
 from modallab.fe.modal_damping import ModalLoss
 from modallab.fe.remainder import Remainder
 
@@ -191,6 +191,7 @@ def modal_basis(
     rigid: FloatArray | None,
     *,
     frequency_max: float = np.inf,
+    near: FloatArray | None = None,
 ) -> ModalBasis:
     """Return the modes of a system up to `frequency_max`, Hz; all of them if that is infinite.
 
@@ -200,25 +201,44 @@ def modal_basis(
         (n, n) kg, N/m, N/m (structural), N s/m.
     rigid
         (n, n_rigid) motions of the geometry that strain no member.
+    near
+        (n, k) undamped modes of a system much like this one, to begin with.
     """
-    undamped = undamped_basis(mass, stiffness, rigid, frequency_max=frequency_max)
+    undamped = undamped_basis(mass, stiffness, rigid, frequency_max=frequency_max, near=near)
     return undamped.damped(damping, viscous)
 
 
 def undamped_basis(
-    mass: csc_array, stiffness: csc_array, rigid: FloatArray | None, *, frequency_max: float = np.inf
+    mass: csc_array,
+    stiffness: csc_array,
+    rigid: FloatArray | None,
+    *,
+    frequency_max: float = np.inf,
+    near: FloatArray | None = None,
 ) -> ModalBasis:
     """Return the modes of a system without damping; see `modal_basis`."""
     bodies = rigid_body_modes(mass, stiffness, rigid)
-    remainder = None
-    if np.isinf(frequency_max):
-        squares, shapes = eigh(stiffness.toarray(), mass.toarray())
-        n_rigid = bodies.shape[1]
-        shapes = np.hstack([bodies, shapes[:, n_rigid:]])
-        squares = np.concatenate([np.zeros(n_rigid), squares[n_rigid:]])
-    else:
-        squares, shapes, remainder = _lowest(mass, stiffness, bodies, (2 * np.pi * frequency_max) ** 2)
-    return ModalBasis(squares.astype(complex), shapes, bodies.shape[1], None, frequency_max, remainder)
+    if np.isfinite(frequency_max):
+        highest = (2 * np.pi * frequency_max) ** 2
+        found = lowest_below(mass, stiffness, bodies, highest, near)
+        return _of_lowest(found, bodies.shape[1], frequency_max)
+    squares, shapes = eigh(stiffness.toarray(), mass.toarray())
+    n_rigid = bodies.shape[1]
+    shapes = np.hstack([bodies, shapes[:, n_rigid:]])
+    squares = np.concatenate([np.zeros(n_rigid), squares[n_rigid:]])
+    return ModalBasis(squares.astype(complex), shapes, n_rigid)
+
+
+def first_basis(mass: csc_array, stiffness: csc_array, rigid: FloatArray | None, count: int) -> ModalBasis:
+    """Return rigid-body modes and the first elastic ones without damping, `count` of them or a few more."""
+    bodies = rigid_body_modes(mass, stiffness, rigid)
+    found = lowest_first(mass, stiffness, bodies, count)
+    return _of_lowest(found, bodies.shape[1], float(np.sqrt(found.highest) / (2 * np.pi)))
+
+
+def _of_lowest(found: Lowest, n_rigid: int, frequency_max: float) -> ModalBasis:
+    squares = found.squares.astype(complex)
+    return ModalBasis(squares, found.shapes, n_rigid, None, frequency_max, found.remainder)
 
 
 def _damped(squares: FloatArray, modal: FloatArray) -> tuple[ComplexArray, ComplexArray | None]:
@@ -248,34 +268,3 @@ def _coupled(squares: FloatArray, modal: FloatArray) -> tuple[ComplexArray, Comp
     vectors = vectors / np.sqrt((vectors**2).sum(axis=0))
     largest = vectors[np.abs(vectors).argmax(axis=0), np.arange(len(values))]
     return values, vectors * np.where(largest.real < 0, -1.0, 1.0)
-
-
-def _lowest(
-    mass: csc_array, stiffness: csc_array, bodies: FloatArray, highest: float
-) -> tuple[FloatArray, FloatArray, Remainder]:
-    """Return modes below `highest`, rad^2/s^2, of a large system, and what the others add."""
-    n = mass.shape[0]
-    # Factorising K + s M instead of K keeps a free structure regular; s near the first elastic
-    # eigenvalues keeps the low modes well apart.
-    shift = max(1e-3 * highest, 1.0)
-    # No pivot but those on the diagonal: the matrix is positive definite, and others would undo the ordering.
-    factor = splu(
-        csc_array(stiffness + shift * mass),
-        permc_spec="MMD_AT_PLUS_A",
-        diag_pivot_thresh=0.0,
-        options={"SymmetricMode": True},
-    )
-    inverse = LinearOperator((n, n), matvec=factor.solve, dtype=float)
-    count = min(n - 1, 20 + bodies.shape[1])
-    while True:
-        start = np.ones(n)  # eigsh draws a random start otherwise: the same input, the same modes
-        squares, shapes = eigsh(stiffness, count, mass, sigma=-shift, OPinv=inverse, v0=start)
-        if squares.max() > highest or count == n - 1:
-            break
-        count = min(n - 1, 2 * count)
-    order = np.argsort(squares)[bodies.shape[1] :]
-    squares, shapes = squares[order], shapes[:, order]
-    keep = squares <= highest
-    squares = np.concatenate([np.zeros(bodies.shape[1]), squares[keep]])
-    shapes = np.hstack([bodies, shapes[:, keep]])
-    return squares, shapes, Remainder(mass, factor.solve, shift, shapes)

@@ -11,7 +11,8 @@ from scipy.sparse.linalg import LinearOperator, onenormest, splu
 from modallab.core.arrays import FloatArray, IntArray
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
-from modallab.fe.modes import ModalBasis, rigid_body_modes, undamped_basis
+from modallab.fe.lowest import count_below
+from modallab.fe.modes import ModalBasis, first_basis, rigid_body_modes, undamped_basis
 from modallab.fe.system import SMALL, DynamicSystem
 
 SINGULAR = 1e13  # condition beyond which hardly a digit of a solution is left
@@ -142,16 +143,11 @@ class Partition:
 
         Never without an elastic mode, and of a small structure all.
         """
-        matrices = (self.system.mass, self.system.stiffness, self.system.rigid)
-        n = self.system.mass.shape[0]
-        if n < SMALL:
-            return undamped_basis(*matrices)
-        limit = min(highest, 1.0)  # Hz
-        while True:
-            basis = undamped_basis(*matrices, frequency_max=limit)
-            found = len(basis.eigenvalues) - basis.n_rigid_body
-            enough = found >= count or (found > 0 and limit >= highest)
-            if enough or len(basis.eigenvalues) >= n - 1:
-                return basis
-            # It is solved up to a frequency, not for a number: widen until there are enough.
-            limit = 4 * limit if limit >= highest else min(4 * limit, highest)
+        mass, stiffness, rigid = self.system.mass, self.system.stiffness, self.system.rigid
+        if mass.shape[0] < SMALL:
+            return undamped_basis(mass, stiffness, rigid)
+        if np.isfinite(highest):
+            bodies = rigid_body_modes(mass, stiffness, rigid).shape[1]
+            inside = count_below(mass, stiffness, (2 * np.pi * highest) ** 2) - bodies
+            count = min(count, max(inside, 1))
+        return first_basis(mass, stiffness, rigid, count)

@@ -10,7 +10,7 @@ from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.modal_model import ModalModel, Mode
 from modallab.fe.modes import ModalBasis
-from modallab.fe.system import SMALL, DynamicSystem
+from modallab.fe.system import DynamicSystem
 
 
 def lowest_modes(system: DynamicSystem, count: int) -> tuple[ModalBasis, int]:
@@ -21,14 +21,7 @@ def lowest_modes(system: DynamicSystem, count: int) -> tuple[ModalBasis, int]:
     InvalidInputError
         If no mode is asked for.
     """
-    frequency_max = 1.0  # Hz
-    basis = system.modes(frequency_max)
-    # A large structure is solved up to a frequency, not for a number: widen until there are enough.
-    while len(system.dofs) >= SMALL and len(basis.eigenvalues) - basis.n_rigid_body < count:
-        if len(basis.eigenvalues) >= len(system.dofs) - 1:
-            break
-        frequency_max *= 4
-        basis = system.modes(frequency_max)
+    basis = system.first_modes(count)
     lowest = basis.elastic(count)
     # Rows behind the DoFs are coordinates of what is attached.
     return replace(lowest, shapes=lowest.shapes[: len(system.dofs)]), basis.n_rigid_body

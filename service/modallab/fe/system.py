@@ -28,7 +28,7 @@ from modallab.fe.keeping import kept
 from modallab.fe.loaded import half_power, loaded_modes, only_loads
 from modallab.fe.member_table import MemberTable
 from modallab.fe.modal_damping import ModalLoss
-from modallab.fe.modes import ModalBasis, undamped_basis
+from modallab.fe.modes import ModalBasis, first_basis, undamped_basis
 from modallab.fe.rebuilding import grounded, rebuilt
 
 MODAL_BAND = 2e3  # Hz, of modes of a large structure that modal damping is written out for
@@ -325,6 +325,26 @@ class DynamicSystem:
             basis = undamped_basis(self.mass, self.stiffness, self.rigid, frequency_max=top)
         self.shared["undamped"] = basis
         return basis
+
+    def _first(self, count: int) -> ModalBasis:
+        """Return undamped modes of the matrices alone, `count` elastic ones or more, or all."""
+        known = self.shared.get("undamped")
+        if isinstance(known, ModalBasis) and len(known.eigenvalues) - known.n_rigid_body >= count:
+            return known
+        if self.alike:
+            other, stretch = self.alike
+            basis = other._first(count).stretched(stretch)
+        elif len(self.dofs) < SMALL:
+            return self._undamped(np.inf)
+        else:
+            basis = first_basis(self.mass, self.stiffness, self.rigid, count)
+        self.shared["undamped"] = basis
+        return basis
+
+    def first_modes(self, count: int) -> ModalBasis:
+        """Return modes of the system with all its attachments, `count` elastic ones or more, or all."""
+        system = self.folded() if self.attachments else self
+        return system.base_modes(system._first(count).frequency_max / 2)
 
     def modes(self, frequency_max: float = 0.0) -> ModalBasis:
         """Return modes of the system with all its attachments; see `base_modes` for how many."""
