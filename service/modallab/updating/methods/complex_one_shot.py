@@ -1,0 +1,54 @@
+"""All coefficients at once from complex modes: mass, stiffness and damping, without a location stage."""
+
+from modallab.core.modal_model import ModalModel
+from modallab.core.progress import Progress, silent
+from modallab.fe.structure import Structure
+from modallab.updating.at_once import update_at_once
+from modallab.updating.method import (
+    DEFAULTS,
+    IDLE,
+    PARTS,
+    TWO_STAGE,
+    UPDATERS,
+    UpdateOptions,
+    UpdateResult,
+)
+from modallab.updating.parameterisation import Parameterisation, Part
+from modallab.updating.target import complex_modes
+
+METHOD = "complex_one_shot"
+IDLE.register(METHOD)(TWO_STAGE)
+PARTS.register(METHOD)((Part.MASS, Part.STIFFNESS, Part.DAMPING))
+
+
+@UPDATERS.register(METHOD)
+def complex_one_shot(
+    structure: Structure,
+    parameterisation: Parameterisation,
+    target: ModalModel,
+    *,
+    options: UpdateOptions = DEFAULTS,
+    progress: Progress = silent,
+) -> UpdateResult:
+    """Correct mass, stiffness and damping of all elements at once from measured complex modes.
+
+    The prior, weights and steps of `one_shot`, with the rows and coefficients of
+    `complex_inverse_eigensensitivity`: real and imaginary parts are equations of their own, and a
+    coefficient of damping is the loss factor that is added to an element's own.
+
+    Parameters
+    ----------
+    target
+        Measured modes of a hysteretically damped structure; shapes that are not mass-normalised count
+        up to a complex scale.
+
+    Raises
+    ------
+    InvalidInputError
+        If the modes are real, or the model's own damping is not hysteretic.
+    UnderdeterminedError
+        As `one_shot`.
+    UnknownDofError
+        If the structure lacks a measured DoF.
+    """
+    return update_at_once(structure, parameterisation, complex_modes(target), options, progress)
