@@ -238,7 +238,8 @@ def first_basis(mass: csc_array, stiffness: csc_array, rigid: FloatArray | None,
 
 def _of_lowest(found: Lowest, n_rigid: int, frequency_max: float) -> ModalBasis:
     squares = found.squares.astype(complex)
-    return ModalBasis(squares, found.shapes, n_rigid, None, frequency_max, found.remainder)
+    remainder = None if np.isinf(frequency_max) else found.remainder
+    return ModalBasis(squares, found.shapes, n_rigid, None, frequency_max, remainder)
 
 
 def _damped(squares: FloatArray, modal: FloatArray) -> tuple[ComplexArray, ComplexArray | None]:

@@ -1,12 +1,14 @@
 """Derivatives of eigenvalues and mode shapes with respect to correction coefficients."""
 
 from dataclasses import dataclass
+from itertools import pairwise
 
 import numpy as np
 
-from modallab.core.arrays import ComplexArray, FloatArray, IntArray
+from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from modallab.fe.assembly import Assembly, Coefficients
 from modallab.fe.modes import ModalBasis
+from modallab.updating.above import Above, above_at, left_out
 from modallab.updating.parameterisation import Parameterisation, Part
 
 REPEATED = 1e-9  # relative distance of eigenvalues below which their shapes have no derivative
@@ -18,11 +20,26 @@ class Derivatives:
 
     eigenvalues: FloatArray | ComplexArray  # (n_modes, n_params) rad^2/s^2
     shapes: FloatArray | ComplexArray  # (n_dof, n_modes, n_params) 1/sqrt(kg), at the sensors
+    # (n_modes,) by which shapes may be off, as a share of what modes above the basis can add: their static
+    # flexibility G at a sensor s and under the load f of a coefficient, sqrt(s^T G s f^T G f)
+    left_out: FloatArray
+
+
+@dataclass(frozen=True, eq=False)
+class SubspaceDerivatives:
+    """How modes move together, in a basis of theirs that does not turn in itself.
+
+    K Phi = M Phi Lambda with a full Lambda: smooth where eigenvalues meet and single modes are not.
+    """
+
+    eigenvalues: FloatArray | ComplexArray  # (n_modes, n_modes, n_params) of Lambda, rad^2/s^2, symmetric
+    shapes: FloatArray | ComplexArray  # (n_dof, n_modes, n_params) 1/sqrt(kg), at the sensors
+    left_out: FloatArray  # (n_modes,) as of `Derivatives`
 
 
 @dataclass(frozen=True, eq=False)
 class PartMatrices:
-    """Element matrices of one part, and the coefficients whose macro elements they add up to.
+    """Element matrices of one part, coefficient by coefficient.
 
     Coefficients multiply matrices, so these are the derivatives of M and K wherever the
     coefficients stand; with damping, of M and K + iD at the coefficients they were made for.
@@ -31,8 +48,24 @@ class PartMatrices:
     part: Part
     matrices: FloatArray | ComplexArray  # (n_used, 6, 6) kg or N/m
     rows: IntArray  # (n_used, 6) place in the system, -1 where a DoF is held
-    groups: FloatArray  # (n_own, n_used), 1 where an element belongs to a coefficient
+    starts: IntArray  # (n_own + 1,) where the elements of each coefficient begin, and where the last end
     params: IntArray  # (n_own,) place of those coefficients among all
+
+    def between(
+        self, left: FloatArray | ComplexArray, right: FloatArray | ComplexArray
+    ) -> FloatArray | ComplexArray:
+        """Return left^T A right of every coefficient's matrix A, (n_own, k, m), for (n, k) and (n, m)."""
+        loads = self.matrices @ _local(self.rows, right)
+        facing = _local(self.rows, left)
+        if len(self.params) == len(self.rows):
+            return facing.swapaxes(1, 2) @ loads
+        # Elements of a coefficient one below the other: a product of matrices adds them up as well.
+        k, m = left.shape[1], right.shape[1]
+        kind = complex if np.iscomplexobj(facing) or np.iscomplexobj(loads) else float
+        out: FloatArray | ComplexArray = np.empty((len(self.params), k, m), kind)
+        for i, (start, stop) in enumerate(pairwise(self.starts)):
+            np.matmul(facing[start:stop].reshape(-1, k).T, loads[start:stop].reshape(-1, m), out=out[i])
+        return out
 
 
 def part_matrices(
@@ -73,9 +106,10 @@ def part_matrices(
     out = []
     for part in parameterisation.parts:
         params = np.flatnonzero([macro.part is part for macro in parameterisation.macros])
-        used = groups[params].any(axis=0)
-        rows, own = assembly.rows[used], groups[params][:, used]
-        out.append(PartMatrices(part, matrices[part][used], rows, own, params))
+        own = [np.flatnonzero(row) for row in groups[params]]
+        used = np.concatenate(own)
+        starts = np.cumsum([0, *map(len, own)])
+        out.append(PartMatrices(part, matrices[part][used], assembly.rows[used], starts, params))
     return tuple(out)
 
 
@@ -85,13 +119,17 @@ def derivatives(
     sensors: FloatArray,
     parts: tuple[PartMatrices, ...],
     mass_loss: float = 0.0,
+    *,
+    above: Above = Above.STATIC,
 ) -> Derivatives:
     """Return the derivatives of modes, all elements in one contraction.
 
     d lambda_r = phi_r^T (dK - lambda_r dM) phi_r; d phi_r is the sum over all modes, rigid-body
     modes among them, of phi_s phi_s^T (dK - lambda_r dM) phi_r / (lambda_r - lambda_s), and
-    -1/2 phi_r^T dM phi_r of itself. What modes above the basis add is their static answer. The same
-    holds of hysteretically damped modes, with K + iD for K and the plain transpose.
+    -1/2 phi_r^T dM phi_r of itself. What modes above the basis add is found at the sensors: a solve or
+    a few for each of these, however many coefficients there are. The same holds of hysteretically
+    damped modes, with K + iD for K and the plain transpose. Modes at one frequency are taken as a basis
+    of theirs that does not turn in itself: see `subspace_derivatives`.
     1992 thesis, eq. [3.13], [3.17], [6.14] to [6.16], [A.4], [A.8], [A.10]; Fox and Kapoor (1968);
     Lim (1987).
 
@@ -105,39 +143,86 @@ def derivatives(
         (n, n_dof) columns that pick the DoFs where shapes are wanted.
     mass_loss
         a of D = a M + ..., rad^2/s^2: damping that moves with the mass.
+    above
+        How modes above the basis count.
+
+    Raises
+    ------
+    InvalidInputError
+        If they are to count exactly in a basis of damped modes.
     """
-    damped = bool(basis.eigenvalues.imag.any())
-    squares, shapes = basis.eigenvalues if damped else basis.eigenvalues.real, basis.shapes
-    at_sensors = sensors.T @ shapes
+    squares = basis.eigenvalues
     own = squares[modes]
-    distance = own - squares[:, None]  # (m, n_modes)
-    apart = np.abs(distance) > REPEATED * np.abs(own)
-    weight = np.divide(1.0, distance, out=np.zeros_like(distance), where=apart)
-    n_params = sum(len(part.params) for part in parts)
-    dtype = np.result_type(squares, shapes, *(part.matrices for part in parts))
-    d_squares = np.zeros((len(modes), n_params), dtype)
-    d_shapes = np.zeros((sensors.shape[1], len(modes), n_params), dtype)
+    alike = np.abs(own - squares[:, None]) <= REPEATED * np.abs(own)
+    found = _moved(basis, modes, sensors, parts, alike, mass_loss, above)
     each = np.arange(len(modes))
-    inertia = 1j * mass_loss - own if mass_loss and damped else -own
-    above = None
-    if basis.remainder is not None:
-        above = basis.remainder.static(sensors)
+    return Derivatives(found.eigenvalues[each, each], found.shapes, found.left_out)
+
+
+def subspace_derivatives(
+    basis: ModalBasis,
+    modes: IntArray,
+    sensors: FloatArray,
+    parts: tuple[PartMatrices, ...],
+    mass_loss: float = 0.0,
+    *,
+    above: Above = Above.STATIC,
+) -> SubspaceDerivatives:
+    """Return the derivatives of modes that are the same or nearly so in frequency, as one subspace.
+
+    What the modes outside add is as in `derivatives`; inside, Phi^T M dPhi = -1/2 Phi^T dM Phi, and
+    dLambda = Phi^T dK Phi - 1/2 (Phi^T dM Phi Lambda + Lambda Phi^T dM Phi). Where the modes are at one
+    frequency the eigenvalues of dLambda are the derivatives of theirs, along any one change of the
+    coefficients. Mills-Curran (1988), AIAA Journal 26, 867-871.
+
+    Parameters
+    ----------
+    basis, sensors, mass_loss, above
+        As of `derivatives`.
+    modes
+        (n_modes,) columns of the basis that span the subspace.
+    """
+    alike = np.zeros((len(basis.eigenvalues), len(modes)), bool)
+    alike[modes] = True
+    return _moved(basis, modes, sensors, parts, alike, mass_loss, above)
+
+
+def _moved(
+    basis: ModalBasis,
+    modes: IntArray,
+    sensors: FloatArray,
+    parts: tuple[PartMatrices, ...],
+    alike: BoolArray,
+    mass_loss: float,
+    above: Above,
+) -> SubspaceDerivatives:
+    """Return derivatives of modes that do not turn towards those `alike`, (m, n_modes) True."""
+    damped = bool(basis.eigenvalues.imag.any())
+    squares = basis.eigenvalues if damped else basis.eigenvalues.real
+    own = squares[modes]
+    weight = np.divide(1.0, own - squares[:, None], out=np.zeros(alike.shape, squares.dtype), where=~alike)
+    inertia = own - 1j * mass_loss if mass_loss and damped else own
+    n_params = sum(len(part.params) for part in parts)
+    dtype = np.result_type(squares, basis.shapes, *(part.matrices for part in parts))
+    d_squares = np.zeros((len(modes), len(modes), n_params), dtype)
+    d_shapes = np.zeros((sensors.shape[1], len(modes), n_params), dtype)
+    at_sensors, moving = sensors.T @ basis.shapes, basis.shapes[:, modes]
     for part in parts:
-        local = _local(part, shapes)
-        loads = part.matrices @ local[:, :, modes]  # (n_used, 6, n_modes)
-        scale = inertia if part.part is Part.MASS else np.ones_like(own)
-        modal = np.tensordot(part.groups, local.swapaxes(1, 2) @ loads, 1)  # (n_own, m, n_modes)
-        d_squares[:, part.params] = (scale * modal[:, modes, each]).T
-        share = scale * modal * weight
-        if part.part is Part.MASS:
-            share[:, modes, each] = -0.5 * modal[:, modes, each]
-        moved = at_sensors @ share  # (n_own, n_dof, n_modes)
-        if above is not None:
-            moved -= scale * np.tensordot(part.groups, _local(part, above).swapaxes(1, 2) @ loads, 1)
-        d_shapes[:, :, part.params] = moved.transpose(1, 2, 0)
-    return Derivatives(d_squares, d_shapes)
+        massive = part.part is Part.MASS
+        modal = part.between(basis.shapes, moving)  # (n_own, m, n_modes)
+        both = -(inertia + inertia[:, None]) / 2 if massive else np.ones((len(modes),) * 2)
+        d_squares[:, :, part.params] = (both * modal[:, modes]).transpose(1, 2, 0)
+        share = modal * (-inertia * weight - 0.5 * alike if massive else weight)
+        d_shapes[:, :, part.params] = (at_sensors @ share).transpose(1, 2, 0)
+    for columns, factor in above_at(basis, modes, sensors, above):
+        for part in parts:
+            scale = -inertia if part.part is Part.MASS else np.ones(len(modes))
+            answer = scale * factor * part.between(columns, moving)
+            d_shapes[:, :, part.params] += -answer.transpose(1, 2, 0)
+    return SubspaceDerivatives(d_squares, d_shapes, left_out(basis, modes, above))
 
 
-def _local(part: PartMatrices, columns: FloatArray | ComplexArray) -> FloatArray | ComplexArray:
-    """Return columns (n, k) at the DoFs of each element, (n_used, 6, k), 0 where they are held."""
-    return np.where(part.rows[:, :, None] >= 0, columns[part.rows], 0.0)
+def _local(rows: IntArray, columns: FloatArray | ComplexArray) -> FloatArray | ComplexArray:
+    """Return columns (n, k) at the DoFs of each element, (n_used, w, k), 0 where they are held."""
+    held = np.zeros((1, columns.shape[1]), columns.dtype)
+    return np.asarray(np.concatenate([columns, held])[rows])
