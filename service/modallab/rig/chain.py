@@ -115,6 +115,12 @@ class Chain:
         return len(self.runs[0].drives)
 
     @property
+    def taken(self) -> FloatArray | None:
+        """(n_run, r) root mean squares that nonlinear forces take, m or m/s; None where one takes none."""
+        found = np.array([[one.rms for one in run.local] for run in self.runs])
+        return found if found.size and found.all() else None
+
+    @property
     def overlap(self) -> float:
         """Share of a record that the next one has in common with it.
 
@@ -241,7 +247,12 @@ def all_effects(setup: RigSetup, added: Sequence[Effect]) -> list[Effect]:
 
 
 def chain(
-    system: DynamicSystem, setup: RigSetup, added: Sequence[Effect] = (), *, alike: bool = False
+    system: DynamicSystem,
+    setup: RigSetup,
+    added: Sequence[Effect] = (),
+    *,
+    alike: bool = False,
+    near: FloatArray | None = None,
 ) -> Chain:
     """Return the measuring chain of a system on a rig.
 
@@ -251,8 +262,9 @@ def chain(
         The structure, bare.
     added
         Effects beside those of the declared hardware.
-    alike
-        Whether nonlinear forces take the same motion in every run, as `with_equivalents`.
+    alike, near
+        Whether nonlinear forces take the same motion in every run, and what they take in a chain very
+        much like it, as `with_equivalents`.
 
     Raises
     ------
@@ -270,7 +282,7 @@ def chain(
     latest: dict[int, _Altered] = {}
     runs = tuple(_run(system, shot, each, latest) for shot in setup.shots)
     if local := [force for effect in effects if (force := effect.on_motion()) is not None]:
-        runs = with_equivalents(runs, local, setup.analyser, source, alike=alike)
+        runs = with_equivalents(runs, local, setup.analyser, source, alike=alike, near=near)
     return Chain(setup, runs, noise, source, tuple(effects))
 
 

@@ -32,6 +32,7 @@ def with_equivalents(
     source: Source,
     *,
     alike: bool = False,
+    near: FloatArray | None = None,
 ) -> tuple[Run, ...]:
     """Return runs with every nonlinear force in them: its straight line attached, the rest beside it.
 
@@ -43,6 +44,9 @@ def with_equivalents(
         Whether forces take in every run what they take in the first, where all power lies between the
         lines: there runs differ by what an accelerometer weighs, which is little for a first look. On
         the lines a resonance that moves past one of them may move much more, or much less.
+    near
+        (n_run, r) root mean squares that forces take in a chain that differs by next to nothing, where
+        all power lies on the lines: the least motion need not be looked for again.
     """
     if alike and source.continuous == 1:
         (first,) = with_equivalents(runs[:1], forces, analyser, source)
@@ -52,7 +56,7 @@ def with_equivalents(
         return tuple(_by_quadrature(runs, forces, analyser, source.continuous))
     omega, power = 2 * np.pi * analyser.freq[1:], np.full(analyser.n_lines - 1, _power_of_line(analyser))
     without = motions(runs, forces, omega)
-    rms = equivalents(forces, *without, omega, power)
+    rms = equivalents(forces, *without, omega, power, near)
     taken = _taken(forces, *at_work(forces, rms, *without, omega), omega, analyser)
     each = zip(runs, rms, taken, strict=True)
     return tuple(replace(_with_lines(run, _lines(forces, own)), taken=one) for run, own, one in each)

@@ -53,12 +53,12 @@ def equivalents(
     driven, fed_back = driven * unit[..., None], fed_back * unit[..., None]
     if len(forces) == 1:
         return _settled(forces[0], _motion(driven, fed_back, power), near)
-    rms = np.zeros((len(driven), len(forces))) if near is None else near
+    rms = np.zeros((len(driven), len(forces))) if near is None else near.copy()
     for _ in range(ROUNDS):
         before = rms.copy()
         for i, force in enumerate(forces):
             beside = _beside(forces, rms, driven, fed_back, i)
-            about = None if near is None else near[:, i : i + 1]
+            about = None if near is None else rms[:, i : i + 1]
             rms[:, i : i + 1] = _settled(force, _motion(*beside, power), about)
         if (np.abs(rms - before) <= SETTLED * rms).all():
             break

@@ -53,3 +53,15 @@ def test_on_the_lines_no_run_takes_what_another_does(force: Effect) -> None:
     taken = np.array([run.local[0].rms for run in full.runs])
     assert [run.local[0].rms for run in quick.runs] == list(taken)
     assert np.ptp(taken) > 0.05 * taken.min()  # more than a first look between the lines forgives
+
+
+@pytest.mark.parametrize("forces", [FORCES[:1], FORCES[1:], FORCES])
+def test_from_a_motion_nearby_the_same_one_is_found(forces: list[Effect]) -> None:
+    setup = roving(0.02, "periodic_random")
+    nearby = chain(beam_system().add_mass(4, 1e-4), setup, forces).taken
+    assert nearby is not None
+    quick, full = chain(beam_system(), setup, forces, near=nearby), chain(beam_system(), setup, forces)
+    assert full.taken is not None
+    assert np.abs(nearby / full.taken - 1).max() > 1e-6
+    # two ways to a root mean square that settles to 1e-10
+    np.testing.assert_allclose(quick.taken, full.taken, rtol=1e-8)

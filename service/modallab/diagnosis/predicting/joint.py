@@ -75,9 +75,11 @@ class Further(Predictor):
     def _here(self, effects: Sequence[Effect]) -> list[Effect]:
         return carried_over(effects, self._first, self.setup)
 
-    def chain(self, effects: Sequence[Effect], *, alike: bool = False) -> Chain:
+    def chain(
+        self, effects: Sequence[Effect], *, alike: bool = False, near: FloatArray | None = None
+    ) -> Chain:
         """Return the measuring chain, see `Predictor.chain`."""
-        return super().chain(self._here(effects), alike=alike)
+        return super().chain(self._here(effects), alike=alike, near=near)
 
     def detuned(self, effects: Sequence[Effect], shift: float) -> Predicted:
         """Return the expected spectra of other natural frequencies, see `Predictor.detuned`."""

@@ -58,16 +58,20 @@ class Predictor:
         """The predictors of single tests that this one is made of."""
         return (self,)
 
-    def chain(self, effects: Sequence[Effect], *, alike: bool = False) -> Chain:
+    def chain(
+        self, effects: Sequence[Effect], *, alike: bool = False, near: FloatArray | None = None
+    ) -> Chain:
         """Return the measuring chain of the model on the rig of the log book, with some effects more.
 
         Parameters
         ----------
         alike
             Whether nonlinear forces are taken to move alike in every run, for first looks.
+        near
+            What they take (n_run, r) in a chain that differs by next to nothing, if that is known.
         """
         self.alive()
-        return chain(self._loose, self.setup, self._with(effects), alike=alike)
+        return chain(self._loose, self.setup, self._with(effects), alike=alike, near=near)
 
     def _with(self, effects: Sequence[Effect]) -> list[Effect]:
         return [*self._own, *self._rest, *effects]
@@ -130,10 +134,11 @@ class Predictor:
 
     def around(self, effects: Sequence[Effect]) -> Callable[[Sequence[Effect]], Predicted]:
         """Return predictions to differentiate with, near some effects: leakage on one thin grid for all."""
-        view = thin_view(self.chain(effects))
+        here = self.chain(effects)
+        view, taken = thin_view(here), here.taken
 
         def sketch(near: Sequence[Effect]) -> Predicted:
-            return Predicted.of(expected_spectra(self.chain(near), view))
+            return Predicted.of(expected_spectra(self.chain(near, near=taken), view))
 
         return sketch
 
