@@ -1,0 +1,116 @@
+"""One update of a study, and how far it ended from the truth."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from modallab.core.arrays import FloatArray
+from modallab.core.errors import CancelledError, ModalLabError
+from modallab.core.progress import Progress, silent
+from modallab.fe.selected import lowest_modes, synthetic_modes
+from modallab.fe.structure import Structure
+from modallab.fe.system import DynamicSystem
+from modallab.updating.method import UPDATERS, UpdateResult
+from modallab.updating.parameterisation import Part
+from modallab.updating.studying.plan import StudyPlan
+from modallab.updating.studying.truth import Values, wrong_of
+
+
+@dataclass(frozen=True)
+class Run:
+    """How one update went; numbers are None of one that could not be made."""
+
+    level: str
+    division: str
+    seed: int
+    converged: bool
+    stopped_because: str
+    suspected: Mapping[str, tuple[int, ...]]  # members by part
+    all_suspected: bool  # every coefficient that is wrong was suspected
+    n_unfounded: int  # coefficients suspected that are right
+    coefficient_error: float | None = None  # the largest, |found - true|
+    frequency_error: float | None = None  # the largest of the updated model, relative to the truth
+    coverage: float | None = None  # share of 95 % intervals that hold the truth; None without intervals
+
+    @property
+    def made(self) -> bool:
+        """True if there is an updated model."""
+        return self.coefficient_error is not None
+
+
+def run_once(
+    plan: StudyPlan,
+    index: int,
+    model: Structure,
+    truth: DynamicSystem,
+    true: Values,
+    progress: Progress = silent,
+) -> tuple[Run, FloatArray | None]:
+    """Return how one run of a study went, and its coefficients (n_coefficients,) in the order of `true`.
+
+    A run that cannot be made says why and has no coefficients.
+
+    Parameters
+    ----------
+    truth
+        What is measured.
+    true
+        From `true_coefficients`.
+
+    Raises
+    ------
+    CancelledError
+        From `progress`.
+    """
+    level, division, seed = plan.run(index)
+    rng = np.random.default_rng(seed)
+    try:
+        target = synthetic_modes(truth, plan.count, plan.dofs, noise=level.noise, rng=rng)
+        result = UPDATERS[plan.method](
+            model, division.parameterisation, target, options=plan.options, progress=progress
+        )
+    except CancelledError:
+        raise
+    except (ModalLabError, np.linalg.LinAlgError) as error:
+        return failed(plan, index, str(error)), None
+    frequencies = np.sort(lowest_modes(truth, plan.count)[0].frequencies)
+    return _judged(result, (level.name, division.name, seed), true, frequencies)
+
+
+def failed(plan: StudyPlan, index: int, why: str) -> Run:
+    """Return a run that could not be made."""
+    level, division, seed = plan.run(index)
+    return Run(level.name, division.name, seed, False, why, {}, all_suspected=False, n_unfounded=0)
+
+
+def _judged(
+    result: UpdateResult, key: tuple[str, str, int], true: Values, frequencies: FloatArray
+) -> tuple[Run, FloatArray]:
+    found = np.array(
+        [
+            result.coefficients.get(part, {}).get(n, Part(part).unchanged)
+            for part, table in true.items()
+            for n in table
+        ]
+    )
+    actual = np.array([value for table in true.values() for value in table.values()])
+    wrong = {(part, n) for part, table in wrong_of(true).items() for n in table}
+    suspects = {(part, n) for part, members in result.suspected.items() for n in members}
+    inside = [
+        low <= true[part][n] <= high
+        for part, table in result.intervals.items()
+        for n, (low, high) in table.items()
+    ]
+    run = Run(
+        *key,
+        converged=result.converged,
+        stopped_because=result.stopped_because,
+        suspected=dict(result.suspected),
+        all_suspected=wrong <= suspects,
+        n_unfounded=len(suspects - wrong),
+        coefficient_error=float(np.abs(found - actual).max()),
+        frequency_error=float(np.abs(np.sort(result.frequencies.after) / frequencies - 1).max()),
+        coverage=float(np.mean(inside)) if inside else None,
+    )
+    return run, found
