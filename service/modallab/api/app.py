@@ -16,6 +16,7 @@ from modallab.api.modal_models import router as modal_models
 from modallab.api.rigs import router as rigs
 from modallab.api.settings import Settings
 from modallab.api.structures import router as structures
+from modallab.api.studies import router as studies
 from modallab.api.updates import router as updates
 from modallab.jobs.book import JobBook
 from modallab.jobs.durable import DurableRunner
@@ -56,7 +57,7 @@ def create_app(settings: Settings, runner: JobRunner | None = None) -> FastAPI:
     app = FastAPI(title="modallab", summary=_SUMMARY, version=modallab.__version__, lifespan=lifespan)
     app.state.settings, app.state.store, app.state.jobs = settings, open_store(settings.store_place), chosen
     v1 = APIRouter(prefix="/v1", responses=problems.RESPONSES)
-    for part in (structures, rigs, measurements, modal_models, correlations, updates, diagnoses):
+    for part in (structures, rigs, measurements, modal_models, correlations, updates, studies, diagnoses):
         v1.include_router(part.router)
     for one in (jobs.router, catalog.router, about.router):
         v1.include_router(one)

@@ -58,6 +58,12 @@ class JobBook:
                 connection.execute(sa.select(JOBS.c.id).where(_ACTIVE).order_by(JOBS.c.created)).scalars()
             )
 
+    def wanted(self, job_id: str) -> bool:
+        """Tell whether a job has not ended."""
+        query = sa.select(JOBS.c.id).where(JOBS.c.id == job_id, _ACTIVE)
+        with self._engine.begin() as connection:
+            return connection.execute(query).first() is not None
+
     def start(self, job_id: str) -> bool:
         """Mark a job as running and tell whether it still has to be done."""
         return self._change(job_id, state=JobState.RUNNING.value)

@@ -7,7 +7,7 @@ Both a crash between the two and the death of a worker are mended at the next st
 import json
 import logging
 import os
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Any, Self
 
@@ -20,18 +20,21 @@ from dbos import error as dbos_error
 from modallab.jobs.answering import answers_apart
 from modallab.jobs.book import JobBook
 from modallab.jobs.runner import Job
-from modallab.jobs.work import INTERNAL, perform
+from modallab.jobs.work import INTERNAL, count_shares, perform, perform_share
 from modallab.store.engine import make_engine
 from modallab.store.place import StorePlace
 
 _NAME = "modallab"
 _QUEUE = "jobs"
+# Of their own: a job keeps its place in the queue while others make its shares.
+_SHARES = "shares"
 _POLL = 0.1  # s until a queued job starts
 # Jobs go on only under the version they were queued under. It names the shape of the workflow
 # below, not of modallab: an upgrade must not strand the jobs that wait.
 _VERSION = "1"
 _ATTEMPTS = 3  # of a job whose worker process dies under it
 _log = structlog.get_logger()
+Result = Any  # plain values of a share
 
 
 class _Json(Serializer):
@@ -59,9 +62,14 @@ class _Site:
 _site: _Site | None = None  # DBOS is one a process, and its workflows are module-level functions
 
 
-def _perform_apart(place: StorePlace, job_id: str) -> str | None:
+def _perform_apart(place: StorePlace, job_id: str, shares: Sequence[Result] | None) -> str | None:
     with answers_apart():
-        return perform(place, job_id)
+        return perform(place, job_id, shares)
+
+
+def _share_apart(place: StorePlace, job_id: str, index: int) -> tuple[Result, str | None]:
+    with answers_apart():
+        return perform_share(place, job_id, index)
 
 
 def _broke(error: BaseException) -> bool:
@@ -76,20 +84,62 @@ def _broke(error: BaseException) -> bool:
     interval_seconds=0.1,
     should_retry=_broke,
 )
-async def _perform(job_id: str) -> None:
+async def _perform(job_id: str, shares: Sequence[Result] | None) -> None:
     assert _site is not None
     fault = await to_process.run_sync(
-        _perform_apart, _site.place, job_id, cancellable=True, limiter=_site.limiter
+        _perform_apart, _site.place, job_id, shares, cancellable=True, limiter=_site.limiter
     )
     if fault is not None:
         _log.error("job failed", job=job_id, fault=fault)
+
+
+@DBOS.step(
+    name="perform_share",
+    preemptible=True,
+    retries_allowed=True,
+    max_attempts=_ATTEMPTS,
+    interval_seconds=0.1,
+    should_retry=_broke,
+)
+async def _perform_share(job_id: str, index: int) -> Result:
+    assert _site is not None
+    made, fault = await to_process.run_sync(
+        _share_apart, _site.place, job_id, index, cancellable=True, limiter=_site.limiter
+    )
+    if fault is not None:
+        _log.error("share of a job failed", job=job_id, share=index, fault=fault)
+    return made
+
+
+@DBOS.workflow(name="share", max_recovery_attempts=5)
+async def _share(job_id: str, index: int) -> Result:
+    try:
+        return await _perform_share(job_id, index)
+    except dbos_error.DBOSMaxStepRetriesExceeded:
+        _log.error("the worker process died under a share again and again", job=job_id, share=index)
+        return None
+
+
+async def _made_by_all(job_id: str) -> Sequence[Result] | None:
+    """Return what the workers made of the shares of a job, in order; None if it has none."""
+    assert _site is not None
+    book = _site.book
+    n = count_shares(await to_thread.run_sync(book.get, job_id))
+    if n == 0:
+        return None
+    waiting = [await DBOS.enqueue_workflow_async(_SHARES, _share, job_id, index) for index in range(n)]
+    made: list[Result] = []
+    for share in waiting:
+        made.append(await share.get_result(polling_interval_sec=_POLL))
+        await to_thread.run_sync(book.progress, job_id, len(made) / n, f"{len(made)} of {n} runs")
+    return made
 
 
 @DBOS.workflow(name="job", max_recovery_attempts=5)
 async def _job(job_id: str) -> None:
     assert _site is not None
     try:
-        await _perform(job_id)
+        await _perform(job_id, await _made_by_all(job_id))
     except dbos_error.DBOSMaxStepRetriesExceeded:
         _log.error("the worker process died under a job again and again", job=job_id)
         await to_thread.run_sync(_site.book.fail, job_id, INTERNAL)
@@ -98,7 +148,12 @@ async def _job(job_id: str) -> None:
 class _Quiet(logging.Filter):
     """Drops what DBOS says of jobs that were stopped: the book has it, and it is no error."""
 
-    _SAID = ("in asynchronous workflow", "no longer owned", "task cancelled for workflow")
+    _SAID = (
+        "in asynchronous workflow",
+        "no longer owned",
+        "task cancelled for workflow",
+        "cancelled during execution",
+    )
 
     def filter(self, record: logging.LogRecord) -> bool:
         message = record.getMessage()
@@ -173,6 +228,10 @@ class DurableRunner:
         await DBOS.register_queue_async(
             _QUEUE, worker_concurrency=cores, polling_interval_sec=_POLL, on_conflict="always_update"
         )
+        # One more than can be worked on: it is there when a process is free, without another poll.
+        await DBOS.register_queue_async(
+            _SHARES, worker_concurrency=cores + 1, polling_interval_sec=_POLL, on_conflict="always_update"
+        )
 
     def _mend(self) -> None:
         """Queue jobs of the book that DBOS never heard of, and end those that it gave up."""
@@ -216,5 +275,5 @@ class DurableRunner:
         job = self._book.get(job_id, owner=owner)
         if self._book.cancel(job.id):
             assert self._client is not None
-            self._client.cancel_workflow(job.id)
+            self._client.cancel_workflow(job.id, cancel_children=True)
         return self._book.get(job.id)

@@ -3,14 +3,17 @@
 import os
 import time
 import traceback
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 from modallab.core.errors import CancelledError, ModalLabError
 from modallab.jobs.book import JobBook
 from modallab.jobs.destination import Destination
-from modallab.jobs.tasks import TASKS
+from modallab.jobs.runner import Job
+from modallab.jobs.tasks import SHARED, TASKS
 from modallab.store.place import StorePlace, engine_of, open_store
+
+Json = Any
 
 _INTERVAL = 0.1  # s between two entries of progress in the book
 
@@ -34,25 +37,64 @@ class Reporter:
         if now - self._written < _INTERVAL:
             return
         self._written = now
-        wanted = self._book.progress(self._job_id, min(max(fraction, 0.0), 1.0), message)
+        wanted = self._entered(fraction, message)
         # An orphan would work for nobody: whoever restarts the service does the job anew.
         if not wanted or os.getppid() != self._parent:
             raise CancelledError("the job is not wanted any more")
 
+    def _entered(self, fraction: float, message: str) -> bool:
+        return self._book.progress(self._job_id, min(max(fraction, 0.0), 1.0), message)
 
-def perform(place: StorePlace, job_id: str) -> str | None:
+
+class ShareReporter(Reporter):
+    """The same of a share: it stops with its job, and how far that is whoever shared it out will enter."""
+
+    def _entered(self, fraction: float, message: str) -> bool:
+        return self._book.wanted(self._job_id)
+
+
+def count_shares(job: Job) -> int:
+    """Return how many parts of a job any workers may make before the rest of it; 0 of most."""
+    return SHARED[job.task].count(**job.arguments) if job.task in SHARED else 0
+
+
+def perform_share(place: StorePlace, job_id: str, index: int) -> tuple[Json, str | None]:
+    """Return what a share of a job made, None if nothing, and the traceback of a fault of ours.
+
+    A module-level function of plain values, as `perform`.
+    """
+    book = JobBook(engine_of(place), queue_length=0)
+    if not book.start(job_id):
+        return None, None
+    job = book.get(job_id)
+    try:
+        report = ShareReporter(book, job_id)
+        return SHARED[job.task].one(open_store(place), report, index, **job.arguments), None
+    except ModalLabError:
+        return None, None  # not wanted; or what the rest of the job will say too
+    except Exception:
+        return None, traceback.format_exc()
+
+
+def perform(place: StorePlace, job_id: str, shares: Sequence[Json] | None = None) -> str | None:
     """Do a job, enter how it ended, and return the traceback of a fault of ours, if there was one.
 
     A module-level function of plain values, so that it can be sent to another process; it may run
     twice for the same job, and then stores its result once.
+
+    Parameters
+    ----------
+    shares
+        Of a task that has any, what workers made of them.
     """
     book = JobBook(engine_of(place), queue_length=0)
     if not book.start(job_id):
         return None
     job = book.get(job_id)
     into = Destination(job.owner, job.result_id)
+    made = {} if shares is None else {"shares": shares}
     try:
-        TASKS[job.task](open_store(place), Reporter(book, job_id), into, **job.arguments)
+        TASKS[job.task](open_store(place), Reporter(book, job_id), into, **job.arguments, **made)
     except CancelledError:
         return None
     except ModalLabError as error:

@@ -113,6 +113,7 @@ class Store(Protocol):
     modal_models: Shelf[Any]
     correlations: Shelf[Any]
     updates: Shelf[Any]
+    studies: Shelf[Any]
     diagnoses: Shelf[Any]
     truths: TruthShelf
 

@@ -24,6 +24,7 @@ from modallab.store.plain import Arrays, Json, from_plain, to_plain
 from modallab.updating.direct.result import DirectResult
 from modallab.updating.locating.method import LocationResult
 from modallab.updating.method import UpdateResult
+from modallab.updating.studying.study import Study
 
 T = TypeVar("T")
 _Given = Mapping[str, NDArray[Any]]
@@ -206,5 +207,6 @@ CODECS: Mapping[str, Codec[Any]] = {
     "modal_model": Codec(_take_modal_model, _put_modal_model),
     "correlation": _plain(Correlation),
     "update": Codec(to_plain, _put_update),
+    "study": _plain(Study),
     "diagnosis": Codec(_take_diagnosis, _put_diagnosis),
 }

@@ -178,6 +178,7 @@ class SqlStore:
         self.modal_models = self._shelf("modal_model")
         self.correlations = self._shelf("correlation")
         self.updates = self._shelf("update")
+        self.studies = self._shelf("study")
         self.diagnoses = self._shelf("diagnosis")
         self.truths = SqlTruths(connect)
 

@@ -14,6 +14,7 @@ from anyio import to_thread
 from modallab.core.errors import NotFoundError
 from modallab.fe.assembly import assemble
 from modallab.fe.catalogued import STRUCTURES
+from modallab.fe.changes import MemberChange, MemberProperty, change
 from modallab.fe.selected import ModeNoise, synthetic_modes
 from modallab.jobs.book import JobBook
 from modallab.jobs.durable import DurableRunner, JobPlace
@@ -22,6 +23,7 @@ from modallab.store.place import StorePlace, engine_of, open_store
 from modallab.store.plain import to_plain
 from modallab.updating.method import UpdateOptions
 from modallab.updating.parameterisation import parameterise
+from modallab.updating.studying.plan import NOISE_LEVELS, Division, Level, StudyPlan
 
 # A thread of the engine may hand its PostgreSQL connection back when the pool is gone already.
 pytestmark = pytest.mark.filterwarnings(
@@ -102,6 +104,87 @@ def test_a_cancelled_job_stops_within_a_second_and_stores_nothing(places: Places
         assert not open_store(places[0]).updates.holds(job.result_id)
 
     run(places, work)
+
+
+def studying(places: Places, seeds: int, options: UpdateOptions) -> dict[str, Any]:
+    """Return the arguments of a study in these places, a run for every seed."""
+    store, beam = open_store(places[0]), STRUCTURES["chapter-5-beam"]()
+    truth = change(beam, [MemberChange((11,), MemberProperty.MODULUS, factor=1.5)])
+    plan = StudyPlan(
+        "inverse_eigensensitivity",
+        (Level("NL3", NOISE_LEVELS["NL3"]),),
+        (Division("each", parameterise([[n] for n in range(1, 21)], ["stiffness"])),),
+        tuple(range(seeds)),
+        5,
+        beam.dofs,
+        options,
+    )
+    ids = {
+        "structure_id": store.structures.add(beam, owner="me"),
+        "truth_id": store.structures.add(truth, owner="me"),
+    }
+    return ids | {"plan": to_plain(plan)[0]}
+
+
+def test_the_runs_of_a_study_are_jobs_of_all_workers_and_its_progress_counts_them(places: Places) -> None:
+    async def work(runner: DurableRunner) -> None:
+        given = studying(places, 4, UpdateOptions(max_iterations=2))
+        job = await to_thread.run_sync(partial(runner.submit, "study_and_store", given, owner="me"))
+        ended = await until(runner, job, lambda j: j.state.final)
+        assert ended.state is JobState.SUCCEEDED, ended
+        assert ended.message == "4 of 4 runs"
+        assert len(open_store(places[0]).studies.get(ended.result_id).runs) == 4
+        assert runner._client is not None
+        made = await to_thread.run_sync(partial(runner._client.list_workflows, name="share"))
+        assert len(made) == 4
+
+    run(places, work)
+
+
+def test_a_cancelled_study_stops_with_all_its_runs_within_two_seconds(places: Places) -> None:
+    async def work(runner: DurableRunner) -> None:
+        given = studying(places, 20, ENDLESS)
+        job = await to_thread.run_sync(partial(runner.submit, "study_and_store", given, owner="me"))
+        await until(runner, job, lambda j: j.state is JobState.RUNNING)
+        cancelled = await to_thread.run_sync(partial(runner.cancel, job.id, owner="me"))
+        assert cancelled.state is JobState.CANCELLED
+        await anyio.sleep(2.0)
+        assert runner._client is not None
+        left = await to_thread.run_sync(
+            partial(runner._client.list_workflows, status=["PENDING", "ENQUEUED"])
+        )
+        assert not left
+        assert not open_store(places[0]).studies.holds(job.result_id)
+        # the worker is free for whoever comes next
+        given = arguments(places, UpdateOptions(max_iterations=2))
+        other = await to_thread.run_sync(partial(runner.submit, "update_and_store", given, owner="me"))
+        ended = await until(runner, other, lambda j: j.state.final)
+        assert ended.state is JobState.SUCCEEDED, ended
+
+    run(places, work)
+
+
+def test_a_study_that_a_restart_interrupts_keeps_the_runs_that_were_made(places: Places) -> None:
+    jobs: list[Job] = []
+
+    async def begin(runner: DurableRunner) -> None:
+        given = studying(places, 12, UpdateOptions(max_iterations=2))
+        job = await to_thread.run_sync(partial(runner.submit, "study_and_store", given, owner="me"))
+        jobs.append(await until(runner, job, lambda j: j.fraction > 0))
+
+    async def go_on(runner: DurableRunner) -> None:
+        ended = await until(runner, jobs[0], lambda j: j.state.final)
+        assert ended.state is JobState.SUCCEEDED, ended
+        study = open_store(places[0]).studies.get(ended.result_id)
+        assert [run.seed for run in study.runs] == list(range(12))
+        assert all(run.made for run in study.runs)
+        assert runner._client is not None
+        made = await to_thread.run_sync(partial(runner._client.list_workflows, name="share"))
+        assert len(made) == 12  # none was shared out anew
+
+    run(places, begin)
+    assert 0 < jobs[0].fraction < 1
+    run(places, go_on)
 
 
 def test_a_job_in_the_book_that_was_never_queued_is_queued_at_the_next_start(places: Places) -> None:

@@ -37,6 +37,8 @@ Completion = Annotated[
     Field(description="`expansion` of shapes to all DoFs, or a reduction of the model to measured ones"),
 ]
 Group = Annotated[list[Count], Field(min_length=1, max_length=5000)] | Text  # numbers, or a group's name
+Macros = Literal["auto", "each"] | Annotated[list[Group], Field(min_length=1, max_length=1000)]
+Parts = Annotated[list[Text], Field(min_length=1, max_length=5)] | None
 
 
 class ParameterisationIn(Wire):
@@ -45,13 +47,9 @@ class ParameterisationIn(Wire):
     A coefficient of damping is the loss factor added to a member's own: 0 = no change, bounds -1 and 2.
     """
 
-    macros: Literal["auto", "each"] | Annotated[list[Group], Field(min_length=1, max_length=1000)] = Field(
-        default="auto", description="lists of members, `auto`, or `each` member by itself"
-    )
-    parts: list[Text] | None = Field(
+    macros: Macros = Field(default="auto", description="lists of members, `auto`, or `each` member by itself")
+    parts: Parts = Field(
         default=None,
-        min_length=1,
-        max_length=5,
         description="mass, stiffness, axial, bending, damping; left out: mass and stiffness, of a method of "
         "complex modes damping too",
     )

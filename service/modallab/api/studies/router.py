@@ -1,0 +1,47 @@
+"""Studies: how surely an updating method finds known errors from noisy modes."""
+
+from typing import Annotated
+
+from fastapi import APIRouter, status
+from starlette.responses import Response
+
+from modallab.api.arrays import NPZ, npz_of
+from modallab.api.deps import IdPath, JobsDep, OwnerDep, StoreDep
+from modallab.api.examples import example
+from modallab.api.jobs import JobOut
+from modallab.api.shelves import add_routes
+from modallab.api.studies.schemas import StudyOut, StudyStart, study_arrays
+
+router = APIRouter(prefix="/studies", tags=["studies"])
+
+_BODY = {
+    "structure_id": "5f0c31",
+    "truth_id": "77ab10",
+    "method": "inverse_eigensensitivity",
+    "divisions": {"fours": [[1, 2, 3, 4], [5, 6, 7, 8]], "auto": "auto"},
+    "levels": ["NL1", "NL3", {"name": "shapes only", "eigenvector": 0.05}],
+    "seeds": [1, 2, 3],
+    "count": 10,
+    "dofs": ["1:+Y", "3:+Y", "5:+Y"],
+}
+
+
+@router.post("", status_code=status.HTTP_202_ACCEPTED, summary="Try an updating method on noisy modes")
+def start_study(
+    body: Annotated[StudyStart, example(_BODY)], store: StoreDep, jobs: JobsDep, owner: OwnerDep
+) -> JobOut:
+    model, truth = store.structures.get(body.structure_id), store.structures.get(body.truth_id)
+    return JobOut.of(jobs.submit("study_and_store", body.to_arguments(model, truth), owner=owner))
+
+
+@router.get("/{id}", summary="How surely the method found what was wrong")
+def get_study(id: IdPath, store: StoreDep) -> StudyOut:
+    return StudyOut.of(store.studies.get(id), store.studies.entry(id))
+
+
+@router.get("/{id}/arrays", response_class=Response, responses=NPZ, summary="Coefficients of all runs: npz")
+def get_study_arrays(id: IdPath, store: StoreDep) -> Response:
+    return npz_of(study_arrays(store.studies.get(id)), "double")
+
+
+add_routes(router, "studies")

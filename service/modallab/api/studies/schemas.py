@@ -1,0 +1,212 @@
+"""Wire types of studies."""
+
+from typing import Annotated, Any, Self
+
+import numpy as np
+from numpy.typing import NDArray
+from pydantic import BaseModel, Field
+
+from modallab.api.deps import Id
+from modallab.api.modal_models.schemas import Dofs, ModeNoiseIn
+from modallab.api.updates.schemas import Macros, OptionsIn, ParameterisationIn, Parts
+from modallab.api.wire import Count, EntryOut, Number, Seed, Text, Wire
+from modallab.core.dof import Dof
+from modallab.core.errors import InvalidInputError
+from modallab.fe.structure import Structure
+from modallab.rig.exact import as_modelled
+from modallab.store.base import Entry
+from modallab.store.plain import to_plain
+from modallab.updating.studying.plan import MOST_RUNS, NOISE_LEVELS, Division, Level, StudyPlan, known_method
+from modallab.updating.studying.run import Run
+from modallab.updating.studying.study import Cell, Study
+from modallab.updating.studying.truth import true_coefficients
+
+MOST_NUMBERS = 2_000_000  # coefficients of all runs of a study
+
+
+class LevelIn(ModeNoiseIn):
+    """A level of noise with a name of its own."""
+
+    name: Text
+
+    def to_level(self) -> Level:
+        """Return the level."""
+        return Level(self.name, self.to_domain())
+
+
+def _level(given: str | LevelIn) -> Level:
+    if isinstance(given, LevelIn):
+        return given.to_level()
+    if given not in NOISE_LEVELS:
+        raise InvalidInputError(
+            f"there is no level {given!r}",
+            field="levels",
+            value=given,
+            allowed=", ".join(NOISE_LEVELS) + ", or one with a name of its own",
+        )
+    return Level(given, NOISE_LEVELS[given])
+
+
+class StudyStart(Wire):
+    """A method to be tried on modes of a known structure: levels of noise x divisions x seeds."""
+
+    structure_id: Id = Field(description="the model that is corrected")
+    truth_id: Id = Field(description="a changed copy of it, whose modes are drawn")
+    method: Text = "one_shot"
+    levels: Annotated[list[Text | LevelIn], Field(min_length=1, max_length=50)] = Field(
+        default=list(NOISE_LEVELS), description="NL1 to NL4 of the 1992 thesis, or noise by its size"
+    )
+    divisions: Annotated[dict[Text, Macros], Field(min_length=1, max_length=50)] = Field(
+        default={"each": "each"}, description="macro elements by a name: as `macros` of an update"
+    )
+    seeds: Annotated[list[Seed], Field(min_length=1, max_length=MOST_RUNS)] = Field(default=list(range(10)))
+    count: Count = Field(default=10, ge=1, le=100, description="modes that are measured")
+    dofs: Dofs
+    parts: Parts = None
+    lower: Number = 0.05
+    upper: Number = 10.0
+    options: OptionsIn = OptionsIn()
+
+    def to_arguments(self, model: Structure, truth: Structure) -> dict[str, Any]:
+        """Return the task's arguments, checked as far as can be before the work.
+
+        Raises
+        ------
+        InvalidInputError
+            If method, level, division, member, part, option or DoF is unknown or out of bounds, a name or a
+            seed comes twice, there are too many runs, or the true structure is no changed copy of the model.
+        """
+        known_method(self.method)
+        plan = StudyPlan(
+            method=self.method,
+            levels=tuple(_level(one) for one in self.levels),
+            divisions=tuple(
+                Division(name, self._parameters(macros).to_domain(model, self.method))
+                for name, macros in self.divisions.items()
+            ),
+            seeds=tuple(self.seeds),
+            count=self.count,
+            dofs=tuple(Dof.parse(text, field="dofs") for text in self.dofs),
+            options=self.options.to_domain(self.method),
+        )
+        true = true_coefficients(model, truth, plan.parts)
+        _check_size(plan.n_runs, sum(map(len, true.values())))
+        for structure in (model, truth):
+            _check_dofs(structure, plan.dofs)
+        ids = {"structure_id": self.structure_id, "truth_id": self.truth_id}
+        return ids | {"plan": to_plain(plan)[0]}
+
+    def _parameters(self, macros: Macros) -> ParameterisationIn:
+        return ParameterisationIn(macros=macros, parts=self.parts, lower=self.lower, upper=self.upper)
+
+
+def _check_size(n_runs: int, n_coefficients: int) -> None:
+    """Raise `InvalidInputError` where all runs together have more coefficients than are kept."""
+    if n_runs * n_coefficients > MOST_NUMBERS:
+        raise InvalidInputError(
+            f"{n_runs} runs of {n_coefficients} coefficients are too much for one study",
+            field="seeds",
+            value=n_runs,
+            allowed=f"up to {MOST_NUMBERS // n_coefficients} runs",
+        )
+
+
+def _check_dofs(structure: Structure, dofs: tuple[Dof, ...]) -> None:
+    """Raise `UnknownDofError` where a structure lacks one."""
+    system = as_modelled(structure)
+    for dof in dofs:
+        system.index(dof)
+
+
+class CellOut(BaseModel):
+    """The runs of one level and division; errors are the largest of a run: their median and 90 %.
+
+    `suspected`: share of runs in which every wrong coefficient was suspected. `unfounded`: suspects that are
+    right, a run. `coverage`: share of 95 % intervals that hold the truth, None of a method without.
+    """
+
+    level: str
+    division: str
+    n_runs: int
+    n_failed: int
+    n_converged: int
+    suspected: float
+    unfounded: float
+    coefficient_error: tuple[float, float] | None
+    frequency_error: tuple[float, float] | None
+    coverage: float | None
+
+    @classmethod
+    def of(cls, cell: Cell) -> Self:
+        """Return what the reply shows of a cell."""
+        return cls(**vars(cell))
+
+
+class RunOut(BaseModel):
+    """One update; its numbers are None if it could not be made, for the reason in `stopped_because`."""
+
+    level: str
+    division: str
+    seed: int
+    converged: bool
+    stopped_because: str
+    suspected: dict[str, list[int]]
+    all_suspected: bool
+    n_unfounded: int
+    coefficient_error: float | None
+    frequency_error: float | None
+    coverage: float | None
+
+    @classmethod
+    def of(cls, run: Run) -> Self:
+        """Return what the reply shows of a run."""
+        suspected = {part: list(members) for part, members in run.suspected.items()}
+        return cls(**(vars(run) | {"suspected": suspected}))
+
+
+class StudyOut(EntryOut):
+    """How surely a method found what was wrong: a row a level and division, and every run."""
+
+    method: str
+    levels: list[dict[str, Any]]
+    divisions: list[str]
+    seeds: list[int]
+    count: int
+    dofs: list[str]
+    wrong: dict[str, dict[int, float]] = Field(description="coefficients that were to be found")
+    table: list[CellOut]
+    runs: list[RunOut]
+
+    @classmethod
+    def of(cls, study: Study, entry: Entry) -> Self:
+        """Return what the contract shows of a study."""
+        plan = study.plan
+        return cls(
+            **cls.fields(entry),
+            method=plan.method,
+            levels=[{"name": level.name} | vars(level.noise) for level in plan.levels],
+            divisions=[division.name for division in plan.divisions],
+            seeds=list(plan.seeds),
+            count=plan.count,
+            dofs=[str(dof) for dof in plan.dofs],
+            wrong=study.wrong,
+            table=[CellOut.of(cell) for cell in study.cells],
+            runs=[RunOut.of(run) for run in study.runs],
+        )
+
+
+def study_arrays(study: Study) -> dict[str, NDArray[Any]]:
+    """Return coefficients (n_runs, n_coefficients), NaN of runs that were not made, and what they are of."""
+    coefficients = np.full((len(study.runs), study.coefficients.shape[1]), np.nan)
+    coefficients[[run.made for run in study.runs]] = study.coefficients
+    keys = [(part, number, value) for part, table in study.true.items() for number, value in table.items()]
+    parts, members, true = zip(*keys, strict=True)
+    return {
+        "coefficients": coefficients,
+        "parts": np.array(parts),
+        "members": np.array(members),
+        "true": np.array(true),
+        "levels": np.array([run.level for run in study.runs]),
+        "divisions": np.array([run.division for run in study.runs]),
+        "seeds": np.array([run.seed for run in study.runs]),
+    }

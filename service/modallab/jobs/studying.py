@@ -1,0 +1,81 @@
+"""Studies: a method tried again and again on noisy modes of a known structure, its runs shared out."""
+
+from collections.abc import Sequence
+from typing import Any
+
+import numpy as np
+
+from modallab.core.arrays import FloatArray
+from modallab.core.progress import Progress, part
+from modallab.jobs.destination import Destination
+from modallab.rig.exact import as_modelled
+from modallab.store.base import Store
+from modallab.store.plain import from_plain, to_plain
+from modallab.updating.studying.plan import StudyPlan
+from modallab.updating.studying.run import Run, failed, run_once
+from modallab.updating.studying.study import Study
+from modallab.updating.studying.truth import Values, true_coefficients
+
+Json = Any
+
+_FAULT = "the service failed at this run; its log says why"
+
+
+def count_runs(*, plan: Json, **_ids: str) -> int:
+    """Return how many runs a study has."""
+    return from_plain(StudyPlan, plan, {}).n_runs
+
+
+def run_of_study(
+    store: Store, progress: Progress, index: int, *, structure_id: str, truth_id: str, plan: Json
+) -> Json:
+    """Return one run of a study and its coefficients as plain values; `CancelledError` from `progress`."""
+    chosen = from_plain(StudyPlan, plan, {})
+    model, truth = store.structures.get(structure_id), store.structures.get(truth_id)
+    true = true_coefficients(model, truth, chosen.parts)
+    run, coefficients = run_once(chosen, index, model, as_modelled(truth), true, progress)
+    return [to_plain(run)[0], None if coefficients is None else coefficients.tolist()]
+
+
+def study_and_store(
+    store: Store,
+    progress: Progress,
+    into: Destination,
+    *,
+    structure_id: str,
+    truth_id: str,
+    plan: Json,
+    shares: Sequence[Json] | None = None,
+) -> None:
+    """Keep what all runs of a study found; make those here that nobody has made.
+
+    Parameters
+    ----------
+    shares
+        From `run_of_study`, in order; None for one that our own fault kept from being made.
+    """
+    chosen = from_plain(StudyPlan, plan, {})
+    ids = {"structure_id": structure_id, "truth_id": truth_id}
+    model, truth = store.structures.get(structure_id), store.structures.get(truth_id)
+    true = true_coefficients(model, truth, chosen.parts)
+    if shares is None:
+        n = chosen.n_runs
+        shares = [
+            run_of_study(store, part(progress, i / n, (i + 1) / n), i, plan=plan, **ids) for i in range(n)
+        ]
+    store.studies.add(_gathered(chosen, true, shares), owner=into.owner, inputs=ids, id=into.id)
+
+
+def _gathered(plan: StudyPlan, true: Values, shares: Sequence[Json]) -> Study:
+    runs: list[Run] = []
+    rows: list[FloatArray] = []
+    for index, share in enumerate(shares):
+        if share is None:
+            runs.append(failed(plan, index, _FAULT))
+            continue
+        run, coefficients = share
+        runs.append(from_plain(Run, run, {}))
+        if coefficients is not None:
+            rows.append(np.array(coefficients))
+    table = np.stack(rows) if rows else np.empty((0, sum(map(len, true.values()))))
+    return Study(plan, true, tuple(runs), table)
