@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 from scipy.sparse import csc_array
@@ -48,9 +49,14 @@ class Remainder:
 
     def static(self, loads: FloatArray) -> FloatArray:
         """Return how the modes above move, (n, k), under slow loads (n, k)."""
-        above = loads - self.mass @ (self.shapes @ (self.shapes.T @ loads))
+        above = loads - self._heavy @ (self.shapes.T @ loads)
         moved = self.solve(np.ascontiguousarray(above))
-        return np.asarray(moved - self.shapes @ (self.shapes.T @ (self.mass @ moved)))
+        return np.asarray(moved - self.shapes @ (self._heavy.T @ moved))
+
+    @cached_property
+    def _heavy(self) -> FloatArray:
+        """(n, m) M Phi."""
+        return np.asarray(self.mass @ self.shapes)
 
     def stretched(self, factor: float) -> "Remainder":
         """Return what modes of the same shapes add whose eigenvalues are so many times as large."""

@@ -76,6 +76,7 @@ class Fit:
         self._groups = parameterisation.groups(structure)
         self._mass_loss = 0.0
         self._undamped: tuple[PartMatrices, ...] | None = None
+        self._latest: FloatArray | None = None  # modes of the last model: the next one's are much like them
         if target.damped:
             self._mass_loss = _mass_loss(structure)
         else:
@@ -194,7 +195,18 @@ class Fit:
         reach = DAMPED_REACH if self.target.damped else REACH
         limit = np.inf if all_modes else reach * float(self.target.frequencies.max())
         damping = system.damping if self.target.damped else None
-        return modal_basis(system.mass, system.stiffness, damping, None, system.rigid, frequency_max=limit)
+        basis = modal_basis(
+            system.mass,
+            system.stiffness,
+            damping,
+            None,
+            system.rigid,
+            frequency_max=limit,
+            near=self._latest,
+        )
+        if basis.remainder is not None:
+            self._latest = basis.remainder.shapes[:, basis.n_rigid_body :]
+        return basis
 
     def _like(self, own: FloatArray | ComplexArray) -> FloatArray | ComplexArray:
         """Return the measured shapes in the sense of the model's, in its scale if they have none.

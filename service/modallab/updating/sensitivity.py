@@ -202,24 +202,31 @@ def _moved(
     own = squares[modes]
     weight = np.divide(1.0, own - squares[:, None], out=np.zeros(alike.shape, squares.dtype), where=~alike)
     inertia = own - 1j * mass_loss if mass_loss and damped else own
-    n_params = sum(len(part.params) for part in parts)
+    n_params, n_modes = sum(len(part.params) for part in parts), len(squares)
     dtype = np.result_type(squares, basis.shapes, *(part.matrices for part in parts))
-    d_squares = np.zeros((len(modes), len(modes), n_params), dtype)
-    d_shapes = np.zeros((sensors.shape[1], len(modes), n_params), dtype)
+    d_squares = np.zeros((n_params, len(modes), len(modes)), dtype)
+    d_shapes = np.zeros((n_params, sensors.shape[1], len(modes)), dtype)
     at_sensors, moving = sensors.T @ basis.shapes, basis.shapes[:, modes]
+    answers = above_at(basis, modes, sensors, above)
+    columns, factor = next(answers, (np.zeros((len(sensors), 0)), np.ones(len(modes))))
+    facing: FloatArray | ComplexArray = np.concatenate([basis.shapes, columns], axis=1)
     for part in parts:
         massive = part.part is Part.MASS
-        modal = part.between(basis.shapes, moving)  # (n_own, m, n_modes)
-        both = -(inertia + inertia[:, None]) / 2 if massive else np.ones((len(modes),) * 2)
-        d_squares[:, :, part.params] = (both * modal[:, modes]).transpose(1, 2, 0)
-        share = modal * (-inertia * weight - 0.5 * alike if massive else weight)
-        d_shapes[:, :, part.params] = (at_sensors @ share).transpose(1, 2, 0)
-    for columns, factor in above_at(basis, modes, sensors, above):
+        sums = part.between(facing, moving)  # (n_own, m + n_dof, n_modes)
+        modal, scale = sums[:, :n_modes], -inertia if massive else np.ones(len(modes))
+        both = (scale + scale[:, None]) / 2
+        d_squares[part.params] = both * modal[:, modes]
+        share = modal * (scale * weight - 0.5 * alike if massive else weight)
+        d_shapes[part.params] = at_sensors @ share
+        if columns.size:
+            d_shapes[part.params] -= scale * factor * sums[:, n_modes:]
+    for columns, factor in answers:
         for part in parts:
             scale = -inertia if part.part is Part.MASS else np.ones(len(modes))
-            answer = scale * factor * part.between(columns, moving)
-            d_shapes[:, :, part.params] += -answer.transpose(1, 2, 0)
-    return SubspaceDerivatives(d_squares, d_shapes, left_out(basis, modes, above))
+            d_shapes[part.params] -= scale * factor * part.between(columns, moving)
+    return SubspaceDerivatives(
+        d_squares.transpose(1, 2, 0), d_shapes.transpose(1, 2, 0), left_out(basis, modes, above)
+    )
 
 
 def _local(rows: IntArray, columns: FloatArray | ComplexArray) -> FloatArray | ComplexArray:

@@ -1,0 +1,174 @@
+"""Updating of large plates: against one factorisation and the fewest solves, and how it grows with size.
+
+python -m benchmarks.updating_scale            # prints the figures
+"""
+
+import re
+import subprocess
+import sys
+import time
+from dataclasses import replace
+from pathlib import Path
+
+import numpy as np
+
+from benchmarks.timing import ratio
+from modallab.core.arrays import FloatArray
+from modallab.core.dof import Dof
+from modallab.core.modal_model import ModalModel
+from modallab.fe.assembly import Assembly, Coefficients, assemble, coefficients_of
+from modallab.fe.changes import MemberChange, MemberProperty, change
+from modallab.fe.lowest import factorised
+from modallab.fe.modes import first_basis, undamped_basis
+from modallab.fe.plate import plate
+from modallab.fe.selected import ModeNoise, synthetic_modes
+from modallab.fe.structure import Material, Structure
+from modallab.updating.method import UPDATERS, UpdateOptions
+from modallab.updating.parameterisation import Parameterisation, parameterise
+from modallab.updating.sensitivity import PartMatrices, derivatives, part_matrices
+
+SIZES = {5_000: (50, 33), 20_000: (100, 65), 100_000: (222, 149)}  # elements each way, by DoFs
+MODES, SENSORS, STEPS = 20, (6, 5), 5
+MEASURED, MACROS = 10, (10, 5)  # modes, and macro elements with a mass and a stiffness each
+MANY = (25, 20)  # macro elements of a thousand coefficients
+CHANGED = 0.1  # standard deviation of what a coefficient moves by in a step
+WRONG = {7: 1.3, 23: 0.8, 38: 1.2}  # stiffness, by macro element
+MEMORY = 24e6  # kB
+GROWTH = 1.4  # power of the number of degrees of freedom
+
+
+def plate_of(n_dofs: int) -> Structure:
+    """Return a free steel plate with about so many DoFs."""
+    return plate(
+        length=0.6,
+        width=0.4,
+        thickness=0.004,
+        n_elements=SIZES[n_dofs],
+        material=Material(2.09e11, 7800.0),
+    )
+
+
+def patches(n_dofs: int, count: tuple[int, int]) -> list[tuple[int, ...]]:
+    """Return the plates by number in so many rectangles along and across."""
+    along, across = SIZES[n_dofs]
+    columns, rows = (np.arange(n) * k // n for n, k in zip((along, across), count, strict=True))
+    place = (rows[:, None] * count[0] + columns).ravel()
+    return [tuple(int(n) for n in np.flatnonzero(place == i) + 1) for i in range(count[0] * count[1])]
+
+
+def sensors(n_dofs: int) -> tuple[Dof, ...]:
+    """Return 6 by 5 places from edge to edge where motion across the plate is measured."""
+    along, across = SIZES[n_dofs]
+    columns, rows = (np.linspace(0, n, k).astype(int) for n, k in zip((along, across), SENSORS, strict=True))
+    return tuple(Dof(int(row * (along + 1) + column + 1), "Z") for row in rows for column in columns)
+
+
+def moved(assembly: Assembly, seed: int) -> Coefficients:
+    """Return stiffnesses a step away from 1 in every macro element."""
+    base = coefficients_of(assembly.structure)
+    steps = np.random.default_rng(seed).normal(scale=CHANGED, size=50)
+    factor = np.exp(steps)[np.arange(len(base.mass)) * 50 // len(base.mass)]
+    return Coefficients(base.mass, base.axial, base.bending * factor, base.loss_factor)
+
+
+def eigen_solution(n_dofs: int) -> float:
+    """Return the time of modes from those a step away, over one factorisation and a solve a mode."""
+    assembly = Assembly(plate_of(n_dofs))
+    before, after = assembly.system(), assembly.system(moved(assembly, 1))
+    known = first_basis(before.mass, before.stiffness, before.rigid, MODES)
+    near = known.shapes[:, known.n_rigid_body :]
+    loads = np.random.default_rng(0).standard_normal((len(before.dofs), MODES))
+
+    def ours() -> object:
+        return undamped_basis(
+            after.mass, after.stiffness, after.rigid, frequency_max=known.frequency_max, near=near
+        )
+
+    def least() -> object:
+        return factorised(after.stiffness + after.mass).solve(loads)
+
+    return ratio(ours, least, rounds=5)
+
+
+def jacobian(n_dofs: int) -> float:
+    """Return the time of all derivatives at the sensors, over a solve a sensor and a pass of the elements."""
+    assembly = Assembly(plate_of(n_dofs))
+    system = assembly.system()
+    basis = first_basis(system.mass, system.stiffness, system.rigid, MODES)
+    modes = basis.n_rigid_body + np.arange(MEASURED)
+    places = system.selection(sensors(n_dofs))
+    parameters = parameterise(patches(n_dofs, MANY))
+    parts = part_matrices(assembly, coefficients_of(assembly.structure), parameters)
+    remainder = basis.remainder
+    assert remainder is not None
+    answers, shapes = remainder.static(places), basis.shapes[:, modes].real
+    solve = remainder.solve
+
+    def ours() -> object:
+        fresh = replace(basis, remainder=replace(remainder))  # with nothing kept from the round before
+        return derivatives(fresh, modes, places, parts)
+
+    def least() -> object:
+        solve(places)
+        return [element_pass(part, answers, shapes) for part in parts]
+
+    return ratio(ours, least, rounds=5)
+
+
+def element_pass(part: PartMatrices, left: FloatArray, right: FloatArray) -> FloatArray:
+    """Return left^T A right of every element: gathered, multiplied, and not yet added up."""
+    return np.asarray(left[part.rows].swapaxes(1, 2) @ (part.matrices @ right[part.rows]))
+
+
+def case(n_dofs: int) -> tuple[Structure, Parameterisation, ModalModel]:
+    """Return a plate, its coefficients, and modes of one of which three macro elements are wrong."""
+    structure = plate_of(n_dofs)
+    groups = patches(n_dofs, MACROS)
+    wrong = [MemberChange(groups[i], MemberProperty.MODULUS, factor=f) for i, f in WRONG.items()]
+    truth, rng = assemble(change(structure, wrong)), np.random.default_rng(0)
+    measured = synthetic_modes(truth, MEASURED, sensors(n_dofs), noise=ModeNoise(), rng=rng)
+    return structure, parameterise(groups), measured
+
+
+def measure(n_dofs: int) -> None:
+    """Update a plate in `STEPS` iterations; print the seconds, the most memory, kB, and the largest error."""
+    structure, parameters, measured = case(n_dofs)
+    options = UpdateOptions(max_iterations=STEPS, tolerance=1e-12)
+    start = time.process_time()
+    result = UPDATERS["one_shot"](structure, parameters, measured, options=options)
+    seconds = time.process_time() - start
+    held = re.search(r"VmHWM:\s*(\d+) kB", Path("/proc/self/status").read_text())
+    assert held is not None
+    found = [result.coefficients[macro.part][macro.members[0]] for macro in parameters.macros]
+    n_macros = len(found) // 2
+    truth = [1.0] * n_macros + [WRONG.get(i, 1.0) for i in range(n_macros)]
+    error = float(np.abs(np.subtract(found, truth)).max())
+    print(seconds, held[1], error, result.iterations["updating"])
+
+
+def updated(n_dofs: int) -> tuple[float, float, float]:
+    """Return seconds, kB and the largest error of a coefficient of an update in a process of its own."""
+    code = f"from benchmarks import updating_scale; updating_scale.measure({n_dofs})"
+    run = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=True)
+    seconds, memory, error, steps = (float(number) for number in run.stdout.split())
+    assert steps == STEPS
+    return seconds, memory, error
+
+
+def run() -> list[tuple[str, float, float]]:
+    """Return (name, figure, limit)."""
+    small, large = updated(20_000), updated(100_000)
+    power = np.log(large[0] / small[0]) / np.log(5)
+    whole = f"update of 100,000 DoFs, 100 coefficients, {STEPS} steps"
+    return [
+        (f"{MODES} modes of 20,000 DoFs, from a step away / factor, solves", eigen_solution(20_000), 4.0),
+        ("1,000 coefficients at 30 sensors / solves, element pass", jacobian(20_000), 1.5),
+        (f"{whole}: power of growth from 20,000", float(power), GROWTH),
+        (f"{whole}: memory over 24 GB", large[1] / MEMORY, 1.0),
+        (f"{whole}: largest error", large[2], 1e-3),
+    ]
+
+
+if __name__ == "__main__":
+    for name, figure, limit in run():
+        print(f"{name:<66} {figure:8.3g}  limit {limit:.3g}")
