@@ -10,6 +10,7 @@ from modallab_client.errors import ClientError, JobFailedError, JobTimeoutError
 from modallab_client.findings import Diagnosis, Update
 from modallab_client.models import Measurement, Rig, Structure
 from modallab_client.modes import ModalModel
+from modallab_client.studies import Study
 
 __all__ = [
     "AsyncJob",
@@ -27,6 +28,7 @@ __all__ = [
     "ReducedModel",
     "Rig",
     "Structure",
+    "Study",
     "Update",
     "errors",
 ]

@@ -14,6 +14,7 @@ if TYPE_CHECKING:
     from modallab_client.findings import Diagnosis, DiagnosisCurves, Update
     from modallab_client.models import Frf, Measurement
     from modallab_client.modes import ModalModel
+    from modallab_client.studies import Study
 
 UNITS = {"receptance": "m/N", "mobility": "m/(s N)", "inertance": "m/(s² N)"}
 MANY = 12  # curves beyond which a legend hides more than it tells
@@ -187,6 +188,24 @@ def update(result: "Update") -> "Axes":
     axes.set(xlabel="member", ylabel="coefficient (1 = no change)")
     axes.legend()
     return axes  # type: ignore[no-any-return]
+
+
+def study(found: "Study") -> "tuple[Axes, ...]":
+    """Draw errors, suspects and coverage by level of noise; return the axes."""
+    from modallab_client import _study_plot as parts
+
+    _, grid = _pyplot().subplots(2, 2, figsize=(10, 7), sharex=True, layout="constrained")
+    parts.errors(grid[0, 0], found, lambda cell: cell.coefficient_error)
+    parts.errors(grid[0, 1], found, lambda cell: cell.frequency_error)
+    parts.shares(grid[1, 0], found, lambda cell: cell.suspected)
+    parts.shares(grid[1, 1], found, lambda cell: cell.coverage)
+    grid[0, 0].set_ylabel("largest error of a coefficient, median to 90 %")
+    grid[0, 1].set_ylabel("largest error of a frequency, relative")
+    grid[1, 0].set(ylabel="runs that suspect all that is wrong, %", xlabel="level of noise")
+    grid[1, 1].set(ylabel="95 % intervals that hold the truth, %", xlabel="level of noise")
+    grid[1, 1].axhline(95.0, color="grey", linewidth=0.8)
+    grid[0, 0].legend(fontsize="small")
+    return tuple(grid.flat)
 
 
 def diagnosis(found: "Diagnosis") -> "tuple[Axes, ...]":

@@ -15,6 +15,7 @@ from modallab_client._async.measurements import AsyncMeasurements
 from modallab_client._async.modal_models import AsyncModalModels
 from modallab_client._async.rigs import AsyncRigs
 from modallab_client._async.structures import AsyncStructures
+from modallab_client._async.studies import AsyncStudies
 from modallab_client._async.transport import AsyncTransport
 from modallab_client._async.updates import AsyncUpdates
 from modallab_client._embedded import ServiceProcess, require_service
@@ -51,6 +52,7 @@ class AsyncModalLab:
         self.modal_models = AsyncModalModels(self._transport)
         self.correlations = AsyncCorrelations(self._transport)
         self.updates = AsyncUpdates(self._transport)
+        self.studies = AsyncStudies(self._transport)
         self.diagnoses = AsyncDiagnoses(self._transport)
         self.jobs = AsyncJobs(self._transport)
         self.catalog = AsyncCatalog(self._transport)

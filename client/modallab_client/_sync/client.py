@@ -16,6 +16,7 @@ from modallab_client._sync.measurements import Measurements
 from modallab_client._sync.modal_models import ModalModels
 from modallab_client._sync.rigs import Rigs
 from modallab_client._sync.structures import Structures
+from modallab_client._sync.studies import Studies
 from modallab_client._sync.transport import Transport
 from modallab_client._sync.updates import Updates
 
@@ -51,6 +52,7 @@ class ModalLab:
         self.modal_models = ModalModels(self._transport)
         self.correlations = Correlations(self._transport)
         self.updates = Updates(self._transport)
+        self.studies = Studies(self._transport)
         self.diagnoses = Diagnoses(self._transport)
         self.jobs = Jobs(self._transport)
         self.catalog = Catalog(self._transport)
