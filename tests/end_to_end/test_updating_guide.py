@@ -89,6 +89,20 @@ def test_all_coefficients_at_once_find_the_wrong_members_and_no_other(names: dic
         assert abs(update.coefficients[part][member] - value) < 4 * update.standard_errors[part][member]
 
 
+def test_a_study_finds_the_wrong_members_at_every_level_and_worse_with_more_noise(
+    names: dict[str, Any],
+) -> None:
+    study = names["study"]
+    little, much = study.cells
+    assert (little.level, much.level) == ("NL2", "NL4")
+    for cell in study.cells:
+        assert (cell.n_runs, cell.n_failed, cell.suspected) == (2, 0, 1.0)
+    # the same draws, five times as large: errors grow with them, by far more than twice
+    assert much.coefficient_error[0] > 2 * little.coefficient_error[0]
+    assert names["table"].splitlines()[0].split()[:3] == ["level", "division", "runs"]
+    assert study.wrong == {"mass": {25: 1.5, 26: 1.5}, "stiffness": {12: 2.0, 13: 2.0, 31: 2.0}}
+
+
 def test_the_guides_example_of_a_direction_is_named(names: dict[str, Any]) -> None:
     told = names["at_once"].identifiability.directions
     assert any("mass and stiffness of 10-12" in one.words for one in told)

@@ -127,6 +127,7 @@ async def _made_by_all(job_id: str) -> Sequence[Result] | None:
     n = count_shares(await to_thread.run_sync(book.get, job_id))
     if n == 0:
         return None
+    await to_thread.run_sync(book.progress, job_id, 0.0, f"0 of {n} runs")
     waiting = [await DBOS.enqueue_workflow_async(_SHARES, _share, job_id, index) for index in range(n)]
     made: list[Result] = []
     for share in waiting:
