@@ -18,6 +18,8 @@ RESTARTS = 100  # after which it is rounding that is iterated
 APART = 1e-6  # relative, of eigenvalues between which a band may end
 OTHERS = 1e-2  # share of all motions in a start from known modes: one that is not among them may come in
 HARD, LEAST = 1e-11, 1e-14  # shares of the highest eigenvalue: below most elastic modes, and near rounding
+FEW = 20  # modes that are looked for first where they cannot be counted
+SPARE = 10  # motions iterated beside the modes, at least, where these are nearly known
 NUDGES = 5  # of a place that eigenvalues are counted below, where a pivot is zero
 
 
@@ -39,8 +41,10 @@ def factorised(matrix: csc_array) -> SuperLU:
     return splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
 
 
-def count_below(mass: csc_array, stiffness: csc_array, square: float) -> int:
-    """Return how many eigenvalues are below `square`, rad^2/s^2: as many as K - square M has negative pivots.
+def count_below(mass: csc_array, stiffness: csc_array, square: float) -> int | None:
+    """Return how many eigenvalues are below `square`, rad^2/s^2; None if rounding hides it.
+
+    As many as K - square M has negative pivots.
 
     Sylvester's law of inertia; Parlett, The Symmetric Eigenvalue Problem (1980), chapter 3.
     """
@@ -53,7 +57,7 @@ def count_below(mass: csc_array, stiffness: csc_array, square: float) -> int:
         if np.array_equal(factor.perm_r, factor.perm_c):
             return int((factor.U.diagonal() < 0).sum())
         square *= 1 + APART
-    return 0  # not known: what was found is then all there is
+    return None
 
 
 def lowest_below(
@@ -75,11 +79,16 @@ def lowest_below(
     # Factorising K + s M instead of K keeps a free structure regular; s near the first elastic
     # eigenvalues keeps the low modes well apart.
     search = _Search(mass, stiffness, bodies, max(1e-3 * highest, 1.0))
-    count = count_below(mass, stiffness, highest) - bodies.shape[1]
-    squares, shapes = search.pairs(max(count, 0) + 1, near)
-    while squares.max() <= highest and len(squares) < search.elastic:
-        squares, shapes = search.more(squares, shapes, len(squares))
-    return search.band(squares, shapes, highest, count)
+    below = count_below(mass, stiffness, highest)
+    if below is None:
+        squares, shapes = search.pairs(FEW, near)
+        while squares.max() <= highest and len(squares) < search.elastic:
+            squares, shapes = search.more(squares, shapes, len(squares))
+        return search.band(squares, shapes, highest, 0)
+    count = below - bodies.shape[1]
+    if count < 1:
+        return search.band(np.zeros(0), np.zeros((len(bodies), 0)), highest, 0)
+    return search.band(*search.pairs(count, near), highest, count)
 
 
 def lowest_first(mass: csc_array, stiffness: csc_array, bodies: FloatArray, count: int) -> Lowest:
@@ -95,8 +104,8 @@ def lowest_first(mass: csc_array, stiffness: csc_array, bodies: FloatArray, coun
         ends = ends[ends >= count - 1]
         if ends.size:
             highest = float(squares[ends[0] : ends[0] + 2].mean())
-            inside = count_below(mass, stiffness, highest) - bodies.shape[1]
-            return search.band(squares, shapes, highest, inside)
+            below = count_below(mass, stiffness, highest) or 0
+            return search.band(squares, shapes, highest, below - bodies.shape[1])
         if len(squares) >= search.elastic:
             return search.band(squares, shapes, np.inf, len(squares))
         squares, shapes = search.more(squares, shapes, 2)
@@ -158,10 +167,12 @@ class _Search:
             moved = self.factor.solve(load)
             return np.asarray(moved - apart @ (heavy.T @ moved))
 
-        return self._iterated(count, LinearOperator((n, n), matvec=inverse, dtype=float), self._start(near))
+        solve = LinearOperator((n, n), matvec=inverse, dtype=float)
+        width = None if near is None else count + max(SPARE, count // 2)
+        return self._iterated(count, solve, self._start(near), width)
 
     def _iterated(
-        self, count: int, inverse: LinearOperator, start: FloatArray
+        self, count: int, inverse: LinearOperator, start: FloatArray, width: int | None
     ) -> tuple[FloatArray, FloatArray]:
         for accuracy in ACCURACIES:
             try:
@@ -172,6 +183,7 @@ class _Search:
                     sigma=-self.shift,
                     OPinv=inverse,
                     v0=start,
+                    ncv=width,
                     tol=accuracy,
                     maxiter=RESTARTS,
                 )

@@ -148,6 +148,6 @@ class Partition:
             return undamped_basis(mass, stiffness, rigid)
         if np.isfinite(highest):
             bodies = rigid_body_modes(mass, stiffness, rigid).shape[1]
-            inside = count_below(mass, stiffness, (2 * np.pi * highest) ** 2) - bodies
-            count = min(count, max(inside, 1))
+            below = count_below(mass, stiffness, (2 * np.pi * highest) ** 2)
+            count = min(count, max(below - bodies, 1)) if below is not None else count
         return first_basis(mass, stiffness, rigid, count)

@@ -79,6 +79,25 @@ def test_a_band_holds_every_mode_below_its_end() -> None:
         check(found, system.mass, system.stiffness, np.concatenate([np.zeros(3), inside]))
 
 
+def test_a_band_whose_modes_cannot_be_counted_holds_them_all_the_same(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    system = square_plate()
+    exact = dense(system)
+    monkeypatch.setattr("modallab.fe.lowest.count_below", lambda *_: None)
+    found = lowest_below(system.mass, system.stiffness, bodies_of(system), 1.5 * exact[40])
+    inside = exact[exact < 1.5 * exact[40]][3:]
+    assert len(inside) > 20  # more than are looked for first
+    check(found, system.mass, system.stiffness, np.concatenate([np.zeros(3), inside]))
+
+
+def test_a_band_below_the_first_elastic_mode_holds_rigid_ones_alone() -> None:
+    system = square_plate()
+    found = lowest_below(system.mass, system.stiffness, bodies_of(system), 0.5 * dense(system)[3])
+    assert (found.squares == 0).all()
+    assert len(found.squares) == 3
+
+
 def test_eigenvalues_are_counted_without_being_solved_for() -> None:
     system = square_plate()
     exact = dense(system)
