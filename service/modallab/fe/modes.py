@@ -16,6 +16,7 @@ from modallab.fe.losses import Losses
 from modallab.fe.lowest import Lowest, lowest_below, lowest_first
 from modallab.fe.modal_damping import ModalLoss
 from modallab.fe.remainder import Remainder
+from modallab.fe.sharpening import sharpened
 
 COUPLED = 1e-9  # off-diagonal modal damping, relative to the diagonal, above which modes turn complex
 ROUNDING = 1e-12  # what products with the largest modal damping leave where there is none
@@ -195,6 +196,8 @@ def modal_basis(
 ) -> ModalBasis:
     """Return the modes of a system up to `frequency_max`, Hz; all of them if that is infinite.
 
+    Low modes are as exact as the matrices, close ones too.
+
     Parameters
     ----------
     mass, stiffness, damping, viscous
@@ -205,6 +208,11 @@ def modal_basis(
         (n, k) undamped modes of a system much like this one, to begin with.
     """
     undamped = undamped_basis(mass, stiffness, rigid, frequency_max=frequency_max, near=near)
+    if undamped.remainder is None:
+        squares, shapes = undamped.eigenvalues.real, undamped.shapes.real
+        dense = mass.toarray(), stiffness.toarray()
+        squares, shapes = sharpened(*dense, squares, shapes, undamped.n_rigid_body)
+        undamped = replace(undamped, eigenvalues=squares.astype(complex), shapes=shapes)
     return undamped.damped(damping, viscous)
 
 

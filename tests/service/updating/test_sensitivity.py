@@ -266,6 +266,18 @@ def test_modes_at_one_frequency_or_nearly_move_as_a_subspace(width: float, apart
     near(ours.eigenvalues, ours.eigenvalues.swapaxes(0, 1).real)
 
 
+@pytest.mark.parametrize("width", [0.40001, 0.4001, 0.404])
+def test_modes_close_to_one_another_have_exact_derivatives_each(width: float) -> None:
+    case = square(width)
+    basis, modes = paired(case)
+    squares = basis.eigenvalues.real[modes]
+    assert 1e-5 < squares[1] / squares[0] - 1 < 2e-2
+    ours = derivatives(basis, modes, case.sensors, case.parts)
+    exact = stepped(case, basis, modes)
+    near(ours.eigenvalues, exact.eigenvalues)
+    near(ours.shapes, exact.shapes)
+
+
 def test_close_modes_of_a_large_model_move_as_a_subspace_of_some_modes() -> None:
     structure = plate_of(0.4, 0.4, (9, 9))
     assert len(structure.dofs) >= SMALL
