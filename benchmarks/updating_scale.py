@@ -159,11 +159,11 @@ def run() -> list[tuple[str, float, float]]:
     """Return (name, figure, limit)."""
     small, large = updated(20_000), updated(100_000)
     power = np.log(large[0] / small[0]) / np.log(5)
-    whole = f"update of 100,000 DoFs, 100 coefficients, {STEPS} steps"
+    whole = f"100,000 DoFs, 100 coefficients, {STEPS} steps"
     return [
         (f"{MODES} modes of 20,000 DoFs, from a step away / factor, solves", eigen_solution(20_000), 4.0),
         ("1,000 coefficients at 30 sensors / solves, element pass", jacobian(20_000), 1.5),
-        (f"{whole}: power of growth from 20,000", float(power), GROWTH),
+        (f"{whole}: growth, power of size", float(power), GROWTH),
         (f"{whole}: memory over 24 GB", large[1] / MEMORY, 1.0),
         (f"{whole}: largest error", large[2], 1e-3),
     ]
