@@ -12,7 +12,7 @@ from modallab.fe.keeping import kept
 
 FEW = 250  # degrees of freedom up to which full matrices are put together faster
 ASKED = 2  # frequency axes whose dynamic stiffness is kept
-LARGEST = 2_000  # numbers of one that is kept
+LARGEST = 500  # numbers of one that is kept: of one motion at the lines of a test
 
 
 @dataclass(frozen=True, eq=False)

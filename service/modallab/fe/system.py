@@ -33,7 +33,7 @@ from modallab.fe.rebuilding import grounded, rebuilt
 
 MODAL_BAND = 2e3  # Hz, of modes of a large structure that modal damping is written out for
 # Every run of a test hangs the same things on its structure: the latest are kept.
-HUNG, ROWS = 256, 1_000_000  # at most, and rows of them all
+HUNG, ROWS = 64, 1_000_000  # at most, and rows of them all
 SMALL = 250  # DoFs below which a dense eigen-solution is the faster one
 
 

@@ -62,6 +62,7 @@ def test_from_a_motion_nearby_the_same_one_is_found(forces: list[Effect]) -> Non
     assert nearby is not None
     quick, full = chain(beam_system(), setup, forces, near=nearby), chain(beam_system(), setup, forces)
     assert full.taken is not None
+    assert quick.taken is not None
     assert np.abs(nearby / full.taken - 1).max() > 1e-6
     # two ways to a root mean square that settles to 1e-10
     np.testing.assert_allclose(quick.taken, full.taken, rtol=1e-8)
