@@ -22,18 +22,24 @@ from modallab.jobs.runner import Job, JobState
 from modallab.store.place import StorePlace, engine_of, open_store
 from modallab.store.plain import to_plain
 from modallab.updating.method import UpdateOptions
-from modallab.updating.parameterisation import parameterise
+from modallab.updating.parameterisation import automatic_groups, parameterise
 from modallab.updating.studying.plan import NOISE_LEVELS, Division, Level, StudyPlan
 
-# A thread of the engine may hand its PostgreSQL connection back when the pool is gone already.
-pytestmark = pytest.mark.filterwarnings(
-    "ignore:Exception ignored in. <function BaseConnection.__del__:pytest.PytestUnraisableExceptionWarning"
-)
+# A thread of the engine may hand its PostgreSQL connection back when the pool is gone already, and the end
+# of a worker process may be heard of when the loop that started it is closed.
+pytestmark = [
+    pytest.mark.filterwarnings(
+        f"ignore:Exception ignored in. <function {of}.__del__:pytest.PytestUnraisableExceptionWarning"
+    )
+    for of in ("BaseConnection", "BaseSubprocessTransport")
+]
 
 Places = tuple[StorePlace, JobPlace]
 Work = Callable[[DurableRunner], Awaitable[None]]
-# Tolerances that noise keeps from being met: such an update runs to its last iteration.
-ENDLESS = UpdateOptions(max_iterations=1000, location_tolerance=1e-12, tolerance=1e-12, suspect_threshold=0.0)
+# What noise pulls far is a thousand small steps away: such an update runs to its last iteration.
+ENDLESS = UpdateOptions(
+    max_iterations=1000, location_tolerance=1e-12, tolerance=1e-12, suspect_threshold=0.0, max_step=1e-3
+)
 
 
 def book_at(places: Places) -> JobBook:
@@ -42,14 +48,14 @@ def book_at(places: Places) -> JobBook:
 
 def arguments(places: Places, options: UpdateOptions) -> dict[str, Any]:
     """Return the arguments of an update in these places."""
-    store, beam = open_store(places[0]), STRUCTURES["chapter-5-beam"]()
-    noise, rng = ModeNoise(eigenvalue=0.01, eigenvector=0.02), np.random.default_rng(0)
-    modes = synthetic_modes(assemble(beam), 5, beam.dofs, noise=noise, rng=rng)
+    store, bay = open_store(places[0]), STRUCTURES["bay"]()
+    noise, rng = ModeNoise(eigenvalue=0.05, eigenvector=0.1), np.random.default_rng(0)
+    modes = synthetic_modes(assemble(bay), 10, bay.dofs, noise=noise, rng=rng)
     return {
-        "structure_id": store.structures.add(beam, owner="me"),
+        "structure_id": store.structures.add(bay, owner="me"),
         "modal_model_id": store.modal_models.add(modes, owner="me"),
         "method": "inverse_eigensensitivity",
-        "parameterisation": to_plain(parameterise([[n] for n in range(1, 21)], ["stiffness"]))[0],
+        "parameterisation": to_plain(parameterise(automatic_groups(bay)))[0],
         "options": to_plain(options)[0],
     }
 

@@ -83,6 +83,7 @@ class AccelerometerTolerance(Effect):
     kind: ClassVar[str] = "accelerometer_tolerance"
     summary: ClassVar[str] = "accelerometers a little heavier or lighter than declared"
     stage: ClassVar[int] = 1
+    by_run: ClassVar[bool] = True
     more: float = parameter(0.0, unit="kg", lower=-0.5, upper=0.5, doc="mass beyond the one declared")
 
     def on_system(self, system: DynamicSystem, shot: Shot) -> DynamicSystem:
