@@ -171,9 +171,9 @@ def test_what_it_is_given_stays_as_it_was(kind: str) -> None:
         assert given == (Drive(SETUP.drive, 0.1), NoiseLevels(0.1, 0.2), Source(0.3))
 
 
-@pytest.mark.parametrize("kind", [kind for kind in KINDS if not EFFECTS[kind].by_run])
+@pytest.mark.parametrize("kind", [kind for kind in KINDS if EFFECTS[kind].alike_in_runs])
 def test_a_structure_with_it_is_the_same_in_every_run(kind: str) -> None:
-    # chains ask it once for all runs; one that differs has to say `by_run`
+    # it says so, and chains ask it once for all runs
     last = Shot((Dof.parse("16:+Y"),), (Dof.parse("3:+Y"),), moment=1.0)
     for effect in examples(kind):
         one, other = (effect.on_system(SYSTEMS[kind], shot) for shot in (replace(SHOT, moment=0.0), last))

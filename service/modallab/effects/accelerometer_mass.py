@@ -26,7 +26,6 @@ class AccelerometerMass(Effect):
     kind: ClassVar[str] = "accelerometer_mass"
     summary: ClassVar[str] = "the accelerometer's mass lowers the natural frequencies"
     stage: ClassVar[int] = 1
-    by_run: ClassVar[bool] = True
     sits: ClassVar[tuple[type, ...]] = (NoneType, Dof)
     mass: float = parameter(0.02, unit="kg", lower=0.0, upper=0.5, doc="accelerometer with its stud")
 

@@ -31,6 +31,7 @@ class AttachedOscillator(Effect):
     summary: ClassVar[str] = "a part on the structure with a resonance of its own"
     stage: ClassVar[int] = 1
     structural: ClassVar[bool] = True
+    alike_in_runs: ClassVar[bool] = True
     sits: ClassVar[tuple[type, ...]] = (Dof,)
     mass: float = parameter(0.05, unit="kg", lower=0.0, upper=100.0, doc="mass that moves on the spring")
     frequency: float = parameter(

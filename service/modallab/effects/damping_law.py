@@ -30,6 +30,7 @@ class DampingLaw(Effect):
     summary: ClassVar[str] = "viscous damping that the model has as structural, or the other way round"
     stage: ClassVar[int] = 1
     structural: ClassVar[bool] = True
+    alike_in_runs: ClassVar[bool] = True
     share: float = parameter(
         0.5, unit="1", lower=0.0, upper=1.0, doc="of the loss that follows the other law"
     )

@@ -27,6 +27,7 @@ class DensityError(Effect):
     summary: ClassVar[str] = "members heavier or lighter than modelled"
     stage: ClassVar[int] = 1
     structural: ClassVar[bool] = True
+    alike_in_runs: ClassVar[bool] = True
     sits: ClassVar[tuple[type, ...]] = (NoneType, Members)
     factor: float = parameter(
         1.5, unit="1", lower=0.05, upper=20.0, absent=1.0, doc="true density over the model's"

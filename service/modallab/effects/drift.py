@@ -27,7 +27,6 @@ class Drift(Effect):
     summary: ClassVar[str] = "stiffness changes between the runs of a test, as with temperature"
     stage: ClassVar[int] = 1
     structural: ClassVar[bool] = True
-    by_run: ClassVar[bool] = True
     change: float = parameter(
         -0.01, unit="1", lower=-0.3, upper=0.3, doc="of stiffness from the first run to the last, relative"
     )

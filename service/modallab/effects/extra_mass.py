@@ -28,6 +28,7 @@ class ExtraMass(Effect):
     summary: ClassVar[str] = "a mass at one node that the model lacks"
     stage: ClassVar[int] = 1
     structural: ClassVar[bool] = True
+    alike_in_runs: ClassVar[bool] = True
     sits: ClassVar[tuple[type, ...]] = (Dof,)
     mass: float = parameter(0.05, unit="kg", lower=0.0, upper=10.0, doc="mass at the node")
 

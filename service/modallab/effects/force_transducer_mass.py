@@ -25,7 +25,6 @@ class ForceTransducerMass(Effect):
     kind: ClassVar[str] = "force_transducer_mass"
     summary: ClassVar[str] = "mass below the force gauge that was not cancelled"
     stage: ClassVar[int] = 1
-    by_run: ClassVar[bool] = True
     sits: ClassVar[tuple[type, ...]] = (NoneType, Dof)
     at_drive: ClassVar[bool] = True
     mass: float = parameter(0.01, unit="kg", lower=0.0, upper=0.5, doc="mass below the sensing element")

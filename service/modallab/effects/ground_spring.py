@@ -29,6 +29,7 @@ class GroundSpring(Effect):
     summary: ClassVar[str] = "a spring to the ground that the model lacks"
     stage: ClassVar[int] = 1
     structural: ClassVar[bool] = True
+    alike_in_runs: ClassVar[bool] = True
     sits: ClassVar[tuple[type, ...]] = (Dof,)
     stiffness: float = parameter(
         1e4, unit="N/m", lower=0.0, upper=1e12, doc="spring from the DoF to the ground"

@@ -33,6 +33,7 @@ class JointFlexibility(Effect):
     summary: ClassVar[str] = "a crack or loose joint that gives in bending"
     stage: ClassVar[int] = 1
     structural: ClassVar[bool] = True
+    alike_in_runs: ClassVar[bool] = True
     sits: ClassVar[tuple[type, ...]] = (Dof,)
     flexibility: float = parameter(
         1e-4, unit="rad/(N m)", lower=0.0, upper=1e6, doc="rotation of one side against the other per moment"

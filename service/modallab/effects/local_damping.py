@@ -28,6 +28,7 @@ class LocalDamping(Effect):
     summary: ClassVar[str] = "a damper at one point that the model lacks"
     stage: ClassVar[int] = 1
     structural: ClassVar[bool] = True
+    alike_in_runs: ClassVar[bool] = True
     sits: ClassVar[tuple[type, ...]] = (Dof,)
     damping: float = parameter(
         2.0, unit="N s/m", lower=0.0, upper=1e6, doc="damper from the DoF to the ground"

@@ -30,6 +30,7 @@ class LossFactorError(Effect):
     summary: ClassVar[str] = "members lose more or less than modelled"
     stage: ClassVar[int] = 1
     structural: ClassVar[bool] = True
+    alike_in_runs: ClassVar[bool] = True
     sits: ClassVar[tuple[type, ...]] = (NoneType, Members)
     factor: float = parameter(
         2.0, unit="1", lower=0.0, upper=100.0, absent=1.0, doc="true loss factor over the model's"

@@ -29,6 +29,7 @@ class RotationalGroundSpring(Effect):
     summary: ClassVar[str] = "a rotation that the ground holds back and the model leaves free"
     stage: ClassVar[int] = 1
     structural: ClassVar[bool] = True
+    alike_in_runs: ClassVar[bool] = True
     sits: ClassVar[tuple[type, ...]] = (Dof,)
     stiffness: float = parameter(
         100.0, unit="N m/rad", lower=0.0, upper=1e12, doc="spring from the rotation to the ground"

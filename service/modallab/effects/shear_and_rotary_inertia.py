@@ -29,6 +29,7 @@ class ShearAndRotaryInertia(Effect):
     summary: ClassVar[str] = "members shear and their sections have inertia"
     stage: ClassVar[int] = 1
     structural: ClassVar[bool] = True
+    alike_in_runs: ClassVar[bool] = True
     sits: ClassVar[tuple[type, ...]] = (NoneType, Members)
     amount: float = parameter(
         1.0,

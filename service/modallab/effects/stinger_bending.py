@@ -31,7 +31,6 @@ class StingerBending(Effect):
     kind: ClassVar[str] = "stinger_bending"
     summary: ClassVar[str] = "the stinger holds the drive point against rotation and lateral motion"
     stage: ClassVar[int] = 1
-    by_run: ClassVar[bool] = True
     sits: ClassVar[tuple[type, ...]] = (NoneType, Dof)
     at_drive: ClassVar[bool] = True
     stiffness: float = parameter(

@@ -33,7 +33,6 @@ class StingerMass(Effect):
     kind: ClassVar[str] = "stinger_mass"
     summary: ClassVar[str] = "the mass of the stinger takes force to move"
     stage: ClassVar[int] = 3
-    by_run: ClassVar[bool] = True
     sits: ClassVar[tuple[type, ...]] = (NoneType, Dof)
     at_drive: ClassVar[bool] = True
     suspected: ClassVar[bool] = False

@@ -241,7 +241,7 @@ def all_effects(setup: RigSetup, added: Sequence[Effect]) -> list[Effect]:
     def order(effect: Effect) -> tuple[int, bool, bool]:
         # What acts everywhere comes first: a member's own factor multiplies what holds for all members.
         # Before it what all runs have in common, which is then worked out once.
-        return effect.stage, effect.by_run, effect.at is not None
+        return effect.stage, not effect.alike_in_runs, effect.at is not None
 
     return sorted([*implied, *named, *added], key=order)
 
@@ -313,7 +313,7 @@ def _run(
     forces = [Channel.ideal(dof, force=True) for dof in shot.drives]
     responses = [Channel.ideal(dof) for dof in shot.outputs]
     for i, (effect, (to_system, to_drive, to_channel)) in enumerate(effects):
-        if to_system and effect.by_run:
+        if to_system and not effect.alike_in_runs:
             system = effect.on_system(system, shot)
         elif to_system:
             if i not in latest or latest[i][0] is not system:

@@ -38,7 +38,7 @@ class Effect(Parameterised):
     structural: ClassVar[bool] = False  # True: it belongs to the model, else to the log book
     sits: ClassVar[tuple[type, ...]] = (NoneType,)  # what `at` may be
     at_drive: ClassVar[bool] = False  # True: a DoF it sits at can only be a drive point
-    by_run: ClassVar[bool] = False  # True: what it does to the structure depends on the run
+    alike_in_runs: ClassVar[bool] = False  # True: makes the same of a structure in every run; asked once
     suspected: ClassVar[bool] = True  # False: a diagnosis looks for it only when told to
     bursts: ClassVar[bool] = False  # True: what it adds comes in bursts, which few records carry
     at: Place = None

@@ -83,7 +83,6 @@ class AccelerometerTolerance(Effect):
     kind: ClassVar[str] = "accelerometer_tolerance"
     summary: ClassVar[str] = "accelerometers a little heavier or lighter than declared"
     stage: ClassVar[int] = 1
-    by_run: ClassVar[bool] = True
     more: float = parameter(0.0, unit="kg", lower=-0.5, upper=0.5, doc="mass beyond the one declared")
 
     def on_system(self, system: DynamicSystem, shot: Shot) -> DynamicSystem:
@@ -122,6 +121,7 @@ class LossTolerance(Effect):
     summary: ClassVar[str] = "modes lose a little more or less than modelled"
     stage: ClassVar[int] = 1
     structural: ClassVar[bool] = True
+    alike_in_runs: ClassVar[bool] = True
     more: tuple[float, ...] = ()  # loss factor beyond the model's, of the lowest elastic modes
 
     def on_system(self, system: DynamicSystem, shot: Shot) -> DynamicSystem:
