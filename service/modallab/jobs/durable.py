@@ -9,16 +9,17 @@ import logging
 import os
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import Any, Self
 
 import sqlalchemy as sa
 import structlog
-from anyio import BrokenWorkerProcess, CapacityLimiter, to_process, to_thread
+from anyio import BrokenWorkerProcess, to_thread
 from dbos import DBOS, DBOSClient, Serializer
 from dbos import error as dbos_error
 
-from modallab.jobs.answering import answers_apart
 from modallab.jobs.book import JobBook
+from modallab.jobs.processes import WorkerProcesses
 from modallab.jobs.runner import Job
 from modallab.jobs.work import INTERNAL, count_shares, perform, perform_share
 from modallab.store.engine import make_engine
@@ -56,56 +57,38 @@ class _Site:
 
     place: StorePlace
     book: JobBook
-    limiter: CapacityLimiter
+    processes: WorkerProcesses
 
 
 _site: _Site | None = None  # DBOS is one a process, and its workflows are module-level functions
-
-
-def _perform_apart(place: StorePlace, job_id: str, shares: Sequence[Result] | None) -> str | None:
-    with answers_apart():
-        return perform(place, job_id, shares)
-
-
-def _share_apart(place: StorePlace, job_id: str, index: int) -> tuple[Result, str | None]:
-    with answers_apart():
-        return perform_share(place, job_id, index)
 
 
 def _broke(error: BaseException) -> bool:
     return isinstance(error, BrokenWorkerProcess)
 
 
-@DBOS.step(
-    name="perform",
+_step = partial(
+    DBOS.step,
     preemptible=True,
     retries_allowed=True,
     max_attempts=_ATTEMPTS,
     interval_seconds=0.1,
     should_retry=_broke,
 )
+
+
+@_step(name="perform")
 async def _perform(job_id: str, shares: Sequence[Result] | None) -> None:
     assert _site is not None
-    fault = await to_process.run_sync(
-        _perform_apart, _site.place, job_id, shares, cancellable=True, limiter=_site.limiter
-    )
+    fault = await _site.processes.run(perform, _site.place, job_id, shares)
     if fault is not None:
         _log.error("job failed", job=job_id, fault=fault)
 
 
-@DBOS.step(
-    name="perform_share",
-    preemptible=True,
-    retries_allowed=True,
-    max_attempts=_ATTEMPTS,
-    interval_seconds=0.1,
-    should_retry=_broke,
-)
+@_step(name="perform_share")
 async def _perform_share(job_id: str, index: int) -> Result:
     assert _site is not None
-    made, fault = await to_process.run_sync(
-        _share_apart, _site.place, job_id, index, cancellable=True, limiter=_site.limiter
-    )
+    made, fault = await _site.processes.run(perform_share, _site.place, job_id, index)
     if fault is not None:
         _log.error("share of a job failed", job=job_id, share=index, fault=fault)
     return made
@@ -206,7 +189,7 @@ class DurableRunner:
     async def _launch(self, executor_id: str) -> None:
         global _site
         cores = max(1, (os.cpu_count() or 1) - 1)
-        _site = _Site(self._place, self._book, CapacityLimiter(cores))
+        _site = _Site(self._place, self._book, WorkerProcesses(cores))
         DBOS(
             config={
                 "name": _NAME,
@@ -252,6 +235,8 @@ class DurableRunner:
             await to_thread.run_sync(self._client.destroy)
         if self._executor_id is not None:
             await to_thread.run_sync(DBOS.destroy)
+            assert _site is not None
+            await _site.processes.leave()
         self._engine.dispose()
 
     def _enqueue(self, job_id: str) -> None:

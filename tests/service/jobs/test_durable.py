@@ -1,15 +1,17 @@
 """The durable runner: what a crash leaves between the book and the engine is mended."""
 
 import gc
+import signal
 import time
-from collections.abc import Awaitable, Callable
+from collections.abc import Awaitable, Callable, Sequence
 from functools import partial
 from typing import Any
 
 import anyio
 import numpy as np
 import pytest
-from anyio import to_thread
+from anyio import to_process, to_thread
+from anyio.abc import Process
 
 from modallab.core.errors import NotFoundError
 from modallab.fe.assembly import assemble
@@ -25,14 +27,10 @@ from modallab.updating.method import UpdateOptions
 from modallab.updating.parameterisation import automatic_groups, parameterise
 from modallab.updating.studying.plan import NOISE_LEVELS, Division, Level, StudyPlan
 
-# A thread of the engine may hand its PostgreSQL connection back when the pool is gone already, and the end
-# of a worker process may be heard of when the loop that started it is closed.
-pytestmark = [
-    pytest.mark.filterwarnings(
-        f"ignore:Exception ignored in. <function {of}.__del__:pytest.PytestUnraisableExceptionWarning"
-    )
-    for of in ("BaseConnection", "BaseSubprocessTransport")
-]
+# A thread of the engine may hand its PostgreSQL connection back when the pool is gone already.
+pytestmark = pytest.mark.filterwarnings(
+    "ignore:Exception ignored in. <function BaseConnection.__del__:pytest.PytestUnraisableExceptionWarning"
+)
 
 Places = tuple[StorePlace, JobPlace]
 Work = Callable[[DurableRunner], Awaitable[None]]
@@ -110,6 +108,27 @@ def test_a_cancelled_job_stops_within_a_second_and_stores_nothing(places: Places
         assert not open_store(places[0]).updates.holds(job.result_id)
 
     run(places, work)
+
+
+def test_a_runner_that_ends_while_a_worker_process_starts_leaves_none_behind(
+    places: Places, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    processes: list[Process] = []
+
+    async def opened(command: Sequence[str], **options: Any) -> Process:
+        processes.append(await anyio.open_process(command, **options))
+        return processes[-1]
+
+    monkeypatch.setattr(to_process, "open_process", opened)
+
+    async def work(runner: DurableRunner) -> None:
+        given = arguments(places, ENDLESS)
+        await to_thread.run_sync(partial(runner.submit, "update_and_store", given, owner="me"))
+        while not processes:
+            await anyio.sleep(0.001)
+
+    run(places, work)
+    assert [process.returncode for process in processes] == [-signal.SIGKILL]
 
 
 def studying(places: Places, seeds: int, options: UpdateOptions) -> dict[str, Any]:

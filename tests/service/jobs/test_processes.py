@@ -1,0 +1,50 @@
+"""Worker processes: what is done in them, and that none outlives whoever leaves."""
+
+import asyncio
+import os
+import signal
+import time
+from collections.abc import Sequence
+from typing import Any
+
+import anyio
+import pytest
+from anyio import to_process
+from anyio.abc import Process
+
+from modallab.jobs.processes import WorkerProcesses
+
+
+def told() -> int:
+    os.write(1, b"a line of its own, as compiled libraries write it\n")
+    return os.getpid()
+
+
+def test_work_is_done_in_another_process_and_what_is_printed_there_does_no_harm() -> None:
+    async def main() -> int:
+        return await WorkerProcesses(1).run(told)
+
+    assert anyio.run(main) != os.getpid()
+
+
+def test_whoever_leaves_leaves_no_process_at_work(monkeypatch: pytest.MonkeyPatch) -> None:
+    made: list[Process] = []
+
+    async def opened(command: Sequence[str], **options: Any) -> Process:
+        made.append(await anyio.open_process(command, **options))
+        return made[-1]
+
+    monkeypatch.setattr(to_process, "open_process", opened)
+
+    async def main() -> None:
+        processes = WorkerProcesses(1)
+        await processes.run(os.getpid)
+        # one at work, one that waits for it
+        asking = [asyncio.create_task(processes.run(time.sleep, 60.0)) for _ in range(2)]
+        await anyio.sleep(0.1)
+        assert made[0].returncode is None
+        await processes.leave()
+        assert [process.returncode for process in made] == [-signal.SIGKILL]
+        assert all(task.cancelled() for task in asking)
+
+    anyio.run(main)
