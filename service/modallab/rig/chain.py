@@ -10,6 +10,7 @@ from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.dof import Dof
 from modallab.fe.receptance import attached, attached_variants
 from modallab.fe.system import DynamicSystem
+from modallab.rig.answering import Answered, ChannelResponse
 from modallab.rig.cancellation import cancelled
 from modallab.rig.channel import Channel
 from modallab.rig.distortion import with_equivalents
@@ -24,28 +25,6 @@ from modallab.rig.source import NoiseLevels, Source
 # far enough for omega^2 to stand above the rounding in a free body's modal damping.
 NEARLY_STILL = 1e-3
 AT_ONCE = 2048  # frequencies at which the structure is asked at once: what then lies in the cache
-
-
-@dataclass(frozen=True, eq=False)
-class ChannelResponse:
-    """What the channels of every run show for a unit force of each source."""
-
-    force: ComplexArray  # (n_run, n_freq, n_in, n_in)
-    response: ComplexArray  # (n_run, n_freq, n_out, n_in) m/s^2 per N of the source
-    moved: ComplexArray  # (n_run, n_freq, r, n_in) m per N of the source, at nonlinear forces
-
-    @property
-    def channels(self) -> ComplexArray:
-        """(n_run, n_freq, n_ch, n_in): forces first."""
-        return np.concatenate([self.force, self.response], axis=2)
-
-    @property
-    def inertance(self) -> ComplexArray:
-        """(n_run, n_freq, n_out, n_in) 1/kg: responses per forces, as the channels show both."""
-        if self.force.shape[-1] == 1:
-            return np.asarray(self.response / self.force)
-        solved = np.linalg.solve(self.force.swapaxes(2, 3), self.response.swapaxes(2, 3))
-        return np.asarray(solved.swapaxes(2, 3))
 
 
 def _at_work(runs: Sequence[Run], omega: FloatArray, alpha: ComplexArray) -> ComplexArray:
@@ -72,31 +51,6 @@ def _forces(drives: tuple[Drive, ...], omega: FloatArray, alpha: ComplexArray) -
     forces[:, :, :n, :n], forces[:, :, :n, n:] = through, -felt
     forces[:, :, np.arange(n, n_w), np.arange(n, n_w)] = 1.0
     return forces
-
-
-@dataclass(frozen=True, eq=False)
-class _Answered:
-    """What was asked last of a structure, and the answer."""
-
-    runs: tuple[Run, ...]
-    omega: FloatArray
-    alpha: ComplexArray
-
-    def holds(self, runs: Sequence[Run], omega: FloatArray) -> bool:
-        """Return whether the same is asked again."""
-        alike = len(runs) == len(self.runs) and all(map(_asks_alike, runs, self.runs))
-        return alike and np.array_equal(omega, self.omega)
-
-
-def _asks_alike(run: Run, other: Run) -> bool:
-    ours, theirs = run.system, other.system
-    return (
-        ours.shared is theirs.shared
-        and run.motions == other.motions
-        and run.n_at_work == other.n_at_work
-        and len(ours.attachments) == len(theirs.attachments)
-        and all(a.same(b) for a, b in zip(ours.attachments, theirs.attachments, strict=True))
-    )
 
 
 @dataclass(frozen=True, eq=False)
@@ -196,10 +150,10 @@ class Chain:
         """
         kept = runs[0].system.shared
         known = kept.get("answered")
-        if isinstance(known, _Answered) and known.holds(runs, omega):
+        if isinstance(known, Answered) and known.holds(runs, omega):
             return known.alpha
         alpha = self._solved(runs, omega, top)
-        kept["answered"] = _Answered(tuple(runs), omega, alpha)
+        kept["answered"] = Answered(tuple(runs), omega, alpha)
         return alpha
 
     def _solved(self, runs: Sequence[Run], omega: FloatArray, top: float) -> ComplexArray:

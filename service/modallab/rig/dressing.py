@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from modallab.core.arrays import ComplexArray
-from modallab.rig.chain import ChannelResponse
+from modallab.rig.answering import ChannelResponse
 
 
 def dressed(

@@ -6,7 +6,8 @@ from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.estimation.averaging import effective_averages
 from modallab.estimation.spectra import CrossSpectra
 from modallab.rig.acquisition import Acquisition
-from modallab.rig.chain import Chain, ChannelResponse
+from modallab.rig.answering import ChannelResponse
+from modallab.rig.chain import Chain
 from modallab.rig.distortion import FINEST, residuals
 from modallab.rig.dressing import dressed
 from modallab.rig.excitation import EXCITATIONS

@@ -1,0 +1,56 @@
+"""What the channels of every run show for a unit force, and what a structure was asked last."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.rig.run import Run
+
+
+@dataclass(frozen=True, eq=False)
+class ChannelResponse:
+    """What the channels of every run show for a unit force of each source."""
+
+    force: ComplexArray  # (n_run, n_freq, n_in, n_in)
+    response: ComplexArray  # (n_run, n_freq, n_out, n_in) m/s^2 per N of the source
+    moved: ComplexArray  # (n_run, n_freq, r, n_in) m per N of the source, at nonlinear forces
+
+    @property
+    def channels(self) -> ComplexArray:
+        """(n_run, n_freq, n_ch, n_in): forces first."""
+        return np.concatenate([self.force, self.response], axis=2)
+
+    @property
+    def inertance(self) -> ComplexArray:
+        """(n_run, n_freq, n_out, n_in) 1/kg: responses per forces, as the channels show both."""
+        if self.force.shape[-1] == 1:
+            return np.asarray(self.response / self.force)
+        solved = np.linalg.solve(self.force.swapaxes(2, 3), self.response.swapaxes(2, 3))
+        return np.asarray(solved.swapaxes(2, 3))
+
+
+@dataclass(frozen=True, eq=False)
+class Answered:
+    """What was asked last of a structure, and the answer."""
+
+    runs: tuple[Run, ...]
+    omega: FloatArray
+    alpha: ComplexArray
+
+    def holds(self, runs: Sequence[Run], omega: FloatArray) -> bool:
+        """Return whether the same is asked again."""
+        alike = len(runs) == len(self.runs) and all(map(_asks_alike, runs, self.runs))
+        return alike and np.array_equal(omega, self.omega)
+
+
+def _asks_alike(run: Run, other: Run) -> bool:
+    ours, theirs = run.system, other.system
+    return (
+        ours.shared is theirs.shared
+        and run.motions == other.motions
+        and run.n_at_work == other.n_at_work
+        and len(ours.attachments) == len(theirs.attachments)
+        and all(a.same(b) for a, b in zip(ours.attachments, theirs.attachments, strict=True))
+    )
