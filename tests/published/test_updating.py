@@ -12,7 +12,7 @@ from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.changes import MemberChange, MemberProperty, change
 from modallab.fe.selected import ModeNoise, synthetic_modes
 from modallab.fe.structure import Structure
-from modallab.updating.method import UPDATERS, UpdateResult
+from modallab.updating.method import UPDATERS, UpdateOptions, UpdateResult
 from modallab.updating.parameterisation import parameterise
 from tests.published import roving
 from tests.published.tables import table
@@ -60,7 +60,9 @@ def updated_with_damping(case: int) -> UpdateResult:
     truth, dofs = damped_bay(FRAMES["table_6_1"][f"loss_factor_{case}"])
     parameters = parameterise(FRAMES["table_3_1"]["macro_1"], ("mass", "stiffness", "damping"))
     method = UPDATERS["complex_inverse_eigensensitivity"]
-    return method(STRUCTURES["bay"](), parameters, exact_modes(truth, 10, dofs))
+    # the default ends location one iteration before the five and six that are printed
+    options = UpdateOptions(location_tolerance=3e-3)
+    return method(STRUCTURES["bay"](), parameters, exact_modes(truth, 10, dofs), options=options)
 
 
 @pytest.mark.parametrize("part", ["mass", "stiffness"])
@@ -87,10 +89,10 @@ def test_mass_loaded_modes_update_the_beam_to_the_printed_frequencies() -> None:
     np.testing.assert_allclose(beam_from("loaded").frequencies.after, BEAM["table_5_7"]["updated"], atol=2.0)
 
 
-def test_the_bay_is_located_in_the_printed_frequencies() -> None:
+def test_the_bay_is_located_without_damping_near_the_frequencies_printed_with_it() -> None:
     result, printed = bay(), FRAMES["table_6_4"]
     assert result.iterations["location"] <= 5
-    # printed to 0.1 Hz, from one step earlier or later: the last one moves coefficients by 0.01 at most
+    # 0.12 Hz from them however far it is iterated
     np.testing.assert_allclose(result.frequencies.location, printed["located"], atol=0.15)
     np.testing.assert_allclose(result.mac.location, printed["mac"], atol=0.001)
 
@@ -120,8 +122,9 @@ def test_the_damped_bay_is_printed_in_frequencies_loss_factors_and_mac() -> None
 
 def test_the_damped_bay_is_located_in_the_printed_frequencies() -> None:
     result, printed = updated_with_damping(1), FRAMES["table_6_4"]
-    # printed to 0.1 Hz, from one step later: the last one moves coefficients by 0.01 at most
-    np.testing.assert_allclose(result.frequencies.location, printed["located"], atol=0.15)
+    assert result.iterations["location"] == FRAMES["table_6_1"]["location_iterations"][0]
+    # printed to 0.1 Hz
+    np.testing.assert_allclose(result.frequencies.location, printed["located"], atol=0.1)
     np.testing.assert_allclose(result.mac.location, printed["mac"], atol=0.001)
 
 
@@ -160,10 +163,10 @@ def test_the_damped_bay_is_updated_to_the_printed_frequencies() -> None:
 def test_the_heavily_damped_bay_is_suspected_in_other_elements_than_printed() -> None:
     result, printed = updated_with_damping(2), FRAMES["table_6_1"]
     assert len(result.suspected["stiffness"]) == printed["suspected_stiffness"]
-    # mass of members 8 to 12 ends at 1.075, below the threshold of 0.08 that case 1 has; damping of all
+    # mass of members 8 to 12 ends at 1.074, below the threshold of 0.08 that case 1 has; damping of all
     # but three macro elements is above 0.008, where the thesis stops at the two largest, 0.127 and 0.062
     assert len(result.suspected["mass"]) == 4
     last = [one for one in result.history if one.stage == "location"][-1]
     of_mass, of_damping = last.coefficients[2], np.sort(np.abs(last.coefficients[16:]))[::-1]
-    assert of_mass == pytest.approx(1.075, abs=0.001)
+    assert of_mass == pytest.approx(1.074, abs=0.001)
     np.testing.assert_allclose(of_damping[:3], [0.127, 0.062, 0.042], atol=0.001)
