@@ -31,6 +31,7 @@ def update(data: Json) -> findings.Update:
             for part, found in (data.get("intervals") or {}).items()
         },
         identifiability=_identifiability(data["identifiability"]) if data.get("identifiability") else None,
+        quantities=tuple(_quantity(one) for one in data.get("quantities") or ()),
         direct=_wire_direct.findings(data["direct"]) if data.get("direct") else None,
         suspects=_wire_direct.suspects(data["located"]) if data.get("located") else None,
     )
@@ -53,6 +54,18 @@ def _identifiability(data: Json) -> identified.Identifiability:
             )
             for one in data["directions"]
         ),
+    )
+
+
+def _quantity(data: Json) -> identified.Quantity:
+    interval = data.get("interval")
+    return identified.Quantity(
+        part=data["part"],
+        members=tuple(map(int, data["members"])),
+        unit=data["unit"],
+        before=float(data["before"]),
+        after=float(data["after"]),
+        interval=None if interval is None else (float(interval[0]), float(interval[1])),
     )
 
 

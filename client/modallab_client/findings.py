@@ -11,6 +11,7 @@ from modallab_client.correlation import Correlation as Correlation
 from modallab_client.direct import DirectFindings as DirectFindings
 from modallab_client.direct import Suspects as Suspects
 from modallab_client.identified import Identifiability as Identifiability
+from modallab_client.identified import Quantity as Quantity
 from modallab_client.located import Located as Located
 from modallab_client.models import ComplexArray, FloatArray
 
@@ -64,6 +65,7 @@ class Update:
     history: tuple[Iteration, ...] = ()
     intervals: Mapping[str, Mapping[int, tuple[float, float]]] = field(default_factory=dict)  # 95 %, by data
     identifiability: Identifiability | None = None
+    quantities: tuple[Quantity, ...] = ()  # properties in their own units
     direct: DirectFindings | None = None  # of methods that work on matrices
     suspects: Suspects | None = None  # of methods that locate errors by one step
 

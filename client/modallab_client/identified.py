@@ -39,6 +39,23 @@ class Identifiability:
     directions: tuple[Direction, ...]
 
 
+@dataclass(frozen=True)
+class Quantity:
+    """A property of some members in its own unit, before and after an update."""
+
+    part: str
+    members: tuple[int, ...]
+    unit: str
+    before: float
+    after: float
+    interval: tuple[float, float] | None  # that holds it with 95 %, by the data alone
+
+    def __str__(self) -> str:
+        where = ", ".join(map(str, self.members))
+        held = f" (95 %: {ends(self.interval)})" if self.interval else ""
+        return f"{self.part} of {where}: {self.after:.4g} {self.unit}, was {self.before:.4g}{held}"
+
+
 @dataclass(frozen=True, eq=False)
 class Covariance:
     """The covariance of coefficients by the errors of the data."""

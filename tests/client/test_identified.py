@@ -34,6 +34,18 @@ def test_intervals_and_directions_are_read() -> None:
     assert "1.6 to 2.5" in update.table()
 
 
+def test_properties_are_read_in_their_units() -> None:
+    given = {"part": "thickness", "members": [3, 4], "unit": "m", "before": 0.004, "after": 0.005}
+    known, open_ = (
+        _wire_findings.update(UPDATE | {"quantities": [given | {"interval": interval}]}).quantities[0]
+        for interval in ([0.0049, 0.0051], None)
+    )
+    assert (known.members, known.interval, open_.interval) == ((3, 4), (0.0049, 0.0051), None)
+    assert str(known) == "thickness of 3, 4: 0.005 m, was 0.004 (95 %: 0.0049 to 0.0051)"
+    assert str(open_) == "thickness of 3, 4: 0.005 m, was 0.004"
+    assert _wire_findings.update(UPDATE).quantities == ()
+
+
 def test_an_update_without_them_is_read_too() -> None:
     update = _wire_findings.update(UPDATE)
     assert update.intervals == {}

@@ -111,3 +111,11 @@ def test_the_guides_example_of_a_direction_is_named(names: dict[str, Any]) -> No
     ends = [names["at_once"].intervals[part][member] for part in wrong for member in wrong[part]]
     inside = [low <= value <= high for (low, high), value in zip(ends, (1.5, 1.5, 2, 2, 2), strict=True)]
     assert sum(inside) >= 4  # each with 95 %: two of five outside in one draw of 50
+
+
+def test_a_thickness_is_found_and_no_modulus(names: dict[str, Any]) -> None:
+    found = {(one.part, one.members[0]): one for one in names["sized"].quantities}
+    # six exact modes at thirteen places, four coefficients: rounding
+    assert found["thickness", 49].after == pytest.approx(0.0048, rel=1e-6)
+    assert found["modulus", 49].after == pytest.approx(2.09e11, rel=1e-6)
+    assert found["thickness", 1].after == pytest.approx(0.004, rel=1e-6)

@@ -1,5 +1,8 @@
 """What every element must be: symmetric, passive, free to move as a rigid body, of the right mass."""
 
+from dataclasses import replace
+from typing import Any
+
 import numpy as np
 import pytest
 from hypothesis import given, settings
@@ -73,6 +76,24 @@ def test_an_element_that_does_not_shear_bends_and_stretches_by_parts_of_their_ow
     np.testing.assert_allclose(after["bending"], before["bending"], rtol=1e-12)
     stiffer = ELEMENTS[kind](Bar(1.0, 1e-4, 2e-8, 2e11, 7800.0)).stiffness
     np.testing.assert_allclose(stiffer["bending"], 2 * before["bending"], rtol=1e-12)
+
+
+@pytest.mark.parametrize("kind", ELEMENTS)
+@pytest.mark.parametrize("size", ["area", "second_moment"])
+def test_an_element_of_a_complex_size_says_how_it_moves_with_it(kind: str, size: str) -> None:
+    bar, step = Bar(0.4, 1e-3, 1e-7, 2e11, 7800.0, 8e10), 1e-3
+    by: dict[str, Any] = {size: getattr(bar, size)}
+    aside, ahead, behind = (
+        ELEMENTS[kind](replace(bar, **{size: factor * by[size]}))
+        for factor in (1 + 1e-30j, 1 + step, 1 - step)
+    )
+    for one, more, less in (
+        (aside.mass, ahead.mass, behind.mass),
+        *((aside.stiffness[k], ahead.stiffness[k], behind.stiffness[k]) for k in ("axial", "bending")),
+    ):
+        moved = (more - less) / (2 * step)
+        # central differences: 1e-6 of third derivatives, which are no larger than the matrix
+        np.testing.assert_allclose(one.imag / 1e-30, moved, rtol=0, atol=1e-6 * np.abs(more).max())
 
 
 @pytest.mark.parametrize("kind", ELEMENTS)

@@ -108,3 +108,15 @@ def test_an_element_turned_round_its_rim_is_the_same_element(kind: str) -> None:
         # sums over the same points in another order
         again = theirs[0][np.ix_(back, back)]
         np.testing.assert_allclose(again, ours[0], rtol=1e-9, atol=1e-12 * np.abs(again).max())
+
+
+@pytest.mark.parametrize("kind", FACETS)
+def test_matrices_are_made_of_the_thickness_and_its_cube(kind: str) -> None:
+    def at(thickness: float) -> FloatArray:
+        numbers = (np.array([value]) for value in (thickness, 2e11, 7800.0, 0.3))
+        return np.array([part[0] for part in shell_matrices(Facets(SHAPES[kind][None], *numbers))])
+
+    once, twice = at(0.05), at(0.1)
+    cubic = (twice - 2 * once) / 6
+    for found, expected in zip(at(0.15), 3 * (once - cubic) + 27 * cubic, strict=True):
+        np.testing.assert_allclose(found, expected, rtol=0, atol=1e-13 * np.abs(expected).max())

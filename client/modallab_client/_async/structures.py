@@ -39,7 +39,8 @@ class AsyncStructures(AsyncDescribed):
         members, node, dof
             Where the one change by keywords is made.
         property
-            Of members: density, modulus, axial_stiffness, bending_stiffness, loss_factor; of a node:
+            Of members: density, modulus, axial_stiffness, bending_stiffness, loss_factor, area,
+            second_moment, thickness; of a node:
             mass; of a DoF: ground_stiffness.
         factor, value
             `factor` multiplies, `value` sets.

@@ -46,7 +46,8 @@ class Updates(Shelf):
         macros
             `auto`, `each` member by itself, or the member lists of the macro elements.
         parts
-            Of mass, stiffness, axial, bending, damping; left out: mass and stiffness, of a method of complex
+            Of mass, stiffness, axial, bending, damping, or properties: density, modulus, area and
+            second_moment of bars, thickness of plates; left out: mass and stiffness, of a method of complex
             modes damping too.
         lower, upper, max_iterations
             Bounds of every coefficient, 1 = no change; steps of each stage.

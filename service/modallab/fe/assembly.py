@@ -1,5 +1,7 @@
 """Structure and coefficients to matrices, by a sparsity pattern that is found once."""
 
+from collections.abc import Mapping
+from copy import copy
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -12,6 +14,7 @@ from modallab.fe.damping import ModalDamping, StructuralDamping
 from modallab.fe.losses import Losses
 from modallab.fe.member_matrices import bar_of, member_matrices
 from modallab.fe.member_table import MemberTable
+from modallab.fe.members import AnyMember
 from modallab.fe.modal_damping import ModalLoss
 from modallab.fe.shear import Shear
 from modallab.fe.structure import ACROSS, Member, Structure
@@ -49,7 +52,7 @@ class Assembly:
     """
 
     def __init__(self, structure: Structure) -> None:
-        self.structure = structure
+        self.structure, self.members = structure, structure.all_members
         parts = member_matrices(structure)
         self.mass, self.axial, self.bending = parts.mass, parts.axial, parts.bending
         self.rows, self._bars = parts.rows, parts.bars
@@ -63,6 +66,22 @@ class Assembly:
         self._diagonal: IntArray = place[-n:]
         self._indices = unique % n
         self._indptr = np.searchsorted(unique, np.arange(n + 1) * n)
+
+    def resized(self, members: Mapping[int, AnyMember]) -> "Assembly":
+        """Return the assembly of members some of which have other sections or thicknesses.
+
+        Parameters
+        ----------
+        members
+            The others, by their place among all; their nodes are the same.
+        """
+        other, at = copy(self), list(members)
+        own = member_matrices(self.structure, list(members.values()), self.mass.shape[-1])
+        every = dict(enumerate(self.members)) | members
+        other.members = tuple(every[place] for place in range(len(self.members)))
+        other.mass, other.axial, other.bending = self.mass.copy(), self.axial.copy(), self.bending.copy()
+        other.mass[at], other.axial[at], other.bending[at] = own.mass, own.axial, own.bending
+        return other
 
     def matrix(self, parts: FloatArray, diagonal: FloatArray | None = None) -> csc_array:
         """Return the (n, n) sum of element matrices (n_members, w, w), plus a diagonal (n,)."""
@@ -139,9 +158,9 @@ class Assembly:
         )
 
     def _shear(self, use: Coefficients) -> Shear:
-        n = len(self.structure.all_members)
+        n = len(self.members)
         rigidity, line_mass, flexibility, gyration = np.zeros((4, n))
-        for i, member in enumerate(self.structure.all_members):
+        for i, member in enumerate(self.members):
             if not isinstance(member, Member):
                 continue
             bar = bar_of(self.structure, member)

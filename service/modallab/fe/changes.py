@@ -10,6 +10,7 @@ from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.fe.damping import StructuralDamping
 from modallab.fe.members import AnyMember, Block, Member
+from modallab.fe.shapes import Shape, resized, size
 from modallab.fe.structure import GroundSpring, PointMass, Structure
 
 
@@ -21,6 +22,9 @@ class MemberProperty(StrEnum):
     AXIAL_STIFFNESS = "axial_stiffness"  # E A, N; of a plate E t, N/m
     BENDING_STIFFNESS = "bending_stiffness"  # E I, N m^2; of a plate E t^3 / 12 (1 - nu^2), N m
     LOSS_FACTOR = "loss_factor"  # eta of D = eta K
+    AREA = "area"  # of a bar, m^2
+    SECOND_MOMENT = "second_moment"  # of a bar, m^4
+    THICKNESS = "thickness"  # of a plate, m
 
 
 @dataclass(frozen=True)
@@ -136,6 +140,9 @@ def _changed(structure: Structure, member: AnyMember, made: MemberChange) -> Any
             return replace(member, bending_factor=moved(member.bending_factor))
         case MemberProperty.LOSS_FACTOR:
             return replace(member, loss_factor=_loss_factor(structure, member, made))
+        case MemberProperty.AREA | MemberProperty.SECOND_MOMENT | MemberProperty.THICKNESS:
+            shape = Shape(made.property)
+            return resized(member, shape, made.of(size(member, shape)))
 
 
 def _nominal(member: AnyMember, property: MemberProperty) -> float:

@@ -3,6 +3,8 @@
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
+import numpy as np
+
 from modallab.core.arrays import FloatArray
 from modallab.core.registry import Family
 
@@ -18,6 +20,13 @@ class Bar:
     density: float  # kg/m^3
     shear_modulus: float = float("inf")  # N/m^2; infinite: sections stay normal to the axis
     shear_coefficient: float = 5 / 6  # kappa, share of the area that shears
+
+    def blank(self) -> FloatArray:
+        """Return three empty matrices (6, 6), which hold complex numbers where the bar has one.
+
+        By a complex area or second moment a derivative is found: `shapes.slopes`.
+        """
+        return np.zeros((3, 6, 6), np.result_type(self.area, self.second_moment))
 
     @property
     def shear_flexibility(self) -> float:

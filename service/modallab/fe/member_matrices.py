@@ -9,7 +9,7 @@ import numpy as np
 from modallab.core.arrays import BoolArray, FloatArray, IntArray
 from modallab.fe.element import ELEMENTS, Bar, ElementParts
 from modallab.fe.facet import Facets, plate_matrices
-from modallab.fe.members import Block, Material, Member, Plate, Section
+from modallab.fe.members import AnyMember, Block, Material, Member, Plate, Section
 from modallab.fe.structure import ACROSS, PLANE, Structure
 
 
@@ -46,23 +46,33 @@ def _parts(element: str, bar: Bar) -> ElementParts:
     return ELEMENTS[element](bar)
 
 
-def member_matrices(structure: Structure) -> MemberMatrices:
-    """Return the matrices of all members, factors left out."""
+def member_matrices(
+    structure: Structure, members: Sequence[AnyMember] | None = None, width: int = 0
+) -> MemberMatrices:
+    """Return the matrices of members, factors left out.
+
+    Parameters
+    ----------
+    members
+        Of the structure or instead of its own; by default all there are.
+    width
+        w, at least.
+    """
+    every = structure.all_members if members is None else members
     bars, plates, blocks = (
-        [(i, m) for i, m in enumerate(structure.all_members) if isinstance(m, kind)]
-        for kind in (Member, Plate, Block)
+        [(i, m) for i, m in enumerate(every) if isinstance(m, kind)] for kind in (Member, Plate, Block)
     )
     widths = [6] if bars else []
     widths += [len(ACROSS) * len(plate.nodes) for _, plate in plates]
     widths += [structure.blocks.rows.shape[1]] if blocks and structure.blocks else []
-    n, width = len(structure.all_members), max(widths)
+    n, width = len(every), max([width, *widths])
     mass, axial, bending = np.zeros((3, n, width, width))
     out = MemberMatrices(
         mass,
         axial,
         bending,
         rows=np.full((n, width), -1),
-        bars=np.array([isinstance(member, Member) for member in structure.all_members]),
+        bars=np.array([isinstance(member, Member) for member in every]),
     )
     if bars:
         _fill_bars(out, structure, [i for i, _ in bars], [m for _, m in bars])  # type: ignore[misc]
@@ -81,23 +91,22 @@ def _rows(structure: Structure, members: Sequence[Member | Plate], directions: S
 
 
 def _fill_bars(out: MemberMatrices, structure: Structure, at: list[int], members: list[Member]) -> None:
-    local, turns = [], []
+    local = [_parts(member.element, bar_of(structure, member)) for member in members]
+    out.mass[at, :6, :6], out.axial[at, :6, :6], out.bending[at, :6, :6] = turned(structure, members, local)
+    out.rows[at, :6] = _rows(structure, members, PLANE)
+
+
+def turned(structure: Structure, members: Sequence[Member], local: Sequence[ElementParts]) -> FloatArray:
+    """Return mass, axial and bending stiffness of bars in the structure's axes, (3, n_bars, 6, 6)."""
+    turns = []
     for member in members:
         start, end = (np.array(structure.nodes[n]) for n in member.nodes)
-        length = structure.length(member)
-        c, s = (end - start) / length
+        c, s = (end - start) / structure.length(member)
         turn = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
         turns.append(np.kron(np.eye(2), turn))
-        local.append(_parts(member.element, bar_of(structure, member)))
     t = np.array(turns)
-
-    def turned(parts: list[FloatArray]) -> FloatArray:
-        return np.asarray(t.swapaxes(1, 2) @ np.array(parts) @ t)
-
-    out.mass[at, :6, :6] = turned([p.mass for p in local])
-    out.axial[at, :6, :6] = turned([p.stiffness["axial"] for p in local])
-    out.bending[at, :6, :6] = turned([p.stiffness["bending"] for p in local])
-    out.rows[at, :6] = _rows(structure, members, PLANE)
+    parts = [[p.mass for p in local], [p.stiffness["axial"] for p in local]]
+    return np.asarray(t.swapaxes(1, 2) @ np.array([*parts, [p.stiffness["bending"] for p in local]]) @ t)
 
 
 def _fill_plates(out: MemberMatrices, structure: Structure, at: list[int], plates: list[Plate]) -> None:

@@ -14,6 +14,7 @@ from modallab.updating.iteration import Ending, Path
 from modallab.updating.location import NOTICEABLE, NOTICEABLE_LOSS
 from modallab.updating.method import REGULARISED, Stages, UpdateOptions, UpdateResult
 from modallab.updating.parameterisation import Parameterisation, by_member
+from modallab.updating.quantities import quantities
 from modallab.updating.relative import changes, slopes
 from modallab.updating.target import TargetModes
 from modallab.updating.whole import Rule, WholePath, correct, unweighted
@@ -56,6 +57,7 @@ def update_at_once(
         condition_number=told.condition_number,
         intervals=told.by_member() if made_sense else {},
         identifiability=told if made_sense else None,
+        quantities=quantities(structure, parameterisation, final.values, told if made_sense else None),
     )
 
 

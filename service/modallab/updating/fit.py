@@ -1,19 +1,20 @@
 """A model held against measured modes at given coefficients: what differs, and how it would move."""
 
-from dataclasses import dataclass, replace
+from dataclasses import dataclass
 
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray
 from modallab.core.errors import InvalidInputError, UnderdeterminedError
 from modallab.correlation.mac import mac, pair_modes
-from modallab.fe.assembly import Assembly, Coefficients, coefficients_of
+from modallab.fe.assembly import Assembly
 from modallab.fe.damping import StructuralDamping
 from modallab.fe.modes import ModalBasis, modal_basis
 from modallab.fe.structure import Structure
 from modallab.fe.system import SMALL
-from modallab.updating.parameterisation import Parameterisation, refuse_loss_factors, spread_over_members
-from modallab.updating.sensitivity import PartMatrices, derivatives, part_matrices
+from modallab.updating.corrected import CorrectedModel
+from modallab.updating.parameterisation import Parameterisation, refuse_loss_factors
+from modallab.updating.sensitivity import derivatives
 from modallab.updating.target import TargetModes
 
 REACH = 2.0  # modes of the model up to this multiple of the highest measured frequency may pair
@@ -70,18 +71,14 @@ class Fit:
         regularised: bool = False,
     ) -> None:
         self.parameterisation, self.target, self.min_mac = parameterisation, target, min_mac
-        self._assembly = assembly
+        self.model = CorrectedModel(assembly, parameterisation)
         structure = assembly.structure
-        self._base = coefficients_of(structure)
-        self._groups = parameterisation.groups(structure)
         self._mass_loss = 0.0
-        self._undamped: tuple[PartMatrices, ...] | None = None
         self._latest: FloatArray | None = None  # modes of the last model: the next one's are much like them
         if target.damped:
             self._mass_loss = _mass_loss(structure)
         else:
             refuse_loss_factors(parameterisation)
-            self._undamped = part_matrices(assembly, self._base, parameterisation)
         self._sensors = np.zeros((len(structure.dofs), len(target.dofs)))
         rows = [structure.index(dof) for dof in target.dofs]
         self._sensors[rows, np.arange(len(rows))] = [dof.sign for dof in target.dofs]
@@ -94,39 +91,13 @@ class Fit:
                 allowed=f"<= {n_rows}",
             )
 
-    def coefficients(self, values: FloatArray) -> Coefficients:
-        """Return what multiplies each member's parts at `values` (n_params,)."""
-        return spread_over_members(self.parameterisation, self._groups, values, self._base)
-
     def structure(self, values: FloatArray) -> Structure:
-        """Return the structure with its members corrected to `values` (n_params,).
-
-        A loss factor below zero, which no member can have, becomes zero.
-        """
-        to = self.coefficients(values)
-        moved = to.loss_factor != self._base.loss_factor
-        return self._assembly.structure.of_members(
-            replace(
-                member,
-                mass_factor=float(m),
-                axial_factor=float(a),
-                bending_factor=float(b),
-                loss_factor=max(float(eta), 0.0) if changed else member.loss_factor,
-            )
-            for member, m, a, b, eta, changed in zip(
-                self._assembly.structure.all_members,
-                to.mass,
-                to.axial,
-                to.bending,
-                to.loss_factor,
-                moved,
-                strict=True,
-            )
-        )
+        """Return the structure with its members corrected to `values` (n_params,)."""
+        return self.model.structure(values)
 
     def losses_below_zero(self, values: FloatArray, tolerance: float) -> int:
         """Return how many members have a loss factor below zero at `values` (n_params,)."""
-        return int((self.coefficients(values).loss_factor < -tolerance).sum())
+        return self.model.losses_below_zero(values, tolerance)
 
     def state(self, values: FloatArray) -> State:
         """Return the model at `values` (n_params,).
@@ -170,19 +141,11 @@ class Fit:
 
     def sensitivity(self, state: State) -> FloatArray:
         """Return the derivatives of the model's rows, (n_rows, n_params)."""
-        moved = derivatives(
-            state.basis, state.modes, self._sensors, self._parts(state.values), self._mass_loss
-        )
+        parts = self.model.parts(state.values, damped=self.target.damped)
+        moved = derivatives(state.basis, state.modes, self._sensors, parts, self._mass_loss)
         return self._rows(
             np.concatenate([moved.eigenvalues, moved.shapes.reshape(-1, moved.shapes.shape[2])])
         )
-
-    def _parts(self, values: FloatArray) -> tuple[PartMatrices, ...]:
-        """Return the matrices behind the coefficients; with damping they move with the coefficients."""
-        if self._undamped is None:
-            damped = self.coefficients(values)
-            return part_matrices(self._assembly, self._base, self.parameterisation, damped)
-        return self._undamped
 
     def _rows(self, values: FloatArray | ComplexArray) -> FloatArray:
         """Return numbers of modes as rows of the equations: coefficients are real, so that both parts of
@@ -190,7 +153,7 @@ class Fit:
         return np.concatenate([values.real, values.imag]) if self.target.damped else values.real
 
     def _modes(self, values: FloatArray) -> ModalBasis:
-        system = self._assembly.system(self.coefficients(values))
+        system = self.model.system(values)
         all_modes = len(system.dofs) < SMALL
         reach = DAMPED_REACH if self.target.damped else REACH
         limit = np.inf if all_modes else reach * float(self.target.frequencies.max())

@@ -15,6 +15,7 @@ from modallab.updating.evidence import Prior
 from modallab.updating.identifiability import Identifiability
 from modallab.updating.iteration import Iteration
 from modallab.updating.parameterisation import Parameterisation, Part
+from modallab.updating.quantities import Quantity
 
 REFUSED, REGULARISED = "refused", "regularised"
 CHOICES: Mapping[str, OptionSpec] = {
@@ -126,6 +127,7 @@ class UpdateResult:
     # by part and member: low and high end of what holds a coefficient with 95 %, by the data alone
     intervals: Mapping[str, Mapping[int, tuple[float, float]]] = field(default_factory=dict)
     identifiability: Identifiability | None = None  # None of a path that diverged
+    quantities: tuple[Quantity, ...] = ()  # properties in their own units
     iterations: Mapping[str, int] = field(init=False)  # "location", "updating"
 
     def __post_init__(self) -> None:

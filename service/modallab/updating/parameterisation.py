@@ -2,7 +2,6 @@
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
-from enum import StrEnum
 
 import numpy as np
 
@@ -10,26 +9,14 @@ from modallab.core.arrays import BoolArray, FloatArray
 from modallab.core.errors import InvalidInputError
 from modallab.fe.assembly import Coefficients
 from modallab.fe.members import AnyMember, Member
+from modallab.fe.shapes import size
 from modallab.fe.structure import Structure
+from modallab.updating.part import Part as Part
+from modallab.updating.part import refuse_clash
 
 RUN_LENGTH = 4  # members in an automatic macro element, at most
 # Loss factors that may be added: on the way to a solution some pass below zero, and none is far above 1.
 LOSS_FACTORS = (-1.0, 2.0)
-
-
-class Part(StrEnum):
-    """The matrix of an element that a coefficient multiplies; of damping, the loss factor added to it."""
-
-    MASS = "mass"
-    STIFFNESS = "stiffness"  # axial and bending together
-    AXIAL = "axial"
-    BENDING = "bending"
-    DAMPING = "damping"  # eta of D_e = eta K_e, beside what the element has: 0 = no change
-
-    @property
-    def unchanged(self) -> float:
-        """Coefficient that leaves the model as it is."""
-        return 0.0 if self is Part.DAMPING else 1.0
 
 
 @dataclass(frozen=True)
@@ -52,7 +39,8 @@ class Parameterisation:
     Raises
     ------
     InvalidInputError
-        If there is no macro element, a member's part is in two of them, or the bounds leave out 1.
+        If there is no macro element, a member's part is in two of them, a coefficient of a matrix and a
+        property would both move it, or the bounds leave out 1.
     """
 
     macros: tuple[MacroElement, ...]
@@ -71,17 +59,13 @@ class Parameterisation:
                 value=self.lower if not 0 < self.lower < 1 else self.upper,
                 allowed="0 < lower < 1 < upper",
             )
-        seen: set[tuple[str, int]] = set()
+        seen: dict[int, list[Part]] = {}
         for macro in self.macros:
-            for key in ((matrix, number) for matrix in _matrices(macro.part) for number in macro.members):
-                if key in seen:
-                    raise InvalidInputError(
-                        f"member {key[1]} has two coefficients on its {key[0]} matrix",
-                        field="macros",
-                        value=key[1],
-                        allowed="each member once for a part",
-                    )
-                seen.add(key)
+            for number in macro.members:
+                others = seen.setdefault(number, [])
+                for other in others:
+                    refuse_clash(number, macro.part, other)
+                others.append(macro.part)
 
     @property
     def parts(self) -> tuple[Part, ...]:
@@ -110,18 +94,17 @@ class Parameterisation:
         Raises
         ------
         InvalidInputError
-            If the structure has no such member.
+            If the structure has no such member, or the member no such property.
         """
         place = {member.number: i for i, member in enumerate(structure.all_members)}
         table = np.zeros((len(self.macros), len(place)))
         for row, macro in enumerate(self.macros):
             for number in macro.members:
-                table[row, place[structure.member(number).number]] = 1.0
+                member = structure.member(number)
+                if macro.part.shape:
+                    size(member, macro.part.shape, field="parts")
+                table[row, place[member.number]] = 1.0
         return table
-
-
-def _matrices(part: Part) -> tuple[str, ...]:
-    return ("axial", "bending") if part is Part.STIFFNESS else (part.value,)
 
 
 def parameterise(
@@ -230,7 +213,8 @@ def spread_over_members(
 ) -> Coefficients:
     """Return what multiplies each member's parts: the structure's own factors times the coefficients.
 
-    Loss factors are added to the structure's own.
+    Loss factors are added to the structure's own. Sizes, as area or thickness, multiply nothing here: the
+    matrices themselves follow them.
 
     Parameters
     ----------
@@ -246,9 +230,9 @@ def spread_over_members(
     for macro, row, value in zip(parameterisation.macros, groups, values, strict=True):
         if macro.part is Part.DAMPING:
             added[row > 0] += value
-            continue
-        for name in _matrices(macro.part):
-            factors[name][row > 0] *= value
+        elif macro.part.shape is None:
+            for name in macro.part.matrices:
+                factors[name][row > 0] *= value
     return Coefficients(
         mass=base.mass * factors["mass"],
         axial=base.axial * factors["axial"],

@@ -42,10 +42,12 @@ class PartMatrices:
     """Element matrices of one part, coefficient by coefficient.
 
     Coefficients multiply matrices, so these are the derivatives of M and K wherever the
-    coefficients stand; with damping, of M and K + iD at the coefficients they were made for.
+    coefficients stand; with damping, of M and K + iD at the coefficients they were made for. Those of
+    properties, as a thickness, are derivatives there too: of the mass, under the part `MASS`, and of the
+    stiffness. A coefficient that moves both is in two.
     """
 
-    part: Part
+    part: Part  # whose matrices these are; mass or some of the stiffness
     matrices: FloatArray | ComplexArray  # (n_used, 6, 6) kg or N/m
     rows: IntArray  # (n_used, 6) place in the system, -1 where a DoF is held
     starts: IntArray  # (n_own + 1,) where the elements of each coefficient begin, and where the last end
@@ -76,6 +78,8 @@ def part_matrices(
 ) -> tuple[PartMatrices, ...]:
     """Return the element matrices behind each part, those that no coefficient moves left out.
 
+    Those of properties are in `property_matrices`.
+
     Parameters
     ----------
     base
@@ -105,12 +109,25 @@ def part_matrices(
     groups = parameterisation.groups(assembly.structure)
     out = []
     for part in parameterisation.parts:
-        params = np.flatnonzero([macro.part is part for macro in parameterisation.macros])
-        own = [np.flatnonzero(row) for row in groups[params]]
-        used = np.concatenate(own)
-        starts = np.cumsum([0, *map(len, own)])
-        out.append(PartMatrices(part, matrices[part][used], assembly.rows[used], starts, params))
+        if not part.physical:
+            used, starts, params = moved_by(parameterisation, part, groups)
+            out.append(PartMatrices(part, matrices[part][used], assembly.rows[used], starts, params))
     return tuple(out)
+
+
+def moved_by(
+    parameterisation: Parameterisation, part: Part, groups: FloatArray
+) -> tuple[IntArray, IntArray, IntArray]:
+    """Return places of the members of a part's coefficients, where each one's begin, and which these are.
+
+    Parameters
+    ----------
+    groups
+        (n_macros, n_members), from `Parameterisation.groups`.
+    """
+    params = np.flatnonzero([macro.part is part for macro in parameterisation.macros])
+    own = [np.flatnonzero(row) for row in groups[params]]
+    return np.concatenate(own), np.cumsum([0, *map(len, own)]), params
 
 
 def derivatives(
@@ -202,7 +219,7 @@ def _moved(
     own = squares[modes]
     weight = np.divide(1.0, own - squares[:, None], out=np.zeros(alike.shape, squares.dtype), where=~alike)
     inertia = own - 1j * mass_loss if mass_loss and damped else own
-    n_params, n_modes = sum(len(part.params) for part in parts), len(squares)
+    n_params, n_modes = 1 + max(int(part.params.max()) for part in parts), len(squares)
     dtype = np.result_type(squares, basis.shapes, *(part.matrices for part in parts))
     d_squares = np.zeros((n_params, len(modes), len(modes)), dtype)
     d_shapes = np.zeros((n_params, sensors.shape[1], len(modes)), dtype)
@@ -215,9 +232,9 @@ def _moved(
         sums = part.between(facing, moving)  # (n_own, m + n_dof, n_modes)
         modal, scale = sums[:, :n_modes], -inertia if massive else np.ones(len(modes))
         both = (scale + scale[:, None]) / 2
-        d_squares[part.params] = both * modal[:, modes]
+        d_squares[part.params] += both * modal[:, modes]
         share = modal * (scale * weight - 0.5 * alike if massive else weight)
-        d_shapes[part.params] = at_sensors @ share
+        d_shapes[part.params] += at_sensors @ share
         if columns.size:
             d_shapes[part.params] -= scale * factor * sums[:, n_modes:]
     for columns, factor in answers:

@@ -11,6 +11,7 @@ from modallab.updating.iteration import Ending, Path, StopRule, iterate
 from modallab.updating.location import Suspicion, suspicion
 from modallab.updating.method import Stages, UpdateOptions, UpdateResult
 from modallab.updating.parameterisation import Parameterisation, Part, by_member
+from modallab.updating.quantities import quantities
 from modallab.updating.target import TargetModes
 
 
@@ -81,6 +82,7 @@ def _result(
         condition_number=told.condition_number,
         intervals=told.by_member() if corrected_any else {},
         identifiability=told if corrected_any else None,
+        quantities=quantities(fit.model.initial, moved, final.values, told if corrected_any else None),
     )
 
 

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable
 from dataclasses import replace
+from typing import Any
 
 import numpy as np
 import pytest
@@ -71,6 +72,29 @@ def test_factors_multiply_one_another() -> None:
     assert [changed.member(n).mass_factor for n in (2, 3, 4)] == [1.0, 1.5, 3.0]
 
 
+@pytest.mark.parametrize(("prop", "now"), [(P.AREA, 4e-3), (P.SECOND_MOMENT, 7.56e-2)])
+def test_a_size_of_a_section_is_multiplied_or_set(prop: MemberProperty, now: float) -> None:
+    section = BAY.members[2].section
+    assert getattr(section, prop) == now
+    for made, expected in (
+        (MemberChange((3,), prop, factor=2.0), 2 * now),
+        (MemberChange((3,), prop, value=0.01), 0.01),
+    ):
+        member = change(BAY, [made]).members[2]
+        own: dict[str, Any] = {prop.value: expected}
+        assert member.section == replace(section, **own)
+        assert (member.mass_factor, member.axial_factor, member.bending_factor) == (1.0, 1.0, 1.0)
+
+
+@pytest.mark.parametrize("factor", [0.5, 2.0])
+def test_a_thin_plate_rises_as_its_thickness(factor: float) -> None:
+    flat = STRUCTURES["plate"]()
+    every = tuple(member.number for member in flat.others)
+    thicker = change(flat, [MemberChange(every, P.THICKNESS, factor=factor)])
+    # of Kirchhoff's plate omega goes as t; what shears and turns is (t / size)^2 of it
+    np.testing.assert_allclose(frequencies(thicker), factor * frequencies(flat), rtol=2e-3)
+
+
 def test_a_loss_factor_replaces_the_laws_and_is_multiplied_from_it() -> None:
     set_, doubled = (
         change(BEAM, [MemberChange((1,), P.LOSS_FACTOR, value=0.05)]),
@@ -110,6 +134,7 @@ WRONG: dict[str, tuple[Callable[[], Change], str]] = {
     "a factor of zero": (lambda: MemberChange((1,), P.MODULUS, factor=0.0), "factor"),
     "a negative value": (lambda: MemberChange((1,), P.LOSS_FACTOR, value=-0.1), "value"),
     "an infinite value": (lambda: MemberChange((1,), P.DENSITY, value=float("inf")), "value"),
+    "a thickness of a bar": (lambda: MemberChange((1,), P.THICKNESS, factor=2.0), "property"),
     "a factor on no loss factor": (lambda: MemberChange((1,), P.LOSS_FACTOR, factor=2.0), "factor"),
     "a mass at an unknown node": (lambda: NodeMass(99, 1.0), "node"),
     "a negative mass": (lambda: NodeMass(1, -1.0), "value"),

@@ -10,6 +10,7 @@ from pydantic import BaseModel
 from modallab.api.updates.located import number
 from modallab.updating.identifiability import Direction, Identifiability
 from modallab.updating.parameterisation import MacroElement
+from modallab.updating.quantities import Quantity
 
 
 class ShareOut(BaseModel):
@@ -63,6 +64,22 @@ class IdentifiabilityOut(BaseModel):
             unidentified=_by_part(found.unidentified),
             directions=[DirectionOut.of(one) for one in found.directions],
         )
+
+
+class QuantityOut(BaseModel):
+    """A property of some members in its own unit; `interval` holds it with 95 %, by the data alone."""
+
+    part: str
+    members: list[int]
+    unit: str
+    before: float
+    after: float
+    interval: tuple[float, float] | None
+
+    @classmethod
+    def of(cls, found: Quantity) -> Self:
+        """Return what the contract shows of a property."""
+        return cls(**vars(found) | {"members": list(found.members)})
 
 
 def identified_arrays(found: Identifiability) -> Mapping[str, NDArray[Any]]:

@@ -8,7 +8,7 @@ from pydantic import Field
 from modallab.api.deps import Id
 from modallab.api.reductions import Reduced, ReductionIn
 from modallab.api.updates.direct import DirectOut, direct_fields
-from modallab.api.updates.identified import IdentifiabilityOut
+from modallab.api.updates.identified import IdentifiabilityOut, QuantityOut
 from modallab.api.updates.located import LocatedOut, located_fields, number
 from modallab.api.wire import Count, EntryOut, Number, Text, Wire
 from modallab.core.errors import InvalidInputError
@@ -38,20 +38,22 @@ Completion = Annotated[
 ]
 Group = Annotated[list[Count], Field(min_length=1, max_length=5000)] | Text  # numbers, or a group's name
 Macros = Literal["auto", "each"] | Annotated[list[Group], Field(min_length=1, max_length=1000)]
-Parts = Annotated[list[Text], Field(min_length=1, max_length=5)] | None
+Parts = Annotated[list[Text], Field(min_length=1, max_length=len(Part))] | None
 
 
 class ParameterisationIn(Wire):
     """Which coefficients may move: members in groups, parts of their matrices, bounds; 1 = no change.
 
+    Properties, as a thickness, are multiples of what the model has.
     A coefficient of damping is the loss factor added to a member's own: 0 = no change, bounds -1 and 2.
     """
 
     macros: Macros = Field(default="auto", description="lists of members, `auto`, or `each` member by itself")
     parts: Parts = Field(
         default=None,
-        description="mass, stiffness, axial, bending, damping; left out: mass and stiffness, of a method of "
-        "complex modes damping too",
+        description="mass, stiffness, axial, bending, damping; or properties: density, modulus, area and "
+        "second_moment of bars, thickness of plates; left out: mass and stiffness, of a method of complex "
+        "modes damping too",
     )
     lower: Number = 0.05
     upper: Number = 10.0
@@ -195,6 +197,9 @@ class UpdateOut(EntryOut):
         default={}, description="low and high end of what holds a coefficient with 95 %, by the data alone"
     )
     identifiability: IdentifiabilityOut | None = None
+    quantities: list[QuantityOut] = Field(
+        default=[], description="properties that were free to move, in their units; before, after"
+    )
     direct: DirectOut | None = None
     located: LocatedOut | None = None
 
@@ -222,6 +227,7 @@ class UpdateOut(EntryOut):
             structure_id=entry.inputs["updated_structure_id"],
             intervals={part: dict(table) for part, table in result.intervals.items()},
             identifiability=None if told is None else IdentifiabilityOut.of(told),
+            quantities=[QuantityOut.of(one) for one in result.quantities],
         )
 
 

@@ -17,7 +17,7 @@ def frame(bar: Bar) -> ElementParts:
     1992 thesis, eq. [B.3], [B.6].
     """
     length, mass = bar.length, bar.density * bar.area * bar.length
-    k_axial, k_bending, m = np.zeros((6, 6)), np.zeros((6, 6)), np.zeros((6, 6))
+    k_axial, k_bending, m = bar.blank()
     k_axial[AXIAL] = bar.modulus * bar.area / length * np.array([[1, -1], [-1, 1]])
     scale = np.array([1, length, 1, length])  # makes every entry below a plain number
     bend = np.array([[12, 6, -12, 6], [6, 4, -6, 2], [-12, -6, 12, -6], [6, 2, -6, 4]])

@@ -19,7 +19,7 @@ def timoshenko(bar: Bar) -> ElementParts:
     Structures 47 (1993) 473-481.
     """
     length, mass = bar.length, bar.density * bar.area * bar.length
-    k_axial, k_bending, m = np.zeros((6, 6)), np.zeros((6, 6)), np.zeros((6, 6))
+    k_axial, k_bending, m = bar.blank()
     k_axial[AXIAL] = bar.modulus * bar.area / length * np.array([[1, -1], [-1, 1]])
     m[AXIAL] = mass / 6 * np.array([[2, 1], [1, 2]])
     along, phi = np.array(length), np.array(bar.shear_flexibility)

@@ -4,8 +4,10 @@ from collections.abc import Mapping
 
 import numpy as np
 
+from modallab.core.arrays import FloatArray
 from modallab.core.errors import InvalidInputError
 from modallab.fe.assembly import coefficients_of
+from modallab.fe.shapes import Shape, size
 from modallab.fe.structure import Structure
 from modallab.updating.parameterisation import Part
 
@@ -25,13 +27,14 @@ def wrong_of(true: Values) -> dict[str, dict[int, float]]:
 def true_coefficients(model: Structure, truth: Structure, parts: tuple[Part, ...]) -> Values:
     """Return what an update of the model has to find, by part and member: the truth's factors over its own.
 
-    Only what multiplies a member's matrices is compared, and loss factors; whatever else differs has no
-    coefficient.
+    Only what multiplies a member's matrices is compared, and loss factors, and sizes where these are to be
+    corrected; whatever else differs has no coefficient.
 
     Raises
     ------
     InvalidInputError
-        If the structures have other members, or stiffness changes otherwise in bending than in extension.
+        If the structures have other members, or stiffness or modulus changes otherwise in bending than in
+        extension.
     """
     members = [member.number for member in model.all_members]
     if members != [member.number for member in truth.all_members]:
@@ -43,18 +46,26 @@ def true_coefficients(model: Structure, truth: Structure, parts: tuple[Part, ...
         )
     has, shall = coefficients_of(model), coefficients_of(truth)
     axial, bending = shall.axial / has.axial, shall.bending / has.bending
-    if Part.STIFFNESS in parts and not np.allclose(axial, bending, rtol=SLIGHT, atol=0.0):
+    whole = {Part.STIFFNESS, Part.MODULUS} & set(parts)
+    if whole and not np.allclose(axial, bending, rtol=SLIGHT, atol=0.0):
         raise InvalidInputError(
             "the true structure differs otherwise in bending than in extension",
             field="parts",
-            value=Part.STIFFNESS.value,
+            value=min(whole).value,
             allowed=f"{Part.AXIAL}, {Part.BENDING}",
         )
     ratios = {
+        Part.DENSITY: shall.mass / has.mass,
+        Part.MODULUS: axial,
         Part.MASS: shall.mass / has.mass,
         Part.STIFFNESS: axial,
         Part.AXIAL: axial,
         Part.BENDING: bending,
         Part.DAMPING: shall.loss_factor - has.loss_factor,
     }
+    ratios |= {part: _sizes(truth, part.shape) / _sizes(model, part.shape) for part in parts if part.shape}
     return {part.value: dict(zip(members, map(float, ratios[part]), strict=True)) for part in parts}
+
+
+def _sizes(structure: Structure, shape: Shape) -> FloatArray:
+    return np.array([size(member, shape, field="parts") for member in structure.all_members])

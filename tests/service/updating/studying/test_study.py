@@ -140,6 +140,21 @@ def test_what_is_to_be_found_is_what_the_truth_multiplies() -> None:
     assert added[4] == 0.0
 
 
+def test_sizes_are_to_be_found_where_they_are_asked_for() -> None:
+    larger = change(
+        BEAM,
+        [
+            MemberChange((3,), MemberProperty.AREA, factor=1.5),
+            MemberChange((3,), MemberProperty.DENSITY, factor=2.0),
+        ],
+    )
+    true = true_coefficients(BEAM, larger, (Part.AREA, Part.DENSITY, Part.MODULUS))
+    assert [true[part][3] for part in ("area", "density", "modulus")] == pytest.approx([1.5, 2.0, 1.0])
+    assert true["area"][4] == 1.0
+    with pytest.raises(InvalidInputError, match="no thickness"):
+        true_coefficients(BEAM, larger, (Part.THICKNESS,))
+
+
 def test_a_truth_that_is_no_changed_copy_of_the_model_is_refused() -> None:
     shorter = replace(BEAM, members=BEAM.members[:-1], nodes={n: p for n, p in BEAM.nodes.items() if n < 21})
     with pytest.raises(InvalidInputError, match="other members") as error:

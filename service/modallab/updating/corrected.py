@@ -1,0 +1,128 @@
+"""A model at any coefficients: its matrices, how these move, and the structure they are of."""
+
+from collections.abc import Mapping
+from dataclasses import replace
+
+import numpy as np
+
+from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.fe.assembly import Assembly, Coefficients, coefficients_of
+from modallab.fe.members import AnyMember
+from modallab.fe.shapes import resized, size, slopes
+from modallab.fe.structure import Structure
+from modallab.fe.system import DynamicSystem
+from modallab.updating.parameterisation import Parameterisation, Part, spread_over_members
+from modallab.updating.sensitivity import PartMatrices, moved_by, part_matrices
+
+
+class CorrectedModel:
+    """A structure whose members' matrices, loss factors and properties move with coefficients.
+
+    Raises
+    ------
+    InvalidInputError
+        If the structure lacks a member, or a member a property.
+    """
+
+    def __init__(self, assembly: Assembly, parameterisation: Parameterisation) -> None:
+        self.parameterisation, self._assembly = parameterisation, assembly
+        self._base = coefficients_of(assembly.structure)
+        self._groups = parameterisation.groups(assembly.structure)
+        self._constant: tuple[PartMatrices, ...] | None = None
+
+    @property
+    def initial(self) -> Structure:
+        """The structure without any correction."""
+        return self._assembly.structure
+
+    def coefficients(self, values: FloatArray) -> Coefficients:
+        """Return what multiplies each member's parts at `values` (n_params,), their sizes left out."""
+        return spread_over_members(self.parameterisation, self._groups, values, self._base)
+
+    def assembly(self, values: FloatArray) -> Assembly:
+        """Return the element matrices at `values` (n_params,), coefficients left out."""
+        members = self._members(values)
+        return self._assembly.resized(members) if members else self._assembly
+
+    def system(self, values: FloatArray) -> DynamicSystem:
+        """Return the model's matrices at `values` (n_params,)."""
+        return self.assembly(values).system(self.coefficients(values))
+
+    def structure(self, values: FloatArray) -> Structure:
+        """Return the structure with its members corrected to `values` (n_params,).
+
+        A loss factor below zero, which no member can have, becomes zero.
+        """
+        to = self.coefficients(values)
+        moved = to.loss_factor != self._base.loss_factor
+        return self._assembly.structure.of_members(
+            replace(
+                member,
+                mass_factor=float(m),
+                axial_factor=float(a),
+                bending_factor=float(b),
+                loss_factor=max(float(eta), 0.0) if changed else member.loss_factor,
+            )
+            for member, m, a, b, eta, changed in zip(
+                self.assembly(values).members,
+                to.mass,
+                to.axial,
+                to.bending,
+                to.loss_factor,
+                moved,
+                strict=True,
+            )
+        )
+
+    def losses_below_zero(self, values: FloatArray, tolerance: float) -> int:
+        """Return how many members have a loss factor below zero at `values` (n_params,)."""
+        return int((self.coefficients(values).loss_factor < -tolerance).sum())
+
+    def parts(self, values: FloatArray, *, damped: bool = False) -> tuple[PartMatrices, ...]:
+        """Return derivatives of M and of K, or K + iD, by the coefficients at `values` (n_params,).
+
+        Without damping and properties they are the same wherever the coefficients stand.
+        """
+        if self._constant is not None:
+            return self._constant
+        now, assembly = self.coefficients(values), self.assembly(values)
+        found = part_matrices(assembly, self._base, self.parameterisation, now if damped else None)
+        physical = [part for part in self.parameterisation.parts if part.physical]
+        for part in physical:
+            found += self._property(part, assembly, now, values, damped=damped)
+        if not damped and not physical:
+            self._constant = found
+        return found
+
+    def _members(self, values: FloatArray) -> Mapping[int, AnyMember]:
+        """Return the members whose sizes move, by their place among all."""
+        members: dict[int, AnyMember] = {}
+        for macro, row, value in zip(self.parameterisation.macros, self._groups, values, strict=True):
+            if (shape := macro.part.shape) is not None:
+                for place in np.flatnonzero(row):
+                    member = members.get(int(place), self._assembly.members[place])
+                    members[int(place)] = resized(member, shape, value * size(member, shape))
+        return members
+
+    def _property(
+        self, part: Part, assembly: Assembly, now: Coefficients, values: FloatArray, *, damped: bool
+    ) -> tuple[PartMatrices, ...]:
+        """Return derivatives by a property: dX/dp = (dX / d log p) / p, of mass and of stiffness."""
+        used, starts, params = moved_by(self.parameterisation, part, self._groups)
+        if part.shape is not None:
+            members = [assembly.members[place] for place in used]
+            mass, axial, bending = slopes(assembly.structure, members, part.shape, assembly.mass.shape[-1])
+        else:
+            mass, axial, bending = assembly.mass[used], assembly.axial[used], assembly.bending[used]
+        over = np.repeat(1 / values[params], np.diff(starts))[:, None, None]
+        axial_by, bending_by = (factor[used, None, None] for factor in (now.axial, now.bending))
+        stiffness: FloatArray | ComplexArray = (axial_by * axial + bending_by * bending) * over
+        if damped:
+            stiffness = np.asarray((1 + 1j * now.loss_factor[used, None, None]) * stiffness, complex)
+        inertia = now.mass[used, None, None] * mass * over
+        halves = []
+        if part is not Part.MODULUS:
+            halves.append(PartMatrices(Part.MASS, inertia, assembly.rows[used], starts, params))
+        if part is not Part.DENSITY:
+            halves.append(PartMatrices(Part.STIFFNESS, stiffness, assembly.rows[used], starts, params))
+        return tuple(halves)

@@ -1,0 +1,73 @@
+"""What of an element a coefficient multiplies, and which of them go together."""
+
+from enum import StrEnum
+
+from modallab.core.errors import InvalidInputError
+from modallab.fe.shapes import Shape
+
+
+class Part(StrEnum):
+    """What of an element a coefficient multiplies: a matrix, or a property that matrices follow.
+
+    Of damping, the loss factor added to it.
+    """
+
+    MASS = "mass"
+    STIFFNESS = "stiffness"  # axial and bending together
+    AXIAL = "axial"
+    BENDING = "bending"
+    DAMPING = "damping"  # eta of D_e = eta K_e, beside what the element has: 0 = no change
+    DENSITY = "density"
+    MODULUS = "modulus"
+    AREA = "area"  # of a bar: mass and axial stiffness
+    SECOND_MOMENT = "second_moment"  # of a bar: bending stiffness
+    THICKNESS = "thickness"  # of a plate: mass and membrane by t, bending and turning normals by t^3
+
+    @property
+    def physical(self) -> bool:
+        """True of a property of the member, False of what multiplies or joins its matrices."""
+        return self in (Part.DENSITY, Part.MODULUS) or self.shape is not None
+
+    @property
+    def shape(self) -> Shape | None:
+        """The size of the member that it is, None of what leaves section and thickness as they are."""
+        return Shape(self.value) if self.value in tuple(Shape) else None
+
+    @property
+    def matrices(self) -> tuple[str, ...]:
+        """Matrices of an element that move with it."""
+        return _MOVES.get(self, (self.value,))
+
+    @property
+    def unchanged(self) -> float:
+        """Coefficient that leaves the model as it is."""
+        return 0.0 if self is Part.DAMPING else 1.0
+
+
+_MOVES = {
+    Part.STIFFNESS: ("axial", "bending"),
+    Part.DENSITY: ("mass",),
+    Part.MODULUS: ("axial", "bending"),
+    Part.AREA: ("mass", "axial"),
+    Part.SECOND_MOMENT: ("bending",),
+    Part.THICKNESS: ("mass", "axial", "bending"),
+}
+
+
+def refuse_clash(number: int, part: Part, other: Part) -> None:
+    """Raise `InvalidInputError` if a member cannot have coefficients of both parts.
+
+    Properties may share a matrix: which of them is wrong, other matrices or nothing may tell.
+    """
+    shared = next((matrix for matrix in part.matrices if matrix in other.matrices), None)
+    if shared is None or (part is not other and part.physical and other.physical):
+        return
+    has = f"two coefficients of its {part}"
+    if part is not other:
+        has = f"coefficients of {other} and of {part}, which both move its {shared} matrix"
+    raise InvalidInputError(
+        f"member {number} has {has}",
+        field="macros",
+        value=number,
+        allowed="each member once for a part, and either its matrices or properties that move these",
+    )
