@@ -119,3 +119,9 @@ def test_a_thickness_is_found_and_no_modulus(names: dict[str, Any]) -> None:
     assert found["thickness", 49].after == pytest.approx(0.0048, rel=1e-6)
     assert found["modulus", 49].after == pytest.approx(2.09e11, rel=1e-6)
     assert found["thickness", 1].after == pytest.approx(0.004, rel=1e-6)
+
+
+def test_a_mass_is_found_at_its_node(names: dict[str, Any]) -> None:
+    (found,) = names["weighed"].quantities
+    assert (found.members, found.unit) == ((117,), "kg")
+    assert found.after == pytest.approx(0.08, rel=1e-6)  # exact modes, one coefficient: rounding

@@ -83,6 +83,14 @@ class Assembly:
         other.mass[at], other.axial[at], other.bending[at] = own.mass, own.axial, own.bending
         return other
 
+    def loaded(self, structure: Structure) -> "Assembly":
+        """Return the same with the masses and springs to ground of another structure of these DoFs."""
+        other = copy(self)
+        other.structure = structure
+        for name in ("_point_masses", "_ground"):
+            other.__dict__.pop(name, None)
+        return other
+
     def matrix(self, parts: FloatArray, diagonal: FloatArray | None = None) -> csc_array:
         """Return the (n, n) sum of element matrices (n_members, w, w), plus a diagonal (n,)."""
         data = np.bincount(self._place, weights=parts[self._kept], minlength=len(self._indices))

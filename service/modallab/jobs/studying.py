@@ -8,7 +8,7 @@ import numpy as np
 from modallab.core.arrays import FloatArray
 from modallab.core.progress import Progress, part
 from modallab.jobs.destination import Destination
-from modallab.rig.exact import as_modelled
+from modallab.rig.exact import as_modelled, with_effects
 from modallab.store.base import Store
 from modallab.store.plain import from_plain, to_plain
 from modallab.updating.studying.plan import StudyPlan
@@ -31,7 +31,7 @@ def run_of_study(
 ) -> Json:
     """Return one run of a study and its coefficients as plain values; `CancelledError` from `progress`."""
     chosen = from_plain(StudyPlan, plan, {})
-    model, truth = store.structures.get(structure_id), store.structures.get(truth_id)
+    model, truth = (with_effects(store.structures.get(id)) for id in (structure_id, truth_id))
     true = true_coefficients(model, truth, chosen.parts)
     run, coefficients = run_once(chosen, index, model, as_modelled(truth), true, progress)
     return [to_plain(run)[0], None if coefficients is None else coefficients.tolist()]
@@ -56,7 +56,7 @@ def study_and_store(
     """
     chosen = from_plain(StudyPlan, plan, {})
     ids = {"structure_id": structure_id, "truth_id": truth_id}
-    model, truth = store.structures.get(structure_id), store.structures.get(truth_id)
+    model, truth = (with_effects(store.structures.get(id)) for id in (structure_id, truth_id))
     true = true_coefficients(model, truth, chosen.parts)
     if shares is None:
         n = chosen.n_runs

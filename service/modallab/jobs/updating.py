@@ -6,7 +6,7 @@ from modallab.core.modal_model import ModalModel
 from modallab.core.progress import Progress
 from modallab.fe.structure import Structure
 from modallab.jobs.destination import Destination
-from modallab.rig.exact import as_modelled
+from modallab.rig.exact import as_modelled, with_effects
 from modallab.store.base import Store
 from modallab.store.plain import from_plain
 from modallab.updating.direct.method import DIRECT_METHODS, DirectOptions
@@ -62,6 +62,7 @@ def _found(
             options=from_plain(DirectOptions, options, {}),
             progress=progress,
         )
+    structure = with_effects(structure)
     may_move = from_plain(Parameterisation, parameterisation, {})
     if method in LOCATORS:
         chosen = from_plain(LocationOptions, options, {})

@@ -1,6 +1,7 @@
 """A structure as its model has it, effects included, and its exact FRFs without a rig."""
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 from modallab.core.dof import Dof
 from modallab.core.frf import FrfKind, FrfSet
@@ -23,6 +24,17 @@ def as_modelled(structure: Structure) -> DynamicSystem:
     for effect in effects:
         system = effect.on_system(system, Shot((), ()))
     return system
+
+
+def with_effects(structure: Structure) -> Structure:
+    """Return a structure in whose members, masses and springs its effects are, as far as a model has these.
+
+    Others stay effects.
+    """
+    plain = replace(structure, effects=())
+    for spec in structure.effects:
+        plain = build(spec).added_to(plain)
+    return plain
 
 
 def exact_frf(

@@ -11,6 +11,7 @@ from modallab.fe.members import AnyMember
 from modallab.fe.shapes import resized, size, slopes
 from modallab.fe.structure import Structure
 from modallab.fe.system import DynamicSystem
+from modallab.updating.attached import multiplied, node_matrices
 from modallab.updating.parameterisation import Parameterisation, Part, spread_over_members
 from modallab.updating.sensitivity import PartMatrices, moved_by, part_matrices
 
@@ -42,7 +43,9 @@ class CorrectedModel:
     def assembly(self, values: FloatArray) -> Assembly:
         """Return the element matrices at `values` (n_params,), coefficients left out."""
         members = self._members(values)
-        return self._assembly.resized(members) if members else self._assembly
+        assembly = self._assembly.resized(members) if members else self._assembly
+        attached = self._attached(values)
+        return assembly if attached is self.initial else assembly.loaded(attached)
 
     def system(self, values: FloatArray) -> DynamicSystem:
         """Return the model's matrices at `values` (n_params,)."""
@@ -55,7 +58,7 @@ class CorrectedModel:
         """
         to = self.coefficients(values)
         moved = to.loss_factor != self._base.loss_factor
-        return self._assembly.structure.of_members(
+        return self._attached(values).of_members(
             replace(
                 member,
                 mass_factor=float(m),
@@ -90,6 +93,7 @@ class CorrectedModel:
         physical = [part for part in self.parameterisation.parts if part.physical]
         for part in physical:
             found += self._property(part, assembly, now, values, damped=damped)
+        found += tuple(self._at_nodes(part) for part in self.parameterisation.parts if part.at_node)
         if not damped and not physical:
             self._constant = found
         return found
@@ -103,6 +107,23 @@ class CorrectedModel:
                     member = members.get(int(place), self._assembly.members[place])
                     members[int(place)] = resized(member, shape, value * size(member, shape))
         return members
+
+    def _attached(self, values: FloatArray) -> Structure:
+        """Return the structure with what its nodes carry at `values` (n_params,), and its old members."""
+        structure = self.initial
+        for macro, value in zip(self.parameterisation.macros, values, strict=True):
+            if macro.part.at_node:
+                structure = multiplied(structure, macro.part, macro.members, float(value))
+        return structure
+
+    def _at_nodes(self, part: Part) -> PartMatrices:
+        """Return derivatives by coefficients of what nodes carry: the matrices of it."""
+        params = [i for i, macro in enumerate(self.parameterisation.macros) if macro.part is part]
+        groups = [self.parameterisation.macros[i].members for i in params]
+        matrices, rows = node_matrices(self.initial, part, [node for group in groups for node in group])
+        kind = Part.MASS if part is Part.POINT_MASS else Part.STIFFNESS
+        starts = np.cumsum([0, *map(len, groups)])
+        return PartMatrices(kind, matrices, rows, starts, np.array(params), lossless=True)
 
     def _property(
         self, part: Part, assembly: Assembly, now: Coefficients, values: FloatArray, *, damped: bool

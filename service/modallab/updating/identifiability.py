@@ -175,7 +175,7 @@ def in_words(macros: Iterable[MacroElement], *, unseen: bool) -> str:
     places: dict[str, list[str]] = {}
     for part in Part:
         if numbers := [number for macro in named if macro.part is part for number in macro.members]:
-            places.setdefault(_numbers(numbers), []).append(part.value.replace("_", " "))
+            places.setdefault("node " * part.at_node + _numbers(numbers), []).append(part.words)
     what = " and ".join(f"{' and '.join(parts)} of {where}" for where, parts in places.items())
     if len(named) == 1:
         return f"{what} does not show in these data" if unseen else f"{what} hardly shows in these data"

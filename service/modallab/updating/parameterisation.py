@@ -1,6 +1,6 @@
 """Which correction coefficients may move: of which members, from where, how far."""
 
-from collections.abc import Iterable, Sequence
+from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -11,6 +11,7 @@ from modallab.fe.assembly import Coefficients
 from modallab.fe.members import AnyMember, Member
 from modallab.fe.shapes import size
 from modallab.fe.structure import Structure
+from modallab.updating.attached import carried, refuse_absent
 from modallab.updating.part import Part as Part
 from modallab.updating.part import refuse_clash
 
@@ -21,13 +22,16 @@ LOSS_FACTORS = (-1.0, 2.0)
 
 @dataclass(frozen=True)
 class MacroElement:
-    """Members that share one coefficient on one of their parts; a single member is one too."""
+    """Members that share one coefficient on one of their parts; a single member is one too.
+
+    Nodes in place of members where the part is what nodes carry.
+    """
 
     members: tuple[int, ...]
     part: Part
 
     def __str__(self) -> str:
-        return f"{self.part} of {', '.join(map(str, self.members))}"
+        return f"{self.part} of {'node ' * self.part.at_node}{', '.join(map(str, self.members))}"
 
 
 @dataclass(frozen=True)
@@ -89,16 +93,20 @@ class Parameterisation:
         return np.where(self.damping, least, self.lower), np.where(self.damping, most, self.upper)
 
     def groups(self, structure: Structure) -> FloatArray:
-        """Return (n_macros, n_members): 1 where a member belongs to a macro element.
+        """Return (n_macros, n_members): 1 where a member belongs to a macro element, none to one of nodes.
 
         Raises
         ------
         InvalidInputError
-            If the structure has no such member, or the member no such property.
+            If the structure has no such member, the member no such property, or the node nothing to
+            multiply.
         """
         place = {member.number: i for i, member in enumerate(structure.all_members)}
         table = np.zeros((len(self.macros), len(place)))
         for row, macro in enumerate(self.macros):
+            if macro.part.at_node:
+                refuse_absent(structure, macro.part, macro.members)
+                continue
             for number in macro.members:
                 member = structure.member(number)
                 if macro.part.shape:
@@ -113,24 +121,56 @@ def parameterise(
     *,
     lower: float = 0.05,
     upper: float = 10.0,
+    also: tuple[MacroElement, ...] = (),
 ) -> Parameterisation:
-    """Return one macro element for every group of members and every part.
+    """Return one macro element for every group of members and every part, and what else there is.
 
     Raises
     ------
     InvalidInputError
         If a part is unknown, or a group holds nothing or the same member twice.
     """
+    known = [part for part in Part if not part.at_node]
     for part in parts:
-        if part not in tuple(Part):
+        if part not in known:
             raise InvalidInputError(
-                f"elements have no part {part!r}", field="parts", value=part, allowed=", ".join(Part)
+                f"elements have no part {part!r}", field="parts", value=part, allowed=", ".join(known)
             )
     members = [tuple(int(number) for number in group) for group in groups]
     if not all(members):
         raise InvalidInputError("a macro element has no member", field="macros", value="[]", allowed=">= 1")
     macros = tuple(MacroElement(group, Part(part)) for part in parts for group in members)
-    return Parameterisation(macros, lower, upper)
+    return Parameterisation((*macros, *also), lower, upper)
+
+
+def at_nodes(
+    structure: Structure, chosen: Mapping[str, Iterable[Sequence[int]] | None]
+) -> tuple[MacroElement, ...]:
+    """Return macro elements of what nodes carry, by part: groups of nodes, or None for each node by itself.
+
+    Raises
+    ------
+    InvalidInputError
+        If nodes carry no such thing.
+    """
+    known = {part.value: part for part in Part if part.at_node}
+    found = []
+    for name, groups in chosen.items():
+        if name not in known:
+            raise InvalidInputError(
+                f"nodes carry no {name!r}", field="attached", value=name, allowed=", ".join(known)
+            )
+        part = known[name]
+        each = [(node,) for node in carried(structure, part)] if groups is None else list(groups)
+        if not each or not all(each):
+            raise InvalidInputError(
+                f"no node carries a {part.words}" if groups is None else f"{name} is of no node",
+                field="attached",
+                value=name,
+                allowed="nodes: " + (", ".join(map(str, carried(structure, part))) or "none"),
+            )
+        found += [MacroElement(tuple(int(node) for node in group), part) for group in each]
+    return tuple(found)
 
 
 def refuse_loss_factors(parameterisation: Parameterisation) -> None:
@@ -230,7 +270,7 @@ def spread_over_members(
     for macro, row, value in zip(parameterisation.macros, groups, values, strict=True):
         if macro.part is Part.DAMPING:
             added[row > 0] += value
-        elif macro.part.shape is None:
+        elif macro.part.shape is None and not macro.part.at_node:
             for name in macro.part.matrices:
                 factors[name][row > 0] *= value
     return Coefficients(
@@ -248,9 +288,12 @@ def by_member(
     parts: Iterable[Part],
     members: Iterable[int] = (),
 ) -> dict[str, dict[int, float]]:
-    """Return values (n_macros,) by part and member number; no change for the other `members` named."""
+    """Return values (n_macros,) by part and member number; no change for the other `members` named.
+
+    What nodes carry is by their numbers.
+    """
     numbers = tuple(members)
-    table = {part.value: dict.fromkeys(numbers, part.unchanged) for part in parts}
+    table = {part.value: dict.fromkeys(() if part.at_node else numbers, part.unchanged) for part in parts}
     for macro, value in zip(parameterisation.macros, values, strict=True):
         table[macro.part.value].update(dict.fromkeys(macro.members, float(value)))
     return table

@@ -7,9 +7,9 @@ from modallab.fe.shapes import Shape
 
 
 class Part(StrEnum):
-    """What of an element a coefficient multiplies: a matrix, or a property that matrices follow.
+    """What a coefficient multiplies: a matrix of an element, or a property that its matrices follow.
 
-    Of damping, the loss factor added to it.
+    Of damping, the loss factor added to an element's own; of nodes, what these carry beside their elements.
     """
 
     MASS = "mass"
@@ -22,6 +22,30 @@ class Part(StrEnum):
     AREA = "area"  # of a bar: mass and axial stiffness
     SECOND_MOMENT = "second_moment"  # of a bar: bending stiffness
     THICKNESS = "thickness"  # of a plate: mass and membrane by t, bending and turning normals by t^3
+
+    POINT_MASS = "point_mass"  # of a node
+    GROUND_SPRING_X = "ground_spring_x"  # between a node and the ground, in one direction
+    GROUND_SPRING_Y = "ground_spring_y"
+    GROUND_SPRING_Z = "ground_spring_z"
+    GROUND_SPRING_RX = "ground_spring_rx"
+    GROUND_SPRING_RY = "ground_spring_ry"
+    GROUND_SPRING_RZ = "ground_spring_rz"
+
+    @property
+    def words(self) -> str:
+        """Its name as words."""
+        return f"ground spring {self.spring}" if self.spring else self.value.replace("_", " ")
+
+    @property
+    def at_node(self) -> bool:
+        """True of what nodes carry, False of what belongs to members."""
+        return self is Part.POINT_MASS or self.spring is not None
+
+    @property
+    def spring(self) -> str | None:
+        """Direction of the spring to ground that it is, None of all else."""
+        prefix, _, direction = self.value.rpartition("_")
+        return direction.upper() if prefix == "ground_spring" else None
 
     @property
     def physical(self) -> bool:
@@ -62,11 +86,11 @@ def refuse_clash(number: int, part: Part, other: Part) -> None:
     shared = next((matrix for matrix in part.matrices if matrix in other.matrices), None)
     if shared is None or (part is not other and part.physical and other.physical):
         return
-    has = f"two coefficients of its {part}"
+    has = f"two coefficients of its {part.words}"
     if part is not other:
-        has = f"coefficients of {other} and of {part}, which both move its {shared} matrix"
+        has = f"coefficients of {other.words} and of {part.words}, which both move its {shared} matrix"
     raise InvalidInputError(
-        f"member {number} has {has}",
+        f"{'node' if part.at_node else 'member'} {number} has {has}",
         field="macros",
         value=number,
         allowed="each member once for a part, and either its matrices or properties that move these",

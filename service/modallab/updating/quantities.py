@@ -6,6 +6,7 @@ from modallab.core.arrays import FloatArray
 from modallab.fe.members import AnyMember, Block
 from modallab.fe.shapes import size
 from modallab.fe.structure import Structure
+from modallab.updating.attached import carried
 from modallab.updating.identifiability import Identifiability
 from modallab.updating.parameterisation import Parameterisation, Part
 
@@ -15,13 +16,20 @@ UNITS = {
     Part.AREA: "m^2",
     Part.SECOND_MOMENT: "m^4",
     Part.THICKNESS: "m",
+    Part.POINT_MASS: "kg",
+    Part.GROUND_SPRING_X: "N/m",
+    Part.GROUND_SPRING_Y: "N/m",
+    Part.GROUND_SPRING_Z: "N/m",
+    Part.GROUND_SPRING_RX: "N m/rad",
+    Part.GROUND_SPRING_RY: "N m/rad",
+    Part.GROUND_SPRING_RZ: "N m/rad",
 }
 ALIKE = 1e-9  # relative difference of members that share a value but for rounding
 
 
 @dataclass(frozen=True)
 class Quantity:
-    """A property of some members, before and after an update."""
+    """A property of some members, or what some nodes carry, before and after an update."""
 
     part: Part
     members: tuple[int, ...]
@@ -50,7 +58,8 @@ def quantities(
     """
     found = []
     for i, macro in enumerate(parameterisation.macros):
-        before = _shared(structure, macro.members, macro.part) if macro.part.physical else None
+        known = macro.part.physical or macro.part.at_node
+        before = _shared(structure, macro.members, macro.part) if known else None
         if before is not None:
             interval = None
             if told is not None:
@@ -63,7 +72,11 @@ def quantities(
 
 def _shared(structure: Structure, members: tuple[int, ...], part: Part) -> float | None:
     """Return the value that all members have, None if there is none."""
-    own = [_value(structure.member(number), part) for number in members]
+    own: list[float | None] = (
+        [carried(structure, part)[node] for node in members]
+        if part.at_node
+        else [_value(structure.member(number), part) for number in members]
+    )
     known = [value for value in own if value is not None]
     if len(known) < len(own) or max(known) - min(known) > ALIKE * max(known):
         return None

@@ -52,6 +52,7 @@ class PartMatrices:
     rows: IntArray  # (n_used, 6) place in the system, -1 where a DoF is held
     starts: IntArray  # (n_own + 1,) where the elements of each coefficient begin, and where the last end
     params: IntArray  # (n_own,) place of those coefficients among all
+    lossless: bool = False  # what nodes carry: no law of damping acts on it
 
     def between(
         self, left: FloatArray | ComplexArray, right: FloatArray | ComplexArray
@@ -109,7 +110,7 @@ def part_matrices(
     groups = parameterisation.groups(assembly.structure)
     out = []
     for part in parameterisation.parts:
-        if not part.physical:
+        if not part.physical and not part.at_node:
             used, starts, params = moved_by(parameterisation, part, groups)
             out.append(PartMatrices(part, matrices[part][used], assembly.rows[used], starts, params))
     return tuple(out)
@@ -218,7 +219,6 @@ def _moved(
     squares = basis.eigenvalues if damped else basis.eigenvalues.real
     own = squares[modes]
     weight = np.divide(1.0, own - squares[:, None], out=np.zeros(alike.shape, squares.dtype), where=~alike)
-    inertia = own - 1j * mass_loss if mass_loss and damped else own
     n_params, n_modes = 1 + max(int(part.params.max()) for part in parts), len(squares)
     dtype = np.result_type(squares, basis.shapes, *(part.matrices for part in parts))
     d_squares = np.zeros((n_params, len(modes), len(modes)), dtype)
@@ -228,9 +228,9 @@ def _moved(
     columns, factor = next(answers, (np.zeros((len(sensors), 0)), np.ones(len(modes))))
     facing: FloatArray | ComplexArray = np.concatenate([basis.shapes, columns], axis=1)
     for part in parts:
-        massive = part.part is Part.MASS
+        massive, scale = part.part is Part.MASS, _scale(part, own, mass_loss if damped else 0.0)
         sums = part.between(facing, moving)  # (n_own, m + n_dof, n_modes)
-        modal, scale = sums[:, :n_modes], -inertia if massive else np.ones(len(modes))
+        modal = sums[:, :n_modes]
         both = (scale + scale[:, None]) / 2
         d_squares[part.params] += both * modal[:, modes]
         share = modal * (scale * weight - 0.5 * alike if massive else weight)
@@ -239,11 +239,20 @@ def _moved(
             d_shapes[part.params] -= scale * factor * sums[:, n_modes:]
     for columns, factor in answers:
         for part in parts:
-            scale = -inertia if part.part is Part.MASS else np.ones(len(modes))
+            scale = _scale(part, own, mass_loss if damped else 0.0)
             d_shapes[part.params] -= scale * factor * part.between(columns, moving)
     return SubspaceDerivatives(
         d_squares.transpose(1, 2, 0), d_shapes.transpose(1, 2, 0), left_out(basis, modes, above)
     )
+
+
+def _scale(
+    part: PartMatrices, squares: FloatArray | ComplexArray, mass_loss: float
+) -> FloatArray | ComplexArray:
+    """Return by what a part's matrices stand in dK - lambda dM, of damped modes with what mass loses."""
+    if part.part is not Part.MASS:
+        return np.ones(len(squares))
+    return -squares if part.lossless or not mass_loss else np.asarray(1j * mass_loss - squares)
 
 
 def _local(rows: IntArray, columns: FloatArray | ComplexArray) -> FloatArray | ComplexArray:

@@ -96,3 +96,79 @@ def test_a_plate_has_no_area_to_change(service: Any, plate: str) -> None:
     changes = [{"members": [1], "property": "area", "factor": 2.0}]
     problem = service.post(f"/v1/structures/{plate}/changes", {"changes": changes}, status=422)
     assert (problem["context"]["field"], problem["context"]["allowed"]) == ("property", "thickness")
+
+
+MOUNTED = {
+    "kind": "beam",
+    "length": 1.0,
+    "n_elements": 10,
+    "section": {"area": 1e-3, "second_moment": 8e-9},
+    "material": {"modulus": 2.09e11, "density": 7800.0},
+    "springs": [{"dof": "1:+Y", "stiffness": 2e5}, {"dof": "11:+Y", "stiffness": 2e5}],
+}
+POINTS = [f"{node}:+Y" for node in range(1, 12)]
+TRUE_MASS, MASS = 0.3, 0.2
+
+
+def mounted(service: Any, mass: float, spring: float) -> str:
+    """A beam on two springs with a mass that is an effect of the model, not one of its point masses."""
+    springs = [{"dof": "1:+Y", "stiffness": spring}, *MOUNTED["springs"][1:]]  # type: ignore[index]
+    effects = [{"kind": "extra_mass", "at": "4:+Y", "parameters": {"mass": mass}}]
+    body = MOUNTED | {"springs": springs, "effects": effects}
+    return str(service.post("/v1/structures", body)["id"])
+
+
+@pytest.fixture(scope="module")
+def mounts(service: Any) -> tuple[str, str]:
+    """The model, and modes of what it should be."""
+    model, truth = mounted(service, MASS, 2e5), mounted(service, TRUE_MASS, 1e5)
+    body = {"count": 5, "dofs": POINTS}
+    return model, str(service.post(f"/v1/structures/{truth}/synthetic-modes", body)["id"])
+
+
+def test_mounts_and_masses_are_found_at_their_nodes(service: Any, mounts: tuple[str, str]) -> None:
+    model, modes = mounts
+    attached = {"point_mass": "each", "ground_spring_y": [[1], [11]]}
+    body = asked(model, modes) | {"parameterisation": {"parts": [], "attached": attached}}
+    update = service.get(f"/v1/updates/{service.result_of('/v1/updates', body)}")
+    assert update["suspected"] == {"point_mass": [4], "ground_spring_y": [1]}
+    found = {(one["part"], *one["members"]): one for one in update["quantities"]}
+    assert found["point_mass", 4]["after"] == pytest.approx(TRUE_MASS, rel=1e-6)
+    assert (found["point_mass", 4]["before"], found["point_mass", 4]["unit"]) == (MASS, "kg")
+    assert found["ground_spring_y", 1]["after"] == pytest.approx(1e5, rel=1e-6)
+    assert found["ground_spring_y", 11]["after"] == pytest.approx(2e5, rel=1e-6)
+    corrected = service.get(f"/v1/structures/{update['structure_id']}/modes", params={"count": 5})
+    assert corrected["frequencies"] == pytest.approx(update["frequencies"]["measured"], rel=1e-6)
+
+
+def test_an_effect_that_the_model_has_is_not_taken_for_an_error(service: Any) -> None:
+    right = mounted(service, MASS, 2e5)
+    body = {"count": 5, "dofs": POINTS}
+    modes = service.post(f"/v1/structures/{right}/synthetic-modes", body)["id"]
+    groups = {"macros": [[1, 2, 3, 4, 5], [6, 7, 8, 9, 10]]}
+    body = asked(right, modes) | {"parameterisation": groups}
+    update = service.get(f"/v1/updates/{service.result_of('/v1/updates', body)}")
+    assert update["suspected"] == {"mass": [], "stiffness": []}
+    assert update["frequencies"]["before"] == pytest.approx(update["frequencies"]["measured"], rel=1e-9)
+
+
+@pytest.mark.parametrize(
+    ("attached", "words"),
+    [
+        ({"point_mass": [[5]]}, "node 5 carries no point mass"),
+        ({"ground_spring_rz": "each"}, "no node carries a ground spring RZ"),
+        ({"joint": "each"}, "nodes carry no 'joint'"),
+    ],
+)
+def test_what_nodes_do_not_carry_is_refused_in_words(
+    service: Any, mounts: tuple[str, str], attached: dict[str, Any], words: str
+) -> None:
+    body = asked(*mounts) | {"parameterisation": {"parts": [], "attached": attached}}
+    problem = service.post("/v1/updates", body, status=422)
+    assert problem["context"]["field"] == "attached"
+    assert words in problem["detail"]
+
+
+def test_an_update_of_nothing_is_refused(service: Any, mounts: tuple[str, str]) -> None:
+    body = asked(*mounts) | {"parameterisation": {"parts": []}}
+    assert service.post("/v1/updates", body, status=422)["context"]["field"] == "macros"

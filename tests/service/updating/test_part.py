@@ -27,13 +27,14 @@ BAY, PLATE = STRUCTURES["bay"](), STRUCTURES["plate"]()
 def test_a_property_and_a_matrix_that_it_moves_have_no_coefficient_both(
     parts: tuple[str, str], shared: str
 ) -> None:
-    with pytest.raises(InvalidInputError, match=f"{parts[0]} and of {parts[1]}, .* its {shared} matrix"):
+    one, other = (part.replace("_", " ") for part in parts)
+    with pytest.raises(InvalidInputError, match=f"{one} and of {other}, which both move its {shared} matrix"):
         parameterise([(1, 2), (3,)], parts)
 
 
-@pytest.mark.parametrize("part", Part)
+@pytest.mark.parametrize("part", [part for part in Part if not part.at_node])
 def test_a_member_has_one_coefficient_of_a_part(part: Part) -> None:
-    with pytest.raises(InvalidInputError, match=f"member 2 has two coefficients of its {part}"):
+    with pytest.raises(InvalidInputError, match=f"member 2 has two coefficients of its {part.words}"):
         parameterise([(1, 2), (2, 3)], (part,))
 
 

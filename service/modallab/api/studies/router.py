@@ -11,6 +11,7 @@ from modallab.api.examples import example
 from modallab.api.jobs import JobOut
 from modallab.api.shelves import add_routes
 from modallab.api.studies.schemas import StudyOut, StudyStart, study_arrays
+from modallab.rig.exact import with_effects
 
 router = APIRouter(prefix="/studies", tags=["studies"])
 
@@ -30,7 +31,7 @@ _BODY = {
 def start_study(
     body: Annotated[StudyStart, example(_BODY)], store: StoreDep, jobs: JobsDep, owner: OwnerDep
 ) -> JobOut:
-    model, truth = store.structures.get(body.structure_id), store.structures.get(body.truth_id)
+    model, truth = (with_effects(store.structures.get(id)) for id in (body.structure_id, body.truth_id))
     return JobOut.of(jobs.submit("study_and_store", body.to_arguments(model, truth), owner=owner))
 
 

@@ -14,6 +14,7 @@ from modallab.api.updates.direct import direct_arrays
 from modallab.api.updates.identified import identified_arrays
 from modallab.api.updates.schemas import UpdateOut, UpdateStart
 from modallab.core.errors import NotFoundError
+from modallab.rig.exact import with_effects
 from modallab.updating.direct.result import DirectResult
 from modallab.updating.method import UpdateResult
 
@@ -49,7 +50,7 @@ def start_update(
     owner: OwnerDep,
 ) -> JobOut:
     store.modal_models.check(body.modal_model_id)
-    arguments = body.to_arguments(store.structures.get(body.structure_id))
+    arguments = body.to_arguments(with_effects(store.structures.get(body.structure_id)))
     return JobOut.of(jobs.submit("update_and_store", arguments, owner=owner))
 
 

@@ -25,6 +25,7 @@ from modallab.updating.offered import DIRECT, offered
 from modallab.updating.parameterisation import (
     Parameterisation,
     Part,
+    at_nodes,
     automatic_groups,
     named_groups,
     parameterise,
@@ -38,7 +39,11 @@ Completion = Annotated[
 ]
 Group = Annotated[list[Count], Field(min_length=1, max_length=5000)] | Text  # numbers, or a group's name
 Macros = Literal["auto", "each"] | Annotated[list[Group], Field(min_length=1, max_length=1000)]
-Parts = Annotated[list[Text], Field(min_length=1, max_length=len(Part))] | None
+Parts = Annotated[list[Text], Field(max_length=len(Part))] | None
+Groups = Annotated[
+    list[Annotated[list[Count], Field(min_length=1, max_length=5000)]],
+    Field(min_length=1, max_length=1000),
+]
 
 
 class ParameterisationIn(Wire):
@@ -53,7 +58,13 @@ class ParameterisationIn(Wire):
         default=None,
         description="mass, stiffness, axial, bending, damping; or properties: density, modulus, area and "
         "second_moment of bars, thickness of plates; left out: mass and stiffness, of a method of complex "
-        "modes damping too",
+        "modes damping too; none, with an empty list",
+    )
+    attached: dict[Text, Literal["each"] | Groups] = Field(
+        default={},
+        max_length=len(Part),
+        description="what nodes carry beside their members, by nodes: point_mass, and ground_spring_x to "
+        "ground_spring_rz; lists of nodes, or `each` that carries one",
     )
     lower: Number = 0.05
     upper: Number = 10.0
@@ -67,7 +78,10 @@ class ParameterisationIn(Wire):
         else:
             groups = tuple(tuple(group) for group in named_groups(structure, self.macros))
         usual = parts_of(method)
-        chosen = parameterise(groups, self.parts or usual, lower=self.lower, upper=self.upper)
+        parts = usual if self.parts is None else self.parts
+        nodes = {name: None if given == "each" else given for name, given in self.attached.items()}
+        also = at_nodes(structure, nodes)
+        chosen = parameterise(groups, parts, lower=self.lower, upper=self.upper, also=also)
         chosen.groups(structure)
         if Part.DAMPING not in usual:
             refuse_loss_factors(chosen)

@@ -9,6 +9,7 @@ from modallab.core.errors import InvalidInputError
 from modallab.fe.assembly import coefficients_of
 from modallab.fe.shapes import Shape, size
 from modallab.fe.structure import Structure
+from modallab.updating.attached import carried, refuse_absent
 from modallab.updating.parameterisation import Part
 
 Values = Mapping[str, Mapping[int, float]]  # by part and member
@@ -64,7 +65,18 @@ def true_coefficients(model: Structure, truth: Structure, parts: tuple[Part, ...
         Part.DAMPING: shall.loss_factor - has.loss_factor,
     }
     ratios |= {part: _sizes(truth, part.shape) / _sizes(model, part.shape) for part in parts if part.shape}
-    return {part.value: dict(zip(members, map(float, ratios[part]), strict=True)) for part in parts}
+    return {
+        part.value: _carried(model, truth, part)
+        if part.at_node
+        else dict(zip(members, map(float, ratios[part]), strict=True))
+        for part in parts
+    }
+
+
+def _carried(model: Structure, truth: Structure, part: Part) -> dict[int, float]:
+    has, shall = carried(model, part), carried(truth, part)
+    refuse_absent(truth, part, has)
+    return {node: shall[node] / value for node, value in has.items()}
 
 
 def _sizes(structure: Structure, shape: Shape) -> FloatArray:
