@@ -27,6 +27,8 @@ from modallab.updating.method import UPDATERS, UpdateOptions
 from modallab.updating.parameterisation import Parameterisation, parameterise
 from modallab.updating.sensitivity import PartMatrices, derivatives, part_matrices
 
+LENGTH, WIDTH, THICKNESS = 0.6, 0.4, 0.004  # m
+STEEL = Material(2.09e11, 7800.0)
 SIZES = {5_000: (50, 33), 20_000: (100, 65), 100_000: (222, 149)}  # elements each way, by DoFs
 MODES, SENSORS, STEPS = 20, (6, 5), 5
 MEASURED, MACROS = 10, (10, 5)  # modes, and macro elements with a mass and a stiffness each
@@ -39,13 +41,7 @@ GROWTH = 1.4  # power of the number of degrees of freedom
 
 def plate_of(n_dofs: int) -> Structure:
     """Return a free steel plate with about so many DoFs."""
-    return plate(
-        length=0.6,
-        width=0.4,
-        thickness=0.004,
-        n_elements=SIZES[n_dofs],
-        material=Material(2.09e11, 7800.0),
-    )
+    return plate(length=LENGTH, width=WIDTH, thickness=THICKNESS, n_elements=SIZES[n_dofs], material=STEEL)
 
 
 def patches(n_dofs: int, count: tuple[int, int]) -> list[tuple[int, ...]]:
@@ -76,7 +72,7 @@ def eigen_solution(n_dofs: int) -> float:
     assembly = Assembly(plate_of(n_dofs))
     before, after = assembly.system(), assembly.system(moved(assembly, 1))
     known = first_basis(before.mass, before.stiffness, before.rigid, MODES)
-    near = known.shapes[:, known.n_rigid_body :]
+    near = known.shapes[:, known.n_rigid_body :].real
     loads = np.random.default_rng(0).standard_normal((len(before.dofs), MODES))
 
     def ours() -> object:

@@ -14,7 +14,8 @@ from modallab.fe.damping import Damping, ModalDamping, StructuralDamping, Viscou
 from modallab.fe.plate import Edge, Holding, plate
 from modallab.fe.structure import GroundSpring, Material, Member, PointMass, Section, Structure, Support
 
-_MOST = 2000  # nodes or members: beyond, modes take longer than a request may
+_MOST = 2000  # nodes or members that are described one by one
+_MOST_PLATES = 40_000  # about 120,000 degrees of freedom: beyond, modes take longer than a request may
 Each = Annotated[Count, Field(ge=1, le=_MOST)]
 
 
@@ -209,9 +210,9 @@ class PlateIn(_Described):
     def to_domain(self) -> Structure:
         """Return the structure."""
         along, across = self.n_elements
-        if along * across > _MOST:
+        if along * across > _MOST_PLATES:
             raise StructureError(
-                "too many elements", field="n_elements", value=along * across, allowed=f"<= {_MOST}"
+                "too many elements", field="n_elements", value=along * across, allowed=f"<= {_MOST_PLATES}"
             )
         plain = plate(
             length=self.length,
