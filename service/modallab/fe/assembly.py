@@ -77,8 +77,7 @@ class Assembly:
         """
         other, at = copy(self), list(members)
         own = member_matrices(self.structure, list(members.values()), self.mass.shape[-1])
-        every = dict(enumerate(self.members)) | members
-        other.members = tuple(every[place] for place in range(len(self.members)))
+        other.members = tuple(members.get(place, member) for place, member in enumerate(self.members))
         other.mass, other.axial, other.bending = self.mass.copy(), self.axial.copy(), self.bending.copy()
         other.mass[at], other.axial[at], other.bending[at] = own.mass, own.axial, own.bending
         return other
