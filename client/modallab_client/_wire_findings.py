@@ -32,8 +32,23 @@ def update(data: Json) -> findings.Update:
         },
         identifiability=_identifiability(data["identifiability"]) if data.get("identifiability") else None,
         quantities=tuple(_quantity(one) for one in data.get("quantities") or ()),
+        responses=_responses(data["responses"]) if data.get("responses") else None,
         direct=_wire_direct.findings(data["direct"]) if data.get("direct") else None,
         suspects=_wire_direct.suspects(data["located"]) if data.get("located") else None,
+    )
+
+
+def _responses(data: Json) -> identified.Responses:
+    plain = {name: data[name] for name in ("before", "after", "scatter", "n_lines", "n_held_out")}
+    return identified.Responses(
+        **plain,
+        band=(float(data["band"][0]), float(data["band"][1])),
+        held_out_before=data.get("held_out_before"),
+        held_out_after=data.get("held_out_after"),
+        outputs=tuple(data["outputs"]),
+        inputs=tuple(data["inputs"]),
+        by_frf_before=floats(data["by_frf_before"]),
+        by_frf_after=floats(data["by_frf_after"]),
     )
 
 

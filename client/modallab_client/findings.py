@@ -12,6 +12,7 @@ from modallab_client.direct import DirectFindings as DirectFindings
 from modallab_client.direct import Suspects as Suspects
 from modallab_client.identified import Identifiability as Identifiability
 from modallab_client.identified import Quantity as Quantity
+from modallab_client.identified import Responses as Responses
 from modallab_client.located import Located as Located
 from modallab_client.models import ComplexArray, FloatArray
 
@@ -66,6 +67,7 @@ class Update:
     intervals: Mapping[str, Mapping[int, tuple[float, float]]] = field(default_factory=dict)  # 95 %, by data
     identifiability: Identifiability | None = None
     quantities: tuple[Quantity, ...] = ()  # properties in their own units
+    responses: Responses | None = None  # of methods that take FRFs
     direct: DirectFindings | None = None  # of methods that work on matrices
     suspects: Suspects | None = None  # of methods that locate errors by one step
 

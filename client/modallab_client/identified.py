@@ -57,6 +57,28 @@ class Quantity:
 
 
 @dataclass(frozen=True, eq=False)
+class Responses:
+    """How well an updated model's FRFs are the measured ones: mean squares over random error, 1 at best."""
+
+    before: float
+    after: float
+    scatter: float  # standard deviation of such a mean, by random error alone
+    n_lines: int
+    band: tuple[float, float]  # Hz
+    n_held_out: int  # lines that were looked at only afterwards
+    held_out_before: float | None
+    held_out_after: float | None
+    outputs: tuple[str, ...]
+    inputs: tuple[str, ...]
+    by_frf_before: FloatArray  # (n_out, n_in)
+    by_frf_after: FloatArray
+
+    def __str__(self) -> str:
+        left = f"{self.after:.3g}, was {self.before:.3g}; 1 +- {self.scatter:.2g} by random error alone"
+        return f"mean square of {self.n_lines} lines: {left}"
+
+
+@dataclass(frozen=True, eq=False)
 class Covariance:
     """The covariance of coefficients by the errors of the data."""
 

@@ -67,3 +67,30 @@ def test_a_prior_is_asked_for_by_keyword_and_the_covariance_comes_apart(
     found = lab.updates.covariance("u1")
     assert found.coefficients == ("mass of 11",)
     np.testing.assert_array_equal(found.covariance, np.eye(1))
+
+
+def test_an_update_on_responses_is_asked_for_and_read(lab: ModalLab, service: FakeService) -> None:
+    service.on("POST /v1/updates", {"id": "j1", "state": "queued"})
+    lab.updates.start("s1", measurement_id="m1", method="frf_residual", noise_floor=0.01)
+    body = service.body(0)
+    assert (body["measurement_id"], body["noise_floor"]) == ("m1", 0.01)
+    assert "modal_model_id" not in body
+    fit = {
+        "before": 900.0,
+        "after": 1.02,
+        "scatter": 0.03,
+        "n_lines": 160,
+        "band": [10.0, 1600.0],
+        "n_held_out": 0,
+        "held_out_before": None,
+        "held_out_after": None,
+        "outputs": ["1:+Y", "3:+Y"],
+        "inputs": ["1:+Y"],
+        "by_frf_before": [[800.0], [1000.0]],
+        "by_frf_after": [[1.0], [1.04]],
+    }
+    read = _wire_findings.update(UPDATE | {"responses": fit}).responses
+    assert read is not None
+    assert read.by_frf_after.shape == (2, 1)
+    assert str(read) == "mean square of 160 lines: 1.02, was 900; 1 +- 0.03 by random error alone"
+    assert _wire_findings.update(UPDATE).responses is None

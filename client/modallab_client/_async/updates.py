@@ -19,8 +19,10 @@ class AsyncUpdates(AsyncShelf):
     async def start(
         self,
         structure_id: str,
-        modal_model_id: str,
+        modal_model_id: str | None = None,
         *,
+        measurement_id: str | None = None,
+        noise_floor: float | None = None,
         method: str = "inverse_eigensensitivity",
         macros: str | Sequence[Sequence[int]] | None = None,
         parts: Sequence[str] | None = None,
@@ -35,12 +37,15 @@ class AsyncUpdates(AsyncShelf):
         parameterisation: Mapping[str, Any] | None = None,
         options: Mapping[str, Any] | None = None,
     ) -> AsyncJob[Update]:
-        """Start an update of the structure to the modes; `result` of the job gives it.
+        """Start an update of the structure to modes or FRFs; `result` of the job gives it.
 
         Parameters
         ----------
         structure_id, modal_model_id
             The model, and the modes it shall have.
+        measurement_id, noise_floor
+            In place of modes, for a method that takes FRFs, as `frf_residual`: the measurement, and the
+            relative random error of every FRF beside what its coherence tells.
         method
             One of `lab.catalog.updating_methods()`.
         macros
@@ -48,7 +53,7 @@ class AsyncUpdates(AsyncShelf):
         parts
             Of mass, stiffness, axial, bending, damping, or properties: density, modulus, area and
             second_moment of bars, thickness of plates; left out: mass and stiffness, of a method of complex
-            modes damping too.
+            modes and of FRFs damping too.
         lower, upper, max_iterations
             Bounds of every coefficient, 1 = no change; steps of each stage.
         prior, few_rows
@@ -73,7 +78,10 @@ class AsyncUpdates(AsyncShelf):
             n_modes=n_modes,
         )
         body = _wire.body(parameterisation=chosen or None, options=tuned or None, method=method)
-        body |= {"structure_id": structure_id, "modal_model_id": modal_model_id}
+        body |= _wire.body(
+            modal_model_id=modal_model_id, measurement_id=measurement_id, noise_floor=noise_floor
+        )
+        body["structure_id"] = structure_id
         job = await self._transport.request("POST", self.path, json=body)
         return AsyncJob(job["id"], self._transport, self.get)
 

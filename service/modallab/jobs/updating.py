@@ -1,4 +1,4 @@
-"""Models corrected, or searched for errors, by measured modes."""
+"""Models corrected, or searched for errors, by measured modes or frequency responses."""
 
 from typing import Any
 
@@ -7,6 +7,7 @@ from modallab.core.progress import Progress
 from modallab.fe.structure import Structure
 from modallab.jobs.destination import Destination
 from modallab.rig.exact import as_modelled, with_effects
+from modallab.rig.measurement import Measurement
 from modallab.store.base import Store
 from modallab.store.plain import from_plain
 from modallab.updating.direct.method import DIRECT_METHODS, DirectOptions
@@ -16,6 +17,8 @@ from modallab.updating.locating.method import LOCATORS, LocationResult
 from modallab.updating.locating.run import LocationOptions, locate
 from modallab.updating.method import UPDATERS, UpdateOptions, UpdateResult
 from modallab.updating.parameterisation import Parameterisation
+from modallab.updating.responses.method import RESPONSE_UPDATERS
+from modallab.updating.responses.target import TargetResponses, weighed
 
 Json = Any
 
@@ -26,18 +29,26 @@ def update_and_store(
     into: Destination,
     *,
     structure_id: str,
-    modal_model_id: str,
     method: str,
     options: Json,
+    modal_model_id: str | None = None,
+    measurement_id: str | None = None,
+    noise_floor: float | None = None,
     parameterisation: Json = None,
 ) -> None:
     """Run an updating method of any family; keep what it found, and the updated model if it makes one.
 
     Matrices of a direct method are no structure, and what only locates errors leaves the model as it is.
     """
-    structure, target = store.structures.get(structure_id), store.modal_models.get(modal_model_id)
+    structure = store.structures.get(structure_id)
+    target: ModalModel | TargetResponses
+    if measurement_id is not None:
+        target = measured_responses(store.measurements.get(measurement_id), noise_floor)
+        inputs = {"structure_id": structure_id, "measurement_id": measurement_id}
+    else:
+        target = store.modal_models.get(str(modal_model_id))
+        inputs = {"structure_id": structure_id, "modal_model_id": str(modal_model_id)}
     result = _found(structure, target, method, options, parameterisation, progress)
-    inputs = {"structure_id": structure_id, "modal_model_id": modal_model_id}
     with store.together() as batch:
         if isinstance(result, UpdateResult):
             updated_id = into.beside("structure")
@@ -46,14 +57,27 @@ def update_and_store(
         batch.updates.add(result, owner=into.owner, inputs=inputs, id=into.id)
 
 
+def measured_responses(measurement: Measurement, noise_floor: float | None) -> TargetResponses:
+    """Return measured FRFs with their random errors; `InvalidInputError` if these are not known."""
+    return weighed(measurement.frf, measurement.coherence, measurement.averages, noise_floor)
+
+
 def _found(
     structure: Structure,
-    target: ModalModel,
+    target: ModalModel | TargetResponses,
     method: str,
     options: Json,
     parameterisation: Json,
     progress: Progress,
 ) -> UpdateResult | DirectResult | LocationResult:
+    if isinstance(target, TargetResponses):
+        return RESPONSE_UPDATERS[method](
+            with_effects(structure),
+            from_plain(Parameterisation, parameterisation, {}),
+            target,
+            options=from_plain(UpdateOptions, options, {}),
+            progress=progress,
+        )
     if method in DIRECT_METHODS:
         return update_directly(
             as_modelled(structure),

@@ -2,24 +2,20 @@
 
 import numpy as np
 
-from modallab.core.arrays import BoolArray
 from modallab.core.errors import UnderdeterminedError
 from modallab.core.progress import Progress
 from modallab.fe.assembly import Assembly
 from modallab.fe.structure import Structure
+from modallab.updating.clear import standard_errors, suspected
 from modallab.updating.evidence import Prior
 from modallab.updating.fit import Fit
 from modallab.updating.identifiability import Identifiability, identify
 from modallab.updating.iteration import Ending, Path
-from modallab.updating.location import NOTICEABLE, NOTICEABLE_LOSS
 from modallab.updating.method import REGULARISED, Stages, UpdateOptions, UpdateResult
 from modallab.updating.parameterisation import Parameterisation, by_member
 from modallab.updating.quantities import quantities
-from modallab.updating.relative import changes, slopes
 from modallab.updating.target import TargetModes
 from modallab.updating.whole import Rule, WholePath, correct, unweighted
-
-CLEAR = 3.0  # standard errors from no change at which a coefficient is suspected
 
 
 def update_at_once(
@@ -46,8 +42,8 @@ def update_at_once(
     return UpdateResult(
         structure=corrected,
         coefficients=by_member(parameterisation, final.values, parts=parts, members=numbers),
-        standard_errors=_standard_errors(parameterisation, whole) if errors_known else {},
-        suspected=_suspected(parameterisation, whole),
+        standard_errors=standard_errors(parameterisation, final.values, whole.belief) if errors_known else {},
+        suspected=suspected(parameterisation, final.values, whole.belief),
         frequencies=Stages(before.frequencies, before.frequencies, final.frequencies, measured.frequencies),
         mac=Stages(before.mac, before.mac, final.mac),
         history=path.history,
@@ -98,29 +94,3 @@ def _identified(fit: Fit, whole: WholePath, options: UpdateOptions) -> Identifia
 def _judged(fit: Fit, rank: int) -> bool:
     """Return whether errors are stated, or more rows than the coefficients meet show how large they are."""
     return fit.target.errors is not None or fit.target.n_rows > rank
-
-
-def _standard_errors(parameterisation: Parameterisation, whole: WholePath) -> dict[str, dict[int, float]]:
-    """Return those of the coefficients that the prior left free to move, by prior and data."""
-    kept = np.flatnonzero(whole.belief.kept)
-    if not kept.size:
-        return {}
-    errors = whole.belief.errors * slopes(parameterisation, whole.path.final.values)
-    free = Parameterisation(
-        tuple(parameterisation.macros[i] for i in kept), parameterisation.lower, parameterisation.upper
-    )
-    return by_member(free, errors[kept], parts=parameterisation.parts)
-
-
-def _suspected(parameterisation: Parameterisation, whole: WholePath) -> dict[str, tuple[int, ...]]:
-    """Return members by part whose coefficients moved noticeably, and by more than chance."""
-    values = whole.path.final.values
-    away = np.abs(values - parameterisation.unchanged)
-    noticeable: BoolArray = away > np.where(parameterisation.damping, NOTICEABLE_LOSS, NOTICEABLE)
-    far = np.abs(changes(parameterisation, values))
-    clear = noticeable & (far > CLEAR * whole.belief.errors)
-    wrong = [macro for macro, one in zip(parameterisation.macros, clear, strict=True) if one]
-    return {
-        part.value: tuple(sorted(n for macro in wrong if macro.part is part for n in macro.members))
-        for part in parameterisation.parts
-    }

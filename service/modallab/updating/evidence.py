@@ -34,6 +34,13 @@ class Equations:
     block: IntArray  # (n_rows,) which block a row is in, counted from 0
     floors: FloatArray  # (n_blocks,) least standard deviation of each block's rows
 
+    @property
+    def sizes(self) -> FloatArray:
+        """(n_blocks,) mean square of each block's values, no less than the floors'."""
+        n = len(self.floors)
+        square = np.bincount(self.block, self.values**2, n) / np.bincount(self.block, minlength=n)
+        return np.asarray(np.maximum(square, self.floors**2))
+
 
 @dataclass(frozen=True, eq=False)
 class Belief:

@@ -9,7 +9,7 @@ from modallab.core.arrays import FloatArray, frozen
 from modallab.core.errors import DivergedError, UnderdeterminedError
 from modallab.core.progress import Progress, silent
 from modallab.updating.fit import Fit, State
-from modallab.updating.parameterisation import MacroElement
+from modallab.updating.parameterisation import MacroElement, Parameterisation
 from modallab.updating.solve import Step, at_bounds, bounded_step
 
 ASTRAY = 10.0  # times the differences at the start: beyond, the linear equations say nothing
@@ -110,8 +110,12 @@ def iterate(fit: Fit, start: FloatArray, rule: StopRule, *, stage: str, progress
         largest = history[-1].max_change
         progress((count + 1) / rule.max_iterations, f"{stage} {count + 1}: largest change {largest:.2g}")
         if largest < rule.tolerance and step.share == 1.0:
-            return Path(tuple(history), state, Ending.CONVERGED, Ending.CONVERGED + resting(fit, state))
-    return Path(tuple(history), state, Ending.STILL_MOVING, Ending.STILL_MOVING + resting(fit, state))
+            return _ended(fit, history, state, Ending.CONVERGED)
+    return _ended(fit, history, state, Ending.STILL_MOVING)
+
+
+def _ended(fit: Fit, history: list[Iteration], state: State, ending: Ending) -> Path:
+    return Path(tuple(history), state, ending, ending + resting(fit.parameterisation, state.values))
 
 
 def _step(fit: Fit, state: State, rule: StopRule) -> Step:
@@ -150,7 +154,7 @@ def refuse_blind(rows: FloatArray) -> None:
         )
 
 
-def resting(fit: Fit, state: State) -> str:
-    """Return how many coefficients rest on a bound, as words to add; nothing if none does."""
-    n = int(np.logical_or(*at_bounds(state.values, fit.parameterisation.bounds)).sum())
-    return f"; {n} of {len(state.values)} coefficients rest on a bound" if n else ""
+def resting(parameterisation: Parameterisation, values: FloatArray) -> str:
+    """Return how many coefficients (n_params,) rest on a bound, as words to add; nothing if none does."""
+    n = int(np.logical_or(*at_bounds(values, parameterisation.bounds)).sum())
+    return f"; {n} of {len(values)} coefficients rest on a bound" if n else ""

@@ -16,6 +16,7 @@ from modallab.updating.identifiability import Identifiability
 from modallab.updating.iteration import Iteration
 from modallab.updating.parameterisation import Parameterisation, Part
 from modallab.updating.quantities import Quantity
+from modallab.updating.responses.result import ResponseFit
 
 REFUSED, REGULARISED = "refused", "regularised"
 CHOICES: Mapping[str, OptionSpec] = {
@@ -127,6 +128,7 @@ class UpdateResult:
     # by part and member: low and high end of what holds a coefficient with 95 %, by the data alone
     intervals: Mapping[str, Mapping[int, tuple[float, float]]] = field(default_factory=dict)
     identifiability: Identifiability | None = None  # None of a path that diverged
+    responses: ResponseFit | None = None  # of a method that takes frequency responses
     quantities: tuple[Quantity, ...] = ()  # properties in their own units
     iterations: Mapping[str, int] = field(init=False)  # "location", "updating"
 

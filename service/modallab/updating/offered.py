@@ -9,6 +9,7 @@ from modallab.updating.direct.method import DIRECT_METHODS, EXPANSION, DirectOpt
 from modallab.updating.locating.method import LOCATORS
 from modallab.updating.locating.run import LocationOptions
 from modallab.updating.method import UPDATERS, options_of
+from modallab.updating.responses.method import RESPONSE_UPDATERS
 
 DIRECT: Mapping[str, OptionSpec] = {
     "completion": OptionSpec(
@@ -33,7 +34,7 @@ def offered(method: str) -> Mapping[str, OptionSpec]:
     InvalidInputError
         If there is no such method.
     """
-    if method in UPDATERS:
+    if method in UPDATERS or method in RESPONSE_UPDATERS:
         return options_of(method)
     if method in LOCATORS:
         return LocationOptions.as_options()
@@ -43,5 +44,5 @@ def offered(method: str) -> Mapping[str, OptionSpec]:
         f"no updating method called {method!r}",
         field="method",
         value=method,
-        allowed=", ".join(sorted([*UPDATERS, *LOCATORS, *DIRECT_METHODS])),
+        allowed=", ".join(sorted([*UPDATERS, *RESPONSE_UPDATERS, *LOCATORS, *DIRECT_METHODS])),
     )

@@ -44,12 +44,6 @@ class Weights:
         unit = state.size * self.units
         return fit.sensitivity(state) / unit[:, None], state.difference / unit
 
-    def scales(self, remaining: FloatArray) -> FloatArray:
-        """Return the mean square of each block's rows (n_rows,), no less than the floors'."""
-        n = len(self.floors)
-        square = np.bincount(self.block, remaining**2, n) / np.bincount(self.block, minlength=n)
-        return np.asarray(np.maximum(square, self.floors**2))
-
     def missed(self, scales: FloatArray) -> str:
         """Return which modes the model misses by more than errors explain, as words to add; nothing if none.
 

@@ -10,6 +10,7 @@ from modallab.core.progress import Progress, silent
 from modallab.updating.evidence import Belief, Equations, Prior, believe
 from modallab.updating.fit import Fit, State
 from modallab.updating.iteration import ASTRAY, ROUNDING, Ending, Iteration, Path, refuse_blind, resting
+from modallab.updating.parameterisation import Parameterisation
 from modallab.updating.relative import changed, changes, slopes
 from modallab.updating.solve import Step, balanced_step
 from modallab.updating.weights import Weights
@@ -57,13 +58,15 @@ def correct(fit: Fit, rule: Rule, progress: Progress = silent) -> WholePath:
     weights = Weights.of(fit.target)
     start = state = fit.state(fit.parameterisation.unchanged)
     begun, history = start.distance, list[Iteration]()
-    belief = _open(fit, weights, state, rule.prior)
+    may_move = fit.parameterisation
+    belief = opened(may_move, weights.floors, rule.prior)
     ending, why = Ending.STILL_MOVING, str(Ending.STILL_MOVING)
     for count in range(rule.max_iterations):
         rows, missed = weights.rows(fit, state)
         refuse_blind(rows)
-        belief = _believed(fit, state, (rows, missed), weights, rule.prior, belief.widths)
-        wanted = _within_bounds(fit, belief)
+        linear = Equations(rows, missed, weights.block, weights.floors)
+        belief = believed(may_move, state.values, linear, rule.prior, belief.widths)
+        wanted = within_bounds(may_move, belief)
         try:
             after, whole = _walked(fit, state, wanted, begun)
         except DivergedError as error:
@@ -77,7 +80,7 @@ def correct(fit: Fit, rule: Rule, progress: Progress = silent) -> WholePath:
             ending, why = Ending.CONVERGED, str(Ending.CONVERGED)
             break
     if ending is not Ending.DIVERGED:
-        why += resting(fit, state)
+        why += resting(may_move, state.values)
     return WholePath(start, Path(tuple(history), state, ending, why), belief, weights)
 
 
@@ -86,35 +89,47 @@ def unweighted(rows: FloatArray, missed: FloatArray, jump: float) -> Step:
     return balanced_step(rows, missed, np.ones(len(missed)), jump=jump)
 
 
-def _open(fit: Fit, weights: Weights, state: State, prior: Prior) -> Belief:
-    """Return what is held likely before the first step."""
-    n = len(state.values)
+def opened(parameterisation: Parameterisation, floors: FloatArray, prior: Prior) -> Belief:
+    """Return what is held likely of changes before the first step.
+
+    Parameters
+    ----------
+    floors
+        (n_blocks,) least standard deviation of the rows of each block.
+    """
+    n = len(parameterisation.macros)
     widths = np.full(n, START)
     if prior is Prior.RANGE:
-        lower, upper = (changes(fit.parameterisation, bound) for bound in fit.parameterisation.bounds)
+        lower, upper = (changes(parameterisation, bound) for bound in parameterisation.bounds)
         widths = ((upper - lower) / BOUNDS_APART) ** 2
-    return Belief(np.zeros(n), np.diag(widths), widths, weights.floors**2)
+    return Belief(np.zeros(n), np.diag(widths), widths, floors**2)
 
 
-def _believed(
-    fit: Fit,
-    state: State,
-    linear: tuple[FloatArray, FloatArray],
-    weights: Weights,
+def believed(
+    parameterisation: Parameterisation,
+    values: FloatArray,
+    linear: Equations,
     prior: Prior,
     widths: FloatArray,
 ) -> Belief:
-    """Return what data made linear at a state, and the prior, say of all changes from the start."""
-    rows, missed = linear
-    rows = rows * slopes(fit.parameterisation, state.values)
-    wanted = missed + rows @ changes(fit.parameterisation, state.values)
-    equations = Equations(rows, wanted, weights.block, weights.floors)
-    return believe(equations, prior, widths, weights.scales(missed))
+    """Return what data made linear at `values`, and the prior, say of all changes from the start.
+
+    Parameters
+    ----------
+    values, widths
+        (n_params,) where the coefficients are, and what the prior's variances are looked for from.
+    linear
+        Derivatives by the coefficients, and what the model misses.
+    """
+    rows = linear.matrix * slopes(parameterisation, values)
+    wanted = linear.values + rows @ changes(parameterisation, values)
+    equations = Equations(rows, wanted, linear.block, linear.floors)
+    return believe(equations, prior, widths, linear.sizes)
 
 
-def _within_bounds(fit: Fit, belief: Belief) -> FloatArray:
+def within_bounds(parameterisation: Parameterisation, belief: Belief) -> FloatArray:
     """Return the changes most likely within their bounds: those beyond stay there, the others given that."""
-    lower, upper = (changes(fit.parameterisation, bound) for bound in fit.parameterisation.bounds)
+    lower, upper = (changes(parameterisation, bound) for bound in parameterisation.bounds)
     wanted, held = belief.mean, np.zeros(len(belief.mean), bool)
     while (out := ~held & ((wanted < lower) | (wanted > upper))).any():
         held |= out

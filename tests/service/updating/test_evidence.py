@@ -15,6 +15,12 @@ def equations(truth: FloatArray, noise: float) -> Equations:
     return Equations(ROWS, ROWS @ truth + noise * errors, np.zeros(len(ROWS), int), np.full(1, 1e-9))
 
 
+def test_no_block_of_values_is_smaller_than_its_floor() -> None:
+    values = np.array([3.0, 4.0, 0.0, 0.1])
+    linear = Equations(np.ones((4, 1)), values, np.array([0, 0, 1, 1]), np.ones(2))
+    np.testing.assert_allclose(linear.sizes, [12.5, 1.0])
+
+
 def test_a_sparse_prior_keeps_the_few_that_are_not_zero() -> None:
     truth = np.zeros(40)
     truth[[3, 17]] = 0.5, -0.2

@@ -19,7 +19,7 @@ def test_stated_errors_are_the_units_and_no_scale_is_below_them() -> None:
     moving = target.errors > 1e-9  # a relative error of a node of a shape is none
     assert moving.sum() > 0.9 * target.n_rows
     np.testing.assert_array_equal(weights.units[moving], target.errors[moving])
-    np.testing.assert_array_equal(weights.scales(np.zeros(target.n_rows)), np.ones(4))
+    np.testing.assert_array_equal(weights.floors, np.ones(4))
 
 
 def test_a_number_that_is_stated_as_exact_counts_as_exact_as_a_model_can_be() -> None:

@@ -1,4 +1,4 @@
-"""Updates: models corrected by measured modes."""
+"""Updates: models corrected by measured modes or frequency responses."""
 
 from typing import Annotated
 
@@ -12,6 +12,7 @@ from modallab.api.jobs import JobOut
 from modallab.api.shelves import add_routes
 from modallab.api.updates.direct import direct_arrays
 from modallab.api.updates.identified import identified_arrays
+from modallab.api.updates.responses import check_responses
 from modallab.api.updates.schemas import UpdateOut, UpdateStart
 from modallab.core.errors import NotFoundError
 from modallab.rig.exact import with_effects
@@ -34,23 +35,36 @@ _AT_ONCE = {
     "parameterisation": {"macros": [[1], [2], [3], [4]], "parts": ["mass", "stiffness"]},
     "options": {"prior": "sparse", "few_rows": "regularised"},
 }
+_RESPONSES = {
+    "structure_id": "5f0c31",
+    "measurement_id": "c04d1a",
+    "method": "frf_residual",
+    "parameterisation": {"macros": "each", "parts": ["mass", "stiffness"]},
+}
 _DIRECT = {
     "structure_id": "5f0c31",
     "modal_model_id": "77ab10",
     "method": "berman_nagy",
     "options": {"completion": "expansion", "expansion": "serep", "n_modes": 5},
 }
+_BODIES = {"coefficients": _BODY, "at_once": _AT_ONCE, "responses": _RESPONSES, "matrices": _DIRECT}
 
 
-@router.post("", status_code=status.HTTP_202_ACCEPTED, summary="Correct a model by measured modes")
+@router.post("", status_code=status.HTTP_202_ACCEPTED, summary="Correct a model by measured modes or FRFs")
 def start_update(
-    body: Annotated[UpdateStart, examples(coefficients=_BODY, at_once=_AT_ONCE, matrices=_DIRECT)],
+    body: Annotated[
+        UpdateStart, examples(coefficients=_BODY, at_once=_AT_ONCE, responses=_RESPONSES, matrices=_DIRECT)
+    ],
     store: StoreDep,
     jobs: JobsDep,
     owner: OwnerDep,
 ) -> JobOut:
-    store.modal_models.check(body.modal_model_id)
-    arguments = body.to_arguments(with_effects(store.structures.get(body.structure_id)))
+    structure = with_effects(store.structures.get(body.structure_id))
+    arguments = body.to_arguments(structure)
+    if body.modal_model_id is not None:
+        store.modal_models.check(body.modal_model_id)
+    if body.measurement_id is not None:
+        check_responses(structure, store.measurements.get(body.measurement_id), body.noise_floor)
     return JobOut.of(jobs.submit("update_and_store", arguments, owner=owner))
 
 

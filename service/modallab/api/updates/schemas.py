@@ -10,6 +10,7 @@ from modallab.api.reductions import Reduced, ReductionIn
 from modallab.api.updates.direct import DirectOut, direct_fields
 from modallab.api.updates.identified import IdentifiabilityOut, QuantityOut
 from modallab.api.updates.located import LocatedOut, located_fields, number
+from modallab.api.updates.responses import ResponsesOut
 from modallab.api.wire import Count, EntryOut, Number, Text, Wire
 from modallab.core.errors import InvalidInputError
 from modallab.fe.structure import Structure
@@ -31,8 +32,9 @@ from modallab.updating.parameterisation import (
     parameterise,
     refuse_loss_factors,
 )
+from modallab.updating.responses.method import RESPONSE_UPDATERS
 
-METHODS = {**UPDATERS, **DIRECT_METHODS, **LOCATORS}
+METHODS = {**UPDATERS, **RESPONSE_UPDATERS, **DIRECT_METHODS, **LOCATORS}
 Completion = Annotated[
     Text | ReductionIn,
     Field(description="`expansion` of shapes to all DoFs, or a reduction of the model to measured ones"),
@@ -44,6 +46,7 @@ Groups = Annotated[
     list[Annotated[list[Count], Field(min_length=1, max_length=5000)]],
     Field(min_length=1, max_length=1000),
 ]
+Floor = Annotated[Number, Field(gt=0, le=1)] | None
 
 
 class ParameterisationIn(Wire):
@@ -149,10 +152,15 @@ def _refuse(fields: Set[str], of: str) -> None:
 
 
 class UpdateStart(Wire):
-    """A model to be corrected until its modes are the measured ones."""
+    """A model to be corrected until its modes, or its frequency responses, are the measured ones."""
 
     structure_id: Id
-    modal_model_id: Id
+    modal_model_id: Id | None = Field(default=None, description="of every method but those that take FRFs")
+    measurement_id: Id | None = Field(default=None, description="of a method that takes FRFs: frf_residual")
+    noise_floor: Floor = Field(
+        default=None,
+        description="relative random error of every measured FRF, beside what coherence and averages tell",
+    )
     method: Text = "inverse_eigensensitivity"
     parameterisation: ParameterisationIn = ParameterisationIn()
     options: OptionsIn = OptionsIn()
@@ -172,11 +180,7 @@ class UpdateStart(Wire):
                 value=self.method,
                 allowed=", ".join(sorted(METHODS)),
             )
-        arguments = {
-            "structure_id": self.structure_id,
-            "modal_model_id": self.modal_model_id,
-            "method": self.method,
-        }
+        arguments = {"structure_id": self.structure_id, "method": self.method, **self._measured()}
         if self.method in DIRECT_METHODS:
             _refuse(self.model_fields_set & {"parameterisation"}, "a direct method")
             return arguments | {"options": to_plain(self.options.to_direct())[0]}
@@ -187,12 +191,26 @@ class UpdateStart(Wire):
             "options": to_plain(options)[0],
         }
 
+    def _measured(self) -> dict[str, Any]:
+        """Return what was measured, by the names of the task's arguments."""
+        modes = {"modal_model_id": self.modal_model_id}
+        responses = {"measurement_id": self.measurement_id, "noise_floor": self.noise_floor}
+        on_responses = self.method in RESPONSE_UPDATERS
+        wanted, other = (responses, modes) if on_responses else (modes, responses)
+        _refuse({name for name, value in other.items() if value is not None}, self.method)
+        name = next(iter(wanted))
+        if wanted[name] is None:
+            raise InvalidInputError(
+                f"{self.method} needs a {name}", field=name, value="none", allowed="an id"
+            )
+        return wanted
+
 
 class UpdateOut(EntryOut):
     """How an update went; coefficients and errors by part and member, 1 = no change, 0 of damping.
 
     A direct method has none of these but `direct`, one that only locates none but `suspected` and `located`;
-    neither makes a structure.
+    neither makes a structure. A method that takes FRFs has `responses` and no measured frequencies or MAC.
     """
 
     converged: bool
@@ -214,6 +232,7 @@ class UpdateOut(EntryOut):
     quantities: list[QuantityOut] = Field(
         default=[], description="properties that were free to move, in their units; before, after"
     )
+    responses: ResponsesOut | None = None
     direct: DirectOut | None = None
     located: LocatedOut | None = None
 
@@ -242,6 +261,7 @@ class UpdateOut(EntryOut):
             intervals={part: dict(table) for part, table in result.intervals.items()},
             identifiability=None if told is None else IdentifiabilityOut.of(told),
             quantities=[QuantityOut.of(one) for one in result.quantities],
+            responses=None if result.responses is None else ResponsesOut.of(result.responses),
         )
 
 

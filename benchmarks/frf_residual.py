@@ -1,0 +1,143 @@
+"""How surely all coefficients are found at once on frequency responses, without noise and with it.
+
+python -m benchmarks.frf_residual          # prints the figures
+"""
+
+from dataclasses import dataclass, replace
+from functools import cache
+
+import numpy as np
+
+from benchmarks.one_shot import BAY, CLOSE, DOFS, EACH, MEMBERS, pattern, true_bay
+from modallab.core.arrays import FloatArray
+from modallab.core.dof import Dof
+from modallab.core.frf import FrfKind, FrfSet
+from modallab.fe.assembly import assemble
+from modallab.fe.catalogued import STRUCTURES
+from modallab.fe.changes import MemberChange, MemberProperty, change
+from modallab.fe.damping import StructuralDamping
+from modallab.fe.receptance import direct_receptance
+from modallab.fe.structure import Structure
+from modallab.updating.method import UpdateResult
+from modallab.updating.parameterisation import Parameterisation, parameterise
+from modallab.updating.responses.method import RESPONSE_UPDATERS
+from modallab.updating.responses.target import TargetResponses, weighed
+
+PATTERNS, SEEDS = 50, 20
+LOSS = 0.01
+DRIVE = (Dof(1, "Y"),)
+LINES = np.linspace(32.0, 1280.0, 40)  # to just above the tenth elastic mode of the bay, Hz
+AVERAGES = 100.0
+COHERENCE = 0.98
+BEAM = STRUCTURES["chapter-5-beam"]()
+BEAM_EACH = parameterise([(member.number,) for member in BEAM.members])
+BEAM_DOFS = tuple(Dof(node, "Y") for node in range(1, 22))
+BEAM_LINES = np.linspace(10.0, 1600.0, 160)  # 13 elastic modes
+
+
+def damped(structure: Structure) -> Structure:
+    """Return a structure that loses one per cent."""
+    return replace(structure, damping=StructuralDamping(stiffness_coefficient=LOSS))
+
+
+def responses(
+    structure: Structure, lines: FloatArray, outputs: tuple[Dof, ...], inputs: tuple[Dof, ...]
+) -> FrfSet:
+    """Return exact receptances of a structure, solved for line by line."""
+    system = assemble(structure)
+    values = direct_receptance(system, lines, system.selection(outputs), system.selection(inputs))
+    return FrfSet(lines, values, outputs, inputs, FrfKind.RECEPTANCE)
+
+
+def exact(frf: FrfSet) -> TargetResponses:
+    """Return responses that have no random error."""
+    return weighed(frf, np.ones(frf.values.shape[:2]), AVERAGES)
+
+
+def noisy(frf: FrfSet, seed: int, coherence: float = COHERENCE) -> TargetResponses:
+    """Return responses with random errors of that coherence."""
+    rng = np.random.default_rng(seed)
+    error = np.sqrt((1 - coherence) / (2 * coherence * (AVERAGES - 2)))
+    noise = rng.standard_normal((2, *frf.values.shape))
+    values = frf.values * (1 + error * (noise[0] + 1j * noise[1]))
+    return weighed(replace(frf, values=values), np.full(values.shape[:2], coherence), AVERAGES)
+
+
+def wrong_beam(seed: int) -> tuple[Structure, dict[tuple[str, int], float]]:
+    """Return the beam with one to six wrong members, as `one_shot.pattern` has them of the bay."""
+    wrong = {(part, (n - 1) % len(BEAM.members) + 1): f for (part, n), f in pattern(seed).items()}
+    kinds = {"mass": MemberProperty.DENSITY, "stiffness": MemberProperty.MODULUS}
+    return change(BEAM, [MemberChange((n,), kinds[p], factor=f) for (p, n), f in wrong.items()]), wrong
+
+
+def found(structure: Structure, parameters: Parameterisation, target: TargetResponses) -> UpdateResult:
+    """Return the structure updated on responses."""
+    return RESPONSE_UPDATERS["frf_residual"](structure, parameters, target)
+
+
+def worst(result: UpdateResult, wrong: dict[tuple[str, int], float]) -> float:
+    """Return the largest error of a coefficient."""
+    tables = result.coefficients.items()
+    return max(abs(v - wrong.get((part, n), 1.0)) for part, table in tables for n, v in table.items())
+
+
+def of_bay(seed: int, loss: float = LOSS) -> float:
+    """Return the largest error of 62 coefficients of the bay from exact responses to one force."""
+    wrong, law = pattern(seed), StructuralDamping(stiffness_coefficient=loss)
+    truth = replace(true_bay(wrong), damping=law)
+    return worst(found(replace(BAY, damping=law), EACH, exact(responses(truth, LINES, DOFS, DRIVE))), wrong)
+
+
+def of_beam(seed: int) -> float:
+    """Return the largest error of 40 coefficients of the beam from exact responses to one force."""
+    truth, wrong = wrong_beam(seed)
+    return worst(found(BEAM, BEAM_EACH, exact(responses(truth, BEAM_LINES, BEAM_DOFS, DRIVE))), wrong)
+
+
+@dataclass(frozen=True)
+class Found:
+    """How one draw of noise went."""
+
+    covered: float  # share of coefficients inside their intervals
+    worst: float  # largest error of a coefficient
+    after: float  # mean square of what is left over its random error
+
+
+@cache
+def _noisy_case() -> tuple[FrfSet, dict[tuple[str, int], float]]:
+    wrong = pattern(0)
+    return responses(damped(true_bay(wrong)), LINES, DOFS, DRIVE), wrong
+
+
+def of_noise(seed: int) -> Found:
+    """Return how one draw of noise on the first pattern of the bay went."""
+    frf, wrong = _noisy_case()
+    result = found(damped(BAY), EACH, noisy(frf, seed))
+    inside = [
+        low <= wrong.get((part, number), 1.0) <= high
+        for part, table in result.intervals.items()
+        for number, (low, high) in table.items()
+    ]
+    assert result.responses is not None
+    return Found(float(np.mean(inside)), worst(result, wrong), result.responses.after)
+
+
+def run() -> list[tuple[str, float, float]]:
+    """Return (name, figure, limit): of patterns not found, and of noise."""
+    bay = sum(of_bay(seed) >= CLOSE for seed in range(PATTERNS))
+    beam = sum(of_beam(seed) >= CLOSE for seed in range(PATTERNS))
+    drawn = [of_noise(seed) for seed in range(SEEDS)]
+    covered = float(np.mean([one.covered for one in drawn]))
+    return [
+        (f"frf_residual: of {PATTERNS} patterns of {2 * len(MEMBERS)} coefficients not exact", bay, 2.0),
+        (f"frf_residual: of {PATTERNS} patterns of the beam not exact", beam, 2.0),
+        ("frf_residual, noise: 95 % intervals that miss the truth", 1 - covered, 0.10),
+        ("frf_residual, noise: those that hold it", covered, 0.99),
+        ("frf_residual, noise: worst coefficient, median", float(np.median([o.worst for o in drawn])), 0.05),
+        ("frf_residual, noise: mean square left, largest", max(one.after for one in drawn), 1.2),
+    ]
+
+
+if __name__ == "__main__":
+    for name, figure, limit in run():
+        print(f"{name:<66} {figure:8.3g}  limit {limit:.3g}")

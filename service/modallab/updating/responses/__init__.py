@@ -1,0 +1,1 @@
+"""Updating on measured frequency responses, without modes between."""

@@ -1,0 +1,175 @@
+"""A model's motion at some lines: its receptances, and how they move with coefficients."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.sparse import csc_array
+from scipy.sparse.linalg import splu
+
+from modallab.core.arrays import ComplexArray, FloatArray, IntArray
+from modallab.core.errors import InvalidInputError
+from modallab.fe.damping import ModalDamping, StructuralDamping, ViscousDamping
+from modallab.fe.system import SMALL, DynamicSystem
+from modallab.updating.corrected import CorrectedModel
+from modallab.updating.parameterisation import Part
+from modallab.updating.responses.target import TargetResponses
+from modallab.updating.sensitivity import PartMatrices
+
+AT_ONCE = 4_000_000  # complex numbers of a field that are held at once: 64 MB
+
+Solve = Callable[[ComplexArray], ComplexArray]  # forces (n_lines, n, k) to motions, the same shape
+
+
+@dataclass(frozen=True, eq=False)
+class Law:
+    """What damping adds to dZ: a and omega a' of the mass, omega b' of the stiffness."""
+
+    mass: float  # a, rad^2/s^2
+    viscous_mass: float  # a', 1/s
+    viscous_stiffness: float  # b', s
+
+
+@dataclass(frozen=True, eq=False)
+class Fields:
+    """A model's motions at some lines, under unit forces at the sensors and at the inputs."""
+
+    lines: IntArray  # (n_lines,) places among those of the target
+    omega: FloatArray  # (n_lines,) rad/s
+    to_outputs: ComplexArray  # (n_lines, n, n_out) m/N: Z^-1 S, of a symmetric Z also S^T Z^-1 turned
+    driven: ComplexArray  # (n_lines, n, n_in) m/N
+    receptance: ComplexArray  # (n_lines, n_out, n_in) m/N
+    load: FloatArray  # (n_lines, n) N/m or N m: |K_jj| + omega^2 M_jj, which forces a wrong model leaves by
+    solve: Solve
+    parts: tuple[PartMatrices, ...]
+    law: Law
+
+    def moved(self, motion: ComplexArray) -> ComplexArray:
+        """Return -S^T Z^-1 (dZ/dp) motion of every coefficient, (n_lines, n_out, n_in, n_params).
+
+        Of the model's own motion these are the derivatives of its receptances, exactly.
+
+        Parameters
+        ----------
+        motion
+            (n_lines, n, n_in) m/N.
+        """
+        n_params = 1 + max(int(part.params.max()) for part in self.parts)
+        out = np.zeros((*self.receptance.shape, n_params), complex)
+        along = 1j * self.omega[:, None, None, None]
+        for part in self.parts:
+            facing, own = (_local(part.rows, field) for field in (self.to_outputs, motion))
+            loads = part.matrices @ own
+            if part.part is Part.MASS:
+                lost = 0.0 if part.lossless else 1j * self.law.mass + along * self.law.viscous_mass
+                loads = loads * (along**2 + lost)
+            elif self.law.viscous_stiffness and not part.lossless:
+                loads = loads + along * self.law.viscous_stiffness * (part.matrices.real @ own)
+            sums = np.add.reduceat(facing.swapaxes(2, 3) @ loads, part.starts[:-1], axis=1)
+            out[..., part.params] -= np.moveaxis(sums, 1, 3)
+        return out
+
+
+class ResponseModel:
+    """A structure, the coefficients that may move, and the responses it should have.
+
+    Raises
+    ------
+    InvalidInputError
+        If the damping of the structure is that of its modes.
+    UnknownDofError
+        If the structure lacks a measured DoF.
+    """
+
+    def __init__(self, model: CorrectedModel, target: TargetResponses) -> None:
+        structure = model.initial
+        law = structure.damping
+        if isinstance(law, ModalDamping):
+            raise InvalidInputError(
+                "damping of modes does not follow coefficients of members",
+                field="damping",
+                value=type(law).__name__,
+                allowed=f"{StructuralDamping.__name__}, {ViscousDamping.__name__}",
+            )
+        hysteretic = isinstance(law, StructuralDamping)
+        by_mass, by_stiffness = law.mass_coefficient, law.stiffness_coefficient
+        self._law = Law(by_mass, 0.0, 0.0) if hysteretic else Law(0.0, by_mass, by_stiffness)
+        self.model, self.target, self.parameterisation = model, target, model.parameterisation
+        self._outputs, self._inputs = (
+            _columns([structure.index(dof) for dof in dofs], [dof.sign for dof in dofs], len(structure.dofs))
+            for dofs in (target.outputs, target.inputs)
+        )
+        translations = np.array([dof.translational for dof in structure.dofs])
+        diagonal = np.abs(model.system(self.parameterisation.unchanged).stiffness.diagonal())
+        self.stiffness = float(np.median(diagonal[translations]))  # N/m, of a translation
+
+    def fields(self, values: FloatArray) -> Iterator[Fields]:
+        """Yield the motions at `values` (n_params,), of no more lines at once than memory is for."""
+        system, parts = self.model.system(values), self.model.parts(values, damped=True)
+        n, wide = self._outputs.shape[0], self._outputs.shape[1] + self._inputs.shape[1]
+        step = max(1, AT_ONCE // (n * (n if n < SMALL else wide)))
+        n_lines = len(self.target.freq)
+        for lines in np.split(np.arange(n_lines), range(step, n_lines, step)):
+            yield self._at(lines, system, parts)
+
+    def receptance(self, values: FloatArray) -> ComplexArray:
+        """Return the receptances at `values` (n_params,), (n_lines, n_out, n_in), m/N."""
+        return np.concatenate([fields.receptance for fields in self.fields(values)])
+
+    def _at(self, lines: IntArray, system: DynamicSystem, parts: tuple[PartMatrices, ...]) -> Fields:
+        omega = 2 * np.pi * self.target.freq[lines]
+        solve = solver(system, omega)
+        forces = np.concatenate([self._outputs, self._inputs], axis=1)
+        both = solve(np.broadcast_to(forces, (len(omega), *forces.shape)))
+        n_out = self._outputs.shape[1]
+        driven = both[:, :, n_out:]
+        return Fields(
+            lines=lines,
+            omega=omega,
+            to_outputs=both[:, :, :n_out],
+            driven=driven,
+            receptance=np.asarray(self._outputs.T @ driven),
+            load=np.abs(system.stiffness.diagonal()) + omega[:, None] ** 2 * system.mass.diagonal(),
+            solve=solve,
+            parts=parts,
+            law=self._law,
+        )
+
+
+def solver(system: DynamicSystem, omega: FloatArray) -> Solve:
+    """Return what solves Z at every line: by inverses of all at once, of large models by factors of each."""
+    empty = csc_array(system.stiffness.shape)
+    damping, viscous = (empty if one is None else one for one in (system.damping, system.viscous))
+    if len(system.dofs) < SMALL:
+        mass, stiffness, lost, slow = (
+            one.toarray() for one in (system.mass, system.stiffness, damping, viscous)
+        )
+        w = omega[:, None, None]
+        inverse = np.linalg.inv(stiffness + 1j * lost + 1j * w * slow - w**2 * mass)
+        return lambda forces: np.asarray(inverse @ forces)
+    factors = [
+        splu(
+            csc_array(system.stiffness + 1j * damping + 1j * w * viscous - w**2 * system.mass),
+            permc_spec="MMD_AT_PLUS_A",
+            options={"SymmetricMode": True},
+        )
+        for w in omega
+    ]
+    return lambda forces: np.stack(
+        [
+            factor.solve(np.ascontiguousarray(right, complex))
+            for factor, right in zip(factors, forces, strict=True)
+        ]
+    )
+
+
+def _columns(rows: list[int], signs: list[int], n: int) -> ComplexArray:
+    columns = np.zeros((n, len(rows)), complex)
+    columns[rows, np.arange(len(rows))] = signs
+    return columns
+
+
+def _local(rows: IntArray, field: ComplexArray) -> ComplexArray:
+    """Return a field (n_lines, n, k) at the DoFs of each element, (n_lines, n_used, w, k), 0 where held."""
+    held = np.zeros((len(field), 1, field.shape[2]), complex)
+    return np.concatenate([field, held], axis=1)[:, rows]

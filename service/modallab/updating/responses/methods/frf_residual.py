@@ -1,0 +1,47 @@
+"""All coefficients at once from measured frequency responses, line by line, without modes between."""
+
+from modallab.core.progress import Progress, silent
+from modallab.fe.structure import Structure
+from modallab.updating.method import DEFAULTS, IDLE, PARTS, TWO_STAGE, UpdateOptions, UpdateResult
+from modallab.updating.parameterisation import Parameterisation, Part
+from modallab.updating.responses.method import RESPONSE_UPDATERS
+from modallab.updating.responses.run import update_on_responses
+from modallab.updating.responses.target import TargetResponses
+
+METHOD = "frf_residual"
+IDLE.register(METHOD)((*TWO_STAGE, "min_mac"))
+PARTS.register(METHOD)((Part.MASS, Part.STIFFNESS, Part.DAMPING))
+
+
+@RESPONSE_UPDATERS.register(METHOD)
+def frf_residual(
+    structure: Structure,
+    parameterisation: Parameterisation,
+    target: TargetResponses,
+    *,
+    options: UpdateOptions = DEFAULTS,
+    progress: Progress = silent,
+) -> UpdateResult:
+    """Correct mass, stiffness and damping of all elements at once on measured frequency responses.
+
+    Rows are ln(H_measured / H_model) over its random error, whose derivatives are exact; prior and steps
+    are those of `one_shot`. The first steps take the model to be wrong everywhere, so that it need not
+    resonate where the structure does. Every difference is put down to the coefficients: what a rig adds
+    is no part of the model, unless the structure has it.
+
+    Parameters
+    ----------
+    target
+        Receptances at sensors and forces of the structure, with their random errors.
+
+    Raises
+    ------
+    InvalidInputError
+        If the structure's damping is that of its modes.
+    UnderdeterminedError
+        If there are fewer measured numbers than coefficients and the options refuse these, or no
+        response moves with any coefficient.
+    UnknownDofError
+        If the structure lacks a measured DoF.
+    """
+    return update_on_responses(structure, parameterisation, target, options, progress)

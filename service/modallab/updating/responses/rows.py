@@ -1,0 +1,159 @@
+"""What a model misses of measured responses, made linear in the coefficients, in units of its error."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.optimize import brentq
+
+from modallab.core.arrays import ComplexArray, FloatArray, IntArray
+from modallab.updating.responses.fields import Fields, ResponseModel
+from modallab.updating.responses.target import TargetResponses
+
+# Of the responses at a line, an error that any of them has where the model is taken to be wrong: what does
+# not move at all is not measured to a share of itself.
+LEAST = 1e-3
+LEAST_DOUBT, MOST_DOUBT = 1e-6, 10.0
+
+Linear = tuple[ComplexArray, ComplexArray]  # rows (n_lines, n, n_params) and what is missed (n_lines, n)
+
+
+@dataclass(frozen=True, eq=False)
+class Rows:
+    """Linear equations of a model, line by line: real and imaginary parts are rows of their own."""
+
+    matrix: FloatArray  # (n_rows, n_params)
+    missed: FloatArray  # (n_rows,)
+    line: IntArray  # (n_rows,) place of the line that a row is of
+
+    def blocks(self, numbers: int) -> IntArray:
+        """Return the band of lines that each row is in, (n_rows,), with about so many rows or more each."""
+        first = np.searchsorted(self.line, self.line)
+        bands = first * max(1, len(self.line) // numbers) // len(self.line)
+        return np.asarray(np.unique(bands, return_inverse=True)[1])
+
+
+def log_ratios(target: TargetResponses, model: ComplexArray) -> ComplexArray:
+    """Return ln(H_measured / H_model) over its random error, 0 where nothing is said, (n_lines, n_out, n_in).
+
+    Real and imaginary part, of size and of phase, have variance 1 each if only random errors are left.
+    """
+    counts = target.used & (model != 0)
+    ratio = np.divide(target.values, model, out=np.ones(model.shape, complex), where=counts)
+    return np.asarray(np.log(ratio) / target.errors)
+
+
+def mean_square(
+    residual: ComplexArray, target: TargetResponses, axis: tuple[int, ...] | None = None
+) -> FloatArray:
+    """Return the mean square of log ratios by their parts, 1 if only random errors are left."""
+    total, count = (np.abs(residual) ** 2).sum(axis=axis), target.used.sum(axis=axis)
+    return np.asarray(total / np.maximum(2 * count, 1))
+
+
+def log_rows(model: ResponseModel, values: FloatArray) -> Rows:
+    """Return equations of log ratios at `values` (n_params,): d ln H = dH / H."""
+
+    def linear(fields: Fields, target: TargetResponses) -> Linear:
+        n_lines = len(fields.lines)
+        counts = target.used & (fields.receptance != 0)
+        weight = np.divide(
+            1.0, fields.receptance * target.errors, out=np.zeros(counts.shape, complex), where=counts
+        )
+        rows = fields.moved(fields.driven) * weight[..., None]
+        missed = log_ratios(target, fields.receptance)
+        return rows.reshape(n_lines, -1, rows.shape[-1]), missed.reshape(n_lines, -1)
+
+    return _gathered(model, values, linear)
+
+
+@dataclass(frozen=True, eq=False)
+class Misfit:
+    """What a model misses at some lines, in directions in which random and model errors are told apart.
+
+    Forces that a wrong model leaves unbalanced are random, at each line anew, with covariance
+    w^2 k |H|^2 diag(|K_jj| + omega^2 M_jj), where the model is wrong by a share w of its stiffness. What is
+    measured then scatters about the model by C = S (I + w^2 V diag(g) V^H) S, S the random errors.
+    """
+
+    missed: ComplexArray  # (n_lines, n_in, n_out) V^H S^-1 (H_measured - H_model)
+    share: FloatArray  # (n_lines, n_in, n_out) g
+    turn: ComplexArray  # (n_lines, n_in, n_out, n_out) V^H S^-1
+    size: FloatArray  # (n_lines, n_in) k |H|^2, N m
+
+    @classmethod
+    def of(cls, model: ResponseModel, fields: Fields, target: TargetResponses) -> "Misfit":
+        """Return what a model misses at the lines of its fields."""
+        used, measured = target.used.swapaxes(1, 2), target.values.swapaxes(1, 2)
+        least = LEAST * target.sizes[..., None] * target.errors.swapaxes(1, 2)
+        error = np.hypot(np.abs(measured) * target.errors.swapaxes(1, 2), least)
+        weight = np.divide(1.0, error, out=np.zeros(error.shape), where=used)
+        missed = weight * (measured - fields.receptance.swapaxes(1, 2))
+        flexible = fields.to_outputs.swapaxes(1, 2)
+        scatter = (flexible * fields.load[:, None]) @ flexible.conj().swapaxes(1, 2)
+        size = model.stiffness * target.sizes**2
+        spread = size[..., None, None] * scatter[:, None] * weight[..., None] * weight[..., None, :]
+        # Responses that are not used have a direction each, far from those of all others: to be left out.
+        whole = np.trace(spread, axis1=2, axis2=3)[..., None].real
+        diagonal = np.arange(spread.shape[-1])
+        spread[..., diagonal, diagonal] -= np.where(used, 0.0, 1 + whole)
+        share, along = np.linalg.eigh(spread)
+        counts = share > -whole / 2 - 0.5
+        turn = np.where(counts[..., None], along.conj().swapaxes(2, 3), 0.0)
+        turned = (turn @ missed[..., None])[..., 0]
+        return cls(turned, np.maximum(share, 0.0), turn * weight[..., None, :], size)
+
+
+def doubt(model: ResponseModel, values: FloatArray) -> float:
+    """Return the share of its stiffness that a model is wrong by if it misses nothing but that, 0 if none."""
+    found = [Misfit.of(model, one, model.target.at(one.lines)) for one in model.fields(values)]
+    square = np.concatenate([np.abs(one.missed).ravel() ** 2 for one in found])
+    share = np.concatenate([one.share.ravel() for one in found])
+    numbers = model.target.n_numbers
+
+    def excess(log: float) -> float:
+        return float((square / (1 + np.exp(2 * log) * share)).sum() - numbers)
+
+    low, high = (float(np.log(end)) for end in (LEAST_DOUBT, MOST_DOUBT))
+    if excess(low) <= 0:
+        return 0.0
+    return MOST_DOUBT if excess(high) >= 0 else float(np.exp(brentq(excess, low, high)))
+
+
+def tolerant_rows(model: ResponseModel, values: FloatArray, wrong: float) -> Rows:
+    """Return equations at `values` (n_params,) of a model taken to be wrong by a share of its stiffness.
+
+    With C of `Misfit` the motion most likely is u = u_model + Z^-1 q, q the forces left unbalanced, and
+    the model moves by -alpha dZ u: as if the responses of the structure, and not its own, were known
+    everywhere. Wavefield reconstruction: van Leeuwen and Herrmann (2013), Geophysical Journal
+    International 195, 661-667.
+    """
+
+    def linear(fields: Fields, target: TargetResponses) -> Linear:
+        own = Misfit.of(model, fields, target)
+        spread = 1 + wrong**2 * own.share
+        back = (own.turn.conj().swapaxes(2, 3) @ (own.missed / spread)[..., None])[..., 0]
+        forces = fields.to_outputs.conj() @ (own.size[..., None] * back).swapaxes(1, 2)
+        motion = fields.driven + fields.solve(wrong**2 * fields.load[..., None] * forces)
+        moved = own.turn @ fields.moved(motion).swapaxes(1, 2)
+        rows, n_lines = moved / np.sqrt(spread)[..., None], len(fields.lines)
+        missed = own.missed / np.sqrt(spread)
+        return rows.reshape(n_lines, -1, rows.shape[-1]), missed.reshape(n_lines, -1)
+
+    return _gathered(model, values, linear)
+
+
+def _gathered(
+    model: ResponseModel, values: FloatArray, linear: Callable[[Fields, TargetResponses], Linear]
+) -> Rows:
+    """Return the rows of all lines, line by line: the real parts of each, then the imaginary ones."""
+    matrices, misses = [], []
+    for fields in model.fields(values):
+        rows, missed = linear(fields, model.target.at(fields.lines))
+        matrices.append(np.concatenate([rows.real, rows.imag], axis=1))
+        misses.append(np.concatenate([missed.real, missed.imag], axis=1))
+    matrix, missed = np.concatenate(matrices), np.concatenate(misses)
+    line = np.repeat(np.arange(len(missed)), missed.shape[1])
+    matrix, missed = matrix.reshape(-1, matrix.shape[-1]), missed.ravel()
+    kept = (missed != 0) | matrix.any(axis=1)  # numbers that are not used are rows of zeros
+    return Rows(matrix[kept], missed[kept], line[kept])

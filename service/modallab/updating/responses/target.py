@@ -1,0 +1,114 @@
+"""Measured frequency responses as those of a model can be held against them."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray, frozen
+from modallab.core.dof import Dof
+from modallab.core.errors import InvalidInputError
+from modallab.core.frf import FrfKind, FrfSet
+from modallab.estimation.coherence import frf_error
+
+NUMERICAL = 1e-6  # relative error of the model's own responses: a floor under every random error
+FAINT = 1e-6  # coherence below which there is no response at all
+VAGUE = 0.5  # random error from which a logarithm is far from normal: such numbers are left out
+UNSTATED = 2  # averages up to which coherence says nothing of random errors
+
+
+@dataclass(frozen=True, eq=False)
+class TargetResponses:
+    """Receptances on some lines, and how far off they may be."""
+
+    freq: FloatArray  # (n_lines,) Hz, above zero
+    values: ComplexArray  # (n_lines, n_out, n_in) m/N
+    errors: FloatArray  # (n_lines, n_out, n_in) standard error of ln |H|, also of the phase in radians
+    used: BoolArray  # (n_lines, n_out, n_in) False of numbers that say nothing
+    outputs: tuple[Dof, ...]
+    inputs: tuple[Dof, ...]
+
+    def __post_init__(self) -> None:
+        shape = (len(self.freq), len(self.outputs), len(self.inputs))
+        for name, kind in (("values", complex), ("errors", float), ("used", bool)):
+            object.__setattr__(self, name, frozen(getattr(self, name), kind, shape, name=name))
+        object.__setattr__(self, "freq", frozen(self.freq, float, shape[:1], name="freq"))
+
+    @property
+    def n_numbers(self) -> int:
+        """How many real numbers were measured: size and phase of every response that is used."""
+        return 2 * int(self.used.sum())
+
+    @property
+    def sizes(self) -> FloatArray:
+        """(n_lines, n_in) m/N, root mean square of the responses at a line."""
+        power = np.where(self.used, np.abs(self.values) ** 2, 0.0).sum(axis=1)
+        return np.asarray(np.sqrt(power / np.maximum(self.used.sum(axis=1), 1)))
+
+    def at(self, lines: IntArray) -> "TargetResponses":
+        """Return the same responses at some of the lines."""
+        here = {name: getattr(self, name)[lines] for name in ("freq", "values", "errors", "used")}
+        return replace(self, **here)
+
+    def evenly(self, numbers: int) -> IntArray:
+        """Return lines over the whole band that hold no more than so many real numbers, or one line."""
+        n = len(self.freq)
+        most = max(1, min(n, numbers // max(1, 2 * self.values[0].size)))
+        return np.unique(np.linspace(0, n - 1, most).round().astype(int))
+
+
+def weighed(
+    frf: FrfSet, coherence: FloatArray | None, averages: float, noise_floor: float | None = None
+) -> TargetResponses:
+    """Return measured responses as receptances with their random errors.
+
+    sqrt((1 - g2) / (2 g2 (n_d - 2))) of coherence g2, which is estimated too; besides, what is stated, of
+    the median of each FRF: noise is not smaller where a structure hardly moves. 1992 thesis, eq. [5.16].
+
+    Parameters
+    ----------
+    frf
+        Of any kind; lines at 0 Hz are left out.
+    coherence
+        (n_freq, n_out), or (n_freq, n_out, n_in) where each FRF has its own.
+    averages
+        Effective, independent.
+    noise_floor
+        Relative random error of the FRFs that their owner states.
+
+    Raises
+    ------
+    InvalidInputError
+        If neither coherence with more than two averages nor a noise floor is given, or no line says
+        anything.
+    """
+    if noise_floor is None and (coherence is None or averages <= UNSTATED):
+        raise InvalidInputError(
+            "responses count by their random errors: give the coherence and the number of averages, or else "
+            "a noise floor",
+            field="noise_floor" if coherence is not None else "coherence",
+            value=averages if coherence is not None else "none",
+            allowed=f"coherence of more than {UNSTATED} averages; or noise_floor, a relative error",
+        )
+    lines = frf.freq > 0
+    if not lines.any():
+        raise InvalidInputError("there is no line above 0 Hz", field="freq", value=0.0, allowed="above 0 Hz")
+    receptance = frf.between(0.0, np.inf).to(FrfKind.RECEPTANCE)
+    size = np.abs(receptance.values)
+    errors = np.full(size.shape, NUMERICAL)
+    if coherence is not None and averages > UNSTATED:
+        g2 = coherence[lines].reshape(*size.shape[:2], -1)
+        errors = np.hypot(errors, frf_error(np.maximum(g2, FAINT), averages - UNSTATED))
+    if noise_floor is not None:
+        weaker = np.median(size, axis=0) / np.where(size > 0, size, np.inf)
+        errors = np.hypot(errors, noise_floor * np.maximum(weaker, 1.0))
+    used = (size > 0) & (errors < VAGUE)
+    if not used.any():
+        raise InvalidInputError(
+            "no response says anything: each is zero, or its random error larger than half of it",
+            field="coherence",
+            value=float(np.min(errors)),
+            allowed=f"a relative random error below {VAGUE}",
+        )
+    return TargetResponses(
+        receptance.freq, receptance.values, errors, used, receptance.outputs, receptance.inputs
+    )

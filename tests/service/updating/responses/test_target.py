@@ -1,0 +1,72 @@
+"""Measured responses and their random errors."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from modallab.core.errors import InvalidInputError
+from modallab.core.frf import FrfKind
+from modallab.updating.responses.target import NUMERICAL, weighed
+from tests.service.updating.responses.cases import AVERAGES, BEAM, BEAM_LINES, BEAM_SENSORS, measured
+
+FRF = measured(BEAM, BEAM_LINES[:20], BEAM_SENSORS)
+FULL = np.ones(FRF.values.shape[:2])
+
+
+def test_coherence_says_how_large_random_errors_are() -> None:
+    target = weighed(FRF, 0.9 * FULL, AVERAGES)
+    np.testing.assert_allclose(target.errors, np.sqrt(0.1 / (2 * 0.9 * 98)), rtol=1e-6)
+    assert target.n_numbers == 2 * FRF.values.size
+
+
+def test_a_full_coherence_leaves_the_error_of_the_model_itself() -> None:
+    np.testing.assert_allclose(weighed(FRF, FULL, AVERAGES).errors, NUMERICAL)
+
+
+def test_a_stated_error_is_of_the_median_where_a_structure_hardly_moves() -> None:
+    target = weighed(FRF, None, 1.0, 0.01)
+    size = np.abs(FRF.values)
+    strong = size >= np.median(size, axis=0)
+    np.testing.assert_allclose(target.errors[strong], 0.01, rtol=1e-6)
+    np.testing.assert_allclose(
+        (target.errors * size)[~strong].min(), 0.01 * np.median(size, axis=0).min(), rtol=0.5
+    )
+    assert (target.errors[~strong] > 0.01).all()
+
+
+def test_inertance_becomes_receptance_and_the_line_at_zero_goes() -> None:
+    lines = np.concatenate([[0.0], FRF.freq])
+    values = np.concatenate([FRF.values[:1], FRF.to(FrfKind.INERTANCE).values])
+    other = replace(FRF, freq=lines, values=values, kind=FrfKind.INERTANCE)
+    target = weighed(other, np.ones(values.shape[:2]), AVERAGES)
+    np.testing.assert_array_equal(target.freq, FRF.freq)
+    np.testing.assert_allclose(target.values, FRF.values, rtol=1e-12)
+
+
+def test_dead_channels_and_vague_lines_say_nothing() -> None:
+    values, coherence = FRF.values.copy(), 0.9 * FULL
+    values[:, 2] = 0.0
+    coherence[5, :] = 0.001
+    used = weighed(replace(FRF, values=values), coherence, AVERAGES).used
+    assert not used[:, 2].any()
+    assert not used[5].any()
+    assert used.sum() == (len(FRF.freq) - 1) * (len(BEAM_SENSORS) - 1)
+
+
+@pytest.mark.parametrize(("coherence", "averages"), [(None, AVERAGES), (FULL, 2.0)])
+def test_without_coherence_or_averages_an_error_must_be_stated(coherence: object, averages: float) -> None:
+    with pytest.raises(InvalidInputError, match="noise floor"):
+        weighed(FRF, coherence, averages)  # type: ignore[arg-type]
+
+
+def test_responses_of_nothing_are_refused() -> None:
+    with pytest.raises(InvalidInputError, match="no response says anything"):
+        weighed(FRF, 0.0 * FULL, AVERAGES)
+
+
+def test_chosen_lines_span_the_band_and_hold_no_more_than_asked() -> None:
+    target = weighed(FRF, FULL, AVERAGES)
+    lines = target.evenly(5 * 2 * len(BEAM_SENSORS))
+    assert (lines[0], lines[-1], len(lines)) == (0, 19, 5)
+    assert target.at(lines).n_numbers == 5 * 2 * len(BEAM_SENSORS)
