@@ -31,6 +31,8 @@ class State:
     basis: ModalBasis
     modes: IntArray  # (n_modes,) column of the basis that pairs with each measured mode
     mac: FloatArray  # (n_modes,)
+    # (n_modes, n_modes) orthogonal: modes at one measured frequency are turned to the shapes measured there
+    turn: FloatArray
     # (n_rows,) measured minus model: eigenvalues, then shapes DoF by DoF; of damped modes the real parts
     # of all and then the imaginary ones
     difference: FloatArray
@@ -73,6 +75,7 @@ class Fit:
         self.parameterisation, self.target, self.min_mac = parameterisation, target, min_mac
         self.model = CorrectedModel(assembly, parameterisation)
         structure = assembly.structure
+        self._planes = () if target.damped else target.at_one_frequency
         self._mass_loss = 0.0
         self._latest: FloatArray | None = None  # modes of the last model: the next one's are much like them
         if target.damped:
@@ -112,7 +115,7 @@ class Fit:
         candidates = np.flatnonzero(basis.frequencies <= REACH * target.frequencies.max())
         candidates = candidates[candidates >= basis.n_rigid_body]
         shapes = self._sensors.T @ basis.shapes
-        table = mac(target.shapes, shapes[:, candidates])
+        table = self._mac(shapes[:, candidates])
         partner = dict(pair_modes(table, self.min_mac))
         alone = [r for r in range(len(target.squares)) if r not in partner]
         if alone:
@@ -124,7 +127,8 @@ class Fit:
             )
         chosen = np.array([partner[r] for r in range(len(target.squares))])
         modes = candidates[chosen]
-        own = shapes[:, modes]
+        turn = self._turn(shapes[:, modes])
+        own = shapes[:, modes] @ turn
         shape_difference = self._like(own) - own
         eigenvalues = basis.eigenvalues[modes]
         squares = eigenvalues.real
@@ -134,7 +138,8 @@ class Fit:
             values=values,
             basis=basis,
             modes=modes,
-            mac=table[np.arange(len(chosen)), chosen],
+            mac=np.diag(mac(target.shapes, own)),
+            turn=turn,
             difference=self._rows(np.concatenate([misses, shape_difference.ravel()])),
             size=np.tile(size, 2) if target.damped else size,
         )
@@ -142,10 +147,29 @@ class Fit:
     def sensitivity(self, state: State) -> FloatArray:
         """Return the derivatives of the model's rows, (n_rows, n_params)."""
         parts = self.model.parts(state.values, damped=self.target.damped)
-        moved = derivatives(state.basis, state.modes, self._sensors, parts, self._mass_loss)
-        return self._rows(
-            np.concatenate([moved.eigenvalues, moved.shapes.reshape(-1, moved.shapes.shape[2])])
+        moved = derivatives(
+            state.basis, state.modes, self._sensors, parts, self._mass_loss, together=state.turn != 0
         )
+        shapes = np.einsum("dmp,mn->dnp", moved.shapes, state.turn)
+        return self._rows(np.concatenate([moved.eigenvalues, shapes.reshape(-1, shapes.shape[2])]))
+
+    def _mac(self, shapes: FloatArray | ComplexArray) -> FloatArray:
+        """Return the MAC (n_modes, n) of measured modes; of those at one frequency, that of their plane."""
+        measured = self.target.shapes
+        table = mac(measured, shapes)
+        for group in self._planes:
+            inside = np.linalg.qr(measured[:, group])[0].T @ shapes
+            table[group] = (np.abs(inside) ** 2).sum(axis=0) / (np.abs(shapes) ** 2).sum(axis=0)
+        return table
+
+    def _turn(self, own: FloatArray | ComplexArray) -> FloatArray:
+        """Return the orthogonal matrix (n_modes, n_modes) that takes modes at one frequency, where shapes
+        are any of their plane, to the measured ones: Schoenemann (1966), Psychometrika 31, 1-10."""
+        turn = np.eye(own.shape[1])
+        for group in self._planes:
+            u, _, vh = np.linalg.svd(own[:, group].T @ self.target.shapes[:, group])
+            turn[np.ix_(group, group)] = u @ vh
+        return turn
 
     def _rows(self, values: FloatArray | ComplexArray) -> FloatArray:
         """Return numbers of modes as rows of the equations: coefficients are real, so that both parts of

@@ -139,6 +139,7 @@ def derivatives(
     mass_loss: float = 0.0,
     *,
     above: Above = Above.STATIC,
+    together: BoolArray | None = None,
 ) -> Derivatives:
     """Return the derivatives of modes, all elements in one contraction.
 
@@ -163,6 +164,8 @@ def derivatives(
         a of D = a M + ..., rad^2/s^2: damping that moves with the mass.
     above
         How modes above the basis count.
+    together
+        (n_modes, n_modes) True of modes that are looked at as one subspace: none turns towards another.
 
     Raises
     ------
@@ -172,6 +175,8 @@ def derivatives(
     squares = basis.eigenvalues
     own = squares[modes]
     alike = np.abs(own - squares[:, None]) <= REPEATED * np.abs(own)
+    if together is not None:
+        alike[modes] |= together
     found = _moved(basis, modes, sensors, parts, alike, mass_loss, above)
     each = np.arange(len(modes))
     return Derivatives(found.eigenvalues[each, each], found.shapes, found.left_out)

@@ -4,11 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from modallab.core.arrays import ComplexArray, FloatArray, frozen
+from modallab.core.arrays import ComplexArray, FloatArray, IntArray, frozen
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.modal_model import ModalModel
 
+ONE = 1e-4  # relative distance of frequencies that are one: shapes there are any of their plane
 COMPLEX = 0.1  # share of a shape that is out of phase with the rest of it: beyond, no real mode stands for it
 
 
@@ -46,6 +47,16 @@ class TargetModes:
     def frequencies(self) -> FloatArray:
         """(n_modes,) Hz."""
         return np.asarray(np.sqrt(self.squares.real) / (2 * np.pi))
+
+    @property
+    def at_one_frequency(self) -> tuple[IntArray, ...]:
+        """Modes, two and more, that no measured number tells apart: their shapes are any of one plane."""
+        order = np.argsort(self.squares.real)
+        squares, away = self.squares.real[order], np.full(len(order), 2 * ONE)
+        if self.errors is not None:
+            away = np.hypot(away, 2 * self.errors[: len(order)][order])  # relative too
+        ends = np.flatnonzero(np.diff(squares) > np.maximum(away[1:], away[:-1]) * squares[1:]) + 1
+        return tuple(np.sort(group) for group in np.split(order, ends) if len(group) > 1)
 
 
 def _turned(shapes: ComplexArray) -> ComplexArray:

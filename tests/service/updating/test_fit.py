@@ -1,11 +1,20 @@
-"""A large model at some coefficients is the same whatever it was solved for before."""
+"""A model at some coefficients: the same whatever was solved for before, and whatever shapes a pair has."""
+
+from dataclasses import replace
 
 import numpy as np
+import pytest
 
+from modallab.core.arrays import FloatArray
 from modallab.core.dof import Dof
+from modallab.core.modal_model import ModalModel
 from modallab.fe.assembly import Assembly
+from modallab.fe.changes import MemberChange, MemberProperty, change
+from modallab.fe.plate import plate
+from modallab.fe.structure import Material
 from modallab.fe.system import SMALL
 from modallab.updating.fit import Fit
+from modallab.updating.method import UPDATERS
 from modallab.updating.parameterisation import parameterise
 from modallab.updating.target import real_modes
 from tests.service.updating.cases import long_cantilever, modes_of
@@ -33,3 +42,64 @@ def test_modes_begun_from_those_of_another_model_are_the_same_modes() -> None:
     slopes = np.abs(fresh.sensitivity(once)) / once.size[:, None]
     again_slopes = np.abs(used.sensitivity(again)) / again.size[:, None]
     np.testing.assert_allclose(again_slopes, slopes, atol=1e-7 * slopes.max())
+
+
+SIDE, SPACE = 6, 2  # elements a side of a square plate, whose modes come in pairs; between sensors
+SQUARE = plate(
+    length=0.4, width=0.4, thickness=0.004, n_elements=(SIDE, SIDE), material=Material(2.09e11, 7800.0)
+)
+SENSORS = tuple(
+    Dof(1 + row * (SIDE + 1) + column, "Z")
+    for row in range(0, SIDE + 1, SPACE)
+    for column in range(0, SIDE + 1, SPACE)
+)
+PATCHES = [
+    tuple(1 + (SPACE * row + b) * SIDE + SPACE * column + a for b in range(SPACE) for a in range(SPACE))
+    for row in range(3)
+    for column in range(3)
+]
+PAIRS = (3, 6)  # first modes of two at one frequency
+
+
+def turned(model: ModalModel, degrees: float) -> ModalModel:
+    """Return the same modes, those at one frequency as other shapes of their planes."""
+    cos, sin = np.cos(np.radians(degrees)), np.sin(np.radians(degrees))
+    modes = list(model.modes)
+    for i in PAIRS:
+        one, other = modes[i], modes[i + 1]
+        assert other.frequency == pytest.approx(one.frequency, rel=1e-9)
+        modes[i] = replace(one, shape=cos * one.shape + sin * other.shape)
+        modes[i + 1] = replace(other, shape=cos * other.shape - sin * one.shape)
+    return replace(model, modes=tuple(modes))
+
+
+@pytest.mark.parametrize("method", ["inverse_eigensensitivity", "one_shot"])
+@pytest.mark.parametrize("degrees", [0.0, 20.0, 45.0])
+def test_modes_at_one_frequency_are_the_same_as_any_shapes_of_their_plane(
+    method: str, degrees: float
+) -> None:
+    stiffer = change(SQUARE, [MemberChange(tuple(range(1, 37)), MemberProperty.MODULUS, factor=1.2)])
+    target = turned(modes_of(stiffer, 10, SENSORS), degrees)
+    result = UPDATERS[method](SQUARE, parameterise(PATCHES, ["stiffness"]), target)
+    assert result.converged, result.stopped_because
+    # exact modes: quadratic convergence below the last step's tolerance of 1e-4
+    np.testing.assert_allclose(list(result.coefficients["stiffness"].values()), 1.2, atol=1e-6)
+    np.testing.assert_allclose(result.mac.after, 1.0, atol=1e-9)
+
+
+def test_shapes_at_one_frequency_move_as_their_plane_does() -> None:
+    target = real_modes(turned(modes_of(SQUARE, 10, SENSORS), 30.0))
+    fit = Fit(Assembly(SQUARE), parameterise(PATCHES, ["stiffness", "mass"]), target, 0.3)
+    rng = np.random.default_rng(1)
+    start, way = np.ones(18), rng.normal(size=18)
+    step, paired = 1e-4, [i + k for i in PAIRS for k in (0, 1)]
+    ahead, back = (fit.state(start + sign * step * way).difference for sign in (1, -1))
+
+    def of_pairs(rows: FloatArray) -> FloatArray:
+        return rows[len(target.squares) :].reshape(-1, len(target.squares))[:, paired]
+
+    expected = of_pairs(fit.sensitivity(fit.state(start)) @ way)
+    # central differences are off by a part of about step^2 = 1e-8 times how steeply shapes bend: 1e3 of it
+    np.testing.assert_allclose(
+        of_pairs(back - ahead) / (2 * step), expected, atol=1e-5 * np.abs(expected).max()
+    )
