@@ -1,7 +1,9 @@
 """Updates on measured FRFs over HTTP."""
 
+import io
 from typing import Any
 
+import numpy as np
 import pytest
 
 SENSORS = [f"{n}:+Y" for n in range(1, 22, 2)]
@@ -99,3 +101,20 @@ def test_the_catalogue_offers_the_method(service: Any) -> None:
     offered = {one["kind"]: one for one in service.get("/v1/catalog/updating-methods")}
     assert {"prior", "few_rows", "tolerance"} <= offered["frf_residual"]["parameters"].keys()
     assert "min_mac" not in offered["frf_residual"]["parameters"]
+
+
+def test_responses_of_a_file_without_coherence_need_a_stated_error(
+    service: Any, beam: str, rig: str, test_of_wrong_beam: str
+) -> None:
+    reply = service.request("GET", f"/v1/measurements/{test_of_wrong_beam}/arrays")
+    with np.load(io.BytesIO(reply.content)) as arrays:
+        kept = {name: arrays[name] for name in ("freq", "values", "outputs", "inputs", "kind")}
+    file = io.BytesIO()
+    np.savez(file, **kept)
+    form = {"files": {"file": ("frf.npz", file.getvalue())}, "data": {"rig_id": rig}}
+    brought = service.request("POST", "/v1/measurements/import", **form)
+    assert brought.status_code == 201, brought.text
+    body = BODY | {"structure_id": beam, "measurement_id": brought.json()["id"]}
+    assert refused(service, body)["field"] == "coherence"
+    found = service.get(f"/v1/updates/{service.result_of('/v1/updates', body | {'noise_floor': 0.01})}")
+    assert found["suspected"] == {"mass": [4], "stiffness": [11, 12]}

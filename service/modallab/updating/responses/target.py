@@ -59,21 +59,17 @@ class TargetResponses:
 def weighed(
     frf: FrfSet, coherence: FloatArray | None, averages: float, noise_floor: float | None = None
 ) -> TargetResponses:
-    """Return measured responses as receptances with their random errors.
+    """Return measured responses, lines at 0 Hz left out, as receptances with their random errors.
 
     sqrt((1 - g2) / (2 g2 (n_d - 2))) of coherence g2, which is estimated too; besides, what is stated, of
     the median of each FRF: noise is not smaller where a structure hardly moves. 1992 thesis, eq. [5.16].
 
     Parameters
     ----------
-    frf
-        Of any kind; lines at 0 Hz are left out.
     coherence
         (n_freq, n_out), or (n_freq, n_out, n_in) where each FRF has its own.
-    averages
-        Effective, independent.
-    noise_floor
-        Relative random error of the FRFs that their owner states.
+    averages, noise_floor
+        Effective, independent; relative random error of the FRFs that their owner states.
 
     Raises
     ------
@@ -81,26 +77,14 @@ def weighed(
         If neither coherence with more than two averages nor a noise floor is given, or no line says
         anything.
     """
-    if noise_floor is None and (coherence is None or averages <= UNSTATED):
-        raise InvalidInputError(
-            "responses count by their random errors: give the coherence and the number of averages, or else "
-            "a noise floor",
-            field="noise_floor" if coherence is not None else "coherence",
-            value=averages if coherence is not None else "none",
-            allowed=f"coherence of more than {UNSTATED} averages; or noise_floor, a relative error",
-        )
+    _refuse_unknown(coherence, averages, noise_floor)
     lines = frf.freq > 0
     if not lines.any():
         raise InvalidInputError("there is no line above 0 Hz", field="freq", value=0.0, allowed="above 0 Hz")
     receptance = frf.between(0.0, np.inf).to(FrfKind.RECEPTANCE)
     size = np.abs(receptance.values)
-    errors = np.full(size.shape, NUMERICAL)
-    if coherence is not None and averages > UNSTATED:
-        g2 = coherence[lines].reshape(*size.shape[:2], -1)
-        errors = np.hypot(errors, frf_error(np.maximum(g2, FAINT), averages - UNSTATED))
-    if noise_floor is not None:
-        weaker = np.median(size, axis=0) / np.where(size > 0, size, np.inf)
-        errors = np.hypot(errors, noise_floor * np.maximum(weaker, 1.0))
+    known = None if coherence is None or averages <= UNSTATED else coherence[lines]
+    errors = _errors(size, known, averages, noise_floor)
     used = (size > 0) & (errors < VAGUE)
     if not used.any():
         raise InvalidInputError(
@@ -111,4 +95,31 @@ def weighed(
         )
     return TargetResponses(
         receptance.freq, receptance.values, errors, used, receptance.outputs, receptance.inputs
+    )
+
+
+def _errors(
+    size: FloatArray, coherence: FloatArray | None, averages: float, noise_floor: float | None
+) -> FloatArray:
+    """Return the standard errors of the logarithms of sizes, (n_lines, n_out, n_in) both."""
+    errors = np.full(size.shape, NUMERICAL)
+    if coherence is not None:
+        g2 = coherence.reshape(*size.shape[:2], -1)
+        errors = np.hypot(errors, frf_error(np.maximum(g2, FAINT), averages - UNSTATED))
+    if noise_floor is not None:
+        weaker = np.median(size, axis=0) / np.where(size > 0, size, np.inf)
+        errors = np.hypot(errors, noise_floor * np.maximum(weaker, 1.0))
+    return np.asarray(errors)
+
+
+def _refuse_unknown(coherence: FloatArray | None, averages: float, noise_floor: float | None) -> None:
+    """Raise `InvalidInputError` if nothing tells how large random errors are."""
+    if noise_floor is not None or (coherence is not None and averages > UNSTATED):
+        return
+    raise InvalidInputError(
+        "responses count by their random errors: give the coherence and the number of averages, or else "
+        "a noise floor",
+        field="coherence" if coherence is None else "averages",
+        value="none" if coherence is None else averages,
+        allowed=f"coherence of more than {UNSTATED} averages; or noise_floor, a relative error",
     )
