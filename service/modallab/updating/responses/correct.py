@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from modallab.core.arrays import FloatArray
-from modallab.core.progress import Progress, silent
+from modallab.core.progress import Progress, part, silent
 from modallab.updating.evidence import Belief, Equations
 from modallab.updating.iteration import Ending, Iteration, refuse_blind, resting
 from modallab.updating.relative import changed, changes
@@ -60,8 +60,9 @@ def correct(
         If no response moves with any coefficient.
     """
     best: ResponsePath | None = None
-    for care, steps in PATHS:
-        path = _Walk(model, rule, progress).along(beginning, care, steps)
+    for i, (care, steps) in enumerate(PATHS):
+        told = part(progress, i / len(PATHS), (i + 1) / len(PATHS))
+        path = _Walk(model, rule, told).along(beginning, care, steps)
         best = path if best is None or path.after < best.after else best
         if best.after < EXPLAINED:
             break

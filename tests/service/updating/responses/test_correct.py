@@ -93,3 +93,10 @@ def test_coefficients_stay_within_their_bounds_and_say_so() -> None:
 def test_a_path_that_is_cut_short_says_so() -> None:
     found, _ = path(Rule(Prior.SPARSE, 1e-12, 1, 1e3))
     assert found.ending is Ending.STILL_MOVING
+
+
+def test_progress_goes_on_where_a_second_path_begins() -> None:
+    found, told = path(Rule(Prior.SPARSE, 1e-12, 1, 1e3), lower=0.7)  # the truth is beyond the bound
+    assert found.after > module.EXPLAINED
+    assert len(told) > len(found.history), "both paths tell of theirs"
+    assert told == sorted(told)
