@@ -5,6 +5,7 @@ from pathlib import Path
 
 import pytest
 
+from modallab.jobs.book import JobBook
 from modallab.jobs.durable import JobPlace
 from modallab.store.place import StorePlace, engine_of
 from tests.databases import DATABASES, database
@@ -20,3 +21,18 @@ def places(request: pytest.FixtureRequest, tmp_path: Path) -> Iterator[tuple[Sto
         jobs.prepare()
         yield things, jobs
         engine_of(things).dispose()
+
+
+@pytest.fixture
+def place(tmp_path: Path) -> Iterator[StorePlace]:
+    """Where things are, embedded, prepared, and gone afterwards."""
+    place = StorePlace(f"sqlite:///{tmp_path / 'modallab.sqlite'}", "unused", tmp_path / "arrays")
+    place.prepare()
+    yield place
+    engine_of(place).dispose()
+
+
+@pytest.fixture
+def book(place: StorePlace) -> JobBook:
+    """The book of the jobs there."""
+    return JobBook(engine_of(place), queue_length=10)

@@ -1,7 +1,5 @@
 """Studies as jobs: shared out, gathered, and the same whoever made the runs."""
 
-from collections.abc import Iterator
-from pathlib import Path
 from typing import Any, NoReturn
 
 import pytest
@@ -15,26 +13,13 @@ from modallab.jobs.book import JobBook
 from modallab.jobs.inline import InlineRunner
 from modallab.jobs.runner import JobState
 from modallab.jobs.work import ShareReporter, count_shares, perform, perform_share
-from modallab.store.place import StorePlace, engine_of, open_store
+from modallab.store.place import StorePlace, open_store
 from modallab.store.plain import to_plain
 from modallab.updating.method import UpdateOptions
 from modallab.updating.parameterisation import parameterise
 from modallab.updating.studying.plan import NOISE_LEVELS, Division, Level, StudyPlan
 
 TASK = "study_and_store"
-
-
-@pytest.fixture
-def place(tmp_path: Path) -> Iterator[StorePlace]:
-    place = StorePlace(f"sqlite:///{tmp_path / 'modallab.sqlite'}", "unused", tmp_path / "arrays")
-    place.prepare()
-    yield place
-    engine_of(place).dispose()
-
-
-@pytest.fixture
-def book(place: StorePlace) -> JobBook:
-    return JobBook(engine_of(place), queue_length=10)
 
 
 def arguments(place: StorePlace) -> dict[str, Any]:

@@ -1,8 +1,7 @@
 """One job done: how it ends, and what the book says of it."""
 
 import os
-from collections.abc import Iterator, Mapping
-from pathlib import Path
+from collections.abc import Mapping
 from typing import Any, NoReturn
 
 import numpy as np
@@ -21,7 +20,7 @@ from modallab.jobs.work import Reporter, perform
 from modallab.rig.analyser import Analyser
 from modallab.rig.hardware import Noise
 from modallab.rig.setup import RigSetup
-from modallab.store.place import StorePlace, engine_of, open_store
+from modallab.store.place import StorePlace, open_store
 
 RIG = RigSetup(
     drives=(Dof(1, "Y"),),
@@ -29,19 +28,6 @@ RIG = RigSetup(
     analyser=Analyser(averages=20),
     noise=Noise(1e-3, 1e-3),
 )
-
-
-@pytest.fixture
-def place(tmp_path: Path) -> Iterator[StorePlace]:
-    place = StorePlace(f"sqlite:///{tmp_path / 'modallab.sqlite'}", "unused", tmp_path / "arrays")
-    place.prepare()
-    yield place
-    engine_of(place).dispose()
-
-
-@pytest.fixture
-def book(place: StorePlace) -> JobBook:
-    return JobBook(engine_of(place), queue_length=10)
 
 
 def measuring(place: StorePlace, **changed: Any) -> dict[str, Any]:
