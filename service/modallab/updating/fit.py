@@ -18,6 +18,9 @@ from modallab.updating.sensitivity import derivatives
 from modallab.updating.target import TargetModes
 
 REACH = 2.0  # modes of the model up to this multiple of the highest measured frequency may pair
+# MAC that a frequency e times too high or too low counts for: where few sensors show modes alike, as those of
+# one symmetry, the nearer one pairs.
+NEARER = 1e-3
 # Damping couples a mode with all above it: of a large model those up to this multiple are solved for. What
 # the others would add moves a coefficient by 1e-4 where members lose 0.05, and by 0.004 where they lose 0.3.
 DAMPED_REACH = 8.0
@@ -116,7 +119,8 @@ class Fit:
         candidates = candidates[candidates >= basis.n_rigid_body]
         shapes = self._sensors.T @ basis.shapes
         table = self._mac(shapes[:, candidates])
-        partner = dict(pair_modes(table, self.min_mac))
+        away = np.abs(np.log(basis.frequencies[candidates] / target.frequencies[:, None]))
+        partner = dict(pair_modes(table - NEARER * away, self.min_mac))
         alone = [r for r in range(len(target.squares)) if r not in partner]
         if alone:
             raise UnderdeterminedError(
@@ -130,7 +134,7 @@ class Fit:
         turn = self._turn(shapes[:, modes])
         own = shapes[:, modes] @ turn
         shape_difference = self._like(own) - own
-        eigenvalues = basis.eigenvalues[modes]
+        eigenvalues = (turn**2).T @ basis.eigenvalues[modes]  # the diagonal of turn^T Lambda turn
         squares = eigenvalues.real
         size = np.concatenate([squares, np.ones(shape_difference.size)])
         misses = target.squares - (eigenvalues if target.damped else squares)
@@ -148,10 +152,17 @@ class Fit:
         """Return the derivatives of the model's rows, (n_rows, n_params)."""
         parts = self.model.parts(state.values, damped=self.target.damped)
         moved = derivatives(
-            state.basis, state.modes, self._sensors, parts, self._mass_loss, together=state.turn != 0
+            state.basis,
+            state.modes,
+            self._sensors,
+            parts,
+            self._mass_loss,
+            planes=self._planes,
+            turn=state.turn if self._planes else None,
         )
-        shapes = np.einsum("dmp,mn->dnp", moved.shapes, state.turn)
-        return self._rows(np.concatenate([moved.eigenvalues, shapes.reshape(-1, shapes.shape[2])]))
+        return self._rows(
+            np.concatenate([moved.eigenvalues, moved.shapes.reshape(-1, moved.shapes.shape[2])])
+        )
 
     def _mac(self, shapes: FloatArray | ComplexArray) -> FloatArray:
         """Return the MAC (n_modes, n) of measured modes; of those at one frequency, that of their plane."""

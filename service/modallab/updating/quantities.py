@@ -72,11 +72,12 @@ def quantities(
 
 def _shared(structure: Structure, members: tuple[int, ...], part: Part) -> float | None:
     """Return the value that all members have, None if there is none."""
-    own: list[float | None] = (
-        [carried(structure, part)[node] for node in members]
-        if part.at_node
-        else [_value(structure.member(number), part) for number in members]
-    )
+    own: list[float | None]
+    if part.at_node:
+        at_nodes = carried(structure, part)
+        own = [at_nodes[node] for node in members]
+    else:
+        own = [_value(structure.member(number), part) for number in members]
     known = [value for value in own if value is not None]
     if len(known) < len(own) or max(known) - min(known) > ALIKE * max(known):
         return None

@@ -1,5 +1,6 @@
 """Derivatives of eigenvalues and mode shapes with respect to correction coefficients."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
 
@@ -139,7 +140,8 @@ def derivatives(
     mass_loss: float = 0.0,
     *,
     above: Above = Above.STATIC,
-    together: BoolArray | None = None,
+    planes: Sequence[IntArray] = (),
+    turn: FloatArray | None = None,
 ) -> Derivatives:
     """Return the derivatives of modes, all elements in one contraction.
 
@@ -164,8 +166,10 @@ def derivatives(
         a of D = a M + ..., rad^2/s^2: damping that moves with the mass.
     above
         How modes above the basis count.
-    together
-        (n_modes, n_modes) True of modes that are looked at as one subspace: none turns towards another.
+    planes, turn
+        Modes, by place among `modes`, that are looked at as one subspace, in the basis that the orthogonal
+        `turn` (n_modes, n_modes) makes of them: none turns towards another, and of Lambda in that basis,
+        turn^T Lambda turn, the diagonal counts.
 
     Raises
     ------
@@ -175,11 +179,14 @@ def derivatives(
     squares = basis.eigenvalues
     own = squares[modes]
     alike = np.abs(own - squares[:, None]) <= REPEATED * np.abs(own)
-    if together is not None:
-        alike[modes] |= together
+    for plane in planes:
+        alike[np.ix_(modes[plane], plane)] = True
     found = _moved(basis, modes, sensors, parts, alike, mass_loss, above)
-    each = np.arange(len(modes))
-    return Derivatives(found.eigenvalues[each, each], found.shapes, found.left_out)
+    if turn is None:
+        each = np.arange(len(modes))
+        return Derivatives(found.eigenvalues[each, each], found.shapes, found.left_out)
+    turned = np.einsum("ijp,ik,jk->kp", found.eigenvalues, turn, turn, optimize=True)
+    return Derivatives(turned, turn.T @ found.shapes, found.left_out)
 
 
 def subspace_derivatives(
