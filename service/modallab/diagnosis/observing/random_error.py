@@ -133,7 +133,9 @@ def common_share(measurement: Measurement) -> FloatArray | None:
     if not size > NUMERICAL**2 * float(np.median(force[above])):
         return None  # no noise beyond rounding
     noise, own = _both_noises(loose[above] / size, weaker[above])
-    every = np.maximum(loose / size, noise + own * weaker)
+    both = noise + own * weaker
+    # A line's own power would let those weigh more that came out large by chance.
+    every = np.where(loose > MORE * size * both, loose / size, both)
     return np.asarray(np.minimum(noise / np.maximum(every, FAINT), MOST_COMMON))
 
 

@@ -12,6 +12,7 @@ from modallab.diagnosis.observing.random_error import common_share
 from modallab.diagnosis.observing.residual import scatters
 from modallab.diagnosis.predicting.limitations import limitations
 from modallab.diagnosis.predicting.predictor import Predictor
+from modallab.effects.force_noise import ForceNoise
 from modallab.effects.stiffness_error import StiffnessError
 from modallab.rig.measure import Route, measure
 from modallab.rig.measurement import Measurement
@@ -119,3 +120,19 @@ def test_the_share_of_the_force_is_a_number_with_any_noise_or_none(noise: float,
         assert share is not None
     if share is not None:
         assert (np.isfinite(share) & (share >= 0) & (share < 1)).all()
+
+
+def test_a_line_that_came_out_large_by_chance_weighs_no_more() -> None:
+    more = ForceNoise(ratio=0.01)
+    test = measure(model(), rig(roving=False), [more], route=Route.SAMPLED, rng=np.random.default_rng(0))
+    assert test.coherence is not None
+    line = (
+        int(np.abs(test.coherence[1:] - 0.98).sum(axis=1).argmin()) + 1
+    )  # neither all noise nor next to none
+    louder = test.coherence.copy()
+    louder[line] = 1 - 1.3 * (1 - louder[line])  # three random errors of 100 averages
+    plain, loud = (common_share(replace(test, coherence=own)) for own in (test.coherence, louder))
+    assert plain is not None
+    assert loud is not None
+    # both noises are estimated from all 160 lines, of which one is 30 % louder
+    np.testing.assert_allclose(loud[line], plain[line], rtol=0.3 / 160)
