@@ -3,7 +3,7 @@
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from types import NoneType
-from typing import ClassVar
+from typing import ClassVar, Self
 
 import numpy as np
 
@@ -78,6 +78,12 @@ class MainsHum(Effect):
     @classmethod
     def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:
         return (None, *(Channels((dof,)) for dof in setup.responses))
+
+    def lookalike(self, setup: RigSetup) -> Self | None:
+        """Return the hum as far on the other side of its line, which power alone hardly tells apart."""
+        spacing, bounds = setup.analyser.spacing, self.specs()["frequency"]
+        other = 2 * round(self.frequency / spacing) * spacing - self.frequency
+        return replace(self, frequency=other) if bounds.lower <= other <= bounds.upper else None
 
     @classmethod
     def signature(cls, evidence: Evidence) -> float:

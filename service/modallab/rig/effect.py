@@ -131,6 +131,10 @@ class Effect(Parameterised):
         """
         return {}
 
+    def lookalike(self, setup: RigSetup) -> Self | None:
+        """Return the effect with other numbers that this test hardly tells from its own, if any."""
+        return None
+
     @classmethod
     def signature(cls, evidence: Evidence) -> float:
         """Return a cheap suspicion, 0 to 1, from what disagrees; never a verdict."""

@@ -5,6 +5,7 @@ from dataclasses import dataclass, field, replace
 from modallab.diagnosis.fitting.fit import Fit, fit
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.searching.judging import CONVINCING, best_first
+from modallab.diagnosis.searching.lookalikes import weighed_up
 from modallab.rig.effect import Effect
 
 EXCHANGED = 3  # other effects of its round that may take an effect's place
@@ -41,7 +42,11 @@ def name_of(effect: Effect) -> tuple[str, str]:
 
 def put_right(predictor: Predictor, path: Path) -> Path:
     """Return a path without needless effects, each the best beside all others, the largest first."""
-    return _ordered(predictor, _exchanged(predictor, _pruned(predictor, path)))
+    path = _ordered(predictor, _exchanged(predictor, _pruned(predictor, path)))
+    if not path.steps:
+        return path
+    last = replace(path.steps[-1], after=weighed_up(predictor, path.fit))
+    return replace(path, steps=(*path.steps[:-1], last))
 
 
 def _pruned(predictor: Predictor, path: Path) -> Path:
