@@ -7,6 +7,7 @@ from scipy.special import digamma, polygamma
 
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.errors import InvalidInputError
+from modallab.estimation.force_noise import ForceNoise
 from modallab.rig.excitation import EXCITATIONS
 from modallab.rig.measurement import Measurement
 
@@ -14,8 +15,6 @@ NUMERICAL = 1e-6  # relative error of the prediction itself: a floor under every
 INCOHERENT = 1e-8  # share of a response below which what is not coherent counts as rounding
 FAINT = 1e-6  # coherence below which there is no response at all
 SMOOTHED = 7  # lines that an estimate of noise is averaged over
-MOST_COMMON = 0.95  # share of a variance that is taken for common: it is estimated, and the rest must count
-MORE, ROUNDS = 2.0, 50  # times both noises that a line shows at most; steps of their least squares
 LEAST = 0.1  # share of the lines from whose noise that of the force is estimated
 
 Numbers = TypeVar("Numbers", FloatArray, ComplexArray)
@@ -125,41 +124,9 @@ def common_share(measurement: Measurement) -> FloatArray | None:
     response = measurement.response_spectrum
     if response is None:
         return None
-    loose = nowhere_zero(force[:, :1, 0]) * (1 - g2) / np.maximum(g2, FAINT)
-    heard, above = response * g2, measurement.frf.freq > 0
-    weaker = np.median(heard[above]) / np.maximum(heard, FAINT * np.median(heard[above]))
-    weaker = weaker * force[:, :1, 0] / np.median(force[above])
-    size = float(np.median(loose[above]))
-    if not size > NUMERICAL**2 * float(np.median(force[above])):
-        return None  # no noise beyond rounding
-    noise, own = _both_noises(loose[above] / size, weaker[above])
-    both = noise + own * weaker
-    # A line's own power would let those weigh more that came out large by chance.
-    every = np.where(loose > MORE * size * both, loose / size, both)
-    return np.asarray(np.minimum(noise / np.maximum(every, FAINT), MOST_COMMON))
-
-
-def _both_noises(loose: FloatArray, weaker: FloatArray) -> tuple[float, FloatArray]:
-    """Return white noise of the force and of each response (n_out,) that add up to incoherent power.
-
-    Least squares of relative differences, alternating; lines on which there is more than both, as where
-    power leaks, are left out.
-
-    Parameters
-    ----------
-    loose
-        (n_freq, n_out) incoherent power as if of the force alone, of the order of 1.
-    weaker
-        (n_freq, n_out) power of the force over that of the response, of the order of 1.
-    """
-    noise, own = float(np.quantile(loose, LEAST)), np.quantile(loose / weaker, LEAST, axis=0)
-    for _ in range(ROUNDS):
-        both = noise + own * weaker + FAINT
-        weight = (loose < MORE * both) / both**2
-        seen = np.maximum((weight * weaker**2).sum(axis=0), FAINT)
-        own = np.maximum((weight * weaker * (loose - noise)).sum(axis=0) / seen, 0.0)
-        noise = max(float((weight * (loose - own * weaker)).sum() / max(float(weight.sum()), FAINT)), 0.0)
-    return noise, own
+    above = measurement.frf.freq > 0
+    noise = ForceNoise.of(above, g2, nowhere_zero(force[:, :1, 0]), response * g2)
+    return None if noise is None else noise.share
 
 
 def _noise_of_force(measurement: Measurement) -> float:

@@ -3,7 +3,6 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 from functools import cached_property
-from typing import TypeVar
 
 import numpy as np
 from scipy.special import polygamma
@@ -11,8 +10,7 @@ from scipy.special import polygamma
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray
 from modallab.diagnosis.observing.observed import Factors, Observed, Predicted
 from modallab.diagnosis.observing.random_error import NUMERICAL
-
-Numbers = TypeVar("Numbers", FloatArray, ComplexArray)
+from modallab.estimation.force_noise import parted
 
 COARSE = 0.02  # squared relative error of H beyond which its logarithm gives way to the difference
 
@@ -43,8 +41,8 @@ class Residual:
         unit variance each: what channels have in common through the force is taken once."""
         frf, response = self.frf, self.response
         if self.common is not None:
-            frf = _parted(frf, self.common, where)
-            response = None if response is None else _parted(response, self.common**2, where)
+            frf = parted(frf, self.common, where)
+            response = None if response is None else parted(response, self.common**2, where)
         frf = frf[where]
         parts = [np.sqrt(2) * frf.real, np.sqrt(2) * frf.imag]
         if self.force is not None:
@@ -83,28 +81,6 @@ class Residual:
     def gap(self, where: BoolArray) -> float:
         """Return the mean of the parts' mean squares."""
         return float(np.mean(list(self.gaps(where).values())))
-
-
-def _parted(part: Numbers, share: FloatArray, where: BoolArray) -> Numbers:
-    """Return residuals (n_freq, n_out) that share a random number in each line, made independent.
-
-    Their covariance D + v v^T, v^2 the shares and D the rest, has the inverse square root
-    (I - (1 - 1/sqrt(1 + w^2)) w w^T/w^2) D^-1/2 with w = D^-1/2 v.
-
-    Parameters
-    ----------
-    share
-        (n_freq, n_out) of each one's variance that is the shared number's.
-    where
-        (n_freq, n_out) those that are looked at together.
-    """
-    rest = np.sqrt(1 - share)
-    along = np.where(where, np.sqrt(share) / rest, 0.0)
-    size = (along**2).sum(axis=1, keepdims=True)
-    alone = np.where(where, part / rest, 0.0)
-    both = (along * alone).sum(axis=1, keepdims=True) / np.maximum(size, 1e-300)
-    out: Numbers = alone - (1 - 1 / np.sqrt(1 + size)) * along * both
-    return out
 
 
 def _of_runs(where: BoolArray, n_run: int) -> BoolArray:
