@@ -133,3 +133,12 @@ def test_responses_name_the_stiffer_members_without_modes(names: dict[str, Any])
     # 21 responses at 400 lines: 1 +- 0.008, and what leakage or common noise there is
     assert abs(found.responses.after - 1) < 0.1
     assert found.responses.before > 100
+
+
+def test_members_in_macro_elements_by_a_rule_are_found(names: dict[str, Any]) -> None:
+    found = names["parted"]
+    assert set(range(1, 9)) <= set(found.suspected["mass"])
+    assert len(found.coefficients["mass"]) == 96
+    # exact modes, and members of suspected macro elements corrected one by one: the tolerance of the iteration
+    for member, value in found.coefficients["mass"].items():
+        assert value == pytest.approx(1.5 if member < 9 else 1.0, abs=1e-4)

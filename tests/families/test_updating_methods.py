@@ -14,8 +14,9 @@ from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.changes import MemberChange, MemberProperty, change
 from modallab.fe.selected import ModeNoise, synthetic_modes
 from modallab.fe.structure import Structure
+from modallab.updating.dividing import automatic_groups
 from modallab.updating.method import UPDATERS, UpdateOptions, UpdateResult, parts_of
-from modallab.updating.parameterisation import Part, automatic_groups, parameterise
+from modallab.updating.parameterisation import Part, parameterise
 
 BEAM = STRUCTURES["chapter-5-beam"]()
 DOFS = tuple(Dof(node, "Y") for node in range(1, 22, 2))

@@ -24,7 +24,7 @@ class Updates(Shelf):
         measurement_id: str | None = None,
         noise_floor: float | None = None,
         method: str = "inverse_eigensensitivity",
-        macros: str | Sequence[Sequence[int]] | None = None,
+        macros: str | Mapping[str, Any] | Sequence[str | Sequence[int]] | None = None,
         parts: Sequence[str] | None = None,
         lower: float | None = None,
         upper: float | None = None,
@@ -49,7 +49,8 @@ class Updates(Shelf):
         method
             One of `lab.catalog.updating_methods()`.
         macros
-            `auto`, `each` member by itself, or the member lists of the macro elements.
+            `auto`, `each` member by itself, the macro elements as lists of members or names of groups, or a
+            rule: `{"by": "groups"}`, or `{"by": "partition", "count": 12}` for connected parts of like size.
         parts
             Of mass, stiffness, axial, bending, damping, or properties: density, modulus, area and
             second_moment of bars, thickness of plates; left out: mass and stiffness, of a method of complex

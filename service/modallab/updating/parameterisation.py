@@ -8,14 +8,12 @@ import numpy as np
 from modallab.core.arrays import BoolArray, FloatArray
 from modallab.core.errors import InvalidInputError
 from modallab.fe.assembly import Coefficients
-from modallab.fe.members import AnyMember, Member
 from modallab.fe.shapes import size
 from modallab.fe.structure import Structure
 from modallab.updating.attached import carried, refuse_absent
 from modallab.updating.part import Part as Part
 from modallab.updating.part import refuse_clash
 
-RUN_LENGTH = 4  # members in an automatic macro element, at most
 # Loss factors that may be added: on the way to a solution some pass below zero, and none is far above 1.
 LOSS_FACTORS = (-1.0, 2.0)
 
@@ -182,70 +180,6 @@ def refuse_loss_factors(parameterisation: Parameterisation) -> None:
             value=Part.DAMPING.value,
             allowed=", ".join(part for part in Part if part is not Part.DAMPING),
         )
-
-
-def automatic_groups(structure: Structure) -> tuple[tuple[int, ...], ...]:
-    """Return macro elements for a structure that nobody has divided.
-
-    Members that a model has under one name are one. Others that follow one another, bars in a straight
-    line, of one section and material and with nothing else at the nodes between them, or plates side by
-    side, are one run; a run is cut into the fewest pieces of at most four members, as equal as they can
-    be. Seven make 4 + 3, as the thesis divides its bars.
-    """
-    at_node: dict[int, int] = {}
-    for member in structure.all_members:
-        for node in member.nodes:
-            at_node[node] = at_node.get(node, 0) + 1
-
-    def continues(one: AnyMember, other: AnyMember) -> bool:
-        shared = set(one.nodes) & set(other.nodes)
-        if not isinstance(one, Member) or not isinstance(other, Member):
-            return type(one) is type(other) and len(shared) > 1
-        alike = (one.section, one.material, one.element) == (other.section, other.material, other.element)
-        return len(shared) == 1 and at_node[shared.pop()] == 2 and alike and _aligned(structure, one, other)
-
-    runs: list[list[AnyMember]] = []
-    last: AnyMember | None = None
-    for member in structure.all_members:
-        if member.group:
-            last = None
-            continue
-        if last is not None and continues(last, member):
-            runs[-1].append(member)
-        else:
-            runs.append([member])
-        last = member
-    pieces = (np.array_split([m.number for m in run], -(-len(run) // RUN_LENGTH)) for run in runs)
-    unnamed = (tuple(int(number) for number in piece) for run in pieces for piece in run)
-    return (*structure.groups.values(), *unnamed)
-
-
-def named_groups(structure: Structure, chosen: Iterable[str | Sequence[int]]) -> list[Sequence[int]]:
-    """Return groups of members by number, some of which were chosen by their names in the structure.
-
-    Raises
-    ------
-    InvalidInputError
-        If the structure has no group of a name.
-    """
-    known = structure.groups
-    for one in chosen:
-        if isinstance(one, str) and one not in known:
-            raise InvalidInputError(
-                f"the structure has no group {one!r}",
-                field="macros",
-                value=one,
-                allowed=", ".join(list(known)[:50]) or "members by number: this structure has no groups",
-            )
-    return [known[one] if isinstance(one, str) else one for one in chosen]
-
-
-def _aligned(structure: Structure, one: Member, other: Member) -> bool:
-    def direction(member: Member) -> FloatArray:
-        start, end = (np.array(structure.nodes[n]) for n in member.nodes)
-        return np.asarray((end - start) / structure.length(member))
-
-    return bool(abs(abs(direction(one) @ direction(other)) - 1.0) < 1e-9)
 
 
 def spread_over_members(

@@ -20,8 +20,9 @@ from modallab.fe.plate import plate
 from modallab.fe.selected import exact_modes, lowest_modes
 from modallab.fe.structure import Material, Structure
 from modallab.store.plain import from_plain, to_plain
+from modallab.updating.dividing import automatic_groups, named_groups
 from modallab.updating.method import UPDATERS
-from modallab.updating.parameterisation import automatic_groups, named_groups, parameterise
+from modallab.updating.parameterisation import parameterise
 
 BAY = STRUCTURES["bay"]()
 PLATE = plate(length=0.6, width=0.4, thickness=0.004, n_elements=(12, 8), material=Material(2.09e11, 7800.0))

@@ -23,8 +23,9 @@ from modallab.jobs.durable import DurableRunner, JobPlace
 from modallab.jobs.runner import Job, JobState
 from modallab.store.place import StorePlace, engine_of, open_store
 from modallab.store.plain import to_plain
+from modallab.updating.dividing import automatic_groups
 from modallab.updating.method import UpdateOptions
-from modallab.updating.parameterisation import automatic_groups, parameterise
+from modallab.updating.parameterisation import parameterise
 from modallab.updating.studying.plan import NOISE_LEVELS, Division, Level, StudyPlan
 
 # A thread of the engine may hand its PostgreSQL connection back when the pool is gone already.

@@ -2,13 +2,13 @@ import numpy as np
 import pytest
 
 from modallab.fe.changes import MemberChange, MemberProperty, change
+from modallab.updating.dividing import automatic_groups
 from modallab.updating.location import suspicion
 from modallab.updating.method import UPDATERS
 from modallab.updating.parameterisation import (
     MacroElement,
     Parameterisation,
     Part,
-    automatic_groups,
     parameterise,
 )
 from tests.service.updating.cases import BEAM, BEAM_DOFS, modes_of

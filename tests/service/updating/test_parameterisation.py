@@ -1,4 +1,4 @@
-"""Which coefficients may move, and how a structure is divided when nobody has."""
+"""Which coefficients may move."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -9,34 +9,16 @@ import pytest
 from modallab.core.errors import InvalidInputError
 from modallab.fe.assembly import coefficients_of
 from modallab.fe.catalogued import STRUCTURES
-from modallab.fe.structure import Section
 from modallab.updating.parameterisation import (
     MacroElement,
     Parameterisation,
     Part,
-    automatic_groups,
     by_member,
     parameterise,
     spread_over_members,
 )
 
-BEAM, BAY = STRUCTURES["chapter-5-beam"](), STRUCTURES["bay"]()
-
-
-def test_a_straight_beam_is_cut_into_equal_pieces() -> None:
-    assert automatic_groups(BEAM) == tuple(tuple(range(i, i + 4)) for i in range(1, 21, 4))
-
-
-def test_a_frame_is_cut_at_its_corners_as_the_thesis_cuts_it() -> None:
-    groups = automatic_groups(BAY)
-    for group in ((1, 2, 3, 4), (5, 6, 7), (13, 14, 15, 16), (25, 26, 27, 28), (29, 30, 31)):
-        assert group in groups
-    assert sorted(n for group in groups for n in group) == list(range(1, 32))
-
-
-def test_a_change_of_section_ends_a_piece() -> None:
-    thick = tuple(replace(m, section=Section(1e-3, 4e-9)) if m.number > 2 else m for m in BEAM.members)
-    assert automatic_groups(replace(BEAM, members=thick))[0] == (1, 2)
+BEAM = STRUCTURES["chapter-5-beam"]()
 
 
 def test_every_part_of_every_group_has_a_coefficient() -> None:

@@ -14,8 +14,9 @@ from modallab.fe.imported import GroupMatrices, of_groups
 from modallab.fe.plate import plate
 from modallab.fe.selected import ModeNoise
 from modallab.fe.structure import Material
+from modallab.updating.dividing import automatic_groups
 from modallab.updating.method import UPDATERS, UpdateOptions, UpdateResult
-from modallab.updating.parameterisation import automatic_groups, parameterise
+from modallab.updating.parameterisation import parameterise
 from modallab.updating.quantities import Quantity, quantities
 from tests.service.updating.cases import BAY, BAY_DOFS, BEAM, BEAM_DOFS, modes_of
 

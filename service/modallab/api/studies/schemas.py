@@ -8,7 +8,8 @@ from pydantic import BaseModel, Field
 
 from modallab.api.deps import Id
 from modallab.api.modal_models.schemas import Dofs, ModeNoiseIn
-from modallab.api.updates.schemas import Macros, OptionsIn, ParameterisationIn, Parts
+from modallab.api.updates.parameterisation import Macros, ParameterisationIn, Parts
+from modallab.api.updates.schemas import OptionsIn
 from modallab.api.wire import Count, EntryOut, Number, Seed, Text, Wire
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError

@@ -1,7 +1,7 @@
 """Wire types of updates."""
 
 from collections.abc import Set
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Self
 
 from pydantic import Field
 
@@ -10,6 +10,7 @@ from modallab.api.reductions import Reduced, ReductionIn
 from modallab.api.updates.direct import DirectOut, direct_fields
 from modallab.api.updates.identified import IdentifiabilityOut, QuantityOut
 from modallab.api.updates.located import LocatedOut, located_fields, number
+from modallab.api.updates.parameterisation import ParameterisationIn
 from modallab.api.updates.responses import ResponsesOut
 from modallab.api.wire import Count, EntryOut, Number, Text, Wire
 from modallab.core.errors import InvalidInputError
@@ -21,17 +22,8 @@ from modallab.updating.direct.result import DirectResult
 from modallab.updating.iteration import Iteration
 from modallab.updating.locating.method import LOCATORS, LocationResult
 from modallab.updating.locating.run import LocationOptions
-from modallab.updating.method import UPDATERS, Stages, UpdateOptions, UpdateResult, parts_of
+from modallab.updating.method import UPDATERS, Stages, UpdateOptions, UpdateResult
 from modallab.updating.offered import DIRECT, offered
-from modallab.updating.parameterisation import (
-    Parameterisation,
-    Part,
-    at_nodes,
-    automatic_groups,
-    named_groups,
-    parameterise,
-    refuse_loss_factors,
-)
 from modallab.updating.responses.method import RESPONSE_UPDATERS
 
 METHODS = {**UPDATERS, **RESPONSE_UPDATERS, **DIRECT_METHODS, **LOCATORS}
@@ -39,56 +31,7 @@ Completion = Annotated[
     Text | ReductionIn,
     Field(description="`expansion` of shapes to all DoFs, or a reduction of the model to measured ones"),
 ]
-Group = Annotated[list[Count], Field(min_length=1, max_length=5000)] | Text  # numbers, or a group's name
-Macros = Literal["auto", "each"] | Annotated[list[Group], Field(min_length=1, max_length=1000)]
-Parts = Annotated[list[Text], Field(max_length=len(Part))] | None
-Groups = Annotated[
-    list[Annotated[list[Count], Field(min_length=1, max_length=5000)]],
-    Field(min_length=1, max_length=1000),
-]
 Floor = Annotated[Number, Field(gt=0, le=1)] | None
-
-
-class ParameterisationIn(Wire):
-    """Which coefficients may move: members in groups, parts of their matrices, bounds; 1 = no change.
-
-    Properties, as a thickness, are multiples of what the model has.
-    A coefficient of damping is the loss factor added to a member's own: 0 = no change, bounds -1 and 2.
-    """
-
-    macros: Macros = Field(default="auto", description="lists of members, `auto`, or `each` member by itself")
-    parts: Parts = Field(
-        default=None,
-        description="mass, stiffness, axial, bending, damping; or properties: density, modulus, area and "
-        "second_moment of bars, thickness of plates; left out: mass and stiffness, of a method of complex "
-        "modes damping too; none, with an empty list",
-    )
-    attached: dict[Text, Literal["each"] | Groups] = Field(
-        default={},
-        max_length=len(Part),
-        description="what nodes carry beside their members, by nodes: point_mass, and ground_spring_x to "
-        "ground_spring_rz; lists of nodes, or `each` that carries one",
-    )
-    lower: Number = 0.05
-    upper: Number = 10.0
-
-    def to_domain(self, structure: Structure, method: str) -> Parameterisation:
-        """Return the parameterisation; `InvalidInputError` where structure or method have none such."""
-        if self.macros == "auto":
-            groups = automatic_groups(structure)
-        elif self.macros == "each":
-            groups = tuple((member.number,) for member in structure.all_members)
-        else:
-            groups = tuple(tuple(group) for group in named_groups(structure, self.macros))
-        usual = parts_of(method)
-        parts = usual if self.parts is None else self.parts
-        nodes = {name: None if given == "each" else given for name, given in self.attached.items()}
-        also = at_nodes(structure, nodes)
-        chosen = parameterise(groups, parts, lower=self.lower, upper=self.upper, also=also)
-        chosen.groups(structure)
-        if Part.DAMPING not in usual:
-            refuse_loss_factors(chosen)
-        return chosen
 
 
 class OptionsIn(Wire):

@@ -9,8 +9,9 @@ from modallab.core.errors import CancelledError, InvalidInputError
 from modallab.fe.assembly import assemble
 from modallab.fe.changes import MemberChange, MemberProperty, change
 from modallab.fe.structure import Structure
+from modallab.updating.dividing import automatic_groups
 from modallab.updating.method import UPDATERS, UpdateOptions
-from modallab.updating.parameterisation import Part, automatic_groups, parameterise
+from modallab.updating.parameterisation import Part, parameterise
 from modallab.updating.studying.plan import NOISE_LEVELS, Division, Level, StudyPlan
 from modallab.updating.studying.run import run_once
 from modallab.updating.studying.study import Study

@@ -1,0 +1,103 @@
+"""Wire types of what an update may move."""
+
+from typing import Annotated, Literal
+
+from pydantic import Field
+
+from modallab.api.wire import Count, Number, Text, Wire
+from modallab.fe.structure import Structure
+from modallab.updating.dividing import Groups, automatic_groups, named_groups, partitioned, property_groups
+from modallab.updating.method import parts_of
+from modallab.updating.parameterisation import (
+    Parameterisation,
+    Part,
+    at_nodes,
+    parameterise,
+    refuse_loss_factors,
+)
+
+Group = Annotated[list[Count], Field(min_length=1, max_length=5000)] | Text  # numbers, or a group's name
+
+
+class GroupsIn(Wire):
+    """Macro elements by what members are: named groups, and sections or thicknesses with a material."""
+
+    by: Literal["groups"]
+
+    def groups(self, structure: Structure) -> Groups:
+        """Return the members of each."""
+        return property_groups(structure)
+
+
+class PartitionIn(Wire):
+    """Macro elements that are connected parts of the structure, of about as many members each."""
+
+    by: Literal["partition"]
+    count: Count | None = Field(
+        default=None,
+        ge=1,
+        le=1000,
+        description="macro elements; left out: a quarter of the members, 60 at most",
+    )
+
+    def groups(self, structure: Structure) -> Groups:
+        """Return the members of each; `InvalidInputError` if there are fewer members."""
+        return partitioned(structure, self.count)
+
+
+Divided = Annotated[GroupsIn | PartitionIn, Field(discriminator="by")]
+Listed = Annotated[list[Group], Field(min_length=1, max_length=1000)]
+Macros = Literal["auto", "each"] | Divided | Listed
+Parts = Annotated[list[Text], Field(max_length=len(Part))] | None
+NodeGroups = Annotated[
+    list[Annotated[list[Count], Field(min_length=1, max_length=5000)]],
+    Field(min_length=1, max_length=1000),
+]
+
+
+class ParameterisationIn(Wire):
+    """Which coefficients may move: members in groups, parts of their matrices, bounds; 1 = no change.
+
+    Properties, as a thickness, are multiples of what the model has.
+    A coefficient of damping is the loss factor added to a member's own: 0 = no change, bounds -1 and 2.
+    """
+
+    macros: Macros = Field(
+        default="auto",
+        description="lists of members or names of groups, `auto`, `each` member by itself, "
+        "or a rule by which members are divided",
+    )
+    parts: Parts = Field(
+        default=None,
+        description="mass, stiffness, axial, bending, damping; or properties: density, modulus, area and "
+        "second_moment of bars, thickness of plates; left out: mass and stiffness, of a method of complex "
+        "modes damping too; none, with an empty list",
+    )
+    attached: dict[Text, Literal["each"] | NodeGroups] = Field(
+        default={},
+        max_length=len(Part),
+        description="what nodes carry beside their members, by nodes: point_mass, and ground_spring_x to "
+        "ground_spring_rz; lists of nodes, or `each` that carries one",
+    )
+    lower: Number = 0.05
+    upper: Number = 10.0
+
+    def to_domain(self, structure: Structure, method: str) -> Parameterisation:
+        """Return the parameterisation; `InvalidInputError` where structure or method have none such."""
+        if self.macros == "auto":
+            groups = automatic_groups(structure)
+        elif self.macros == "each":
+            groups = tuple((member.number,) for member in structure.all_members)
+        elif isinstance(self.macros, GroupsIn | PartitionIn):
+            groups = self.macros.groups(structure)
+        else:
+            groups = tuple(tuple(group) for group in named_groups(structure, self.macros))
+        usual = parts_of(method)
+        parts = usual if self.parts is None else self.parts
+        nodes = {name: None if given == "each" else given for name, given in self.attached.items()}
+        also = at_nodes(structure, nodes)
+        chosen = parameterise(groups, parts, lower=self.lower, upper=self.upper, also=also)
+        chosen.groups(structure)
+        if Part.DAMPING not in usual:
+            refuse_loss_factors(chosen)
+        return chosen
