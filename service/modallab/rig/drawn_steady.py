@@ -65,6 +65,20 @@ def gain_of(spectra: CrossSpectra, clean: ComplexArray, force_noise: float, run:
     return np.concatenate([force[:, None], response], axis=1)
 
 
+def signal_of(spectra: CrossSpectra, clean: ComplexArray, force_noise: FloatArray) -> FloatArray | None:
+    """Return G_ff without its noise, (n_run, n_freq), None where several forces act at once.
+
+    Parameters
+    ----------
+    clean, force_noise
+        As of `drawn_about`.
+    """
+    if spectra.ff.shape[2] > 1:
+        return None
+    gains = [gain_of(spectra, clean[run], noise, run)[:, 0] for run, noise in enumerate(force_noise)]
+    return np.asarray(np.abs(gains) ** 2 * clean[:, :, 0].real)
+
+
 def _squares(values: ComplexArray) -> FloatArray:
     return values.real**2 + values.imag**2
 

@@ -30,7 +30,7 @@ def expected_spectra(chain: Chain, view: Smear | None = None) -> CrossSpectra:
         How the lines see what does not repeat, if not as the chain's own resonances ask for: for
         differences between chains that are nearly the same, `thin_view` of one of them.
     """
-    return _with_noise(chain, noise_free(chain, view=view), chain.setup.analyser.freq)
+    return with_noise(chain, noise_free(chain, view=view))
 
 
 def thin_view(chain: Chain) -> Smear | None:
@@ -152,6 +152,11 @@ def _autos(chain: Chain, clean: ComplexArray) -> FloatArray:
     n = chain.n_in
     n_out = len(chain.runs[0].responses)
     return np.concatenate([clean[..., : n * n : n + 1].real, clean[..., -n_out:].real], axis=2)
+
+
+def with_noise(chain: Chain, clean: ComplexArray) -> CrossSpectra:
+    """Return the expected averaged spectra of every run from `noise_free(chain)`."""
+    return _with_noise(chain, clean, chain.setup.analyser.freq)
 
 
 def _with_noise(chain: Chain, clean: ComplexArray, freq: FloatArray) -> CrossSpectra:

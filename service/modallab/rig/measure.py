@@ -21,9 +21,9 @@ from modallab.rig.chain import Chain, chain
 from modallab.rig.compatibility import check_compatible
 from modallab.rig.distortion import check_first_order
 from modallab.rig.drawn import drawn_spectra
-from modallab.rig.drawn_steady import drawn_about
+from modallab.rig.drawn_steady import drawn_about, signal_of
 from modallab.rig.effect import Effect, build
-from modallab.rig.expected import expected_spectra, noise_densities, noise_free
+from modallab.rig.expected import expected_spectra, noise_densities, noise_free, with_noise
 from modallab.rig.measurement import Measurement
 from modallab.rig.sampled import sampled_spectra
 from modallab.rig.setup import RigSetup
@@ -83,13 +83,14 @@ def measure(
 
 def draw(chain: Chain, rng: np.random.Generator) -> CrossSpectra:
     """Return spectra from the law that averages follow round the expected ones."""
-    expected, steady = expected_spectra(chain), steady_runs(chain)
-    if steady is None:
-        return drawn_spectra(expected, rng)
-    clean = noise_free(chain)
+    clean, steady = noise_free(chain), steady_runs(chain)
+    expected = with_noise(chain, clean)
     n_out = len(chain.runs[0].responses)
     seen = chain.setup.analyser.line_window.noise_shares(chain.n_in, n_out)
-    return drawn_about(expected, clean, (noise_densities(chain, clean) * seen)[:, 0], steady, rng)
+    noise = (noise_densities(chain, clean) * seen)[:, 0]
+    if steady is not None:
+        return drawn_about(expected, clean, noise, steady, rng)
+    return drawn_spectra(expected, rng, signal=signal_of(expected, clean, noise))
 
 
 def measurement_of(spectra: CrossSpectra, setup: RigSetup) -> Measurement:

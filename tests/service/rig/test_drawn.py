@@ -1,5 +1,7 @@
 """Draws follow the law of averaged Gaussian records."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -7,6 +9,8 @@ from benchmarks.averaging_scatter import drawn as drawn_scatter
 from benchmarks.averaging_scatter import printed as printed_errors
 from benchmarks.averaging_scatter import simulated as simulated_scatter
 from benchmarks.drawn_against_sampled import bench, compare
+from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.core.progress import silent
 from modallab.estimation.coherence import coherence, coherence_error, frf_error
 from modallab.estimation.estimator import ESTIMATORS
 from modallab.estimation.spectra import CrossSpectra
@@ -14,6 +18,8 @@ from modallab.rig.chain import chain
 from modallab.rig.drawn import drawn_spectra
 from modallab.rig.expected import expected_spectra
 from modallab.rig.hardware import Noise
+from modallab.rig.measure import draw
+from modallab.rig.sampled import sampled_spectra
 from tests.rigs import beam_system, rig
 
 N_TESTS = 20_000
@@ -113,6 +119,59 @@ def test_channels_of_a_run_share_the_force_and_runs_do_not() -> None:
     assert np.isclose(both, 0.7**2, atol=3 / np.sqrt(N_TESTS))
     other = np.corrcoef(drawn.ff[1:, 1, 0, 0].real, drawn.ff[:-1, 1, 0, 0].real)[0, 1]
     assert abs(other) < 3 / np.sqrt(N_TESTS)
+
+
+def test_channels_of_a_run_share_the_noise_of_the_force() -> None:
+    n, signal, noise, own = 20, 4.0, 1.5, np.array([0.1, 1.0])
+    h = np.array([[2.0, 0.7], [1 - 2j, 1j], [-0.3j, 0.5]])
+    power = np.abs(h) ** 2 * signal
+    whole = CrossSpectra(
+        np.array([0.0, 1.0, 2.0]),
+        np.full((1, 3, 1, 1), signal + noise + 0j),
+        np.asarray(h * signal, complex)[None, :, None],
+        (power + own)[None],
+        n,
+    )
+    rng = np.random.default_rng(8)
+    drawn = drawn_spectra(whole, rng, N_TESTS, signal=np.full((1, 3), signal))
+
+    def normal(variance: float | FloatArray, width: int) -> ComplexArray:
+        parts = rng.standard_normal((N_TESTS, n, 3, width, 2)).view(complex)[..., 0] / np.sqrt(2)
+        parts[:, :, 0] = parts[:, :, 0].real * np.sqrt(2)
+        return np.asarray(np.sqrt(variance) * parts)
+
+    force = normal(signal, 1)  # records, averaged: the law itself
+    response = h * force + normal(own, 2)
+    force = force + normal(noise, 1)
+    records = ((np.abs(force) ** 2), force.conj() * response, np.abs(response) ** 2)
+    found = [drawn.ff[..., 0], drawn.fx[:, :, 0], drawn.xx]
+    for line in range(3):
+        law, told = (
+            np.concatenate([part[:, line].astype(complex) for part in parts], axis=1).view(float)
+            for parts in ([part.mean(axis=1) for part in records], found)
+        )
+        # means and products of two samples of nearly normal numbers, in units of their scatter: four errors
+        width = np.sqrt(law.var(axis=0)) + 1e-12
+        assert np.abs((told - law).mean(axis=0) / width).max() < 4 * np.sqrt(2 / N_TESTS)
+        apart = np.cov((told / width).T) - np.cov((law / width).T)
+        assert np.abs(apart).max() < 4 * np.sqrt(2 * 2.3 / N_TESTS)
+
+
+def test_drawn_and_sampled_channels_move_alike_by_noise_of_the_force() -> None:
+    setup = rig(1, 4, 7, noise=Noise(1e-2, 1e-5))
+    setup = replace(setup, accelerometers=replace(setup.accelerometers, roving=False))
+    whole = chain(beam_system(), setup)
+    endless = expected_spectra(whole)
+    exact = ESTIMATORS["h1"](endless)[0, 1:, :, 0]
+    error = frf_error(coherence(endless)[0, 1:], endless.averages)
+    rng = np.random.default_rng(9)
+    ties = []
+    for spectra in (draw(whole, rng), sampled_spectra(whole, rng, silent)):
+        off = np.log(ESTIMATORS["h1"](spectra)[0, 1:, :, 0] / exact) / error
+        ties.append((off.conj()[:, 0] * off[:, 1]).real.mean() / 2)
+    # noise of the force is some nine tenths of their noise; 400 lines: 0.05 each, three of the difference
+    assert min(ties) > 0.7
+    assert abs(ties[0] - ties[1]) < 0.2
 
 
 def test_the_same_seed_draws_the_same_bytes() -> None:
