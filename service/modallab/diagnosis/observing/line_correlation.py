@@ -4,11 +4,13 @@ import numpy as np
 from scipy.ndimage import uniform_filter1d
 from scipy.sparse import coo_array
 
-from modallab.core.arrays import BoolArray, FloatArray, IntArray
+from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from modallab.diagnosis.observing.residual import Residual
 
 LAGS = 12  # lines apart
 LAGS_TIED = 8  # the same where every line tells for itself
+FARTHEST = 4  # of the band, over one part of so many of which leakage from a resonance may be in step
+CERTAIN = 2.0  # times sqrt(log10(n) / n): a correlation of n lines that is none of chance (Politis 2003)
 MIXED = 5  # lines that a window mixes
 MOST = 0.7  # leverage that a residual is made up for
 
@@ -45,6 +47,7 @@ class _Scores:
         self._vector = left.vector(where)
         self._size = max(1.0, float(self._vector @ self._vector) / len(self._vector))
         self._shape = (n_run, n_lines)
+        self._reach = max(LAGS_TIED, *(_reach(part, where, n_run) for part in left.parts.values()))
         place = run * n_lines + line, np.arange(len(line))
         self._sums = coo_array((np.ones(len(line)), place), shape=(n_run * n_lines, len(line))).tocsr()
 
@@ -55,12 +58,33 @@ class _Scores:
         leverage = MIXED * uniform_filter1d(weight, MIXED, axis=1, mode="constant")
         scores = (self._sums @ (columns * self._vector[:, None])).reshape(*self._shape, n)
         scores /= 1 - leverage.clip(0.0, MOST)[..., None]
-        total = np.zeros((n, n))
-        for lag in range(min(LAGS_TIED + 1, self._shape[1])):
-            late, early = scores[:, lag:].reshape(-1, n), scores[:, : self._shape[1] - lag].reshape(-1, n)
-            both = (1 - lag / (LAGS_TIED + 1)) * early.T @ late
-            total += both if lag == 0 else both + both.T
-        return total / self._size
+        near = _tapered(scores, LAGS_TIED)
+        far = _tapered(scores, self._reach)
+        # What a fit takes out of all lines together far lags miss: they count where they show more.
+        more, turn = np.linalg.eigh(far - near)
+        return np.asarray(near + (turn * np.maximum(more, 0.0)) @ turn.T) / self._size
+
+
+def _reach(part: ComplexArray | FloatArray, where: BoolArray, n_run: int) -> int:
+    """Return over how many lines residuals of a part go together: half as far again as they do surely."""
+    seen = where if part.shape[1] == where.shape[1] else where.any(axis=1, keepdims=True)
+    n = len(part)
+    spectrum = np.fft.fft(np.where(seen, part, 0), 2 * n, axis=0)
+    covariance = np.fft.ifft((np.abs(spectrum) ** 2).sum(axis=1)).real[: max(n // FARTHEST, 1)]
+    count = n * n_run
+    certain = CERTAIN * np.sqrt(np.log10(count) / count) * max(float(covariance[0]), 1e-300)
+    return 3 * int(np.flatnonzero(np.abs(covariance) >= certain)[-1]) // 2 if covariance[0] > 0 else 0
+
+
+def _tapered(scores: FloatArray, lags: int) -> FloatArray:
+    """Return the covariance (n, n) of the sums over all lines of scores (n_run, n_lines, n)."""
+    n_lines, n = scores.shape[1:]
+    total = np.zeros((n, n))
+    for lag in range(min(lags + 1, n_lines)):
+        late, early = scores[:, lag:].reshape(-1, n), scores[:, : n_lines - lag].reshape(-1, n)
+        both = (1 - lag / (lags + 1)) * early.T @ late
+        total += both if lag == 0 else both + both.T
+    return total
 
 
 class _Pooled:

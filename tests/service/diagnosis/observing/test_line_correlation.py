@@ -88,3 +88,16 @@ def test_where_power_leaks_lines_that_are_louder_tell_less() -> None:
     between = LineCorrelation(left, EVERY).between(both / np.linalg.norm(both, axis=0))
     # Over the mean square of all: 9 and 1 over 5.
     np.testing.assert_allclose(np.diag(between), [9 / 5, 1 / 5], rtol=0.3)
+
+
+def test_leakage_that_is_in_step_far_from_its_resonance_is_seen_as_far() -> None:
+    length, rng = 30, np.random.default_rng(3)
+
+    def part() -> FloatArray:
+        return np.repeat(rng.standard_normal((N_LINES // length, N_OUT)), length, axis=0)
+
+    left = Residual((part() + 1j * part()) / np.sqrt(2), part(), part(), tied=True)
+    column = np.ones((len(left.vector(EVERY)), 1)) / np.sqrt(len(left.vector(EVERY)))
+    between = LineCorrelation(left, EVERY).between(column)[0, 0]
+    # 600 independent numbers, known to 6 % and once more by their sums; Bartlett's window takes a quarter.
+    assert 0.6 * length < between < 1.1 * length
