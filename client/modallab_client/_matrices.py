@@ -1,5 +1,7 @@
 """Matrices of a model, full or sparse, as the service takes them."""
 
+import io
+import zipfile
 from collections.abc import Mapping, Sequence
 from typing import Any
 
@@ -51,3 +53,12 @@ def _triplets(matrix: Any) -> tuple[NDArray[Any], NDArray[Any], NDArray[Any]]:
         raise ValueError(f"a matrix has two dimensions, not {full.ndim}")
     rows, columns = np.nonzero(full)
     return rows, columns, full[rows, columns]
+
+
+def with_table(content: bytes, dofs: Sequence[str]) -> bytes:
+    """Return an archive of an OUTPUT4 file with the degrees of freedom of its rows."""
+    file = io.BytesIO()
+    with zipfile.ZipFile(file, "w", zipfile.ZIP_DEFLATED) as archive:
+        archive.writestr("dofs.txt", "\n".join(dofs))
+        archive.writestr("model.op4", content)
+    return file.getvalue()

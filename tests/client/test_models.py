@@ -2,6 +2,7 @@
 
 import io
 import json
+import zipfile
 from pathlib import Path
 
 import numpy as np
@@ -49,6 +50,15 @@ def test_a_file_goes_with_its_name_and_damping(lab: ModalLab, service: FakeServi
     assert b'{"law": "modal", "loss_factors": 0.01}' in content
     lab.structures.upload(b"GRID,1\n")
     assert b"damping" not in service.requests[1].content
+
+
+def test_an_output4_file_goes_with_its_degrees_of_freedom(lab: ModalLab, service: FakeService) -> None:
+    service.on("POST /v1/structures/import", ABOUT)
+    lab.structures.upload(b"matrices", dofs=["1:+X", "2:+X"])
+    content = service.requests[0].content
+    with zipfile.ZipFile(io.BytesIO(content[content.index(b"PK\x03\x04") :])) as archive:
+        assert archive.read("dofs.txt") == b"1:+X\n2:+X"
+        assert archive.read("model.op4") == b"matrices"
 
 
 @pytest.mark.parametrize("sparse", [False, True])

@@ -10,6 +10,8 @@ import pytest
 
 from modallab.interchange.nastran.model import READ
 
+TESTS = Path(__file__).parents[1]
+OP4 = TESTS / "service" / "interchange" / "nastran" / "bigmat_text.op4"
 TEXT = (Path(__file__).parents[2] / "docs" / "models.md").read_text(encoding="utf-8")
 
 
@@ -43,6 +45,23 @@ def test_a_chain_of_masses_has_its_frequencies(names: dict[str, Any]) -> None:
     found = names["lab"].structures.modes(names["chain"].id, count=2)
     np.testing.assert_allclose(found.frequencies, exact, rtol=1e-10)  # rounding
     assert found.n_rigid_body == 1
+
+
+def test_matrices_of_cards_have_their_frequencies(names: dict[str, Any]) -> None:
+    # lambda^2 - 3.5e3 lambda + 2e6 = 0
+    exact = np.sqrt(np.sort(np.roots([1.0, -3.5e3, 2e6]))) / (2 * np.pi)
+    found = names["lab"].structures.modes(names["reduced"].id, count=2)
+    np.testing.assert_allclose(found.frequencies, exact, rtol=1e-10)  # rounding
+
+
+def test_a_file_of_matrices_goes_up_with_its_degrees_of_freedom(names: dict[str, Any]) -> None:
+    structures = names["lab"].structures
+    given = structures.upload(OP4, dofs=[f"{n}:+{d}" for n in range(1, 8) for d in ("Y", "RZ")], name="line")
+    section, material = {"area": 5e-4, "second_moment": 4.1667e-9}, {"modulus": 2.09e11, "density": 7800.0}
+    own = structures.beam(length=1.5, n_elements=6, section=section, material=material)
+    found = structures.modes(given.id, count=6).frequencies
+    # all digits were written
+    np.testing.assert_allclose(found, structures.modes(own.id, count=6).frequencies, rtol=1e-8)
 
 
 def test_a_plate_is_measured(names: dict[str, Any]) -> None:

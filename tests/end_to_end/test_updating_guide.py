@@ -139,6 +139,6 @@ def test_members_in_macro_elements_by_a_rule_are_found(names: dict[str, Any]) ->
     found = names["parted"]
     assert set(range(1, 9)) <= set(found.suspected["mass"])
     assert len(found.coefficients["mass"]) == 96
-    # exact modes, and members of suspected macro elements corrected one by one: the tolerance of the iteration
+    # exact modes, members of suspected macro elements one by one: the tolerance of the iteration
     for member, value in found.coefficients["mass"].items():
         assert value == pytest.approx(1.5 if member < 9 else 1.0, abs=1e-4)

@@ -120,14 +120,22 @@ class Described(Shelf):
         return self.create(kind="plate", n_elements=list(n_elements), **shape, **rest)
 
     def upload(
-        self, file: str | Path | bytes, *, name: str | None = None, damping: Given | None = None
+        self,
+        file: str | Path | bytes,
+        *,
+        dofs: Sequence[str] | None = None,
+        name: str | None = None,
+        damping: Given | None = None,
     ) -> Structure:
         """Return a structure from Nastran bulk data or a file of matrices, by path or as bytes.
 
         Parameters
         ----------
         file
-            Bulk data, npz, or zip of Matrix Market files; its content says which, not its name.
+            Bulk data, npz, zip of Matrix Market or OUTPUT4 files; its content says which, not its name. Or an
+            OUTPUT4 file of two matrices, whose names begin with M and K, with their `dofs`.
+        dofs
+            Of an OUTPUT4 file: (n,) `"5:+Z"`, in the order of the rows.
         name
             Of the structure.
         damping
@@ -135,6 +143,8 @@ class Described(Shelf):
         """
         content = file if isinstance(file, bytes) else Path(file).read_bytes()
         called = "model" if isinstance(file, bytes) else Path(file).name
+        if dofs is not None:
+            content = _matrices.with_table(content, dofs)
         data = _wire.body(name=name, damping=None if damping is None else json.dumps(damping))
         reply = self._transport.request(
             "POST", f"{self.path}/import", files={"file": (called, content)}, data=data

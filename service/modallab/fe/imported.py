@@ -162,20 +162,25 @@ def of_groups(
         As `of_elements`.
     """
     _check_table(dofs)
+    return of_elements(elements_of_groups(groups, dofs), dofs, places, damping=damping, name=name)
+
+
+def elements_of_groups(
+    groups: Sequence[GroupMatrices], dofs: Sequence[Dof], *, first: int = 1
+) -> list[Element]:
+    """Return the elements that named parts of a model are, as `of_groups` says, numbered from `first`."""
     touched = [_touched(group) for group in groups]
     whole = len(groups) * max((len(rows) for rows in touched), default=0) ** 2
-    number = count(1)
+    number = count(first)
     _, node, sizes = np.unique([dof.node for dof in dofs], return_inverse=True, return_counts=True)
     n_pairs = sum(_n_pairs(group, node) for group in groups) if whole > WHOLE else 0
     if whole <= WHOLE or n_pairs > PAIRS or n_pairs * (2 * sizes.max()) ** 2 > whole:
-        elements = [
+        return [
             Element(next(number), group.name, rows.tolist(), *_dense(group, rows))
             for group, rows in zip(groups, touched, strict=True)
             if len(rows)
         ]
-    else:
-        elements = [element for group in groups for element in _pairs(group, dofs, number)]
-    return of_elements(elements, dofs, places, damping=damping, name=name)
+    return [element for group in groups for element in _pairs(group, dofs, number)]
 
 
 def _dense(group: GroupMatrices, rows: IntArray) -> tuple[FloatArray, FloatArray]:

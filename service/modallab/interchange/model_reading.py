@@ -7,17 +7,17 @@ from typing import BinaryIO
 from modallab.core.errors import InvalidInputError
 from modallab.fe.damping import Damping
 from modallab.fe.structure import Structure
-from modallab.interchange import model_matrix_market, model_npz
+from modallab.interchange import model_archive, model_npz
 from modallab.interchange.nastran import deck
 from modallab.interchange.nastran import model as nastran
 
 _ZIP = b"PK"
 _HEAD = 4_096  # bytes that tell what a file is
-_ALLOWED = "Nastran bulk data, npz of matrices, zip of Matrix Market files"
+_ALLOWED = "Nastran bulk data, npz of matrices, zip of Matrix Market or OUTPUT4 files with dofs.txt"
 
 
 def read_model(file: BinaryIO, *, largest: int, damping: Damping | None = None, name: str = "") -> Structure:
-    """Return the structure of a bulk data file, or of a npz or Matrix Market archive of matrices.
+    """Return the structure of a bulk data file, or of a npz file or archive of matrices.
 
     Parameters
     ----------
@@ -37,8 +37,8 @@ def read_model(file: BinaryIO, *, largest: int, damping: Damping | None = None, 
     if head.startswith(_ZIP):
         payload = head + file.read(largest)
         names = _names(payload)
-        if any(one.endswith(model_matrix_market.ENDING) for one in names):
-            return model_matrix_market.read(payload, largest=largest, damping=damping, name=name)
+        if any(one.endswith(model_archive.ENDINGS) for one in names):
+            return model_archive.read(payload, largest=largest, damping=damping, name=name)
         if model_npz.holds_model(frozenset(one.removesuffix(".npy") for one in names)):
             return model_npz.read(payload, largest=largest, damping=damping, name=name)
     elif deck.starts(head):

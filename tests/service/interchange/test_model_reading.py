@@ -2,6 +2,7 @@
 
 import io
 import zipfile
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -15,6 +16,7 @@ from modallab.fe.damping import StructuralDamping
 from modallab.fe.selected import lowest_modes
 from modallab.fe.structure import Structure
 from modallab.interchange.model_reading import read_model
+from tests.service.interchange.nastran import described
 
 BAY = STRUCTURES["bay"]()
 SYSTEM = assemble(BAY)
@@ -72,6 +74,12 @@ GROUPED = {
     "frame__mass_mtx": MARKET["mass_mtx"],
     "frame__stiffness_mtx": MARKET["stiffness_mtx"],
 }
+HERE = Path(__file__).parent / "nastran"
+LINE = described.line()
+OP4 = (HERE / "bigmat_text.op4").read_bytes()
+LINE_TABLE = "\n".join(map(str, LINE.dofs)).encode()
+
+
 FORMS = {
     "full": npz(dofs=DOFS, **WHOLE),
     "sparse": npz(dofs=DOFS, **SPARSE),
@@ -114,6 +122,16 @@ def test_a_free_model_without_places_has_its_rigid_bodies() -> None:
     assert lowest_modes(assemble(read(FORMS["sparse"])), 1)[1] == 3
 
 
+@pytest.mark.parametrize("name", ["model_op4", "frame__any_op4", "mass_op4"])
+def test_one_file_of_nastran_holds_both_matrices_by_their_names(name: str) -> None:
+    given = read(archive(dofs_txt=LINE_TABLE, **{name: OP4}))
+    own, n_rigid_body = lowest_modes(assemble(LINE), 8)
+    found, rigid = lowest_modes(assemble(given), 8)
+    assert rigid == n_rigid_body
+    # all digits were written
+    np.testing.assert_allclose(found.frequencies, own.frequencies, rtol=1e-8)
+
+
 SHORT = {name: value for name, value in SPARSE.items() if name != "mass_rows"}
 WRONG: dict[str, tuple[bytes, str]] = {
     "nothing": (b"", "holds no model"),
@@ -126,7 +144,7 @@ WRONG: dict[str, tuple[bytes, str]] = {
     ),
     "no mass": (npz(dofs=DOFS, stiffness=WHOLE["stiffness"]), "lacks mass_rows"),
     "no table": (archive(mass_mtx=b"", stiffness_mtx=b""), "lacks dofs.txt"),
-    "a short table": (archive(**{**MARKET, "dofs_txt": b"1:+X 1:+Y"}), "does not fit dofs.txt"),
+    "a short table": (archive(**{**MARKET, "dofs_txt": b"1:+X 1:+Y"}), "does not fit the degrees"),
     "no directions": (
         npz(dofs=np.array(["1", "2"]), mass=np.eye(2), stiffness=np.eye(2)),
         "no degree|not a degree",
@@ -153,6 +171,17 @@ WRONG: dict[str, tuple[bytes, str]] = {
         npz(dofs=DOFS, nodes=[1], coordinates=[[0.0, 0.0]], **WHOLE),
         "node 2 has no place",
     ),
+    "OUTPUT4 of one name with two matrices": (
+        archive(dofs_txt=LINE_TABLE, a_op4=OP4, b_op4=OP4),
+        "holds the stiffness again",
+    ),
+    "OUTPUT4 of names that say nothing": (
+        archive(dofs_txt=LINE_TABLE, a_op4=OP4.replace(b"KXX", b"BXX")),
+        "it is open what matrix BXX is",
+    ),
+    "OUTPUT4 without a table": (archive(a_op4=OP4), "lacks dofs.txt"),
+    "OUTPUT4 of another size": (archive(dofs_txt=TABLE, a_op4=OP4), "does not fit the degrees"),
+    "OUTPUT4 alone": (OP4, "holds no model"),
     "objects": (npz(dofs=np.array([{}], object), **WHOLE), "cannot read"),
 }
 

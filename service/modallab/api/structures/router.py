@@ -53,7 +53,7 @@ _PLATE = {
     "material": _STEEL,
     "edges": {"left": "clamped"},
 }
-_MODEL = "Nastran bulk data, npz of matrices, or zip of Matrix Market files"
+_MODEL = "Nastran bulk data, npz of matrices, or zip of Matrix Market or OUTPUT4 files with dofs.txt"
 _LAW = "a damping law as JSON; by default what the file's elements have"
 _DAMPED = _BEAM | {"damping": {"law": "structural", "stiffness_coefficient": 0.005, "mass_coefficient": 0.0}}
 _BODY = examples(

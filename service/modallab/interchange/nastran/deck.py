@@ -13,6 +13,7 @@ from modallab.core.errors import InvalidInputError
 LARGEST = 100_000_000  # bytes of text
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9]*")
 _REAL = re.compile(r"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))(?:[eEdD]?([+-][0-9]+)|[eEdD]([0-9]+))?")
+_MATRIX = re.compile(r"\s*([ABKM]4?2(?:GG|PP))\s*=\s*(.+)", re.I)  # case control's direct input
 _INTEGER = re.compile(r"[+-]?[0-9]{1,10}")
 
 
@@ -84,6 +85,7 @@ class Deck:
 
     cards: tuple[Card, ...]
     choices: dict[str, int]  # SPC, METHOD and others, by name
+    matrices: dict[str, str]  # K2GG, M2GG and others, each with the name of its matrix
 
 
 def starts(head: bytes) -> bool:
@@ -113,10 +115,13 @@ def read_deck(payload: bytes) -> Deck:
     lines = [(i, line.split("$")[0].rstrip()) for i, line in enumerate(text.splitlines(), 1)]
     begin = next((k for k, (_, line) in enumerate(lines) if re.match(r"\s*BEGIN\b", line, re.I)), -1)
     choices: dict[str, int] = {}
+    matrices: dict[str, str] = {}
     for _, line in lines[: max(begin, 0)]:
         if match := re.fullmatch(r"\s*([A-Z]+)\s*=\s*([0-9]{1,9})\s*", line, re.I):
             choices[match[1].upper()] = int(match[2])
-    return Deck(tuple(_cards(lines[begin + 1 :])), choices)
+        elif match := _MATRIX.fullmatch(line):
+            matrices[match[1].upper()] = match[2].strip().upper()
+    return Deck(tuple(_cards(lines[begin + 1 :])), choices, matrices)
 
 
 def _cards(lines: Sequence[tuple[int, str]]) -> Iterator[Card]:

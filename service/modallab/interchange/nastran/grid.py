@@ -33,8 +33,6 @@ def grid_points(cards: Sequence[Card]) -> tuple[dict[int, Place], list[Support]]
         own = card if card.text(7) else of_all or card
         if held_here := components(own, 7):
             held.append(Support(number, held_here))
-    if not places:
-        raise InvalidInputError("the file has no grid points", field="GRID", value=0, allowed=">= 1")
     return places, held
 
 

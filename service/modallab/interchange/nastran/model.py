@@ -1,7 +1,7 @@
 """A structure from bulk data: cards that carry mass and stiffness, and those that are left out."""
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -9,15 +9,29 @@ import numpy as np
 from modallab.core.dof import DIRECTIONS, Dof
 from modallab.core.errors import InvalidInputError
 from modallab.fe.damping import Damping, StructuralDamping
-from modallab.fe.imported import Element, of_elements
+from modallab.fe.imported import Element, elements_of_groups, of_elements
 from modallab.fe.structure import Structure, Support
 from modallab.interchange.nastran import elements as made
 from modallab.interchange.nastran.deck import Deck, read_deck
-from modallab.interchange.nastran.grid import grid_points, supports
+from modallab.interchange.nastran.direct import DirectMatrices, direct_matrices
+from modallab.interchange.nastran.grid import Place, grid_points, supports
 from modallab.interchange.nastran.properties import BARS
 
 READ = frozenset(
-    ["GRID", "GRDSET", "MAT1", *BARS, "PSHELL", "PELAS", "SPC", "SPC1", "SPCADD", "PARAM", *made.CARDS]
+    [
+        "GRID",
+        "GRDSET",
+        "MAT1",
+        *BARS,
+        "PSHELL",
+        "PELAS",
+        "SPC",
+        "SPC1",
+        "SPCADD",
+        "PARAM",
+        "DMIG",
+        *made.CARDS,
+    ]
 )
 # Loads, requests and tables: nothing of mass, stiffness or how it is held.
 LEFT_OUT = frozenset(
@@ -34,8 +48,8 @@ STIFFLESS = 1e-12  # of the largest stiffness of its kind, below which a degree 
 def read(payload: bytes, *, damping: Damping | None = None, name: str = "") -> Structure:
     """Return the structure of a bulk data file, whose numbers must be in SI units.
 
-    Members are its elements by number, in groups by property. Masses are consistent. Directions without
-    stiffness are left out, as by AUTOSPC.
+    Members are its elements by number, in groups by property, and its DMIG matrices as one more group.
+    Masses are consistent. Directions without stiffness are left out, as by AUTOSPC.
 
     Raises
     ------
@@ -45,7 +59,8 @@ def read(payload: bytes, *, damping: Damping | None = None, name: str = "") -> S
     """
     deck = read_deck(payload)
     _refuse_unknown(deck)
-    places, held = grid_points(deck.cards)
+    direct = direct_matrices(deck)
+    places, held = _grid_points(deck, direct)
     held = [*held, *supports(deck, places)]
     for support in held:
         if support.node not in places:
@@ -56,12 +71,18 @@ def read(payload: bytes, *, damping: Damping | None = None, name: str = "") -> S
                 allowed="grid points of this file",
             )
     cards = [card for card in deck.cards if card.name in made.CARDS]
-    used = sorted({made.known_point(card, at, places) for card in cards for at in made.ends_of(card)})
+    ends = {made.known_point(card, at, places) for card in cards for at in made.ends_of(card)}
+    used = sorted(ends.union(direct.points if direct else ()))
     table = [Dof(node, direction) for node in used for direction in DIRECTIONS]
     row = {(dof.node, dof.direction): i for i, dof in enumerate(table)}
     found = made.build(cards, made.given(deck, places, row))
     scale, loss = _parameters(deck)
-    elements, dofs = _with_stiffness([replace(one, mass=scale * one.mass) for one in found], table)
+    found = [replace(one, mass=scale * one.mass) for one in found]
+    if direct:
+        # What a DMIG has is in units of mass already.
+        first = max((one.number for one in found), default=0) + 1
+        found += elements_of_groups([direct.group(row)], table, first=first)
+    elements, dofs = _with_stiffness(found, table)
     return of_elements(
         elements,
         dofs,
@@ -70,6 +91,23 @@ def read(payload: bytes, *, damping: Damping | None = None, name: str = "") -> S
         damping=damping or StructuralDamping(stiffness_coefficient=loss),
         name=name,
     )
+
+
+def _grid_points(deck: Deck, direct: DirectMatrices | None) -> tuple[Mapping[int, Place], Sequence[Support]]:
+    """Return where grid points are, m, and what they hold; of matrices alone they may be left out."""
+    places, held = grid_points(deck.cards)
+    points = direct.points if direct else {}
+    if not places:
+        places = dict.fromkeys(points, (0.0, 0.0, 0.0))
+    missing = next((point for point in points if point not in places), None)
+    if missing is not None or not places:
+        raise InvalidInputError(
+            "the file has no grid points" if missing is None else f"there is no grid point {missing}",
+            field="GRID" if missing is None else "DMIG",
+            value=missing or 0,
+            allowed="grid points of this file, one or more",
+        )
+    return places, held
 
 
 def _refuse_unknown(deck: Deck) -> None:

@@ -4,10 +4,12 @@ import json
 from dataclasses import replace
 from typing import Any
 
-from modallab.core.dof import Dof
+from modallab.core.dof import DIRECTIONS, Dof
+from modallab.fe.assembly import assemble
+from modallab.fe.beam import beam
 from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.plate import plate
-from modallab.fe.structure import GroundSpring, Material, PointMass, Structure, Support
+from modallab.fe.structure import GroundSpring, Material, PointMass, Section, Structure, Support
 
 STEEL = Material(modulus=2.09e11, density=7800.0)
 MASS, SPRING = 12.5, 3e7  # kg at node 8, N/m from 20:+Y to the ground
@@ -35,9 +37,20 @@ def free_plate() -> Structure:
     return plate(length=0.6, width=0.4, thickness=0.004, n_elements=(6, 4), material=STEEL)
 
 
+def line() -> Structure:
+    """A free steel beam of six elements."""
+    return beam(length=1.5, n_elements=6, section=Section(5e-4, 4.1667e-9), material=STEEL)
+
+
+def held_line() -> Structure:
+    """The same, clamped at its first node."""
+    return replace(line(), supports=(Support(1, ("Y", "RZ")),))
+
+
 def described() -> dict[str, Any]:
-    """Return nodes and elements of both, by name."""
+    """Return nodes and elements of both, and the matrices of the beam, by name."""
     frame, flat = bay(), free_plate()
+    system = assemble(line())
     return {
         "bay": {
             "nodes": dict(frame.nodes),
@@ -58,6 +71,12 @@ def described() -> dict[str, Any]:
             "rims": [[m.number, *m.nodes] for m in flat.others],
             "thickness": 0.004,
             "material": [STEEL.modulus, STEEL.poisson_ratio, STEEL.density],
+        },
+        "beam": {
+            "dofs": [[dof.node, DIRECTIONS.index(dof.direction) + 1] for dof in line().dofs],
+            "places": dict(line().nodes),
+            "mass": system.mass.toarray().tolist(),
+            "stiffness": system.stiffness.toarray().tolist(),
         },
         "loads": {"mass": [8, MASS], "spring": [20, SPRING], "held": 3},
     }

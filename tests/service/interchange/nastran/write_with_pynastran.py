@@ -1,6 +1,6 @@
-"""Writes the bulk data files beside it, with pyNastran 1.4.1 in an environment of its own: numpy 1.26.
+"""Writes the files beside it, with pyNastran 1.4.1 and pyyeti 1.4.7 in an environment of its own: numpy 1.26.
 
-    python -m venv /tmp/nastran && /tmp/nastran/bin/pip install pyNastran==1.4.1
+    python -m venv /tmp/nastran && /tmp/nastran/bin/pip install pyNastran==1.4.1 pyyeti==1.4.7 "numpy<2"
     python -m tests.service.interchange.nastran.described | /tmp/nastran/bin/python \
         tests/service/interchange/nastran/write_with_pynastran.py
 """
@@ -11,7 +11,11 @@ from importlib import import_module
 from pathlib import Path
 from typing import Any
 
+import numpy as np
+
 BDF = import_module("pyNastran.bdf.bdf").BDF
+OP4 = import_module("pyNastran.op4.op4").OP4
+yeti = import_module("pyyeti.nastran.op4")
 
 HERE = Path(__file__).parent
 ACROSS = "345"  # of a frame in X, Y: what it does not move by
@@ -58,6 +62,34 @@ def plate(flat: dict[str, Any], *, triangles: bool = False) -> Any:
     return model
 
 
+def direct(line: dict[str, Any], *, symmetric: bool, double: bool) -> Any:
+    model = BDF(debug=False)
+    for number, (x, y) in line["places"].items():
+        # seven digits are no free body: its motions would strain by the rounding
+        clamped = number == "1" and not double
+        model.add_grid(int(number), [x, y, 0.0], ps="123456" if clamped else "1345")
+    for name, matrix in (("KAAX", line["stiffness"]), ("MAAX", line["mass"])):
+        n = len(matrix)
+        at = [(i, j) for j in range(n) for i in range(j if symmetric else 0, n) if matrix[i][j]]
+        rows, columns = ([tuple(line["dofs"][pair[k]]) for pair in at] for k in (0, 1))
+        values = [matrix[i][j] for i, j in at]
+        tin = 2 if double else 1
+        model.add_dmig(name, 6 if symmetric else 1, tin, 0, 0, n, columns, rows, values)
+    return model
+
+
+def matrices(line: dict[str, Any]) -> None:
+    both = {name: np.array(line[kind]) for name, kind in (("KXX", "stiffness"), ("MXX", "mass"))}
+    dense = {name: (6, matrix) for name, matrix in both.items()}
+    # of its writers those of sparse and of binary matrices are at fault
+    OP4(debug=False).write_op4(str(HERE / "dense_text.op4"), dense, is_binary=False)
+    yeti.write(str(HERE / "dense_binary.op4"), both)
+    for form in ("bigmat", "nonbigmat"):
+        yeti.write(str(HERE / f"{form}_text.op4"), both, binary=False, sparse=form)
+    yeti.write(str(HERE / "bigmat_binary.op4"), both, sparse="bigmat", endian=">")
+    yeti.write(str(HERE / "nonbigmat_binary.op4"), both, sparse="nonbigmat")
+
+
 def main() -> None:
     """Write all files."""
     given = json.load(sys.stdin)
@@ -70,6 +102,9 @@ def main() -> None:
     loaded.add_spc1(7, "12", [given["loads"]["held"]])
     loaded.write_bdf(str(HERE / "loaded_bay.bdf"), size=16, is_double=True)
     plate(given["plate"]).write_bdf(str(HERE / "plate.bdf"), size=16)
+    direct(given["beam"], symmetric=True, double=True).write_bdf(str(HERE / "direct.bdf"))
+    direct(given["beam"], symmetric=False, double=False).write_bdf(str(HERE / "direct_square.bdf"))
+    matrices(given["beam"])
     plate(given["plate"], triangles=True).write_bdf(str(HERE / "triangles.bdf"), size=8)
 
 
