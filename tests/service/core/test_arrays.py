@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from modallab.core.arrays import frozen
+from modallab.core.arrays import frozen, logarithm
 from modallab.core.errors import InvalidInputError
 
 
@@ -30,3 +30,9 @@ def test_what_is_not_finite_is_refused_with_its_place(bad: complex) -> None:
     with pytest.raises(InvalidInputError) as caught:
         frozen(values, complex, (2, 3), name="values")
     assert caught.value.context == {"field": "values", "index": "(1, 2)"}
+
+
+def test_the_logarithm_is_that_of_the_library_on_all_sides_of_0_and_at_any_size() -> None:
+    angle = np.linspace(-np.pi, np.pi, 37)
+    values = np.multiply.outer([1e-150, 1e-9, 1 - 1e-9, 1.0, 3.0, 1e9, 1e150], np.exp(1j * angle))
+    np.testing.assert_allclose(logarithm(values), np.log(values), rtol=1e-15, atol=2e-16)  # rounding

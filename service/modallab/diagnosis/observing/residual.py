@@ -7,7 +7,7 @@ from functools import cached_property
 import numpy as np
 from scipy.special import polygamma
 
-from modallab.core.arrays import BoolArray, ComplexArray, FloatArray
+from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, logarithm
 from modallab.diagnosis.observing.observed import Factors, Observed, Predicted
 from modallab.diagnosis.observing.random_error import NUMERICAL
 from modallab.estimation.force_noise import parted
@@ -139,8 +139,8 @@ def apart(observed: Observed, h: ComplexArray) -> ComplexArray:
     """
     ratio = observed.h / np.where(observed.usable, h, 1.0)
     share = log_share(observed.error)
-    logarithm = np.log(ratio) - observed.bias
-    return np.where(observed.usable, share * logarithm + (1 - share) * (1 - 1 / ratio), 0.0)
+    of_ratio = logarithm(ratio) - observed.bias
+    return np.where(observed.usable, share * of_ratio + (1 - share) * (1 - 1 / ratio), 0.0)
 
 
 def log_share(error: FloatArray) -> FloatArray:

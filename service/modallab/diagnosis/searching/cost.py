@@ -7,6 +7,7 @@ from modallab.diagnosis.observing.residual import softened
 from modallab.diagnosis.predicting.glimpses import Glimpses
 
 WIDENINGS = (0.0, 0.03, 0.3)  # from residuals of the size of noise to modes that sit elsewhere
+TOGETHER = 4  # numbers whose logarithms are taken as one of their product, which does not overflow yet
 HEAVY_TAIL = 9.0  # squared residual beyond which a line only says "wrong", not how wrong
 
 
@@ -29,7 +30,19 @@ class Costs:
         """Return the cost (..., n_widenings) of residuals (..., n_residuals) of unit variance."""
         looks = zip(self._weights, WIDENINGS, strict=True)
         squares = [self._cleared(vectors * weights, widen) ** 2 for weights, widen in looks]
-        return np.stack([HEAVY_TAIL * np.log(1 + s / HEAVY_TAIL).sum(axis=-1) for s in squares], axis=-1)
+        return np.stack([saturating(one) for one in squares], axis=-1)
+
+
+def saturating(squares: FloatArray) -> FloatArray:
+    """Return sums (...) of HEAVY_TAIL ln(1 + s / HEAVY_TAIL) over the last axis."""
+    factors = squares / HEAVY_TAIL
+    factors += 1
+    n = factors.shape[-1] // TOGETHER
+    product = factors[..., :n].copy()
+    for i in range(1, TOGETHER):
+        product *= factors[..., i * n : (i + 1) * n]
+    rest = np.log(factors[..., TOGETHER * n :]).sum(axis=-1)
+    return np.asarray(HEAVY_TAIL * (np.log(product).sum(axis=-1) + rest))
 
 
 def downhill(start: FloatArray, moved: FloatArray) -> float:

@@ -5,7 +5,7 @@ from functools import cached_property
 
 import numpy as np
 
-from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.core.arrays import ComplexArray, FloatArray, logarithm
 from modallab.diagnosis.observing.observed import Observed
 from modallab.diagnosis.observing.residual import log_share, residual
 from modallab.diagnosis.predicting.glimpses import Glimpses
@@ -116,7 +116,7 @@ class _Whitened:
         """Return residuals (n, n_residuals) of FRFs so many times as large, (n, n_lines, n_out)."""
         ratio = self._ratio / ratios.reshape(len(ratios), -1)[:, self._place]
         share = self._logarithm
-        apart = (share * (np.log(ratio) - self._bias) + (1 - share) * (1 - 1 / ratio)) / self._error
+        apart = (share * (logarithm(ratio) - self._bias) + (1 - share) * (1 - 1 / ratio)) / self._error
         if self._along.any():
             both = self._less * np.add.reduceat(self._along * apart, self._start, axis=1)
             apart -= np.repeat(both, self._count, axis=1) * self._along
