@@ -12,6 +12,7 @@ from modallab.fe.keeping import kept
 
 FEW = 250  # degrees of freedom up to which full matrices are put together faster
 ASKED = 2  # frequency axes whose dynamic stiffness is kept
+PARTS = ("mass", "stiffness", "damping", "viscous")
 LARGEST = 500  # numbers of one that is kept: of one motion at the lines of a test
 
 
@@ -34,7 +35,7 @@ class Attachment:
     def __post_init__(self) -> None:
         object.__setattr__(self, "columns", frozen(self.columns, float, (None, None), name="columns"))
         r = self.columns.shape[1] + self.inner
-        for name in ("mass", "stiffness", "damping", "viscous"):
+        for name in PARTS:
             value = getattr(self, name)
             if value is not None:
                 object.__setattr__(self, name, frozen(value, float, (r, r), name=name))
@@ -168,3 +169,27 @@ def attached_stiffness(attachments: Sequence[Attachment], omega: FloatArray) -> 
         out[:, start : start + size, start : start + size] = block
         start += size
     return out
+
+
+def distinct(columns: FloatArray) -> tuple[FloatArray, list[int]]:
+    """Return columns (n, k) without those that come back, and where each one is among them."""
+    seen: dict[bytes, int] = {}
+    place = [seen.setdefault(column.tobytes(), len(seen)) for column in columns.T]
+    return columns[:, [place.index(i) for i in range(len(seen))]], place
+
+
+def put_together(attachments: Sequence[Attachment]) -> tuple[Attachment, ...]:
+    """Return attachments that do the same: all without coordinates of their own as one, each motion once."""
+    plain = [a for a in attachments if a.inner == 0]
+    columns, place = distinct(np.hstack([a.columns for a in plain]))
+    total: dict[str, FloatArray] = {}
+    first = 0
+    for a in plain:
+        own = place[first : first + a.columns.shape[1]]
+        first += len(own)
+        for name in PARTS:
+            if (small := getattr(a, name)) is not None:
+                whole = total.setdefault(name, np.zeros((columns.shape[1],) * 2))
+                np.add.at(whole, np.ix_(own, own), small)
+    one = Attachment(columns, **total)  # type: ignore[arg-type]
+    return one, *(a for a in attachments if a.inner)

@@ -3,12 +3,13 @@
 from dataclasses import dataclass, field, replace
 
 import numpy as np
-from scipy.linalg import eig, eigh
+from scipy.linalg import eigh
 from scipy.sparse import csc_array
-from scipy.sparse.csgraph import connected_components
 
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.errors import InvalidInputError
+from modallab.fe.attachment import distinct
+from modallab.fe.complex_modes import COUPLED, coupled_by
 from modallab.fe.coupled import CoupledModes
 from modallab.fe.keeping import kept
 from modallab.fe.losses import Losses
@@ -17,9 +18,6 @@ from modallab.fe.modal_damping import ModalLoss
 from modallab.fe.remainder import Remainder
 from modallab.fe.sharpening import sharpened
 
-COUPLED = 1e-9  # off-diagonal modal damping, relative to the diagonal, above which modes turn complex
-SQUARE = 1e-8  # that vectors are from orthogonal before a last step, which squares it
-ROUNDING = 1e-12  # what products with the largest modal damping leave where there is none
 ASKED = 3  # sets of frequencies whose responses are kept
 LARGEST = 250_000  # numbers of a response, frequencies times modes, that is kept
 
@@ -68,7 +66,7 @@ class ModalBasis:
             if modal.viscous:
                 lost = np.concatenate([rigid, modal.viscous * modal.lost(elastic)])
                 c = np.diag(lost) + (0.0 if c is None else c)
-        values, turn = (self.eigenvalues, None) if d is None else _damped(squares, np.asarray(d))
+        values, turn = (self.eigenvalues, None) if d is None else coupled_by(squares, np.asarray(d))
         shapes = self.shapes if turn is None else self.shapes @ turn
         if turn is not None and c is not None:
             c = turn.T @ c @ turn
@@ -113,6 +111,7 @@ class ModalResponse:
 
     def __init__(self, basis: ModalBasis, omega: FloatArray) -> None:
         self.basis, self.omega = basis, omega
+        self._kept: dict[str, object] = {}
         direct = basis.eigenvalues - (omega**2)[:, None]
         c = basis.viscous
         self._coupled: CoupledModes | None = None
@@ -141,9 +140,29 @@ class ModalResponse:
         Frequency last: each pair lies in one piece.
         """
         if self._coupled is not None or self.basis.remainder is not None:
-            (left, row), (right, column) = _distinct(left), _distinct(right)
+            (left, row), (right, column) = distinct(left), distinct(right)
             return np.asarray(self.receptance(left, right)[:, row, column].T)
         return self._products((left.T @ self.basis.shapes) * (right.T @ self.basis.shapes))
+
+    def among(self, motions: FloatArray) -> ComplexArray:
+        """Return the receptance of columns (n, k) with one another, (n_freq, k, k), m/N, to read only.
+
+        Asked for again, as by variants of what is attached to them, it is known.
+        """
+        size = len(self.omega) * motions.shape[1] ** 2
+        if size > LARGEST:
+            return self._among(motions)
+        return kept(self._kept, "among", motions.tobytes(), lambda: self._among(motions), 1)
+
+    def _among(self, motions: FloatArray) -> ComplexArray:
+        if self._coupled is not None or self.basis.remainder is not None:
+            return self.receptance(motions, motions)
+        rows, columns = np.triu_indices(motions.shape[1])
+        phi = motions.T @ self.basis.shapes
+        half = self._products(phi[rows] * phi[columns])  # it is symmetric
+        where = np.zeros((motions.shape[1],) * 2, int)
+        where[rows, columns] = where[columns, rows] = np.arange(len(rows))
+        return np.ascontiguousarray(half.T)[:, where]
 
     def _sum(self, phi_l: FloatArray | ComplexArray, phi_r: FloatArray | ComplexArray) -> ComplexArray:
         constants = (phi_l[:, None, :] * phi_r[None, :, :]).reshape(-1, phi_l.shape[1])
@@ -163,13 +182,6 @@ def _taking_turns(values: ComplexArray) -> FloatArray:
     """Return complex values (n_freq, m) as (2 n_freq, m): real and imaginary part of every line."""
     parts = values.view(float).reshape(*values.shape, 2)
     return np.ascontiguousarray(parts.swapaxes(1, 2)).reshape(2 * len(values), -1)
-
-
-def _distinct(columns: FloatArray) -> tuple[FloatArray, list[int]]:
-    """Return columns (n, k) without those that come back, and where each one is among them."""
-    seen: dict[bytes, int] = {}
-    place = [seen.setdefault(column.tobytes(), len(seen)) for column in columns.T]
-    return columns[:, [place.index(i) for i in range(len(seen))]], place
 
 
 def rigid_body_modes(mass: csc_array, stiffness: csc_array, candidates: FloatArray | None) -> FloatArray:
@@ -250,46 +262,3 @@ def _of_lowest(found: Lowest, n_rigid: int, frequency_max: float) -> ModalBasis:
     squares = found.squares.astype(complex)
     remainder = None if np.isinf(frequency_max) else found.remainder
     return ModalBasis(squares, found.shapes, n_rigid, None, frequency_max, remainder)
-
-
-def _damped(squares: FloatArray, modal: FloatArray) -> tuple[ComplexArray, ComplexArray | None]:
-    """Return eigenvalues with structural damping Phi^T D Phi, and the modes in terms of the undamped
-    ones where damping couples them."""
-    loss = np.diag(modal)
-    size = np.abs(loss)  # a rigid-body mode's may be a rounding error below zero
-    least = np.maximum(COUPLED * np.sqrt(np.outer(size, size)), ROUNDING * size.max(initial=0.0))
-    n_groups, group = connected_components(np.abs(modal - np.diag(loss)) > least, directed=False)
-    values = squares + 1j * loss
-    if n_groups == len(values):
-        return values, None
-    # Group by group: solved for together, modes that damping leaves alone, above all rigid-body
-    # modes of one and the same eigenvalue, would come back mixed and no longer orthogonal.
-    turn = np.eye(len(values), dtype=complex)
-    for members in (np.flatnonzero(group == g) for g in range(n_groups)):
-        if len(members) > 1:
-            block = np.ix_(members, members)
-            values[members], turn[block] = _coupled(squares[members], modal[block])
-    order = np.argsort(values.real, kind="stable")
-    return values[order], turn[:, order]
-
-
-def _coupled(squares: FloatArray, modal: FloatArray) -> tuple[ComplexArray, ComplexArray]:
-    """Return eigenvalues and vectors, v^T v = 1, of undamped modes with the damping between them.
-
-    The eigen-solution is off by rounding of the highest eigenvalue, which is more than what rigid-body
-    modes differ by: their vectors come back at any angle to one another. Newton's iteration for the
-    nearest orthogonal ones, Higham, Functions of Matrices (2008), 8.3, mixes none that differ by more.
-    """
-    matrix = np.diag(squares) + 1j * modal
-    vectors = eig(matrix)[1]
-    vectors = vectors / np.sqrt((vectors**2).sum(axis=0))
-    apart = np.inf
-    while apart > SQUARE:
-        off = vectors.T @ vectors - np.eye(len(squares))
-        before, apart = apart, float(np.abs(off).max())
-        if not apart < before:  # vectors that all but fall together, as where damping is critical
-            break
-        vectors = vectors - vectors @ off / 2
-    values = (vectors * (matrix @ vectors)).sum(axis=0)
-    largest = vectors[np.abs(vectors).argmax(axis=0), np.arange(len(values))]
-    return values, vectors * np.where(largest.real < 0, -1.0, 1.0)

@@ -8,11 +8,15 @@ from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
 
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray
-from modallab.fe.attachment import Attachment, attached_stiffness, stacked
+from modallab.fe.attachment import Attachment, attached_stiffness, distinct, put_together, stacked
+from modallab.fe.keeping import kept
 from modallab.fe.modes import ModalResponse
 from modallab.fe.system import SMALL, DynamicSystem
 
 FEW = 8  # attached columns up to which the Woodbury identity is the cheaper way
+# Columns times frequencies over degrees of freedom, up to which it is cheaper than one solution for modes.
+ONCE = 50.0
+FOLDED = 3  # sets of attachments whose folded matrices are kept
 
 
 def attached(
@@ -91,7 +95,7 @@ def attached_variants(
         (n, n_out) for each variant, of one width, and (n, n_in) for all.
     """
     shared, own = parted(systems)
-    whole = lean(replace(systems[0], attachments=shared))
+    whole = lean(replace(systems[0], attachments=shared), len(omega))
     response = whole.base_modes(float(omega.max()) / (2 * np.pi)).at(omega)
     stacks = [stacked(len(right), attachments) for attachments in own]
     widths = {stack.shape[1] for stack in stacks}
@@ -121,6 +125,9 @@ def _attached_pairs(
 ) -> ComplexArray:
     """Return the receptances of pairs of columns of `used` (n, .), (n_freq, n_pairs): `attached`, but
     for the pairs that are asked for instead of all."""
+    if system.stacked.shape[1] > FEW:
+        (left, row), (right, column) = (np.unique(one, return_inverse=True) for one in (a, b))
+        return _attached_to_many(response, system, used[:, left], used[:, right])[:, row, column]
     pairs, place = np.unique(np.sort(np.stack([a, b]), axis=0), axis=1, return_inverse=True)
     a, b = pairs  # receptance is symmetric
     alpha = response.pairs(used[:, a], used[:, b])
@@ -137,6 +144,29 @@ def _attached_pairs(
     return np.asarray(alpha[place.ravel()].T)
 
 
+def _attached_to_many(
+    response: ModalResponse, system: DynamicSystem, left: FloatArray, right: FloatArray
+) -> ComplexArray:
+    """Return `attached` where many columns are, (n_freq, n_out, n_in), the same motions often among them."""
+    hung = put_together(system.attachments)
+    n, n_out, n_in = len(left), left.shape[1], right.shape[1]
+    motions, place = distinct(np.hstack([left, right, stacked(n, hung)]))
+    alpha = response.among(motions)
+    rows, columns, b = np.split(np.array(place), [n_out, n_out + n_in])
+    z = attached_stiffness(hung, response.omega)
+    to_b, within, from_b = alpha[:, rows][:, :, b], alpha[:, b][:, :, b], alpha[:, b][:, :, columns]
+    inner = _loaded(z, within)
+    inner[:, np.arange(len(b)), np.arange(len(b))] += 1.0
+    return np.asarray(alpha[:, rows][:, :, columns] - to_b @ solved(inner, _loaded(z, from_b)))
+
+
+def _loaded(z: ComplexArray, alpha: ComplexArray) -> ComplexArray:
+    """Return z @ alpha; number by number where z (n_freq, r, r) is diagonal, as of masses."""
+    if np.count_nonzero(z.any(axis=0)) <= np.count_nonzero(z.diagonal(axis1=1, axis2=2).any(axis=0)):
+        return np.asarray(z.diagonal(axis1=1, axis2=2)[..., None] * alpha)
+    return np.asarray(z @ alpha)
+
+
 def _effective_stiffness(response: ModalResponse, system: DynamicSystem) -> ComplexArray:
     """Return (I + Z alpha_BB)^-1 Z of all attachments, (R, R, n_freq), N/m."""
     columns = system.stacked
@@ -146,27 +176,46 @@ def _effective_stiffness(response: ModalResponse, system: DynamicSystem) -> Comp
     return np.ascontiguousarray(solved(inner, z).transpose(1, 2, 0))
 
 
-def lean(system: DynamicSystem) -> DynamicSystem:
+def lean(system: DynamicSystem, n_freq: float = np.inf) -> DynamicSystem:
     """Return the same system with attachments folded into the matrices, where they are many.
 
-    Solving for the modes again costs less than many attached columns at every frequency. Asked for
-    again with a few attachments more, the folded matrices and their modes are used again. Attachments
-    with coordinates of their own stay attached, so that rows go on meaning DoFs.
+    Solving for the modes again costs less than many attached columns at every one of many frequencies.
+    Asked for again with a few attachments more, the folded matrices and their modes are used again.
+    Attachments with coordinates of their own stay attached, so that rows go on meaning DoFs.
+
+    Parameters
+    ----------
+    n_freq
+        How many frequencies it is asked about: at few of them it stays as it is, if nothing like it was
+        folded before.
     """
     if system.stacked.shape[1] <= FEW:
         return system
+    known = _folded_before(system)
+    if known is not None:
+        return known
+    if system.solves_all and n_freq * _n_motions(system) <= ONCE * len(system.dofs):
+        return system
     plain = tuple(a for a in system.attachments if a.inner == 0)
-    known = system.shared.get("folded")
-    if isinstance(known, tuple):
-        attachments, folded = known
-        known_ones = {a.key for a in attachments}
-        rest = [a for a in system.attachments if a.key not in known_ones]
-        again: DynamicSystem = replace(folded, attachments=tuple(rest))
-        if len(rest) + len(attachments) == len(system.attachments) and again.stacked.shape[1] <= FEW:
-            return again
     folded = replace(system, attachments=plain).folded()
-    system.shared["folded"] = (plain, folded)
+    kept(system.shared, "folded", tuple(a.key for a in plain), lambda: folded, FOLDED)
     return replace(folded, attachments=tuple(a for a in system.attachments if a.inner))
+
+
+def _n_motions(system: DynamicSystem) -> int:
+    return len({column.tobytes() for column in system.stacked.T})
+
+
+def _folded_before(system: DynamicSystem) -> DynamicSystem | None:
+    """Return the system with those of its attachments folded that were before, if few are left."""
+    known: dict[tuple[object, ...], DynamicSystem] = system.shared.get("folded", {})  # type: ignore[assignment]
+    for keys, folded in reversed(known.items()):
+        ones = set(keys)
+        rest = tuple(a for a in system.attachments if a.key not in ones)
+        again = replace(folded, attachments=rest)
+        if len(rest) + len(keys) == len(system.attachments) and again.stacked.shape[1] <= FEW:
+            return again
+    return None
 
 
 def parted(

@@ -12,6 +12,7 @@ from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError, UnknownDofError
 from modallab.fe.alteration import Alteration
 from modallab.fe.attachment import (
+    PARTS,
     Attachment,
     attached_stiffness,
     carried,
@@ -256,7 +257,7 @@ class DynamicSystem:
 
     @property
     def _matrices(self) -> dict[str, csc_array | None]:
-        return {name: getattr(self, name) for name in ("mass", "stiffness", "damping", "viscous")}
+        return {name: getattr(self, name) for name in PARTS}
 
     def folded(self) -> "DynamicSystem":
         """Return the same system with every attachment added into the matrices.
@@ -309,6 +310,11 @@ class DynamicSystem:
         basis = self._undamped(2 * frequency_max).damped(self.damping, self.viscous, self.modal, losses)
         self.shared["basis"] = basis
         return basis
+
+    @property
+    def solves_all(self) -> bool:
+        """Whether all modes are solved for."""
+        return len(self.dofs) < SMALL
 
     def _undamped(self, limit: float) -> ModalBasis:
         """Return undamped modes of the matrices alone, up to `limit`, Hz, or all."""

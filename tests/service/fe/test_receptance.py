@@ -101,17 +101,46 @@ def test_variants_together_are_the_variants_one_by_one(unlike: bool) -> None:
     np.testing.assert_allclose(together, apart, rtol=1e-9)  # the same equations in another order
 
 
+def many_masses() -> DynamicSystem:
+    system = assemble(replace(STRUCTURES["chapter-5-beam"](), damping=StructuralDamping(0.005, 100.0)))
+    return system.add_masses([*range(2, 20), 2, 3], 0.02)  # some nodes carry two
+
+
 def test_many_attachments_are_folded_once_and_for_all_that_follow() -> None:
-    system = assemble(STRUCTURES["chapter-5-beam"]())
-    for node in range(2, 20):
-        system = system.add_mass(node, 0.02)
+    system = many_masses()
     few_more = system.change_member(7, bending=0.3).add_mass(5, 0.1)
     at = system.selection((Dof(1, "Y"), Dof(9, "Y")))
+    assert lean(system).attachments == ()
+    assert lean(few_more).mass is lean(system).mass
     for loaded in (system, few_more):
         folded = attached_variants([loaded], 2 * np.pi * FREQ, [at], at)[0]
         # modes of other matrices against the Woodbury identity: rounding, magnified at antiresonances
         np.testing.assert_allclose(folded, direct_receptance(loaded, FREQ, at, at), rtol=1e-6)
-    assert lean(few_more).mass is lean(system).mass
+
+
+@pytest.mark.parametrize("coupled", [False, True], ids=["masses alone", "what couples motions too"])
+def test_many_attachments_at_few_frequencies_are_not_folded_and_give_the_direct_solution(
+    coupled: bool,
+) -> None:
+    system = many_masses()
+    if coupled:
+        system = system.change_member(7, bending=0.3).add_oscillator(Dof(5, "Y"), 0.05, 90.0, 0.02)
+    at = system.selection((Dof(1, "Y"), Dof(9, "Y"), Dof(2, "Y")))
+    assert lean(system, len(FREQ)) is system
+    found = attached_variants([system, system], 2 * np.pi * FREQ, [at, at[:, ::-1]], at[:, :1])
+    beyond = np.zeros((sum(a.inner for a in system.attachments), 3))
+    everything = np.vstack([at, beyond])
+    wanted = direct_receptance(system, FREQ, everything, everything[:, :1])
+    # rounding of the eigen-solution, magnified at antiresonances
+    np.testing.assert_allclose(found, [wanted, wanted[:, ::-1]], rtol=1e-6)
+
+
+def test_a_few_sets_of_attachments_stay_folded_beside_one_another() -> None:
+    system, other = many_masses(), many_masses()
+    other = replace(other, attachments=system.attachments[:-1], shared=system.shared)
+    first = lean(system).mass
+    assert lean(other).mass is not first
+    assert lean(system).mass is first
 
 
 @pytest.mark.parametrize("law", [StructuralDamping(0.005, 100.0), ViscousDamping(1e-6, 3.0)])

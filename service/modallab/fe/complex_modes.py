@@ -1,0 +1,54 @@
+"""Modes that structural damping couples."""
+
+import numpy as np
+from scipy.linalg import eig
+from scipy.sparse.csgraph import connected_components
+
+from modallab.core.arrays import ComplexArray, FloatArray
+
+COUPLED = 1e-9  # off-diagonal modal damping, relative to the diagonal, above which modes turn complex
+SQUARE = 1e-8  # that vectors are from orthogonal before a last step, which squares it
+ROUNDING = 1e-12  # what products with the largest modal damping leave where there is none
+
+
+def coupled_by(squares: FloatArray, modal: FloatArray) -> tuple[ComplexArray, ComplexArray | None]:
+    """Return eigenvalues with structural damping Phi^T D Phi, and the modes in terms of the undamped
+    ones where damping couples them."""
+    loss = np.diag(modal)
+    size = np.abs(loss)  # a rigid-body mode's may be a rounding error below zero
+    least = np.maximum(COUPLED * np.sqrt(np.outer(size, size)), ROUNDING * size.max(initial=0.0))
+    n_groups, group = connected_components(np.abs(modal - np.diag(loss)) > least, directed=False)
+    values = squares + 1j * loss
+    if n_groups == len(values):
+        return values, None
+    # Group by group: solved for together, modes that damping leaves alone, above all rigid-body
+    # modes of one and the same eigenvalue, would come back mixed and no longer orthogonal.
+    turn = np.eye(len(values), dtype=complex)
+    for members in (np.flatnonzero(group == g) for g in range(n_groups)):
+        if len(members) > 1:
+            block = np.ix_(members, members)
+            values[members], turn[block] = _coupled(squares[members], modal[block])
+    order = np.argsort(values.real, kind="stable")
+    return values[order], turn[:, order]
+
+
+def _coupled(squares: FloatArray, modal: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+    """Return eigenvalues and vectors, v^T v = 1, of undamped modes with the damping between them.
+
+    The eigen-solution is off by rounding of the highest eigenvalue, which is more than what rigid-body
+    modes differ by: their vectors come back at any angle to one another. Newton's iteration for the
+    nearest orthogonal ones, Higham, Functions of Matrices (2008), 8.3, mixes none that differ by more.
+    """
+    matrix = np.diag(squares) + 1j * modal
+    vectors = eig(matrix)[1]
+    vectors = vectors / np.sqrt((vectors**2).sum(axis=0))
+    apart = np.inf
+    while apart > SQUARE:
+        off = vectors.T @ vectors - np.eye(len(squares))
+        before, apart = apart, float(np.abs(off).max())
+        if not apart < before:  # vectors that all but fall together, as where damping is critical
+            break
+        vectors = vectors - vectors @ off / 2
+    values = (vectors * (matrix @ vectors)).sum(axis=0)
+    largest = vectors[np.abs(vectors).argmax(axis=0), np.arange(len(values))]
+    return values, vectors * np.where(largest.real < 0, -1.0, 1.0)
