@@ -8,6 +8,7 @@ from modallab.fe.structure import Structure
 from modallab.jobs.destination import Destination
 from modallab.rig.exact import as_modelled, with_effects
 from modallab.rig.measurement import Measurement
+from modallab.rig.unbiased import unbiased
 from modallab.store.base import Store
 from modallab.store.plain import from_plain
 from modallab.updating.direct.method import DIRECT_METHODS, DirectOptions
@@ -59,7 +60,8 @@ def update_and_store(
 
 def measured_responses(measurement: Measurement, noise_floor: float | None) -> TargetResponses:
     """Return measured FRFs with their random errors; `InvalidInputError` if these are not known."""
-    return weighed(measurement.frf, measurement.coherence, measurement.averages, noise_floor)
+    frf, common = unbiased(measurement)
+    return weighed(frf, measurement.coherence, measurement.averages, noise_floor, common)
 
 
 def _found(

@@ -7,6 +7,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray
+from modallab.estimation.force_noise import parted
 from modallab.updating.responses.fields import Fields, ResponseModel
 from modallab.updating.responses.target import TargetResponses
 
@@ -36,11 +37,12 @@ class Rows:
 def log_ratios(target: TargetResponses, model: ComplexArray) -> ComplexArray:
     """Return ln(H_measured / H_model) over its random error, 0 where nothing is said, (n_lines, n_out, n_in).
 
-    Real and imaginary part, of size and of phase, have variance 1 each if only random errors are left.
+    Real and imaginary part, of size and of phase, have variance 1 each if only random errors are left, and
+    are independent: what outputs have in common through the force counts once.
     """
     counts = target.used & (model != 0)
     ratio = np.divide(target.values, model, out=np.ones(model.shape, complex), where=counts)
-    return np.asarray(np.log(ratio) / target.errors)
+    return parted(np.asarray(np.log(ratio) / target.errors, complex), target.common, target.used)
 
 
 def mean_square(
@@ -61,6 +63,7 @@ def log_rows(model: ResponseModel, values: FloatArray) -> Rows:
             1.0, fields.receptance * target.errors, out=np.zeros(counts.shape, complex), where=counts
         )
         rows = fields.moved(fields.driven) * weight[..., None]
+        rows = parted(rows, target.common[..., None], target.used[..., None])
         missed = log_ratios(target, fields.receptance)
         return rows.reshape(n_lines, -1, rows.shape[-1]), missed.reshape(n_lines, -1)
 

@@ -9,6 +9,7 @@ from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.estimation.coherence import frf_error
+from modallab.estimation.force_noise import MOST_COMMON
 
 NUMERICAL = 1e-6  # relative error of the model's own responses: a floor under every random error
 FAINT = 1e-6  # coherence below which there is no response at all
@@ -24,12 +25,15 @@ class TargetResponses:
     values: ComplexArray  # (n_lines, n_out, n_in) m/N
     errors: FloatArray  # (n_lines, n_out, n_in) standard error of ln |H|, also of the phase in radians
     used: BoolArray  # (n_lines, n_out, n_in) False of numbers that say nothing
+    # (n_lines, n_out, n_in) share of a squared error that all outputs of an input have in common: a random
+    # number of each line that multiplies them all.
+    common: FloatArray
     outputs: tuple[Dof, ...]
     inputs: tuple[Dof, ...]
 
     def __post_init__(self) -> None:
         shape = (len(self.freq), len(self.outputs), len(self.inputs))
-        for name, kind in (("values", complex), ("errors", float), ("used", bool)):
+        for name, kind in (("values", complex), ("errors", float), ("used", bool), ("common", float)):
             object.__setattr__(self, name, frozen(getattr(self, name), kind, shape, name=name))
         object.__setattr__(self, "freq", frozen(self.freq, float, shape[:1], name="freq"))
 
@@ -46,7 +50,7 @@ class TargetResponses:
 
     def at(self, lines: IntArray) -> "TargetResponses":
         """Return the same responses at some of the lines."""
-        here = {name: getattr(self, name)[lines] for name in ("freq", "values", "errors", "used")}
+        here = {name: getattr(self, name)[lines] for name in ("freq", "values", "errors", "used", "common")}
         return replace(self, **here)
 
     def evenly(self, numbers: int) -> IntArray:
@@ -57,12 +61,17 @@ class TargetResponses:
 
 
 def weighed(
-    frf: FrfSet, coherence: FloatArray | None, averages: float, noise_floor: float | None = None
+    frf: FrfSet,
+    coherence: FloatArray | None,
+    averages: float,
+    noise_floor: float | None = None,
+    common: FloatArray | None = None,
 ) -> TargetResponses:
     """Return measured responses, lines at 0 Hz left out, as receptances with their random errors.
 
     sqrt((1 - g2) / (2 g2 (n_d - 2))) of coherence g2, which is estimated too; besides, what is stated, of
     the median of each FRF: noise is not smaller where a structure hardly moves. 1992 thesis, eq. [5.16].
+    Sizes are such that averages weighted by these errors, which depend on chance too, have no bias.
 
     Parameters
     ----------
@@ -70,6 +79,9 @@ def weighed(
         (n_freq, n_out), or (n_freq, n_out, n_in) where each FRF has its own.
     averages, noise_floor
         Effective, independent; relative random error of the FRFs that their owner states.
+    common
+        (n_freq, n_out, n_in) variance of ln |H| that is noise of the force, in all outputs of an input
+        alike; None where each has its own.
 
     Raises
     ------
@@ -85,6 +97,9 @@ def weighed(
     size = np.abs(receptance.values)
     known = None if coherence is None or averages <= UNSTATED else coherence[lines]
     errors = _errors(size, known, averages, noise_floor)
+    shared = np.zeros(size.shape) if common is None else common[lines]
+    # What coherence tells of a line is a matter of chance; what is common is of all outputs alike.
+    errors = np.maximum(errors, np.sqrt(shared / MOST_COMMON))
     used = (size > 0) & (errors < VAGUE)
     if not used.any():
         raise InvalidInputError(
@@ -94,7 +109,13 @@ def weighed(
             allowed=f"a relative random error below {VAGUE}",
         )
     return TargetResponses(
-        receptance.freq, receptance.values, errors, used, receptance.outputs, receptance.inputs
+        receptance.freq,
+        receptance.values * np.exp(-_bias(size, known, averages, errors**2, shared)),
+        errors,
+        used,
+        shared / errors**2,
+        receptance.outputs,
+        receptance.inputs,
     )
 
 
@@ -104,12 +125,31 @@ def _errors(
     """Return the standard errors of the logarithms of sizes, (n_lines, n_out, n_in) both."""
     errors = np.full(size.shape, NUMERICAL)
     if coherence is not None:
-        g2 = coherence.reshape(*size.shape[:2], -1)
-        errors = np.hypot(errors, frf_error(np.maximum(g2, FAINT), averages - UNSTATED))
+        errors = np.hypot(errors, _chance(size, coherence, averages))
     if noise_floor is not None:
         weaker = np.median(size, axis=0) / np.where(size > 0, size, np.inf)
         errors = np.hypot(errors, noise_floor * np.maximum(weaker, 1.0))
     return np.asarray(errors)
+
+
+def _chance(size: FloatArray, coherence: FloatArray, averages: float) -> FloatArray:
+    g2 = np.maximum(coherence.reshape(*size.shape[:2], -1), FAINT)
+    return np.broadcast_to(frf_error(g2, averages - UNSTATED), size.shape)
+
+
+def _bias(
+    size: FloatArray, coherence: FloatArray | None, averages: float, variance: FloatArray, common: FloatArray
+) -> FloatArray:
+    """Return by how much ln |H| is too large on weighted average, shaped as all of these.
+
+    The larger a line came out by chance of its own, the higher is its coherence, and it weighs the more:
+    its weight goes as |H|^2, and the average is off by twice the variance.
+    """
+    if coherence is None:
+        return np.zeros(size.shape)
+    own = variance - common
+    chance = np.clip(_chance(size, coherence, averages) ** 2 - common, 0.0, own)
+    return np.asarray(2 * chance**2 / own)
 
 
 def _refuse_unknown(coherence: FloatArray | None, averages: float, noise_floor: float | None) -> None:

@@ -90,6 +90,7 @@ def test_what_is_not_used_has_no_rows() -> None:
         values=target.values[:, picked],
         errors=target.errors[:, picked],
         used=target.used[:, picked],
+        common=target.common[:, picked],
         outputs=tuple(BEAM_SENSORS[i] for i in picked),
     )
     for wrong in (1e-3, 1e-1):

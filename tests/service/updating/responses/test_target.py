@@ -60,6 +60,34 @@ def test_without_coherence_or_averages_an_error_must_be_stated(coherence: object
         weighed(FRF, coherence, averages)  # type: ignore[arg-type]
 
 
+def test_what_is_common_to_all_outputs_is_known_apart_from_chance() -> None:
+    common = np.full(FRF.values.shape, 1e-4)
+    target = weighed(FRF, 0.9 * FULL, AVERAGES, 0.01, common)
+    assert (target.errors > np.sqrt(0.1 / (2 * 0.9 * 98))).all()
+    np.testing.assert_allclose(target.common * target.errors**2, 1e-4)
+    # by chance coherence may tell less than that: what each has of its own must count
+    target = weighed(FRF, FULL, AVERAGES, None, common)
+    np.testing.assert_allclose(target.errors**2 * 0.95, 1e-4)
+
+
+def test_sizes_weighted_by_what_coherence_tells_have_no_bias() -> None:
+    rng, n, n_tests, noise = np.random.default_rng(0), 20, 100_000, 0.2
+    force, own = (rng.standard_normal((n_tests, n, 2)).view(complex)[..., 0] for _ in range(2))
+    response = force + np.sqrt(noise) * own
+    ff, xx = (np.abs(force) ** 2).mean(axis=1), (np.abs(response) ** 2).mean(axis=1)
+    fx = (force.conj() * response).mean(axis=1)
+    frf = replace(
+        FRF, freq=np.arange(1.0, n_tests + 1), values=(fx / ff)[:, None, None], outputs=FRF.outputs[:1]
+    )
+    target = weighed(frf, (np.abs(fx) ** 2 / (ff * xx))[:, None], n)
+    sizes, raw = (np.log(np.abs(one[:, 0, 0])) for one in (target.values, frf.values))
+    weight = target.errors[:, 0, 0] ** -2
+    error = float(np.sqrt(noise / (2 * n)) / np.sqrt(n_tests))
+    # four random errors of the mean, and what is left of third order in the noise
+    assert abs(np.average(sizes, weights=weight)) < 4 * error + noise**1.5 / n**1.5
+    assert np.average(raw, weights=weight) > 20 * error
+
+
 def test_responses_of_nothing_are_refused() -> None:
     with pytest.raises(InvalidInputError, match="no response says anything"):
         weighed(FRF, 0.0 * FULL, AVERAGES)
