@@ -24,7 +24,7 @@ from modallab.rig.succession import excess_variance
 
 Numbers = TypeVar("Numbers", FloatArray, ComplexArray)
 
-REPEATS = 4  # tests that are gone through
+REPEATS = 12  # tests that are gone through: of four the scatter would be known to a factor of two
 LONGEST = 50  # averages of each at most
 FINENESS = 2  # values of a parameter to its double that are told apart
 CHANCE = 1.75  # times the variance of Gaussian records that so few lines show by chance
