@@ -61,6 +61,15 @@ def test_an_output4_file_goes_with_its_degrees_of_freedom(lab: ModalLab, service
         assert archive.read("model.op4") == b"matrices"
 
 
+def test_a_mesh_goes_with_what_its_groups_are_made_of(lab: ModalLab, service: FakeService) -> None:
+    service.on("POST /v1/structures/import", ABOUT)
+    skin = {"material": {"modulus": 2e11, "density": 7800.0}, "thickness": 0.004}
+    lab.structures.import_mesh(b"$MeshFormat", groups={"skin": skin}, left_out=["line"], length_unit=1e-3)
+    content = service.requests[0].content
+    told = json.loads(content[content.index(b'{"groups"') :].split(b"\r\n")[0])
+    assert told == {"groups": {"skin": skin}, "supports": [], "left_out": ["line"], "length_unit": 1e-3}
+
+
 @pytest.mark.parametrize("sparse", [False, True])
 def test_matrices_go_as_triplets(lab: ModalLab, service: FakeService, sparse: bool) -> None:
     service.on("POST /v1/structures/import", ABOUT)

@@ -64,6 +64,12 @@ def test_a_file_of_matrices_goes_up_with_its_degrees_of_freedom(names: dict[str,
     np.testing.assert_allclose(found, structures.modes(own.id, count=6).frequencies, rtol=1e-8)
 
 
+def test_a_mesh_is_the_structure_that_it_says(names: dict[str, Any]) -> None:
+    sheet = names["sheet"]
+    assert f"print(sheet.groups)  # {dict(sheet.groups)}" in TEXT
+    assert (sheet.n_nodes, sheet.n_dofs) == (6, 3 * 4)  # two of six nodes are held
+
+
 def test_a_plate_is_measured(names: dict[str, Any]) -> None:
     assert names["test"].values.shape[1:] == (5, 1)
     assert np.isfinite(names["test"].values).all()

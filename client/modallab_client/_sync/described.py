@@ -141,15 +141,54 @@ class Described(Shelf):
         damping
             `law` and its coefficients; left out: what the file's elements have.
         """
+        if dofs is not None:
+            file = _matrices.with_table(file if isinstance(file, bytes) else Path(file).read_bytes(), dofs)
+        return self._import(file, name=name, damping=damping)
+
+    def _import(
+        self, file: str | Path | bytes, *, name: str | None, damping: Given | None, mesh: str | None = None
+    ) -> Structure:
         content = file if isinstance(file, bytes) else Path(file).read_bytes()
         called = "model" if isinstance(file, bytes) else Path(file).name
-        if dofs is not None:
-            content = _matrices.with_table(content, dofs)
-        data = _wire.body(name=name, damping=None if damping is None else json.dumps(damping))
+        law = None if damping is None else json.dumps(damping)
+        data = _wire.body(name=name, damping=law, mesh=mesh)
         reply = self._transport.request(
             "POST", f"{self.path}/import", files={"file": (called, content)}, data=data
         )
         return _wire.read(_wire.structure, reply)
+
+    def import_mesh(
+        self,
+        file: str | Path | bytes,
+        *,
+        groups: Mapping[str, Given],
+        supports: Sequence[Given] = (),
+        left_out: Sequence[str] = (),
+        length_unit: float = 1.0,
+        name: str | None = None,
+        damping: Given | None = None,
+    ) -> Structure:
+        """Return a structure from a mesh of gmsh, Abaqus, VTK or Medit, by path or as bytes.
+
+        Parameters
+        ----------
+        file
+            The mesh; its content says of which program.
+        groups
+            By name `{"material": {...}, "thickness": m}` of triangles and quadrilaterals, or
+            `{"material": {...}, "section": {...}}` of lines.
+        supports
+            `[{"group": "left", "directions": ["Z", "RX", "RY"]}]`: points that are held.
+        left_out
+            Groups, or types of cells as `line`, that become no members.
+        length_unit
+            Of the mesh, m.
+        name, damping
+            As of `upload`.
+        """
+        mesh = {"groups": groups, "supports": list(supports), "left_out": list(left_out)}
+        told = json.dumps(mesh | {"length_unit": length_unit})
+        return self._import(file, name=name, damping=damping, mesh=told)
 
     def import_matrices(
         self,

@@ -4,11 +4,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from modallab.core.arrays import FloatArray
+from modallab.core.arrays import BoolArray, FloatArray
 from modallab.fe.facet import Facets, shell_matrices
 from modallab.fe.shear import bending_stiffness, rotary_inertia, sway_mass
 
 SLANTED = 1e-9  # of its length, by which the vector that turns a bar must stand off its axis
+HOLLOW = 1e-9  # of its size to the fourth, of what a corner's area must be times the whole
 WARPED = 1e-3  # of its size, by which a corner of a plate may be off the plane of the others
 
 
@@ -116,6 +117,15 @@ def warp(corners: FloatArray) -> FloatArray:
     z = plate_axes(corners)[:, 2]
     off = ((corners - corners.mean(axis=1, keepdims=True)) * z[:, None, :]).sum(axis=2)
     return np.asarray(np.abs(off).max(axis=1) / np.linalg.norm(corners[:, 2] - corners[:, 0], axis=1))
+
+
+def convex(corners: FloatArray) -> BoolArray:
+    """Return which corners (n, k, 3) go round a convex shape of some area, one way or the other, (n,)."""
+    sides = np.roll(corners, -1, axis=1) - corners
+    turns = np.cross(np.roll(sides, 1, axis=1), sides)  # (n, k, 3): area and normal at each corner
+    normal = turns.sum(axis=1)
+    size = (sides**2).sum(axis=2).max(axis=1)
+    return np.asarray(((turns * normal[:, None, :]).sum(axis=2) > HOLLOW * size[:, None] ** 2).all(axis=1))
 
 
 def _turned(matrices: FloatArray, axes: FloatArray) -> FloatArray:

@@ -8,16 +8,29 @@ from modallab.core.errors import InvalidInputError
 from modallab.fe.damping import Damping
 from modallab.fe.structure import Structure
 from modallab.interchange import model_archive, model_npz
+from modallab.interchange.mesh import reading as mesh
+from modallab.interchange.mesh.described import MeshDescription
+from modallab.interchange.mesh.structure import structure_of_mesh
 from modallab.interchange.nastran import deck
 from modallab.interchange.nastran import model as nastran
 
 _ZIP = b"PK"
 _HEAD = 4_096  # bytes that tell what a file is
-_ALLOWED = "Nastran bulk data, npz of matrices, zip of Matrix Market or OUTPUT4 files with dofs.txt"
+_ALLOWED = (
+    "Nastran bulk data, a mesh of gmsh, Abaqus, VTK or Medit, npz of matrices, "
+    "zip of Matrix Market or OUTPUT4 files with dofs.txt"
+)
 
 
-def read_model(file: BinaryIO, *, largest: int, damping: Damping | None = None, name: str = "") -> Structure:
-    """Return the structure of a bulk data file, or of a npz file or archive of matrices.
+def read_model(
+    file: BinaryIO,
+    *,
+    largest: int,
+    damping: Damping | None = None,
+    name: str = "",
+    described: MeshDescription | None = None,
+) -> Structure:
+    """Return the structure of a bulk data file or a mesh, or of a npz file or archive of matrices.
 
     Parameters
     ----------
@@ -27,6 +40,8 @@ def read_model(file: BinaryIO, *, largest: int, damping: Damping | None = None, 
         Bytes that the file, or its arrays, may take.
     damping
         Of the structure; by default none but what the file's elements have.
+    described
+        What the groups of a mesh are made of; of a mesh only, which needs it.
 
     Raises
     ------
@@ -34,6 +49,15 @@ def read_model(file: BinaryIO, *, largest: int, damping: Damping | None = None, 
         If the file is none of these, is damaged, or holds no structure that can be analysed.
     """
     head = file.read(_HEAD)
+    if mesh.starts(head):
+        found = mesh.read_mesh(head + file.read(min(largest, mesh.LARGEST)))
+        return structure_of_mesh(found, described, damping=damping, name=name)
+    if described is not None:
+        raise InvalidInputError(
+            "the file holds no mesh that `mesh` could describe",
+            field="mesh",
+            allowed="left out, of other files",
+        )
     if head.startswith(_ZIP):
         payload = head + file.read(largest)
         names = _names(payload)

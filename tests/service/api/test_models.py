@@ -1,6 +1,7 @@
 """Plates and imported models over HTTP: measured, extracted, updated by groups; bad files by name."""
 
 import io
+import json
 import zipfile
 from pathlib import Path
 from typing import Any
@@ -174,6 +175,77 @@ def test_a_bad_file_is_a_named_problem(service: Any, case: str) -> None:
     assert reply.headers["content-type"] == "application/problem+json"
     assert words in reply.json()["detail"]
     assert reply.json()["context"]["field"]
+
+
+STEEL = {"modulus": 2.09e11, "density": 7800.0}
+SKIN = {"material": STEEL, "thickness": 0.004}
+MESH = {
+    "groups": {"thin": SKIN, "thick half": SKIN},
+    "supports": [{"group": "left", "directions": ["Z", "RX", "RY"]}],
+    "left_out": ["rib"],
+    "length_unit": 0.001,
+}
+
+
+def upload_mesh(service: Any, **changed: Any) -> Any:
+    payload = (FILES.parent / "mesh" / "gmsh_41.msh").read_bytes()
+    return upload(service, payload, mesh=json.dumps(MESH | changed))
+
+
+def test_a_mesh_becomes_a_plate_of_which_a_group_is_updated(service: Any) -> None:
+    reply = upload_mesh(service)
+    assert reply.status_code == 201, reply.text
+    sheet = reply.json()
+    assert {name: len(of) for name, of in sheet["groups"].items()} == {"thin": 20, "thick half": 40}
+    assert sheet["n_dofs"] == 3 * (54 - 6)
+    wrong = {"members": sheet["groups"]["thick half"], "property": "thickness", "factor": 1.25}
+    truth = service.post(f"/v1/structures/{sheet['id']}/changes", {"changes": [wrong]})["id"]
+    dofs = [f"{node}:+Z" for node in (2, 3, 4, 5, 20, 30, 40, 50)]
+    modes = service.post(f"/v1/structures/{truth}/synthetic-modes", {"count": 5, "dofs": dofs})["id"]
+    asked = {
+        "structure_id": sheet["id"],
+        "modal_model_id": modes,
+        "method": "one_shot",
+        "parameterisation": {"macros": ["thin", "thick half"], "parts": ["thickness"]},
+    }
+    update = service.get(f"/v1/updates/{service.result_of('/v1/updates', asked)}")
+    assert [one["after"] for one in update["quantities"]] == pytest.approx([0.004, 0.005], rel=1e-6)
+
+
+BAD_MESH: dict[str, tuple[dict[str, Any], str, str]] = {
+    "an unknown group": ({"left_out": ["rib"], "groups": {"skin": SKIN}}, "no group 'skin'", "mesh"),
+    "cells left over": ({"left_out": []}, "line (5), in rib", "mesh"),
+    "neither bar nor plate": (
+        {"groups": {"thin": {"material": STEEL}}},
+        "Field required",
+        "mesh.groups.thin",
+    ),
+    "no thickness": ({"groups": {"thin": SKIN | {"thickness": 0}}}, "positive", "thickness"),
+    "an unknown direction": (
+        {"supports": [{"group": "left", "directions": ["W"]}]},
+        "'X', 'Y'",
+        "mesh.supports",
+    ),
+    "no length": ({"length_unit": 0}, "positive", "length_unit"),
+}
+
+
+@pytest.mark.parametrize("case", BAD_MESH)
+def test_a_bad_description_of_a_mesh_is_a_named_problem(service: Any, case: str) -> None:
+    changed, words, field = BAD_MESH[case]
+    reply = upload_mesh(service, **changed)
+    assert reply.status_code == 422, reply.text
+    assert words in reply.json()["detail"]
+    assert reply.json()["context"]["field"].startswith(field)
+
+
+def test_a_description_without_a_mesh_and_a_mesh_without_one_are_refused(service: Any) -> None:
+    reply = upload(service, (FILES / "plate.bdf").read_bytes(), mesh=json.dumps(MESH))
+    assert reply.status_code == 422
+    assert "no mesh" in reply.json()["detail"]
+    reply = upload(service, (FILES.parent / "mesh" / "gmsh_22.msh").read_bytes())
+    assert reply.status_code == 422
+    assert "thick half (40)" in reply.json()["context"]["allowed"]
 
 
 def test_a_bad_damping_law_is_a_named_problem(service: Any) -> None:

@@ -17,6 +17,7 @@ from modallab.api.shelves import add_routes
 from modallab.api.structures.changes import ChangesIn
 from modallab.api.structures.expansions import ExpandedOut, ExpansionIn
 from modallab.api.structures.frf import FrfQuery
+from modallab.api.structures.mesh import mesh_of
 from modallab.api.structures.schemas import ModesOut, StructureIn, StructureOut, damping_of
 from modallab.api.wire import Text
 from modallab.fe.changes import change
@@ -53,7 +54,11 @@ _PLATE = {
     "material": _STEEL,
     "edges": {"left": "clamped"},
 }
-_MODEL = "Nastran bulk data, npz of matrices, or zip of Matrix Market or OUTPUT4 files with dofs.txt"
+_MODEL = (
+    "Nastran bulk data, a mesh of gmsh, Abaqus, VTK or Medit, npz of matrices, "
+    "or zip of Matrix Market or OUTPUT4 files with dofs.txt"
+)
+_MESH = "of a mesh, as JSON: sections, thicknesses and materials by group, supports, what is left out"
 _LAW = "a damping law as JSON; by default what the file's elements have"
 _DAMPED = _BEAM | {"damping": {"law": "structural", "stiffness_coefficient": 0.005, "mass_coefficient": 0.0}}
 _BODY = examples(
@@ -89,9 +94,12 @@ def import_structure(
     owner: OwnerDep,
     name: Annotated[Text, Form()] = "",
     damping: Annotated[str | None, Form(description=_LAW, max_length=20_000)] = None,
+    mesh: Annotated[str | None, Form(description=_MESH, max_length=1_000_000)] = None,
 ) -> StructureOut:
     law = None if damping is None else damping_of(damping)
-    read = read_model(file.file, largest=settings.upload_limit, damping=law, name=name)
+    described = None if mesh is None else mesh_of(mesh)
+    limit = settings.upload_limit
+    read = read_model(file.file, largest=limit, damping=law, name=name, described=described)
     return _out(store, store.structures.add(read, owner=owner))
 
 

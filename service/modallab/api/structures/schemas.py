@@ -111,11 +111,14 @@ def damping_of(text: str) -> Damping:
         ) from None
 
 
+Directions = Annotated[list[Literal["X", "Y", "Z", "RX", "RY", "RZ"]], Field(min_length=1, max_length=6)]
+
+
 class SupportIn(Wire):
     """Directions of a node that are held."""
 
     node: Count
-    directions: list[Literal["X", "Y", "Z", "RX", "RY", "RZ"]] = Field(min_length=1, max_length=6)
+    directions: Directions
 
 
 class PointMassIn(Wire):

@@ -14,6 +14,7 @@ from modallab.fe.spatial import (
     SpatialPlates,
     bar_axes,
     bars_in_space,
+    convex,
     plates_in_space,
     warp,
 )
@@ -208,12 +209,7 @@ def _plates(cards: Sequence[Card], known: Given) -> list[Element]:
 
 
 def _check_flat(cards: Sequence[Card], corners: FloatArray) -> None:
-    sides = np.roll(corners, -1, axis=1) - corners
-    turns = np.cross(np.roll(sides, 1, axis=1), sides)  # (n, k, 3): area and normal at each corner
-    normal = turns.sum(axis=1)
-    size = (sides**2).sum(axis=2).max(axis=1)
-    convex = ((turns * normal[:, None, :]).sum(axis=2) > 1e-6 * size[:, None] ** 2 * 1e-3).all(axis=1)
-    for card, fits in zip(cards, convex, strict=True):
+    for card, fits in zip(cards, convex(corners), strict=True):
         if not fits:
             raise card.wrong(3, "corners round a convex shape, one way or the other")
     for card, off in zip(cards, warp(corners), strict=True):

@@ -1,0 +1,96 @@
+"""Wire types of a mesh's description."""
+
+from pydantic import Field, ValidationError
+
+from modallab.api.structures.schemas import Directions, MaterialIn, SectionIn
+from modallab.api.wire import Number, Text, Wire
+from modallab.core.errors import InvalidInputError
+from modallab.interchange.mesh.described import BarMade, Held, MeshDescription, PlateMade
+
+_MOST = 1000  # groups
+
+
+class LineSectionIn(SectionIn):
+    """A cross-section of lines; what is left out of bars in space is that of a round one."""
+
+    second_moment_across: Number | None = Field(
+        default=None, description="m^4, across the plane of `upright`"
+    )
+    torsion: Number | None = Field(default=None, description="m^4; left out: the sum of both second moments")
+    upright: tuple[Number, Number, Number] | None = Field(
+        default=None,
+        description="spans with the bar the plane of `second_moment`; left out: Z, of bars along Z Y",
+    )
+
+
+class BarsIn(Wire):
+    """Lines as bars."""
+
+    material: MaterialIn
+    section: LineSectionIn
+
+    def to_domain(self) -> BarMade:
+        """Return what the lines are made of."""
+        own = self.section
+        return BarMade(
+            self.material.to_domain(), own.to_domain(), own.second_moment_across, own.torsion, own.upright
+        )
+
+
+class PlatesIn(Wire):
+    """Triangles and quadrilaterals as plates."""
+
+    material: MaterialIn
+    thickness: Number
+
+    def to_domain(self) -> PlateMade:
+        """Return what the cells are made of."""
+        return PlateMade(self.material.to_domain(), self.thickness)
+
+
+class HeldIn(Wire):
+    """Directions in which the points of a group are held."""
+
+    group: Text
+    directions: Directions
+
+
+class MeshIn(Wire):
+    """What a mesh does not say, by the names of its groups."""
+
+    groups: dict[Text, BarsIn | PlatesIn] = Field(min_length=1, max_length=_MOST)
+    supports: list[HeldIn] = Field([], max_length=_MOST)
+    left_out: list[Text] = Field(
+        [], max_length=_MOST, description="groups, or types of cells as `line`, that become no members"
+    )
+    length_unit: Number = Field(default=1.0, description="m; 0.001 of a mesh in mm")
+
+    def to_domain(self) -> MeshDescription:
+        """Return the description."""
+        return MeshDescription(
+            {name: one.to_domain() for name, one in self.groups.items()},
+            tuple(Held(one.group, tuple(one.directions)) for one in self.supports),
+            tuple(self.left_out),
+            self.length_unit,
+        )
+
+
+def mesh_of(text: str) -> MeshDescription:
+    """Return the description that a form field holds as JSON.
+
+    Raises
+    ------
+    InvalidInputError
+        If it is no JSON, or describes no mesh.
+    """
+    try:
+        return MeshIn.model_validate_json(text).to_domain()
+    except ValidationError as error:
+        fault = error.errors()[0]
+        field = ".".join(map(str, ("mesh", *fault["loc"])))
+        raise InvalidInputError(
+            f"{field}: {fault['msg']}",
+            field=field,
+            value=text[:200],
+            allowed='{"groups": {"skin": {"material": {...}, "thickness": 0.004}}}',
+        ) from None

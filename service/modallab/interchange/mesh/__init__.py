@@ -1,0 +1,1 @@
+"""Meshes of other programs: cells with what the caller says they are made of, as a structure."""
