@@ -64,20 +64,21 @@ class Attachment:
         return {}
 
     def _stiffness(self, omega: FloatArray) -> ComplexArray:
-        r = self.columns.shape[1] + self.inner
-        w = omega[:, None, None]
-        z = np.zeros((len(omega), r, r), complex)
-        if self.mass is not None:
-            z -= w**2 * self.mass
-        if self.stiffness is not None:
-            z += self.stiffness
-        if self.damping is not None:
-            z += 1j * self.damping
-        if self.viscous is not None:
-            z += 1j * w * self.viscous
-        z = z if self.inner == 0 else _condensed(z, self.inner)
+        z: ComplexArray = stiffnesses([self], omega)[0]
         z.flags.writeable = False
         return z
+
+
+def stiffnesses(attachments: Sequence[Attachment], omega: FloatArray) -> ComplexArray:
+    """Return the dynamic stiffness of attachments that are of one size, (n, n_freq, r, r), N/m."""
+    inner, r = attachments[0].inner, attachments[0].columns.shape[1]
+    z = np.zeros((len(attachments), len(omega), r + inner, r + inner), complex)
+    w, none = omega[:, None, None], np.zeros(z.shape[2:])
+    for name, factor in (("mass", -(w**2)), ("stiffness", 1.0), ("damping", 1j), ("viscous", 1j * w)):
+        own = [getattr(a, name) for a in attachments]
+        if any(one is not None for one in own):
+            z += factor * np.array([none if one is None else one for one in own])[:, None]
+    return z if inner == 0 else _condensed(z, inner)
 
 
 def spring(column: FloatArray, stiffness: float) -> Attachment:
@@ -97,9 +98,9 @@ def oscillator(column: FloatArray, mass: float, frequency: float, loss_factor: f
 
 
 def _condensed(z: ComplexArray, inner: int) -> ComplexArray:
-    """Return z (n_freq, r + inner, r + inner) without its last coordinates, on which nothing acts."""
-    outer, across, back = z[:, :-inner, :-inner], z[:, :-inner, -inner:], z[:, -inner:, :-inner]
-    own = z[:, -inner:, -inner:]
+    """Return z (..., r + inner, r + inner) without its last coordinates, on which nothing acts."""
+    outer, across, back = z[..., :-inner, :-inner], z[..., :-inner, -inner:], z[..., -inner:, :-inner]
+    own = z[..., -inner:, -inner:]
     return np.asarray(outer - across @ (back / own if inner == 1 else np.linalg.solve(own, back)))
 
 

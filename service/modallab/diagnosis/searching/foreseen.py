@@ -2,14 +2,16 @@
 
 from collections.abc import Sequence
 from functools import cached_property
+from itertools import pairwise
 
 import numpy as np
 
-from modallab.core.arrays import ComplexArray, FloatArray, logarithm
+from modallab.core.arrays import ComplexArray, FloatArray, IntArray, logarithm
 from modallab.diagnosis.observing.observed import Observed
 from modallab.diagnosis.observing.residual import log_share, residual
 from modallab.diagnosis.predicting.glimpses import Glimpses
 from modallab.diagnosis.predicting.predictor import Predictor
+from modallab.diagnosis.searching.hanging import Hanging
 from modallab.fe.attachment import Attachment
 from modallab.fe.reach import Reach
 from modallab.fe.receptance import attached, solved
@@ -17,7 +19,7 @@ from modallab.rig.chain import NEARLY_STILL
 from modallab.rig.effect import Effect
 from modallab.rig.run import Run
 
-ROUNDING = 1e-9  # of the largest singular value
+FAINT = 1e-12  # share of a difference, beside a logarithm, that is left out
 SLIGHT = 1e-6  # share of an exchange over which residuals are differentiated
 Exchange = tuple[Attachment | None, Attachment | None]  # what comes, and what goes for it
 
@@ -36,6 +38,18 @@ class Foreseen:
         self._base = glimpses.predict(accepted)
         self._left = residual(glimpses.observed, self._base)
         self._frf = _Whitened(glimpses.observed, self._base.h)
+        self._places = self._split()
+
+    def _split(self) -> list[tuple[IntArray, IntArray]]:
+        """Return for each test which entries of a ratio are its own, and where it has them."""
+        ends = np.cumsum([0, *(test.size for test in self._tests)])
+        each = [
+            np.arange(start, start + test.size).reshape(len(test.omega), -1)
+            for start, test in zip(ends, self._tests, strict=False)
+        ]
+        number = np.asarray(self._placed(each, -1)).ravel()[self._frf.place]
+        mine = [np.flatnonzero((number >= low) & (number < high)) for low, high in pairwise(ends)]
+        return [(own, number[own] - low) for own, low in zip(mine, ends, strict=False)]
 
     @cached_property
     def nothing(self) -> FloatArray:
@@ -52,11 +66,16 @@ class Foreseen:
 
         Returns
         -------
-        (n_variants, n_lines, n_out), or None if they do more to a structure than hang on it.
+        (n_variants, n_fitted) at the lines and channels that a fit sees, or None if they do more to a
+        structure than hang on it.
         """
-        found = [test.ratios(variants) for test in self._tests]
-        known = [ratios for ratios in found if ratios is not None]
-        return np.asarray(self._placed(known, 1.0)) if len(known) == len(found) else None
+        whole = np.ones((len(variants), len(self._frf.place)), complex)
+        for test, (own, places) in zip(self._tests, self._places, strict=True):
+            ratios = test.ratios(variants, places)
+            if ratios is None:
+                return None
+            whole[:, own] = ratios
+        return whole
 
     def vectors(self, ratios: ComplexArray) -> FloatArray:
         """Return the whitened residuals of FRFs so many times as large, all else as without the effect.
@@ -64,15 +83,17 @@ class Foreseen:
         Parameters
         ----------
         ratios
-            (n_variants, n_lines, n_out).
+            (n_variants, n_fitted), as `ratios`.
 
         Returns
         -------
         (n_variants, n_residuals), in the order of `Residual.vector`.
         """
-        frf = self._frf.of(ratios)
-        rest = self.nothing[frf.shape[1] :]  # of force and incoherent responses
-        return np.hstack([frf, np.broadcast_to(rest, (len(frf), len(rest)))])
+        frf, n = self._frf.of(ratios), ratios.shape[1]
+        vectors = np.empty((len(frf), len(self.nothing)))
+        vectors[:, :n], vectors[:, n : 2 * n] = frf.real, frf.imag
+        vectors[:, 2 * n :] = self.nothing[2 * n :]  # of force and incoherent responses
+        return vectors
 
     def slopes(self, exchanged: Sequence[Exchange]) -> FloatArray:
         """Return how the whitened residuals change with a share of each exchange on the model.
@@ -90,7 +111,8 @@ class Foreseen:
         """
         each = [test.slopes(exchanged) for test in self._tests]
         ratios = np.asarray(self._placed([1 + SLIGHT * change for change in each], 1.0))
-        return np.asarray((self.vectors(ratios) - self.nothing).T / SLIGHT)
+        fitted = ratios.reshape(len(ratios), -1)[:, self._frf.place]
+        return np.asarray((self.vectors(fitted) - self.nothing).T / SLIGHT)
 
 
 class _Whitened:
@@ -98,10 +120,11 @@ class _Whitened:
 
     def __init__(self, observed: Observed, h: ComplexArray) -> None:
         where = observed.fitted
-        self._place = np.flatnonzero(where)
+        self.place = np.flatnonzero(where)
         self._ratio = (observed.h / np.where(observed.usable, h, 1.0))[where]
         error = observed.error[where]
         self._logarithm = log_share(observed.error)[where]
+        self._differing = np.flatnonzero(1 - self._logarithm > FAINT)
         self._bias = np.broadcast_to(observed.bias, where.shape)[where]
         common = np.zeros_like(error) if observed.common is None else observed.common[where]
         rest = np.sqrt(1 - common)
@@ -112,15 +135,19 @@ class _Whitened:
         size = np.add.reduceat(self._along**2, self._start) if len(error) else np.zeros(0)
         self._less = (1 - 1 / np.sqrt(1 + size)) / np.maximum(size, 1e-300)
 
-    def of(self, ratios: ComplexArray) -> FloatArray:
-        """Return residuals (n, n_residuals) of FRFs so many times as large, (n, n_lines, n_out)."""
-        ratio = self._ratio / ratios.reshape(len(ratios), -1)[:, self._place]
-        share = self._logarithm
-        apart = (share * (logarithm(ratio) - self._bias) + (1 - share) * (1 - 1 / ratio)) / self._error
+    def of(self, ratios: ComplexArray) -> ComplexArray:
+        """Return residuals (n, n_fitted) of FRFs so many times as large, (n, n_fitted)."""
+        ratio = self._ratio / ratios
+        apart = logarithm(ratio)
+        apart -= self._bias
+        apart *= self._logarithm
+        some = self._differing
+        apart[:, some] += (1 - self._logarithm[some]) * (1 - 1 / ratio[:, some])
+        apart /= self._error
         if self._along.any():
             both = self._less * np.add.reduceat(self._along * apart, self._start, axis=1)
             apart -= np.repeat(both, self._count, axis=1) * self._along
-        return np.hstack([apart.real, apart.imag])
+        return apart
 
 
 class _Test:
@@ -130,27 +157,42 @@ class _Test:
         analyser = predictor.setup.analyser
         freq = analyser.freq[:: predictor.step]
         self._runs = predictor.chain(accepted).runs
-        self._omega = 2 * np.pi * np.maximum(freq, NEARLY_STILL * analyser.spacing)
-        self._reaches = [_reach(runs, self._omega) for runs in _alike(self._runs)]
+        self.omega = 2 * np.pi * np.maximum(freq, NEARLY_STILL * analyser.spacing)
+        self._hanging = Hanging(self._runs[0], self.omega)
+        self._reaches = [_reach(runs, self.omega) for runs in _alike(self._runs)]
         first = [run.system.selection(run.shot.drives[:1]) for run in self._runs]
         self._direct = self._receptances(first)[0][..., 0]
 
-    def ratios(self, variants: Sequence[Effect]) -> ComplexArray | None:
-        """Return (n_variants, n_lines, n_out); None where the effect alters the matrices."""
-        hung = [_hung(self._runs[0], effect) for effect in variants]
-        known = [own for own in hung if own is not None]
-        if len(known) < len(hung) or not any(known):
+    @property
+    def size(self) -> int:
+        """How many FRFs at how many lines there are, together."""
+        return int(self._direct.size)
+
+    def ratios(self, variants: Sequence[Effect], places: IntArray) -> ComplexArray | None:
+        """Return the ratios (n_variants, n_places); None where the effect alters the matrices.
+
+        Parameters
+        ----------
+        places
+            Where they are wanted, of the entries (n_lines, n_run n_out) counted line by line.
+        """
+        hung = self._hanging.of(variants)
+        if hung is None:
             return None
-        columns = _span(np.hstack([a.columns for own in known for a in own]))
-        z = np.array([self._stiffness(own, columns) for own in known])[:, None]
+        columns, z = hung[0], hung[1][:, None]
         to_b, within, from_b = self._receptances([columns] * len(self._runs))
         # z (n_variants, 1, n_lines, r, r) against (n_run, n_lines, ...): every size in every run.
-        inner = z @ within
+        if z.shape[-1] == 1:  # without a call for every line
+            inner, force = z * within, z * from_b
+        else:
+            inner, force = z @ within, z @ from_b
         inner[..., np.arange(z.shape[-1]), np.arange(z.shape[-1])] += 1.0
-        carried = solved(inner, z @ from_b)
+        carried = solved(inner, force)[..., 0]
+        line, run, out = np.unravel_index(places, np.moveaxis(self._direct, 0, 1).shape)
+        there, direct = to_b[run, line, out], self._direct[run, line, out]
         # Motion by motion: matrix products of so few would be a call for every line.
-        change = sum(to_b[..., i] * carried[..., i, :] for i in range(z.shape[-1]))
-        return np.moveaxis(1 - change / self._direct, 1, 2).reshape(len(hung), len(self._omega), -1)
+        change = sum(there[:, i] * carried[..., i][:, run, line] for i in range(z.shape[-1]))
+        return np.asarray(1 - change / direct)
 
     def slopes(self, exchanged: Sequence[Exchange]) -> ComplexArray:
         """Return the relative changes (n_exchanged, n_lines, n_out), each for a whole exchange."""
@@ -160,10 +202,10 @@ class _Test:
             for sign, a in ((-1, comes), (1, goes)):
                 if a is not None:
                     rows = len(a.columns)
-                    z, motion = a.dynamic_stiffness(self._omega), driven[..., :rows] @ a.columns
+                    z, motion = a.dynamic_stiffness(self.omega), driven[..., :rows] @ a.columns
                     force = np.einsum("fij,rfj->rfi", z, motion)
                     change[i] += sign * ((heard[..., :rows] @ a.columns) @ force[..., None])[..., 0] / direct
-        return np.moveaxis(change, 1, 2).reshape(len(exchanged), len(self._omega), -1)
+        return np.moveaxis(change, 1, 2).reshape(len(exchanged), len(self.omega), -1)
 
     def _everywhere(self) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
         """Return alpha_oX (n_run, n_lines, n_out, n) of all DoFs, alpha_dX (.., n), alpha_od (.., n_out)."""
@@ -172,18 +214,10 @@ class _Test:
             drive = run.system.selection(run.shot.drives[:1])
             left = np.hstack([run.system.selection(run.motions), drive])
             right = np.hstack([drive, np.eye(len(drive))])
-            response = run.system.base_modes(float(self._omega.max()) / (2 * np.pi)).at(self._omega)
+            response = run.system.base_modes(float(self.omega.max()) / (2 * np.pi)).at(self.omega)
             alpha.append(attached(response, run.system, left, right))
         heard = np.array([run.mixed(own[:, :-1]) for run, own in zip(self._runs, alpha, strict=True)])
         return heard[..., 1:], np.array([own[:, -1, 1:] for own in alpha]), heard[..., 0]
-
-    def _stiffness(self, own: Sequence[Attachment], basis: FloatArray) -> ComplexArray:
-        """Return the dynamic stiffness of attachments in a basis (n, r) of their motions, (n_lines, r, r)."""
-        total = np.zeros((len(self._omega), basis.shape[1], basis.shape[1]), complex)
-        for a in own:
-            seen = basis.T @ a.columns
-            total += seen @ a.dynamic_stiffness(self._omega) @ seen.T
-        return total
 
     def _receptances(self, columns: Sequence[FloatArray]) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
         """Return alpha_oB (n_run, n_lines, n_out, r), alpha_BB and alpha_Bd (.., r, 1).
@@ -218,19 +252,3 @@ def _alike(runs: Sequence[Run]) -> list[Sequence[Run]]:
 
 def _reach(runs: Sequence[Run], omega: FloatArray) -> Reach:
     return Reach([run.system for run in runs], omega, [run.system.selection(run.motions) for run in runs])
-
-
-def _span(columns: FloatArray) -> FloatArray:
-    """Return an orthonormal basis (n, r) of columns that are many times the same few."""
-    sides, sizes, _ = np.linalg.svd(columns, full_matrices=False)
-    return np.asarray(sides[:, sizes > ROUNDING * sizes[0]])
-
-
-def _hung(run: Run, effect: Effect) -> tuple[Attachment, ...] | None:
-    """Return what an effect attaches to the structure of a run; None if it does anything else to it."""
-    before, after = run.system, effect.on_system(run.system, run.shot)
-    if after.mass is not before.mass or after.stiffness is not before.stiffness:
-        return None
-    known = {id(a) for a in before.attachments}
-    own = tuple(a for a in after.attachments if id(a) not in known)
-    return own if len(own) + len(known) == len(after.attachments) else None

@@ -54,8 +54,9 @@ def test_a_sample_has_every_line_and_every_channel() -> None:
 def test_foreseen_residuals_of_nothing_are_those_of_the_prediction(every: int, noise: float) -> None:
     # Noise that the channels of a run share is taken once, and large errors go without a logarithm.
     predictor, _ = predicting(drawn(rig(roving=False, noise=noise)))
-    foreseen = Foreseen(predictor.near([]).sampled(every), [])
-    nothing = np.ones((1, *predictor.near([]).observed.fitted.shape), complex)
+    sample = predictor.near([]).sampled(every)
+    foreseen = Foreseen(sample, [])
+    nothing = np.ones((1, int(sample.observed.fitted.sum())), complex)
     np.testing.assert_allclose(foreseen.vectors(nothing)[0], foreseen.nothing, rtol=1e-9, atol=1e-9)
 
 
