@@ -160,6 +160,25 @@ def test_the_damped_bay_is_updated_to_the_printed_frequencies() -> None:
     )
 
 
+def test_a_threshold_of_the_largest_loss_would_lose_a_lesser_one_beside_it() -> None:
+    """Why losses have one of their own size: 0.06 gives the printed 7 elements of case 2, and this."""
+    truth, dofs = damped_bay(0.3)
+    truth = change(truth, [MemberChange((20, 21), MemberProperty.LOSS_FACTOR, value=0.05)])
+    measured = exact_modes(truth, 10, dofs)
+    parameters = parameterise(FRAMES["table_3_1"]["macro_1"], ("mass", "stiffness", "damping"))
+    method, found = UPDATERS["complex_inverse_eigensensitivity"], {}
+    for threshold in (UpdateOptions().damping_threshold, 0.06):
+        options = UpdateOptions(damping_threshold=threshold)
+        found[threshold] = method(STRUCTURES["bay"](), parameters, measured, options=options)
+    usual, high = (one.coefficients["damping"] for one in found.values())
+    # noise-free: quadratic convergence below the last step's tolerance of 1e-4
+    assert {n: v for n, v in usual.items() if abs(v) > 1e-6} == pytest.approx(
+        {1: 0.3, 2: 0.3, 20: 0.05, 21: 0.05}, abs=1e-6
+    )
+    assert abs(high[1] - 0.3) > 0.05
+    assert not high[20]
+
+
 def test_the_heavily_damped_bay_is_suspected_in_other_elements_than_printed() -> None:
     result, printed = updated_with_damping(2), FRAMES["table_6_1"]
     assert len(result.suspected["stiffness"]) == printed["suspected_stiffness"]
