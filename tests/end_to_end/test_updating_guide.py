@@ -127,6 +127,12 @@ def test_a_mass_is_found_at_its_node(names: dict[str, Any]) -> None:
     assert found.after == pytest.approx(0.08, rel=1e-6)  # exact modes, one coefficient: rounding
 
 
+def test_a_joint_is_found_at_its_node(names: dict[str, Any]) -> None:
+    (found,) = names["joint"].quantities
+    assert (found.members, found.unit) == ((11,), "N m/rad")
+    assert found.after == pytest.approx(1.2e4, rel=1e-6)  # exact modes, one coefficient: rounding
+
+
 def test_responses_name_the_stiffer_members_without_modes(names: dict[str, Any]) -> None:
     found = names["on_lines"]
     assert found.suspected["stiffness"] == (11, 12)

@@ -64,8 +64,8 @@ class AsyncUpdates(AsyncShelf):
             Of direct methods: `expansion` of shapes to all DoFs, and by which reduction, or a reduction of
             the model to measured DoFs; the lowest modes that are used, the others held against the result.
         parameterisation, options
-            The same and more as the JSON has it, as `{"attached": {"point_mass": "each"}}` of masses and
-            springs at nodes; the keywords above go into them.
+            The same and more as the JSON has it, as `{"attached": {"point_mass": "each"}}` of masses,
+            springs and joints at nodes; the keywords above go into them.
         """
         chosen = dict(parameterisation or {}) | _wire.body(
             macros=macros, parts=parts, lower=lower, upper=upper

@@ -40,8 +40,7 @@ class Structures(Described):
             Where the one change by keywords is made.
         property
             Of members: density, modulus, axial_stiffness, bending_stiffness, loss_factor, area,
-            second_moment, thickness; of a node:
-            mass; of a DoF: ground_stiffness.
+            second_moment, thickness; of a node: mass, joint_stiffness; of a DoF: ground_stiffness.
         factor, value
             `factor` multiplies, `value` sets.
         """

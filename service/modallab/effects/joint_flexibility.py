@@ -1,7 +1,7 @@
 """A crack or a loose joint: the members on both sides of a node need not turn alike."""
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
@@ -10,7 +10,7 @@ from modallab.core.dof import Dof
 from modallab.core.parameters import parameter
 from modallab.core.place import Place
 from modallab.correlation.evidence import Evidence
-from modallab.fe.structure import Structure
+from modallab.fe.structure import Joint, Structure
 from modallab.fe.system import DynamicSystem
 from modallab.rig.effect import EFFECTS, Effect
 from modallab.rig.setup import RigSetup, Shot
@@ -50,6 +50,16 @@ class JointFlexibility(Effect):
         meeting = [m.number for m in structure.members if self.at.node in m.nodes]
         if self.at.direction != "RZ" or len(meeting) < 2:
             raise self._misplaced("RZ of a node where two members meet")
+
+    def added_to(self, structure: Structure) -> Structure:
+        """Return the model with the joint in it, in series with one that is there."""
+        assert isinstance(self.at, Dof)
+        node, flexibility = self.at.node, self.flexibility
+        if not flexibility:
+            return structure
+        others = tuple(joint for joint in structure.joints if joint.node != node)
+        flexibility += sum(1 / joint.stiffness for joint in structure.joints if joint.node == node)
+        return replace(structure, joints=(*others, Joint(node, 1 / flexibility)))
 
     @classmethod
     def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:

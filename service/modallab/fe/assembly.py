@@ -11,11 +11,13 @@ from scipy.sparse import csc_array
 from modallab.core.arrays import FloatArray, IntArray
 from modallab.core.dof import Dof
 from modallab.fe.damping import ModalDamping, StructuralDamping
+from modallab.fe.jumps import Jumps
 from modallab.fe.losses import Losses
 from modallab.fe.member_matrices import bar_of, member_matrices
 from modallab.fe.member_table import MemberTable
 from modallab.fe.members import AnyMember
 from modallab.fe.modal_damping import ModalLoss
+from modallab.fe.shapes import Shape, slopes
 from modallab.fe.shear import Shear
 from modallab.fe.structure import ACROSS, Member, Structure
 from modallab.fe.system import DynamicSystem
@@ -49,14 +51,28 @@ class Assembly:
 
     `mass`, `axial`, `bending` are (n_members, w, w), of bars w = 6 and DoFs (X, Y, RZ) at each end; `rows`
     (n_members, w) gives their place in the system, -1 where a DoF is held or a member has fewer.
+
+    Parameters
+    ----------
+    jumps
+        Whether the joints' jumps of rotation are rows of the system, behind those of its DoFs. If not,
+        joints are left out: `assemble` hangs them on.
     """
 
-    def __init__(self, structure: Structure) -> None:
+    def __init__(self, structure: Structure, *, jumps: bool = False) -> None:
         self.structure, self.members = structure, structure.all_members
         parts = member_matrices(structure)
         self.mass, self.axial, self.bending = parts.mass, parts.axial, parts.bending
         self.rows, self._bars = parts.rows, parts.bars
-        n = len(structure.dofs)
+        n = self.size = len(structure.dofs)
+        self.jumps = Jumps(structure, self.rows.shape[1]) if jumps and structure.joints else None
+        if self.jumps is not None:
+            n = self.size = self.size + len(structure.joints)
+            every = np.arange(len(self.members))
+            self.mass, self.axial, self.bending = (
+                self.jumps.widened(part, every) for part in (self.mass, self.axial, self.bending)
+            )
+            self.rows = self.jumps.rows(self.rows, len(structure.dofs))
         grid_r = np.broadcast_to(self.rows[:, :, None], self.mass.shape)
         grid_c = np.broadcast_to(self.rows[:, None, :], self.mass.shape)
         self._kept = (grid_r >= 0) & (grid_c >= 0)
@@ -76,17 +92,42 @@ class Assembly:
             The others, by their place among all; their nodes are the same.
         """
         other, at = copy(self), list(members)
-        own = member_matrices(self.structure, list(members.values()), self.mass.shape[-1])
+        own = member_matrices(self.structure, list(members.values()), self._width)
         other.members = tuple(members.get(place, member) for place, member in enumerate(self.members))
         other.mass, other.axial, other.bending = self.mass.copy(), self.axial.copy(), self.bending.copy()
-        other.mass[at], other.axial[at], other.bending[at] = own.mass, own.axial, own.bending
+        for kept, new in (
+            (other.mass, own.mass),
+            (other.axial, own.axial),
+            (other.bending, own.bending),
+        ):
+            kept[at] = self.widened(new, np.array(at))
         return other
+
+    @property
+    def _width(self) -> int:
+        """Rows of a member without jumps."""
+        return self.mass.shape[-1] if self.jumps is None else self.jumps.width_alone
+
+    def widened(self, parts: FloatArray, places: IntArray) -> FloatArray:
+        """Return matrices (m, w, w) of members, by their place among all, with the rows of their jumps."""
+        return parts if self.jumps is None else self.jumps.widened(parts, places)
+
+    def slopes(self, places: IntArray, shape: Shape) -> FloatArray:
+        """Return derivatives of mass, axial and bending stiffness of members by the logarithm of a size,
+        (3, m, w, w); see `shapes.slopes`."""
+        found = slopes(self.structure, [self.members[place] for place in places], shape, self._width)
+        return np.array([self.widened(part, places) for part in found])
+
+    @cached_property
+    def springs(self) -> FloatArray | float:
+        """(n_members, w, w) N m/rad, stiffness of joints at the jumps of their members; 0 without jumps."""
+        return 0.0 if self.jumps is None else self.jumps.springs(self.structure)
 
     def loaded(self, structure: Structure) -> "Assembly":
         """Return the same with the masses and springs to ground of another structure of these DoFs."""
         other = copy(self)
         other.structure = structure
-        for name in ("_point_masses", "_ground"):
+        for name in ("_point_masses", "_ground", "springs"):
             other.__dict__.pop(name, None)
         return other
 
@@ -95,12 +136,12 @@ class Assembly:
         data = np.bincount(self._place, weights=parts[self._kept], minlength=len(self._indices))
         if diagonal is not None:
             data[self._diagonal] = data[self._diagonal] + diagonal
-        n = len(self.structure.dofs)
+        n = self.size
         return csc_array((data, self._indices, self._indptr), shape=(n, n))
 
     @cached_property
     def _point_masses(self) -> FloatArray:
-        diagonal = np.zeros(len(self.structure.dofs))
+        diagonal = np.zeros(self.size)
         for point in self.structure.masses:
             for i, dof in enumerate(self.structure.dofs):
                 if dof.node == point.node and dof.translational:
@@ -109,7 +150,7 @@ class Assembly:
 
     @cached_property
     def _ground(self) -> FloatArray:
-        diagonal = np.zeros(len(self.structure.dofs))
+        diagonal = np.zeros(self.size)
         for spring in self.structure.springs:
             diagonal[self.structure.index(spring.dof)] += spring.stiffness
         return diagonal
@@ -125,6 +166,7 @@ class Assembly:
         use = coefficients_of(self.structure) if coefficients is None else coefficients
         mass = use.mass[:, None, None] * self.mass
         stiffness = use.axial[:, None, None] * self.axial + use.bending[:, None, None] * self.bending
+        stiffness = stiffness + self.springs
         law = self.structure.damping
         losses = Losses.of(law, use.loss_factor)
         damping, viscous = losses.matrices(mass, stiffness)
@@ -147,7 +189,7 @@ class Assembly:
             damping=self.matrix(damping) if damping.any() else None,
             viscous=self.matrix(viscous) if viscous.any() else None,
             dofs=self.structure.dofs,
-            rigid=self._rigid_shapes,
+            rigid=np.pad(self._rigid_shapes, ((0, self.size - len(self.structure.dofs)), (0, 0))),
             members=table,
             modal=ModalLoss(law.loss_factors) if isinstance(law, ModalDamping) else None,
         )
@@ -221,4 +263,7 @@ def _turning_plate(x: float, y: float) -> dict[str, tuple[float, ...]]:
 
 def assemble(structure: Structure, coefficients: Coefficients | None = None) -> DynamicSystem:
     """Return the assembled system of a structure; see `Assembly` to assemble again and again."""
-    return Assembly(structure).system(coefficients)
+    system = Assembly(structure).system(coefficients)
+    for joint in structure.joints:
+        system = system.add_joint(joint.node, 1 / joint.stiffness)
+    return system

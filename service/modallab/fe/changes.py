@@ -11,7 +11,7 @@ from modallab.core.errors import InvalidInputError
 from modallab.fe.damping import StructuralDamping
 from modallab.fe.members import AnyMember, Block, Member
 from modallab.fe.shapes import Shape, resized, size
-from modallab.fe.structure import GroundSpring, PointMass, Structure
+from modallab.fe.structure import GroundSpring, Joint, PointMass, Structure
 
 
 class MemberProperty(StrEnum):
@@ -87,7 +87,18 @@ class GroundStiffness:
         _check(self.stiffness, "value", zero_allowed=True)
 
 
-Change = MemberChange | NodeMass | GroundStiffness
+@dataclass(frozen=True)
+class JointStiffness:
+    """The rotational spring between two sides of a node."""
+
+    node: int
+    stiffness: float  # N m/rad
+
+    def __post_init__(self) -> None:
+        _check(self.stiffness, "value", zero_allowed=False)
+
+
+Change = MemberChange | NodeMass | GroundStiffness | JointStiffness
 
 
 def _check(number: float, field: str, *, zero_allowed: bool) -> None:
@@ -109,6 +120,9 @@ def change(structure: Structure, changes: Iterable[Change]) -> Structure:
             structure = _with_members(structure, one)
         elif isinstance(one, NodeMass):
             structure = _with_mass(structure, one)
+        elif isinstance(one, JointStiffness):
+            others = tuple(joint for joint in structure.joints if joint.node != one.node)
+            structure = replace(structure, joints=(*others, Joint(one.node, one.stiffness)))
         else:
             structure = _with_spring(structure, one)
     return structure

@@ -1,5 +1,6 @@
 """The members of an assembled system, and what an alteration of one adds to it."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -12,6 +13,19 @@ from modallab.fe.attachment import Attachment
 from modallab.fe.damping import Damping
 from modallab.fe.losses import Losses
 from modallab.fe.shear import Shear
+
+
+def loose_end(
+    numbers: Sequence[int], ends: Sequence[Sequence[int]], bars: BoolArray, node: int
+) -> tuple[int, int]:
+    """Return the bar that a joint at a node sets loose, by number, and which of its ends is there.
+
+    The first that runs into the node, else the first that starts from it: in a row of bars each node has
+    its own.
+    """
+    own = [(n, pair) for n, pair, bar in zip(numbers, ends, bars, strict=True) if bar and node in pair]
+    into = [n for n, pair in own if pair[1] == node]
+    return (min(into), 1) if into else (min(n for n, _ in own), 0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -87,27 +101,21 @@ class MemberTable:
         return any(bar and node in pair for pair, bar in zip(self.ends, self.bars, strict=True))
 
     def end_at(self, node: int) -> tuple[int, int]:
-        """Return the member that a joint at a node sets loose, by number, and which of its ends is there.
-
-        The first that runs into the node, else the first that starts from it: in a row of members each
-        node has its own.
+        """Return the member that a joint at a node sets loose, by number, and its end; see `loose_end`.
 
         Raises
         ------
         InvalidInputError
             If fewer than two members meet at the node.
         """
-        bars = [(n, ends) for n, ends, bar in zip(self.numbers, self.ends, self.bars, strict=True) if bar]
-        into = [n for n, ends in bars if ends[1] == node]
-        out_of = [n for n, ends in bars if ends[0] == node]
-        if len(into) + len(out_of) < 2:
+        if node not in self.joints:
             raise InvalidInputError(
                 f"no two members meet at node {node}",
                 field="at",
                 value=node,
                 allowed=", ".join(map(str, self.joints)) or "none",
             )
-        return (min(into), 1) if into else (min(out_of), 0)
+        return loose_end(self.numbers, self.ends, self.bars, node)
 
     def end_stiffness(self, node: int) -> float:
         """Return the moment, N m/rad, that turns the end which a joint at a node sets loose."""

@@ -55,6 +55,20 @@ class GroundSpring:
         not_negative(self.stiffness, "stiffness")
 
 
+@dataclass(frozen=True)
+class Joint:
+    """A rotational spring between two sides of a node, which turn as one without it.
+
+    On one side is the first bar that runs into the node, on the other all the rest.
+    """
+
+    node: int
+    stiffness: float  # N m/rad
+
+    def __post_init__(self) -> None:
+        positive(self.stiffness, "stiffness")
+
+
 @dataclass(frozen=True, eq=False)
 class Structure:
     """Nodes, members, what holds them and how they are damped.
@@ -77,6 +91,7 @@ class Structure:
     name: str = ""
     others: tuple[Plate | Block, ...] = ()  # members that are no bars
     blocks: Blocks | None = None  # matrices of members that are given by them, and the DoFs there are then
+    joints: tuple[Joint, ...] = ()  # of bars, one a node
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "nodes", MappingProxyType(dict(sorted(self.nodes.items()))))
@@ -88,6 +103,7 @@ class Structure:
             self._check_known(mass.node, "masses")
         for spring in self.springs:
             self.index(spring.dof)
+        self._check_joints()
 
     def _check_known(self, node: int, name: str) -> None:
         if node not in self.nodes:
@@ -140,6 +156,18 @@ class Structure:
                 value=", ".join(map(str, loose[:8])),
                 allowed="one connected structure",
             )
+
+    def _check_joints(self) -> None:
+        nodes = [joint.node for joint in self.joints]
+        for node in nodes:
+            self.index(Dof(node, "RZ"))
+            if nodes.count(node) > 1 or sum(node in member.nodes for member in self.members) < 2:
+                raise StructureError(
+                    f"there is no joint at node {node}, or two",
+                    field="joints",
+                    value=node,
+                    allowed="a node where two bars meet, once",
+                )
 
     def _check_block(self, member: Block) -> None:
         n_blocks = 0 if self.blocks is None else len(self.blocks.mass)

@@ -29,7 +29,11 @@ def update_at_once(
     # A mode of far wrong elements may look like none of the model's at first: its rows count little until
     # it does, so that any partner will do to begin with.
     fit = Fit(
-        Assembly(structure), parameterisation, measured, 0.0, regularised=options.few_rows == REGULARISED
+        Assembly(structure, jumps=True),
+        parameterisation,
+        measured,
+        0.0,
+        regularised=options.few_rows == REGULARISED,
     )
     rule = Rule(Prior(options.prior), options.tolerance, options.max_iterations, options.rank_jump)
     whole = _paired(correct(fit, rule, progress), options.min_mac)

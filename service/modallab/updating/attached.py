@@ -1,4 +1,4 @@
-"""Masses and springs to ground that nodes carry beside their members, as coefficients of an update."""
+"""Masses, springs to ground and joints that nodes have beside their members, as coefficients of an update."""
 
 from collections.abc import Iterable
 from dataclasses import replace
@@ -12,7 +12,9 @@ from modallab.updating.part import Part
 
 
 def carried(structure: Structure, part: Part) -> dict[int, float]:
-    """Return what nodes carry: masses, kg, or springs to ground in a direction, N/m or N m/rad."""
+    """Return what nodes carry: masses, kg, springs to ground in a direction, N/m or N m/rad, or joints."""
+    if part is Part.JOINT_STIFFNESS:
+        return {joint.node: joint.stiffness for joint in structure.joints}
     if part is Part.POINT_MASS:
         pairs = [(point.node, point.mass) for point in structure.masses]
     else:
@@ -45,6 +47,12 @@ def multiplied(structure: Structure, part: Part, nodes: Iterable[int], factor: f
             replace(one, mass=factor * one.mass) if one.node in chosen else one for one in structure.masses
         )
         return replace(structure, masses=tuple(masses))
+    if part is Part.JOINT_STIFFNESS:
+        joints = (
+            replace(one, stiffness=factor * one.stiffness) if one.node in chosen else one
+            for one in structure.joints
+        )
+        return replace(structure, joints=tuple(joints))
     springs = (
         replace(one, stiffness=factor * one.stiffness)
         if one.dof.node in chosen and one.dof.direction == part.spring

@@ -8,7 +8,7 @@ import numpy as np
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.fe.assembly import Assembly, Coefficients, coefficients_of
 from modallab.fe.members import AnyMember
-from modallab.fe.shapes import resized, size, slopes
+from modallab.fe.shapes import resized, size
 from modallab.fe.structure import Structure
 from modallab.fe.system import DynamicSystem
 from modallab.updating.attached import multiplied, node_matrices
@@ -30,6 +30,11 @@ class CorrectedModel:
         self._base = coefficients_of(assembly.structure)
         self._groups = parameterisation.groups(assembly.structure)
         self._constant: tuple[PartMatrices, ...] | None = None
+
+    @property
+    def size(self) -> int:
+        """Rows of the model's matrices: its degrees of freedom, and jumps at joints behind them."""
+        return self._assembly.size
 
     @property
     def initial(self) -> Structure:
@@ -93,7 +98,10 @@ class CorrectedModel:
         physical = [part for part in self.parameterisation.parts if part.physical]
         for part in physical:
             found += self._property(part, assembly, now, values, damped=damped)
-        found += tuple(self._at_nodes(part) for part in self.parameterisation.parts if part.at_node)
+        at_nodes = [part for part in self.parameterisation.parts if part.at_node]
+        found += tuple(self._at_nodes(part) for part in at_nodes if part is not Part.JOINT_STIFFNESS)
+        if Part.JOINT_STIFFNESS in at_nodes:
+            found += (self._joints(assembly, now if damped else None),)
         if not damped and not physical:
             self._constant = found
         return found
@@ -125,14 +133,35 @@ class CorrectedModel:
         starts = np.cumsum([0, *map(len, groups)])
         return PartMatrices(kind, matrices, rows, starts, np.array(params), lossless=True)
 
+    def _joints(self, assembly: Assembly, damped: Coefficients | None) -> PartMatrices:
+        """Return derivatives by coefficients of joints, which lose what the member does that they hold.
+
+        Parameters
+        ----------
+        damped
+            Where a damped model stands.
+        """
+        assert assembly.jumps is not None
+        place = {joint.node: i for i, joint in enumerate(self.initial.joints)}
+        macros = self.parameterisation.macros
+        params = [i for i, macro in enumerate(macros) if macro.part is Part.JOINT_STIFFNESS]
+        used = np.array([place[node] for i in params for node in macros[i].members])
+        own = np.array([joint.stiffness for joint in self.initial.joints])[used]
+        stiffness: FloatArray | ComplexArray = own[:, None, None]
+        if damped is not None:
+            lost = damped.loss_factor[assembly.jumps.members[used]]
+            stiffness = np.asarray((1 + 1j * lost[:, None, None]) * stiffness, complex)
+        starts = np.cumsum([0, *(len(macros[i].members) for i in params)])
+        rows = (len(self.initial.dofs) + used)[:, None]
+        return PartMatrices(Part.STIFFNESS, stiffness, rows, starts, np.array(params))
+
     def _property(
         self, part: Part, assembly: Assembly, now: Coefficients, values: FloatArray, *, damped: bool
     ) -> tuple[PartMatrices, ...]:
         """Return derivatives by a property: dX/dp = (dX / d log p) / p, of mass and of stiffness."""
         used, starts, params = moved_by(self.parameterisation, part, self._groups)
         if part.shape is not None:
-            members = [assembly.members[place] for place in used]
-            mass, axial, bending = slopes(assembly.structure, members, part.shape, assembly.mass.shape[-1])
+            mass, axial, bending = assembly.slopes(used, part.shape)
         else:
             mass, axial, bending = assembly.mass[used], assembly.axial[used], assembly.bending[used]
         over = np.repeat(1 / values[params], np.diff(starts))[:, None, None]

@@ -85,7 +85,7 @@ class Fit:
             self._mass_loss = _mass_loss(structure)
         else:
             refuse_loss_factors(parameterisation)
-        self._sensors = np.zeros((len(structure.dofs), len(target.dofs)))
+        self._sensors = np.zeros((self.model.size, len(target.dofs)))
         rows = [structure.index(dof) for dof in target.dofs]
         self._sensors[rows, np.arange(len(rows))] = [dof.sign for dof in target.dofs]
         n_params, n_rows = len(parameterisation.macros), target.n_rows

@@ -31,6 +31,8 @@ class Part(StrEnum):
     GROUND_SPRING_RY = "ground_spring_ry"
     GROUND_SPRING_RZ = "ground_spring_rz"
 
+    JOINT_STIFFNESS = "joint_stiffness"  # of a joint at a node
+
     @property
     def words(self) -> str:
         """Its name as words."""
@@ -39,7 +41,7 @@ class Part(StrEnum):
     @property
     def at_node(self) -> bool:
         """True of what nodes carry, False of what belongs to members."""
-        return self is Part.POINT_MASS or self.spring is not None
+        return self in (Part.POINT_MASS, Part.JOINT_STIFFNESS) or self.spring is not None
 
     @property
     def spring(self) -> str | None:

@@ -23,6 +23,7 @@ UNITS = {
     Part.GROUND_SPRING_RX: "N m/rad",
     Part.GROUND_SPRING_RY: "N m/rad",
     Part.GROUND_SPRING_RZ: "N m/rad",
+    Part.JOINT_STIFFNESS: "N m/rad",
 }
 ALIKE = 1e-9  # relative difference of members that share a value but for rounding
 

@@ -105,7 +105,9 @@ def part_matrices(
     }
     if damped is not None:
         stiffness = (
-            damped.axial[:, None, None] * assembly.axial + damped.bending[:, None, None] * assembly.bending
+            damped.axial[:, None, None] * assembly.axial
+            + damped.bending[:, None, None] * assembly.bending
+            + assembly.springs
         )
         matrices[Part.DAMPING] = np.asarray(1j * stiffness, complex)
     groups = parameterisation.groups(assembly.structure)

@@ -28,7 +28,7 @@ def update_in_two_stages(
     away from no change are suspected. Stage two moves the elements inside them from where stage one
     ended, all others back at no change. 1992 thesis, chapter 3.
     """
-    assembly = Assembly(structure)
+    assembly = Assembly(structure, jumps=True)
     whole = Fit(assembly, parameterisation, measured, options.min_mac)
     start = parameterisation.unchanged
     before = whole.state(start)

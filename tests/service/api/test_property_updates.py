@@ -172,3 +172,28 @@ def test_what_nodes_do_not_carry_is_refused_in_words(
 def test_an_update_of_nothing_is_refused(service: Any, mounts: tuple[str, str]) -> None:
     body = asked(*mounts) | {"parameterisation": {"parts": []}}
     assert service.post("/v1/updates", body, status=422)["context"]["field"] == "macros"
+
+
+def test_a_joint_is_found_at_its_node_whether_effect_or_change(service: Any) -> None:
+    body = {
+        "kind": "beam",
+        "length": 1.5,
+        "n_elements": 10,
+        "section": {"area": 5e-4, "second_moment": 4.1667e-9},
+        "material": {"modulus": 2.09e11, "density": 7800.0},
+        "effects": [{"kind": "joint_flexibility", "at": "6:+RZ", "parameters": {"flexibility": 5e-5}}],
+    }
+    model = service.post("/v1/structures", body)["id"]
+    plain = service.post("/v1/structures", body | {"effects": []})["id"]
+    worn = {"changes": [{"node": 6, "property": "joint_stiffness", "value": 1e4}]}
+    truth = service.post(f"/v1/structures/{plain}/changes", worn)["id"]
+    modes = {"count": 6, "dofs": [f"{node}:+Y" for node in range(1, 12, 2)]}
+    seen = service.post(f"/v1/structures/{truth}/synthetic-modes", modes)["id"]
+    loose = {"parts": [], "attached": {"joint_stiffness": "each"}}
+    id = service.result_of("/v1/updates", asked(model, seen) | {"parameterisation": loose})
+    update = service.get(f"/v1/updates/{id}")
+    (found,) = update["quantities"]
+    assert (found["members"], found["unit"], found["before"]) == ([6], "N m/rad", pytest.approx(2e4))
+    assert found["after"] == pytest.approx(1e4, rel=1e-6)
+    measured = service.get(f"/v1/structures/{update['structure_id']}/modes", params={"count": 6})
+    assert measured["frequencies"] == pytest.approx(update["frequencies"]["measured"], rel=1e-6)

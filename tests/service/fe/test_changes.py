@@ -11,7 +11,15 @@ from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.fe.assembly import assemble
 from modallab.fe.catalogued import STRUCTURES
-from modallab.fe.changes import Change, GroundStiffness, MemberChange, MemberProperty, NodeMass, change
+from modallab.fe.changes import (
+    Change,
+    GroundStiffness,
+    JointStiffness,
+    MemberChange,
+    MemberProperty,
+    NodeMass,
+    change,
+)
 from modallab.fe.damping import ViscousDamping
 from modallab.fe.structure import Structure
 
@@ -119,6 +127,12 @@ def test_a_spring_to_ground_is_set_and_taken_away() -> None:
     assert change(held, [GroundStiffness(Dof(1, "Y"), 0.0)]).springs == ()
 
 
+def test_a_joint_at_a_node_is_set() -> None:
+    loose = change(BEAM, [JointStiffness(11, 1e3), JointStiffness(11, 2e4)])
+    attached = assemble(BEAM).add_joint(11, 1 / 2e4).modes().elastic(6).frequencies
+    np.testing.assert_allclose(frequencies(loose), attached, rtol=1e-9)
+
+
 def test_the_structure_changed_stays_as_it_was() -> None:
     before = frequencies(BEAM)
     change(BEAM, [MemberChange((1,), P.MODULUS, factor=2.0), NodeMass(3, 1.0)])
@@ -139,6 +153,9 @@ WRONG: dict[str, tuple[Callable[[], Change], str]] = {
     "a mass at an unknown node": (lambda: NodeMass(99, 1.0), "node"),
     "a negative mass": (lambda: NodeMass(1, -1.0), "value"),
     "a spring on an unknown DoF": (lambda: GroundStiffness(Dof(1, "Z"), 1.0), "dof"),
+    "a joint at an unknown node": (lambda: JointStiffness(99, 1e4), "dof"),
+    "a joint at an end": (lambda: JointStiffness(1, 1e4), "joints"),
+    "a joint that is a hinge": (lambda: JointStiffness(11, 0.0), "value"),
     "a negative spring": (lambda: GroundStiffness(Dof(1, "Y"), -1.0), "value"),
 }
 

@@ -6,7 +6,14 @@ from pydantic import Field
 
 from modallab.api.wire import Count, DofText, Number, Wire
 from modallab.core.dof import Dof
-from modallab.fe.changes import Change, GroundStiffness, MemberChange, MemberProperty, NodeMass
+from modallab.fe.changes import (
+    Change,
+    GroundStiffness,
+    JointStiffness,
+    MemberChange,
+    MemberProperty,
+    NodeMass,
+)
 
 
 class MemberChangeIn(Wire):
@@ -46,7 +53,19 @@ class GroundStiffnessIn(Wire):
         return GroundStiffness(Dof.parse(self.dof), self.value)
 
 
-ChangeIn = MemberChangeIn | NodeMassIn | GroundStiffnessIn
+class JointStiffnessIn(Wire):
+    """The rotational spring, N m/rad, between two sides of a node where bars meet."""
+
+    node: Count
+    property: Literal["joint_stiffness"]
+    value: Number
+
+    def to_domain(self) -> Change:
+        """Return the change."""
+        return JointStiffness(self.node, self.value)
+
+
+ChangeIn = MemberChangeIn | NodeMassIn | GroundStiffnessIn | JointStiffnessIn
 
 
 class ChangesIn(Wire):

@@ -76,8 +76,8 @@ class ParameterisationIn(Wire):
     attached: dict[Text, Literal["each"] | NodeGroups] = Field(
         default={},
         max_length=len(Part),
-        description="what nodes carry beside their members, by nodes: point_mass, and ground_spring_x to "
-        "ground_spring_rz; lists of nodes, or `each` that carries one",
+        description="what nodes carry beside their members, by nodes: point_mass, ground_spring_x to "
+        "ground_spring_rz, and joint_stiffness; lists of nodes, or `each` that carries one",
     )
     lower: Number = 0.05
     upper: Number = 10.0

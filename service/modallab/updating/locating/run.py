@@ -59,7 +59,7 @@ def locate(
         If the structure lacks a measured DoF.
     """
     find, measured = LOCATORS[method], real_modes(target)
-    fit = Fit(Assembly(structure), parameterisation, measured, options.min_mac)
+    fit = Fit(Assembly(structure, jumps=True), parameterisation, measured, options.min_mac)
     progress(0.1, "the model is held against the measured modes")
     state = fit.state(np.ones(len(parameterisation.macros)))
     sensitivity = fit.sensitivity(state) / state.size[:, None]

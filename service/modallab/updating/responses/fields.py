@@ -96,12 +96,14 @@ class ResponseModel:
         self._law = Law(by_mass, 0.0, 0.0) if hysteretic else Law(0.0, by_mass, by_stiffness)
         self.model, self.target, self.parameterisation = model, target, model.parameterisation
         self._outputs, self._inputs = (
-            _columns([structure.index(dof) for dof in dofs], [dof.sign for dof in dofs], len(structure.dofs))
+            _columns([structure.index(dof) for dof in dofs], [dof.sign for dof in dofs], model.size)
             for dofs in (target.outputs, target.inputs)
         )
         translations = np.array([dof.translational for dof in structure.dofs])
         diagonal = np.abs(model.system(self.parameterisation.unchanged).stiffness.diagonal())
-        self.stiffness = float(np.median(diagonal[translations]))  # N/m, of a translation
+        self.stiffness = float(
+            np.median(diagonal[: len(translations)][translations])
+        )  # N/m, of a translation
 
     def fields(self, values: FloatArray) -> Iterator[Fields]:
         """Yield the motions at `values` (n_params,), of no more lines at once than memory is for."""

@@ -33,7 +33,7 @@ def update_on_responses(
     progress: Progress,
 ) -> UpdateResult:
     """Return the model corrected to the responses, and how it was found."""
-    model = CorrectedModel(Assembly(structure), parameterisation)
+    model = CorrectedModel(Assembly(structure, jumps=True), parameterisation)
     whole = ResponseModel(model, target)
     chosen = target.at(target.evenly(MOST))
     refuse_few(chosen, len(parameterisation.macros), options)
