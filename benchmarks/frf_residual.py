@@ -61,12 +61,14 @@ def exact(frf: FrfSet) -> TargetResponses:
 
 
 def noisy(frf: FrfSet, seed: int, coherence: float = COHERENCE) -> TargetResponses:
-    """Return responses with random errors of that coherence."""
+    """Return responses with noise of their own, of that coherence, and with the coherence that is seen."""
     rng = np.random.default_rng(seed)
-    error = np.sqrt((1 - coherence) / (2 * coherence * (AVERAGES - 2)))
-    noise = rng.standard_normal((2, *frf.values.shape))
-    values = frf.values * (1 + error * (noise[0] + 1j * noise[1]))
-    return weighed(replace(frf, values=values), np.full(values.shape[:2], coherence), AVERAGES)
+    loose = (1 - coherence) / coherence
+    noise = np.sqrt(loose / (2 * AVERAGES)) * rng.standard_normal((2, *frf.values.shape))
+    values = frf.values * (1 + noise[0] + 1j * noise[1])
+    left = loose * rng.standard_gamma(AVERAGES - 1, values.shape) / AVERAGES * np.abs(frf.values) ** 2
+    seen = np.abs(values) ** 2 / (np.abs(values) ** 2 + left)
+    return weighed(replace(frf, values=values), seen, AVERAGES)
 
 
 def wrong_beam(seed: int) -> tuple[Structure, dict[tuple[str, int], float]]:

@@ -43,8 +43,10 @@ def exact(frf: FrfSet) -> TargetResponses:
 
 
 def noisy(frf: FrfSet, coherence: float, seed: int) -> TargetResponses:
-    """Return responses with the random errors that coherence and averages tell."""
-    error = np.sqrt((1 - coherence) / (2 * coherence * (AVERAGES - 2)))
-    real, imaginary = error * np.random.default_rng(seed).standard_normal((2, *frf.values.shape))
+    """Return responses with noise of their own, of that coherence, and with the coherence that is seen."""
+    rng, loose = np.random.default_rng(seed), (1 - coherence) / coherence
+    real, imaginary = np.sqrt(loose / (2 * AVERAGES)) * rng.standard_normal((2, *frf.values.shape))
     values = frf.values * (1 + real + 1j * imaginary)
-    return weighed(replace(frf, values=values), np.full(values.shape[:2], coherence), AVERAGES)
+    left = loose * rng.standard_gamma(AVERAGES - 1, values.shape) / AVERAGES * np.abs(frf.values) ** 2
+    seen = np.abs(values) ** 2 / (np.abs(values) ** 2 + left)
+    return weighed(replace(frf, values=values), seen, AVERAGES)
