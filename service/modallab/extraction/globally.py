@@ -93,7 +93,9 @@ def extract_globally(
         line_weights(responses, bias),
         charts,
         options.law,
-        leaked=None if leakage is None else leaked_by(leakage, alone, responses.drive_row),
+        leaked=None
+        if leakage is None
+        else leaked_by(leakage, alone, responses.drive_row, responses.averages),
         given=bands is not None,
         progress=part(progress, begun, FITTED),
     )

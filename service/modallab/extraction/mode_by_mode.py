@@ -22,6 +22,7 @@ from modallab.extraction.options import ExtractionOptions
 from modallab.extraction.singly.choosing import plan
 from modallab.extraction.singly.fitting import Table, fit_all, gather
 from modallab.extraction.singly.laws import LAWS
+from modallab.extraction.singly.leaked_covariance import seen
 from modallab.extraction.singly.leaked_fits import allowing_for_leakage
 from modallab.extraction.singly.method import TRAITS, ExtractionMethod
 
@@ -58,7 +59,8 @@ def extract_mode_by_mode(
     data = gather(freq, responses.receptance, responses.variance, windows, leakage, responses.drive_row)
     settled = fit_all(fit, LAWS[options.law], data, progress=part(progress, 0.2, 0.9))
     if leakage is not None:
-        settled = allowing_for_leakage(fit, LAWS[options.law], data, leakage, settled)
+        known = seen(responses, windows.index)
+        settled = allowing_for_leakage(fit, LAWS[options.law], data, leakage, settled, known)
     table = replace(settled.table, lines=windows.ends)
     notes = _missing(table, freq, found, given=bands is not None)
     if not TRAITS[method].exact:

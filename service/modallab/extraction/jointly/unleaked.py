@@ -25,9 +25,12 @@ class Leaked:
     modes: ModalFit | None  # from a method that undoes leakage mode by mode; None where it sees none
     bias: FloatArray  # (n_modes, 2) what leakage may still move these by: frequency, Hz, and loss factor
     drive: int | None  # which of the FRFs is that of the drive point
+    averages: float = np.inf  # effective, of the lines
 
 
-def leaked_by(leakage: Leakage, alone: ModalModel | None, drive: int | None) -> Leaked:
+def leaked_by(
+    leakage: Leakage, alone: ModalModel | None, drive: int | None, averages: float = np.inf
+) -> Leaked:
     """Return what lines are cleaned by.
 
     Parameters
@@ -41,7 +44,9 @@ def leaked_by(leakage: Leakage, alone: ModalModel | None, drive: int | None) -> 
     """
     modes = () if alone is None else alone.modes
     bias = [[mode.leakage_bias["frequency"], mode.leakage_bias["loss_factor"]] for mode in modes]
-    return Leaked(leakage, None if alone is None else _as_fit(alone), np.reshape(bias, (-1, 2)), drive)
+    return Leaked(
+        leakage, None if alone is None else _as_fit(alone), np.reshape(bias, (-1, 2)), drive, averages
+    )
 
 
 def _as_fit(model: ModalModel) -> ModalFit:
@@ -99,14 +104,14 @@ def all_starts(start: Start, leaked: Leaked, freq: FloatArray) -> Start:
 
 def leaked_weights(eigenvalue: ComplexArray, stretch: Stretch) -> FloatArray:
     """Return weights with what leakage may be wrong by: in proportion to power about a resonance."""
-    own = eigenvalue[_nearest(eigenvalue, stretch.freq)]
+    own = eigenvalue[nearest_mode(eigenvalue, stretch.freq)]
     near = np.maximum(own.imag / np.abs(own - (2 * np.pi * stretch.freq) ** 2), FLANKS)
     used = stretch.weight > 0
     error = (LEAKED * near[:, None] * np.abs(stretch.receptance)) ** 2
     return np.where(used, 1 / (1 / np.where(used, stretch.weight, 1.0) + error), 0.0)
 
 
-def _nearest(eigenvalue: ComplexArray, freq: FloatArray) -> IntArray:
+def nearest_mode(eigenvalue: ComplexArray, freq: FloatArray) -> IntArray:
     """Return the mode nearest to each line, of those inside the range."""
     frequency = np.sqrt(eigenvalue.real) / (2 * np.pi)
     inside = np.flatnonzero((frequency >= freq[0]) & (frequency <= freq[-1]))
@@ -118,7 +123,7 @@ def _nearest(eigenvalue: ComplexArray, freq: FloatArray) -> IntArray:
 
 def _undo(fit: ModalFit, stretch: Stretch, leaked: Leaked, damping: Damping) -> ComplexArray:
     """Return what to multiply the lines by, (n_lines, n_frf)."""
-    own = _nearest(fit.eigenvalue, stretch.freq)
+    own = nearest_mode(fit.eigenvalue, stretch.freq)
     x = (2 * np.pi * stretch.freq[:, None]) ** 2
     eigenvalue = fit.eigenvalue[own][:, None]
     constant = fit.modal_constant[own]

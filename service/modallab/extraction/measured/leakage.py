@@ -47,12 +47,14 @@ def biased(estimator: str) -> Biased:
 class Leakage:
     """Random records cut by a window: each line holds its neighbours too.
 
-    `lag` from 0 to 1 of a record and `correlation`, the window's autocorrelation there (1 at 0), are the
-    Fourier transform of the window's power spectrum of unit area [5.11].
+    `mixing` is the Fourier transform, line by line, of the window times itself a `lag` later, which is 0 to 1
+    of a record. No line apart it is the window's autocorrelation (1 at 0), whose transform is the window's
+    power spectrum of unit area [5.11]; one and more apart, it is what lines have in common.
     """
 
     lag: FloatArray  # (n_lag,) quadrature nodes
-    correlation: FloatArray  # (n_lag,) autocorrelation times quadrature weight
+    mixing: ComplexArray  # (n_lag, n_apart) times quadrature weight
+    together: ComplexArray  # (n_apart,) at no lag: the correlation of lines of a white signal
     estimator: Biased
     source_mass: float = 0.0  # kg behind the force transducer, which the source drives too: an armature
     # The window makes errors of neighbouring lines alike: the sum of the squared correlations of a line's
@@ -62,8 +64,10 @@ class Leakage:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "lag", frozen(self.lag, float, (None,), name="lag"))
-        shape = self.lag.shape
-        object.__setattr__(self, "correlation", frozen(self.correlation, float, shape, name="correlation"))
+        mixing = frozen(self.mixing, complex, (len(self.lag), None), name="mixing")
+        object.__setattr__(self, "mixing", mixing)
+        together = frozen(self.together, complex, (mixing.shape[1],), name="together")
+        object.__setattr__(self, "together", together)
 
     @classmethod
     def of(cls, window: FloatArray, estimator: str, *, source_mass: float = 0.0) -> Self:
@@ -92,17 +96,18 @@ class Leakage:
                 value=str(window.shape),
                 allowed=f"at least {MIN_SAMPLES} samples, not all zero",
             )
-        spectrum = np.fft.rfft(window, 2 * len(window))
-        correlation = np.fft.irfft(np.abs(spectrum) ** 2)[: len(window)]
         # 96 Gauss nodes integrate up to about 60 turns of the exponential, so as many lines away
         lag, weight = np.polynomial.legendre.leggauss(96)
         lag = (lag + 1) / 2
-        at = np.interp(lag, np.arange(len(window)) / len(window), correlation / correlation[0])
+        time = np.arange(len(window) + 1) / len(window)
+        later = np.interp(lag[:, None] + time[:-1], time, np.append(window, 0.0), right=0.0)
         power = window**2
         alike = len(window) * float((power**2).sum()) / float(power.sum()) ** 2
         slope = np.diff(window, prepend=0.0, append=0.0) * len(window) / (2 * np.pi)
         variance = float((slope**2).sum() / power.sum())  # without bound for a window that jumps
-        return cls(lag, at * weight / 2, kind, source_mass, alike, variance)
+        mixing = np.fft.rfft(window * later).conj() * (weight[:, None] / (2 * power.sum()))
+        together = np.fft.rfft(power).conj() / power.sum()
+        return cls(lag, mixing, together, kind, source_mass, alike, variance)
 
     def undone(self, freq: FloatArray, spacing: float, response: "OnePole", drive: "OnePole") -> ComplexArray:
         """Return what to multiply leaked inertance by, if one mode and a smooth rest are all there is.
@@ -120,15 +125,9 @@ class Leakage:
         response, drive
             Inertance of the FRF in question, and of the drive point, with the same eigenvalue.
         """
-        gap, strength, rest = response.about(freq, spacing)
-        _, drive_strength, drive_rest = drive.about(freq, spacing)
-        force_level = 1 / (1 + self.source_mass * drive_rest)
-        shift = self.source_mass * drive_strength * force_level
-        loaded = gap + shift
-        # a structure with its armature is damped; a fit that is not yet one may say otherwise
-        loaded = loaded.real + 1j * np.maximum(loaded.imag, LEAST_DAMPED)
-        spread = -2j * np.pi * (np.exp(2j * np.pi * loaded[..., None] * self.lag) @ self.correlation)
-        power = -spread.imag / loaded.imag
+        near = self.signals(freq, spacing, response, drive)
+        spread = near.turning(self) @ self.mixing[:, 0]
+        power = -spread.imag / near.gap.imag
 
         def convolved(a: ComplexArray, b: ComplexArray, c: ComplexArray, d: ComplexArray) -> ComplexArray:
             """The window over (a/gap + b) times the conjugate of (c/gap + d)."""
@@ -136,15 +135,41 @@ class Leakage:
                 a * c.conj() * power + a * d.conj() * spread + b * (c * spread).conj() + b * d.conj()
             )
 
-        force = -force_level * shift, force_level
-        motion = force_level * (strength - rest * shift), force_level * rest
         ff, fx, xx = (
-            convolved(*force, *force).real,
-            convolved(*motion, *force),
-            convolved(*motion, *motion).real,
+            convolved(*near.force, *near.force).real,
+            convolved(*near.motion, *near.force),
+            convolved(*near.motion, *near.motion).real,
         )
         leaked = _estimate(self.estimator, ff, fx, xx)
+        gap, strength, rest = response.about(freq, spacing)
         return np.asarray((strength / gap + rest) / np.where(leaked == 0, 1, leaked))
+
+    def signals(self, freq: FloatArray, spacing: float, response: "OnePole", drive: "OnePole") -> "Signals":
+        """Return what force and response are near one mode; parameters as of `undone`."""
+        gap, strength, rest = response.about(freq, spacing)
+        _, drive_strength, drive_rest = drive.about(freq, spacing)
+        force_level = 1 / (1 + self.source_mass * drive_rest)
+        shift = self.source_mass * drive_strength * force_level
+        loaded = gap + shift
+        # a structure with its armature is damped; a fit that is not yet one may say otherwise
+        return Signals(
+            loaded.real + 1j * np.maximum(loaded.imag, LEAST_DAMPED),
+            (-force_level * shift, force_level),
+            (force_level * (strength - rest * shift), force_level * rest),
+        )
+
+
+@dataclass(frozen=True, eq=False)
+class Signals:
+    """Force and response over a flat source near one mode: `a/gap + b` each, as (a, b); (..., n_lines)."""
+
+    gap: ComplexArray  # of the structure with its armature, in lines
+    force: tuple[ComplexArray, ComplexArray]
+    motion: tuple[ComplexArray, ComplexArray]
+
+    def turning(self, leakage: Leakage) -> ComplexArray:
+        """Return the response of the pole to what came a `lag` before, (..., n_lines, n_lag)."""
+        return np.asarray(-2j * np.pi * np.exp(2j * np.pi * self.gap[..., None] * leakage.lag))
 
 
 @dataclass(frozen=True, eq=False)

@@ -139,6 +139,7 @@ class Round:
     eigenvalue: ComplexArray  # (n_modes, n_frf)
     rest: ComplexArray  # receptance beside each mode, as `Data`
     inertance: BoolArray  # (n_modes,)
+    widened: FloatArray  # (n_modes, n_frf) what the misfit has widened the errors by
 
 
 def fit_once(
@@ -150,17 +151,19 @@ def fit_once(
 ) -> Round:
     """Return a mode and a constant fitted to every window of `target`, (n_modes, n_frf, n_lines) m/N."""
     n_modes, n_frf, n_lines = data.freq.shape
-    frf = np.stack([target, -data.x * target])
-    weight = np.stack([data.weight, data.weight / np.maximum(data.x, TINY) ** 2])
-    rows = (2 * n_modes * n_frf, n_lines)
+    asked = slice(None) if inertance is None else (inertance.astype(np.int64), np.arange(n_modes))
+    frf = np.stack([target, -data.x * target])[asked]
+    weight = np.stack([data.weight, data.weight / np.maximum(data.x, TINY) ** 2])[asked]
+    rows = (frf.size // n_lines, n_lines)
     freq = np.broadcast_to(data.freq, frf.shape)
-    order = np.repeat([0, 2], n_modes * n_frf)
+    order = np.repeat([0, 2], n_modes * n_frf) if inertance is None else np.repeat(2 * inertance, n_frf)
     fits = law.fit(method, freq.reshape(rows), frf.reshape(rows), weight.reshape(rows), order)
     if inertance is None:
         kind = _better_kind(np.where(fits.found, fits.misfit, np.inf).reshape(2, n_modes, n_frf))
+        first = kind * n_modes + np.arange(n_modes)
     else:
-        kind = inertance.astype(np.int64)
-    pick = (kind[:, None] * n_modes + np.arange(n_modes)[:, None]) * n_frf + np.arange(n_frf)
+        kind, first = inertance.astype(np.int64), np.arange(n_modes)
+    pick = first[:, None] * n_frf + np.arange(n_frf)
     return _complete(law, data, fits, pick, frf.reshape(rows)[pick], weight.reshape(rows)[pick], kind == 1)
 
 
@@ -205,7 +208,7 @@ def _complete(
     total = weight.sum(axis=2, keepdims=True)
     residual = (weight * (frf - factor * mode)).sum(axis=2, keepdims=True) / np.where(total > 0, total, 1)
     table = Table(frequency, loss_factor, constant, *errors, error, screening)
-    return Round(table, eigenvalue, residual / factor, inertance)
+    return Round(table, eigenvalue, residual / factor, inertance, widened)
 
 
 def _held(frf: ComplexArray, weight: FloatArray, shape: ComplexArray) -> tuple[ComplexArray, FloatArray]:
@@ -224,6 +227,15 @@ def _held(frf: ComplexArray, weight: FloatArray, shape: ComplexArray) -> tuple[C
 
 def undoing(law: Law, data: Data, leakage: Leakage, now: Round, rest: ComplexArray) -> ComplexArray:
     """Return what to multiply the measured lines by, as `data`; `rest` is the receptance beside each mode."""
+    # a mode at a time, as each line has a hundred nodes of quadrature
+    each = [
+        leakage.undone(data.freq[m], data.spacing, *one) for m, one in enumerate(poles(law, data, now, rest))
+    ]
+    return np.stack(each)
+
+
+def poles(law: Law, data: Data, now: Round, rest: ComplexArray) -> list[tuple[OnePole, OnePole]]:
+    """Return each mode as a pole in inertance, in all FRFs and at the drive point; else as `undoing`."""
     squared, constant = law.pole(now.eigenvalue, now.table.modal_constant)
     mode = law.response(data.freq, now.eigenvalue[:, :, None], now.table.modal_constant[:, :, None])
     # turned to inertance, a mode is a pole and its modal constant
@@ -237,17 +249,13 @@ def undoing(law: Law, data: Data, leakage: Leakage, now: Round, rest: ComplexArr
         mean = (used * inertance[:, at]).sum(axis=1) / np.maximum(used.sum(axis=1), 1)
         drive = np.broadcast_to(constant[:, at, None], constant.shape)
         beside = np.broadcast_to(mean[:, None, None], rest.shape)
-    # a mode at a time, as each line has a hundred nodes of quadrature
-    each = [
-        leakage.undone(
-            data.freq[m],
-            data.spacing,
+    return [
+        (
             OnePole(squared[m], -squared[m] * constant[m], inertance[m]),
             OnePole(squared[m], -squared[m] * drive[m], beside[m]),
         )
         for m in range(len(squared))
     ]
-    return np.stack(each)
 
 
 def _others(law: Law, data: Data, constant: ComplexArray, eigenvalue: ComplexArray) -> ComplexArray:

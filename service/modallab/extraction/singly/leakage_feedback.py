@@ -25,21 +25,25 @@ class Feedback:
     remainder: ComplexArray  # (n_modes, n_frf) (rad/s)^2 that further rounds would move the eigenvalue by
 
     @property
-    def widening(self) -> FloatArray:
-        """(n_modes, n_frf, 2): how much wider errors of frequency and loss factor are, 1 or more."""
-        return np.asarray(np.maximum(np.sqrt((self.gain**2).sum(axis=3)), 1.0))
-
-    @property
     def strength(self) -> FloatArray:
         """(n_modes, n_frf): by what factor an error grows or shrinks at most; 1 without feedback."""
         size = np.linalg.svd(self.gain, compute_uv=False)
         return np.asarray(np.maximum(size[..., 0], 1 / size[..., 1]))
 
-    @property
-    def constant_error(self) -> FloatArray:
-        """(n_modes, n_frf): what an error of 1 (rad/s)^2 on either part adds to the constant's, 1/kg."""
-        through = np.einsum("mjp,mjpq->mjq", self.constant, self.gain)
-        return np.asarray(np.sqrt((np.abs(through) ** 2).sum(axis=2) / 2))
+    def settled(self, covariance: FloatArray) -> FloatArray:
+        """Return the covariance of modes that agree with the lines they corrected.
+
+        Parameters
+        ----------
+        covariance
+            (n_modes, n_frf, 4, 4) of real and imaginary part of eigenvalue and modal constant, of fits to
+            lines that are held.
+        """
+        along = np.stack([self.constant.real, self.constant.imag], axis=2) @ self.gain
+        through = np.zeros_like(covariance)
+        through[..., :2, :2], through[..., 2:, :2] = self.gain, along
+        through[..., 2:, 2:] = np.eye(2)
+        return np.asarray(through @ covariance @ through.swapaxes(-1, -2))
 
 
 def feedback(

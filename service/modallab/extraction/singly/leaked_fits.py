@@ -9,14 +9,16 @@ from modallab.extraction.measured.leakage import LEFT, Leakage
 from modallab.extraction.singly.fitting import Data, Settled, Table, fit_once, undoing
 from modallab.extraction.singly.laws import Law
 from modallab.extraction.singly.leakage_feedback import Feedback, feedback
+from modallab.extraction.singly.leaked_covariance import Seen, leaked_covariance
 from modallab.extraction.singly.method import ExtractionMethod
 from modallab.extraction.singly.screening import Screening, screen
+from modallab.extraction.singly.smooth_rest import moved_by_rest
 
 UNSETTLED = 5.0  # strength of feedback at which fits differ by where they began, as on a line's own centre
 
 
 def allowing_for_leakage(
-    method: ExtractionMethod, law: Law, data: Data, leakage: Leakage, settled: Settled
+    method: ExtractionMethod, law: Law, data: Data, leakage: Leakage, settled: Settled, known: Seen
 ) -> Settled:
     """Return fits whose errors hold what the undoing of leakage makes of them, and with the bias left.
 
@@ -30,31 +32,55 @@ def allowing_for_leakage(
         As of `fit_all`.
     settled
         What it returned.
+    known
+        How exact the lines are.
     """
-    now = fit_once(method, law, data, settled.cleaned)
+    kind = settled.inertance
+    now = fit_once(method, law, data, settled.cleaned, kind)
     beside = now.rest + settled.others
 
     def refit(eigenvalue: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
         by = replace(now, eigenvalue=eigenvalue)
         lines = data.receptance * undoing(law, data, leakage, by, beside) - settled.others
-        again = fit_once(method, law, data, lines)
+        again = fit_once(method, law, data, lines, kind)
         return again.eigenvalue, again.table.modal_constant
 
-    raw = fit_once(method, law, data, data.receptance - settled.others).table
+    raw = fit_once(method, law, data, data.receptance - settled.others, kind).table
     back = feedback(refit, now.eigenvalue)
-    table = _widened(settled.table, back)
+    held = leaked_covariance(method, law, data, leakage, now, settled.others, known)
+    rest = moved_by_rest(method, law, data, settled, now)
+    held = held * now.widened[..., None, None] ** 2 + rest[..., :, None] * rest[..., None, :]
+    table = _with_errors(settled.table, back.settled(held))
     bias = _left_over(table, back, _moved(table, raw, data.spacing))
     screening = _screened(settled.table, table, back.strength < UNSETTLED, data.spacing)
     return replace(settled, table=replace(table, screening=screening, leakage_bias=bias))
 
 
-def _widened(table: Table, back: Feedback) -> Table:
-    part = table.frequency_error * 8 * np.pi**2 * table.frequency
+def _with_errors(table: Table, covariance: FloatArray) -> Table:
+    """Return the table with errors from the covariance of each fit, (n_modes, n_frf, 4, 4).
+
+    The error of a modal constant is that of its size. Lines that say nothing of a fit leave it as it was.
+    """
+    found, good = table.frequency > 0, table.screening.good
+    frequency, loss_factor = np.where(found, table.frequency, 1.0), table.loss_factor
+    stiffness = (2 * np.pi * frequency) ** 2
+    nothing, one = np.zeros_like(frequency), np.ones_like(frequency)
+    size = np.abs(table.modal_constant)
+    turn = table.modal_constant / np.where(size > 0, size, 1.0)
+
+    def error(*slope: FloatArray) -> FloatArray:
+        along = np.stack(slope, axis=-1)
+        return np.asarray(np.sqrt(np.maximum(np.einsum("...p,...pq,...q", along, covariance, along), 0.0)))
+
+    frequency_error = error(one, nothing, nothing, nothing) / (8 * np.pi**2 * frequency)
+    loss_factor_error = error(-loss_factor, one, nothing, nothing) / stiffness
+    of_size = error(nothing, nothing, turn.real, turn.imag)
+    told = found & (frequency_error > 0) & (loss_factor_error > 0)
     return replace(
         table,
-        frequency_error=table.frequency_error * back.widening[:, :, 0],
-        loss_factor_error=table.loss_factor_error * back.widening[:, :, 1],
-        modal_constant_error=np.hypot(table.modal_constant_error, part * back.constant_error),
+        frequency_error=np.where(told, frequency_error, table.frequency_error),
+        loss_factor_error=np.where(told, loss_factor_error, table.loss_factor_error),
+        modal_constant_error=np.where(told & good & (of_size > 0), of_size, table.modal_constant_error),
     )
 
 

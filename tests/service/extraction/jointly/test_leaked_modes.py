@@ -39,8 +39,9 @@ def test_modes_that_the_lines_tell_are_not_flagged(estimator: str, plain_beam: B
 
 @pytest.mark.parametrize("estimator", ["h1", "h2"])
 def test_all_frfs_together_tell_wide_modes_better_than_those_that_cleaned_their_lines(estimator: str) -> None:
-    # those are of Dobson's method, which says the same of them when asked by itself
-    alone, joint = (read(taken(estimator)[0], estimator, method) for method in ("dobson", "lscf"))
+    # those are of Dobson's method, which says the same of them when asked by itself. Of a test with records,
+    # in which all channels leak alike: of drawn ones, which leak each by itself, a mean is nearly as good
+    alone, joint = (read(taken(estimator)[-1], estimator, method) for method in ("dobson", "lscf"))
     for cleaner, mode in zip(alone.modes[WIDE], joint.modes[-5:], strict=True):
         for name, error in cleaner.standard_errors.items():
             assert mode.standard_errors[name] < 0.7 * error

@@ -8,6 +8,7 @@ from modallab.extraction.singly.leakage_feedback import feedback
 
 Refit = Callable[[ComplexArray], tuple[ComplexArray, ComplexArray]]
 TRUTH = np.array([[1e4 + 100j]])
+HELD = np.eye(4)[None, None]  # covariance of fits to lines that are held
 CONSTANT = 0.02 - 0.01j  # of a modal constant by an eigenvalue's error
 
 
@@ -26,9 +27,8 @@ def linear(slope: FloatArray) -> Refit:
 def test_lines_that_are_corrected_by_no_mode_have_no_feedback() -> None:
     back = feedback(linear(np.zeros((2, 2))), TRUTH)
     np.testing.assert_allclose(back.gain[0, 0], np.eye(2), atol=1e-9)  # rounding of differences
-    np.testing.assert_allclose(back.widening, 1.0)
+    np.testing.assert_allclose(back.settled(HELD), HELD, atol=1e-9)  # rounding of differences
     assert back.strength[0, 0] == pytest.approx(1.0)
-    assert back.constant_error[0, 0] == pytest.approx(0.0, abs=1e-12)
     assert back.remainder[0, 0] == 0
 
 
@@ -37,10 +37,16 @@ def test_an_error_grows_as_the_fixed_point_of_a_linear_map_says() -> None:
     back = feedback(linear(slope), TRUTH)
     exact = np.linalg.inv(np.eye(2) - slope)
     np.testing.assert_allclose(back.gain[0, 0], exact, rtol=1e-6)
-    np.testing.assert_allclose(back.widening[0, 0], np.linalg.norm(exact, axis=1), rtol=1e-6)
-    # along the modal constant's slope, both parts of the eigenvalue and of the constant alike
-    expected = abs(CONSTANT) * np.linalg.norm(slope @ exact) / np.sqrt(2)
-    assert back.constant_error[0, 0] == pytest.approx(expected, rel=1e-6)
+    rng = np.random.default_rng(0)
+    errors = rng.standard_normal((100, 4)) @ np.diag([2.0, 1.0, 0.1, 0.1])  # of fits to lines that are held
+    settled = errors.copy()
+    settled[:, :2] = errors[:, :2] @ exact.T
+    # the modal constant goes along with the mode that its lines are corrected by
+    along = CONSTANT * ((settled[:, :2] @ slope.T) @ np.array([1, 1j]))
+    settled[:, 2:] += np.stack([along.real, along.imag], axis=1)
+    expected = settled.T @ settled
+    found = back.settled((errors.T @ errors)[None, None])[0, 0]
+    np.testing.assert_allclose(found, expected, rtol=1e-5, atol=1e-6 * expected.max())  # of differences
 
 
 def test_what_further_rounds_would_change_is_the_whole_way_to_where_they_end() -> None:
@@ -49,12 +55,13 @@ def test_what_further_rounds_would_change_is_the_whole_way_to_where_they_end() -
     assert back.remainder[0, 0] == pytest.approx(complex((TRUTH - begun)[0, 0]), rel=1e-6)
 
 
-def test_feedback_that_lessens_errors_narrows_none_and_counts_as_strong() -> None:
+def test_feedback_that_lessens_errors_counts_as_strong() -> None:
     back = feedback(linear(np.diag([-9.0, 0.0])), TRUTH)
-    np.testing.assert_allclose(back.widening, 1.0)
+    assert back.settled(HELD)[0, 0, 0, 0] == pytest.approx(0.01, rel=1e-6)
     assert back.strength[0, 0] == pytest.approx(10.0)
 
 
 def test_lines_that_agree_with_any_mode_leave_a_large_but_finite_error() -> None:
     back = feedback(linear(np.eye(2)), TRUTH)
-    assert back.widening.min() == pytest.approx(50.0, rel=1e-6)  # one over the least that 1 - J counts for
+    # one over the least that 1 - J counts for, squared
+    np.testing.assert_allclose(back.settled(HELD)[0, 0, :2, :2], 2500 * np.eye(2), rtol=1e-6)

@@ -5,7 +5,7 @@ import pytest
 
 from modallab.extraction.singly.method import EXTRACTION_METHODS, TRAITS
 from tests.service.extraction.conftest import Beam
-from tests.service.extraction.leaked_beam import DRAWN, NARROW, WIDE, judged, of, read, taken
+from tests.service.extraction.leaked_beam import DRAWN, FAR, NARROW, WIDE, judged, of, read, taken
 
 EXACT = [kind for kind in sorted(EXTRACTION_METHODS) if TRAITS[kind].exact]
 
@@ -25,12 +25,23 @@ def test_modes_that_the_lines_tell_are_not_flagged(estimator: str, plain_beam: B
     assert np.isfinite(off[:, WIDE]).all()
 
 
-def test_drawn_lines_of_many_frfs_leave_narrow_modes_biased_and_it_is_said(plain_beam: Beam) -> None:
-    # independent errors of eleven FRFs average out, and what the non-linear correction makes of them does not
-    for estimator in ("h1", "h2"):
-        off, flagged = judged(estimator, "dobson", of(plain_beam))
-        seen = np.isfinite(off[:DRAWN, NARROW])
-        assert (flagged[:DRAWN, NARROW] & seen).sum() > 0.6 * seen.sum()
+@pytest.mark.parametrize("estimator", ["h1", "h2"])
+def test_narrow_modes_may_be_biased_as_far_as_by_chance_and_are_flagged_where_further(
+    estimator: str, plain_beam: Beam
+) -> None:
+    # what the non-linear correction makes of random errors is no smaller in the mean over eleven FRFs
+    shares = []
+    for measurement in taken(estimator)[:DRAWN]:
+        model = read(measurement, estimator, "dobson")
+        for frequency in plain_beam.frequencies[NARROW, 0]:
+            mode = min(model.modes, key=lambda mode: abs(mode.frequency - frequency))
+            if abs(mode.frequency - frequency) < FAR:
+                share = max(mode.leakage_bias[name] / error for name, error in mode.standard_errors.items())
+                flagged = any(flag.startswith("leakage_bias: ") for flag in mode.flags)
+                assert flagged == (share > 1)
+                shares.append(share)
+    assert len(shares) > DRAWN
+    assert np.median(shares) > 0.7
 
 
 def test_lines_that_hardly_tell_a_mode_make_its_errors_wide(plain_beam: Beam) -> None:
