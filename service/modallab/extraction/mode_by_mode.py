@@ -16,6 +16,7 @@ from modallab.extraction.collating.shared_error import shared_error
 from modallab.extraction.collating.single_mode import flag_further_peaks, flag_misfits
 from modallab.extraction.measured.bands import Band, find_bands, given_bands, mode_indicator
 from modallab.extraction.measured.leakage import Leakage
+from modallab.extraction.measured.line_noise import knows_noise
 from modallab.extraction.measured.responses import Responses
 from modallab.extraction.measured.windows import place_windows
 from modallab.extraction.options import ExtractionOptions
@@ -59,7 +60,7 @@ def extract_mode_by_mode(
     data = gather(freq, responses.receptance, responses.variance, windows, leakage, responses.drive_row)
     settled = fit_all(fit, LAWS[options.law], data, progress=part(progress, 0.2, 0.9))
     if leakage is not None:
-        known = seen(responses, windows.index)
+        known = seen(responses, windows.index) if knows_noise(responses) else None
         settled = allowing_for_leakage(fit, LAWS[options.law], data, leakage, settled, known)
     table = replace(settled.table, lines=windows.ends)
     notes = _missing(table, freq, found, given=bands is not None)

@@ -49,7 +49,7 @@ def leaked_covariance(
     leakage: Leakage,
     now: Round,
     others: ComplexArray,
-    known: Seen,
+    known: Seen | None,
 ) -> FloatArray:
     """Return the covariance of each fit, the lines' correction held, (n_modes, n_frf, 4, 4).
 
@@ -66,20 +66,29 @@ def leaked_covariance(
     others
         (n_modes, n_frf, n_lines) receptance of the other modes, m/N.
     known
-        Of the same lines.
+        Of the same lines; None without a coherence: then lines are independent, their weights their errors.
     """
-    n_modes, n_frf, n_lines = data.freq.shape
-    rest = now.rest + others
+    (n_modes, n_frf, n_lines), rest = data.freq.shape, now.rest + others
     whole = law.response(data.freq, now.eigenvalue[..., None], now.table.modal_constant[..., None]) + rest
     step = max(AT_ONCE // n_lines**2, 1)
     out = np.empty((n_modes, n_frf, 4, 4))
     for m, (response, drive) in enumerate(poles(law, data, now, rest)):
         for start in range(0, n_frf, step):
             frfs = slice(start, start + step)
-            errors = _errors(leakage, data, m, frfs, (response, drive), known)
+            if known is None:
+                errors = _independent(data.weight[m, frfs], whole[m, frfs])
+            else:
+                errors = _errors(leakage, data, m, frfs, (response, drive), known)
             follow = influence(method, law, data, now, m, frfs) * whole[m, frfs, None]
             out[m, frfs] = errors.through(follow)
     return out
+
+
+def _independent(weight: FloatArray, whole: ComplexArray) -> LineErrors:
+    exact = weight * np.abs(whole) ** 2
+    variance = np.where(exact > 0, 1 / np.where(exact > 0, exact, 1.0), 0.0)
+    covariance = (variance[..., None] * np.eye(variance.shape[-1])).astype(complex)
+    return LineErrors(covariance, np.zeros_like(covariance))
 
 
 def _errors(

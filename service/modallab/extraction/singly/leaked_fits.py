@@ -18,7 +18,7 @@ UNSETTLED = 5.0  # strength of feedback at which fits differ by where they began
 
 
 def allowing_for_leakage(
-    method: ExtractionMethod, law: Law, data: Data, leakage: Leakage, settled: Settled, known: Seen
+    method: ExtractionMethod, law: Law, data: Data, leakage: Leakage, settled: Settled, known: Seen | None
 ) -> Settled:
     """Return fits whose errors hold what the undoing of leakage makes of them, and with the bias left.
 
@@ -33,7 +33,7 @@ def allowing_for_leakage(
     settled
         What it returned.
     known
-        How exact the lines are.
+        How exact the lines are; None where no coherence tells it.
     """
     kind = settled.inertance
     now = fit_once(method, law, data, settled.cleaned, kind)
