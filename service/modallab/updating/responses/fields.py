@@ -5,11 +5,11 @@ from dataclasses import dataclass
 
 import numpy as np
 from scipy.sparse import csc_array
-from scipy.sparse.linalg import splu
 
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray
 from modallab.core.errors import InvalidInputError
 from modallab.fe.damping import ModalDamping, StructuralDamping, ViscousDamping
+from modallab.fe.lowest import factorised
 from modallab.fe.system import SMALL, DynamicSystem
 from modallab.updating.corrected import CorrectedModel
 from modallab.updating.parameterisation import Part
@@ -150,11 +150,7 @@ def solver(system: DynamicSystem, omega: FloatArray) -> Solve:
         inverse = np.linalg.inv(stiffness + 1j * lost + 1j * w * slow - w**2 * mass)
         return lambda forces: np.asarray(inverse @ forces)
     factors = [
-        splu(
-            csc_array(system.stiffness + 1j * damping + 1j * w * viscous - w**2 * system.mass),
-            permc_spec="MMD_AT_PLUS_A",
-            options={"SymmetricMode": True},
-        )
+        factorised(csc_array(system.stiffness + 1j * damping + 1j * w * viscous - w**2 * system.mass))
         for w in omega
     ]
     return lambda forces: np.stack(
