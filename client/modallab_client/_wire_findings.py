@@ -32,6 +32,7 @@ def update(data: Json) -> findings.Update:
         },
         identifiability=_identifiability(data["identifiability"]) if data.get("identifiability") else None,
         quantities=tuple(_quantity(one) for one in data.get("quantities") or ()),
+        posterior=_posterior(data["posterior"]) if data.get("posterior") else None,
         responses=_responses(data["responses"]) if data.get("responses") else None,
         direct=_wire_direct.findings(data["direct"]) if data.get("direct") else None,
         suspects=_wire_direct.suspects(data["located"]) if data.get("located") else None,
@@ -88,6 +89,30 @@ def covariance(given: Arrays) -> identified.Covariance:
     """Return the covariance of an update's coefficients."""
     names = texts(given["coefficients"])
     return identified.Covariance(names, given["intervals"], given.get("covariance"))
+
+
+def _posterior(data: Json) -> identified.Posterior:
+    return identified.Posterior(
+        n_draws=data["n_draws"],
+        n_chains=data["n_chains"],
+        acceptance=data["acceptance"],
+        coefficients=tuple(
+            identified.Drawn(
+                part=one["part"],
+                members=tuple(map(int, one["members"])),
+                mean=one["mean"],
+                standard_deviation=one["standard_deviation"],
+                interval=(float(one["interval"][0]), float(one["interval"][1])),
+                effective=one["effective"],
+            )
+            for one in data["coefficients"]
+        ),
+    )
+
+
+def sample(given: Arrays) -> identified.Sample:
+    """Return draws from the posterior of an update."""
+    return identified.Sample(texts(given["coefficients"]), given["draws"], given["log_density"])
 
 
 def _iteration(data: Json) -> findings.Iteration:

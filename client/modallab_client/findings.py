@@ -11,6 +11,7 @@ from modallab_client.correlation import Correlation as Correlation
 from modallab_client.direct import DirectFindings as DirectFindings
 from modallab_client.direct import Suspects as Suspects
 from modallab_client.identified import Identifiability as Identifiability
+from modallab_client.identified import Posterior as Posterior
 from modallab_client.identified import Quantity as Quantity
 from modallab_client.identified import Responses as Responses
 from modallab_client.located import Located as Located
@@ -68,6 +69,7 @@ class Update:
     identifiability: Identifiability | None = None
     quantities: tuple[Quantity, ...] = ()  # properties in their own units
     responses: Responses | None = None  # of methods that take FRFs
+    posterior: Posterior | None = None  # if draws were asked for
     direct: DirectFindings | None = None  # of methods that work on matrices
     suspects: Suspects | None = None  # of methods that locate errors by one step
 

@@ -87,6 +87,37 @@ class Covariance:
     covariance: FloatArray | None  # (n_params, n_params); None where there is nothing to judge errors by
 
 
+@dataclass(frozen=True)
+class Drawn:
+    """A coefficient by its draws."""
+
+    part: str
+    members: tuple[int, ...]
+    mean: float
+    standard_deviation: float
+    interval: tuple[float, float]  # between which 95 % lie
+    effective: float  # independent draws that these are worth
+
+
+@dataclass(frozen=True)
+class Posterior:
+    """What data and prior say of coefficients together, by draws."""
+
+    n_draws: int
+    n_chains: int
+    acceptance: float
+    coefficients: tuple[Drawn, ...]
+
+
+@dataclass(frozen=True, eq=False)
+class Sample:
+    """Draws of coefficients from the posterior."""
+
+    coefficients: tuple[str, ...]  # (n_free,) as `mass of 3`
+    draws: FloatArray  # (n_draws, n_free)
+    log_density: FloatArray  # (n_draws,)
+
+
 def ends(interval: tuple[float, float] | None) -> str:
     """Return an interval as text, nothing for none."""
     return "" if interval is None else f"{interval[0]:.3g} to {interval[1]:.3g}"

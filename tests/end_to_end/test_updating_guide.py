@@ -127,6 +127,16 @@ def test_a_mass_is_found_at_its_node(names: dict[str, Any]) -> None:
     assert found.after == pytest.approx(0.08, rel=1e-6)  # exact modes, one coefficient: rounding
 
 
+def test_draws_lie_round_what_the_update_found(names: dict[str, Any]) -> None:
+    likely, draws = names["likely"], names["draws"]
+    assert draws.draws.shape[1] == len(draws.coefficients) == len(likely.posterior.coefficients) == 3
+    for one, column in zip(likely.posterior.coefficients, draws.draws.T, strict=True):
+        assert one.mean == pytest.approx(column.mean())
+        assert one.interval == pytest.approx(tuple(np.quantile(column, (0.025, 0.975))))
+        found = likely.coefficients[one.part][one.members[0]]
+        assert column.min() < found < column.max()
+
+
 def test_a_joint_is_found_at_its_node(names: dict[str, Any]) -> None:
     (found,) = names["joint"].quantities
     assert (found.members, found.unit) == ((11,), "N m/rad")

@@ -8,7 +8,7 @@ from modallab_client._sync.jobs import Job
 from modallab_client._sync.shelf import Shelf
 from modallab_client.direct import UpdatedMatrices
 from modallab_client.findings import Update
-from modallab_client.identified import Covariance
+from modallab_client.identified import Covariance, Sample
 
 
 class Updates(Shelf):
@@ -31,6 +31,8 @@ class Updates(Shelf):
         max_iterations: int | None = None,
         prior: str | None = None,
         few_rows: str | None = None,
+        samples: int | None = None,
+        seed: int | None = None,
         completion: str | Mapping[str, Any] | None = None,
         expansion: str | Mapping[str, Any] | None = None,
         n_modes: int | None = None,
@@ -60,6 +62,8 @@ class Updates(Shelf):
         prior, few_rows
             Of methods that correct all at once: what is held likely before, `sparse`, `common` or `range`;
             fewer measured numbers than coefficients, `refused` or `regularised`.
+        samples, seed
+            Of methods that correct modes all at once: draws from the posterior behind the result.
         completion, expansion, n_modes
             Of direct methods: `expansion` of shapes to all DoFs, and by which reduction, or a reduction of
             the model to measured DoFs; the lowest modes that are used, the others held against the result.
@@ -74,6 +78,8 @@ class Updates(Shelf):
             max_iterations=max_iterations,
             prior=prior,
             few_rows=few_rows,
+            samples=samples,
+            seed=seed,
             completion=completion,
             expansion=expansion,
             n_modes=n_modes,
@@ -95,6 +101,11 @@ class Updates(Shelf):
         """Return the covariance of an update's coefficients, by the errors of the data alone."""
         arrays = self._transport.npz(f"/v1/updates/{update_id}/covariance")
         return _wire.read(_wire_findings.covariance, arrays)
+
+    def sample(self, update_id: str) -> Sample:
+        """Return the draws from the posterior of an update that was asked for `samples`."""
+        arrays = self._transport.npz(f"/v1/updates/{update_id}/sample")
+        return _wire.read(_wire_findings.sample, arrays)
 
     def matrices(self, update_id: str) -> UpdatedMatrices:
         """Return the matrices of a direct method."""

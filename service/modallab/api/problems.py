@@ -23,6 +23,7 @@ STATUS: Mapping[type[errors.ModalLabError], int] = {
     errors.ModalLabError: 422,
     errors.NotFoundError: 404,
     errors.CancelledError: 409,
+    errors.MissingExtraError: 501,
     InUseError: 409,
     QueueFullError: 503,
     StoredDataError: 500,

@@ -57,6 +57,12 @@ class DivergedError(ModalLabError):
     code = "diverged"
 
 
+class MissingExtraError(ModalLabError):
+    """What was asked for needs an optional part that is not installed."""
+
+    code = "missing_extra"
+
+
 class CancelledError(ModalLabError):
     """The caller asked for the work to stop."""
 

@@ -3,7 +3,7 @@
 import numpy as np
 
 from modallab.core.errors import UnderdeterminedError
-from modallab.core.progress import Progress
+from modallab.core.progress import Progress, part
 from modallab.fe.assembly import Assembly
 from modallab.fe.structure import Structure
 from modallab.updating.clear import standard_errors, suspected
@@ -14,6 +14,7 @@ from modallab.updating.iteration import Ending, Path
 from modallab.updating.method import REGULARISED, Stages, UpdateOptions, UpdateResult
 from modallab.updating.parameterisation import Parameterisation, by_member
 from modallab.updating.quantities import quantities
+from modallab.updating.sampling import sample
 from modallab.updating.target import TargetModes
 from modallab.updating.whole import Rule, WholePath, correct, unweighted
 
@@ -36,11 +37,16 @@ def update_at_once(
         regularised=options.few_rows == REGULARISED,
     )
     rule = Rule(Prior(options.prior), options.tolerance, options.max_iterations, options.rank_jump)
-    whole = _paired(correct(fit, rule, progress), options.min_mac)
+    # Draws take much longer than the path to where they begin.
+    corrected_by = 0.1 if options.samples else 1.0
+    whole = _paired(correct(fit, rule, part(progress, 0.0, corrected_by)), options.min_mac)
     before, path, final = whole.before, whole.path, whole.path.final
     told = _identified(fit, whole, options)
     made_sense = path.ending is not Ending.DIVERGED
     errors_known = made_sense and _judged(fit, told.rank)
+    posterior = None
+    if options.samples and made_sense:
+        posterior = sample(fit, whole, options.samples, options.seed, part(progress, corrected_by, 1.0))
     corrected, parts = fit.structure(final.values), parameterisation.parts
     numbers = [member.number for member in corrected.all_members]
     return UpdateResult(
@@ -58,6 +64,7 @@ def update_at_once(
         intervals=told.by_member() if made_sense else {},
         identifiability=told if made_sense else None,
         quantities=quantities(structure, parameterisation, final.values, told if made_sense else None),
+        posterior=posterior,
     )
 
 

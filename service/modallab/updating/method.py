@@ -15,6 +15,7 @@ from modallab.updating.evidence import Prior
 from modallab.updating.identifiability import Identifiability
 from modallab.updating.iteration import Iteration
 from modallab.updating.parameterisation import Parameterisation, Part
+from modallab.updating.posterior import PosteriorSample
 from modallab.updating.quantities import Quantity
 from modallab.updating.responses.result import ResponseFit
 
@@ -31,6 +32,7 @@ CHOICES: Mapping[str, OptionSpec] = {
         default=REFUSED,
     ),
 }
+SAMPLING = ("samples", "seed")
 TWO_STAGE = ("location_tolerance", "suspect_threshold", "damping_threshold", "max_step")
 
 
@@ -71,6 +73,10 @@ class UpdateOptions(Parameterised):
         upper=10.0,
         doc="relative standard error, by the data alone, above which a coefficient is told as not identified",
     )
+    samples: int = parameter(
+        0, unit="-", lower=0, upper=100_000, doc="draws from the posterior behind the update; 0: none"
+    )
+    seed: int = parameter(0, unit="-", lower=0, upper=2**63 - 1, doc="of these draws")
     prior: str = Prior.SPARSE.value
     few_rows: str = REFUSED
 
@@ -130,6 +136,7 @@ class UpdateResult:
     identifiability: Identifiability | None = None  # None of a path that diverged
     responses: ResponseFit | None = None  # of a method that takes frequency responses
     quantities: tuple[Quantity, ...] = ()  # properties in their own units
+    posterior: PosteriorSample | None = None  # if draws were asked for
     iterations: Mapping[str, int] = field(init=False)  # "location", "updating"
 
     def __post_init__(self) -> None:
@@ -166,7 +173,7 @@ IDLE: Family[tuple[str, ...]] = Family("updating method", home=METHODS_HOME)
 
 def options_of(method: str) -> dict[str, OptionSpec]:
     """Return the options that mean something to a method."""
-    idle = set(CHOICES)
+    idle = {*CHOICES, *SAMPLING}
     if method in IDLE:
         idle = set(IDLE[method])
     if Part.DAMPING not in parts_of(method):

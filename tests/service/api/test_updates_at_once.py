@@ -1,6 +1,7 @@
 """Updates of all coefficients at once over HTTP, and what data identify."""
 
 import io
+import sys
 from typing import Any
 
 import numpy as np
@@ -109,3 +110,43 @@ def test_the_catalogue_has_the_choices(service: Any) -> None:
     assert listed["one_shot"]["parameters"]["prior"]["choices"] == ["sparse", "common", "range"]
     assert "suspect_threshold" not in listed["one_shot"]["parameters"]
     assert "prior" not in listed["inverse_eigensensitivity"]["parameters"]
+
+
+def test_draws_come_back_with_what_they_are_of(service: Any, beam: str, stiffer: str) -> None:
+    body = asked(beam, modes_of(service, stiffer, 4, seed=3), samples=100, seed=5, prior="range")
+    body["parameterisation"] = {"macros": [[11, 12]], "parts": ["stiffness"]}
+    id = service.result_of("/v1/updates", body)
+    told = service.get(f"/v1/updates/{id}")["posterior"]
+    (one,) = told["coefficients"]
+    assert (one["part"], one["members"]) == ("stiffness", [11, 12])
+    assert one["interval"][0] < one["mean"] < one["interval"][1]
+    assert one["effective"] <= told["n_draws"]
+    reply = service.request("GET", f"/v1/updates/{id}/sample")
+    assert reply.status_code == 200, reply.text
+    with np.load(io.BytesIO(reply.content)) as file:
+        assert file["draws"].shape == (told["n_draws"], 1)
+        assert file["draws"].mean() == pytest.approx(one["mean"])
+        assert file["coefficients"].tolist() == ["stiffness of 11, 12"]
+        assert len(file["log_density"]) == told["n_draws"] >= 100
+
+
+def test_an_update_without_draws_has_none(service: Any, found: Any) -> None:
+    assert found["posterior"] is None
+    assert service.request("GET", f"/v1/updates/{found['id']}/sample").status_code == 404
+
+
+def test_draws_without_the_extra_are_refused_before_the_work(
+    service: Any, beam: str, stiffer: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "emcee", None)
+    problem = service.post("/v1/updates", asked(beam, modes_of(service, stiffer, 4), samples=10), status=501)
+    assert (problem["code"], problem["context"]["field"]) == ("missing_extra", "samples")
+
+
+@pytest.mark.parametrize("method", ["inverse_eigensensitivity", "zhang_sensitivity", "berman_nagy"])
+def test_other_methods_have_no_draws(service: Any, beam: str, stiffer: str, method: str) -> None:
+    body = asked(beam, modes_of(service, stiffer, 4), samples=10) | {"method": method}
+    if method == "berman_nagy":
+        del body["parameterisation"]
+    problem = service.post("/v1/updates", body, status=422)
+    assert problem["context"]["field"] == "samples"

@@ -12,6 +12,7 @@ from modallab.api.jobs import JobOut
 from modallab.api.shelves import add_routes
 from modallab.api.updates.direct import direct_arrays
 from modallab.api.updates.identified import identified_arrays
+from modallab.api.updates.posterior import posterior_arrays
 from modallab.api.updates.responses import check_responses
 from modallab.api.updates.schemas import UpdateOut, UpdateStart
 from modallab.core.errors import NotFoundError
@@ -91,6 +92,14 @@ def get_update_covariance(id: IdPath, store: StoreDep) -> Response:
     if not isinstance(result, UpdateResult) or result.identifiability is None:
         raise NotFoundError("this update has no coefficients that were free to move", field="id", value=id)
     return npz_of(identified_arrays(result.identifiability), "double")
+
+
+@router.get("/{id}/sample", response_class=Response, responses=NPZ, summary="Draws from the posterior: npz")
+def get_update_sample(id: IdPath, store: StoreDep) -> Response:
+    result = store.updates.get(id)
+    if not isinstance(result, UpdateResult) or result.posterior is None:
+        raise NotFoundError("this update has no draws: `samples` asks for them", field="id", value=id)
+    return npz_of(posterior_arrays(result.posterior), "double")
 
 
 add_routes(router, "updates")

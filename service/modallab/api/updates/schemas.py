@@ -11,8 +11,9 @@ from modallab.api.updates.direct import DirectOut, direct_fields
 from modallab.api.updates.identified import IdentifiabilityOut, QuantityOut
 from modallab.api.updates.located import LocatedOut, located_fields, number
 from modallab.api.updates.parameterisation import ParameterisationIn
+from modallab.api.updates.posterior import PosteriorOut
 from modallab.api.updates.responses import ResponsesOut
-from modallab.api.wire import Count, EntryOut, Number, Text, Wire
+from modallab.api.wire import Count, EntryOut, Number, Seed, Text, Wire
 from modallab.core.errors import InvalidInputError
 from modallab.fe.structure import Structure
 from modallab.store.base import Entry
@@ -25,6 +26,7 @@ from modallab.updating.locating.run import LocationOptions
 from modallab.updating.method import UPDATERS, Stages, UpdateOptions, UpdateResult
 from modallab.updating.offered import DIRECT, offered
 from modallab.updating.responses.method import RESPONSE_UPDATERS
+from modallab.updating.sampling import require_sampler
 
 METHODS = {**UPDATERS, **RESPONSE_UPDATERS, **DIRECT_METHODS, **LOCATORS}
 Completion = Annotated[
@@ -52,6 +54,12 @@ class OptionsIn(Wire):
     few_rows: Text | None = Field(
         default=None, description="`refused` or `regularised`, of a method that has a prior"
     )
+    samples: Count | None = Field(
+        default=None,
+        ge=0,
+        description="draws from the posterior, of a method that corrects modes all at once",
+    )
+    seed: Seed | None = None
     completion: Completion | None = None
     expansion: Reduced | None = None
     n_modes: Count | None = Field(
@@ -63,7 +71,10 @@ class OptionsIn(Wire):
         given = self.model_dump(exclude_none=True)
         _refuse(given.keys() & DIRECT.keys(), "a method that moves coefficients")
         _refuse(given.keys() - offered(method).keys(), method)
-        return UpdateOptions(**given)
+        options = UpdateOptions(**given)
+        if options.samples:
+            require_sampler()  # known now: no job fails for it later
+        return options
 
     def to_location(self) -> LocationOptions:
         """Return the options of a method that locates by one step; `InvalidInputError` where one is wrong."""
@@ -175,6 +186,7 @@ class UpdateOut(EntryOut):
     quantities: list[QuantityOut] = Field(
         default=[], description="properties that were free to move, in their units; before, after"
     )
+    posterior: PosteriorOut | None = Field(default=None, description="if draws were asked for")
     responses: ResponsesOut | None = None
     direct: DirectOut | None = None
     located: LocatedOut | None = None
@@ -204,6 +216,7 @@ class UpdateOut(EntryOut):
             intervals={part: dict(table) for part, table in result.intervals.items()},
             identifiability=None if told is None else IdentifiabilityOut.of(told),
             quantities=[QuantityOut.of(one) for one in result.quantities],
+            posterior=None if result.posterior is None else PosteriorOut.of(result.posterior),
             responses=None if result.responses is None else ResponsesOut.of(result.responses),
         )
 

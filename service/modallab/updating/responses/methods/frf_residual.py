@@ -2,14 +2,22 @@
 
 from modallab.core.progress import Progress, silent
 from modallab.fe.structure import Structure
-from modallab.updating.method import DEFAULTS, IDLE, PARTS, TWO_STAGE, UpdateOptions, UpdateResult
+from modallab.updating.method import (
+    DEFAULTS,
+    IDLE,
+    PARTS,
+    SAMPLING,
+    TWO_STAGE,
+    UpdateOptions,
+    UpdateResult,
+)
 from modallab.updating.parameterisation import Parameterisation, Part
 from modallab.updating.responses.method import RESPONSE_UPDATERS
 from modallab.updating.responses.run import update_on_responses
 from modallab.updating.responses.target import TargetResponses
 
 METHOD = "frf_residual"
-IDLE.register(METHOD)((*TWO_STAGE, "min_mac"))
+IDLE.register(METHOD)((*TWO_STAGE, *SAMPLING, "min_mac"))
 PARTS.register(METHOD)((Part.MASS, Part.STIFFNESS, Part.DAMPING))
 
 
