@@ -149,20 +149,23 @@ class _Noise:
 
 
 def _noise(stretch: Stretch, leaked: Leaked, index: IntArray, tied: LeakedLines, common: float) -> _Noise:
-    """Return errors that lines have beside leakage: all FRFs that of the least noisy, in part."""
+    """Return errors that lines have beside leakage: in common at most what is usual among the FRFs.
+
+    The least of many would be least by chance: each is what an estimate leaves over another.
+    """
     freq, spacing = stretch.freq[index], float(np.median(np.diff(stretch.freq)))
     seen = (stretch.weight[index] * np.abs(stretch.receptance[index]) ** 2).T
     known = np.where(seen > 0, 1 / np.where(seen > 0, seen, 1.0), 0.0)
     own = np.diagonal(tied.errors.covariance, axis1=-2, axis2=-1).real / leaked.averages
     more = np.maximum(known - own, 0.0)
-    least = common * more.min(axis=0)
+    shared = common * np.median(more, axis=0)
     alike = white_errors(leaked.leakage, freq, spacing)
 
     def tied_by_window(variance: FloatArray) -> FloatArray:
         size = np.sqrt(variance)
         return np.asarray(size[..., :, None] * size[..., None, :] * alike)
 
-    return _Noise(tied_by_window(more - least), tied_by_window(least))
+    return _Noise(tied_by_window(np.maximum(more - shared, 0.0)), tied_by_window(shared))
 
 
 def _tied(
