@@ -1,7 +1,10 @@
 """Receptance of a system with its attachments: by modes and the Woodbury identity, or directly."""
 
+from collections import Counter
 from collections.abc import Sequence
 from dataclasses import replace
+from functools import reduce
+from operator import and_
 
 import numpy as np
 from scipy.sparse import csc_array
@@ -16,6 +19,7 @@ from modallab.fe.system import SMALL, DynamicSystem
 FEW = 8  # attached columns up to which the Woodbury identity is the cheaper way
 # Columns times frequencies over degrees of freedom, up to which it is cheaper than one solution for modes.
 ONCE = 50.0
+Key = tuple[object, ...]  # of an attachment
 FOLDED = 3  # sets of attachments whose folded matrices are kept
 
 
@@ -208,10 +212,9 @@ def _n_motions(system: DynamicSystem) -> int:
 
 def _folded_before(system: DynamicSystem) -> DynamicSystem | None:
     """Return the system with those of its attachments folded that were before, if few are left."""
-    known: dict[tuple[object, ...], DynamicSystem] = system.shared.get("folded", {})  # type: ignore[assignment]
+    known: dict[tuple[Key, ...], DynamicSystem] = system.shared.get("folded", {})  # type: ignore[assignment]
     for keys, folded in reversed(known.items()):
-        ones = set(keys)
-        rest = tuple(a for a in system.attachments if a.key not in ones)
+        _, rest = _taken(system.attachments, Counter(keys))
         again = replace(folded, attachments=rest)
         if len(rest) + len(keys) == len(system.attachments) and again.stacked.shape[1] <= FEW:
             return again
@@ -222,15 +225,25 @@ def parted(
     systems: Sequence[DynamicSystem],
 ) -> tuple[tuple[Attachment, ...], list[tuple[Attachment, ...]]]:
     """Return what all variants of a structure carry, and what each carries besides."""
-    first, *rest = systems
-    if not rest:
-        return first.attachments, [()]
-    everywhere = {a.key for a in first.attachments}.intersection(
-        *({a.key for a in s.attachments} for s in rest)
-    )
-    shared = [a for a in first.attachments if a.key in everywhere]
-    own = [tuple(a for a in s.attachments if a.key not in everywhere) for s in systems]
-    return tuple(shared), own
+    if len(systems) == 1:
+        return systems[0].attachments, [()]
+    everywhere = reduce(and_, (Counter(a.key for a in s.attachments) for s in systems))
+    parts = [_taken(s.attachments, everywhere) for s in systems]
+    return parts[0][0], [own for _, own in parts]
+
+
+def _taken(
+    attachments: Sequence[Attachment], keys: Counter[Key]
+) -> tuple[tuple[Attachment, ...], tuple[Attachment, ...]]:
+    """Return those with some keys, each as often as asked for, as equal ones may hang twice, and the rest."""
+    wanted = Counter(keys)
+    taken: list[Attachment] = []
+    rest: list[Attachment] = []
+    for one in attachments:
+        asked = wanted[one.key] > 0
+        wanted[one.key] -= asked
+        (taken if asked else rest).append(one)
+    return tuple(taken), tuple(rest)
 
 
 def receptance(system: DynamicSystem, freq: FloatArray, left: FloatArray, right: FloatArray) -> ComplexArray:
