@@ -81,10 +81,15 @@ def test_a_circle_fit_shows_circle_points_and_damping_of_all_pairs(
     assert np.median(surface) == pytest.approx(drawn["loss_factor"], rel=0.02)
 
 
-def test_straight_lines_are_straight(service: Any, models: dict[str, str]) -> None:
+def test_straight_lines_are_straight(service: Any, measured: str, models: dict[str, str]) -> None:
     drawn = fit(service, models["line_fit"])
     inverse, line = (complex_of(drawn["complex_details"][name]) for name in ("inverse", "line"))
-    np.testing.assert_allclose(inverse, line, atol=0.01 * np.abs(line).max())  # the noise of far lines
+    test = npz(service, f"/v1/measurements/{measured}/arrays")
+    row = np.searchsorted(test["freq"], np.array(drawn["freq"]) - 1e-9)
+    seen = test["coherence"][row, test["outputs"].tolist().index(RESPONSE)]
+    noise = np.sqrt((1 - seen) / seen / test["averages"]) * np.abs(complex_of(drawn["measured"]))
+    # a complex normal number is beyond three times its root mean square once in 8,000
+    assert (np.abs(inverse - line) < 3 * np.abs(inverse) * noise / np.abs(complex_of(drawn["cleaned"]))).all()
     bend = np.diff(line) / np.diff(drawn["details"]["x"])
     np.testing.assert_allclose(bend, bend[0], rtol=1e-6)  # rounding of differences
 

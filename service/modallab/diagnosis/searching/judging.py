@@ -128,5 +128,6 @@ def temperature(predictor: Predictor, best: Fit) -> float:
 def probabilities(predictor: Predictor, fits: Sequence[Fit]) -> list[float]:
     """Return the share of belief of each fit among all, by BIC."""
     scale = temperature(predictor, fits[0])
-    weight = np.exp(-0.5 * np.array([f.bic - fits[0].bic for f in fits]) / scale)
+    bic = np.array([f.bic for f in fits])
+    weight = np.exp(-0.5 * (bic - bic.min()) / scale)
     return [float(w) for w in weight / weight.sum()]
