@@ -24,7 +24,8 @@ from modallab.rig.succession import excess_variance
 
 Numbers = TypeVar("Numbers", FloatArray, ComplexArray)
 
-REPEATS = 12  # tests that are gone through: of four the scatter would be known to a factor of two
+REPEATS = 12  # tests that are gone through: of four the scatter is known to a factor of two only
+STEPPED = 4  # the same where nonlinear forces have to be stepped through, which takes a hundred times as long
 LONGEST = 50  # averages of each at most
 FINENESS = 2  # values of a parameter to its double that are told apart
 CHANCE = 1.75  # times the variance of Gaussian records that so few lines show by chance
@@ -194,7 +195,8 @@ def _smooth(squares: FloatArray) -> FloatArray:
 
 def _gone_through(chain: Chain, n: int, rng: np.random.Generator) -> list[CrossSpectra]:
     """Return the spectra of some tests of n averages each."""
-    analyser = replace(chain.setup.analyser, averages=REPEATS * n)
+    repeats = STEPPED if chain.runs[0].local else REPEATS
+    analyser = replace(chain.setup.analyser, averages=repeats * n)
     longer = replace(chain, setup=replace(chain.setup, analyser=analyser))
     recorder, clean = Recorder(longer), noise_free(chain)
     noise, known = noise_densities(chain, clean), acquisition(chain, clean)
@@ -204,7 +206,7 @@ def _gone_through(chain: Chain, n: int, rng: np.random.Generator) -> list[CrossS
         window, shape, rate = analyser.line_window, recorder.shape, recorder.sample_rate
         return Averager(window, shape, rate, n_lines=analyser.n_lines, n_in=n_in)
 
-    sums = [[averager() for _ in range(n_run)] for _ in range(REPEATS)]
+    sums = [[averager() for _ in range(n_run)] for _ in range(repeats)]
     done = np.zeros(n_run, int)
     for batch in recorder.batches(noise, rng):
         for effect in chain.effects:
