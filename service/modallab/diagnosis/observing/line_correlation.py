@@ -5,7 +5,7 @@ from scipy.ndimage import uniform_filter1d
 from scipy.sparse import coo_array
 
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray
-from modallab.diagnosis.observing.residual import Residual
+from modallab.diagnosis.observing.residual import Residual, autocovariance
 
 LAGS = 12  # lines apart
 LAGS_TIED = 8  # the same where every line tells for itself
@@ -69,8 +69,7 @@ def _reach(part: ComplexArray | FloatArray, where: BoolArray, n_run: int) -> int
     """Return over how many lines residuals of a part go together: half as far again as they do surely."""
     seen = where if part.shape[1] == where.shape[1] else where.any(axis=1, keepdims=True)
     n = len(part)
-    spectrum = np.fft.fft(np.where(seen, part, 0), 2 * n, axis=0)
-    covariance = np.fft.ifft((np.abs(spectrum) ** 2).sum(axis=1)).real[: max(n // FARTHEST, 1)]
+    covariance = autocovariance(np.where(seen, part, 0)).real[: max(n // FARTHEST, 1)]
     count = n * n_run
     certain = CERTAIN * np.sqrt(np.log10(count) / count) * max(float(covariance[0]), 1e-300)
     return 3 * int(np.flatnonzero(np.abs(covariance) >= certain)[-1]) // 2 if covariance[0] > 0 else 0

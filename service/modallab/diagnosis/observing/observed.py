@@ -10,7 +10,6 @@ from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfKind
 from modallab.diagnosis.observing.random_error import (
-    FAINT,
     INCOHERENT,
     NUMERICAL,
     Numbers,
@@ -23,6 +22,7 @@ from modallab.diagnosis.observing.random_error import (
 )
 from modallab.estimation.coherence import coherence
 from modallab.estimation.estimators.h1 import h1
+from modallab.estimation.force_noise import FAINT
 from modallab.estimation.spectra import CrossSpectra
 from modallab.estimation.windows import WINDOWS
 from modallab.rig.measurement import Measurement

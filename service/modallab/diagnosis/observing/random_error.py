@@ -7,13 +7,12 @@ from scipy.special import digamma, polygamma
 
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.errors import InvalidInputError
-from modallab.estimation.force_noise import ForceNoise
+from modallab.estimation.force_noise import FAINT, ForceNoise
 from modallab.rig.excitation import EXCITATIONS
 from modallab.rig.measurement import Measurement
 
 NUMERICAL = 1e-6  # relative error of the prediction itself: a floor under every random error
 INCOHERENT = 1e-8  # share of a response below which what is not coherent counts as rounding
-FAINT = 1e-6  # coherence below which there is no response at all
 SMOOTHED = 7  # lines that an estimate of noise is averaged over
 LEAST = 0.1  # share of the lines from whose noise that of the force is estimated
 

@@ -224,11 +224,16 @@ def _shared(part: ComplexArray | FloatArray) -> float:
     return float(np.maximum(likeness, 0.0).sum() / len(likeness))
 
 
+def autocovariance(part: ComplexArray | FloatArray) -> ComplexArray:
+    """Return the sums of products of residuals (n_freq, n) so many lines apart, (n_freq,)."""
+    spectrum = np.fft.fft(part, 2 * len(part), axis=0)
+    return np.asarray(np.fft.ifft((np.abs(spectrum) ** 2).sum(axis=1))[: len(part)])
+
+
 def _correlation(part: ComplexArray | FloatArray, reach: int | None) -> float:
     """Return how many lines one independent line stands for: 1 + 2 sum (1 - k/n) |rho_k|^2 over the lags."""
     n = len(part)
-    spectrum = np.fft.fft(part, 2 * n, axis=0)
-    covariance = np.fft.ifft((np.abs(spectrum) ** 2).sum(axis=1))[:n]
+    covariance = autocovariance(part)
     seen = 1 - np.arange(1, n) / n  # of n lines only n - k pairs are k apart
     rho = np.abs(covariance[1:]) / max(float(np.abs(covariance[0])), 1e-300) / seen
     return float(1 + 2 * (seen * np.minimum(rho, 1.0) ** 2)[:reach].sum())

@@ -5,6 +5,7 @@ from dataclasses import replace
 from functools import partial
 
 import numpy as np
+from scipy.special import expit
 
 from modallab.diagnosis.fitting.certainty import Errors
 from modallab.diagnosis.fitting.fit import Fit, fit
@@ -24,8 +25,8 @@ def weighed_up(predictor: Predictor, found: Fit) -> Fit:
             rival = fit(predictor.tolerating(found.tolerated), effects)
             best, second = (found, rival) if found.chi_square <= rival.chi_square else (rival, found)
             apart = (second.chi_square - best.chi_square) / temperature(predictor, best)
-            share = 1 / (1 + np.exp(min(apart / 2, 100.0)))
-            found = replace(best, spread=partial(_reaching, best.spread, best, second, i, float(share)))
+            share = float(expit(-apart / 2))
+            found = replace(best, spread=partial(_reaching, best.spread, best, second, i, share))
     return found
 
 

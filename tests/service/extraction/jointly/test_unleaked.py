@@ -60,6 +60,7 @@ def test_random_error_above_what_leakage_leaves_is_the_whole_error(plain_beam: B
         mode, flags = leakage_flags(rough, frequency)
         # of eight standard normal numbers one beyond 4 comes once in 2,000 such tests
         assert abs(mode.loss_factor - loss_factor) < 4 * mode.standard_errors["loss_factor"]
+        assert len(flags) == any(mode.leakage_bias[n] > error for n, error in mode.standard_errors.items())
         told.append(len(flags))
     # single FRFs tell the two modes below 0.2 lines to half their damping: what cleans them may be biased
     assert sum(told[:2]) > 0
