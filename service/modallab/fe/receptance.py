@@ -198,7 +198,7 @@ def lean(system: DynamicSystem, n_freq: float = np.inf) -> DynamicSystem:
     known = _folded_before(system)
     if known is not None:
         return known
-    if system.solves_all and n_freq * _n_motions(system) <= ONCE * len(system.dofs):
+    if len(system.dofs) < SMALL and n_freq * _n_motions(system) <= ONCE * len(system.dofs):
         return system
     plain = tuple(a for a in system.attachments if a.inner == 0)
     folded = replace(system, attachments=plain).folded()

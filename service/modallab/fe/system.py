@@ -311,11 +311,6 @@ class DynamicSystem:
         self.shared["basis"] = basis
         return basis
 
-    @property
-    def solves_all(self) -> bool:
-        """Whether all modes are solved for."""
-        return len(self.dofs) < SMALL
-
     def _undamped(self, limit: float) -> ModalBasis:
         """Return undamped modes of the matrices alone, up to `limit`, Hz, or all."""
         known = self.shared.get("undamped")
