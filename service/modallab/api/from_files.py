@@ -11,6 +11,7 @@ from typing import Any, TypeVar
 from pydantic import TypeAdapter, ValidationError
 
 from modallab.api.diagnoses.schemas import DiagnosisOut, DiagnosisStart
+from modallab.api.faults import faults
 from modallab.api.rigs.schemas import RigIn
 from modallab.api.settings import Settings
 from modallab.api.structures.schemas import StructureIn
@@ -128,10 +129,9 @@ def _checked(wire: TypeAdapter[T], body: Any) -> T:
     try:
         return wire.validate_python(body)
     except ValidationError as error:
-        fault = error.errors()[0]
-        field = ".".join(map(str, fault["loc"]))
-        message = fault["msg"].removeprefix("Value error, ")
-        raise InvalidInputError(f"{field}: {message}" if field else message) from None
+        fault, *_ = faults(error.errors(), body, ())
+        words = f"{fault.field}: {fault.message}" if fault.field else fault.message
+        raise InvalidInputError(words) from None
 
 
 def _of_file(path: Path, read: Callable[[], T]) -> T:

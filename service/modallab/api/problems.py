@@ -2,6 +2,7 @@
 
 import math
 from collections.abc import Iterator, Mapping
+from dataclasses import asdict
 from typing import Any
 
 import structlog
@@ -11,6 +12,7 @@ from pydantic import BaseModel
 from starlette.exceptions import HTTPException
 from starlette.responses import JSONResponse
 
+from modallab.api.faults import Fault, faults
 from modallab.core import errors
 from modallab.jobs.runner import QueueFullError
 from modallab.jobs.work import INTERNAL, describe
@@ -31,7 +33,7 @@ STATUS: Mapping[type[errors.ModalLabError], int] = {
 # Written out, for the phrases of Python's own `http` module differ from version to version.
 _CODES = {400: "bad_request", 404: "not_found", 405: "method_not_allowed", 413: "content_too_large"}
 _RETRY_AFTER = "5"  # s: about the length of a short job
-_SHOWN = 200  # characters of a refused value that are shown
+_MOST = 20  # faults that are listed
 
 
 class Problem(BaseModel):
@@ -94,17 +96,19 @@ def _of_domain(_request: Request, error: Exception) -> JSONResponse:
 
 def _of_validation(_request: Request, error: Exception) -> JSONResponse:
     assert isinstance(error, RequestValidationError)
-    faults = [
-        {
-            "field": ".".join(str(part) for part in fault["loc"]),
-            "message": fault["msg"].removeprefix("Value error, "),  # pydantic's word for ours
-            "value": repr(fault.get("input"))[:_SHOWN],
-        }
-        for fault in error.errors()[:20]
-    ]
-    detail = f"{faults[0]['field']}: {faults[0]['message']}"
-    context = {"field": faults[0]["field"], "value": faults[0]["value"], "errors": faults}
+    found = _faults(error)[:_MOST]
+    first = found[0]
+    context = {"field": first.field, "value": first.value, "errors": [asdict(fault) for fault in found]}
+    detail = f"{first.field}: {first.message}"
     return response(document(422, "invalid_request", "The request is not valid", detail, context))
+
+
+def _faults(error: RequestValidationError) -> list[Fault]:
+    """Return what is wrong with a request's body, path and query."""
+    told = error.errors()
+    inside = [fault | {"loc": fault["loc"][1:]} for fault in told if fault["loc"][0] == "body"]
+    outside = [fault for fault in told if fault["loc"][0] != "body"]
+    return faults(inside, error.body, ("body",)) + faults(outside, None, ())
 
 
 def _of_http(_request: Request, error: Exception) -> JSONResponse:

@@ -2,9 +2,9 @@
 
 from pydantic import Field, ValidationError
 
+from modallab.api.faults import wrong_json
 from modallab.api.structures.schemas import Directions, MaterialIn, SectionIn
 from modallab.api.wire import Number, Text, Wire
-from modallab.core.errors import InvalidInputError
 from modallab.interchange.mesh.described import BarMade, Held, MeshDescription, PlateMade
 
 _MOST = 1000  # groups
@@ -86,11 +86,5 @@ def mesh_of(text: str) -> MeshDescription:
     try:
         return MeshIn.model_validate_json(text).to_domain()
     except ValidationError as error:
-        fault = error.errors()[0]
-        field = ".".join(map(str, ("mesh", *fault["loc"])))
-        raise InvalidInputError(
-            f"{field}: {fault['msg']}",
-            field=field,
-            value=text[:200],
-            allowed='{"groups": {"skin": {"material": {...}, "thickness": 0.004}}}',
-        ) from None
+        allowed = '{"groups": {"skin": {"material": {...}, "thickness": 0.004}}}'
+        raise wrong_json(error, text, "mesh", allowed=allowed) from None

@@ -5,9 +5,10 @@ from typing import Annotated, Any, Literal
 
 from pydantic import Field, TypeAdapter, ValidationError
 
+from modallab.api.faults import wrong_json
 from modallab.api.wire import Count, DofText, Effects, EntryOut, Number, Text, Wire
 from modallab.core.dof import Dof
-from modallab.core.errors import InvalidInputError, StructureError
+from modallab.core.errors import StructureError
 from modallab.fe.beam import beam
 from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.damping import Damping, ModalDamping, StructuralDamping, ViscousDamping
@@ -104,11 +105,7 @@ def damping_of(text: str) -> Damping:
     try:
         return TypeAdapter(DampingIn).validate_json(text).to_domain()
     except ValidationError as error:
-        fault = error.errors()[0]
-        field = ".".join(map(str, ("damping", *fault["loc"])))
-        raise InvalidInputError(
-            f"{field}: {fault['msg']}", field=field, value=text[:200], allowed='{"law": "structural", ...}'
-        ) from None
+        raise wrong_json(error, text, "damping", allowed='{"law": "structural", ...}') from None
 
 
 Directions = Annotated[list[Literal["X", "Y", "Z", "RX", "RY", "RZ"]], Field(min_length=1, max_length=6)]
