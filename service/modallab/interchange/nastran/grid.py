@@ -42,7 +42,7 @@ def supports(deck: Deck, places: Mapping[int, Place]) -> list[Support]:
     Raises
     ------
     InvalidInputError
-        If there are several sets and case control chooses none.
+        If there are several sets and case control chooses none, or it chooses one that is not there.
     """
     cards = [card for card in deck.cards if card.name in ("SPC", "SPC1")]
     sums = {card.integer(1): card for card in deck.cards if card.name == "SPCADD"}
@@ -61,6 +61,13 @@ def supports(deck: Deck, places: Mapping[int, Place]) -> list[Support]:
     if chosen in sums:
         add = sums[chosen]
         wanted = {add.integer(at) for at in range(2, len(add.fields) + 1) if add.text(at)}
+    if missing := sorted(wanted - set(sets)):
+        raise InvalidInputError(
+            f"there is no set of constraints {missing[0]}",
+            field="SPC",
+            value=missing[0],
+            allowed=f"the sets of this file: {', '.join(map(str, sets)) or 'none'}",
+        )
     return [support for card in cards if card.integer(1) in wanted for support in _held(card, places)]
 
 

@@ -81,6 +81,8 @@ def read_op4(payload: bytes, *, size: int, path: str = "file") -> dict[str, csc_
             if header.name in found:
                 _refuse(path, f"matrix {header.name} is there twice", header.name)
             found[header.name] = _matrix(header, tape, path)
+    except InvalidInputError:
+        raise
     # What is cut off, or no such file, fails where a number is taken from it.
     except (ValueError, IndexError, struct.error) as error:
         raise InvalidInputError(

@@ -207,6 +207,7 @@ def swapped(old: str, new: str) -> str:
 
 
 MASS = "CONM2,10,2,,2."
+CHOSEN = f"SPC = 5\nBEGIN BULK\n{BAR}SPC1,1,123,2\n"
 WRONG = {
     "unknown cards": (
         BAR + "CHEXA,20,1,1,2\nCHEXA,21,1,1,2\nRBE2,22,1,123,2",
@@ -239,6 +240,9 @@ WRONG = {
     "a line too long": (swapped("0.,1.,0.", "0.,1.,0.,,456"), "line 6 has more than 8 fields"),
     "directions": (swapped("123456", "1237"), "GRID in line 2, field 8"),
     "nothing to hold": (BAR + "SPC1,1,123,77", "no grid point 77"),
+    "a set that there is not": (CHOSEN, "no set of constraints 5"),
+    "a sum of a set that there is not": (CHOSEN + "SPCADD,5,1,6", "no set of constraints 6"),
+    "a sum of itself": (CHOSEN + "SPCADD,5,5,1", "no set of constraints 5"),
     "several sets": (BAR + "SPC1,1,1,2\nSPC1,2,2,2", "several sets of constraints"),
     "a prescribed motion": (BAR + "SPC,1,2,1,.5", "SPC in line 7, field 5"),
     "a negative mass": (BAR + "CONM2,10,2,,-2.", "CONM2 in line 7, field 5"),

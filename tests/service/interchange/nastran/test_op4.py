@@ -86,3 +86,10 @@ def test_what_is_no_model_matrix_is_refused(case: str) -> None:
     with pytest.raises(InvalidInputError, match=message) as caught:
         read_op4(payload, size=size, path="model.op4")
     assert caught.value.context["field"] == "model.op4"
+
+
+def test_a_matrix_that_does_not_fit_is_told_with_its_size_and_the_one_that_would() -> None:
+    with pytest.raises(InvalidInputError, match=r"^model\.op4: matrix KXX does not fit") as caught:
+        read_op4(TEXT, size=N + 1, path="model.op4")
+    assert caught.value.context["value"] == f"{N} x {N}"
+    assert caught.value.context["allowed"] == f"{N + 1} x {N + 1}"
