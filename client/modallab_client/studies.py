@@ -23,7 +23,7 @@ class StudyCell:
     suspected: float  # share of runs in which every wrong coefficient was suspected
     unfounded: float  # suspects that are right, a run
     coefficient_error: tuple[float, float] | None  # None where no run could be made
-    frequency_error: tuple[float, float] | None  # relative
+    frequency_error: tuple[float, float] | None  # relative; None of a method that only locates
     coverage: float | None  # share of 95 % intervals that hold the truth; None of a method without
 
 

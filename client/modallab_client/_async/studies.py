@@ -39,7 +39,8 @@ class AsyncStudies(AsyncShelf):
         dofs
             DoFs of the shapes.
         method
-            One that corrects coefficients; left out: `one_shot`.
+            One that takes modes and corrects coefficients, or locates by one step, as `zhang_subspace`; left
+            out: `one_shot`.
         levels
             Of `NL1` to `NL4`, or `{"name": "mine", "eigenvalue": 0.005, "eigenvector": 0.05}`; left out: the
             four.

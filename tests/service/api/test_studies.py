@@ -117,6 +117,8 @@ WRONG: dict[str, tuple[dict[str, Any], str]] = {
     "loss factors by real modes": ({"parts": ["damping"]}, "parts"),
     "a DoF that there is not": ({"dofs": ["99:+Y"]}, "dof"),
     "a DoF that is no DoF": ({"dofs": ["top"]}, "dofs"),
+    "a DoF twice": ({"dofs": ["1:+Y", "5:+Y", "1:-Y"]}, "dofs"),
+    "draws that a study would not keep": ({"method": "one_shot", "options": {"samples": 100}}, "samples"),
     "an option of another method": ({"options": {"max_step": 0.2}}, "max_step"),
     "a bound on the wrong side": ({"lower": 2.0}, "lower"),
     "an unknown field": ({"seed": 1}, "body.seed"),

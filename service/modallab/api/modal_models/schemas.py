@@ -1,5 +1,6 @@
 """Wire types of modal models."""
 
+from collections.abc import Sequence
 from typing import Annotated, Any, Literal
 
 import numpy as np
@@ -31,6 +32,16 @@ class ModeNoiseIn(Wire):
 Dofs = Annotated[list[DofText], Field(min_length=1, max_length=5000)]
 
 
+def distinct(texts: Sequence[str]) -> tuple[Dof, ...]:
+    """Return DoFs; `InvalidInputError` if a text is none, or one is named twice, whatever its sense."""
+    dofs = tuple(Dof.parse(text, field="dofs") for text in texts)
+    if len({dof.point for dof in dofs}) < len(dofs):
+        raise InvalidInputError(
+            "a DoF is named twice", field="dofs", value=", ".join(texts)[:200], allowed="each once"
+        )
+    return dofs
+
+
 class SyntheticIn(Wire):
     """Modes of a structure as a test would give them."""
 
@@ -41,7 +52,7 @@ class SyntheticIn(Wire):
 
     def places(self) -> tuple[Dof, ...]:
         """Return the DoFs at which shapes are known."""
-        return tuple(Dof.parse(text, field="dofs") for text in self.dofs)
+        return distinct(self.dofs)
 
 
 Band = tuple[Number, Number]
@@ -118,8 +129,6 @@ class ModalModelIn(Wire):
 
     def to_domain(self) -> ModalModel:
         """Return the modal model, in rising frequency."""
-        dofs = tuple(Dof.parse(text, field="dofs") for text in self.dofs)
-        if len({dof.point for dof in dofs}) < len(dofs):
-            raise InvalidInputError("a DoF is named twice", field="dofs", value=", ".join(self.dofs)[:200])
+        dofs = distinct(self.dofs)
         modes = sorted((m.to_domain(len(dofs)) for m in self.modes), key=lambda mode: mode.frequency)
         return ModalModel(tuple(modes), dofs, self.normalisation, method="imported")

@@ -7,9 +7,9 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, Field
 
 from modallab.api.deps import Id
-from modallab.api.modal_models.schemas import Dofs, ModeNoiseIn
+from modallab.api.modal_models.schemas import Dofs, ModeNoiseIn, distinct
 from modallab.api.updates.parameterisation import Macros, ParameterisationIn, Parts
-from modallab.api.updates.schemas import OptionsIn
+from modallab.api.updates.schemas import OptionsIn, refuse
 from modallab.api.wire import Count, EntryOut, Number, Seed, Text, Wire
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
@@ -17,6 +17,7 @@ from modallab.fe.structure import Structure
 from modallab.rig.exact import as_modelled
 from modallab.store.base import Entry
 from modallab.store.plain import to_plain
+from modallab.updating.method import SAMPLING
 from modallab.updating.studying.plan import MOST_RUNS, NOISE_LEVELS, Division, Level, StudyPlan, known_method
 from modallab.updating.studying.run import Run
 from modallab.updating.studying.study import Cell, Study
@@ -78,6 +79,7 @@ class StudyStart(Wire):
             seed comes twice, there are too many runs, or the true structure is no changed copy of the model.
         """
         known_method(self.method)
+        refuse({name for name in SAMPLING if getattr(self.options, name) is not None}, "a study")
         plan = StudyPlan(
             method=self.method,
             levels=tuple(_level(one) for one in self.levels),
@@ -87,7 +89,7 @@ class StudyStart(Wire):
             ),
             seeds=tuple(self.seeds),
             count=self.count,
-            dofs=tuple(Dof.parse(text, field="dofs") for text in self.dofs),
+            dofs=distinct(self.dofs),
             options=self.options.to_domain(self.method),
         )
         true = true_coefficients(model, truth, plan.parts)
@@ -123,7 +125,8 @@ class CellOut(BaseModel):
     """The runs of one level and division; errors are the largest of a run: their median and 90 %.
 
     `suspected`: share of runs in which every wrong coefficient was suspected. `unfounded`: suspects that are
-    right, a run. `coverage`: share of 95 % intervals that hold the truth, None of a method without.
+    right, a run. `coverage`: share of 95 % intervals that hold the truth. A method that only locates has
+    neither this nor an error of frequencies.
     """
 
     level: str

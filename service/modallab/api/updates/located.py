@@ -5,7 +5,7 @@ from typing import Any, Self
 
 from pydantic import BaseModel
 
-from modallab.updating.locating.method import LocationResult
+from modallab.updating.locating.method import LOCATED, LocationResult
 
 
 class LocatedOut(BaseModel):
@@ -35,7 +35,7 @@ def located_fields(result: LocationResult) -> dict[str, Any]:
     """Return the fields of an update's reply; those of corrected models are empty."""
     return {
         "converged": False,
-        "stopped_because": "errors are located, nothing is corrected",
+        "stopped_because": LOCATED,
         "iterations": {},
         "coefficients": {},
         "standard_errors": {},

@@ -66,31 +66,34 @@ class OptionsIn(Wire):
         default=None, ge=1, le=1000, description="lowest measured modes that a direct method uses"
     )
 
-    def to_domain(self, method: str) -> UpdateOptions:
-        """Return the options of a method that moves coefficients; `InvalidInputError` where one is wrong."""
+    def to_domain(self, method: str) -> UpdateOptions | LocationOptions:
+        """Return the options of a method that moves coefficients, or locates errors by one step.
+
+        Raises
+        ------
+        InvalidInputError
+            If one is out of bounds, or means nothing to the method.
+        """
         given = self.model_dump(exclude_none=True)
-        _refuse(given.keys() & DIRECT.keys(), "a method that moves coefficients")
-        _refuse(given.keys() - offered(method).keys(), method)
+        refuse(given.keys() & DIRECT.keys(), "a method that moves coefficients")
+        if method in LOCATORS:
+            refuse(given.keys() - LocationOptions.specs().keys(), "a method that locates errors by one step")
+            return LocationOptions(**given)
+        refuse(given.keys() - offered(method).keys(), method)
         options = UpdateOptions(**given)
         if options.samples:
             require_sampler()  # known now: no job fails for it later
         return options
 
-    def to_location(self) -> LocationOptions:
-        """Return the options of a method that locates by one step; `InvalidInputError` where one is wrong."""
-        given = self.model_dump(exclude_none=True)
-        _refuse(given.keys() - LocationOptions.specs().keys(), "a method that locates errors by one step")
-        return LocationOptions(**given)
-
     def to_direct(self) -> DirectOptions:
         """Return the options of a direct method; `InvalidInputError` where one is wrong."""
         given = self.model_dump(exclude_none=True).keys()
-        _refuse(given - DIRECT.keys(), "a direct method")
+        refuse(given - DIRECT.keys(), "a direct method")
         completion, numbers = _named(self.completion or EXPANSION)
         if completion != EXPANSION:
-            _refuse(given & {"expansion"}, "a method on a reduced model")
+            refuse(given & {"expansion"}, "a method on a reduced model")
             return DirectOptions(completion, reduction_parameters=numbers, n_modes=self.n_modes)
-        _refuse(numbers.keys(), "an expansion without a reduction, which `expansion` takes")
+        refuse(numbers.keys(), "an expansion without a reduction, which `expansion` takes")
         return DirectOptions(EXPANSION, *_named(self.expansion or DirectOptions.expansion), self.n_modes)
 
 
@@ -98,7 +101,7 @@ def _named(given: str | ReductionIn) -> tuple[str, dict[str, float]]:
     return (given, {}) if isinstance(given, str) else (given.kind, given.parameters)
 
 
-def _refuse(fields: Set[str], of: str) -> None:
+def refuse(fields: Set[str], of: str) -> None:
     """Raise `InvalidInputError` if options were given that mean nothing to a method."""
     if fields:
         name = min(fields)
@@ -136,10 +139,9 @@ class UpdateStart(Wire):
             )
         arguments = {"structure_id": self.structure_id, "method": self.method, **self._measured()}
         if self.method in DIRECT_METHODS:
-            _refuse(self.model_fields_set & {"parameterisation"}, "a direct method")
+            refuse(self.model_fields_set & {"parameterisation"}, "a direct method")
             return arguments | {"options": to_plain(self.options.to_direct())[0]}
-        locating = self.method in LOCATORS
-        options = self.options.to_location() if locating else self.options.to_domain(self.method)
+        options = self.options.to_domain(self.method)
         return arguments | {
             "parameterisation": to_plain(self.parameterisation.to_domain(structure, self.method))[0],
             "options": to_plain(options)[0],
@@ -151,7 +153,7 @@ class UpdateStart(Wire):
         responses = {"measurement_id": self.measurement_id, "noise_floor": self.noise_floor}
         on_responses = self.method in RESPONSE_UPDATERS
         wanted, other = (responses, modes) if on_responses else (modes, responses)
-        _refuse({name for name, value in other.items() if value is not None}, self.method)
+        refuse({name for name, value in other.items() if value is not None}, self.method)
         name = next(iter(wanted))
         if wanted[name] is None:
             raise InvalidInputError(

@@ -6,6 +6,9 @@ from typing import Protocol
 
 from modallab.core.arrays import BoolArray, FloatArray, frozen
 from modallab.core.registry import Family
+from modallab.updating.part import Part
+
+LOCATED = "errors are located, nothing is corrected"
 
 
 @dataclass(frozen=True, eq=False)
@@ -72,3 +75,11 @@ class LocationResult:
     def __post_init__(self) -> None:
         for name in ("remaining", "measured", "frequencies", "mac"):
             object.__setattr__(self, name, frozen(getattr(self, name), float, (None,), name=name))
+
+    @property
+    def coefficients(self) -> dict[str, dict[int, float]]:
+        """What members' matrices would be multiplied by, to first order."""
+        return {
+            part: {member: Part(part).unchanged + change for member, change in table.items()}
+            for part, table in self.changes.items()
+        }

@@ -6,6 +6,8 @@ from dataclasses import dataclass
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.fe.selected import ModeNoise
+from modallab.updating.locating.method import LOCATORS
+from modallab.updating.locating.run import LocationOptions
 from modallab.updating.method import UPDATERS, UpdateOptions
 from modallab.updating.parameterisation import Parameterisation, Part
 
@@ -44,8 +46,8 @@ class StudyPlan:
     Raises
     ------
     InvalidInputError
-        If the method corrects no coefficients, a name or a seed comes twice, the divisions are of
-        different parts, or there are no runs or too many.
+        If the method neither corrects coefficients nor locates by them, a name or a seed comes twice, the
+        divisions are of different parts, or there are no runs or too many.
     """
 
     method: str
@@ -54,7 +56,7 @@ class StudyPlan:
     seeds: tuple[int, ...]
     count: int  # modes
     dofs: tuple[Dof, ...]  # where shapes are measured
-    options: UpdateOptions
+    options: UpdateOptions | LocationOptions
 
     def __post_init__(self) -> None:
         known_method(self.method)
@@ -94,13 +96,13 @@ class StudyPlan:
 
 
 def known_method(name: str) -> None:
-    """Raise `InvalidInputError` unless there is a method of that name that corrects coefficients."""
-    if name not in UPDATERS:
+    """Raise `InvalidInputError` unless a method of that name corrects coefficients or locates by them."""
+    if name not in UPDATERS and name not in LOCATORS:
         raise InvalidInputError(
-            f"no method called {name!r} corrects coefficients",
+            f"no method called {name!r} corrects coefficients or locates by them",
             field="method",
             value=name,
-            allowed=", ".join(sorted(UPDATERS)),
+            allowed=", ".join(sorted([*UPDATERS, *LOCATORS])),
         )
 
 

@@ -1,19 +1,22 @@
 """One update of a study, and how far it ended from the truth."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 import numpy as np
 
 from modallab.core.arrays import FloatArray
 from modallab.core.errors import CancelledError, ModalLabError
+from modallab.core.modal_model import ModalModel
 from modallab.core.progress import Progress, silent
 from modallab.fe.selected import lowest_modes, synthetic_modes
 from modallab.fe.structure import Structure
 from modallab.fe.system import DynamicSystem
+from modallab.updating.locating.method import LOCATED, LocationResult
+from modallab.updating.locating.run import LocationOptions, locate
 from modallab.updating.method import UPDATERS, UpdateResult
 from modallab.updating.parameterisation import Part
-from modallab.updating.studying.plan import StudyPlan
+from modallab.updating.studying.plan import Division, StudyPlan
 from modallab.updating.studying.truth import Values, wrong_of
 
 
@@ -30,12 +33,13 @@ class Run:
     all_suspected: bool  # every coefficient that is wrong was suspected
     n_unfounded: int  # coefficients suspected that are right
     coefficient_error: float | None = None  # the largest, |found - true|
-    frequency_error: float | None = None  # the largest of the updated model, relative to the truth
+    # the largest of the updated model, relative to the truth; None of a method that only locates
+    frequency_error: float | None = None
     coverage: float | None = None  # share of 95 % intervals that hold the truth; None without intervals
 
     @property
     def made(self) -> bool:
-        """True if there is an updated model."""
+        """True if the method came to an end."""
         return self.coefficient_error is not None
 
 
@@ -67,9 +71,7 @@ def run_once(
     rng = np.random.default_rng(seed)
     try:
         target = synthetic_modes(truth, plan.count, plan.dofs, noise=level.noise, rng=rng)
-        result = UPDATERS[plan.method](
-            model, division.parameterisation, target, options=plan.options, progress=progress
-        )
+        result = _tried(plan, division, model, target, progress)
     except CancelledError:
         raise
     except (ModalLabError, np.linalg.LinAlgError) as error:
@@ -84,33 +86,49 @@ def failed(plan: StudyPlan, index: int, why: str) -> Run:
     return Run(level.name, division.name, seed, False, why, {}, all_suspected=False, n_unfounded=0)
 
 
+def _tried(
+    plan: StudyPlan, division: Division, model: Structure, target: ModalModel, progress: Progress
+) -> UpdateResult | LocationResult:
+    moved = division.parameterisation
+    if isinstance(plan.options, LocationOptions):
+        return locate(model, moved, plan.method, target, options=plan.options, progress=progress)
+    return UPDATERS[plan.method](model, moved, target, options=plan.options, progress=progress)
+
+
 def _judged(
-    result: UpdateResult, key: tuple[str, str, int], true: Values, frequencies: FloatArray
+    result: UpdateResult | LocationResult,
+    key: tuple[str, str, int],
+    true: Values,
+    frequencies: FloatArray,
 ) -> tuple[Run, FloatArray]:
+    has = result.coefficients
     found = np.array(
-        [
-            result.coefficients.get(part, {}).get(n, Part(part).unchanged)
-            for part, table in true.items()
-            for n in table
-        ]
+        [has.get(part, {}).get(n, Part(part).unchanged) for part, table in true.items() for n in table]
     )
     actual = np.array([value for table in true.values() for value in table.values()])
     wrong = {(part, n) for part, table in wrong_of(true).items() for n in table}
     suspects = {(part, n) for part, members in result.suspected.items() for n in members}
+    run = Run(
+        *key,
+        converged=False,
+        stopped_because=LOCATED,
+        suspected=dict(result.suspected),
+        all_suspected=wrong <= suspects,
+        n_unfounded=len(suspects - wrong),
+        coefficient_error=float(np.abs(found - actual).max()),
+    )
+    if isinstance(result, LocationResult):
+        return run, found
     inside = [
         low <= true[part][n] <= high
         for part, table in result.intervals.items()
         for n, (low, high) in table.items()
     ]
-    run = Run(
-        *key,
+    updated = replace(
+        run,
         converged=result.converged,
         stopped_because=result.stopped_because,
-        suspected=dict(result.suspected),
-        all_suspected=wrong <= suspects,
-        n_unfounded=len(suspects - wrong),
-        coefficient_error=float(np.abs(found - actual).max()),
         frequency_error=float(np.abs(np.sort(result.frequencies.after) / frequencies - 1).max()),
         coverage=float(np.mean(inside)) if inside else None,
     )
-    return run, found
+    return updated, found

@@ -10,6 +10,8 @@ from modallab.fe.assembly import assemble
 from modallab.fe.changes import MemberChange, MemberProperty, change
 from modallab.fe.structure import Structure
 from modallab.updating.dividing import automatic_groups
+from modallab.updating.locating.method import LOCATORS
+from modallab.updating.locating.run import LocationOptions, locate
 from modallab.updating.method import UPDATERS, UpdateOptions
 from modallab.updating.parameterisation import Part, parameterise
 from modallab.updating.studying.plan import NOISE_LEVELS, Division, Level, StudyPlan
@@ -187,3 +189,32 @@ def test_plans_that_mean_nothing_are_refused_by_field(changed: dict[str, object]
     with pytest.raises(InvalidInputError) as error:
         replace(PLAN, **changed)  # type: ignore[arg-type]
     assert error.value.context["field"] == field
+
+
+@pytest.mark.parametrize("method", LOCATORS)
+def test_a_method_that_only_locates_is_judged_by_its_suspects_and_its_one_step(method: str) -> None:
+    study = made(replace(PLAN, method=method, options=LocationOptions(), levels=LEVELS[:1], seeds=(3,)))
+    for run, row, division in zip(study.runs, study.coefficients, (EACH, RUNS), strict=True):
+        assert run.made
+        assert not run.converged
+        assert (run.frequency_error, run.coverage) == (None, None)
+        alone = locate(BEAM, division.parameterisation, method, modes_of(WRONG_BEAM, 8, BEAM_DOFS))
+        assert run.suspected == alone.suspected
+        found = [1 + change for part in alone.changes.values() for change in part.values()]
+        np.testing.assert_array_equal(row, found)
+    assert study.cells[0].n_failed == 0
+
+
+def test_coefficients_that_are_added_one_by_one_hold_every_wrong_one_of_exact_modes() -> None:
+    plan = replace(PLAN, method="zhang_subspace", options=LocationOptions(), levels=LEVELS[:1])
+    each, _ = made(plan).cells
+    assert each.suspected == 1.0
+    # one linear step from a model wrong by a factor of two
+    assert each.coefficient_error is not None
+    assert each.coefficient_error[0] > 0.01
+
+
+def test_a_method_on_matrices_has_no_coefficients_to_judge() -> None:
+    with pytest.raises(InvalidInputError, match="no method called 'baruch' corrects") as caught:
+        replace(PLAN, method="baruch")
+    assert caught.value.context["field"] == "method"
