@@ -37,8 +37,9 @@ def certainty(fit: Fit, state: State, *, jump: float, within: float) -> Certaint
 
 def _errors(fit: Fit, state: State, rank: int) -> FloatArray | None:
     """Return the standard errors of balanced rows (n_rows,)."""
-    if fit.target.errors is not None:
-        return fit.target.errors
+    stated = fit.errors(state)
+    if stated is not None:
+        return stated
     spare = len(state.difference) - rank
     if spare == 0:
         return None

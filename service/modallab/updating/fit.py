@@ -1,6 +1,7 @@
 """A model held against measured modes at given coefficients: what differs, and how it would move."""
 
 from dataclasses import dataclass
+from enum import StrEnum
 
 import numpy as np
 
@@ -26,6 +27,13 @@ NEARER = 1e-3
 DAMPED_REACH = 8.0
 
 
+class Balance(StrEnum):
+    """Which rows are divided by their own size; 1992 thesis, eq. [3.22]."""
+
+    EIGENVALUES = "eigenvalues"
+    BOTH = "both"
+
+
 @dataclass(frozen=True, eq=False)
 class State:
     """The model at some coefficients, its modes paired with the measured ones."""
@@ -39,7 +47,8 @@ class State:
     # (n_rows,) measured minus model: eigenvalues, then shapes DoF by DoF; of damped modes the real parts
     # of all and then the imaginary ones
     difference: FloatArray
-    size: FloatArray  # (n_rows,) Re lambda_r for an eigenvalue, 1 for a shape: what balances the rows
+    # (n_rows,) what balances the rows: Re lambda_r for an eigenvalue, 1 or the shape's norm for a shape
+    size: FloatArray
 
     @property
     def frequencies(self) -> FloatArray:
@@ -74,11 +83,13 @@ class Fit:
         min_mac: float,
         *,
         regularised: bool = False,
+        balance: Balance = Balance.EIGENVALUES,
     ) -> None:
         self.parameterisation, self.target, self.min_mac = parameterisation, target, min_mac
         self.model = CorrectedModel(assembly, parameterisation)
         structure = assembly.structure
         self._planes = () if target.damped else target.at_one_frequency
+        self._held, self._balance = target.held, balance
         self._mass_loss = 0.0
         self._latest: FloatArray | None = None  # modes of the last model: the next one's are much like them
         if target.damped:
@@ -96,6 +107,15 @@ class Fit:
                 value=n_params,
                 allowed=f"<= {n_rows}",
             )
+
+    def errors(self, state: State) -> FloatArray | None:
+        """Return standard errors of balanced rows (n_rows,), None where the modes state none."""
+        target = self.target
+        if target.errors is None:
+            return None
+        eigenvalues = np.arange(len(self._held)) % (len(target.squares) * (1 + len(target.dofs)))
+        relative = (eigenvalues < len(target.squares))[self._held]
+        return target.errors[self._held] / np.where(relative, 1.0, state.size)
 
     def structure(self, values: FloatArray) -> Structure:
         """Return the structure with its members corrected to `values` (n_params,)."""
@@ -136,7 +156,8 @@ class Fit:
         shape_difference = self._like(own) - own
         eigenvalues = (turn**2).T @ basis.eigenvalues[modes]  # the diagonal of turn^T Lambda turn
         squares = eigenvalues.real
-        size = np.concatenate([squares, np.ones(shape_difference.size)])
+        norms = np.ones(len(squares)) if self._balance is Balance.EIGENVALUES else np.linalg.norm(own, axis=0)
+        size = np.concatenate([squares, np.tile(norms, len(own))])
         misses = target.squares - (eigenvalues if target.damped else squares)
         return State(
             values=values,
@@ -145,7 +166,7 @@ class Fit:
             mac=np.diag(mac(target.shapes, own)),
             turn=turn,
             difference=self._rows(np.concatenate([misses, shape_difference.ravel()])),
-            size=np.tile(size, 2) if target.damped else size,
+            size=(np.tile(size, 2) if target.damped else size)[self._held],
         )
 
     def sensitivity(self, state: State) -> FloatArray:
@@ -185,7 +206,8 @@ class Fit:
     def _rows(self, values: FloatArray | ComplexArray) -> FloatArray:
         """Return numbers of modes as rows of the equations: coefficients are real, so that both parts of
         a damped mode's are equations of their own."""
-        return np.concatenate([values.real, values.imag]) if self.target.damped else values.real
+        rows = np.concatenate([values.real, values.imag]) if self.target.damped else values.real
+        return rows if self._held.all() else rows[self._held]
 
     def _modes(self, values: FloatArray) -> ModalBasis:
         system = self.model.system(values)

@@ -12,6 +12,7 @@ from modallab.core.progress import Progress, silent
 from modallab.core.registry import Family
 from modallab.fe.structure import Structure
 from modallab.updating.evidence import Prior
+from modallab.updating.fit import Balance
 from modallab.updating.identifiability import Identifiability
 from modallab.updating.iteration import Iteration
 from modallab.updating.parameterisation import Parameterisation, Part
@@ -31,9 +32,22 @@ CHOICES: Mapping[str, OptionSpec] = {
         choices=(REFUSED, REGULARISED),
         default=REFUSED,
     ),
+    "balance": OptionSpec(
+        "rows divided by their size: those of eigenvalues alone, or both these and those of shapes",
+        choices=tuple(Balance),
+        default=Balance.EIGENVALUES.value,
+    ),
 }
 SAMPLING = ("samples", "seed")
-TWO_STAGE = ("location_tolerance", "suspect_threshold", "damping_threshold", "max_step")
+BELIEVING = ("prior", "few_rows")
+TWO_STAGE = (
+    "location_tolerance",
+    "suspect_threshold",
+    "damping_threshold",
+    "max_step",
+    "n_shapes",
+    "balance",
+)
 
 
 @dataclass(frozen=True)
@@ -60,6 +74,13 @@ class UpdateOptions(Parameterised):
     max_step: float = parameter(
         0.3, unit="-", lower=1e-3, upper=10.0, doc="largest change of a coefficient in one step of stage 2"
     )
+    n_shapes: int = parameter(
+        1000,
+        unit="-",
+        lower=0,
+        upper=1000,
+        doc="lowest measured modes whose shapes count, of the others only the eigenvalue",
+    )
     rank_jump: float = parameter(
         1e3, unit="-", lower=2.0, upper=1e15, doc="ratio of consecutive singular values that ends the rank"
     )
@@ -79,6 +100,7 @@ class UpdateOptions(Parameterised):
     seed: int = parameter(0, unit="-", lower=0, upper=2**63 - 1, doc="of these draws")
     prior: str = Prior.SPARSE.value
     few_rows: str = REFUSED
+    balance: str = Balance.EIGENVALUES.value
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -173,7 +195,7 @@ IDLE: Family[tuple[str, ...]] = Family("updating method", home=METHODS_HOME)
 
 def options_of(method: str) -> dict[str, OptionSpec]:
     """Return the options that mean something to a method."""
-    idle = {*CHOICES, *SAMPLING}
+    idle = {*BELIEVING, *SAMPLING}
     if method in IDLE:
         idle = set(IDLE[method])
     if Part.DAMPING not in parts_of(method):

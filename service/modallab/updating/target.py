@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from modallab.core.arrays import ComplexArray, FloatArray, IntArray, frozen
+from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray, frozen
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.modal_model import ModalModel
@@ -21,16 +21,19 @@ class TargetModes:
     shapes: FloatArray | ComplexArray  # (n_dof, n_modes)
     dofs: tuple[Dof, ...]
     mass_normalised: bool
-    # (n_rows,) standard errors: eigenvalues over their real part, then shapes; of damped modes the real
+    # (n_all_rows,) standard errors: eigenvalues over their real part, then shapes; of damped modes the real
     # parts of all and then the imaginary ones
     errors: FloatArray | None
+    n_shapes: int | None = (
+        None  # lowest modes whose shapes count, of the others only the eigenvalue; None: all
+    )
 
     def __post_init__(self) -> None:
         n, kind = len(self.squares), complex if self.damped else float
         object.__setattr__(self, "squares", frozen(self.squares, kind, (None,), name="frequencies"))
         object.__setattr__(self, "shapes", frozen(self.shapes, kind, (len(self.dofs), n), name="shapes"))
         if self.errors is not None:
-            errors = frozen(self.errors, float, (self.n_rows,), name="standard_errors")
+            errors = frozen(self.errors, float, (len(self.held),), name="standard_errors")
             object.__setattr__(self, "errors", errors)
 
     @property
@@ -39,9 +42,17 @@ class TargetModes:
         return np.iscomplexobj(self.squares)
 
     @property
+    def held(self) -> BoolArray:
+        """(n_all_rows,) True of the rows that are held against the model's."""
+        n = len(self.squares)
+        counted = np.argsort(np.argsort(self.squares.real)) < (n if self.n_shapes is None else self.n_shapes)
+        rows = np.concatenate([np.ones(n, bool), np.tile(counted, len(self.dofs))])
+        return np.tile(rows, 2) if self.damped else rows
+
+    @property
     def n_rows(self) -> int:
-        """How many real numbers were measured."""
-        return len(self.squares) * (1 + len(self.dofs)) * (2 if self.damped else 1)
+        """How many real numbers are held against the model's."""
+        return int(self.held.sum())
 
     @property
     def frequencies(self) -> FloatArray:

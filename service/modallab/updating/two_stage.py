@@ -1,12 +1,14 @@
 """Location, then updating: macro elements first, then the elements inside them."""
 
+from dataclasses import replace
+
 import numpy as np
 
 from modallab.core.progress import Progress, part
 from modallab.fe.assembly import Assembly
 from modallab.fe.structure import Structure
 from modallab.updating.certainty import certainty
-from modallab.updating.fit import Fit, State
+from modallab.updating.fit import Balance, Fit, State
 from modallab.updating.iteration import Ending, Path, StopRule, iterate
 from modallab.updating.location import Suspicion, suspicion
 from modallab.updating.method import Stages, UpdateOptions, UpdateResult
@@ -28,8 +30,9 @@ def update_in_two_stages(
     away from no change are suspected. Stage two moves the elements inside them from where stage one
     ended, all others back at no change. 1992 thesis, chapter 3.
     """
-    assembly = Assembly(structure, jumps=True)
-    whole = Fit(assembly, parameterisation, measured, options.min_mac)
+    assembly, measured = Assembly(structure, jumps=True), replace(measured, n_shapes=options.n_shapes)
+    balance = Balance(options.balance)
+    whole = Fit(assembly, parameterisation, measured, options.min_mac, balance=balance)
     start = parameterisation.unchanged
     before = whole.state(start)
     rule = StopRule(options.location_tolerance, np.inf, options.max_iterations, options.rank_jump)
@@ -42,7 +45,7 @@ def update_in_two_stages(
     elif suspected is None:
         fit, path = whole, Path((), before, located.ending, f"{located.why}; no macro element is suspected")
     else:
-        fit = Fit(assembly, suspected.parameterisation, measured, options.min_mac)
+        fit = Fit(assembly, suspected.parameterisation, measured, options.min_mac, balance=balance)
         rule = StopRule(options.tolerance, options.max_step, options.max_iterations, options.rank_jump)
         path = iterate(fit, suspected.start, rule, stage="updating", progress=part(progress, 0.5, 1.0))
     return _result(before, located, suspected, fit, path, parameterisation.parts, options)

@@ -11,13 +11,14 @@ from modallab.core.modal_model import ModalModel
 from modallab.fe.assembly import Assembly
 from modallab.fe.changes import MemberChange, MemberProperty, change
 from modallab.fe.plate import plate
+from modallab.fe.selected import ModeNoise
 from modallab.fe.structure import Material
 from modallab.fe.system import SMALL
-from modallab.updating.fit import Fit
+from modallab.updating.fit import Balance, Fit
 from modallab.updating.method import UPDATERS
 from modallab.updating.parameterisation import parameterise
 from modallab.updating.target import real_modes
-from tests.service.updating.cases import long_cantilever, modes_of
+from tests.service.updating.cases import BEAM, BEAM_DOFS, WRONG_BEAM, long_cantilever, modes_of
 
 
 def test_modes_begun_from_those_of_another_model_are_the_same_modes() -> None:
@@ -42,6 +43,26 @@ def test_modes_begun_from_those_of_another_model_are_the_same_modes() -> None:
     slopes = np.abs(fresh.sensitivity(once)) / once.size[:, None]
     again_slopes = np.abs(used.sensitivity(again)) / again.size[:, None]
     np.testing.assert_allclose(again_slopes, slopes, atol=1e-7 * slopes.max())
+
+
+def test_rows_divided_by_the_size_of_shapes_are_as_uncertain_as_they_are_large() -> None:
+    noise = ModeNoise(eigenvalue=1e-3, eigenvector=1e-2)
+    target = replace(real_modes(modes_of(WRONG_BEAM, 4, BEAM_DOFS, noise, 1)), n_shapes=2)
+    parameters = parameterise([(1, 2), (11, 12)])
+    plain, even = (Fit(Assembly(BEAM), parameters, target, 0.3, balance=one) for one in Balance)
+    of_plain, of_even = plain.state(np.ones(4)), even.state(np.ones(4))
+    np.testing.assert_array_equal(of_even.size[:4], of_plain.size[:4])
+    own = of_plain.basis.shapes[[BEAM.index(dof) for dof in BEAM_DOFS]][:, of_plain.modes[:2]]
+    # behind the four eigenvalues two shapes, DoF by DoF
+    sizes = of_even.size[4:].reshape(len(BEAM_DOFS), 2)
+    np.testing.assert_allclose(sizes, np.tile(np.linalg.norm(own, axis=0), (len(sizes), 1)), rtol=1e-9)
+    errors, even_errors = plain.errors(of_plain), even.errors(of_even)
+    assert errors is not None
+    assert even_errors is not None
+    # of a number and its error alike: what is missed is as many errors as before
+    np.testing.assert_allclose(
+        of_even.difference / of_even.size / even_errors, of_plain.difference / of_plain.size / errors
+    )
 
 
 SIDE, SPACE = 6, 2  # elements a side of a square plate, whose modes come in pairs; between sensors

@@ -45,6 +45,16 @@ class OptionsIn(Wire):
     suspect_threshold: Number | None = None
     damping_threshold: Number | None = None
     max_step: Number | None = None
+    n_shapes: Count | None = Field(
+        default=None,
+        ge=0,
+        le=1000,
+        description="lowest modes whose shapes count, of a method with a location stage; left out: all",
+    )
+    balance: Text | None = Field(
+        default=None,
+        description="`eigenvalues` or `both`: rows divided by their size, of a method with a location stage",
+    )
     rank_jump: Number | None = None
     min_mac: Number | None = None
     identified_within: Number | None = None

@@ -150,3 +150,42 @@ def test_more_coefficients_than_measured_numbers_are_refused() -> None:
     with pytest.raises(UnderdeterminedError) as caught:
         inverse_eigensensitivity(BEAM, each, target)
     assert caught.value.context == {"field": "macros", "value": 40, "allowed": "<= 15"}
+
+
+def test_frequencies_alone_do_where_they_are_more_than_the_coefficients() -> None:
+    stiffer = change(BEAM, [MemberChange((11, 12), MemberProperty.MODULUS, factor=1.5)])
+    parameters = parameterise([(3, 4), (11, 12)], ("stiffness",))
+    # errors of half of every entry: enough is left for modes to pair
+    exact = modes_of(stiffer, 8, BEAM_DOFS)
+    spoilt = modes_of(stiffer, 8, BEAM_DOFS, ModeNoise(eigenvector=0.5), 1)
+    without, with_shapes = (
+        inverse_eigensensitivity(BEAM, parameters, spoilt, options=UpdateOptions(n_shapes=n)) for n in (0, 8)
+    )
+    # clamped nowhere, the beam is alike from both ends, and so are its frequencies: 9 and 10 are like 11, 12
+    assert without.converged, without.stopped_because
+    assert moved(without, "stiffness", 1e-6) == pytest.approx({11: 1.5, 12: 1.5}, abs=1e-6)
+    assert abs(with_shapes.coefficients["stiffness"][11] - 1.5) > 0.01
+    np.testing.assert_allclose(without.frequencies.after, exact.frequencies, rtol=1e-6)
+
+
+def test_fewer_shapes_leave_fewer_numbers() -> None:
+    target = modes_of(BEAM, 8, BEAM_DOFS)
+    # eight eigenvalues and one shape at eleven places
+    with pytest.raises(UnderdeterminedError, match="19 measured numbers cannot determine 40"):
+        inverse_eigensensitivity(
+            BEAM, parameterise([(n,) for n in range(1, 21)]), target, options=UpdateOptions(n_shapes=1)
+        )
+
+
+def test_errors_of_shapes_that_are_left_out_do_not_count() -> None:
+    stiffer = change(BEAM, [MemberChange((11, 12), MemberProperty.MODULUS, factor=1.5)])
+    parameters, options = parameterise([(11, 12)], ("stiffness",)), UpdateOptions(n_shapes=0)
+    noise = ModeNoise(eigenvalue=1e-3, eigenvector=1e-2)
+    exact_shapes = ModeNoise(eigenvalue=1e-3, eigenvector=1e-3)
+    one, other = (
+        inverse_eigensensitivity(
+            BEAM, parameters, modes_of(stiffer, 8, BEAM_DOFS, level, 3), options=options
+        ).standard_errors["stiffness"][11]
+        for level in (noise, exact_shapes)
+    )
+    assert one == pytest.approx(other, rel=1e-9)
