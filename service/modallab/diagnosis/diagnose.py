@@ -13,6 +13,7 @@ from modallab.diagnosis.locating.locating import locate
 from modallab.diagnosis.numbers.tolerances import NONE, Tolerances, nuisances
 from modallab.diagnosis.observing.observed import observe
 from modallab.diagnosis.observing.residual import scatter
+from modallab.diagnosis.predicting.effort import ENOUGH, Effort
 from modallab.diagnosis.predicting.holding_out import held_out, standing_out
 from modallab.diagnosis.predicting.joint import FollowUp, Further, Joint
 from modallab.diagnosis.predicting.limitations import limitations
@@ -111,8 +112,14 @@ def diagnose(
         tolerated=tolerated(predictor, path.fit),
         follow_ups=tuple(one.change.plain for one in follow_ups),
         seed=seed,
-        notes=limitations(measurement, predictor.tests[0].observed),
+        notes=(*limitations(measurement, predictor.tests[0].observed), *_cut_short(predictor, explained)),
     )
+
+
+def _cut_short(predictor: Predictor, explained: bool) -> tuple[str, ...]:
+    if explained or not predictor.effort.over:
+        return ()
+    return ("the search for what is left was given up: no few effects of the catalogue came near it",)
 
 
 def _predicting(
@@ -126,7 +133,7 @@ def _predicting(
     """Return what predicts all tests, with the numbers of model and rig free within tolerances."""
     seen = [observe(test, held, fraction=fraction) for test in tests]
     first = Predictor(structure, tests[0].setup, seen[0])
-    first.alive = pulse.beat
+    first.alive, first.effort = pulse.beat, Effort(ENOUGH * len(tests))
     everywhere = _wherever_heard([test.setup for test in tests])
     first = first.allowing(nuisances(tolerances, first.system, everywhere))
     rest = [Further(first, test.setup, one) for test, one in zip(tests[1:], seen[1:], strict=True)]

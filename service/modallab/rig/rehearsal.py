@@ -25,7 +25,7 @@ from modallab.rig.succession import excess_variance
 Numbers = TypeVar("Numbers", FloatArray, ComplexArray)
 
 REPEATS = 12  # tests that are gone through: of four the scatter is known to a factor of two only
-STEPPED = 4  # the same where nonlinear forces have to be stepped through, which takes a hundred times as long
+STEPPED = 4  # the same for weights alone where nonlinear forces are stepped through, which takes far longer
 LONGEST = 50  # averages of each at most
 FINENESS = 2  # values of a parameter to its double that are told apart
 CHANCE = 1.75  # times the variance of Gaussian records that so few lines show by chance
@@ -46,7 +46,7 @@ class Rehearsals:
         self._known: dict[Hashable, VarianceFactors | None] = {}
 
     def factors(
-        self, chain: Chain, spectra: CrossSpectra, effects: Sequence[Effect]
+        self, chain: Chain, spectra: CrossSpectra, effects: Sequence[Effect], *, repeats: int | None = None
     ) -> VarianceFactors | None:
         """Return the factors of a chain with some effects; None where it cannot be gone through.
 
@@ -54,11 +54,15 @@ class Rehearsals:
         ----------
         spectra
             `expected_spectra(chain)`.
+        repeats
+            Tests that are gone through; None for as many as weights ask for.
         """
-        key = tuple(sorted((e.kind, str(e.at), *_about(e)) for e in effects if e.bursts))
+        if repeats is None:
+            repeats = STEPPED if chain.runs[0].local else REPEATS
+        key = (repeats, *sorted((e.kind, str(e.at), *_about(e)) for e in effects if e.bursts))
         if key not in self._known:
             try:
-                self._known[key] = rehearsed_factors(chain, spectra)
+                self._known[key] = rehearsed_factors(chain, spectra, repeats)
             except (DivergedError, InvalidInputError):  # too steep, or rings too long
                 self._known[key] = None
         return self._known[key]
@@ -70,7 +74,9 @@ def _about(effect: Effect) -> list[int]:
     return [int(size) for size in np.rint(FINENESS * np.log2(values))]
 
 
-def rehearsed_factors(chain: Chain, spectra: CrossSpectra, seed: int = 0) -> VarianceFactors:
+def rehearsed_factors(
+    chain: Chain, spectra: CrossSpectra, repeats: int = REPEATS, seed: int = 0
+) -> VarianceFactors:
     """Return by how much more spectra lie off their expectation than averages of Gaussian records do.
 
     Distortion comes in bursts: few records in which a line is large, or whose peaks are cut off, carry it,
@@ -86,13 +92,15 @@ def rehearsed_factors(chain: Chain, spectra: CrossSpectra, seed: int = 0) -> Var
     ----------
     spectra
         `expected_spectra(chain)`, one force a run.
+    repeats
+        Tests that are gone through.
     """
     n = min(chain.setup.analyser.averages, LONGEST)
     if len(chain.runs) > 1:
         chain = _all_at_once(chain)
         alone = expected_spectra(chain)
-        return _apart(rehearsed_factors(chain, alone, seed), spectra)
-    tests = _gone_through(chain, n, np.random.default_rng(seed))
+        return _apart(rehearsed_factors(chain, alone, repeats, seed), spectra)
+    tests = _gone_through(chain, repeats, n, np.random.default_rng(seed))
     worth = effective_averages(n, chain.overlap, chain.setup.analyser.line_window)
     share = worth / spectra.averages
     g2 = coherence(spectra)
@@ -193,9 +201,8 @@ def _smooth(squares: FloatArray) -> FloatArray:
     return np.asarray((total[:, width:] - total[:, :-width]) / width)
 
 
-def _gone_through(chain: Chain, n: int, rng: np.random.Generator) -> list[CrossSpectra]:
+def _gone_through(chain: Chain, repeats: int, n: int, rng: np.random.Generator) -> list[CrossSpectra]:
     """Return the spectra of some tests of n averages each."""
-    repeats = STEPPED if chain.runs[0].local else REPEATS
     analyser = replace(chain.setup.analyser, averages=repeats * n)
     longer = replace(chain, setup=replace(chain.setup, analyser=analyser))
     recorder, clean = Recorder(longer), noise_free(chain)

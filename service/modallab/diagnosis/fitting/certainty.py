@@ -10,7 +10,7 @@ from modallab.core.arrays import FloatArray
 from modallab.diagnosis.numbers.knobs import Panel
 from modallab.diagnosis.numbers.tolerances import LIMIT
 from modallab.diagnosis.observing.line_correlation import LineCorrelation
-from modallab.diagnosis.observing.observed import Observed, Predicted
+from modallab.diagnosis.observing.observed import Factors, Observed, Predicted
 from modallab.diagnosis.observing.residual import Residual, residual
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.rig.effect import Effect
@@ -65,7 +65,7 @@ def standard_errors(
     slopes, n_fitted = _slopes(predictor, fixed, panel, with_kept=len(own) > 0)
     room = [knob.room(value) for knob, value in zip(panel.knobs, panel.values(), strict=True)]
     rooms = np.array([*room, *(LIMIT - np.abs(predictor.position))])
-    weighing, lines = _weighed(observed, left)
+    weighing, lines = _weighed(observed, left, predictor.gone_through([*fixed, *effects]))
     common = np.concatenate([np.arange(n), n + chosen])
     covariance = _covariance(slopes[:n_fitted, common], rooms[common], len(chosen), weighing, lines)
     spread = np.sqrt(np.diag(covariance))
@@ -107,20 +107,21 @@ def _slopes(
     return np.hstack([own, also]), n_fitted
 
 
-def _weighed(observed: Observed, left: Residual) -> "tuple[_Weighing, _Together | None]":
+def _weighed(
+    observed: Observed, left: Residual, gone_through: Factors | None
+) -> "tuple[_Weighing, _Together | None]":
     """Return how a fit weighed, and how its lines go together if they do."""
     vector = left.vector(observed.fitted)
-    tests = _rehearsed(observed, left)
+    tests = None if gone_through is None else _rehearsed(observed, left, gone_through)
     weighing = _Weighing(max(1.0, float(vector @ vector) / len(vector)), observed.correlation)
     mixed = left.tied or observed.correlation > 1
     lines = LineCorrelation(left, observed.fitted) if mixed else None
     return weighing, lines if tests is None else _Bursts(lines, tests)
 
 
-def _rehearsed(observed: Observed, left: Residual) -> FloatArray | None:
+def _rehearsed(observed: Observed, left: Residual, factors: Factors) -> FloatArray | None:
     """Return residuals (n_tests, n_data) of tests that were gone through with distortion in bursts."""
-    factors = None if left.steady is None else left.steady()
-    if factors is None or factors.tests is None:
+    if factors.tests is None:
         return None
     force, frf, response = factors.tests
     spread = observed.incoherent_variance

@@ -35,6 +35,9 @@ def _side_by_side(runs: Numbers) -> Numbers:
     return out
 
 
+Tests = tuple[FloatArray, ComplexArray, FloatArray]  # of the three below, by test
+
+
 @dataclass(frozen=True, eq=False)
 class Factors:
     """Variances over those of averages of Gaussian records drawn anew, by line and channel."""
@@ -43,7 +46,7 @@ class Factors:
     frf: FloatArray  # (n_freq, n_out) of H1
     response: FloatArray  # (n_freq, n_out) of ln of the incoherent spectrum
     # How far off their expectation the three lie in some tests, (n_tests, ..), see `VarianceFactors`.
-    tests: tuple[FloatArray, ComplexArray, FloatArray] | None = None
+    tests: Tests | None = None
 
     @classmethod
     def of(cls, runs: VarianceFactors | None, spectra: CrossSpectra) -> "Factors":

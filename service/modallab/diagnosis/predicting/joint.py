@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
-from modallab.diagnosis.observing.observed import Factors, Observed, Predicted
+from modallab.diagnosis.observing.observed import Factors, Observed, Predicted, Tests
 from modallab.diagnosis.predicting.glimpses import Glimpses
 from modallab.diagnosis.predicting.predictor import GLIMPSED, Predictor
 from modallab.fe.modes import ModalBasis
@@ -138,6 +138,11 @@ class Joint(Predictor):
         """Return the same with errors as large as bursts make them, see `Predictor.weighed`."""
         return Joint([test.weighed(effects) for test in self._tests])
 
+    def gone_through(self, effects: Sequence[Effect]) -> Factors | None:
+        """Return what all tests are like, see `Predictor.gone_through`; None if one has no bursts."""
+        each = [found for test in self._tests if (found := test.gone_through(effects)) is not None]
+        return self._factors(each) if len(each) == len(self._tests) else None
+
     def without_lines(self, every: int) -> "Predictor":
         """Return the same with one of so many lines of each test held out of its fits as well."""
         return Joint([test.without_lines(every) for test in self._tests])
@@ -166,7 +171,9 @@ class Joint(Predictor):
 
     def _of_runs(self, parts: Sequence[NDArray[Any]]) -> NDArray[Any]:
         """Return the same of what every run has once: a roving sensor's runs are its outputs."""
-        return self.placed(parts, 1.0) if self.setup.accelerometers.roving else np.concatenate(parts)
+        if self.setup.accelerometers.roving:
+            return self.placed(parts, 1.0)
+        return np.concatenate(parts, axis=-2)
 
     def stacked(self, parts: Sequence[Predicted]) -> Predicted:
         """Return the predictions of all tests, one below the other."""
@@ -185,14 +192,27 @@ class Joint(Predictor):
         return self.placed(each, 1.0)
 
     def _steady(self, parts: Sequence[Predicted]) -> Factors:
-        each = [_anew(part) if part.steady is None else part.steady() for part in parts]
+        return self._factors([_anew(part) if part.steady is None else part.steady() for part in parts])
+
+    def _factors(self, each: Sequence[Factors]) -> Factors:
         # They multiply the variance of as many averages as `observed` says, the fewest of all tests.
         shares = [self.observed.averages / test.observed.averages for test in self._tests]
         return Factors(
             self._of_runs([one.force * share for one, share in zip(each, shares, strict=True)]),
             self.placed([one.frf for one in each], 1.0),
             self.placed([one.response for one in each], 1.0),
+            self._together([one.tests for one in each]),
         )
+
+    def _together(self, each: Sequence[Tests | None]) -> Tests | None:
+        """Return what tests lie off, those of each further one another draw: one seed drew them all."""
+        drawn = [
+            [np.roll(part, i, axis=0) for part in tests] for i, tests in enumerate(each) if tests is not None
+        ]
+        if len(drawn) < len(each):
+            return None
+        force, frf, response = zip(*drawn, strict=True)
+        return self._of_runs(force), self.placed(frf, 0.0), self.placed(response, 0.0)
 
     def _seen(self, parts: Sequence[Observed]) -> Observed:
         """Return the measurements of all tests, one below the other."""

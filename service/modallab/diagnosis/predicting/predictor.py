@@ -13,8 +13,9 @@ from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.diagnosis.numbers.tolerances import Nuisances, on_the_model
-from modallab.diagnosis.observing.observed import Observed, Predicted
+from modallab.diagnosis.observing.observed import Factors, Observed, Predicted
 from modallab.diagnosis.observing.residual import Residual, residual
+from modallab.diagnosis.predicting.effort import Effort
 from modallab.diagnosis.predicting.glimpses import Glimpses
 from modallab.fe.assembly import assemble
 from modallab.fe.modes import ModalBasis
@@ -25,7 +26,7 @@ from modallab.rig.effect import Effect, build
 from modallab.rig.excitation import EXCITATIONS
 from modallab.rig.expected import expected_spectra, glimpse, thin_view
 from modallab.rig.measurement import Measurement
-from modallab.rig.rehearsal import Rehearsals, comes_in_bursts
+from modallab.rig.rehearsal import REPEATS, Rehearsals, comes_in_bursts
 from modallab.rig.setup import RigSetup
 from modallab.rig.steadiness import steady_factors
 from modallab.rig.succession import excess_variance
@@ -48,6 +49,7 @@ class Predictor:
     def __init__(self, structure: Structure, setup: RigSetup, observed: Observed) -> None:
         self.setup, self.observed = setup, observed
         self.alive: Callable[[], None] = _unheard  # called before every prediction
+        self.effort = Effort()
         self.system = self._loose = assemble(structure)
         self._own = [build(spec) for spec in structure.effects]
         self.step = max(1, setup.analyser.n_lines // GLIMPSED)
@@ -71,6 +73,7 @@ class Predictor:
             What they take (n_run, r) in a chain that differs by next to nothing, if that is known.
         """
         self.alive()
+        self.effort.spend()
         return chain(self._loose, self.setup, self._with(effects), alike=alike, near=near)
 
     def _with(self, effects: Sequence[Effect]) -> list[Effect]:
@@ -131,6 +134,15 @@ class Predictor:
         other = copy(self)
         other.observed = self.observed.widened(predicted.steady())
         return other
+
+    def gone_through(self, effects: Sequence[Effect]) -> Factors | None:
+        """Return what tests are like in which distortion comes in bursts, as many as errors ask for."""
+        if not comes_in_bursts(effects, self.setup):
+            return None
+        whole = self.chain(effects)
+        spectra = expected_spectra(whole)
+        found = self._rehearsals.factors(whole, spectra, effects, repeats=REPEATS)
+        return None if found is None else Factors.of(found, spectra)
 
     def around(self, effects: Sequence[Effect]) -> Callable[[Sequence[Effect]], Predicted]:
         """Return predictions to differentiate with, near some effects: leakage on one thin grid for all."""

@@ -67,9 +67,10 @@ def _pruned(predictor: Predictor, path: Path) -> Path:
 def _exchanged(predictor: Predictor, path: Path) -> Path:
     """Return the path with each effect tried against the others of its round, beside all that came later.
 
-    What explained most while something was missing besides need not be what explains it now.
+    What explained most while something was missing besides need not be what explains it now. Where the search
+    was given up something still is.
     """
-    if len(path.steps) < 2:
+    if len(path.steps) < 2 or predictor.effort.over:
         return path
     best, steps = path.fit, list(path.steps)
     for i, step in enumerate(steps):

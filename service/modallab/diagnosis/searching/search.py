@@ -57,6 +57,8 @@ def search(
         paths.append(_longer(predictor, single, suspects, min(PAIR, max_effects), whole))
         if max_effects == 1 or only_noise_left(predictor, paths[-1].fit.residual):
             return put_right(predictor, paths[-1])
+        if predictor.effort.over:
+            break
     if elements:  # no pair explains it, so they are worth their number
         return put_right(
             predictor, borne_out(predictor, start, elements, suspects, part(progress, 0.75, 0.95))
@@ -98,7 +100,7 @@ def _longer(
     little by little by many effects, none of which is there.
     """
     while len(path.steps) < max_effects and not (path.ended or only_noise_left(predictor, path.fit.residual)):
-        if len(path.steps) > 1 and not _closes_much(predictor, path.steps[-1]):
+        if predictor.effort.over or (len(path.steps) > 1 and not _closes_much(predictor, path.steps[-1])):
             break
         found = trials(predictor, path.fit, suspects, progress=progress)
         best = next(convincing(predictor, path.fit, found), None)

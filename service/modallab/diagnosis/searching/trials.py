@@ -94,7 +94,8 @@ class _Round:
 
     def _fit(self, cost: float, effect: Effect) -> None:
         hopeless = cost > self._hopeless and (len(self.fits) >= SHOWN or effect.bursts)
-        if hopeless or name_of(effect) in self._fitted:
+        given_up = self._predictor.effort.over and len(self.fits) > 0
+        if hopeless or given_up or name_of(effect) in self._fitted:
             return
         self._fitted.add(name_of(effect))
         with suppress(InvalidInputError):

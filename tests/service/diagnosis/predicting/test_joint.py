@@ -9,11 +9,12 @@ import pytest
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.diagnosis.fitting.fit import fit
-from modallab.diagnosis.observing.observed import observe
+from modallab.diagnosis.observing.observed import Tests, observe
 from modallab.diagnosis.predicting.joint import FollowUp, Further, Joint
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.effects.extra_mass import ExtraMass
 from modallab.effects.force_transducer_mass import ForceTransducerMass
+from modallab.effects.overload import Overload
 from modallab.rig.change import Change
 from modallab.rig.effect import Effect
 from modallab.rig.measurement import Measurement
@@ -123,3 +124,23 @@ def test_a_further_test_of_other_responses_than_it_says_is_refused() -> None:
 def test_fixed_and_roving_accelerometers_are_not_put_together() -> None:
     with pytest.raises(InvalidInputError, match="roving"):
         FollowUp(drawn(rig(roving=False))).taken_after(drawn(rig()))
+
+
+def test_bursts_of_several_tests_are_draws_of_their_own() -> None:
+    clipped = Overload(level=1.5)
+    joint = both(rig(kind="random", window="hann"), Change(level_factor=2.0), (clipped,))
+
+    def bursts(of: Predictor) -> Tests:
+        found = of.gone_through((clipped,))
+        assert found is not None
+        assert found.tests is not None
+        return found.tests
+
+    for part, one, other in zip(bursts(joint), *map(bursts, joint.tests), strict=True):
+        n = one.shape[1]
+        np.testing.assert_array_equal(part[:, :n], one)
+        np.testing.assert_array_equal(part[1:, n:], other[:-1], "the same seed drew them")
+
+
+def test_a_test_without_bursts_leaves_none_to_go_through() -> None:
+    assert both(rig(), Change(level_factor=2.0)).gone_through((MASS,)) is None
