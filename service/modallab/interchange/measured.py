@@ -16,6 +16,7 @@ from modallab.rig.setup import RigSetup
 NO_LOG_BOOK = "no log book: the rig is what the file itself tells"
 MIN_LINES, MOST_LINES = 8, 20_001  # of an analyser
 MOST_AVERAGES = 100_000.0
+LARGEST = 1e30  # beyond, a number has no meaning in any unit, and its square may be none
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,6 +30,22 @@ class MeasuredFile:
     response_spectrum: FloatArray | None = None  # unit^2/Hz, shaped as `coherence`
     notes: tuple[str, ...] = ()
     axis_error: float = 1e-6  # relative error that the format leaves in the frequencies
+
+    def __post_init__(self) -> None:
+        arrays = {
+            "values": self.frf.values,
+            "force_spectrum": self.force_spectrum,
+            "response_spectrum": self.response_spectrum,
+        }
+        for name, array in arrays.items():
+            largest = 0.0 if array is None else float(np.abs(array).max(initial=0.0))
+            if largest > LARGEST:
+                raise InvalidInputError(
+                    f"{name} holds a number of no size that can be computed with",
+                    field=name,
+                    value=largest,
+                    allowed=f"up to {LARGEST:g}",
+                )
 
     def taken_on(self, setup: RigSetup, averages: float | None = None) -> Measurement:
         """Return the measurement that the file is, taken on a rig.

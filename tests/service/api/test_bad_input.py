@@ -334,6 +334,8 @@ FILES = {
     "complex coherence": (npz(coherence=np.full((21, 1), 0.5j)), "coherence"),
     "negative power": (npz(force_spectrum=np.full((21, 1, 1), -1.0)), "force_spectrum"),
     "two numbers for one": (npz(averages=np.array([10.0, 20.0])), "averages"),
+    "an FRF that overflows when squared": (npz(values=np.full((21, 1, 1), 1e200 + 0j)), "values"),
+    "power that overflows when squared": (npz(force_spectrum=np.full((21, 1, 1), 1e200)), "force_spectrum"),
     "NaN in an FRF": (npz(values=with_nan()), "values"),
     "an array missing": (npz(freq=None), "file"),
     "no npz file": (b"PK no archive", "file"),

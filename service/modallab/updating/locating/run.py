@@ -10,6 +10,7 @@ from modallab.core.progress import Progress, silent
 from modallab.fe.assembly import Assembly
 from modallab.fe.structure import Structure
 from modallab.updating.fit import Fit, State
+from modallab.updating.iteration import refuse_blind
 from modallab.updating.locating.method import LOCATORS, LinearLocation, LinearProblem, LocationResult
 from modallab.updating.parameterisation import Parameterisation, by_member
 from modallab.updating.target import real_modes
@@ -54,7 +55,8 @@ def locate(
     Raises
     ------
     UnderdeterminedError
-        If there are fewer measured numbers than coefficients, or a measured mode pairs with none.
+        If there are fewer measured numbers than coefficients, a measured mode pairs with none, or no
+        measured number moves with any coefficient.
     UnknownDofError
         If the structure lacks a measured DoF.
     """
@@ -63,6 +65,7 @@ def locate(
     progress(0.1, "the model is held against the measured modes")
     state = fit.state(np.ones(len(parameterisation.macros)))
     sensitivity = fit.sensitivity(state) / state.size[:, None]
+    refuse_blind(sensitivity)
     progress(0.6, f"{method} over {len(parameterisation.macros)} coefficients")
     problem = LinearProblem(sensitivity, state.difference / state.size)
     found = find(problem, threshold=options.suspect_threshold, jump=options.rank_jump)

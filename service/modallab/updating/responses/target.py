@@ -14,6 +14,7 @@ from modallab.estimation.force_noise import MOST_COMMON
 NUMERICAL = 1e-6  # relative error of the model's own responses: a floor under every random error
 FAINT = 1e-6  # coherence below which there is no response at all
 VAGUE = 0.5  # random error from which a logarithm is far from normal: such numbers are left out
+TINY = 1e-100  # m/N, below which a response is none: nothing is left of its square
 UNSTATED = 2  # averages up to which coherence says nothing of random errors
 
 
@@ -100,7 +101,7 @@ def weighed(
     shared = np.zeros(size.shape) if common is None else common[lines]
     # What coherence tells of a line is a matter of chance; what is common is of all outputs alike.
     errors = np.maximum(errors, np.sqrt(shared / MOST_COMMON))
-    used = (size > 0) & (errors < VAGUE)
+    used = (size > TINY) & (errors < VAGUE)
     if not used.any():
         raise InvalidInputError(
             "no response says anything: each is zero, or its random error larger than half of it",

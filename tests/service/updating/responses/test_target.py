@@ -47,11 +47,12 @@ def test_inertance_becomes_receptance_and_the_line_at_zero_goes() -> None:
 def test_dead_channels_and_vague_lines_say_nothing() -> None:
     values, coherence = FRF.values.copy(), 0.9 * FULL
     values[:, 2] = 0.0
+    values[:, 3] = 1e-200  # its square is none
     coherence[5, :] = 0.001
     used = weighed(replace(FRF, values=values), coherence, AVERAGES).used
-    assert not used[:, 2].any()
+    assert not used[:, 2:4].any()
     assert not used[5].any()
-    assert used.sum() == (len(FRF.freq) - 1) * (len(BEAM_SENSORS) - 1)
+    assert used.sum() == (len(FRF.freq) - 1) * (len(BEAM_SENSORS) - 2)
 
 
 @pytest.mark.parametrize(("coherence", "averages"), [(None, AVERAGES), (FULL, 2.0)])
