@@ -14,6 +14,10 @@ from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
 
 NO_LOG_BOOK = "no log book: the rig is what the file itself tells"
+NO_COHERENCE = (
+    "no coherence, which with averages tells random error: that of modes is told by what their fits leave; "
+    "a diagnosis, or an update on FRFs, asks for a noise_floor"
+)
 MIN_LINES, MOST_LINES = 8, 20_001  # of an analyser
 MOST_AVERAGES = 100_000.0
 LARGEST = 1e30  # beyond, a number has no meaning in any unit, and its square may be none
@@ -71,7 +75,7 @@ class MeasuredFile:
             setup=replace(setup, responses=self._responses(setup)),
             force_spectrum=self.force_spectrum,
             response_spectrum=self._shaped(self.response_spectrum, setup),
-            notes=("imported", *self.notes),
+            notes=("imported", *self._unsaid(), *self.notes),
         )
 
     def alone(self, averages: float | None = None) -> Measurement:
@@ -100,8 +104,11 @@ class MeasuredFile:
             setup=setup,
             force_spectrum=self.force_spectrum,
             response_spectrum=self._shaped(self.response_spectrum, setup),
-            notes=("imported", NO_LOG_BOOK, *self.notes),
+            notes=("imported", NO_LOG_BOOK, *self._unsaid(), *self.notes),
         )
+
+    def _unsaid(self) -> tuple[str, ...]:
+        return (NO_COHERENCE,) if self.coherence is None else ()
 
     def _analyser(self, averages: float) -> Analyser:
         freq = self.frf.freq

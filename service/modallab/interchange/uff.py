@@ -10,7 +10,7 @@ from modallab.core.dof import Dof
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.interchange.measured import MeasuredFile
 from modallab.interchange.uff_companions import Companions, not_si, same_axis
-from modallab.interchange.uff_contents import contents
+from modallab.interchange.uff_contents import contents, data_type
 from modallab.interchange.uff_format import (
     AUTO_SPECTRUM,
     COHERENCE,
@@ -171,8 +171,11 @@ def _kind(found: Sequence[Function], units: tuple[float, float]) -> FrfKind:
     kinds = {(f.numerator, f.denominator) for f in found}
     motion, source = min(kinds)
     if len(kinds) > 1 or source != FORCE or motion not in MOTIONS.values():
+        named = ", ".join(f"{data_type(motion)} per {data_type(source)}" for motion, source in sorted(kinds))
+        label = " ".join(dict.fromkeys(f.units[0] for f in found))
         raise refusal(
-            "the FRFs are not all displacement, velocity or acceleration per force",
+            "the FRFs must all be displacement, all velocity or all acceleration, per force; by their data "
+            f"types they are {named}, by their labels {label!r}",
             field="kind",
             value=", ".join(f"{motion} per {source}" for motion, source in sorted(kinds)),
             allowed="data types 8, 11 or 12 per 13",

@@ -21,6 +21,25 @@ _FUNCTIONS = {
     26: "multiple coherences",
     27: "orders",
 }
+_DATA_TYPES = {
+    0: "unknown",
+    1: "general",
+    2: "stress",
+    3: "strain",
+    5: "temperature",
+    6: "heat flux",
+    8: "displacement",
+    9: "reaction force",
+    11: "velocity",
+    12: "acceleration",
+    13: "force",
+    15: "pressure",
+    16: "mass",
+    17: "time",
+    18: "frequency",
+    19: "rpm",
+    20: "order",
+}
 _DATASETS = {
     15: "nodes",
     18: "coordinate systems",
@@ -48,6 +67,11 @@ def contents(payload: bytes) -> str:
     """
     counts = Counter(map(_name, split(payload, {}, ())))
     return ", ".join(f"{count} {name}" if count > 1 else name for name, count in counts.items())
+
+
+def data_type(number: int) -> str:
+    """Return what an axis of a function is, by its specific data type."""
+    return _DATA_TYPES.get(number, f"of type {number}")
 
 
 def _name(dataset: Dataset) -> str:

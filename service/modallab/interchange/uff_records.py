@@ -103,7 +103,11 @@ def factors(units: str) -> tuple[float, float]:
 def _limited(payload: bytes, largest: int) -> bytes:
     limit = min(largest, LARGEST)
     if len(payload) > limit:
-        raise refusal(f"the universal file is larger than {limit} bytes", allowed=limit)
+        raise refusal(
+            f"the universal file is larger than {limit / 1e6:g} MB; what does not belong to FRFs, such as "
+            "time records, may be left out of it",
+            allowed=limit,
+        )
     return payload
 
 

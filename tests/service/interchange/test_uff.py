@@ -17,7 +17,7 @@ from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.interchange import reading, uff
-from modallab.interchange.measured import MeasuredFile
+from modallab.interchange.measured import NO_COHERENCE, MeasuredFile
 from modallab.interchange.uff_split import MOST_LINES
 from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
@@ -175,7 +175,8 @@ def test_a_file_becomes_a_measurement_on_the_rig_with_its_averages() -> None:
     )
     payload = uff.write(Measurement(frf, None, 7.0, setup))
     test = taken(payload, setup)
-    assert (test.averages, test.setup.responses, test.notes) == (40.0, setup.responses[:2], ("imported",))
+    assert (test.averages, test.setup.responses) == (40.0, setup.responses[:2])
+    assert test.notes == ("imported", NO_COHERENCE)
     assert taken(payload, setup, averages=12.5).averages == 12.5
     with pytest.raises(InvalidInputError, match="drives elsewhere"):
         taken(uff.write(measured()), setup)
@@ -436,6 +437,20 @@ def test_functions_that_make_no_measurement_are_refused(foreign: Callable[..., b
     with pytest.raises(InvalidInputError) as caught:
         read(foreign(*sets))
     assert caught.value.context["field"] == field
+
+
+def test_frfs_of_other_quantities_are_refused_with_what_they_are(foreign: Callable[..., bytes]) -> None:
+    told = r"they are general per unknown, by their labels '\(1/N\)\*\(m/s2\)'"
+    kind = {"ordinate_spec_data_type": 1, "orddenom_spec_data_type": 0}
+    with pytest.raises(InvalidInputError, match=told):
+        read(foreign(function(1, ordinate_axis_units_lab="(1/N)*(m/s2)", **kind)))
+    with pytest.raises(InvalidInputError, match="displacement per force, acceleration per force"):
+        read(foreign(function(1), function(2, ordinate_spec_data_type=8)))
+
+
+def test_a_file_that_is_too_large_says_what_may_be_left_out_of_it() -> None:
+    with pytest.raises(InvalidInputError, match=r"larger than 24 MB; .* time records"):
+        read(b"    -1\n    58\n".ljust(uff.LARGEST + 1))
 
 
 # --- damaged files ---------------------------------------------------------------------------------
