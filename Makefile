@@ -35,9 +35,9 @@ bench: setup ## speed as ratios against a limit or a peer of the same run
 
 trial: setup ## the blind trial of the diagnosis, for hours; may be cut and continued; writes docs/trial.md
 	$(BIN)/python -m benchmarks.blind_trial --set 1 --cases 416 --seed 9001 --out $(TRIAL)/1.jsonl --resume
-	$(BIN)/python -m benchmarks.blind_trial --set 2 --cases 156 --seed 8001 --out $(TRIAL)/2.jsonl --resume
-	$(BIN)/python -m benchmarks.blind_trial --set 3a --cases 156 --types single --seed 8001 --out $(TRIAL)/3a.jsonl --resume
-	$(BIN)/python -m benchmarks.blind_trial --set 3 --cases 156 --types pair nothing unknown log_book --seed 8001 \
+	$(BIN)/python -m benchmarks.blind_trial --set 2 --cases 156 --seed 10001 --out $(TRIAL)/2.jsonl --resume
+	$(BIN)/python -m benchmarks.blind_trial --set 3a --cases 156 --types single --seed 10001 --out $(TRIAL)/3a.jsonl --resume
+	$(BIN)/python -m benchmarks.blind_trial --set 3 --cases 156 --types pair nothing unknown log_book --seed 10001 \
 		--out $(TRIAL)/3.jsonl --resume
 	$(BIN)/python -m benchmarks.blind_trial --out $(TRIAL)/*.jsonl --report docs/trial.md
 

@@ -12,8 +12,7 @@ others are run with it: a trial may be cut and continued, and its cases run one 
     python -m benchmarks.blind_trial --set 1 --cases 416 --seed 1 --workers 2 --out set1.jsonl --resume
     python -m benchmarks.blind_trial --out set1.jsonl set2.jsonl --report docs/trial.md
 
-The lines behind `docs/trial.md` lie in `benchmarks/trial/results`. Those of its set 1 were not kept: what
-lies there of set 1 is the beginning of another run, and `make trial` goes on from it.
+The lines behind `docs/trial.md` lie in `benchmarks/trial/results`, each with the code that it was run with.
 
 With `--service` each question is a job of a service (`embedded`: of one started for it), which shares the
 jobs out over its workers; cases are drawn, measured and scored here all the same, `--workers` at a time. The
