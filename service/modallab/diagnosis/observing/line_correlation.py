@@ -77,10 +77,11 @@ def _reach(part: ComplexArray | FloatArray, where: BoolArray, n_run: int) -> int
 
 def _tapered(scores: FloatArray, lags: int) -> FloatArray:
     """Return the covariance (n, n) of the sums over all lines of scores (n_run, n_lines, n)."""
-    n_lines, n = scores.shape[1:]
+    n_run, n_lines, n = scores.shape
     total = np.zeros((n, n))
     for lag in range(min(lags + 1, n_lines)):
-        late, early = scores[:, lag:].reshape(-1, n), scores[:, : n_lines - lag].reshape(-1, n)
+        flat = (n_run * (n_lines - lag), n)
+        late, early = scores[:, lag:].reshape(flat), scores[:, : n_lines - lag].reshape(flat)
         both = (1 - lag / (lags + 1)) * early.T @ late
         total += both if lag == 0 else both + both.T
     return total

@@ -101,3 +101,9 @@ def test_leakage_that_is_in_step_far_from_its_resonance_is_seen_as_far() -> None
     between = LineCorrelation(left, EVERY).between(column)[0, 0]
     # 600 independent numbers, known to 6 % and once more by their sums; Bartlett's window takes a quarter.
     assert 0.6 * length < between < 1.1 * length
+
+
+def test_no_number_that_is_free_asks_for_no_covariance() -> None:
+    # As where every number of a fit lies on one of its bounds.
+    left = leaking(2, shared=False)
+    assert LineCorrelation(left, EVERY).between(np.zeros((len(left.vector(EVERY)), 0))).shape == (0, 0)
