@@ -44,6 +44,7 @@ class Rehearsals:
 
     def __init__(self) -> None:
         self._known: dict[Hashable, VarianceFactors | None] = {}
+        self.made = 0  # tests that were gone through
 
     def factors(
         self, chain: Chain, spectra: CrossSpectra, effects: Sequence[Effect], *, repeats: int | None = None
@@ -61,6 +62,7 @@ class Rehearsals:
             repeats = STEPPED if chain.runs[0].local else REPEATS
         key = (repeats, *sorted((e.kind, str(e.at), *_about(e)) for e in effects if e.bursts))
         if key not in self._known:
+            self.made += repeats
             try:
                 self._known[key] = rehearsed_factors(chain, spectra, repeats)
             except (DivergedError, InvalidInputError):  # too steep, or rings too long

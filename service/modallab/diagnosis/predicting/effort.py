@@ -12,9 +12,9 @@ class Effort:
     def __init__(self, most: float = ENOUGH) -> None:
         self._most, self.spent = most, 0
 
-    def spend(self) -> None:
-        """Count a prediction."""
-        self.spent += 1
+    def spend(self, predictions: int = 1) -> None:
+        """Count a prediction, or what takes as long as so many."""
+        self.spent += predictions
 
     @property
     def over(self) -> bool:

@@ -17,6 +17,7 @@ from modallab.diagnosis.observing.observed import Factors, Observed, Predicted
 from modallab.diagnosis.observing.residual import Residual, residual
 from modallab.diagnosis.predicting.effort import Effort
 from modallab.diagnosis.predicting.glimpses import Glimpses
+from modallab.estimation.spectra import CrossSpectra
 from modallab.fe.assembly import assemble
 from modallab.fe.modes import ModalBasis
 from modallab.fe.structure import Structure
@@ -28,11 +29,12 @@ from modallab.rig.expected import expected_spectra, glimpse, thin_view
 from modallab.rig.measurement import Measurement
 from modallab.rig.rehearsal import REPEATS, Rehearsals, comes_in_bursts
 from modallab.rig.setup import RigSetup
-from modallab.rig.steadiness import steady_factors
+from modallab.rig.steadiness import VarianceFactors, steady_factors
 from modallab.rig.succession import excess_variance
 
 GOLDEN = (5**0.5 - 1) / 2
 GLIMPSED = 130  # lines that a first look uses
+STEPPED = 25  # predictions that take as long as one test in which nonlinear forces are stepped through
 
 
 class Predictor:
@@ -117,7 +119,7 @@ class Predictor:
         if excitation.comes_back:
             steady = partial(steady_factors, whole, spectra)
         elif bursts:
-            steady = partial(self._rehearsals.factors, whole, spectra, effects)
+            steady = partial(self._rehearsed, whole, spectra, effects)
         return Predicted.of(
             spectra,
             partial(excess_variance, whole, spectra) if leaking else None,
@@ -141,8 +143,17 @@ class Predictor:
             return None
         whole = self.chain(effects)
         spectra = expected_spectra(whole)
-        found = self._rehearsals.factors(whole, spectra, effects, repeats=REPEATS)
+        found = self._rehearsed(whole, spectra, effects, REPEATS)
         return None if found is None else Factors.of(found, spectra)
+
+    def _rehearsed(
+        self, whole: Chain, spectra: CrossSpectra, effects: Sequence[Effect], repeats: int | None = None
+    ) -> VarianceFactors | None:
+        before = self._rehearsals.made
+        found = self._rehearsals.factors(whole, spectra, effects, repeats=repeats)
+        if whole.runs[0].local:
+            self.effort.spend(STEPPED * (self._rehearsals.made - before))
+        return found
 
     def around(self, effects: Sequence[Effect]) -> Callable[[Sequence[Effect]], Predicted]:
         """Return predictions to differentiate with, near some effects: leakage on one thin grid for all."""

@@ -13,6 +13,7 @@ from modallab.diagnosis.result import Verdict
 from modallab.diagnosis.searching.path import name_of
 from modallab.diagnosis.searching.search import search
 from modallab.diagnosis.searching.trials import Suspects
+from modallab.effects.cubic_stiffness import CubicStiffness
 from modallab.effects.extra_mass import ExtraMass
 from modallab.effects.ground_spring import GroundSpring
 from tests.diagnosing import drawn, model, rig
@@ -60,3 +61,14 @@ def test_a_diagnosis_that_was_given_up_says_so(monkeypatch: pytest.MonkeyPatch) 
     assert not any("given up" in note for note in explained.notes), (
         "what was found leaves nothing to look for"
     )
+
+
+def test_forces_that_are_stepped_through_count_as_long_as_they_take() -> None:
+    test = drawn(rig(kind="random", window="hann"), [MASS], seed=3)
+    predictor = Predictor(model(), test.setup, observe(test, (), fraction=0.25))
+    hardening = CubicStiffness(at=MASS.at, stiffness=1e9)
+    predictor.weighed((hardening,))
+    once = predictor.effort.spent
+    assert once > 50
+    predictor.weighed((hardening,))
+    assert predictor.effort.spent == once + 1, "what is known is not gone through again"
