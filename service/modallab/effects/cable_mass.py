@@ -33,6 +33,7 @@ class CableMass(Effect):
     kind: ClassVar[str] = "cable_mass"
     summary: ClassVar[str] = "an accelerometer's cable loads the structure and damps it"
     stage: ClassVar[int] = 1
+    more_than: ClassVar[str | None] = "accelerometer_mass"
     sits: ClassVar[tuple[type, ...]] = (NoneType, Dof)
     mass: float = parameter(
         0.005, unit="kg", lower=0.0, upper=0.5, doc="cable that moves with each accelerometer"

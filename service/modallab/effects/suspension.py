@@ -30,6 +30,7 @@ class Suspension(Effect):
     summary: ClassVar[str] = "an elastic band holds a structure that should be free"
     stage: ClassVar[int] = 1
     alike_in_runs: ClassVar[bool] = True
+    more_than: ClassVar[str | None] = "ground_spring"
     sits: ClassVar[tuple[type, ...]] = (Dof,)
     stiffness: float = parameter(100.0, unit="N/m", lower=0.0, upper=1e9, doc="of the band")
     loss_factor: float = parameter(

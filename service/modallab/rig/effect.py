@@ -41,6 +41,7 @@ class Effect(Parameterised):
     alike_in_runs: ClassVar[bool] = False  # True: makes the same of a structure in every run; asked once
     suspected: ClassVar[bool] = True  # False: a diagnosis looks for it only when told to
     bursts: ClassVar[bool] = False  # True: what it adds comes in bursts, which few records carry
+    more_than: ClassVar[str | None] = None  # the kind that it is where its one number more is nothing
     at: Place = None
 
     def on_system(self, system: DynamicSystem, shot: Shot) -> DynamicSystem:
@@ -134,6 +135,15 @@ class Effect(Parameterised):
     def lookalike(self, setup: RigSetup) -> Self | None:
         """Return the effect with other numbers that this test hardly tells from its own, if any."""
         return None
+
+    def plainer(self) -> "tuple[Effect, str] | None":
+        """Return the effect that this one is where its one number more is nothing, and that number's name."""
+        if self.more_than is None:
+            return None
+        cls = EFFECTS[self.more_than]
+        shared: dict[str, Any] = {name: self.parameters[name] for name in cls.specs()}
+        (more,) = self.specs().keys() - shared.keys()
+        return cls(at=self.at, **shared), more
 
     @classmethod
     def signature(cls, evidence: Evidence) -> float:

@@ -60,6 +60,7 @@ def trials(predictor: Predictor, base: Fit, suspects: Suspects, *, progress: Pro
     if tried.explained is not None:
         costly = [effect for effect in costly if _feigned(effect, tried.explained, predictor.system)]
     tried.look(costly, part(progress, share, 1.0))
+    tried.look_simpler({name_of(effect) for effect in suspects.effects})
     return best_first(tried.fits)
 
 
@@ -91,6 +92,14 @@ class _Round:
         for i, (cost, effect) in enumerate(best):
             progress(0.75 + 0.25 * i / len(best), f"fitting {effect.kind}")
             self._fit(cost, effect)
+
+    def look_simpler(self, suspected: set[tuple[str, str]]) -> None:
+        """Fit what the best would be without its one number more, which may not have been among the best."""
+        best = min(self.fits, key=lambda one: one.bic, default=None)
+        simpler = None if best is None else best.effects[-1].plainer()
+        if simpler is not None and name_of(simpler[0]) in suspected - self._fitted:
+            with suppress(InvalidInputError):
+                self.fits.append(fit(self._predictor, (*self._accepted, simpler[0])))
 
     def _fit(self, cost: float, effect: Effect) -> None:
         hopeless = cost > self._hopeless and (len(self.fits) >= SHOWN or effect.bursts)

@@ -1,5 +1,7 @@
 """When an effect is told from nothing by the size that it was given."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -7,14 +9,17 @@ from benchmarks.trial.rigs import bench
 from modallab.core.dof import Dof
 from modallab.core.place import Channels
 from modallab.diagnosis.diagnose import diagnose
-from modallab.diagnosis.fitting.fit import fit
+from modallab.diagnosis.fitting.certainty import Errors
+from modallab.diagnosis.fitting.fit import Fit, fit
 from modallab.diagnosis.observing.observed import observe
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.result import Verdict
-from modallab.diagnosis.searching.judging import clear_of_nothing, improves
+from modallab.diagnosis.searching.judging import best_first, clear_of_nothing, improves, probabilities
 from modallab.effects.gain_error import GainError
+from modallab.effects.ground_spring import GroundSpring
 from modallab.effects.mains_hum import MainsHum
 from modallab.effects.stinger_axial import StingerAxial
+from modallab.effects.suspension import Suspension
 from modallab.effects.transverse_sensitivity import TransverseSensitivity
 from modallab.rig.measure import Route, measure
 from tests.diagnosing import drawn, model, rig
@@ -77,3 +82,36 @@ def test_what_is_missing_smoothly_is_not_taken_for_leakage() -> None:
     # fits of eight draws scatter by 1.3 %: four times that
     assert step.effect.parameters["stiffness"].value == pytest.approx(5e5, rel=0.053)
     assert diagnose(model(), drawn(leaky, seed=3), suspects=kinds).verdict is Verdict.NOTHING_MISSING
+
+
+@pytest.fixture(scope="module")
+def springs() -> tuple[Fit, Fit]:
+    """A spring to the ground, and a band at the same place whose loss leaves far less than it."""
+    test = drawn(rig(), [GroundSpring(Dof(4, "Y"), 2e4)], seed=3)
+    predictor = Predictor(model(), test.setup, observe(test, (), fraction=0.25))
+    plain, lossy = (fit(predictor, (cls(Dof(4, "Y"), 2e4),)) for cls in (GroundSpring, Suspension))
+    return plain, replace(lossy, chi_square=plain.chi_square - 50.0)
+
+
+def with_error_of_loss(band: Fit, errors_away: float) -> Fit:
+    error = band.effects[-1].parameters["loss_factor"] / errors_away
+    found = Errors(({"stiffness": 10.0, "loss_factor": error},), np.zeros(0))
+    return replace(band, spread=lambda: found)
+
+
+def test_a_number_more_has_to_be_told_from_nothing_by_its_own_standard_error(
+    springs: tuple[Fit, Fit],
+) -> None:
+    plain, band = springs
+    unsure, sure = (with_error_of_loss(band, away) for away in (1.8, 6.0))
+    assert best_first([unsure, plain])[0] is plain, "chi-square alone counts lines that leakage ties"
+    assert best_first([sure, plain])[0] is sure
+    assert best_first([unsure])[0] is unsure
+
+
+def test_shares_of_belief_follow_the_order(springs: tuple[Fit, Fit]) -> None:
+    plain, band = springs
+    test = drawn(rig(), seed=3)
+    predictor = Predictor(model(), test.setup, observe(test, (), fraction=0.25))
+    first, second = probabilities(predictor, [plain, with_error_of_loss(band, 1.8)])
+    assert first > 0.8 > 0.2 > second > 0.01, "three units of BIC or so: a loss is not ruled out either"
