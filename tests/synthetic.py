@@ -1,4 +1,4 @@
-"""FRFs with a close pair of modes, a mode above the band, and noise: what global tools are judged by."""
+"""FRFs that extraction is judged by: a close pair of modes with noise, and a hammer that hardly excites."""
 
 from dataclasses import dataclass
 
@@ -76,3 +76,30 @@ def six_modes(
         np.asarray(pole[:N_IN_BAND], complex),
         np.asarray(constants[:N_IN_BAND]),
     )
+
+
+HAMMERED = np.array([52.5, 144.6, 283.1, 468.3, 698.5, 973.0, 1293.0, 1655.0])  # Hz
+HAMMERED_LOSS = np.array([36.0, 14.0, 8.0, 4.3, 3.7, 4.5, 4.3, 7.0]) * 1e-4
+KNEE = 900.0  # Hz, where noise in a record of the force is as large as the force
+PULSE = 1 / 8  # s of that record that are kept: its noise is smooth over 8 Hz
+PULSES = 40  # that noise is made of
+
+
+def hammered(seed: int, n_frf: int, *, spacing: float = 0.25) -> tuple[FloatArray, ComplexArray]:
+    """Return lines up to 2 kHz and inertances, (n_freq, n_frf), of eight modes that a hammer excites.
+
+    Each FRF is of blows of its own. Noise in the short record of a blow's force is a smooth function of
+    frequency: `X/(F + N)` has peaks where F + N is nearly zero, as smooth as resonances, and in every FRF
+    others. The force falls with the fourth power of frequency. On top are 1e-4 of each line.
+    """
+    rng = np.random.default_rng(seed)
+    freq: FloatArray = np.arange(spacing, 2000.0, spacing)
+    omega = 2 * np.pi * freq[:, None]
+    constants = rng.uniform(0.3, 1, (len(HAMMERED), n_frf)) * rng.choice([-1, 1], (len(HAMMERED), n_frf))
+    eigenvalues = (2 * np.pi * HAMMERED) ** 2 * (1 + 1j * HAMMERED_LOSS)
+    exact = -(omega**2) * ((1 / (eigenvalues - omega**2)) @ constants)
+    at = rng.uniform(0, PULSE, (PULSES, n_frf))
+    size = (rng.standard_normal(at.shape) + 1j * rng.standard_normal(at.shape)) / np.sqrt(2 * PULSES)
+    noise = sum(size[k] * np.exp(-1j * omega * at[k]) for k in range(PULSES))
+    unit = rng.standard_normal(exact.shape) + 1j * rng.standard_normal(exact.shape)
+    return freq, np.asarray(exact / (1 + (freq[:, None] / KNEE) ** 4 * noise) * (1 + 1e-4 * unit), complex)

@@ -1,13 +1,12 @@
 """Modes by global methods: poles of all FRFs together, one fit of all modes, with honest errors."""
 
 from collections.abc import Iterator, Sequence
-from dataclasses import dataclass, replace
-from itertools import pairwise
+from dataclasses import replace
 from typing import NoReturn
 
 import numpy as np
 
-from modallab.core.arrays import FloatArray, IntArray
+from modallab.core.arrays import FloatArray
 from modallab.core.errors import NoModeInBandError
 from modallab.core.modal_model import ModalModel
 from modallab.core.progress import Progress, part, silent
@@ -20,8 +19,9 @@ from modallab.extraction.jointly.global_method import GlobalMethod
 from modallab.extraction.jointly.global_model import GlobalFit, modal_model
 from modallab.extraction.jointly.global_range import modes_of
 from modallab.extraction.jointly.refinement import Stretch
+from modallab.extraction.jointly.searched import Chart, lines_searched, orders_of
 from modallab.extraction.jointly.unleaked import Leaked, leaked_by
-from modallab.extraction.measured.bands import Band, find_bands, given_bands, mode_indicator
+from modallab.extraction.measured.bands import Band, mode_indicator
 from modallab.extraction.measured.leakage import Leakage
 from modallab.extraction.measured.line_noise import knows_noise, line_weights
 from modallab.extraction.measured.responses import Responses
@@ -30,14 +30,10 @@ from modallab.extraction.options import Damping, ExtractionOptions
 from modallab.extraction.singly.choosing import law_of
 from modallab.extraction.singly.method import EXTRACTION_METHODS, TRAITS
 
-PER_PEAK = 4  # orders a peak: two hold its pole, the rest what lies beside it and noise
-BESIDE = 16  # orders more, for what lies outside the range
-LEAST_ORDER = 4
 BEGIN = "dobson"  # undoes leakage of modes apart
 WITNESSES = 24  # FRFs that tell whether all are of one structure
 # Shares of the time, of many FRFs: modes one by one, of some FRFs or where lines leak of all, and all fits
 BEGUN, BEGUN_LEAKED, FITTED = 0.1, 0.6, 0.95
-LINES_PER_ORDER = 3  # fewer lines than unknowns fit anything
 
 
 def extract_globally(
@@ -81,12 +77,13 @@ def extract_globally(
         If a band given holds no mode, or no mode is found at all.
     """
     indicator = mode_indicator(responses.mobility, responses.coherent)
-    ranges = _ranges(responses, indicator, bands)
+    searched = lines_searched(responses, indicator, bands)
+    ranges = searched.ranges
     begun = BEGUN if leakage is None else BEGUN_LEAKED
     alone = _one_by_one(
         responses, options, leakage, slice(ranges[0].start, ranges[-1].stop), part(progress, 0.0, begun)
     )
-    charts = [_Chart(lines, *_orders(indicator[lines], options)) for lines in ranges]
+    charts = [Chart(lines, *orders_of(indicator[lines], options)) for lines in ranges]
     fits = _fits(
         find,
         responses,
@@ -103,50 +100,53 @@ def extract_globally(
     choices = {
         "max_order": charts[-1].why,
         "damping": law_of(options),
-        "range": _said(responses.freq, ranges, bands),
+        "range": searched.said(responses.freq),
     }
     model = modal_model(fits, responses, method=method, n_modes=n_modes, choices=choices)
     model = with_doubled_flags(model, alone)
-    model = replace(model, notes=(*_not_of_one_structure(alone), *model.notes))
+    model = replace(
+        model,
+        notes=(
+            *searched.left_out,
+            *_not_of_one_structure(alone),
+            *_empty(responses.freq, ranges, fits),
+            *model.notes,
+        ),
+    )
     return with_resynthesis(
         with_law_flags(model, responses, options),
         responses,
-        [Band(lines.start, lines.stop - 1, lines.start) for lines in ranges],
+        [Band(fit.lines.start, fit.lines.stop - 1, fit.lines.start) for fit in fits],
         smeared=0 if leakage is None else SMEARED,
         beyond=poles_beyond(fits, responses.freq),
     )
-
-
-@dataclass(frozen=True, eq=False)
-class _Chart:
-    """A range of lines, and the orders of its stabilisation chart."""
-
-    lines: slice
-    orders: IntArray
-    why: str
 
 
 def _fits(
     find: GlobalMethod,
     responses: Responses,
     weights: FloatArray,
-    charts: Sequence[_Chart],
+    charts: Sequence[Chart],
     damping: Damping,
     *,
     leaked: Leaked | None,
     given: bool,
     progress: Progress,
 ) -> list[GlobalFit]:
-    """Return the modes of each range; raise where it holds none."""
-    fits, known, n_ref = [], knows_noise(responses), len(responses.references)
+    """Return the modes of each range that has some; raise where one that was given holds none."""
+    fits: list[GlobalFit] = []
+    known, n_ref = knows_noise(responses), len(responses.references)
     for number, chart in enumerate(charts):
         here = part(progress, number / len(charts), (number + 1) / len(charts))
         freq, lines = responses.freq[chart.lines], chart.lines
         stretch = Stretch(freq, responses.receptance[lines], weights[lines], known, n_ref)
         found = modes_of(find, stretch, chart.orders, damping, leaked=leaked, progress=here)
-        if found is None or not found.inside.any():
+        if found is not None and found.inside.any():
+            fits.append(GlobalFit(lines, found))
+        elif given:
             _none_in(freq, given=given)
-        fits.append(GlobalFit(lines, found))
+    if not fits:
+        _none_in(responses.freq, given=given)
     return fits
 
 
@@ -214,39 +214,11 @@ def _not_of_one_structure(alone: ModalModel | None) -> Iterator[str]:
     )
 
 
-def _ranges(
-    responses: Responses, indicator: FloatArray, bands: Sequence[tuple[float, float]] | None
-) -> list[slice]:
-    """Return the lines of each range; those given that touch each other are one."""
-    if bands is None:
-        heard = np.flatnonzero(responses.coherent)
-        return [slice(int(heard[0]), int(heard[-1]) + 1)]
-    found = given_bands(responses.freq, indicator, bands)
-    ends = [0, *(n + 1 for n, (a, b) in enumerate(pairwise(found)) if b.first > a.last + 1), len(found)]
-    return [
-        slice(found[a].first, max(band.last for band in found[a:b]) + 1) for a, b in pairwise(ends) if a < b
-    ]
-
-
-def _orders(indicator: FloatArray, options: ExtractionOptions) -> tuple[IntArray, str]:
-    """Return the orders of the chart, and why these."""
-    most = max((len(indicator) - 1) // LINES_PER_ORDER, LEAST_ORDER)
-    if options.max_order is not None:
-        top, why = min(options.max_order, most), "as asked"
-    else:
-        peaks = _n_peaks(indicator)
-        top = min(PER_PEAK * peaks + BESIDE, most)
-        why = f"{PER_PEAK} for each of {peaks} peaks and {BESIDE} for what lies beside them"
-    if top == most:
-        why += f", at most one for {LINES_PER_ORDER} of the {len(indicator)} lines"
-    return np.arange(2, top + 1), f"{top}: {why}"
-
-
-def _n_peaks(indicator: FloatArray) -> int:
-    try:
-        return len(find_bands(indicator))
-    except NoModeInBandError:
-        return 1
+def _empty(freq: FloatArray, ranges: Sequence[slice], fits: Sequence[GlobalFit]) -> Iterator[str]:
+    """Yield which ranges hold no mode."""
+    for lines in ranges:
+        if not any(fit.lines == lines for fit in fits):
+            yield f"no mode is found from {freq[lines][0]:g} to {freq[lines][-1]:g} Hz"
 
 
 def _none_in(freq: FloatArray, *, given: bool) -> NoReturn:
@@ -255,12 +227,3 @@ def _none_in(freq: FloatArray, *, given: bool) -> NoReturn:
     if given:
         raise NoModeInBandError(what, field="bands", lower=lower, upper=upper)
     raise NoModeInBandError("no resonance stands out of the FRFs", field="bands")
-
-
-def _said(freq: FloatArray, ranges: Sequence[slice], bands: Sequence[tuple[float, float]] | None) -> str:
-    def spans() -> Iterator[str]:
-        for lines in ranges:
-            yield f"{freq[lines][0]:g} to {freq[lines][-1]:g} Hz"
-
-    why = "all lines that are more than noise" if bands is None else "as asked"
-    return f"{', '.join(spans())}: {why}"

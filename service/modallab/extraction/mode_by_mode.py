@@ -14,7 +14,8 @@ from modallab.extraction.collating.law_flag import with_law_flags
 from modallab.extraction.collating.resynthesis import with_resynthesis
 from modallab.extraction.collating.shared_error import shared_error
 from modallab.extraction.collating.single_mode import flag_further_peaks, flag_misfits
-from modallab.extraction.measured.bands import Band, find_bands, given_bands, mode_indicator
+from modallab.extraction.measured.bands import Band, given_bands, mode_indicator
+from modallab.extraction.measured.common_peaks import CommonPeaks, find_common
 from modallab.extraction.measured.leakage import Leakage
 from modallab.extraction.measured.line_noise import knows_noise
 from modallab.extraction.measured.responses import Responses
@@ -47,7 +48,12 @@ def extract_mode_by_mode(
     decided = plan(method, options, leakage)
     progress(0.0, "looking for modes")
     indicator = mode_indicator(responses.mobility, responses.coherent)
-    found = find_bands(indicator, n_modes) if bands is None else given_bands(freq, indicator, bands)
+    peaks = (
+        find_common(responses, indicator, n_modes)
+        if bands is None
+        else CommonPeaks(given_bands(freq, indicator, bands))
+    )
+    found = peaks.bands
     windows = place_windows(
         responses.mobility,
         indicator,
@@ -63,7 +69,7 @@ def extract_mode_by_mode(
         known = seen(responses, windows.index) if knows_noise(responses) else None
         settled = allowing_for_leakage(fit, LAWS[options.law], data, leakage, settled, known)
     table = replace(settled.table, lines=windows.ends)
-    notes = _missing(table, freq, found, given=bands is not None)
+    notes = [*peaks.left_out, *_missing(table, freq, found, given=bands is not None)]
     if not TRAITS[method].exact:
         notes.append(f"{method} is biased: by up to half a line in frequency, and towards too much damping")
     left_out = np.diff(windows.ends, axis=2)[:, :, 0] + 1 - windows.used.sum(axis=2)

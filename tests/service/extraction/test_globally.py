@@ -10,7 +10,7 @@ from modallab.extraction.extract import extract
 from modallab.extraction.options import Damping, ExtractionOptions
 from tests.service.extraction.conftest import Beam
 from tests.service.extraction.test_extract import CLEAN, noise_of
-from tests.synthetic import PAIR, Synthetic, six_modes
+from tests.synthetic import HAMMERED, HAMMERED_LOSS, PAIR, Synthetic, hammered, six_modes
 
 VISCOUS = ExtractionOptions(damping=Damping.VISCOUS)
 METHOD = "lscf"
@@ -158,6 +158,19 @@ def test_what_spoils_the_lowest_lines_costs_no_mode(seed: int) -> None:
         # of nine normal numbers one beyond 4 comes once in 1,700 such lots; a line is 1 Hz
         assert abs(mode.frequency - exact) < 4 * mode.standard_errors["frequency"] < 0.2
     assert any("gains energy" in note for note in model.notes)
+
+
+def test_what_noise_of_a_hammer_puts_beside_modes_bends_lines_and_is_no_mode() -> None:
+    freq, inertance = hammered(0, 3)
+    dofs = tuple(Dof(node, "X") for node in range(1, 4))
+    frf = FrfSet(freq, inertance[:, :, None], dofs, (Dof(30, "X"),), FrfKind.INERTANCE)
+    model = extract(frf, coherence=None, averages=100.0, method=METHOD)
+    away = np.abs(model.frequencies[:, None] / HAMMERED - 1).min(axis=0)
+    # up to 698.5 Hz noise is less than half of the force, and moves no mode by a tenth of its bandwidth
+    assert (away[:5] < 0.1 * HAMMERED_LOSS[:5]).all()
+    assert np.count_nonzero(model.frequencies < 720) == 5
+    assert any("without a column of the chart or a peak of its own" in note for note in model.notes)
+    assert any("taken for noise" in note for note in model.notes)
 
 
 def test_progress_rises_in_parts_none_of_which_is_most(plain_beam: Beam, freq: np.ndarray) -> None:

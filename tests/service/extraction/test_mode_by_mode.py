@@ -10,6 +10,7 @@ from modallab.extraction.extract import extract
 from modallab.extraction.options import Damping, ExtractionOptions
 from modallab.extraction.singly.method import EXTRACTION_METHODS, TRAITS
 from tests.service.extraction.conftest import Beam
+from tests.synthetic import HAMMERED, HAMMERED_LOSS, hammered
 
 EXACT = [kind for kind in sorted(EXTRACTION_METHODS) if TRAITS[kind].exact]
 FREQ: FloatArray = np.arange(20.0, 400.0, 0.5)
@@ -46,6 +47,18 @@ def test_viscous_modes_of_five_per_cent_come_back_where_the_other_law_errs(metho
     assert other.modal_constant is not None
     # constant damping, where it rises with frequency, is a twist of the response about resonance
     assert np.abs(np.angle(other.modal_constant[:, 0])).max() > 10 * np.abs(phase).max()
+
+
+def test_of_a_hammer_modes_are_read_where_it_excites_and_noise_above_is_named() -> None:
+    freq, inertance = hammered(3, 3)
+    dofs = tuple(Dof(node, "X") for node in range(1, 4))
+    frf = FrfSet(freq, inertance[:, :, None], dofs, (Dof(30, "X"),), FrfKind.INERTANCE)
+    model = extract(frf, coherence=None, averages=100.0)
+    # noise is 0.4 of the force at 698.5 Hz, four times as large at 1293 Hz and eleven at 1655 Hz
+    np.testing.assert_allclose(model.frequencies, HAMMERED[:7], rtol=5e-5)
+    np.testing.assert_allclose(model.loss_factors[:5], HAMMERED_LOSS[:5], rtol=0.01)
+    assert any("peaks" in note and "taken for noise" in note for note in model.notes)
+    assert any("no coherence tells how much of it is random error" in note for note in model.notes)
 
 
 @pytest.mark.parametrize("method", [kind for kind in EXACT if TRAITS[kind].leaves_out])

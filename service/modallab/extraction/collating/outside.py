@@ -4,6 +4,7 @@ import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
 
+HELD = 0.5  # of an undamped pole, in omega^2: it bends lines below, and is no resonance of any
 ALIKE = 1e-12  # of a combination of columns of unit length, squared: less is rounding
 
 
@@ -15,11 +16,13 @@ def outside_columns(freq: FloatArray, beyond: ComplexArray) -> ComplexArray:
     freq
         (n_freq,) Hz; at 0 the first column is 0.
     beyond
-        (n_beyond,) (rad/s)^2.
+        (n_beyond,) (rad/s)^2. An undamped one is held above the range: from near it on it is a constant.
     """
     x = (2 * np.pi * freq) ** 2
     below = -1 / np.where(x > 0, x, np.inf)
-    return np.stack([below.astype(complex), np.ones(len(x), complex), *(1 / (p - x) for p in beyond)], axis=1)
+    reach = np.where(beyond.imag == 0, HELD * beyond.real, np.inf)
+    poles = 1 / (beyond - np.minimum(x[:, None], reach))
+    return np.concatenate([below[:, None], np.ones((len(x), 1)), poles], axis=1)
 
 
 def fit_outside(

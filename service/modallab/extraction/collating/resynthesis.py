@@ -12,6 +12,7 @@ from modallab.core.frf import FrfKind, FrfSet
 from modallab.core.modal_model import ModalModel
 from modallab.extraction.collating.outside import fit_outside, outside_columns
 from modallab.extraction.measured.bands import Band
+from modallab.extraction.measured.line_noise import knows_noise
 from modallab.extraction.measured.responses import Responses
 from modallab.extraction.options import Damping
 from modallab.extraction.singly.choosing import taken
@@ -114,7 +115,7 @@ def with_resynthesis(
         beyond_eigenvalue=beyond,
         beyond_constant=None if beyond is None else residuals[2:],
         resynthesis_error=misfit,
-        notes=(*model.notes, *_left(misfit, random, model.frfs)),
+        notes=(*model.notes, *_left(misfit, random, model.frfs, told=knows_noise(responses))),
     )
 
 
@@ -219,13 +220,16 @@ def _below(freq: FloatArray, steps: int, mass: ComplexArray) -> ComplexArray:
     return np.asarray(((1j * omega) ** steps / -(omega**2))[:, None] * mass)
 
 
-def _left(misfit: FloatArray, random: FloatArray, names: Sequence[str]) -> Sequence[str]:
-    """Return a note where modes and residuals leave more of FRFs than random error can."""
+def _left(misfit: FloatArray, random: FloatArray, names: Sequence[str], *, told: bool) -> Sequence[str]:
+    """Return a note where modes and residuals leave more of FRFs than random error can, if that is told."""
     poor = np.flatnonzero((misfit > NOTED) & (misfit > CLEAR * random))
     if not len(poor):
         return ()
     worst = int(poor[np.argmax(misfit[poor])])
+    chance = "no coherence tells how much of it is random error"
+    if told:
+        chance = f"of which random error is {100 * random[worst]:.1g} %"
     return (
         f"modes and residuals leave more than {100 * NOTED:.0f} % of {len(poor)} FRFs, most of "
-        f"{names[worst]}: {100 * misfit[worst]:.0f} %, of which random error is {100 * random[worst]:.1g} %",
+        f"{names[worst]}: {100 * misfit[worst]:.0f} %, {chance}",
     )

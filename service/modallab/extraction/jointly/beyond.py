@@ -1,4 +1,4 @@
-"""Poles beyond the ranges that bend the FRFs in them."""
+"""Poles that are no modes and bend the FRFs: beyond the ranges, or in them."""
 
 from collections.abc import Sequence
 
@@ -10,9 +10,9 @@ from modallab.extraction.jointly.projection import BEYOND, disturbed
 
 
 def poles_beyond(fits: Sequence[GlobalFit], freq: FloatArray) -> ComplexArray:
-    """Return what was fitted below the lowest range and above the highest, (n_beyond,) (rad/s)^2.
+    """Return what was fitted below the lowest range, above the highest, and in any without being a mode.
 
-    Poles between two ranges stand in one for modes of the other.
+    (n_beyond,) (rad/s)^2. Poles between two ranges stand in one for modes of the other.
 
     Parameters
     ----------
@@ -27,6 +27,7 @@ def poles_beyond(fits: Sequence[GlobalFit], freq: FloatArray) -> ComplexArray:
     return np.concatenate(
         [
             lowest.eigenvalue[lowest.frequency < first],
+            *(fit.modes.fit.eigenvalue[fit.modes.bends] for fit in fits),
             highest.eigenvalue[2 * np.pi * highest.frequency > omega[-1]],
             np.array(held, complex),
         ]

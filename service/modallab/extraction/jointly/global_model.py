@@ -163,4 +163,6 @@ def _why_not(modes: RangeModes, row: int) -> str:
         return "less prominent than those asked for"
     if modes.fit.loss_factor[row] <= 0:
         return "it bends the lines there but gains energy, as no mode does"
+    if modes.bends[row]:
+        return "it bends the lines there, without a column of the chart or a peak of its own"
     return "beyond the range"

@@ -7,6 +7,7 @@ import numpy as np
 import scipy.optimize
 
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray
+from modallab.core.errors import NoModeInBandError
 from modallab.core.modal_model import StabilisationChart
 from modallab.core.progress import Progress, part
 from modallab.extraction.jointly.coincident import said_of_coincident
@@ -15,10 +16,11 @@ from modallab.extraction.jointly.fitted import ModalFit
 from modallab.extraction.jointly.global_method import GlobalMethod, Poles
 from modallab.extraction.jointly.leaked_modes import allowing_for_leakage
 from modallab.extraction.jointly.projection import below_one_another
-from modallab.extraction.jointly.refinement import Start, Stretch, refine, within
+from modallab.extraction.jointly.refinement import Start, Stretch, between_ends, refine
 from modallab.extraction.jointly.selection import NEAR, Selection, chart_of, select
 from modallab.extraction.jointly.stabilisation import stabilise
 from modallab.extraction.jointly.unleaked import Leaked, all_starts, cleaned
+from modallab.extraction.measured.bands import find_bands, mode_indicator
 from modallab.extraction.options import Damping
 
 MOST_DOFS = 48  # that a pole finder is given; beyond, what they have in common
@@ -36,6 +38,7 @@ class RangeModes:
     chart: StabilisationChart
     reasons: tuple[str, ...]  # (n_modes,) in words
     inside: BoolArray  # (n_modes,) False for a mode that lies beyond the ends: it serves as their residual
+    bends: BoolArray  # (n_modes,) between the ends, yet no mode: it only bends the lines there
     notes: tuple[str, ...]
     # (n_modes, 2) by what frequency, Hz, and loss factor are off for leakage still, nearly; None without
     leakage_bias: FloatArray | None = None
@@ -81,14 +84,18 @@ def modes_of(
         return None
     if leaked is not None:
         refined = allowing_for_leakage(refined, stretch, leaked, damping)
-    fit, inside = refined.fit, within(refined.fit, stretch.freq)
+    fit, between = refined.fit, between_ends(refined.fit, stretch.freq)
     match = _match(selection, fit, stretch.freq)
+    modes = between & (fit.loss_factor > 0)
+    if leaked is None:  # else modes known one by one may be without a column
+        modes &= np.isin(np.arange(len(modes)), match) | _standing_out(fit, clean)
     return RangeModes(
         fit,
         refined.weight,
         _chart(poles, stability, selection, match),
         tuple(_reason(selection, match, m) for m in range(len(fit.eigenvalue))),
-        inside,
+        modes,
+        between & ~modes,
         (*selection.left_out, *refined.left_out),
         refined.leakage_bias,
     )
@@ -135,6 +142,20 @@ def _match(selection: Selection, fit: ModalFit, freq: FloatArray) -> IntArray:
     nearest[row[close]] = own[close]
     near = away[np.arange(len(nearest)), nearest] < SAME
     return np.where(near, nearest, -1)
+
+
+def _standing_out(fit: ModalFit, stretch: Stretch) -> BoolArray:
+    """Return which modes have a peak of the lines to themselves, or share the resonance of one that has."""
+    mobility = stretch.freq[:, None] * stretch.receptance
+    try:
+        bands = find_bands(mode_indicator(mobility, np.ones(len(mobility), bool)))
+    except NoModeInBandError:
+        return np.zeros(len(fit.frequency), bool)
+    peaks = stretch.freq[[band.peak for band in bands]]
+    own = np.abs(peaks[:, None] - fit.frequency).argmin(axis=1)
+    width = fit.loss_factor * fit.frequency
+    apart = np.abs(fit.frequency[:, None] - fit.frequency[own])
+    return np.asarray((apart <= NEAR * np.minimum(width[:, None], width[own])).any(axis=1))
 
 
 def _chart(poles: Poles, stability: IntArray, selection: Selection, match: IntArray) -> StabilisationChart:

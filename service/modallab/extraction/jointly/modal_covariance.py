@@ -77,10 +77,22 @@ def uncertainty(lines: Scaled, basis: ModalBasis, parameters: FloatArray, linear
     return Uncertainty(covariance, held, through, misfit, share)
 
 
+def evened(normal: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return a normal matrix with a diagonal of ones, and the lengths that its rows were divided by.
+
+    Of a parameter that others mimic rounding may leave less than nothing. It is told by no line: it stands
+    by itself, with an error as large as the range.
+    """
+    size = np.diag(normal)
+    told = size > 0
+    length = np.sqrt(np.where(told, size, 1.0))
+    even = np.where(np.outer(told, told), normal, 0.0) / np.outer(length, length)
+    return np.asarray(even + np.diag(np.where(told, 0.0, 1.0))), length
+
+
 def _inverse(normal: FloatArray) -> FloatArray:
-    length = np.sqrt(np.maximum(np.diag(normal), 1e-300))
-    even = normal / np.outer(length, length) + 1e-14 * np.eye(len(length))
-    return np.asarray(np.linalg.inv(even) / np.outer(length, length))
+    even, length = evened(normal)
+    return np.asarray(np.linalg.inv(even + 1e-14 * np.eye(len(length))) / np.outer(length, length))
 
 
 def _misfit(lines: Scaled, linear: Linear, own: FloatArray, inverse: FloatArray) -> FloatArray:

@@ -7,7 +7,7 @@ from modallab.core.progress import Progress, silent
 from modallab.extraction.jointly.concluding import concluded, constants
 from modallab.extraction.jointly.fitted import ModalFit
 from modallab.extraction.jointly.modal_basis import BASES, ModalBasis
-from modallab.extraction.jointly.modal_covariance import turned, uncertainty
+from modallab.extraction.jointly.modal_covariance import evened, turned, uncertainty
 from modallab.extraction.jointly.participating import Participating
 from modallab.extraction.jointly.projection import Linear, Scaled, scaled, solve_linear
 from modallab.extraction.options import Damping
@@ -199,9 +199,9 @@ def _normal_equations(basis: ModalBasis, linear: Linear) -> tuple[FloatArray, Fl
 
 
 def _step(normal: FloatArray, slope: FloatArray, damping: float) -> FloatArray:
-    length = np.sqrt(np.maximum(np.diag(normal), 1e-300))
-    even = normal / np.outer(length, length) + (damping + 1e-14) * np.eye(len(length))
-    return np.asarray(np.linalg.solve(even, slope / length) / length)
+    even, length = evened(normal)
+    pull = np.where(np.diag(normal) > 0, slope / length, 0.0)
+    return np.asarray(np.linalg.solve(even + (damping + 1e-14) * np.eye(len(length)), pull) / length)
 
 
 def _moves(step: FloatArray, normal: FloatArray, parameters: FloatArray, variance: float) -> bool:

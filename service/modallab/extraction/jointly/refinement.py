@@ -85,19 +85,15 @@ def refine(stretch: Stretch, start: Start, damping: Damping, progress: Progress)
         if not none.any():
             return Refined(fit, weight, tuple(left_out))
         left_out += [f"{f:.4g} Hz: no FRF shows it beyond its random error" for f in fit.frequency[none]]
-        if not (within(fit, stretch.freq) & ~none).any():
+        if not (between_ends(fit, stretch.freq) & (fit.loss_factor > 0) & ~none).any():
             return None
         reach = fit.participation
         start = Start(fit.eigenvalue[~none], None if reach is None else reach[~none])
     return Refined(fit, weight, tuple(left_out))
 
 
-def within(fit: ModalFit, freq: FloatArray) -> BoolArray:
-    """Return which poles are modes inside the range; one that gains energy bends it, and is none."""
-    return _between(fit, freq) & (fit.loss_factor > 0)
-
-
-def _between(fit: ModalFit, freq: FloatArray) -> BoolArray:
+def between_ends(fit: ModalFit, freq: FloatArray) -> BoolArray:
+    """Return which poles lie inside the range; one that gains energy bends it, and is no mode."""
     return np.asarray((fit.frequency >= freq[0]) & (fit.frequency <= freq[-1]))
 
 
@@ -114,7 +110,7 @@ def none_of(fit: ModalFit, freq: FloatArray) -> BoolArray:
     sure = (fit.frequency_error < SURE * np.maximum(width, spacing)) & (
         fit.loss_factor_error < np.abs(fit.loss_factor)
     )
-    none = ((shown < SEEN) | ~sure) & _between(fit, freq)
+    none = ((shown < SEEN) | ~sure) & between_ends(fit, freq)
     near = np.abs(fit.frequency[:, None] - fit.frequency) < NEAR * np.maximum(width[:, None], width)
     surer = shown[None, :] < shown[:, None]
     return np.asarray(none & ~(near & none[None, :] & surer).any(axis=1))

@@ -37,3 +37,13 @@ def test_a_mode_that_was_left_out_is_not_paid_for_elsewhere(error: float) -> Non
     left, least = (np.sum(np.abs(FREQ[:, None] * rest - mobility @ made) ** 2) for made in (found, best))
     # by the random error alone it would be seven times as much
     assert left < 1.1 * least
+
+
+def test_a_pole_that_is_held_above_the_range_is_no_resonance_where_frfs_go_on() -> None:
+    freq = np.arange(1.0, 301.0)
+    held = (2 * np.pi * 150.0) ** 2  # of a range up to 100 Hz
+    column = outside_columns(freq, np.array([held, held * (1 + 0.01j)]))[:, 2]
+    inside = freq <= 100
+    np.testing.assert_allclose(column[inside], 1 / (held - (2 * np.pi * freq[inside]) ** 2))
+    assert np.isfinite(column).all()
+    assert np.abs(column).max() * held < 2.1
