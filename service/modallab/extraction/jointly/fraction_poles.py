@@ -33,10 +33,10 @@ def poles_of_fractions(freq: FloatArray, frf: ComplexArray, weight: FloatArray, 
             allowed=f"1 to {usable // LINES_AN_ORDER}, rising",
         )
     fractions = fit_fractions(circle, orders)
-    row, turn = _inside(circle, *_turns(fractions.denominator, orders))
+    row, turn, logarithm = _inside(circle, *_turns(fractions.denominator, orders))
     spacing = float(freq[1] - freq[0])
     rate = circle.points * spacing  # z = exp(s / rate), s from the first line on
-    pole = 2j * np.pi * freq[0] + rate * (-np.log(np.abs(turn)) + 1j * _angle(turn))
+    pole = 2j * np.pi * freq[0] + rate * logarithm
     ranked = np.lexsort((np.abs(pole), row))
     row, turn, pole = row[ranked], turn[ranked], pole[ranked]
     # dz = z ds / rate
@@ -58,7 +58,7 @@ def companions(denominator: ComplexArray, orders: IntArray) -> Iterator[ComplexA
     """
     n_in = denominator.shape[-1]
     largest = n_in * int(orders[-1])
-    companion = np.eye(largest, k=-n_in, dtype=complex)
+    companion = np.eye(largest, k=-n_in, dtype=complex, order="F")  # as LAPACK has it
     top = -denominator[:, 1:].transpose(0, 2, 1, 3).reshape(len(orders), n_in, largest)
     for row, size in zip(top, (n_in * orders).tolist(), strict=True):
         companion[:n_in, :size] = row[:, :size]
@@ -79,16 +79,14 @@ def _eigenvalues(matrix: ComplexArray) -> ComplexArray:
     return np.asarray(values)
 
 
-def _angle(turn: ComplexArray) -> FloatArray:
-    """Return the angle of z = 1/turn, from 0 to 2 pi."""
-    return np.asarray(-np.angle(turn) % (2 * np.pi))
-
-
-def _inside(circle: Circle, row: IntArray, turn: ComplexArray) -> tuple[IntArray, ComplexArray]:
-    """Return those that are stable and whose frequency lies on the arc."""
-    last = 2 * np.pi * (circle.frf.shape[2] - 1) / circle.points
-    inside = (np.abs(turn) > 1) & (_angle(turn) <= last)
-    return row[inside], turn[inside]
+def _inside(circle: Circle, row: IntArray, turn: ComplexArray) -> tuple[IntArray, ComplexArray, ComplexArray]:
+    """Return those that are stable and whose frequency lies on the arc, and the logarithms of z = 1/turn."""
+    stable = np.abs(turn) > 1
+    row, turn = row[stable], turn[stable]
+    logarithm = -np.log(turn)
+    logarithm.imag %= 2 * np.pi
+    inside = logarithm.imag <= 2 * np.pi * (circle.frf.shape[2] - 1) / circle.points
+    return row[inside], turn[inside], logarithm[inside]
 
 
 def _residues(circle: Circle, fractions: Fractions, row: IntArray, z: ComplexArray) -> ComplexArray:

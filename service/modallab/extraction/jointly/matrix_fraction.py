@@ -49,7 +49,10 @@ class Circle:
     def sums(self, values: ComplexArray | FloatArray, order: int) -> ComplexArray:
         """Return `sum_k values_k z_k^l`, the lags l = -order to order on the last axis."""
         turned = scipy.fft.ifft(values, self.points, norm="forward")
-        return np.concatenate([turned[..., self.points - order :], turned[..., : order + 1]], axis=-1)
+        lags: ComplexArray = np.empty((*turned.shape[:-1], 2 * order + 1), complex)
+        lags[..., :order] = turned[..., self.points - order :]
+        lags[..., order:] = turned[..., : order + 1]
+        return lags
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,14 +70,14 @@ def on_circle(frf: ComplexArray, weight: FloatArray, order: int) -> Circle:
     The error of an equation is that of the FRF times `|A|`. The power of all FRFs together peaks where
     `1/|A|^2` does, so that weighting by it makes the error of the FRFs least, and not of the equations.
     """
-    by_lines = np.ascontiguousarray(np.moveaxis(frf, 0, -1))
+    by_lines = np.ascontiguousarray(frf.transpose(1, 2, 0))
     square = by_lines.real**2 + by_lines.imag**2
     mean = square.mean(axis=(0, 2))
     scale = np.where(mean > 0, mean, 1.0)[:, None]
-    told = np.moveaxis(weight, 0, -1)
+    told = weight.transpose(1, 2, 0)
     usable = told.min(axis=1) > 0
-    variance = usable[:, None] / np.where(told > 0, told, 1.0) / scale
-    row = usable / np.where(usable, variance.mean(axis=1), 1.0)
+    variance = np.divide(1 / scale, told, out=np.zeros(told.shape), where=usable[:, None])
+    row = np.divide(1.0, variance.mean(axis=1), out=np.zeros(usable.shape), where=usable)
     power = (square / scale).sum(axis=1) * usable
     level = _level(row, power)[:, None]
     pattern = row / level * _gain(power)
@@ -99,8 +102,8 @@ def _level(row: FloatArray, power: FloatArray) -> FloatArray:
 
 def _gain(power: FloatArray) -> FloatArray:
     """Return the power of all FRFs, each in parts of its own sum, (n_freq,), with a geometric mean of 1."""
-    total = power.sum(axis=1, keepdims=True)
-    gain = (power / np.where(total > 0, total, 1.0)).sum(axis=0)
+    total = power.sum(axis=1)
+    gain = 1 / np.where(total > 0, total, 1.0) @ power
     gain = np.maximum(gain, DEEPEST * (gain.max() or 1.0))
     return np.asarray(gain / np.exp(np.log(gain).mean()))
 
@@ -147,14 +150,19 @@ class _Normal:
 
 
 def _normal(circle: Circle, order: int) -> _Normal:
-    n_out, n_in = circle.frf.shape[:2]
+    n_out, n_in, n_freq = circle.frf.shape
     size = (order + 1) * n_in
     weighted = circle.weight[:, None] * circle.frf
-    of_outputs = _toeplitz(circle.sums(weighted, order)).swapaxes(1, 2)
-    of_outputs = of_outputs.swapaxes(2, 3).reshape(n_out, order + 1, size)
     power = np.einsum("oik,ojk->ijk", weighted.conj(), circle.frf)
-    total = _toeplitz(circle.sums(power, order)).transpose(2, 0, 3, 1).reshape(size, size)
-    own = _toeplitz(circle.sums(circle.weight, order))
+    # all sums by one transform: one call a set costs as much as the sums
+    rows = (weighted.reshape(-1, n_freq), power.reshape(-1, n_freq), circle.weight)
+    every = _toeplitz(circle.sums(np.concatenate(rows), order))
+    first, last = len(rows[0]), len(rows[0]) + len(rows[1])
+    square = (order + 1, order + 1)
+    each = every[:first].reshape(n_out, n_in, *square).transpose(0, 2, 3, 1)
+    of_outputs = each.reshape(n_out, order + 1, size)
+    total = every[first:last].reshape(n_in, n_in, *square).transpose(2, 0, 3, 1).reshape(size, size)
+    own = every[last:]
     # R^-1 = F^H F: a difference of squares loses less to rounding than one with R^-1
     factor = _inverse(_factor(own, own))
     part = (factor @ of_outputs).reshape(-1, size)
@@ -166,17 +174,22 @@ def _normal(circle: Circle, order: int) -> _Normal:
 
 def _toeplitz(lags: ComplexArray) -> ComplexArray:
     """Return matrices whose element (j, k) is the lag k - j, (..., n + 1, n + 1)."""
-    rows = np.lib.stride_tricks.sliding_window_view(lags, lags.shape[-1] // 2 + 1, axis=-1)
-    return np.asarray(rows[..., ::-1, :])
+    order = lags.shape[-1] // 2
+    shape, one = (*lags.shape[:-1], order + 1, order + 1), lags.strides[-1]
+    strides = (*lags.strides[:-1], -one, one)
+    return np.lib.stride_tricks.as_strided(lags[..., order:], shape, strides, writeable=False)
 
 
 def _factor(matrices: ComplexArray, of: ComplexArray) -> ComplexArray:
     """Return lower Cholesky factors; what rounding of sums as large as `of` took away is put back first."""
-    mean = np.trace(of, axis1=-2, axis2=-1).real / of.shape[-1]
-    ridge = np.where(mean > 0, ROUNDING * mean, 1.0)[..., None, None] * np.eye(matrices.shape[-1])
+    mean = np.einsum("...ii->...", of).real / of.shape[-1]
+    ridge = np.where(mean > 0, ROUNDING * mean, 1.0)
+    raised = np.array(matrices)
+    diagonal = np.einsum("...ii->...i", raised)
     while True:
+        diagonal += ridge[..., None]
         try:
-            return np.asarray(np.linalg.cholesky(matrices + ridge))
+            return np.asarray(np.linalg.cholesky(raised))
         except np.linalg.LinAlgError:
             ridge = 10 * ridge
 
