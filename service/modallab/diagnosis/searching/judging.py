@@ -81,9 +81,10 @@ def _least(one: Fit, fits: Sequence[Fit]) -> float | None:
     if plain is None:
         return None
     error, value = one.errors[-1][more], one.effects[-1].parameters[more]
-    told = (value / error) ** 2 if error > 0 else np.inf
+    told = one.correlation * (value / error) ** 2 if error > 0 else np.inf
     penalty = (one.bic - one.chi_square) - (plain.bic - plain.chi_square)
-    return float(plain.bic + penalty - one.correlation * told)
+    # Far from nothing a standard error tells that there is something, and not how much worse nothing is.
+    return float(plain.bic + penalty - told) if told < penalty + CONVINCING else None
 
 
 def _same(one: Effect, other: Effect) -> bool:

@@ -15,6 +15,7 @@ from modallab.diagnosis.observing.observed import observe
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.result import Verdict
 from modallab.diagnosis.searching.judging import best_first, clear_of_nothing, improves, probabilities
+from modallab.effects.extra_mass import ExtraMass
 from modallab.effects.gain_error import GainError
 from modallab.effects.ground_spring import GroundSpring
 from modallab.effects.mains_hum import MainsHum
@@ -115,3 +116,13 @@ def test_shares_of_belief_follow_the_order(springs: tuple[Fit, Fit]) -> None:
     predictor = Predictor(model(), test.setup, observe(test, (), fraction=0.25))
     first, second = probabilities(predictor, [plain, with_error_of_loss(band, 1.8)])
     assert first > 0.8 > 0.2 > second > 0.01, "three units of BIC or so: a loss is not ruled out either"
+
+
+def test_what_is_surely_more_is_as_good_as_it_fits_however_bad_the_plainer_one_is(
+    springs: tuple[Fit, Fit],
+) -> None:
+    plain, band = springs
+    sure = with_error_of_loss(band, 6.0)
+    other = replace(plain, effects=(ExtraMass(Dof(4, "Y"), 0.01),), chi_square=plain.chi_square + 1e3)
+    far = replace(plain, chi_square=plain.chi_square + 1e6)
+    assert best_first([other, far, sure])[0] is sure
