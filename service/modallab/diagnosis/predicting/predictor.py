@@ -34,7 +34,7 @@ from modallab.rig.succession import excess_variance
 
 GOLDEN = (5**0.5 - 1) / 2
 GLIMPSED = 130  # lines that a first look uses
-STEPPED = 25  # predictions that take as long as one test in which nonlinear forces are stepped through
+STEPPED = 30  # predictions that take as long as one test in which a nonlinear force is stepped through
 
 
 class Predictor:
@@ -151,8 +151,7 @@ class Predictor:
     ) -> VarianceFactors | None:
         before = self._rehearsals.made
         found = self._rehearsals.factors(whole, spectra, effects, repeats=repeats)
-        if whole.runs[0].local:
-            self.effort.spend(STEPPED * (self._rehearsals.made - before))
+        self.effort.spend(STEPPED * len(whole.runs[0].local) * (self._rehearsals.made - before))
         return found
 
     def around(self, effects: Sequence[Effect]) -> Callable[[Sequence[Effect]], Predicted]:
