@@ -1,6 +1,6 @@
 """How much is predicted before a search follows no further lead."""
 
-ENOUGH = 5_000  # predictions for one test: what can be explained by a pair takes half as many
+ENOUGH = 5_000  # predictions for one test: what a pair explains mostly takes half as many
 
 
 class Effort:
