@@ -80,8 +80,11 @@ def _least(one: Fit, fits: Sequence[Fit]) -> float | None:
     plain = next((f for f in fits if f.effects and _same(f.effects[-1], effect)), None)
     if plain is None:
         return None
-    error, value = one.errors[-1][more], one.effects[-1].parameters[more]
-    told = one.correlation * (value / error) ** 2 if error > 0 else np.inf
+    errors, values = one.errors[-1], one.effects[-1].parameters
+    away = {name: abs(values[name]) / error if error > 0 else np.inf for name, error in errors.items()}
+    if any(far < CLEAR for name, far in away.items() if name != more):
+        return None  # only a product of its numbers may be told, of which the error of one knows nothing
+    told = one.correlation * away[more] ** 2
     penalty = (one.bic - one.chi_square) - (plain.bic - plain.chi_square)
     # Far from nothing a standard error tells that there is something, and not how much worse nothing is.
     return float(plain.bic + penalty - told) if told < penalty + CONVINCING else None

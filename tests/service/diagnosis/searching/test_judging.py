@@ -126,3 +126,13 @@ def test_what_is_surely_more_is_as_good_as_it_fits_however_bad_the_plainer_one_i
     other = replace(plain, effects=(ExtraMass(Dof(4, "Y"), 0.01),), chi_square=plain.chi_square + 1e3)
     far = replace(plain, chi_square=plain.chi_square + 1e6)
     assert best_first([other, far, sure])[0] is sure
+
+
+def test_numbers_of_which_only_their_product_is_told_are_judged_by_how_well_they_fit(
+    springs: tuple[Fit, Fit],
+) -> None:
+    # So are mass and drag of a cable whose loss alone shows: each has any error, their product has little
+    plain, band = springs
+    found = Errors(({name: 10 * value for name, value in band.effects[-1].parameters.items()},), np.zeros(0))
+    together = replace(band, spread=lambda: found)
+    assert best_first([together, plain])[0] is together
