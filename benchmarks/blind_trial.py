@@ -59,8 +59,9 @@ def one(number: int, seed: int, which: str, ask: Ask) -> dict[str, Any]:
         return run(case(number, seed, which), ask) | {"seed": seed, "revision": revision()}
     except UnreachableError:
         raise
-    except Exception:  # nothing was asked of the diagnosis: the case does not count
-        return {"number": number, "set": which, "seed": seed, "void": traceback.format_exc(limit=-3)}
+    except Exception as error:  # nothing was asked of the diagnosis: the case does not count
+        traceback.print_exc()  # the line says why, and nothing of where on this machine
+        return {"number": number, "set": which, "seed": seed, "void": f"{type(error).__name__}: {error}"}
 
 
 @cache
@@ -125,9 +126,7 @@ def trial(
             lines.append(line)
             if out is not None:
                 _write(line, out)
-            told = (
-                f"{line['number']:4d} void {line['void'].splitlines()[-1]}" if "void" in line else row(line)
-            )
+            told = f"{line['number']:4d} void {line['void']}" if "void" in line else row(line)
             print(f"[{done}/{len(tasks)}] {told}", flush=True)
     return lines
 
