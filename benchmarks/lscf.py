@@ -21,8 +21,6 @@ def run() -> list[tuple[str, float, float]]:
     find = GLOBAL_METHODS["lscf"]
     fractions = fit_fractions(on_circle(frf, weight, ORDER), orders)
     problems = [companion.copy() for companion in companions(fractions.denominator, orders)]
-    # Freed at once: memory then stays with the process, as with one that has read a measurement.
-    np.ones(2**21)
     took = ratio(
         lambda: find(freq, frf, weight, orders),
         lambda: [np.linalg.eigvals(problem) for problem in problems],

@@ -5,6 +5,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.core.dof import Dof
+from modallab.core.frf import FrfKind, FrfSet
 
 FREQUENCIES = np.array([30.0, 42.0, 43.0, 70.0, 95.0, 110.0, 260.0])  # Hz, the last out of the band
 DAMPING_RATIOS = np.array([0.5, 1.0, 1.2, 0.3, 2.0, 0.8, 1.0]) / 100
@@ -85,15 +87,15 @@ PULSE = 1 / 8  # s of that record that are kept: its noise is smooth over 8 Hz
 PULSES = 40  # that noise is made of
 
 
-def hammered(seed: int, n_frf: int, *, spacing: float = 0.25) -> tuple[FloatArray, ComplexArray]:
-    """Return lines up to 2 kHz and inertances, (n_freq, n_frf), of eight modes that a hammer excites.
+def hammered(seed: int, n_frf: int) -> FrfSet:
+    """Return inertances, m/s^2/N, at lines up to 2 kHz, of eight modes that a hammer excites.
 
     Each FRF is of blows of its own. Noise in the short record of a blow's force is a smooth function of
     frequency: `X/(F + N)` has peaks where F + N is nearly zero, as smooth as resonances, and in every FRF
     others. The force falls with the fourth power of frequency. On top are 1e-4 of each line.
     """
     rng = np.random.default_rng(seed)
-    freq: FloatArray = np.arange(spacing, 2000.0, spacing)
+    freq: FloatArray = np.arange(0.25, 2000.0, 0.25)
     omega = 2 * np.pi * freq[:, None]
     constants = rng.uniform(0.3, 1, (len(HAMMERED), n_frf)) * rng.choice([-1, 1], (len(HAMMERED), n_frf))
     eigenvalues = (2 * np.pi * HAMMERED) ** 2 * (1 + 1j * HAMMERED_LOSS)
@@ -102,4 +104,6 @@ def hammered(seed: int, n_frf: int, *, spacing: float = 0.25) -> tuple[FloatArra
     size = (rng.standard_normal(at.shape) + 1j * rng.standard_normal(at.shape)) / np.sqrt(2 * PULSES)
     noise = sum(size[k] * np.exp(-1j * omega * at[k]) for k in range(PULSES))
     unit = rng.standard_normal(exact.shape) + 1j * rng.standard_normal(exact.shape)
-    return freq, np.asarray(exact / (1 + (freq[:, None] / KNEE) ** 4 * noise) * (1 + 1e-4 * unit), complex)
+    inertance = np.asarray(exact / (1 + (freq[:, None] / KNEE) ** 4 * noise) * (1 + 1e-4 * unit), complex)
+    dofs = tuple(Dof(node, "X") for node in range(1, n_frf + 1))
+    return FrfSet(freq, inertance[:, :, None], dofs, (Dof(30, "X"),), FrfKind.INERTANCE)

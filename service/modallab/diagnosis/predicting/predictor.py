@@ -34,7 +34,7 @@ from modallab.rig.succession import excess_variance
 
 GOLDEN = (5**0.5 - 1) / 2
 GLIMPSED = 130  # lines that a first look uses
-STEPPED = 30  # predictions that take as long as one test in which a nonlinear force is stepped through
+STEPPED = 30  # predictions with a nonlinear force that take as long as stepping it through one test
 
 
 class Predictor:

@@ -3,6 +3,7 @@
 import pytest
 
 import modallab.diagnosis.searching.search as module
+from modallab.core.dof import Dof
 from modallab.core.progress import silent
 from modallab.diagnosis.diagnose import diagnose
 from modallab.diagnosis.fitting.fit import Fit, fit
@@ -66,9 +67,12 @@ def test_a_diagnosis_that_was_given_up_says_so(monkeypatch: pytest.MonkeyPatch) 
 def test_forces_that_are_stepped_through_count_as_long_as_they_take() -> None:
     test = drawn(rig(kind="random", window="hann"), [MASS], seed=3)
     predictor = Predictor(model(), test.setup, observe(test, (), fraction=0.25))
-    hardening = CubicStiffness(at=MASS.at, stiffness=1e9)
+    hardening, other = (CubicStiffness(at=at, stiffness=1e9) for at in (MASS.at, Dof(3, "Y")))
     predictor.weighed((hardening,))
     once = predictor.effort.spent
     assert once > 50
     predictor.weighed((hardening,))
     assert predictor.effort.spent == once + 1, "what is known is not gone through again"
+    predictor.effort = Effort()
+    predictor.weighed((hardening, other))
+    assert predictor.effort.spent - 1 == 2 * (once - 1), "two forces are stepped through, of one prediction"

@@ -1,8 +1,6 @@
 import numpy as np
 
 from modallab.core.arrays import FloatArray
-from modallab.core.dof import Dof
-from modallab.core.frf import FrfKind, FrfSet
 from modallab.extraction.jointly.searched import lines_searched, orders_of
 from modallab.extraction.measured.bands import mode_indicator
 from modallab.extraction.measured.responses import responses_of
@@ -33,13 +31,13 @@ def test_few_lines_tell_no_high_order_and_none_is_said_to_be_asked_for() -> None
 
 
 def test_where_peaks_are_noise_only_the_bands_of_the_others_are_searched() -> None:
-    freq, inertance = hammered(0, 3)
-    dofs = tuple(Dof(node, "X") for node in range(1, 4))
-    frf = FrfSet(freq, inertance[:, :, None], dofs, (Dof(30, "X"),), FrfKind.INERTANCE)
+    frf = hammered(0, 3)
     responses = responses_of(frf, None, 100.0)
     searched = lines_searched(responses, mode_indicator(responses.mobility, responses.coherent), None)
     assert len(searched.left_out) == 1
-    assert searched.ranges[0].stop < np.searchsorted(freq, 973.0), "below there is one range without noise"
+    assert searched.ranges[0].stop < np.searchsorted(frf.freq, 973.0), (
+        "below there is one range without noise"
+    )
     for lines in searched.ranges:
-        assert ((freq[lines][0] < HAMMERED) & (freq[lines][-1] > HAMMERED)).any()
-    assert searched.said(freq).endswith("Hz: peaks that FRFs have in common")
+        assert ((frf.freq[lines][0] < HAMMERED) & (frf.freq[lines][-1] > HAMMERED)).any()
+    assert searched.said(frf.freq).endswith("Hz: peaks that FRFs have in common")

@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.core.arrays import FloatArray
 from modallab.core.dof import Dof
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.extraction.measured.bands import find_bands, mode_indicator
@@ -10,12 +10,6 @@ from modallab.extraction.measured.responses import Responses, responses_of
 from tests.synthetic import HAMMERED, hammered
 
 BELOW = HAMMERED[:5]  # Hz: where the force is well above its noise
-
-
-def read(freq: FloatArray, inertance: ComplexArray, coherence: FloatArray | None = None) -> Responses:
-    dofs = tuple(Dof(node + 1, "X") for node in range(inertance.shape[1]))
-    frf = FrfSet(freq, inertance[:, :, None], dofs, (Dof(30, "X"),), FrfKind.INERTANCE)
-    return responses_of(frf, coherence, 100.0)
 
 
 def common(responses: Responses, n_modes: int | None = None) -> CommonPeaks:
@@ -33,7 +27,7 @@ def places(peaks: CommonPeaks, responses: Responses) -> FloatArray:
 @pytest.mark.parametrize("seed", range(4))
 @pytest.mark.parametrize("n_frf", [3, 6])
 def test_peaks_that_every_frf_has_elsewhere_are_noise_and_named(seed: int, n_frf: int) -> None:
-    responses = read(*hammered(seed, n_frf))
+    responses = responses_of(hammered(seed, n_frf), None, 100.0)
     found = common(responses)
     peaks = places(found, responses)
     assert len(find_bands(indicator(responses))) > 60
@@ -46,7 +40,7 @@ def test_peaks_that_every_frf_has_elsewhere_are_noise_and_named(seed: int, n_frf
 
 
 def test_of_the_common_peaks_the_most_prominent_are_kept() -> None:
-    responses = read(*hammered(1, 3))
+    responses = responses_of(hammered(1, 3), None, 100.0)
     assert np.abs(places(common(responses, 3), responses)[:, None] - BELOW).min(axis=1).max() < 0.3
 
 
@@ -57,14 +51,17 @@ def test_peaks_at_frequencies_that_move_with_the_frf_are_modes_all_the_same() ->
     moved = np.arange(100.0, 1300.0, 100.0)[:, None] * (1 - 0.004 * rng.uniform(size=(12, 5)))
     eigenvalues = (2 * np.pi * moved) ** 2 * (1 + 1e-4j)
     omega = 2 * np.pi * freq[:, None, None]
-    responses = read(freq, np.asarray((-(omega**2) / (eigenvalues - omega**2)).sum(axis=1)))
+    inertance = np.asarray((-(omega**2) / (eigenvalues - omega**2)).sum(axis=1))
+    dofs = tuple(Dof(node, "X") for node in range(1, 6))
+    frf = FrfSet(freq, inertance[:, :, None], dofs, (Dof(30, "X"),), FrfKind.INERTANCE)
+    responses = responses_of(frf, None, 100.0)
     assert len(find_bands(indicator(responses))) >= 12
     assert not common(responses).left_out
 
 
 def test_where_coherence_tells_noise_or_there_is_one_frf_all_peaks_stay() -> None:
-    freq, inertance = hammered(0, 3)
-    told = read(freq, inertance, np.full(inertance.shape, 0.99))
-    alone = read(freq, inertance[:, :1])
+    frf = hammered(0, 3)
+    told = responses_of(frf, np.full(frf.values.shape, 0.99), 100.0)
+    alone = responses_of(hammered(0, 1), None, 100.0)
     for responses in (told, alone):
         assert common(responses) == CommonPeaks(find_bands(indicator(responses)))
