@@ -15,7 +15,7 @@ from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.estimation.coherence import coherence, coherence_error, frf_error
 from modallab.estimation.estimator import ESTIMATORS
 from modallab.estimation.spectra import CrossSpectra
-from modallab.rig.drawn import drawn_spectra
+from modallab.rig.wishart import wishart_spectra
 
 COHERENCES: FloatArray = np.array([0.5, 0.9, 0.99])
 N_TESTS, N_LINES = 20_000, 10  # repeats of a test, and lines of one coherence in it
@@ -43,7 +43,7 @@ def drawn(averages: float, seed: int, n_tests: int = N_TESTS, n_lines: int = N_L
     unit = np.ones((1, len(g2), 1, 1), complex)
     lines: FloatArray = np.arange(1.0, len(g2) + 1)
     whole = CrossSpectra(lines, unit, unit, 1 / g2[None, :, None], averages)
-    spectra = drawn_spectra(whole, np.random.default_rng(seed), n_tests)
+    spectra = wishart_spectra(whole, np.random.default_rng(seed), n_tests)
     # every line of a coherence is one more sample of it
     place = np.arange(len(g2)).reshape(len(COHERENCES), n_lines).T
     h = ESTIMATORS["h1"](spectra)[:, place, 0, 0]

@@ -4,7 +4,7 @@ import numpy as np
 
 from benchmarks.timing import ratio
 from modallab.estimation.spectra import CrossSpectra
-from modallab.rig.drawn import drawn_spectra
+from modallab.rig.wishart import wishart_spectra
 
 N_TESTS, N_FREQ, N_OUT, AVERAGES = 1000, 401, 11, 100
 FEWER = 200  # tests of several forces
@@ -31,7 +31,7 @@ def against_numbers(n_in: int, n_tests: int) -> float:
     ties = n_in * (n_in - 1) // 2
 
     def drawn() -> None:
-        drawn_spectra(expected, np.random.default_rng(0), n_tests)
+        wishart_spectra(expected, np.random.default_rng(0), n_tests)
 
     def numbers() -> None:
         rng = np.random.default_rng(0)

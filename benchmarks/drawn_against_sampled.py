@@ -16,11 +16,11 @@ from modallab.fe.assembly import assemble
 from modallab.fe.catalogued import STRUCTURES
 from modallab.rig.analyser import Analyser, ExcitationSetting
 from modallab.rig.chain import Chain, chain
-from modallab.rig.drawn import drawn_spectra
 from modallab.rig.expected import expected_spectra
 from modallab.rig.hardware import Accelerometers, Exciter, Noise
 from modallab.rig.sampled import sampled_spectra
 from modallab.rig.setup import RigSetup
+from modallab.rig.wishart import wishart_spectra
 
 ALLOWED = 0.05
 
@@ -63,7 +63,7 @@ def compare(whole: Chain, n_tests: int, seed: int) -> dict[str, FloatArray]:
     rng = np.random.default_rng(seed)
     n_run = len(whole.runs)
     sampled = estimates([sampled_spectra(whole, rng, silent) for _ in range(n_tests)], n_run)
-    drawn = estimates([drawn_spectra(expected_spectra(whole), rng, n_tests)], n_run)
+    drawn = estimates([wishart_spectra(expected_spectra(whole), rng, n_tests)], n_run)
     found: dict[str, FloatArray] = {}
     for name, part in (("H1", 0), ("coherence", 1)):
         a, b = (

@@ -29,7 +29,7 @@ from modallab.core.errors import NoModeInBandError
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.extraction.extract import CHOSEN, extract
 from modallab.extraction.options import ExtractionOptions
-from modallab.extraction.singly.method import EXTRACTION_METHODS, TRAITS, ModeFit
+from modallab.extraction.single_mode.method import EXTRACTION_METHODS, TRAITS, ModeFit
 
 BANDWIDTHS = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0)
 DRAWS = 24  # resonances at as many places between two lines

@@ -14,17 +14,17 @@ from modallab.core.dof import Dof
 from modallab.core.modal_model import ModalModel
 from modallab.estimation.windows import WINDOWS
 from modallab.extraction.extract import extract
-from modallab.extraction.measured.leakage import Leakage
+from modallab.extraction.preprocessing.leakage import WindowLeakage
 from modallab.fe.assembly import assemble
 from modallab.fe.catalogued import STRUCTURES
 from modallab.rig.analyser import Analyser, ExcitationSetting
 from modallab.rig.chain import chain
-from modallab.rig.drawn import drawn_spectra
 from modallab.rig.expected import expected_spectra
 from modallab.rig.hardware import Noise
 from modallab.rig.measure import measurement_of
 from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
+from modallab.rig.wishart import wishart_spectra
 
 N_TESTS = 1000
 N_LEAKED = 200  # of those that are printed only
@@ -58,7 +58,7 @@ def coverages(
     frequency, loss_factor, constant = _truth()
     size, shown = np.abs(constant), np.abs(constant) > 0.05 * np.abs(constant).max(axis=1)[:, None]
     inside: dict[str, list[FloatArray]] = {"frequency": [], "loss factor": [], "|A|": []}
-    leakage = None if window is None else Leakage.of(WINDOWS[window].samples(1024), estimator)
+    leakage = None if window is None else WindowLeakage.of(WINDOWS[window].samples(1024), estimator)
     for measurement in _tests(n_tests, estimator, window):
         model = extract(
             measurement.frf,
@@ -116,7 +116,7 @@ def _tests(n_tests: int, estimator: str, window: str | None) -> Iterator[Measure
     rng = np.random.default_rng(0)
     for start in range(0, n_tests, AT_ONCE):
         n = min(AT_ONCE, n_tests - start)
-        drawn = drawn_spectra(expected, rng, n)
+        drawn = wishart_spectra(expected, rng, n)
         for i in range(n):
             one = slice(i, i + 1)
             yield measurement_of(replace(drawn, ff=drawn.ff[one], fx=drawn.fx[one], xx=drawn.xx[one]), setup)

@@ -21,8 +21,8 @@ from modallab.fe.structure import Structure
 from modallab.rig.analyser import Analyser
 from modallab.rig.hardware import Noise
 from modallab.rig.measure import Route, measure
+from modallab.rig.noise_bias import without_noise_bias
 from modallab.rig.setup import RigSetup
-from modallab.rig.unbiased import unbiased
 from modallab.updating.method import UpdateResult
 from modallab.updating.parameterisation import Parameterisation, parameterise
 from modallab.updating.responses.method import RESPONSE_UPDATERS
@@ -130,7 +130,7 @@ def of_force_noise(case: str, seed: int) -> Found:
     analyser = Analyser(lines[-1], len(lines) + 1, averages=int(AVERAGES))
     setup = RigSetup(drives=DRIVE, responses=dofs, noise=NOISE, analyser=analyser)
     test = measure(truth, setup, route=Route.DRAWN, rng=np.random.default_rng(seed))
-    frf, common = unbiased(test)
+    frf, common = without_noise_bias(test)
     target = weighed(frf, test.coherence, test.averages, common=common)
     model, parameters = (damped(BAY), EACH) if case == "bay" else (BEAM, BEAM_EACH)
     return _held(found(model, parameters, target), wrong)

@@ -13,9 +13,9 @@ from dataclasses import replace
 import numpy as np
 
 from modallab.core.dof import Dof
-from modallab.diagnosis.observing.observed import observe
-from modallab.diagnosis.observing.residual import scatters
 from modallab.diagnosis.predicting.predictor import Predictor
+from modallab.diagnosis.residuals.observed import observe
+from modallab.diagnosis.residuals.residual import scatters
 from modallab.fe.beam import beam
 from modallab.fe.damping import StructuralDamping
 from modallab.fe.structure import Material, Section

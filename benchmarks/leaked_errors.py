@@ -19,7 +19,7 @@ from modallab.core.errors import NoModeInBandError
 from modallab.core.progress import silent
 from modallab.estimation.windows import WINDOWS
 from modallab.extraction.extract import extract
-from modallab.extraction.measured.leakage import Leakage
+from modallab.extraction.preprocessing.leakage import WindowLeakage
 from modallab.fe.assembly import assemble
 from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.damping import ModalDamping
@@ -151,7 +151,7 @@ def _scores(measurement: Measurement, method: str, estimator: str, true: Truth) 
             coherence=measurement.coherence,
             averages=measurement.averages,
             method=method,
-            leakage=Leakage.of(WINDOWS["hann"].samples(1024), estimator),
+            leakage=WindowLeakage.of(WINDOWS["hann"].samples(1024), estimator),
             estimator=estimator,
         )
     except NoModeInBandError:

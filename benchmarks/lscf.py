@@ -4,9 +4,9 @@ import numpy as np
 
 from benchmarks.timing import ratio
 from modallab.core.arrays import ComplexArray, FloatArray
-from modallab.extraction.jointly.fraction_poles import companions
-from modallab.extraction.jointly.global_method import GLOBAL_METHODS
-from modallab.extraction.jointly.matrix_fraction import fit_fractions, on_circle
+from modallab.extraction.multi_mode.fraction_poles import companions
+from modallab.extraction.multi_mode.global_method import GLOBAL_METHODS
+from modallab.extraction.multi_mode.matrix_fraction import fit_fractions, to_z_domain
 
 N_FRF, N_LINES, ORDER = 11, 801, 40
 N_MODES = 8
@@ -19,7 +19,7 @@ def run() -> list[tuple[str, float, float]]:
     freq, frf, weight = _frfs()
     orders = np.arange(1, ORDER + 1)
     find = GLOBAL_METHODS["lscf"]
-    fractions = fit_fractions(on_circle(frf, weight, ORDER), orders)
+    fractions = fit_fractions(to_z_domain(frf, weight, ORDER), orders)
     problems = [companion.copy() for companion in companions(fractions.denominator, orders)]
     took = ratio(
         lambda: find(freq, frf, weight, orders),

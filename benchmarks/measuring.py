@@ -16,12 +16,12 @@ from modallab.fe.assembly import assemble
 from modallab.fe.catalogued import STRUCTURES
 from modallab.rig.analyser import Analyser, ExcitationSetting
 from modallab.rig.chain import chain
-from modallab.rig.drawn import drawn_spectra
 from modallab.rig.expected import expected_spectra
 from modallab.rig.hardware import Accelerometers, Exciter, ForceTransducer, Noise
 from modallab.rig.measure import Route, measure
 from modallab.rig.records import Recorder
 from modallab.rig.setup import RigSetup
+from modallab.rig.wishart import wishart_spectra
 
 N_LINES, AVERAGES = 801, 100
 NODES = range(1, 22, 2)
@@ -113,7 +113,7 @@ def run() -> list[tuple[str, float, float]]:
         measured = ratio(measuring(rig, Route.SAMPLED), bare_transforms(rig), 5)
         found.append((f"sampled, {kind}: {test}, against rng + rfft", measured, most_sampled))
     spectra = expected_spectra(chain(assemble(STRUCTURES["chapter-5-beam"]()), setup("periodic_random")))
-    drawn = ratio(lambda: drawn_spectra(spectra, np.random.default_rng(0)), numbers)
+    drawn = ratio(lambda: wishart_spectra(spectra, np.random.default_rng(0)), numbers)
     return [*found, (f"drawn: {test} round their expectation, against rng", drawn, 3.0)]
 
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from benchmarks.timing import ratio
 from modallab.core.arrays import ComplexArray, FloatArray
-from modallab.extraction.singly.method import EXTRACTION_METHODS, ExtractionMethod
+from modallab.extraction.single_mode.method import EXTRACTION_METHODS, ExtractionMethod
 
 N_FITS = 10_000
 N_LOOPED = 1_000  # of the same fits; the loop's time is in proportion

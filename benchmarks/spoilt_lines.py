@@ -7,8 +7,8 @@ from functools import cache
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
-from modallab.extraction.measured.leakage import Leakage
-from modallab.extraction.singly.method import ModeFit
+from modallab.extraction.preprocessing.leakage import WindowLeakage
+from modallab.extraction.single_mode.method import ModeFit
 
 FREQ: FloatArray = np.arange(80.0, 122.0)  # lines of 1 Hz, so that a bandwidth in Hz is one in lines
 AVERAGES = 100.0
@@ -24,7 +24,7 @@ class Lines:
 
     values: ComplexArray
     coherence: FloatArray | None
-    leakage: Leakage | None = None
+    leakage: WindowLeakage | None = None
 
 
 Spoil = Callable[[ModeFit, np.random.Generator], Lines]
@@ -38,13 +38,13 @@ def clean(mode: ModeFit, _rng: np.random.Generator) -> Lines:
 def hann_h1(mode: ModeFit, _rng: np.random.Generator) -> Lines:
     """Return the expected H1 of white force through a Hann window, not averaging."""
     ff, fx, xx = _leaked(mode)
-    return Lines(fx / ff, np.abs(fx) ** 2 / (ff * xx), Leakage.of(HANN, "h1"))
+    return Lines(fx / ff, np.abs(fx) ** 2 / (ff * xx), WindowLeakage.of(HANN, "h1"))
 
 
 def hann_h2(mode: ModeFit, _rng: np.random.Generator) -> Lines:
     """Return the expected H2 of the same."""
     ff, fx, xx = _leaked(mode)
-    return Lines(np.asarray(xx / fx.conj()), np.abs(fx) ** 2 / (ff * xx), Leakage.of(HANN, "h2"))
+    return Lines(np.asarray(xx / fx.conj()), np.abs(fx) ** 2 / (ff * xx), WindowLeakage.of(HANN, "h2"))
 
 
 def noisy(mode: ModeFit, rng: np.random.Generator) -> Lines:
@@ -62,13 +62,13 @@ def on_a_floor(mode: ModeFit, rng: np.random.Generator) -> Lines:
 def drawn_h1(mode: ModeFit, rng: np.random.Generator) -> Lines:
     """Return H1 of a finite number of averages through a Hann window."""
     ff, fx, xx = _drawn(mode, rng)
-    return Lines(fx / ff, np.abs(fx) ** 2 / (ff * xx), Leakage.of(HANN, "h1"))
+    return Lines(fx / ff, np.abs(fx) ** 2 / (ff * xx), WindowLeakage.of(HANN, "h1"))
 
 
 def drawn_h2(mode: ModeFit, rng: np.random.Generator) -> Lines:
     """Return H2 of the same."""
     ff, fx, xx = _drawn(mode, rng)
-    return Lines(np.asarray(xx / fx.conj()), np.abs(fx) ** 2 / (ff * xx), Leakage.of(HANN, "h2"))
+    return Lines(np.asarray(xx / fx.conj()), np.abs(fx) ** 2 / (ff * xx), WindowLeakage.of(HANN, "h2"))
 
 
 def _drawn(mode: ModeFit, rng: np.random.Generator) -> tuple[FloatArray, ComplexArray, FloatArray]:

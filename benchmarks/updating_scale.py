@@ -18,11 +18,11 @@ from modallab.core.dof import Dof
 from modallab.core.modal_model import ModalModel
 from modallab.fe.assembly import Assembly, Coefficients, assemble, coefficients_of
 from modallab.fe.changes import MemberChange, MemberProperty, change
-from modallab.fe.lowest import factorised
+from modallab.fe.lowest_modes import factorised
 from modallab.fe.modes import first_basis, undamped_basis
 from modallab.fe.plate import plate
-from modallab.fe.selected import ModeNoise, synthetic_modes
 from modallab.fe.structure import Material, Structure
+from modallab.fe.synthetic_modes import ModeNoise, synthetic_modes
 from modallab.updating.method import UPDATERS, UpdateOptions
 from modallab.updating.parameterisation import Parameterisation, parameterise
 from modallab.updating.sensitivity import PartMatrices, derivatives, part_matrices

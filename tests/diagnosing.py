@@ -5,21 +5,21 @@ from collections.abc import Sequence
 import numpy as np
 
 from modallab.core.dof import Dof
-from modallab.diagnosis.observing.observed import Observed, observe
 from modallab.diagnosis.predicting.predictor import Predictor
+from modallab.diagnosis.residuals.observed import Observed, observe
 from modallab.fe.assembly import assemble
 from modallab.fe.beam import beam
 from modallab.fe.damping import StructuralDamping
 from modallab.fe.structure import Material, Section, Structure
 from modallab.rig.analyser import Analyser, ExcitationSetting
 from modallab.rig.chain import chain
-from modallab.rig.drawn import drawn_spectra
 from modallab.rig.effect import Effect
 from modallab.rig.expected import expected_spectra
 from modallab.rig.hardware import Accelerometers, Exciter, ForceTransducer, Noise
 from modallab.rig.measure import measurement_of
 from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
+from modallab.rig.wishart import wishart_spectra
 
 
 def model() -> Structure:
@@ -64,7 +64,7 @@ def rig(
 def drawn(setup: RigSetup, effects: Sequence[Effect] = (), *, seed: int = 0) -> Measurement:
     """Return a measurement drawn round the expected spectra."""
     spectra = expected_spectra(chain(assemble(model()), setup, effects))
-    return measurement_of(drawn_spectra(spectra, np.random.default_rng(seed)), setup)
+    return measurement_of(wishart_spectra(spectra, np.random.default_rng(seed)), setup)
 
 
 def exact(setup: RigSetup, effects: Sequence[Effect] = ()) -> Measurement:

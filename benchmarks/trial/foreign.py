@@ -23,7 +23,7 @@ class GainBump(Effect):
     kind: ClassVar[str] = "gain_bump"
     summary: ClassVar[str] = "a channel's sensitivity has a bump"
     stage: ClassVar[int] = 4
-    sits: ClassVar[tuple[type, ...]] = (Channels,)
+    allowed_places: ClassVar[tuple[type, ...]] = (Channels,)
     height: float = parameter(0.1, unit="1", lower=0.0, upper=10.0, doc="at its centre")
     centre: float = parameter(300.0, unit="Hz", lower=1.0, upper=1e5, absent=None, doc="of the bump")
     width: float = parameter(60.0, unit="Hz", lower=1.0, upper=1e5, absent=None, doc="of the bump")
@@ -69,7 +69,7 @@ class CubicDamper(Effect):
     summary: ClassVar[str] = "a damper that grows with the cube of velocity"
     stage: ClassVar[int] = 2
     structural: ClassVar[bool] = True
-    sits: ClassVar[tuple[type, ...]] = (Dof,)
+    allowed_places: ClassVar[tuple[type, ...]] = (Dof,)
     damping: float = parameter(1e3, unit="N s^3/m^3", lower=0.0, upper=1e20, doc="force over velocity cubed")
 
     def on_motion(self) -> LocalForce | None:

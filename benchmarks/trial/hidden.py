@@ -12,17 +12,17 @@ from modallab.core.arrays import FloatArray
 from modallab.core.dof import Dof
 from modallab.core.errors import DivergedError, ModalLabError
 from modallab.core.place import Place
-from modallab.diagnosis.observing.observed import observe
 from modallab.diagnosis.predicting.predictor import Predictor
+from modallab.diagnosis.residuals.observed import observe
 from modallab.estimation.spectra import CrossSpectra
 from modallab.fe.assembly import assemble
 from modallab.rig.chain import chain
-from modallab.rig.distorted_records import feedbacks_of
 from modallab.rig.distortion import check_first_order
 from modallab.rig.effect import EFFECTS, Effect
 from modallab.rig.expected import expected_spectra
 from modallab.rig.likely_motion import likely_motion
 from modallab.rig.measure import measurement_of
+from modallab.rig.nonlinear_records import feedbacks_of
 from modallab.rig.setup import RigSetup
 
 GAPS = (2.0, 1e4)

@@ -14,13 +14,13 @@ from benchmarks.trial.scoring import score
 from benchmarks.trial.tolerated import tolerances
 from modallab.core.errors import ModalLabError
 from modallab.diagnosis import diagnose as door
-from modallab.diagnosis.numbers.tolerances import NONE, Tolerances
-from modallab.diagnosis.predicting.joint import FollowUp
+from modallab.diagnosis.optimisation.tolerances import NONE, Tolerances
+from modallab.diagnosis.predicting.joint_prediction import FollowUp
 from modallab.diagnosis.result import Diagnosis
 from modallab.fe.structure import Structure
-from modallab.rig.carried_over import carried_over
 from modallab.rig.change import Change
 from modallab.rig.effect import Effect
+from modallab.rig.effects_in_other_test import effects_in_other_test
 from modallab.rig.measure import Route, measure
 from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
@@ -138,7 +138,7 @@ def _followed_up(
         except ModalLabError as error:
             tests[-1]["refused"] = str(error)
             break
-        acting = carried_over(case.acting, case.setup, actual)
+        acting = effects_in_other_test(case.acting, case.setup, actual)
         seed = case.seed + 1 + len(further)
         further.append(FollowUp(_measured(case, actual, declared, acting, seed), change))
         again = ask(replace(question, follow_ups=tuple(further)))

@@ -14,7 +14,7 @@ from modallab.api.wire import EffectIn
 from modallab.core.dof import Dof
 from modallab.core.place import Place
 from modallab.diagnosis import result
-from modallab.diagnosis.findings import extended
+from modallab.diagnosis.result_builder import extended
 from modallab.fe.damping import StructuralDamping
 from modallab.fe.structure import Member, Structure
 from modallab.rig.measurement import Measurement

@@ -8,9 +8,9 @@ import numpy as np
 from benchmarks.trial.hidden import Gauge, spectra_of
 from benchmarks.trial.rigs import Bench
 from modallab.diagnosis.fitting.fit import fit
-from modallab.diagnosis.numbers.tolerances import Nuisances, Tolerances, drawn, nuisances
-from modallab.diagnosis.observing.observed import observe
+from modallab.diagnosis.optimisation.tolerances import Nuisances, Tolerances, drawn, nuisances
 from modallab.diagnosis.predicting.predictor import Predictor
+from modallab.diagnosis.residuals.observed import observe
 from modallab.fe.assembly import assemble
 from modallab.rig.effect import Effect
 from modallab.rig.measure import measurement_of

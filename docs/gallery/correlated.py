@@ -18,7 +18,7 @@ from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.changes import MemberChange, MemberProperty, change
 from modallab.fe.expansion import expand
 from modallab.fe.reduction import reduce, reduction_of
-from modallab.fe.selected import ModeNoise, exact_modes, synthetic_modes
+from modallab.fe.synthetic_modes import ModeNoise, exact_modes, synthetic_modes
 from modallab.rig.exact import exact_frf
 from modallab_client import correlation as drawable
 from modallab_client._correlation_plot import coordinates, fdac, matrix

@@ -15,13 +15,13 @@ from modallab.api.modal_models.fits import ChartOut, FitOut
 from modallab.core.dof import Dof
 from modallab.core.modal_model import ModalModel
 from modallab.extraction.extract import extract
-from modallab.extraction.jointly.global_method import GLOBAL_METHODS
-from modallab.extraction.singly.method import EXTRACTION_METHODS
+from modallab.extraction.multi_mode.global_method import GLOBAL_METHODS
+from modallab.extraction.single_mode.method import EXTRACTION_METHODS
 from modallab.fe.assembly import assemble
 from modallab.fe.beam import beam
 from modallab.fe.damping import StructuralDamping
-from modallab.fe.selected import exact_modes
 from modallab.fe.structure import Material, Section
+from modallab.fe.synthetic_modes import exact_modes
 from modallab.jobs.extracting import picture_of
 from modallab.rig.analyser import Analyser
 from modallab.rig.hardware import Noise

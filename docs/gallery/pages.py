@@ -151,7 +151,7 @@ def _where(cls: type[Effect]) -> str:
         Members: 'members, `{"members": [3, 4]}`',
         Channels: 'response channels, `{"channels": ["7:+Y"]}`',
     }
-    places = "; ".join(names[place] for place in cls.sits)
+    places = "; ".join(names[place] for place in cls.allowed_places)
     owner = "the structure" if cls.structural else "the rig"
     asked = "" if cls.suspected else " A diagnosis looks for it only when it is named among the suspects."
     return f"`at` is {places}. It belongs to {owner}.{asked}"

@@ -6,8 +6,8 @@ import pytest
 from PIL import Image
 
 from docs.gallery.extracted import FOLDER, LOSS, METHODS, MODE, draw, model, numbers
-from modallab.extraction.jointly.global_method import GLOBAL_METHODS
-from modallab.extraction.offered import offered
+from modallab.extraction.method_options import method_options
+from modallab.extraction.multi_mode.global_method import GLOBAL_METHODS
 from modallab.extraction.options import Damping
 
 STALE = "run `make docs`"
@@ -34,7 +34,7 @@ def test_a_page_has_derivation_use_options_and_source(method: str) -> None:
         assert part in text, part
     (options,) = (line for line in text.splitlines() if line.startswith("Options: "))
     named = {word.strip("`.,;") for word in options.split() if word.startswith("`")}
-    assert set(offered(method)) == named
+    assert set(method_options(method)) == named
 
 
 @pytest.mark.parametrize("method", METHODS)

@@ -25,7 +25,7 @@ from modallab.rig.expected import expected_spectra
 from modallab.rig.hardware import Accelerometers, Coil, Exciter, ForceTransducer, Noise
 from modallab.rig.measure import Route, measure
 from modallab.rig.sampled import sampled_spectra
-from modallab.rig.setup import RigSetup, Shot
+from modallab.rig.setup import AcquisitionRun, RigSetup
 from modallab.rig.source import NoiseLevels, Source
 from modallab.rig.stinger import StingerStiffness
 from modallab.rig.suspension import Suspension
@@ -48,7 +48,7 @@ STRUCK = {kind for kind in KINDS if not EFFECTS[kind].places(SYSTEMS[kind], SETU
     kind for kind in KINDS if EFFECTS[kind].places(SYSTEMS[kind], rig(1, 7, 16, excitation="impact"))
 }
 LASTING = {kind for kind in KINDS if not EFFECTS[kind].places(SYSTEMS[kind], SETUP)} - STRUCK
-SHOT = Shot(SETUP.drives, SETUP.responses, moment=1.0)
+SHOT = AcquisitionRun(SETUP.drives, SETUP.responses, elapsed=1.0)
 
 
 def rig_for(*kinds: str, excitation: str = "periodic_random", **parts: Any) -> RigSetup:
@@ -90,7 +90,7 @@ def test_it_says_what_it_is_and_what_its_numbers_mean(kind: str) -> None:
         assert i > 0 or spec.absent is not None, "the first number says how much of the effect there is"
         assert spec.absent is None or spec.lower <= spec.absent <= spec.upper, name
         assert spec.lower <= getattr(cls(at=None), name) <= spec.upper, name
-        assert all(spec.lower <= value <= spec.upper for value in spec.tries), name
+        assert all(spec.lower <= value <= spec.upper for value in spec.scan_values), name
         assert getattr(cls(at=None), name) != spec.absent, "the default shows the effect"
 
 
@@ -171,12 +171,12 @@ def test_what_it_is_given_stays_as_it_was(kind: str) -> None:
         assert given == (Drive(SETUP.drive, 0.1), NoiseLevels(0.1, 0.2), Source(0.3))
 
 
-@pytest.mark.parametrize("kind", [kind for kind in KINDS if EFFECTS[kind].alike_in_runs])
+@pytest.mark.parametrize("kind", [kind for kind in KINDS if EFFECTS[kind].same_in_all_runs])
 def test_a_structure_with_it_is_the_same_in_every_run(kind: str) -> None:
     # it says so, and chains ask it once for all runs
-    last = Shot((Dof.parse("16:+Y"),), (Dof.parse("3:+Y"),), moment=1.0)
+    last = AcquisitionRun((Dof.parse("16:+Y"),), (Dof.parse("3:+Y"),), elapsed=1.0)
     for effect in examples(kind):
-        one, other = (effect.on_system(SYSTEMS[kind], shot) for shot in (replace(SHOT, moment=0.0), last))
+        one, other = (effect.on_system(SYSTEMS[kind], shot) for shot in (replace(SHOT, elapsed=0.0), last))
         assert one.mass is other.mass
         assert one.stiffness is other.stiffness
         assert [a.key for a in one.attachments] == [a.key for a in other.attachments]

@@ -7,7 +7,7 @@ from modallab.core.dof import Dof
 from modallab.core.place import EffectSpec
 from modallab.fe.assembly import assemble
 from modallab.fe.damping import StructuralDamping
-from modallab.fe.imported import GroupMatrices, of_groups
+from modallab.fe.imported_elements import GroupMatrices, of_groups
 from modallab.fe.plate import plate
 from modallab.fe.structure import Material, Structure
 from modallab.rig.analyser import Analyser

@@ -15,7 +15,7 @@ from modallab.estimation.spectra import CrossSpectra
 from modallab.estimation.windows import WINDOWS
 from modallab.rig.chain import Chain, chain
 from modallab.rig.excitation import EXCITATIONS, ExcitationSetting
-from modallab.rig.expected import expected_spectra, glimpse
+from modallab.rig.expected import coarse_spectra, expected_spectra
 from modallab.rig.hammer import pulse_spectrum, pulse_width
 from modallab.rig.hardware import Accelerometers, Noise
 from modallab.rig.measure import draw
@@ -152,7 +152,7 @@ def test_a_force_that_is_the_same_every_time_does_not_scatter(kind: str, route: 
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_first_look_sees_the_same_lines(kind: str) -> None:
     whole = bench(kind)
-    quick, full = glimpse(whole, 4), expected_spectra(whole)
+    quick, full = coarse_spectra(whole, 4), expected_spectra(whole)
     # exact but where it leaks: four Gauss points a line
     tolerance = 0.3 if EXCITATIONS[kind].continuous else 1e-2
     force: FloatArray = quick.ff.real / full.ff[:, ::4].real

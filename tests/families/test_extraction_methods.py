@@ -7,7 +7,14 @@ from hypothesis import strategies as st
 
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.errors import NoModeInBandError
-from modallab.extraction.singly.method import EXTRACTION_METHODS, PICTURES, TRAITS, ModeFit, Outcome, fit_mode
+from modallab.extraction.single_mode.method import (
+    EXTRACTION_METHODS,
+    PICTURES,
+    TRAITS,
+    ModeFit,
+    Outcome,
+    fit_mode,
+)
 
 modes = st.builds(
     ModeFit,

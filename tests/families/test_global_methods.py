@@ -5,7 +5,7 @@ import pytest
 
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.errors import InvalidInputError
-from modallab.extraction.jointly.global_method import GLOBAL_METHODS, Poles
+from modallab.extraction.multi_mode.global_method import GLOBAL_METHODS, Poles
 
 KINDS = sorted(GLOBAL_METHODS)
 FREQ = np.arange(10.0, 110.0, 0.5)

@@ -8,8 +8,8 @@ import pytest
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError, UnderdeterminedError, UnknownDofError
 from modallab.fe.changes import MemberChange, MemberProperty, change
-from modallab.updating.locating.method import LOCATORS
-from modallab.updating.locating.run import LocationOptions, locate
+from modallab.updating.error_location.method import LOCATORS
+from modallab.updating.error_location.run import LocationOptions, locate
 from modallab.updating.parameterisation import parameterise
 from tests.service.updating.cases import BEAM, BEAM_DOFS, modes_of
 

@@ -12,11 +12,11 @@ from modallab.core.modal_model import ModalModel
 from modallab.fe.assembly import assemble
 from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.changes import MemberChange, MemberProperty, change
-from modallab.fe.selected import ModeNoise, synthetic_modes
 from modallab.fe.structure import Structure
-from modallab.updating.dividing import automatic_groups
+from modallab.fe.synthetic_modes import ModeNoise, synthetic_modes
 from modallab.updating.method import UPDATERS, UpdateOptions, UpdateResult, parts_of
 from modallab.updating.parameterisation import Part, parameterise
+from modallab.updating.partitioning import automatic_groups
 
 BEAM = STRUCTURES["chapter-5-beam"]()
 DOFS = tuple(Dof(node, "Y") for node in range(1, 22, 2))

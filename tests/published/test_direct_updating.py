@@ -9,8 +9,8 @@ from modallab.core.modal_model import ModalModel
 from modallab.fe.assembly import assemble
 from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.changes import MemberChange, MemberProperty, change
-from modallab.fe.selected import exact_modes
 from modallab.fe.structure import Structure
+from modallab.fe.synthetic_modes import exact_modes
 from modallab.updating.direct.method import DirectOptions
 from modallab.updating.direct.result import DirectResult
 from modallab.updating.direct.run import update_directly

@@ -9,9 +9,9 @@ from modallab.core.dof import Dof
 from modallab.fe.assembly import assemble
 from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.changes import MemberChange, MemberProperty, change
-from modallab.fe.selected import ModeNoise, synthetic_modes
-from modallab.updating.locating.method import LocationResult
-from modallab.updating.locating.run import locate
+from modallab.fe.synthetic_modes import ModeNoise, synthetic_modes
+from modallab.updating.error_location.method import LocationResult
+from modallab.updating.error_location.run import locate
 from modallab.updating.parameterisation import parameterise
 from tests.published.tables import table
 

@@ -10,8 +10,8 @@ from modallab.core.modal_model import ModalModel
 from modallab.fe.assembly import assemble
 from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.changes import MemberChange, MemberProperty, change
-from modallab.fe.selected import ModeNoise, synthetic_modes
 from modallab.fe.structure import Structure
+from modallab.fe.synthetic_modes import ModeNoise, synthetic_modes
 from modallab.updating.method import UPDATERS, UpdateOptions, UpdateResult
 from modallab.updating.parameterisation import parameterise
 from tests.published import roving

@@ -12,14 +12,14 @@ from modallab.api.updates.schemas import METHODS
 from modallab.core.parameters import OptionSpec
 from modallab.estimation.estimator import ESTIMATORS
 from modallab.estimation.windows import WINDOWS
-from modallab.extraction import offered as extraction
-from modallab.extraction.jointly.global_method import GLOBAL_METHODS
-from modallab.extraction.singly.method import EXTRACTION_METHODS
+from modallab.extraction import method_options as extraction
+from modallab.extraction.multi_mode.global_method import GLOBAL_METHODS
+from modallab.extraction.single_mode.method import EXTRACTION_METHODS
 from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.reduction import REDUCTIONS
 from modallab.rig.effect import EFFECTS
 from modallab.rig.excitation import EXCITATIONS
-from modallab.updating import offered as updating
+from modallab.updating import method_options as updating
 
 router = APIRouter(prefix="/catalog", tags=["catalog"])
 
@@ -45,8 +45,8 @@ FAMILIES: Mapping[FamilyName, Mapping[str, Any]] = {
 }
 # What a method may be told, of families that have options.
 OFFERED: Mapping[FamilyName, Callable[[str], Mapping[str, OptionSpec]]] = {
-    "extraction-methods": extraction.offered,
-    "updating-methods": updating.offered,
+    "extraction-methods": extraction.method_options,
+    "updating-methods": updating.method_options,
 }
 
 

@@ -13,7 +13,7 @@ from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.correlation.orthogonality import frequency_errors
 from modallab.fe.reduction import Reduction, reduce, reduction_of
-from modallab.fe.selected import exact_modes, lowest_modes
+from modallab.fe.synthetic_modes import exact_modes, lowest_modes
 from modallab.fe.system import DynamicSystem
 
 MOST_VALUES = 2_000_000  # DoFs times masters: 16 MB

@@ -8,7 +8,7 @@ import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray, frozen
 from modallab.core.dof import Dof
-from modallab.core.wander import Wander
+from modallab.core.frequency_inconsistency import FrequencyInconsistency
 
 
 @dataclass(frozen=True)
@@ -105,7 +105,7 @@ class ModalModel:
     beyond_eigenvalue: ComplexArray | None = None
     beyond_constant: ComplexArray | None = None
     resynthesis_error: FloatArray | None = None  # (n_frf,) rms misfit of the modes over rms of the FRF
-    wander: Wander | None = None  # of the frequencies over the FRFs, None where they agree
+    wander: FrequencyInconsistency | None = None  # of the frequencies over the FRFs, None where they agree
     chart: StabilisationChart | None = None
     choices: dict[str, str] = field(default_factory=dict)  # option -> what was taken, and why
     notes: tuple[str, ...] = ()

@@ -12,7 +12,7 @@ class ParameterSpec:
     """What a fitted number means.
 
     `absent` is the value at which it has no effect; None where it only says how the effect acts, and
-    another number how much. `tries` are values worth a first look; without any they are spread
+    another number how much. `scan_values` are values worth a first look; without any they are spread
     about the default.
     """
 
@@ -21,7 +21,7 @@ class ParameterSpec:
     upper: float
     absent: float | None
     doc: str
-    tries: tuple[float, ...] = ()
+    scan_values: tuple[float, ...] = ()
 
     @property
     def signed(self) -> bool:
@@ -49,10 +49,12 @@ def parameter(
     upper: float,
     doc: str,
     absent: float | None = 0.0,
-    tries: tuple[float, ...] = (),
+    scan_values: tuple[float, ...] = (),
 ) -> Any:
     """Declare a dataclass field that may be fitted; unit and bounds live here only."""
-    return field(default=default, metadata={"spec": ParameterSpec(unit, lower, upper, absent, doc, tries)})
+    return field(
+        default=default, metadata={"spec": ParameterSpec(unit, lower, upper, absent, doc, scan_values)}
+    )
 
 
 class Parameterised:

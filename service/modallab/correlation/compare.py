@@ -15,7 +15,7 @@ from modallab.correlation.mac import FLOOR, mac, pair_modes, pole_weighted_mac
 from modallab.correlation.orthogonality import Orthogonality
 from modallab.correlation.responses import ResponseCorrelation, compare_responses
 from modallab.fe.reduction import ReducedSystem, Reduction, reduce
-from modallab.fe.selected import exact_modes
+from modallab.fe.synthetic_modes import exact_modes
 from modallab.fe.system import DynamicSystem
 
 

@@ -6,23 +6,23 @@ from dataclasses import replace
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.progress import Progress, Pulse, part, silent
-from modallab.diagnosis.findings import curves, extended, rivals, step, tolerated
 from modallab.diagnosis.fitting.fit import fit
-from modallab.diagnosis.locating.evidence import gather
-from modallab.diagnosis.locating.locating import locate
-from modallab.diagnosis.numbers.tolerances import NONE, Tolerances, nuisances
-from modallab.diagnosis.observing.observed import observe
-from modallab.diagnosis.observing.residual import scatter
-from modallab.diagnosis.predicting.effort import ENOUGH, Effort
-from modallab.diagnosis.predicting.holding_out import held_out, standing_out
-from modallab.diagnosis.predicting.joint import FollowUp, Further, Joint
+from modallab.diagnosis.localisation.evidence import gather
+from modallab.diagnosis.localisation.locate import locate
+from modallab.diagnosis.optimisation.tolerances import NONE, Tolerances, nuisances
+from modallab.diagnosis.predicting.held_out import held_out, standing_out
+from modallab.diagnosis.predicting.joint_prediction import FollowUp, FollowUpPredictor, JointPredictor
 from modallab.diagnosis.predicting.limitations import limitations
+from modallab.diagnosis.predicting.prediction_budget import ENOUGH, PredictionBudget
 from modallab.diagnosis.predicting.predictor import Predictor, check_comparable
-from modallab.diagnosis.proposing.proposal import next_test
+from modallab.diagnosis.residuals.observed import observe
+from modallab.diagnosis.residuals.residual import scatter
 from modallab.diagnosis.result import Diagnosis, Step, Verdict
-from modallab.diagnosis.searching.judging import only_noise_left
+from modallab.diagnosis.result_builder import curves, extended, rivals, step, tolerated
+from modallab.diagnosis.searching.acceptance import is_noise_only
 from modallab.diagnosis.searching.search import search
-from modallab.diagnosis.searching.trials import Suspects
+from modallab.diagnosis.searching.search_round import Suspects
+from modallab.diagnosis.test_design.proposal import next_test
 from modallab.fe.structure import Structure
 from modallab.rig.effect import EFFECTS, Effect
 from modallab.rig.measurement import Measurement
@@ -92,7 +92,7 @@ def diagnose(
     candidates = Suspects(suspected(predictor, suspects), RULED_OUT if suspects is None else 0.0)
     path = search(predictor, start, candidates, max_effects=max_effects, progress=pulse)
     pulse(0.94, "writing down what was found")
-    explained = only_noise_left(predictor, path.fit.residual, reach=None)
+    explained = is_noise_only(predictor, path.fit.residual, reach=None)
     steps = tuple(step(predictor, accepted, path.fit, explained=explained) for accepted in path.steps)
     verdict = _verdict(explained, steps)
     model, log_book = extended(structure, measurement.setup, path.fit.effects)
@@ -133,11 +133,11 @@ def _predicting(
     """Return what predicts all tests, with the numbers of model and rig free within tolerances."""
     seen = [observe(test, held, fraction=fraction) for test in tests]
     first = Predictor(structure, tests[0].setup, seen[0])
-    first.alive, first.effort = pulse.beat, Effort(ENOUGH * len(tests))
+    first.alive, first.effort = pulse.beat, PredictionBudget(ENOUGH * len(tests))
     everywhere = _wherever_heard([test.setup for test in tests])
     first = first.allowing(nuisances(tolerances, first.system, everywhere))
-    rest = [Further(first, test.setup, one) for test, one in zip(tests[1:], seen[1:], strict=True)]
-    return Joint([first, *rest]) if rest else first
+    rest = [FollowUpPredictor(first, test.setup, one) for test, one in zip(tests[1:], seen[1:], strict=True)]
+    return JointPredictor([first, *rest]) if rest else first
 
 
 def _wherever_heard(setups: Sequence[RigSetup]) -> RigSetup:

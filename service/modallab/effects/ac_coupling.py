@@ -32,7 +32,7 @@ class AcCoupling(Effect):
     kind: ClassVar[str] = "ac_coupling"
     summary: ClassVar[str] = "a channel's high-pass takes the lowest frequencies"
     stage: ClassVar[int] = 4
-    sits: ClassVar[tuple[type, ...]] = (NoneType, Channels, Dof)
+    allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Channels, Dof)
     at_drive: ClassVar[bool] = True
     corner: float = parameter(
         1.0,
@@ -40,7 +40,7 @@ class AcCoupling(Effect):
         lower=0.0,
         upper=1e4,
         doc="frequency at which the reading is 3 dB down",
-        tries=(0.01, 0.1, 1.0, 10.0),
+        scan_values=(0.01, 0.1, 1.0, 10.0),
     )
 
     def on_channel(self, channel: Channel, system: DynamicSystem) -> Channel:

@@ -11,7 +11,7 @@ from modallab.core.place import Place
 from modallab.correlation.evidence import Evidence
 from modallab.fe.system import DynamicSystem
 from modallab.rig.effect import EFFECTS, Effect
-from modallab.rig.setup import RigSetup, Shot
+from modallab.rig.setup import AcquisitionRun, RigSetup
 
 
 @EFFECTS.register("accelerometer_mass")
@@ -26,10 +26,10 @@ class AccelerometerMass(Effect):
     kind: ClassVar[str] = "accelerometer_mass"
     summary: ClassVar[str] = "the accelerometer's mass lowers the natural frequencies"
     stage: ClassVar[int] = 1
-    sits: ClassVar[tuple[type, ...]] = (NoneType, Dof)
+    allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Dof)
     mass: float = parameter(0.02, unit="kg", lower=0.0, upper=0.5, doc="accelerometer with its stud")
 
-    def on_system(self, system: DynamicSystem, shot: Shot) -> DynamicSystem:
+    def on_system(self, system: DynamicSystem, shot: AcquisitionRun) -> DynamicSystem:
         nodes = [self.at.node] if isinstance(self.at, Dof) else sorted({dof.node for dof in shot.outputs})
         return system.add_masses(nodes, self.mass)
 

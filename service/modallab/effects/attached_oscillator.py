@@ -13,7 +13,7 @@ from modallab.correlation.evidence import Evidence
 from modallab.fe.structure import Structure
 from modallab.fe.system import DynamicSystem
 from modallab.rig.effect import EFFECTS, Effect
-from modallab.rig.setup import RigSetup, Shot
+from modallab.rig.setup import AcquisitionRun, RigSetup
 
 IN_BAND = np.arange(0.03, 1.0, 0.03)  # shares of the band at which a first look is taken
 
@@ -31,15 +31,15 @@ class AttachedOscillator(Effect):
     summary: ClassVar[str] = "a part on the structure with a resonance of its own"
     stage: ClassVar[int] = 1
     structural: ClassVar[bool] = True
-    alike_in_runs: ClassVar[bool] = True
-    sits: ClassVar[tuple[type, ...]] = (Dof,)
+    same_in_all_runs: ClassVar[bool] = True
+    allowed_places: ClassVar[tuple[type, ...]] = (Dof,)
     mass: float = parameter(0.05, unit="kg", lower=0.0, upper=100.0, doc="mass that moves on the spring")
     frequency: float = parameter(
         100.0, unit="Hz", lower=1e-3, upper=1e6, absent=None, doc="of the mass on its spring, DoF held"
     )
     loss_factor: float = parameter(0.05, unit="1", lower=1e-6, upper=2.0, absent=None, doc="of the spring")
 
-    def on_system(self, system: DynamicSystem, shot: Shot) -> DynamicSystem:
+    def on_system(self, system: DynamicSystem, shot: AcquisitionRun) -> DynamicSystem:
         assert isinstance(self.at, Dof)
         if self.mass == 0:
             return system
@@ -56,7 +56,7 @@ class AttachedOscillator(Effect):
         """Return every translation."""
         return tuple(dof for dof in system.dofs if dof.translational)
 
-    def looks(self, system: DynamicSystem, setup: RigSetup) -> Mapping[str, Sequence[float]]:
+    def scan_values(self, system: DynamicSystem, setup: RigSetup) -> Mapping[str, Sequence[float]]:
         """Return frequencies spread over the band, and masses a decade apart."""
         top = setup.analyser.freq[-1]
         weight = float(system.mass.diagonal()[[dof.translational for dof in system.dofs]].sum())

@@ -14,7 +14,7 @@ from modallab.correlation.evidence import Evidence
 from modallab.fe.attachment import Attachment
 from modallab.fe.system import DynamicSystem
 from modallab.rig.effect import EFFECTS, Effect
-from modallab.rig.setup import RigSetup, Shot
+from modallab.rig.setup import AcquisitionRun, RigSetup
 
 
 @EFFECTS.register("cable_mass")
@@ -33,16 +33,22 @@ class CableMass(Effect):
     kind: ClassVar[str] = "cable_mass"
     summary: ClassVar[str] = "an accelerometer's cable loads the structure and damps it"
     stage: ClassVar[int] = 1
-    more_than: ClassVar[str | None] = "accelerometer_mass"
-    sits: ClassVar[tuple[type, ...]] = (NoneType, Dof)
+    nested_kind: ClassVar[str | None] = "accelerometer_mass"
+    allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Dof)
     mass: float = parameter(
         0.005, unit="kg", lower=0.0, upper=0.5, doc="cable that moves with each accelerometer"
     )
     drag: float = parameter(
-        20.0, unit="1/s", lower=0.0, upper=1e5, absent=None, doc="damping over mass", tries=(20.0, 500.0)
+        20.0,
+        unit="1/s",
+        lower=0.0,
+        upper=1e5,
+        absent=None,
+        doc="damping over mass",
+        scan_values=(20.0, 500.0),
     )
 
-    def on_system(self, system: DynamicSystem, shot: Shot) -> DynamicSystem:
+    def on_system(self, system: DynamicSystem, shot: AcquisitionRun) -> DynamicSystem:
         nodes = [self.at.node] if isinstance(self.at, Dof) else sorted({dof.node for dof in shot.outputs})
         for node in nodes:
             moved = tuple(dof for dof in system.dofs if dof.node == node and dof.translational)

@@ -24,7 +24,7 @@ class CancelledMass(Effect):
     kind: ClassVar[str] = "cancelled_mass"
     summary: ClassVar[str] = "mass below the gauge that was cancelled still takes force from the source"
     stage: ClassVar[int] = 3
-    sits: ClassVar[tuple[type, ...]] = (NoneType, Dof)
+    allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Dof)
     at_drive: ClassVar[bool] = True
     suspected: ClassVar[bool] = False
     mass: float = parameter(0.01, unit="kg", lower=0.0, upper=0.5, doc="below the gauge, cancelled")

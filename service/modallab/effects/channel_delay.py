@@ -30,7 +30,7 @@ class ChannelDelay(Effect):
     kind: ClassVar[str] = "channel_delay"
     summary: ClassVar[str] = "a channel lags the others by a constant time"
     stage: ClassVar[int] = 4
-    sits: ClassVar[tuple[type, ...]] = (NoneType, Channels, Dof)
+    allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Channels, Dof)
     at_drive: ClassVar[bool] = True
     delay: float = parameter(
         1e-5,
@@ -38,7 +38,7 @@ class ChannelDelay(Effect):
         lower=-1e-2,
         upper=1e-2,
         doc="how late the channel is",
-        tries=(-1e-3, -1e-4, -1e-5, -1e-6, 1e-6, 1e-5, 1e-4, 1e-3),
+        scan_values=(-1e-3, -1e-4, -1e-5, -1e-6, 1e-6, 1e-5, 1e-4, 1e-3),
     )
 
     def on_channel(self, channel: Channel, system: DynamicSystem) -> Channel:

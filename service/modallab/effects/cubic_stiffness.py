@@ -28,9 +28,9 @@ class CubicStiffness(Effect):
     kind: ClassVar[str] = "cubic_stiffness"
     summary: ClassVar[str] = "a spring that hardens: frequencies rise with the level"
     stage: ClassVar[int] = 2
-    bursts: ClassVar[bool] = True
+    intermittent: ClassVar[bool] = True
     structural: ClassVar[bool] = True
-    sits: ClassVar[tuple[type, ...]] = (Dof,)
+    allowed_places: ClassVar[tuple[type, ...]] = (Dof,)
     stiffness: float = parameter(
         3e8, unit="N/m^3", lower=0.0, upper=1e24, doc="force over the cube of the motion"
     )
@@ -47,7 +47,7 @@ class CubicStiffness(Effect):
         """Return every translation that the test measures."""
         return tuple(dof.point for dof in setup.responses)
 
-    def looks(self, system: DynamicSystem, setup: RigSetup) -> Mapping[str, Sequence[float]]:
+    def scan_values(self, system: DynamicSystem, setup: RigSetup) -> Mapping[str, Sequence[float]]:
         """Return what makes a spring of 1e-4 of the stiffness that the DoF feels to all of it."""
         assert isinstance(self.at, Dof)
         motion = likely_motion(system, setup, self.at)

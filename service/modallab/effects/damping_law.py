@@ -11,7 +11,7 @@ from modallab.core.place import Place
 from modallab.correlation.evidence import Evidence
 from modallab.fe.system import DynamicSystem
 from modallab.rig.effect import EFFECTS, Effect
-from modallab.rig.setup import RigSetup, Shot
+from modallab.rig.setup import AcquisitionRun, RigSetup
 
 
 @EFFECTS.register("damping_law")
@@ -30,7 +30,7 @@ class DampingLaw(Effect):
     summary: ClassVar[str] = "viscous damping that the model has as structural, or the other way round"
     stage: ClassVar[int] = 1
     structural: ClassVar[bool] = True
-    alike_in_runs: ClassVar[bool] = True
+    same_in_all_runs: ClassVar[bool] = True
     share: float = parameter(
         0.5, unit="1", lower=0.0, upper=1.0, doc="of the loss that follows the other law"
     )
@@ -41,10 +41,10 @@ class DampingLaw(Effect):
         upper=1e6,
         absent=None,
         doc="at which both laws lose alike",
-        tries=(30.0, 150.0, 750.0),
+        scan_values=(30.0, 150.0, 750.0),
     )
 
-    def on_system(self, system: DynamicSystem, shot: Shot) -> DynamicSystem:
+    def on_system(self, system: DynamicSystem, shot: AcquisitionRun) -> DynamicSystem:
         return system.converted(self.share, 2 * np.pi * self.frequency) if self.share else system
 
     @classmethod

@@ -42,7 +42,7 @@ class DoubleHit(Effect):
         upper=100.0,
         doc="of the second blow",
         absent=None,
-        tries=(5e-3, 0.02, 0.05),
+        scan_values=(5e-3, 0.02, 0.05),
     )
 
     def on_source(self, source: Source) -> Source:
@@ -55,7 +55,7 @@ class DoubleHit(Effect):
     def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:
         return (None,) if setup.analyser.excitation.kind == "impact" else ()
 
-    def looks(self, system: DynamicSystem, setup: RigSetup) -> Mapping[str, Sequence[float]]:
+    def scan_values(self, system: DynamicSystem, setup: RigSetup) -> Mapping[str, Sequence[float]]:
         """Return delays so close that between two of them a ripple stays in step over the band."""
         band = setup.analyser.frequency_max
         return {"delay": tuple(np.arange(1, LOOKS + 1) / (2 * band)), "ratio": (0.4,)}

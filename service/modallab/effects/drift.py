@@ -9,7 +9,7 @@ from modallab.core.place import Place
 from modallab.correlation.evidence import Evidence
 from modallab.fe.system import DynamicSystem
 from modallab.rig.effect import EFFECTS, Effect
-from modallab.rig.setup import RigSetup, Shot
+from modallab.rig.setup import AcquisitionRun, RigSetup
 
 
 @EFFECTS.register("drift")
@@ -31,8 +31,8 @@ class Drift(Effect):
         -0.01, unit="1", lower=-0.3, upper=0.3, doc="of stiffness from the first run to the last, relative"
     )
 
-    def on_system(self, system: DynamicSystem, shot: Shot) -> DynamicSystem:
-        return system.scaled(stiffness=1 + self.change * shot.moment)
+    def on_system(self, system: DynamicSystem, shot: AcquisitionRun) -> DynamicSystem:
+        return system.scaled(stiffness=1 + self.change * shot.elapsed)
 
     @classmethod
     def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:

@@ -28,10 +28,10 @@ class ExciterArmature(Effect):
     kind: ClassVar[str] = "exciter_armature"
     summary: ClassVar[str] = "the armature's inertia takes the force at resonances"
     stage: ClassVar[int] = 3
-    sits: ClassVar[tuple[type, ...]] = (NoneType, Dof)
+    allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Dof)
     at_drive: ClassVar[bool] = True
     mass: float = parameter(
-        0.02, unit="kg", lower=0.0, upper=5.0, doc="moving mass behind the force gauge", tries=TRIES
+        0.02, unit="kg", lower=0.0, upper=5.0, doc="moving mass behind the force gauge", scan_values=TRIES
     )
 
     def on_drive(self, drive: Drive) -> Drive:

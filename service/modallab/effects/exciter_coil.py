@@ -27,7 +27,7 @@ class ExciterCoil(Effect):
     kind: ClassVar[str] = "exciter_coil"
     summary: ClassVar[str] = "back-EMF of a coil whose voltage is kept damps the armature"
     stage: ClassVar[int] = 3
-    sits: ClassVar[tuple[type, ...]] = (NoneType, Dof)
+    allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Dof)
     at_drive: ClassVar[bool] = True
     suspected: ClassVar[bool] = False
     force_factor: float = parameter(8.0, unit="N/A", lower=0.0, upper=100.0, doc="force per current, BL")

@@ -24,7 +24,7 @@ class ExciterSuspension(Effect):
     kind: ClassVar[str] = "exciter_suspension"
     summary: ClassVar[str] = "the suspension of the armature takes force at low frequencies"
     stage: ClassVar[int] = 3
-    sits: ClassVar[tuple[type, ...]] = (NoneType, Dof)
+    allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Dof)
     at_drive: ClassVar[bool] = True
     suspected: ClassVar[bool] = False
     stiffness: float = parameter(5e3, unit="N/m", lower=0.0, upper=1e8, doc="armature to its frame")

@@ -12,7 +12,7 @@ from modallab.correlation.evidence import Evidence
 from modallab.fe.structure import PointMass, Structure
 from modallab.fe.system import DynamicSystem
 from modallab.rig.effect import EFFECTS, Effect
-from modallab.rig.setup import RigSetup, Shot
+from modallab.rig.setup import AcquisitionRun, RigSetup
 
 
 @EFFECTS.register("extra_mass")
@@ -28,11 +28,11 @@ class ExtraMass(Effect):
     summary: ClassVar[str] = "a mass at one node that the model lacks"
     stage: ClassVar[int] = 1
     structural: ClassVar[bool] = True
-    alike_in_runs: ClassVar[bool] = True
-    sits: ClassVar[tuple[type, ...]] = (Dof,)
+    same_in_all_runs: ClassVar[bool] = True
+    allowed_places: ClassVar[tuple[type, ...]] = (Dof,)
     mass: float = parameter(0.05, unit="kg", lower=0.0, upper=10.0, doc="mass at the node")
 
-    def on_system(self, system: DynamicSystem, shot: Shot) -> DynamicSystem:
+    def on_system(self, system: DynamicSystem, shot: AcquisitionRun) -> DynamicSystem:
         if not isinstance(self.at, Dof):
             raise InvalidInputError("an extra mass sits at a DoF", field="at", value=str(self.at))
         return system.add_mass(self.at.node, self.mass)

@@ -27,7 +27,7 @@ class ForceNoise(Effect):
     kind: ClassVar[str] = "force_noise"
     summary: ClassVar[str] = "white noise on the force channel"
     stage: ClassVar[int] = 5
-    sits: ClassVar[tuple[type, ...]] = (NoneType, Dof)
+    allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Dof)
     at_drive: ClassVar[bool] = True
     ratio: float = parameter(
         1e-3, unit="1", lower=0.0, upper=10.0, doc="noise over the mean force spectrum of the band"

@@ -10,7 +10,7 @@ from modallab.core.parameters import parameter
 from modallab.correlation.evidence import Evidence
 from modallab.fe.system import DynamicSystem
 from modallab.rig.effect import EFFECTS, Effect
-from modallab.rig.setup import RigSetup, Shot
+from modallab.rig.setup import AcquisitionRun, RigSetup
 
 
 @EFFECTS.register("force_transducer_mass")
@@ -25,11 +25,11 @@ class ForceTransducerMass(Effect):
     kind: ClassVar[str] = "force_transducer_mass"
     summary: ClassVar[str] = "mass below the force gauge that was not cancelled"
     stage: ClassVar[int] = 1
-    sits: ClassVar[tuple[type, ...]] = (NoneType, Dof)
+    allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Dof)
     at_drive: ClassVar[bool] = True
     mass: float = parameter(0.01, unit="kg", lower=0.0, upper=0.5, doc="mass below the sensing element")
 
-    def on_system(self, system: DynamicSystem, shot: Shot) -> DynamicSystem:
+    def on_system(self, system: DynamicSystem, shot: AcquisitionRun) -> DynamicSystem:
         for drive in shot.drives:
             if self.acts_on(drive):
                 system = system.add_mass(drive.node, self.mass)

@@ -26,7 +26,7 @@ class ForceTransducerStiffness(Effect):
     kind: ClassVar[str] = "force_transducer_stiffness"
     summary: ClassVar[str] = "the force gauge gives way along its axis"
     stage: ClassVar[int] = 3
-    sits: ClassVar[tuple[type, ...]] = (NoneType, Dof)
+    allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Dof)
     at_drive: ClassVar[bool] = True
     suspected: ClassVar[bool] = False
     stiffness: float = parameter(
@@ -35,7 +35,7 @@ class ForceTransducerStiffness(Effect):
         lower=SOFTEST,
         upper=STIFFEST,
         absent=STIFFEST,
-        tries=(1e6, 1e7, 1e8),
+        scan_values=(1e6, 1e7, 1e8),
         doc="along the gauge's axis",
     )
 

@@ -31,9 +31,9 @@ class Friction(Effect):
     kind: ClassVar[str] = "friction"
     summary: ClassVar[str] = "dry friction: damping falls as the level rises"
     stage: ClassVar[int] = 2
-    bursts: ClassVar[bool] = True
+    intermittent: ClassVar[bool] = True
     structural: ClassVar[bool] = True
-    sits: ClassVar[tuple[type, ...]] = (Dof,)
+    allowed_places: ClassVar[tuple[type, ...]] = (Dof,)
     force: float = parameter(0.05, unit="N", lower=0.0, upper=1e6, doc="Coulomb force")
     sticking: float = parameter(
         1e-3, unit="m/s", lower=1e-9, upper=1e3, absent=None, doc="velocity below which it acts as a damper"
@@ -56,7 +56,7 @@ class Friction(Effect):
         """Return every translation that the test measures."""
         return tuple(dof.point for dof in setup.responses)
 
-    def looks(self, system: DynamicSystem, setup: RigSetup) -> Mapping[str, Sequence[float]]:
+    def scan_values(self, system: DynamicSystem, setup: RigSetup) -> Mapping[str, Sequence[float]]:
         """Return what makes a damper of a thousandth to all of the damping that the DoF feels."""
         assert isinstance(self.at, Dof)
         motion = likely_motion(system, setup, self.at)

@@ -29,7 +29,7 @@ class GainError(Effect):
     kind: ClassVar[str] = "gain_error"
     summary: ClassVar[str] = "a channel's sensitivity is not the one declared"
     stage: ClassVar[int] = 4
-    sits: ClassVar[tuple[type, ...]] = (NoneType, Channels, Dof)
+    allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Channels, Dof)
     at_drive: ClassVar[bool] = True
     factor: float = parameter(
         1.1,
@@ -38,7 +38,7 @@ class GainError(Effect):
         upper=20.0,
         absent=1.0,
         doc="reading over what it should be",
-        tries=(0.1, 0.5, 0.9, 0.99, 1.01, 1.1, 2.0, 10.0),
+        scan_values=(0.1, 0.5, 0.9, 0.99, 1.01, 1.1, 2.0, 10.0),
     )
 
     def on_channel(self, channel: Channel, system: DynamicSystem) -> Channel:

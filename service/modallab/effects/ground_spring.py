@@ -8,11 +8,11 @@ from modallab.core.dof import Dof
 from modallab.core.parameters import parameter
 from modallab.core.place import Place
 from modallab.correlation.evidence import Evidence
-from modallab.fe.structure import GroundSpring as ModelledSpring
+from modallab.fe.structure import GroundSpringElement as ModelledSpring
 from modallab.fe.structure import Structure
 from modallab.fe.system import DynamicSystem
 from modallab.rig.effect import EFFECTS, Effect
-from modallab.rig.setup import RigSetup, Shot
+from modallab.rig.setup import AcquisitionRun, RigSetup
 
 
 @EFFECTS.register("ground_spring")
@@ -29,13 +29,13 @@ class GroundSpring(Effect):
     summary: ClassVar[str] = "a spring to the ground that the model lacks"
     stage: ClassVar[int] = 1
     structural: ClassVar[bool] = True
-    alike_in_runs: ClassVar[bool] = True
-    sits: ClassVar[tuple[type, ...]] = (Dof,)
+    same_in_all_runs: ClassVar[bool] = True
+    allowed_places: ClassVar[tuple[type, ...]] = (Dof,)
     stiffness: float = parameter(
         1e4, unit="N/m", lower=0.0, upper=1e12, doc="spring from the DoF to the ground"
     )
 
-    def on_system(self, system: DynamicSystem, shot: Shot) -> DynamicSystem:
+    def on_system(self, system: DynamicSystem, shot: AcquisitionRun) -> DynamicSystem:
         assert isinstance(self.at, Dof)
         return system.add_spring(self.at, self.stiffness)
 

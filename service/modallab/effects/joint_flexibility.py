@@ -10,10 +10,10 @@ from modallab.core.dof import Dof
 from modallab.core.parameters import parameter
 from modallab.core.place import Place
 from modallab.correlation.evidence import Evidence
-from modallab.fe.structure import Joint, Structure
+from modallab.fe.structure import JointSpring, Structure
 from modallab.fe.system import DynamicSystem
 from modallab.rig.effect import EFFECTS, Effect
-from modallab.rig.setup import RigSetup, Shot
+from modallab.rig.setup import AcquisitionRun, RigSetup
 
 LOOKS = np.logspace(-1.5, 2.5, 9)  # flexibility of the joint over that of one member's end
 
@@ -33,13 +33,13 @@ class JointFlexibility(Effect):
     summary: ClassVar[str] = "a crack or loose joint that gives in bending"
     stage: ClassVar[int] = 1
     structural: ClassVar[bool] = True
-    alike_in_runs: ClassVar[bool] = True
-    sits: ClassVar[tuple[type, ...]] = (Dof,)
+    same_in_all_runs: ClassVar[bool] = True
+    allowed_places: ClassVar[tuple[type, ...]] = (Dof,)
     flexibility: float = parameter(
         1e-4, unit="rad/(N m)", lower=0.0, upper=1e6, doc="rotation of one side against the other per moment"
     )
 
-    def on_system(self, system: DynamicSystem, shot: Shot) -> DynamicSystem:
+    def on_system(self, system: DynamicSystem, shot: AcquisitionRun) -> DynamicSystem:
         assert isinstance(self.at, Dof)
         return system.add_joint(self.at.node, self.flexibility)
 
@@ -59,7 +59,7 @@ class JointFlexibility(Effect):
             return structure
         others = tuple(joint for joint in structure.joints if joint.node != node)
         flexibility += sum(1 / joint.stiffness for joint in structure.joints if joint.node == node)
-        return replace(structure, joints=(*others, Joint(node, 1 / flexibility)))
+        return replace(structure, joints=(*others, JointSpring(node, 1 / flexibility)))
 
     @classmethod
     def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:
@@ -67,7 +67,7 @@ class JointFlexibility(Effect):
         joints = system.members.joints if system.members else ()
         return tuple(dof for dof in system.dofs if dof.direction == "RZ" and dof.node in joints)
 
-    def looks(self, system: DynamicSystem, setup: RigSetup) -> Mapping[str, Sequence[float]]:
+    def scan_values(self, system: DynamicSystem, setup: RigSetup) -> Mapping[str, Sequence[float]]:
         """Return flexibilities on both sides of that of the member's own end."""
         assert isinstance(self.at, Dof)
         assert system.members is not None

@@ -11,7 +11,7 @@ from modallab.correlation.evidence import Evidence
 from modallab.fe.structure import Structure
 from modallab.fe.system import DynamicSystem
 from modallab.rig.effect import EFFECTS, Effect
-from modallab.rig.setup import RigSetup, Shot
+from modallab.rig.setup import AcquisitionRun, RigSetup
 
 
 @EFFECTS.register("local_damping")
@@ -28,13 +28,13 @@ class LocalDamping(Effect):
     summary: ClassVar[str] = "a damper at one point that the model lacks"
     stage: ClassVar[int] = 1
     structural: ClassVar[bool] = True
-    alike_in_runs: ClassVar[bool] = True
-    sits: ClassVar[tuple[type, ...]] = (Dof,)
+    same_in_all_runs: ClassVar[bool] = True
+    allowed_places: ClassVar[tuple[type, ...]] = (Dof,)
     damping: float = parameter(
         2.0, unit="N s/m", lower=0.0, upper=1e6, doc="damper from the DoF to the ground"
     )
 
-    def on_system(self, system: DynamicSystem, shot: Shot) -> DynamicSystem:
+    def on_system(self, system: DynamicSystem, shot: AcquisitionRun) -> DynamicSystem:
         assert isinstance(self.at, Dof)
         return system.add_damper(self.at, self.damping)
 

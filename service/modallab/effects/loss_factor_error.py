@@ -13,7 +13,7 @@ from modallab.fe.damping import ModalDamping, StructuralDamping
 from modallab.fe.structure import Structure
 from modallab.fe.system import DynamicSystem
 from modallab.rig.effect import EFFECTS, Effect
-from modallab.rig.setup import RigSetup, Shot
+from modallab.rig.setup import AcquisitionRun, RigSetup
 
 
 @EFFECTS.register("loss_factor_error")
@@ -30,13 +30,13 @@ class LossFactorError(Effect):
     summary: ClassVar[str] = "members lose more or less than modelled"
     stage: ClassVar[int] = 1
     structural: ClassVar[bool] = True
-    alike_in_runs: ClassVar[bool] = True
-    sits: ClassVar[tuple[type, ...]] = (NoneType, Members)
+    same_in_all_runs: ClassVar[bool] = True
+    allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Members)
     factor: float = parameter(
         2.0, unit="1", lower=0.0, upper=100.0, absent=1.0, doc="true loss factor over the model's"
     )
 
-    def on_system(self, system: DynamicSystem, shot: Shot) -> DynamicSystem:
+    def on_system(self, system: DynamicSystem, shot: AcquisitionRun) -> DynamicSystem:
         if isinstance(self.at, Members):
             for number in self.at.numbers:
                 system = system.alter(number, Alteration(loss=self.factor))

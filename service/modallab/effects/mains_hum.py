@@ -36,17 +36,17 @@ class MainsHum(Effect):
     kind: ClassVar[str] = "mains_hum"
     summary: ClassVar[str] = "mains frequency and odd harmonics on the response signals"
     stage: ClassVar[int] = 5
-    sits: ClassVar[tuple[type, ...]] = (NoneType, Channels)
+    allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Channels)
     ratio: float = parameter(
         0.01,
         unit="1",
         lower=0.0,
         upper=10.0,
         doc="rms of the fundamental over that of the channel's signal",
-        tries=(1e-3, 1e-2, 0.1),
+        scan_values=(1e-3, 1e-2, 0.1),
     )
     frequency: float = parameter(
-        50.0, unit="Hz", lower=10.0, upper=500.0, doc="of the mains", absent=None, tries=MAINS
+        50.0, unit="Hz", lower=10.0, upper=500.0, doc="of the mains", absent=None, scan_values=MAINS
     )
 
     def on_spectra(self, spectra: CrossSpectra, acquisition: Acquisition) -> CrossSpectra:
@@ -79,7 +79,7 @@ class MainsHum(Effect):
     def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:
         return (None, *(Channels((dof,)) for dof in setup.responses))
 
-    def lookalike(self, setup: RigSetup) -> Self | None:
+    def equivalent(self, setup: RigSetup) -> Self | None:
         """Return the hum as far on the other side of its line, which power alone hardly tells apart."""
         spacing, bounds = setup.analyser.spacing, self.specs()["frequency"]
         other = 2 * round(self.frequency / spacing) * spacing - self.frequency

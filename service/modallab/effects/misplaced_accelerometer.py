@@ -32,14 +32,14 @@ class MisplacedAccelerometer(Effect):
     kind: ClassVar[str] = "misplaced_accelerometer"
     summary: ClassVar[str] = "the accelerometer sits beside the node that the log book names"
     stage: ClassVar[int] = 4
-    sits: ClassVar[tuple[type, ...]] = (Channels,)
+    allowed_places: ClassVar[tuple[type, ...]] = (Channels,)
     distance: float = parameter(
         0.01,
         unit="m",
         lower=-1.0,
         upper=1.0,
         doc="along the member that starts at the node; negative: back along the one that ends there",
-        tries=(-0.03, -0.003, 0.003, 0.03),
+        scan_values=(-0.03, -0.003, 0.003, 0.03),
     )
 
     def on_channel(self, channel: Channel, system: DynamicSystem) -> Channel:

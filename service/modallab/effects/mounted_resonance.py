@@ -29,7 +29,7 @@ class MountedResonance(Effect):
     kind: ClassVar[str] = "mounted_resonance"
     summary: ClassVar[str] = "the accelerometer rings on its mounting and reads too high"
     stage: ClassVar[int] = 4
-    sits: ClassVar[tuple[type, ...]] = (NoneType, Channels)
+    allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Channels)
     frequency: float = parameter(
         7e3,
         unit="Hz",
@@ -37,7 +37,7 @@ class MountedResonance(Effect):
         upper=1e9,
         absent=1e9,  # 1e-6 of the reading at 1 MHz, 1e-12 at 1 kHz
         doc="mounted resonance",
-        tries=(1e3, 2e3, 4e3, 8e3, 16e3, 32e3),
+        scan_values=(1e3, 2e3, 4e3, 8e3, 16e3, 32e3),
     )
     loss: float = parameter(
         0.05, unit="1", lower=1e-3, upper=1.0, absent=None, doc="twice the damping ratio of the mounting"

@@ -38,8 +38,8 @@ class Overload(Effect):
     kind: ClassVar[str] = "overload"
     summary: ClassVar[str] = "samples beyond the converter's range are cut off"
     stage: ClassVar[int] = 6
-    bursts: ClassVar[bool] = True
-    sits: ClassVar[tuple[type, ...]] = (NoneType, Channels)
+    intermittent: ClassVar[bool] = True
+    allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Channels)
     level: float = parameter(
         1.5,
         unit="1",
@@ -47,7 +47,7 @@ class Overload(Effect):
         upper=ABSENT,
         absent=ABSENT,
         doc="range of the converter over the rms of the channel's signal",
-        tries=(1.0, 1.25, 1.5, 1.75, 2.0, 2.25, 2.5, 2.75, 3.0, 3.25, 3.5, 3.75, 4.0),
+        scan_values=(1.0, 1.25, 1.5, 1.75, 2.0, 2.25, 2.5, 2.75, 3.0, 3.25, 3.5, 3.75, 4.0),
     )
 
     def on_spectra(self, spectra: CrossSpectra, acquisition: Acquisition) -> CrossSpectra:

@@ -30,7 +30,7 @@ class Polarity(Effect):
     kind: ClassVar[str] = "polarity"
     summary: ClassVar[str] = "a channel's sign is turned"
     stage: ClassVar[int] = 4
-    sits: ClassVar[tuple[type, ...]] = (NoneType, Channels, Dof)
+    allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Channels, Dof)
     at_drive: ClassVar[bool] = True
 
     def on_channel(self, channel: Channel, system: DynamicSystem) -> Channel:

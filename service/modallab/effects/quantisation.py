@@ -34,14 +34,14 @@ class Quantisation(Effect):
     kind: ClassVar[str] = "quantisation"
     summary: ClassVar[str] = "samples are rounded to the converter's steps"
     stage: ClassVar[int] = 7
-    sits: ClassVar[tuple[type, ...]] = (NoneType, Channels)
+    allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Channels)
     step: float = parameter(
         0.03,
         unit="1",
         lower=0.0,
         upper=2.0,
         doc="step of the converter over the rms of the channel's signal: 0.031 for 8 bits and a range of 4",
-        tries=(0.003, 0.03, 0.3),
+        scan_values=(0.003, 0.03, 0.3),
     )
 
     def on_spectra(self, spectra: CrossSpectra, acquisition: Acquisition) -> CrossSpectra:

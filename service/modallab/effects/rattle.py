@@ -30,10 +30,10 @@ class Rattle(Effect):
     kind: ClassVar[str] = "rattle"
     summary: ClassVar[str] = "stops that the structure strikes: all changes above some level"
     stage: ClassVar[int] = 2
-    bursts: ClassVar[bool] = True
+    intermittent: ClassVar[bool] = True
     structural: ClassVar[bool] = True
     suspected: ClassVar[bool] = False
-    sits: ClassVar[tuple[type, ...]] = (Dof,)
+    allowed_places: ClassVar[tuple[type, ...]] = (Dof,)
     stiffness: float = parameter(1e4, unit="N/m", lower=0.0, upper=1e12, doc="of the stops")
     gap: float = parameter(1e-5, unit="m", lower=1e-12, upper=1.0, absent=None, doc="free way to either side")
 

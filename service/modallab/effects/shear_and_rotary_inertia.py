@@ -11,7 +11,7 @@ from modallab.fe.alteration import Alteration
 from modallab.fe.structure import Structure
 from modallab.fe.system import DynamicSystem
 from modallab.rig.effect import EFFECTS, Effect
-from modallab.rig.setup import Shot
+from modallab.rig.setup import AcquisitionRun
 
 
 @EFFECTS.register("shear_and_rotary_inertia")
@@ -29,18 +29,18 @@ class ShearAndRotaryInertia(Effect):
     summary: ClassVar[str] = "members shear and their sections have inertia"
     stage: ClassVar[int] = 1
     structural: ClassVar[bool] = True
-    alike_in_runs: ClassVar[bool] = True
-    sits: ClassVar[tuple[type, ...]] = (NoneType, Members)
+    same_in_all_runs: ClassVar[bool] = True
+    allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Members)
     amount: float = parameter(
         1.0,
         unit="1",
         lower=0.0,
         upper=3.0,
         doc="shear flexibility and rotary inertia over those of section and material",
-        tries=(0.3, 1.0, 2.0),
+        scan_values=(0.3, 1.0, 2.0),
     )
 
-    def on_system(self, system: DynamicSystem, shot: Shot) -> DynamicSystem:
+    def on_system(self, system: DynamicSystem, shot: AcquisitionRun) -> DynamicSystem:
         if not isinstance(self.at, Members):
             return system.sheared(self.amount)
         for number in self.at.numbers:

@@ -11,7 +11,7 @@ from modallab.correlation.evidence import Evidence
 from modallab.fe.structure import Structure
 from modallab.fe.system import DynamicSystem
 from modallab.rig.effect import EFFECTS, Effect
-from modallab.rig.setup import RigSetup, Shot
+from modallab.rig.setup import AcquisitionRun, RigSetup
 
 
 @EFFECTS.register("stiffness_error")
@@ -28,13 +28,13 @@ class StiffnessError(Effect):
     summary: ClassVar[str] = "members stiffer or softer than modelled"
     stage: ClassVar[int] = 1
     structural: ClassVar[bool] = True
-    alike_in_runs: ClassVar[bool] = True
-    sits: ClassVar[tuple[type, ...]] = (NoneType, Members)
+    same_in_all_runs: ClassVar[bool] = True
+    allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Members)
     factor: float = parameter(
         1.5, unit="1", lower=0.05, upper=20.0, absent=1.0, doc="true stiffness over the model's"
     )
 
-    def on_system(self, system: DynamicSystem, shot: Shot) -> DynamicSystem:
+    def on_system(self, system: DynamicSystem, shot: AcquisitionRun) -> DynamicSystem:
         if isinstance(self.at, Members):
             for number in self.at.numbers:
                 system = system.change_member(number, axial=self.factor - 1, bending=self.factor - 1)

@@ -26,7 +26,7 @@ class StingerAxial(Effect):
     kind: ClassVar[str] = "stinger_axial"
     summary: ClassVar[str] = "the stinger gives way along its axis: armature and structure resonate on it"
     stage: ClassVar[int] = 3
-    sits: ClassVar[tuple[type, ...]] = (NoneType, Dof)
+    allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Dof)
     at_drive: ClassVar[bool] = True
     stiffness: float = parameter(
         2e6,
@@ -34,7 +34,7 @@ class StingerAxial(Effect):
         lower=SOFTEST,
         upper=STIFFEST,
         absent=STIFFEST,
-        tries=(3e4, 1e5, 3e5, 1e6, 3e6, 1e7, 1e8),
+        scan_values=(3e4, 1e5, 3e5, 1e6, 3e6, 1e7, 1e8),
         doc="along the stinger's axis",
     )
 

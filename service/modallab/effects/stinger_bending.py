@@ -13,7 +13,7 @@ from modallab.correlation.evidence import Evidence
 from modallab.fe.attachment import Attachment
 from modallab.fe.system import DynamicSystem
 from modallab.rig.effect import EFFECTS, Effect
-from modallab.rig.setup import RigSetup, Shot
+from modallab.rig.setup import AcquisitionRun, RigSetup
 from modallab.rig.stinger import LONGEST, SHORTEST, STIFFEST_BENDING, lateral_ends
 
 
@@ -31,7 +31,7 @@ class StingerBending(Effect):
     kind: ClassVar[str] = "stinger_bending"
     summary: ClassVar[str] = "the stinger holds the drive point against rotation and lateral motion"
     stage: ClassVar[int] = 1
-    sits: ClassVar[tuple[type, ...]] = (NoneType, Dof)
+    allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Dof)
     at_drive: ClassVar[bool] = True
     stiffness: float = parameter(
         10.0, unit="N m/rad", lower=0.0, upper=STIFFEST_BENDING, doc="moment per rotation, 4EI/L"
@@ -45,7 +45,7 @@ class StingerBending(Effect):
         doc="of the rod: its lateral stiffness is three times the one in rotation, over length^2",
     )
 
-    def on_system(self, system: DynamicSystem, shot: Shot) -> DynamicSystem:
+    def on_system(self, system: DynamicSystem, shot: AcquisitionRun) -> DynamicSystem:
         reach = self.length
         end = self.stiffness * np.array([[3 / reach**2, 1.5 / reach], [1.5 / reach, 1.0]])
         for drive in shot.drives:

@@ -13,7 +13,7 @@ from modallab.fe.attachment import Attachment
 from modallab.fe.system import DynamicSystem
 from modallab.rig.drive import Drive
 from modallab.rig.effect import EFFECTS, Effect
-from modallab.rig.setup import RigSetup, Shot
+from modallab.rig.setup import AcquisitionRun, RigSetup
 from modallab.rig.stinger import HEAVIEST, LONGEST, SHORTEST, lateral_ends
 
 
@@ -33,7 +33,7 @@ class StingerMass(Effect):
     kind: ClassVar[str] = "stinger_mass"
     summary: ClassVar[str] = "the mass of the stinger takes force to move"
     stage: ClassVar[int] = 3
-    sits: ClassVar[tuple[type, ...]] = (NoneType, Dof)
+    allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Dof)
     at_drive: ClassVar[bool] = True
     suspected: ClassVar[bool] = False
     mass: float = parameter(1e-3, unit="kg", lower=0.0, upper=HEAVIEST, doc="of the whole stinger")
@@ -41,7 +41,7 @@ class StingerMass(Effect):
         0.05, unit="m", lower=SHORTEST, upper=LONGEST, absent=None, doc="from armature to force gauge"
     )
 
-    def on_system(self, system: DynamicSystem, shot: Shot) -> DynamicSystem:
+    def on_system(self, system: DynamicSystem, shot: AcquisitionRun) -> DynamicSystem:
         reach = self.length
         end = self.mass / 420 * np.array([[156.0, 22 * reach], [22 * reach, 4 * reach**2]])
         for drive in shot.drives:

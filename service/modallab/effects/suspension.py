@@ -14,12 +14,12 @@ from modallab.fe.attachment import Attachment
 from modallab.fe.structure import Structure
 from modallab.fe.system import DynamicSystem
 from modallab.rig.effect import EFFECTS, Effect
-from modallab.rig.setup import RigSetup, Shot
+from modallab.rig.setup import AcquisitionRun, RigSetup
 
 
 @EFFECTS.register("suspension")
 @dataclass(frozen=True)
-class Suspension(Effect):
+class SuspensionStiffness(Effect):
     """One soft, lossy spring k (1 + i eta) to the ground; a rig's suspension is one for each band.
 
     Rigid-body modes move off zero: a body of mass M bounces on two bands at omega = sqrt(2 k / M). A free
@@ -29,15 +29,15 @@ class Suspension(Effect):
     kind: ClassVar[str] = "suspension"
     summary: ClassVar[str] = "an elastic band holds a structure that should be free"
     stage: ClassVar[int] = 1
-    alike_in_runs: ClassVar[bool] = True
-    more_than: ClassVar[str | None] = "ground_spring"
-    sits: ClassVar[tuple[type, ...]] = (Dof,)
+    same_in_all_runs: ClassVar[bool] = True
+    nested_kind: ClassVar[str | None] = "ground_spring"
+    allowed_places: ClassVar[tuple[type, ...]] = (Dof,)
     stiffness: float = parameter(100.0, unit="N/m", lower=0.0, upper=1e9, doc="of the band")
     loss_factor: float = parameter(
         0.05, unit="1", lower=0.0, upper=1.0, absent=None, doc="of the band, hysteretic"
     )
 
-    def on_system(self, system: DynamicSystem, shot: Shot) -> DynamicSystem:
+    def on_system(self, system: DynamicSystem, shot: AcquisitionRun) -> DynamicSystem:
         assert isinstance(self.at, Dof)
         spring = np.array([[self.stiffness]])
         return system.attach(

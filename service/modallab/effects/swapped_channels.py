@@ -30,7 +30,7 @@ class SwappedChannels(Effect):
     kind: ClassVar[str] = "swapped_channels"
     summary: ClassVar[str] = "two channels stand for each other"
     stage: ClassVar[int] = 4
-    sits: ClassVar[tuple[type, ...]] = (Channels,)
+    allowed_places: ClassVar[tuple[type, ...]] = (Channels,)
 
     def on_channel(self, channel: Channel, system: DynamicSystem) -> Channel:
         if channel.force or not self.acts_on(channel.dof):

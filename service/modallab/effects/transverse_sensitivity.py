@@ -36,14 +36,14 @@ class TransverseSensitivity(Effect):
     kind: ClassVar[str] = "transverse_sensitivity"
     summary: ClassVar[str] = "the accelerometer hears motion across its axis"
     stage: ClassVar[int] = 4
-    sits: ClassVar[tuple[type, ...]] = (NoneType, Channels)
+    allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Channels)
     sensitivity: float = parameter(
         0.03,
         unit="1",
         lower=-1.0,
         upper=1.0,
         doc="across the axis over along it",
-        tries=(-0.1, -0.01, 0.01, 0.1),
+        scan_values=(-0.1, -0.01, 0.01, 0.1),
     )
     angle: float = parameter(
         0.0,

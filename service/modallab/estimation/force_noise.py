@@ -19,7 +19,7 @@ WEAKEST = 0.1  # signal over noise of a force that is believed at least, where n
 
 
 @dataclass(frozen=True, eq=False)
-class ForceNoise:
+class ForceChannelNoise:
     """White noise of the force as coherence tells it.
 
     1/g2 - 1 = r + P/(g2 G_xx), r the noise of the force over its signal, N/(G_ff - N), and P white noise
@@ -34,7 +34,7 @@ class ForceNoise:
     @classmethod
     def of(
         cls, above: BoolArray, coherence: FloatArray, force: FloatArray, heard: FloatArray
-    ) -> "ForceNoise | None":
+    ) -> "ForceChannelNoise | None":
         """Return what tells of it, None where there is no noise at all beyond rounding.
 
         Parameters

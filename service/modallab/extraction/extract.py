@@ -10,22 +10,22 @@ from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfSet
 from modallab.core.modal_model import ModalModel
 from modallab.core.progress import Progress, part, silent
-from modallab.extraction.collating.told_law import told_law, with_told_law
-from modallab.extraction.globally import extract_globally
-from modallab.extraction.jointly.global_method import GLOBAL_METHODS
-from modallab.extraction.measured.leakage import Leakage, biased
-from modallab.extraction.measured.low_coherence import low_coherence_notes
-from modallab.extraction.measured.noise_bias import (
+from modallab.extraction.averaging.damping_model import select_damping_model, with_damping_model
+from modallab.extraction.method_options import check_method_options
+from modallab.extraction.multi_mode.global_method import GLOBAL_METHODS
+from modallab.extraction.multi_mode_extraction import extract_globally
+from modallab.extraction.options import Damping, ExtractionOptions
+from modallab.extraction.preprocessing.leakage import WindowLeakage, noise_bias_of
+from modallab.extraction.preprocessing.low_coherence import low_coherence_notes
+from modallab.extraction.preprocessing.noise_bias import (
     force_noise_of_leaked,
     noise_shares,
     without_noise_bias,
 )
-from modallab.extraction.measured.responses import Responses, responses_of
-from modallab.extraction.measured.white_forces import white_forces_notes
-from modallab.extraction.mode_by_mode import extract_mode_by_mode
-from modallab.extraction.offered import check_offered
-from modallab.extraction.options import Damping, ExtractionOptions
-from modallab.extraction.singly.method import EXTRACTION_METHODS, TRAITS
+from modallab.extraction.preprocessing.responses import Responses, responses_of
+from modallab.extraction.preprocessing.white_forces import white_forces_notes
+from modallab.extraction.single_mode.method import EXTRACTION_METHODS, TRAITS
+from modallab.extraction.single_mode_extraction import extract_mode_by_mode
 
 CHOSEN = ExtractionOptions()  # everything from the data
 LAW_TOLD = 0.6  # of the time, after which modes by the structural law have told which law holds
@@ -46,7 +46,7 @@ def extract(
     options: ExtractionOptions = CHOSEN,
     bands: Sequence[tuple[float, float]] | None = None,
     n_modes: int | None = None,
-    leakage: Leakage | None = None,
+    leakage: WindowLeakage | None = None,
     estimator: str | None = None,
     progress: Progress = silent,
 ) -> ModalModel:
@@ -88,7 +88,7 @@ def extract(
     """
     if n_modes is not None and n_modes < 1:
         raise InvalidInputError("at least one mode", field="n_modes", value=n_modes, allowed="1 or more")
-    check_offered(method, options)
+    check_method_options(method, options)
     responses, bias = responses_read(frf, coherence, averages, leakage=leakage, estimator=estimator)
     if method in GLOBAL_METHODS:
         read: Read = partial(
@@ -122,12 +122,12 @@ def extract(
 def _by_told_law(read: Read, options: ExtractionOptions, progress: Progress) -> ModalModel:
     """Return the modes by the law of damping that they tell, structural where they do not."""
     model = read(options=options, progress=part(progress, 0.0, LAW_TOLD))
-    told = told_law(model)
+    told = select_damping_model(model)
     if told.law is Damping.VISCOUS:
         viscous = replace(options, damping=told.law)
         model = read(options=viscous, progress=part(progress, LAW_TOLD, 1.0))
     progress(1.0, "law of damping told")
-    return with_told_law(model, told)
+    return with_damping_model(model, told)
 
 
 def responses_read(
@@ -135,7 +135,7 @@ def responses_read(
     coherence: FloatArray | None,
     averages: float,
     *,
-    leakage: Leakage | None,
+    leakage: WindowLeakage | None,
     estimator: str | None,
 ) -> tuple[Responses, FloatArray | float]:
     """Return what all methods start from, and its bias beside random error, relative, (n_freq, n_frf).
@@ -149,5 +149,5 @@ def responses_read(
         shares = force_noise_of_leaked(responses, leakage)
         return without_noise_bias(responses, shares, leakage.estimator)[0], 0.0
     # of several references only that is known which bias may be left: noise of one force is in all FRFs
-    kind = None if estimator is None or len(responses.references) > 1 else biased(estimator)
+    kind = None if estimator is None or len(responses.references) > 1 else noise_bias_of(estimator)
     return without_noise_bias(responses, noise_shares(responses, kind), kind)

@@ -11,13 +11,13 @@ from scipy.sparse import csc_array
 from modallab.core.arrays import FloatArray, IntArray
 from modallab.core.dof import Dof
 from modallab.fe.damping import ModalDamping, StructuralDamping
-from modallab.fe.jumps import Jumps
+from modallab.fe.joint_rotations import JointRotations
 from modallab.fe.losses import Losses
 from modallab.fe.member_matrices import bar_of, member_matrices
 from modallab.fe.member_table import MemberTable
 from modallab.fe.members import AnyMember
-from modallab.fe.modal_damping import ModalLoss
-from modallab.fe.shapes import Shape, slopes
+from modallab.fe.modal_damping import ModalLossFactors
+from modallab.fe.section_size import SectionSize, slopes
 from modallab.fe.shear import Shear
 from modallab.fe.structure import ACROSS, Member, Structure
 from modallab.fe.system import DynamicSystem
@@ -65,7 +65,7 @@ class Assembly:
         self.mass, self.axial, self.bending = parts.mass, parts.axial, parts.bending
         self.rows, self._bars = parts.rows, parts.bars
         n = self.size = len(structure.dofs)
-        self.jumps = Jumps(structure, self.rows.shape[1]) if jumps and structure.joints else None
+        self.jumps = JointRotations(structure, self.rows.shape[1]) if jumps and structure.joints else None
         if self.jumps is not None:
             n = self.size = self.size + len(structure.joints)
             every = np.arange(len(self.members))
@@ -112,7 +112,7 @@ class Assembly:
         """Return matrices (m, w, w) of members, by their place among all, with the rows of their jumps."""
         return parts if self.jumps is None else self.jumps.widened(parts, places)
 
-    def slopes(self, places: IntArray, shape: Shape) -> FloatArray:
+    def slopes(self, places: IntArray, shape: SectionSize) -> FloatArray:
         """Return derivatives of mass, axial and bending stiffness of members by the logarithm of a size,
         (3, m, w, w); see `shapes.slopes`."""
         found = slopes(self.structure, [self.members[place] for place in places], shape, self._width)
@@ -191,7 +191,7 @@ class Assembly:
             dofs=self.structure.dofs,
             rigid=np.pad(self._rigid_shapes, ((0, self.size - len(self.structure.dofs)), (0, 0))),
             members=table,
-            modal=ModalLoss(law.loss_factors) if isinstance(law, ModalDamping) else None,
+            modal=ModalLossFactors(law.loss_factors) if isinstance(law, ModalDamping) else None,
         )
 
     @cached_property

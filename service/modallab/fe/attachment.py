@@ -8,7 +8,7 @@ import numpy as np
 from scipy.sparse import csc_array
 
 from modallab.core.arrays import ComplexArray, FloatArray, frozen
-from modallab.fe.keeping import kept
+from modallab.fe.cache import cached
 
 FEW = 250  # degrees of freedom up to which full matrices are put together faster
 ASKED = 2  # frequency axes whose dynamic stiffness is kept
@@ -57,7 +57,7 @@ class Attachment:
         """
         if len(omega) * self.columns.shape[1] ** 2 > LARGEST:
             return self._stiffness(omega)
-        return kept(self._kept, "stiffness", omega.tobytes(), lambda: self._stiffness(omega), ASKED)
+        return cached(self._kept, "stiffness", omega.tobytes(), lambda: self._stiffness(omega), ASKED)
 
     @cached_property
     def _kept(self) -> dict[str, object]:

@@ -3,7 +3,7 @@
 from modallab.core.errors import StructureError
 from modallab.fe.damping import Damping, StructuralDamping
 from modallab.fe.structure import (
-    GroundSpring,
+    GroundSpringElement,
     Material,
     Member,
     PointMass,
@@ -23,7 +23,7 @@ def beam(
     damping: Damping | None = None,
     supports: tuple[Support, ...] = (),
     masses: tuple[PointMass, ...] = (),
-    springs: tuple[GroundSpring, ...] = (),
+    springs: tuple[GroundSpringElement, ...] = (),
     element: str = "frame",
     name: str = "",
 ) -> Structure:

@@ -9,9 +9,9 @@ import numpy as np
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.fe.damping import StructuralDamping
-from modallab.fe.members import AnyMember, Block, Member
-from modallab.fe.shapes import Shape, resized, size
-from modallab.fe.structure import GroundSpring, Joint, PointMass, Structure
+from modallab.fe.members import AnyMember, MatrixElement, Member
+from modallab.fe.section_size import SectionSize, resized, size
+from modallab.fe.structure import GroundSpringElement, JointSpring, PointMass, Structure
 
 
 class MemberProperty(StrEnum):
@@ -122,7 +122,7 @@ def change(structure: Structure, changes: Iterable[Change]) -> Structure:
             structure = _with_mass(structure, one)
         elif isinstance(one, JointStiffness):
             others = tuple(joint for joint in structure.joints if joint.node != one.node)
-            structure = replace(structure, joints=(*others, Joint(one.node, one.stiffness)))
+            structure = replace(structure, joints=(*others, JointSpring(one.node, one.stiffness)))
         else:
             structure = _with_spring(structure, one)
     return structure
@@ -155,13 +155,13 @@ def _changed(structure: Structure, member: AnyMember, made: MemberChange) -> Any
         case MemberProperty.LOSS_FACTOR:
             return replace(member, loss_factor=_loss_factor(structure, member, made))
         case MemberProperty.AREA | MemberProperty.SECOND_MOMENT | MemberProperty.THICKNESS:
-            shape = Shape(made.property)
+            shape = SectionSize(made.property)
             return resized(member, shape, made.of(size(member, shape)))
 
 
 def _nominal(member: AnyMember, property: MemberProperty) -> float:
     """Return what section and material say a property is; of a plate E t, N/m, and D, N m."""
-    if isinstance(member, Block):
+    if isinstance(member, MatrixElement):
         raise InvalidInputError(
             f"member {member.number} is given by its matrices, which have no {property}",
             field="value",
@@ -213,5 +213,5 @@ def _with_mass(structure: Structure, made: NodeMass) -> Structure:
 def _with_spring(structure: Structure, made: GroundStiffness) -> Structure:
     structure.index(made.dof)
     others = tuple(spring for spring in structure.springs if spring.dof.point != made.dof.point)
-    added = (GroundSpring(made.dof.point, made.stiffness),) if made.stiffness else ()
+    added = (GroundSpringElement(made.dof.point, made.stiffness),) if made.stiffness else ()
     return replace(structure, springs=others + added)

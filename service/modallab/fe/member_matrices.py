@@ -9,7 +9,7 @@ import numpy as np
 from modallab.core.arrays import BoolArray, FloatArray, IntArray
 from modallab.fe.element import ELEMENTS, Bar, ElementParts
 from modallab.fe.facet import Facets, plate_matrices
-from modallab.fe.members import AnyMember, Block, Material, Member, Plate, Section
+from modallab.fe.members import AnyMember, Material, MatrixElement, Member, Plate, Section
 from modallab.fe.structure import ACROSS, PLANE, Structure
 
 
@@ -60,7 +60,8 @@ def member_matrices(
     """
     every = structure.all_members if members is None else members
     bars, plates, blocks = (
-        [(i, m) for i, m in enumerate(every) if isinstance(m, kind)] for kind in (Member, Plate, Block)
+        [(i, m) for i, m in enumerate(every) if isinstance(m, kind)]
+        for kind in (Member, Plate, MatrixElement)
     )
     widths = [6] if bars else []
     widths += [len(ACROSS) * len(plate.nodes) for _, plate in plates]
@@ -124,7 +125,9 @@ def _fill_plates(out: MemberMatrices, structure: Structure, at: list[int], plate
     out.rows[at, :width] = _rows(structure, plates, ACROSS)
 
 
-def _fill_blocks(out: MemberMatrices, structure: Structure, at: list[int], members: list[Block]) -> None:
+def _fill_blocks(
+    out: MemberMatrices, structure: Structure, at: list[int], members: list[MatrixElement]
+) -> None:
     blocks = structure.blocks
     assert blocks is not None
     index = {dof: i for i, dof in enumerate(structure.dofs)}

@@ -68,7 +68,7 @@ class Material:
         return self.modulus / (2 * (1 + self.poisson_ratio))
 
 
-def _check_factors(member: "Member | Plate | Block") -> None:
+def _check_factors(member: "Member | Plate | MatrixElement") -> None:
     for name in ("mass_factor", "axial_factor", "bending_factor"):
         positive(getattr(member, name), name)
     if member.loss_factor is not None:
@@ -136,7 +136,7 @@ class Plate:
 
 
 @dataclass(frozen=True)
-class Block:
+class MatrixElement:
     """An element that is given by its matrices: those of `index` among the structure's blocks."""
 
     number: int
@@ -152,7 +152,7 @@ class Block:
         _check_factors(self)
 
 
-AnyMember = Member | Plate | Block
+AnyMember = Member | Plate | MatrixElement
 
 
 def sides(member: AnyMember) -> tuple[tuple[int, int], ...]:

@@ -11,7 +11,7 @@ from modallab.fe.attachment import Attachment
 
 
 @dataclass(frozen=True)
-class ModalLoss:
+class ModalLossFactors:
     """Loss factors of the elastic modes in rising order; the last one holds for every mode above.
 
     D = M Phi diag(structural eta_r lambda_r) Phi^T M and C of the same form, which leave modes as they are.
@@ -22,7 +22,7 @@ class ModalLoss:
     viscous: float = 0.0  # s
     more: tuple[float, ...] = ()  # structural loss factor that the lowest elastic modes have besides
 
-    def scaled(self, factor: float) -> "ModalLoss":
+    def scaled(self, factor: float) -> "ModalLossFactors":
         """Return it multiplied."""
         return replace(
             self,
@@ -31,12 +31,12 @@ class ModalLoss:
             more=tuple(factor * one for one in self.more),
         )
 
-    def losing(self, more: tuple[float, ...]) -> "ModalLoss":
+    def with_modal_loss(self, more: tuple[float, ...]) -> "ModalLossFactors":
         """Return it with so much more of a structural loss factor for each of the lowest modes."""
         both = zip_longest(self.more, more, fillvalue=0.0)
         return replace(self, more=tuple(a + b for a, b in both))
 
-    def to_viscous(self, share: float, omega: float) -> "ModalLoss":
+    def to_viscous(self, share: float, omega: float) -> "ModalLossFactors":
         """Return it with a share of the hysteretic part viscous, alike at `omega` rad/s."""
         gained = share / omega * self.structural
         return replace(self, structural=(1 - share) * self.structural, viscous=self.viscous + gained)

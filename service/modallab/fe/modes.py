@@ -9,14 +9,14 @@ from scipy.sparse import csc_array
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.errors import InvalidInputError
 from modallab.fe.attachment import distinct
+from modallab.fe.cache import cached
 from modallab.fe.complex_modes import COUPLED, coupled_by
-from modallab.fe.coupled import CoupledModes
-from modallab.fe.keeping import kept
+from modallab.fe.eigen_refinement import sharpened
 from modallab.fe.losses import Losses
-from modallab.fe.lowest import Lowest, lowest_below, lowest_first
-from modallab.fe.modal_damping import ModalLoss
-from modallab.fe.remainder import Remainder
-from modallab.fe.sharpening import sharpened
+from modallab.fe.lowest_modes import LowestModes, lowest_below, lowest_first
+from modallab.fe.modal_damping import ModalLossFactors
+from modallab.fe.truncation import ModalTruncation
+from modallab.fe.viscous_modes import CoupledModes
 
 ASKED = 3  # sets of frequencies whose responses are kept
 LARGEST = 250_000  # numbers of a response, frequencies times modes, that is kept
@@ -35,7 +35,7 @@ class ModalBasis:
     n_rigid_body: int
     viscous: FloatArray | ComplexArray | None = None  # (m, m) Phi^T C Phi, 1/s
     frequency_max: float = np.inf  # Hz
-    remainder: Remainder | None = None
+    remainder: ModalTruncation | None = None
     _kept: dict[str, object] = field(default_factory=dict, init=False, repr=False)
 
     def elastic(self, count: int | None = None) -> "ModalBasis":
@@ -51,7 +51,7 @@ class ModalBasis:
         self,
         damping: csc_array | None,
         viscous: csc_array | None,
-        modal: ModalLoss | None = None,
+        modal: ModalLossFactors | None = None,
         losses: Losses | None = None,
     ) -> "ModalBasis":
         """Return these undamped modes with damping; shapes turn complex only where it couples them.
@@ -103,7 +103,7 @@ class ModalBasis:
         """
         if omega.size * len(self.eigenvalues) > LARGEST:
             return ModalResponse(self, omega)
-        return kept(self._kept, "responses", omega.tobytes(), lambda: ModalResponse(self, omega), ASKED)
+        return cached(self._kept, "responses", omega.tobytes(), lambda: ModalResponse(self, omega), ASKED)
 
 
 class ModalResponse:
@@ -152,7 +152,7 @@ class ModalResponse:
         size = len(self.omega) * motions.shape[1] ** 2
         if size > LARGEST:
             return self._among(motions)
-        return kept(self._kept, "among", motions.tobytes(), lambda: self._among(motions), 1)
+        return cached(self._kept, "among", motions.tobytes(), lambda: self._among(motions), 1)
 
     def _among(self, motions: FloatArray) -> ComplexArray:
         if self._coupled is not None or self.basis.remainder is not None:
@@ -258,7 +258,7 @@ def first_basis(mass: csc_array, stiffness: csc_array, rigid: FloatArray | None,
     return _of_lowest(found, bodies.shape[1], float(np.sqrt(found.highest) / (2 * np.pi)))
 
 
-def _of_lowest(found: Lowest, n_rigid: int, frequency_max: float) -> ModalBasis:
+def _of_lowest(found: LowestModes, n_rigid: int, frequency_max: float) -> ModalBasis:
     squares = found.squares.astype(complex)
     remainder = None if np.isinf(frequency_max) else found.remainder
     return ModalBasis(squares, found.shapes, n_rigid, None, frequency_max, remainder)

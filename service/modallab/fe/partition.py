@@ -11,7 +11,7 @@ from scipy.sparse.linalg import LinearOperator, onenormest, splu
 from modallab.core.arrays import FloatArray, IntArray
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
-from modallab.fe.lowest import count_below
+from modallab.fe.lowest_modes import count_below
 from modallab.fe.modes import ModalBasis, first_basis, rigid_body_modes, undamped_basis
 from modallab.fe.system import SMALL, DynamicSystem
 

@@ -6,7 +6,7 @@ from enum import StrEnum
 from modallab.core.errors import StructureError
 from modallab.fe.damping import Damping, StructuralDamping
 from modallab.fe.members import Material, Plate, positive
-from modallab.fe.structure import ACROSS, GroundSpring, PointMass, Structure, Support
+from modallab.fe.structure import ACROSS, GroundSpringElement, PointMass, Structure, Support
 
 
 class Edge(StrEnum):
@@ -43,7 +43,7 @@ def plate(
     edges: Mapping[Edge, Holding] | None = None,
     supports: tuple[Support, ...] = (),
     masses: tuple[PointMass, ...] = (),
-    springs: tuple[GroundSpring, ...] = (),
+    springs: tuple[GroundSpringElement, ...] = (),
     name: str = "",
 ) -> Structure:
     """Return a rectangular plate in X, Y with DoFs Z, RX and RY.

@@ -12,7 +12,7 @@ from scipy.sparse.linalg import splu
 
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray
 from modallab.fe.attachment import Attachment, attached_stiffness, distinct, put_together, stacked
-from modallab.fe.keeping import kept
+from modallab.fe.cache import cached
 from modallab.fe.modes import ModalResponse
 from modallab.fe.system import SMALL, DynamicSystem
 
@@ -99,7 +99,7 @@ def attached_variants(
         (n, n_out) for each variant, of one width, and (n, n_in) for all.
     """
     shared, own = parted(systems)
-    whole = lean(replace(systems[0], attachments=shared), len(omega))
+    whole = condense_if_cheaper(replace(systems[0], attachments=shared), len(omega))
     response = whole.base_modes(float(omega.max()) / (2 * np.pi)).at(omega)
     stacks = [stacked(len(right), attachments) for attachments in own]
     widths = {stack.shape[1] for stack in stacks}
@@ -180,7 +180,7 @@ def _effective_stiffness(response: ModalResponse, system: DynamicSystem) -> Comp
     return np.ascontiguousarray(solved(inner, z).transpose(1, 2, 0))
 
 
-def lean(system: DynamicSystem, n_freq: float = np.inf) -> DynamicSystem:
+def condense_if_cheaper(system: DynamicSystem, n_freq: float = np.inf) -> DynamicSystem:
     """Return the same system with attachments folded into the matrices, where they are many.
 
     Solving for the modes again costs less than many attached columns at every one of many frequencies.
@@ -202,7 +202,7 @@ def lean(system: DynamicSystem, n_freq: float = np.inf) -> DynamicSystem:
         return system
     plain = tuple(a for a in system.attachments if a.inner == 0)
     folded = replace(system, attachments=plain).folded()
-    kept(system.shared, "folded", tuple(a.key for a in plain), lambda: folded, FOLDED)
+    cached(system.shared, "folded", tuple(a.key for a in plain), lambda: folded, FOLDED)
     return replace(folded, attachments=tuple(a for a in system.attachments if a.inner))
 
 

@@ -15,7 +15,7 @@ from modallab.core.errors import InvalidInputError, StructureError, UnknownDofEr
 from modallab.core.place import EffectSpec
 from modallab.fe.blocks import Blocks
 from modallab.fe.damping import Damping, StructuralDamping
-from modallab.fe.members import FARTHEST, AnyMember, Block, Plate, not_negative
+from modallab.fe.members import FARTHEST, AnyMember, MatrixElement, Plate, not_negative
 from modallab.fe.members import Material as Material
 from modallab.fe.members import Member as Member
 from modallab.fe.members import Section as Section
@@ -45,7 +45,7 @@ class PointMass:
 
 
 @dataclass(frozen=True)
-class GroundSpring:
+class GroundSpringElement:
     """A spring between a DoF and the ground."""
 
     dof: Dof
@@ -56,7 +56,7 @@ class GroundSpring:
 
 
 @dataclass(frozen=True)
-class Joint:
+class JointSpring:
     """A rotational spring between two sides of a node, which turn as one without it.
 
     On one side is the first bar that runs into the node, on the other all the rest.
@@ -84,14 +84,14 @@ class Structure:
     members: tuple[Member, ...]  # bars
     supports: tuple[Support, ...] = ()
     masses: tuple[PointMass, ...] = ()
-    springs: tuple[GroundSpring, ...] = ()
+    springs: tuple[GroundSpringElement, ...] = ()
     damping: Damping = field(default_factory=StructuralDamping)
     directions: tuple[str, ...] = PLANE  # that every node has, unless held
     effects: tuple[EffectSpec, ...] = ()
     name: str = ""
-    others: tuple[Plate | Block, ...] = ()  # members that are no bars
+    others: tuple[Plate | MatrixElement, ...] = ()  # members that are no bars
     blocks: Blocks | None = None  # matrices of members that are given by them, and the DoFs there are then
-    joints: tuple[Joint, ...] = ()  # of bars, one a node
+    joints: tuple[JointSpring, ...] = ()  # of bars, one a node
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "nodes", MappingProxyType(dict(sorted(self.nodes.items()))))
@@ -137,7 +137,7 @@ class Structure:
         for member in self.all_members:
             for node in member.nodes:
                 self._check_known(node, "members")
-            if isinstance(member, Block):
+            if isinstance(member, MatrixElement):
                 self._check_block(member)
             elif isinstance(member, Plate):
                 member.check_corners([self.nodes[n] for n in member.nodes])
@@ -169,7 +169,7 @@ class Structure:
                     allowed="a node where two bars meet, once",
                 )
 
-    def _check_block(self, member: Block) -> None:
+    def _check_block(self, member: MatrixElement) -> None:
         n_blocks = 0 if self.blocks is None else len(self.blocks.mass)
         if not 0 <= member.index < n_blocks:
             raise StructureError(

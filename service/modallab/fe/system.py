@@ -24,11 +24,11 @@ from modallab.fe.attachment import (
     stacked,
     with_added,
 )
+from modallab.fe.cache import cached
 from modallab.fe.damping import ViscousDamping
-from modallab.fe.keeping import kept
-from modallab.fe.loaded import half_power, loaded_modes, only_loads
+from modallab.fe.loaded_modes import half_power, loaded_modes, only_loads
 from modallab.fe.member_table import MemberTable
-from modallab.fe.modal_damping import ModalLoss
+from modallab.fe.modal_damping import ModalLossFactors
 from modallab.fe.modes import ModalBasis, first_basis, undamped_basis
 from modallab.fe.rebuilding import grounded, rebuilt
 
@@ -54,7 +54,7 @@ class DynamicSystem:
     rigid: FloatArray | None = None  # (n, n_rigid) motions that strain no member
     members: MemberTable | None = None
     attachments: tuple[Attachment, ...] = ()
-    modal: ModalLoss | None = None  # of the matrices alone
+    modal: ModalLossFactors | None = None  # of the matrices alone
     # A system with the same undamped shapes, and how many times its eigenvalues these are: solved for there.
     alike: "tuple[DynamicSystem, float] | None" = None
     altered: Mapping[int, tuple[Alteration, Attachment]] = field(default_factory=dict)  # by member
@@ -62,7 +62,7 @@ class DynamicSystem:
 
     @cached_property
     def _index(self) -> dict[Dof, int]:
-        return kept(self.shared, "rows", None, lambda: {dof: i for i, dof in enumerate(self.dofs)})
+        return cached(self.shared, "rows", None, lambda: {dof: i for i, dof in enumerate(self.dofs)})
 
     def index(self, dof: Dof) -> int:
         """Return the row of a DoF.
@@ -104,7 +104,7 @@ class DynamicSystem:
 
     def _known(self, key: tuple[object, ...], make: Callable[[], Attachment]) -> Attachment:
         """Return what was attached to the same matrices before, or else make it."""
-        return kept(self.shared, "hung", key, make, min(HUNG, 1 + ROWS // len(self.dofs)))
+        return cached(self.shared, "hung", key, make, min(HUNG, 1 + ROWS // len(self.dofs)))
 
     def _mass(self, node: int, mass: float) -> Attachment:
         moved = tuple(d for d in self.dofs if d.node == node and d.translational)
@@ -210,7 +210,7 @@ class DynamicSystem:
         members = replace(table, losses=losses)
         return self._rebuilt(("converted", share, omega), lambda: members, modal, stretch=1.0)
 
-    def losing(self, more: tuple[float, ...]) -> "DynamicSystem":
+    def with_modal_loss(self, more: tuple[float, ...]) -> "DynamicSystem":
         """Return the system whose lowest elastic modes have so much more of a loss factor each.
 
         Structural damping sum eta_r lambda_r (M phi_r)(M phi_r)^T of the matrices' own modes, without what
@@ -218,7 +218,7 @@ class DynamicSystem:
         """
         if not any(more):
             return self
-        modal = (self.modal or ModalLoss((0.0,))).losing(more)
+        modal = (self.modal or ModalLossFactors((0.0,))).with_modal_loss(more)
         return self._rebuilt(("losing", more), lambda: self._known_members, modal, stretch=1.0)
 
     def sheared(self, amount: float) -> "DynamicSystem":
@@ -232,7 +232,7 @@ class DynamicSystem:
         self,
         key: tuple[object, ...],
         members: Callable[[], MemberTable],
-        modal: ModalLoss | None,
+        modal: ModalLossFactors | None,
         stretch: float | None = None,
     ) -> "DynamicSystem":
         """Return the system of other members, with all that is attached to this one.
@@ -250,7 +250,7 @@ class DynamicSystem:
 
         own = [attachment for _, attachment in self.altered.values()]
         rest = tuple(a for a in self.attachments if not any(a is b for b in own))
-        system = replace(kept(self.shared, "scaled", key, make), attachments=rest, altered={})
+        system = replace(cached(self.shared, "scaled", key, make), attachments=rest, altered={})
         for number, (alteration, _) in self.altered.items():
             system = system.alter(number, alteration)
         return system
@@ -289,7 +289,7 @@ class DynamicSystem:
             basis = self._undamped(MODAL_BAND).elastic()
             return modal.attachment(self.mass, basis.eigenvalues.real, basis.shapes.real)
 
-        return (*self.attachments, kept(self.shared, "modal", modal, make))
+        return (*self.attachments, cached(self.shared, "modal", modal, make))
 
     @property
     def stacked(self) -> FloatArray:

@@ -25,7 +25,7 @@ _COUNTED = re.compile(r"modallab, FRF \d+ of (\d+)")
 
 
 @dataclass(frozen=True, eq=False)
-class Block:
+class FrfBlock:
     """One FRF."""
 
     kind: FrfKind
@@ -38,7 +38,7 @@ class Block:
     of: int | None  # how many FRFs the file had when it was written, where it says so
 
 
-def read_blocks(text: str) -> Iterator[Block]:
+def read_blocks(text: str) -> Iterator[FrfBlock]:
     """Yield the FRFs of a file.
 
     Raises
@@ -53,7 +53,7 @@ def read_blocks(text: str) -> Iterator[Block]:
         yield _block(reader)
 
 
-def assemble(blocks: Sequence[Block]) -> MeasuredFile:
+def assemble(blocks: Sequence[FrfBlock]) -> MeasuredFile:
     """Return the measurement of FRFs of one kind on one axis, one of each response and drive.
 
     Raises
@@ -101,7 +101,7 @@ def assemble(blocks: Sequence[Block]) -> MeasuredFile:
     )
 
 
-def _block(reader: "_Reader") -> Block:
+def _block(reader: "_Reader") -> FrfBlock:
     title = reader.line()
     (kind,) = reader.integers(1)
     count, start, step, step_error = reader.axis()
@@ -119,7 +119,7 @@ def _block(reader: "_Reader") -> Block:
     if not (np.abs(listed[:count] - freq) <= 0.06 + step_error * np.arange(count)).all():
         raise reader.refusal("lists other frequencies than start and step give", f"{listed[0]:g}")
     counted = _COUNTED.match(title)
-    return Block(
+    return FrfBlock(
         kind=KINDS[kind - 1],
         source=reader.dof(ends[0], ends[1]),
         response=reader.dof(ends[2], ends[3]),

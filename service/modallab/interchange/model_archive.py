@@ -9,7 +9,7 @@ from scipy.sparse import csc_array
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.fe.damping import Damping
-from modallab.fe.imported import GroupMatrices, of_groups
+from modallab.fe.imported_elements import GroupMatrices, of_groups
 from modallab.fe.structure import Structure
 from modallab.interchange import model_matrix_market
 from modallab.interchange.nastran.op4 import read_op4

@@ -8,7 +8,7 @@ from scipy.io import mminfo, mmread
 from scipy.sparse import coo_array, csc_array
 
 from modallab.core.errors import InvalidInputError
-from modallab.fe.imported import MOST
+from modallab.fe.imported_elements import MOST
 
 
 def matrix(content: bytes, path: str, n: int) -> csc_array:

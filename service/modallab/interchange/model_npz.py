@@ -11,7 +11,7 @@ from modallab.core.arrays import FloatArray, IntArray
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.fe.damping import Damping
-from modallab.fe.imported import Element, GroupMatrices, Places, of_elements, of_groups
+from modallab.fe.imported_elements import Element, GroupMatrices, Places, of_elements, of_groups
 from modallab.fe.structure import Structure
 from modallab.interchange import npz_arrays
 from modallab.interchange.npz_arrays import reals, texts

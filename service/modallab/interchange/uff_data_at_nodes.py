@@ -23,7 +23,7 @@ _A_ROW = 6
 
 
 @dataclass(frozen=True, eq=False)
-class Shape:
+class NodalShape:
     """A mode in the file's units; its frequency is 0 where it is rigid, or the conjugate of another."""
 
     frequency: float  # Hz
@@ -34,7 +34,7 @@ class Shape:
     of: int | None  # how many modes the file had when it was written, where it says so
 
 
-def read_shape(text: str, index: int) -> Shape | None:
+def read_shape(text: str, index: int) -> NodalShape | None:
     """Return the mode that a dataset 55 holds, or None if it holds something else.
 
     Parameters
@@ -77,7 +77,7 @@ def read_shape(text: str, index: int) -> Shape | None:
     scaled = kinds[3] in (0, 8) and mass
     if not np.isfinite([frequency, loss_factor, np.abs(mass or 0.0)]).all():
         raise refusal(f"mode {index} is out of bounds", field="frequency", value=f"{frequency:g} Hz")
-    return Shape(
+    return NodalShape(
         frequency, loss_factor, mass if scaled else None, nodes, table, int(counted[1]) if counted else None
     )
 

@@ -12,7 +12,7 @@ from modallab.core.arrays import ComplexArray
 from modallab.core.dof import DIRECTIONS, TRANSLATIONS, Dof
 from modallab.core.modal_model import ModalModel, Mode
 from modallab.interchange.uff_contents import contents
-from modallab.interchange.uff_data_at_nodes import Shape, read_shape
+from modallab.interchange.uff_data_at_nodes import NodalShape, read_shape
 from modallab.interchange.uff_records import HEADER, SMALL, UNITS, factors, read_texts
 from modallab.interchange.uff_split import LARGEST, refusal
 from modallab.interchange.uff_text import NOWHERE, Origin, dataset, foreign, front, label, program_of, rows
@@ -96,7 +96,7 @@ def read(payload: bytes, *, largest: int) -> ModalModel:
     InvalidInputError
         If it is no universal file, is cut off or damaged, or its datasets make no modal model.
     """
-    shapes: list[Shape] = []
+    shapes: list[NodalShape] = []
     notes: list[str] = []
     units = (1.0, 1.0)
     wanted = {MODE: LARGEST, UNITS: SMALL, HEADER: SMALL}
@@ -124,13 +124,13 @@ def read(payload: bytes, *, largest: int) -> ModalModel:
     return _model(shapes, units, notes)
 
 
-def _check(shapes: Sequence[Shape]) -> None:
+def _check(shapes: Sequence[NodalShape]) -> None:
     short = [shape.of for shape in shapes if shape.of is not None and shape.of != len(shapes)]
     if short:
         raise refusal(f"the file had {short[0]} modes and has {len(shapes)}: cut off", value=len(shapes))
 
 
-def _model(shapes: Sequence[Shape], units: tuple[float, float], notes: Sequence[str]) -> ModalModel:
+def _model(shapes: Sequence[NodalShape], units: tuple[float, float], notes: Sequence[str]) -> ModalModel:
     nodes = shapes[0].nodes
     places = {node: i for i, node in enumerate(nodes)}
     if any(set(shape.nodes) != set(nodes) for shape in shapes):

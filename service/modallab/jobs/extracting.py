@@ -10,12 +10,12 @@ from modallab.core.frf import FrfKind, FrfSet
 from modallab.core.modal_model import ModalModel
 from modallab.core.progress import Progress
 from modallab.estimation.windows import WINDOWS, added_loss_factor
-from modallab.extraction.collating.resynthesis import resynthesise
-from modallab.extraction.collating.window_damping import without_added
+from modallab.extraction.averaging.resynthesis import resynthesise
+from modallab.extraction.averaging.window_damping import without_added
 from modallab.extraction.extract import extract, responses_read
-from modallab.extraction.measured.leakage import Leakage
 from modallab.extraction.options import ExtractionOptions
-from modallab.extraction.picture import FitPicture, fit_picture
+from modallab.extraction.plot_data import FitPlotData, fit_plot_data
+from modallab.extraction.preprocessing.leakage import WindowLeakage
 from modallab.jobs.destination import Destination
 from modallab.rig.excitation import EXCITATIONS
 from modallab.rig.measurement import Measurement
@@ -32,13 +32,13 @@ _NAMED = 20  # DoFs in a refusal
 _CHOSEN = to_plain(ExtractionOptions())[0]
 
 
-def leakage_of(setup: RigSetup) -> Leakage | None:
+def leakage_of(setup: RigSetup) -> WindowLeakage | None:
     """Return what the declared analyser does to lines, None if its records repeat or die out."""
     analyser = setup.analyser
     if EXCITATIONS[analyser.excitation.kind].continuous == _PERIODIC:
         return None
     window = WINDOWS[analyser.window].samples(_WINDOW_SAMPLES)
-    return Leakage.of(window, analyser.estimator, source_mass=setup.exciter.armature_mass)
+    return WindowLeakage.of(window, analyser.estimator, source_mass=setup.exciter.armature_mass)
 
 
 def extract_and_store(
@@ -75,7 +75,7 @@ def extract_and_store(
 
 def picture_of(
     measurement: Measurement, model: ModalModel, mode: int, response: Dof, reference: Dof | None = None
-) -> FitPicture:
+) -> FitPlotData:
     """Return the fit of one mode, counted from 1, in one FRF of the measurement it was read from.
 
     Which FRF of a response is told by the reference; it may be left out where there is but one.
@@ -113,7 +113,7 @@ def picture_of(
     )
     as_fitted = _as_measured(model, measurement.setup)
     row = model.dofs.index(response) * len(model.references) + model.references.index(reference)
-    return fit_picture(responses, as_fitted, mode - 1, row, leakage=leakage)
+    return fit_plot_data(responses, as_fitted, mode - 1, row, leakage=leakage)
 
 
 def resynthesised(measurement: Measurement, model: ModalModel) -> FrfSet:

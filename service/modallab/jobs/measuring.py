@@ -9,9 +9,9 @@ import scipy
 from modallab.core.place import EffectSpec
 from modallab.core.progress import Progress
 from modallab.jobs.destination import Destination
-from modallab.rig.carried_over import carried_over
 from modallab.rig.change import Change
 from modallab.rig.effect import build
+from modallab.rig.effects_in_other_test import effects_in_other_test
 from modallab.rig.measure import Route, measure
 from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
@@ -95,7 +95,7 @@ def _measured(
 
 
 def _on_other_rig(truth: Truth, first: RigSetup, setup: RigSetup) -> Truth:
-    hidden = carried_over([build(spec) for spec in truth.effects], first, setup)
+    hidden = effects_in_other_test([build(spec) for spec in truth.effects], first, setup)
     return replace(truth, effects=tuple(effect.spec for effect in hidden))
 
 

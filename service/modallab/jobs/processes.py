@@ -9,7 +9,7 @@ from typing import Any, TypeVar, TypeVarTuple
 
 from anyio import CapacityLimiter, to_process
 
-from modallab.jobs.answering import answers_apart
+from modallab.jobs.stdout_guard import answers_apart
 
 Given = TypeVarTuple("Given")
 Made = TypeVar("Made")

@@ -11,10 +11,10 @@ from modallab.jobs.destination import Destination
 from modallab.rig.exact import as_modelled, with_effects
 from modallab.store.base import Store
 from modallab.store.plain import from_plain, to_plain
-from modallab.updating.studying.plan import StudyPlan
-from modallab.updating.studying.run import Run, failed, run_once
-from modallab.updating.studying.study import Study
-from modallab.updating.studying.truth import Values, true_coefficients
+from modallab.updating.studies.plan import StudyPlan
+from modallab.updating.studies.run import StudyUpdate, failed, run_once
+from modallab.updating.studies.study import Study
+from modallab.updating.studies.truth import Values, true_coefficients
 
 Json = Any
 
@@ -67,14 +67,14 @@ def study_and_store(
 
 
 def _gathered(plan: StudyPlan, true: Values, shares: Sequence[Json]) -> Study:
-    runs: list[Run] = []
+    runs: list[StudyUpdate] = []
     rows: list[FloatArray] = []
     for index, share in enumerate(shares):
         if share is None:
             runs.append(failed(plan, index, _FAULT))
             continue
         run, coefficients = share
-        runs.append(from_plain(Run, run, {}))
+        runs.append(from_plain(StudyUpdate, run, {}))
         if coefficients is not None:
             rows.append(np.array(coefficients))
     table = np.stack(rows) if rows else np.empty((0, sum(map(len, true.values()))))

@@ -8,14 +8,14 @@ from modallab.fe.structure import Structure
 from modallab.jobs.destination import Destination
 from modallab.rig.exact import as_modelled, with_effects
 from modallab.rig.measurement import Measurement
-from modallab.rig.unbiased import unbiased
+from modallab.rig.noise_bias import without_noise_bias
 from modallab.store.base import Store
 from modallab.store.plain import from_plain
 from modallab.updating.direct.method import DIRECT_METHODS, DirectOptions
 from modallab.updating.direct.result import DirectResult
 from modallab.updating.direct.run import update_directly
-from modallab.updating.locating.method import LOCATORS, LocationResult
-from modallab.updating.locating.run import LocationOptions, locate
+from modallab.updating.error_location.method import LOCATORS, LocationResult
+from modallab.updating.error_location.run import LocationOptions, locate
 from modallab.updating.method import UPDATERS, UpdateOptions, UpdateResult
 from modallab.updating.parameterisation import Parameterisation
 from modallab.updating.responses.method import RESPONSE_UPDATERS
@@ -60,7 +60,7 @@ def update_and_store(
 
 def measured_responses(measurement: Measurement, noise_floor: float | None) -> TargetResponses:
     """Return measured FRFs with their random errors; `InvalidInputError` if these are not known."""
-    frf, common = unbiased(measurement)
+    frf, common = without_noise_bias(measurement)
     return weighed(frf, measurement.coherence, measurement.averages, noise_floor, common)
 
 

@@ -1,10 +1,10 @@
 """Mass cancellation: the analyser takes the inertia of a mass at the drive point out of the force."""
 
 from modallab.core.arrays import ComplexArray
-from modallab.rig.setup import Shot
+from modallab.rig.setup import AcquisitionRun
 
 
-def cancelled(force: ComplexArray, response: ComplexArray, shot: Shot, mass: float) -> ComplexArray:
+def cancelled(force: ComplexArray, response: ComplexArray, shot: AcquisitionRun, mass: float) -> ComplexArray:
     """Return F - m a, with a the reading at the drive point, where that is heard in the same run.
 
     Exact for a mass that moves along the gauge's axis with an accelerometer that reads right; what it

@@ -10,20 +10,20 @@ from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.dof import Dof
 from modallab.fe.receptance import attached, attached_variants
 from modallab.fe.system import DynamicSystem
-from modallab.rig.answering import Answered, ChannelResponse
 from modallab.rig.cancellation import cancelled
 from modallab.rig.channel import Channel
+from modallab.rig.channel_response import Answered, ChannelResponse
 from modallab.rig.distortion import with_equivalents
 from modallab.rig.drive import Drive, reaction, transmission
 from modallab.rig.effect import EFFECTS, Effect, build
 from modallab.rig.excitation import EXCITATIONS
 from modallab.rig.run import Run, filtered
-from modallab.rig.setup import RigSetup, Shot
+from modallab.rig.setup import AcquisitionRun, RigSetup
 from modallab.rig.source import NoiseLevels, Source
 
 # Of a line: 0 Hz is taken as a limit, where inertance stays finite. Near enough to be within 1e-6 of it,
 # far enough for omega^2 to stand above the rounding in a free body's modal damping.
-NEARLY_STILL = 1e-3
+DC_LIMIT = 1e-3
 AT_ONCE = 2048  # frequencies at which the structure is asked at once: what then lies in the cache
 
 
@@ -69,7 +69,7 @@ class Chain:
         return len(self.runs[0].drives)
 
     @property
-    def taken(self) -> FloatArray | None:
+    def response_spectrum(self) -> FloatArray | None:
         """(n_run, r) root mean squares that nonlinear forces take, m or m/s; None where one takes none."""
         found = np.array([[one.rms for one in run.local] for run in self.runs])
         return found if found.size and found.all() else None
@@ -116,7 +116,7 @@ class Chain:
         return ChannelResponse(force, response, moved)
 
     def _part(self, freq: FloatArray, top: float) -> ChannelResponse:
-        omega = 2 * np.pi * np.maximum(freq, NEARLY_STILL * self.setup.analyser.spacing)
+        omega = 2 * np.pi * np.maximum(freq, DC_LIMIT * self.setup.analyser.spacing)
         n_in = self.n_in
         force: list[ComplexArray] = [np.zeros(0, complex)] * len(self.runs)
         response, moved = list(force), list(force)
@@ -195,7 +195,7 @@ def all_effects(setup: RigSetup, added: Sequence[Effect]) -> list[Effect]:
     def order(effect: Effect) -> tuple[int, bool, bool]:
         # What acts everywhere comes first: a member's own factor multiplies what holds for all members.
         # Before it what all runs have in common, which is then worked out once.
-        return effect.stage, not effect.alike_in_runs, effect.at is not None
+        return effect.stage, not effect.same_in_all_runs, effect.at is not None
 
     return sorted([*implied, *named, *added], key=order)
 
@@ -252,7 +252,7 @@ def _acts_on_runs(effect: Effect) -> tuple[bool, bool, bool]:
 
 def _run(
     system: DynamicSystem,
-    shot: Shot,
+    shot: AcquisitionRun,
     effects: Sequence[tuple[Effect, tuple[bool, bool, bool]]],
     latest: dict[int, _Altered],
 ) -> Run:
@@ -267,7 +267,7 @@ def _run(
     forces = [Channel.ideal(dof, force=True) for dof in shot.drives]
     responses = [Channel.ideal(dof) for dof in shot.outputs]
     for i, (effect, (to_system, to_drive, to_channel)) in enumerate(effects):
-        if to_system and not effect.alike_in_runs:
+        if to_system and not effect.same_in_all_runs:
             system = effect.on_system(system, shot)
         elif to_system:
             if i not in latest or latest[i][0] is not system:

@@ -9,9 +9,9 @@ import numpy as np
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.place import EffectSpec
-from modallab.rig.carried_over import carried_over
 from modallab.rig.compatibility import check_compatible
 from modallab.rig.effect import build
+from modallab.rig.effects_in_other_test import effects_in_other_test
 from modallab.rig.hardware import Exciter, ForceTransducer
 from modallab.rig.setup import RigSetup
 
@@ -165,7 +165,7 @@ def _same(a: Any, b: Any) -> bool:
 def _with_its_effects(setup: RigSetup, first: RigSetup) -> RigSetup:
     """Return a log book without the declared effects that were left behind with the first test."""
     known = [build(spec) for spec in setup.effects]
-    return replace(setup, effects=tuple(effect.spec for effect in carried_over(known, first, setup)))
+    return replace(setup, effects=tuple(effect.spec for effect in effects_in_other_test(known, first, setup)))
 
 
 def _analyser(setup: RigSetup, **values: Any) -> RigSetup:

@@ -10,7 +10,7 @@ from modallab.fe.structure import Structure
 from modallab.fe.system import DynamicSystem
 from modallab.rig.accelerometer_check import accelerometer_checks
 from modallab.rig.effect import EFFECTS, build
-from modallab.rig.setup import RigSetup, Shot
+from modallab.rig.setup import AcquisitionRun, RigSetup
 from modallab.rig.stinger_check import stinger_checks
 
 SOFT = 0.1  # of the first elastic frequency, which rigid-body modes on a suspension should stay below
@@ -56,7 +56,7 @@ def suspension_check(structure: Structure, setup: RigSetup) -> SuspensionCheck:
         If the structure lacks a DoF that a band holds.
     """
     system = assemble(structure)
-    everywhere = Shot(setup.drives, setup.responses)
+    everywhere = AcquisitionRun(setup.drives, setup.responses)
     for effect in [build(spec) for spec in structure.effects]:
         system = effect.on_system(system, everywhere)
     free = system.modes().n_rigid_body

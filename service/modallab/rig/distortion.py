@@ -11,7 +11,7 @@ from modallab.fe.attachment import Attachment
 from modallab.fe.receptance import attached_variants
 from modallab.rig.analyser import Analyser
 from modallab.rig.drive import reaction, transmission
-from modallab.rig.linearise import Taken, at_work, equivalents, left_over
+from modallab.rig.equivalent_linearisation import Taken, at_work, equivalents, left_over
 from modallab.rig.local_force import Linearised, LocalForce
 from modallab.rig.run import Run
 from modallab.rig.source import Source
@@ -50,7 +50,10 @@ def with_equivalents(
     """
     if alike and source.continuous == 1:
         (first,) = with_equivalents(runs[:1], forces, analyser, source)
-        rest = (replace(_with_lines(run, first.local), taken=first.taken) for run in runs[1:])
+        rest = (
+            replace(_with_lines(run, first.local), response_spectrum=first.response_spectrum)
+            for run in runs[1:]
+        )
         return (first, *rest)
     if source.continuous > 0:
         return tuple(_by_quadrature(runs, forces, analyser, source.continuous))
@@ -59,7 +62,9 @@ def with_equivalents(
     rms = equivalents(forces, *without, omega, power, near)
     taken = _taken(forces, *at_work(forces, rms, *without, omega), omega, analyser)
     each = zip(runs, rms, taken, strict=True)
-    return tuple(replace(_with_lines(run, _lines(forces, own)), taken=one) for run, own, one in each)
+    return tuple(
+        replace(_with_lines(run, _lines(forces, own)), response_spectrum=one) for run, own, one in each
+    )
 
 
 def _taken(
@@ -216,7 +221,7 @@ def _on_even_lines(
     runs: Sequence[Run], forces: Sequence[LocalForce], analyser: Analyser, source: Source, finest: int
 ) -> tuple[FloatArray, list[Taken]]:
     """Return lines (n_lines,) Hz as fine as spectra are steep, and what is taken in each run there."""
-    known = [run.taken for run in runs if run.taken is not None]
+    known = [run.response_spectrum for run in runs if run.response_spectrum is not None]
     if source.continuous == 0 and len(known) == len(runs):
         return analyser.freq, known
     frequencies, widths = np.concatenate([run.resonances(analyser.frequency_max) for run in runs], axis=1)

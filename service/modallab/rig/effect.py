@@ -21,7 +21,7 @@ from modallab.rig.acquisition import Acquisition, Batch
 from modallab.rig.channel import Channel
 from modallab.rig.drive import Drive
 from modallab.rig.local_force import LocalForce
-from modallab.rig.setup import RigSetup, Shot
+from modallab.rig.setup import AcquisitionRun, RigSetup
 from modallab.rig.source import NoiseLevels, Source
 
 
@@ -36,15 +36,15 @@ class Effect(Parameterised):
     summary: ClassVar[str]
     stage: ClassVar[int]
     structural: ClassVar[bool] = False  # True: it belongs to the model, else to the log book
-    sits: ClassVar[tuple[type, ...]] = (NoneType,)  # what `at` may be
+    allowed_places: ClassVar[tuple[type, ...]] = (NoneType,)  # what `at` may be
     at_drive: ClassVar[bool] = False  # True: a DoF it sits at can only be a drive point
-    alike_in_runs: ClassVar[bool] = False  # True: makes the same of a structure in every run; asked once
+    same_in_all_runs: ClassVar[bool] = False  # True: makes the same of a structure in every run; asked once
     suspected: ClassVar[bool] = True  # False: a diagnosis looks for it only when told to
-    bursts: ClassVar[bool] = False  # True: what it adds comes in bursts, which few records carry
-    more_than: ClassVar[str | None] = None  # the kind that it is where its one number more is nothing
+    intermittent: ClassVar[bool] = False  # True: what it adds comes in bursts, which few records carry
+    nested_kind: ClassVar[str | None] = None  # the kind that it is where its one number more is nothing
     at: Place = None
 
-    def on_system(self, system: DynamicSystem, shot: Shot) -> DynamicSystem:
+    def on_system(self, system: DynamicSystem, shot: AcquisitionRun) -> DynamicSystem:
         """Stage 1: return the structure with what the effect adds to it in this run."""
         return system
 
@@ -89,8 +89,8 @@ class Effect(Parameterised):
         InvalidInputError
             If it has no such member, or an effect of this kind does not sit at such a place.
         """
-        if not isinstance(self.at, self.sits):
-            raise self._misplaced(" or ".join(_PLACES[kind] for kind in self.sits))
+        if not isinstance(self.at, self.allowed_places):
+            raise self._misplaced(" or ".join(_PLACES[kind] for kind in self.allowed_places))
         if isinstance(self.at, Dof):
             structure.index(self.at)
             if self.at_drive and setup is not None and self.at.point not in {d.point for d in setup.drives}:
@@ -125,22 +125,22 @@ class Effect(Parameterised):
         """Return where in this test an effect of this kind could sit."""
         return (None,)
 
-    def looks(self, system: DynamicSystem, setup: RigSetup) -> Mapping[str, Sequence[float]]:
+    def scan_values(self, system: DynamicSystem, setup: RigSetup) -> Mapping[str, Sequence[float]]:
         """Return values worth a first look, by parameter, that depend on the structure or the band.
 
         They stand in for what the parameter itself declares.
         """
         return {}
 
-    def lookalike(self, setup: RigSetup) -> Self | None:
+    def equivalent(self, setup: RigSetup) -> Self | None:
         """Return the effect with other numbers that this test hardly tells from its own, if any."""
         return None
 
-    def plainer(self) -> "tuple[Effect, str] | None":
+    def reduced_model(self) -> "tuple[Effect, str] | None":
         """Return the effect that this one is where its one number more is nothing, and that number's name."""
-        if self.more_than is None:
+        if self.nested_kind is None:
             return None
-        cls = EFFECTS[self.more_than]
+        cls = EFFECTS[self.nested_kind]
         shared: dict[str, Any] = {name: self.parameters[name] for name in cls.specs()}
         (more,) = self.specs().keys() - shared.keys()
         return cls(at=self.at, **shared), more

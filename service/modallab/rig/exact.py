@@ -11,7 +11,7 @@ from modallab.fe.system import DynamicSystem
 from modallab.rig.analyser import Analyser
 from modallab.rig.chain import chain
 from modallab.rig.effect import build
-from modallab.rig.setup import RigSetup, Shot
+from modallab.rig.setup import AcquisitionRun, RigSetup
 
 
 def as_modelled(structure: Structure) -> DynamicSystem:
@@ -22,7 +22,7 @@ def as_modelled(structure: Structure) -> DynamicSystem:
     effects = sorted((build(spec) for spec in structure.effects), key=lambda effect: effect.at is not None)
     system = assemble(structure)
     for effect in effects:
-        system = effect.on_system(system, Shot((), ()))
+        system = effect.on_system(system, AcquisitionRun((), ()))
     return system
 
 

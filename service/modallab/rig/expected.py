@@ -6,18 +6,18 @@ from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.estimation.averaging import effective_averages
 from modallab.estimation.spectra import CrossSpectra
 from modallab.rig.acquisition import Acquisition
-from modallab.rig.answering import ChannelResponse
 from modallab.rig.chain import Chain
+from modallab.rig.channel_response import ChannelResponse
 from modallab.rig.distortion import FINEST, residuals
-from modallab.rig.dressing import dressed
+from modallab.rig.equivalent_linear_feedback import with_equivalent_feedback
 from modallab.rig.excitation import EXCITATIONS
-from modallab.rig.ringing import FORGOTTEN, NEARLY, transient_of, transient_spectra
-from modallab.rig.smear import Smear
-from modallab.rig.steady import fixed_signals
+from modallab.rig.free_decay import FORGOTTEN, NEARLY, transient_of, transient_spectra
+from modallab.rig.leakage_kernel import LeakageKernel
+from modallab.rig.periodic import fixed_signals
 from modallab.rig.view import COARSE, THIN, View, coarse_view, periodic_view, refined_view
 
 
-def expected_spectra(chain: Chain, view: Smear | None = None) -> CrossSpectra:
+def expected_spectra(chain: Chain, view: LeakageKernel | None = None) -> CrossSpectra:
     """Return the expected averaged spectra of every run.
 
     What repeats with the record is seen through the window at the lines themselves; what does not
@@ -33,14 +33,14 @@ def expected_spectra(chain: Chain, view: Smear | None = None) -> CrossSpectra:
     return with_noise(chain, noise_free(chain, view=view))
 
 
-def thin_view(chain: Chain) -> Smear | None:
+def thin_view(chain: Chain) -> LeakageKernel | None:
     """Return how lines see what does not repeat, good enough to differentiate with; None if all does."""
     if not chain.source.continuous > 0:
         return None
     return refined_view(chain.setup.analyser, *chain.poles(), THIN)
 
 
-def glimpse(chain: Chain, step: int) -> CrossSpectra:
+def coarse_spectra(chain: Chain, step: int) -> CrossSpectra:
     """Return the expected spectra at every `step`-th line, leakage on a coarse grid.
 
     Several times faster than `expected_spectra`, and within some per cent of it at resonances much
@@ -49,7 +49,7 @@ def glimpse(chain: Chain, step: int) -> CrossSpectra:
     return _with_noise(chain, noise_free(chain, step), chain.setup.analyser.freq[::step])
 
 
-def noise_free(chain: Chain, step: int | None = None, view: Smear | None = None) -> ComplexArray:
+def noise_free(chain: Chain, step: int | None = None, view: LeakageKernel | None = None) -> ComplexArray:
     """Return G_ff, G_fx and G_xx as the lines see them, side by side.
 
     Parameters
@@ -95,14 +95,14 @@ def _distorted(chain: Chain, step: int) -> ComplexArray | float:
     return view.through(_powers(chain.distort(view.nodes), left.density))
 
 
-def _through(view: View | Smear, chain: Chain, finest: int = FINEST) -> ComplexArray:
+def _through(view: View | LeakageKernel, chain: Chain, finest: int = FINEST) -> ComplexArray:
     analyser = chain.setup.analyser
     density = np.full((1, 1, chain.n_in), analyser.excitation.level**2 / analyser.frequency_max)
     driven, distorted = chain.answers(view.nodes)
     if not chain.runs[0].local:
         return view.through(_powers(driven, density))
     left = residuals(chain.runs, analyser, chain.source, view.nodes, finest)
-    driven, distorted = dressed(driven, distorted, left.line)
+    driven, distorted = with_equivalent_feedback(driven, distorted, left.line)
     return view.through(_powers(driven, density) + _powers(distorted, left.density))
 
 

@@ -20,14 +20,14 @@ from modallab.rig.analyser import Analyser
 from modallab.rig.chain import Chain, chain
 from modallab.rig.compatibility import check_compatible
 from modallab.rig.distortion import check_first_order
-from modallab.rig.drawn import drawn_spectra
-from modallab.rig.drawn_steady import drawn_about, signal_of
 from modallab.rig.effect import Effect, build
 from modallab.rig.expected import expected_spectra, noise_densities, noise_free, with_noise
 from modallab.rig.measurement import Measurement
+from modallab.rig.periodic import steady_runs
 from modallab.rig.sampled import sampled_spectra
 from modallab.rig.setup import RigSetup
-from modallab.rig.steady import steady_runs
+from modallab.rig.wishart import wishart_spectra
+from modallab.rig.wishart_periodic import signal_of, wishart_about
 
 
 class Route(StrEnum):
@@ -89,8 +89,8 @@ def draw(chain: Chain, rng: np.random.Generator) -> CrossSpectra:
     seen = chain.setup.analyser.line_window.noise_shares(chain.n_in, n_out)
     noise = (noise_densities(chain, clean) * seen)[:, 0]
     if steady is not None:
-        return drawn_about(expected, clean, noise, steady, rng)
-    return drawn_spectra(expected, rng, signal=signal_of(expected, clean, noise))
+        return wishart_about(expected, clean, noise, steady, rng)
+    return wishart_spectra(expected, rng, signal=signal_of(expected, clean, noise))
 
 
 def measurement_of(spectra: CrossSpectra, setup: RigSetup) -> Measurement:

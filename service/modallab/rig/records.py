@@ -11,9 +11,9 @@ from modallab.core.arrays import ComplexArray, FloatArray, IntArray
 from modallab.core.errors import InvalidInputError
 from modallab.rig.acquisition import Batch, sample_rate_of, samples_of
 from modallab.rig.chain import Chain
-from modallab.rig.distorted_records import Distorter, Played, side_by_side
-from modallab.rig.ringing import answers_of, transient_of
-from modallab.rig.steady import fixed_lines
+from modallab.rig.free_decay import answers_of, transient_of
+from modallab.rig.nonlinear_records import Distorter, Played, side_by_side
+from modallab.rig.periodic import fixed_lines
 from modallab.rig.transient import Answers
 
 FORGOTTEN = 1e-6  # amplitude below which a mode has rung out

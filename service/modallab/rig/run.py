@@ -11,22 +11,22 @@ from modallab.core.dof import Dof
 from modallab.fe.system import DynamicSystem
 from modallab.rig.channel import Channel
 from modallab.rig.drive import Drive
-from modallab.rig.linearise import Taken
+from modallab.rig.equivalent_linearisation import Taken
 from modallab.rig.local_force import Linearised
-from modallab.rig.setup import Shot
+from modallab.rig.setup import AcquisitionRun
 
 
 @dataclass(frozen=True, eq=False)
 class Run:
     """One run of the analyser: the structure as it is loaded then, its exciters, its channels."""
 
-    shot: Shot
+    shot: AcquisitionRun
     system: DynamicSystem
     drives: tuple[Drive, ...]
     forces: tuple[Channel, ...]
     responses: tuple[Channel, ...]
     local: tuple[Linearised, ...] = ()  # nonlinear forces, their straight lines in the system already
-    taken: Taken | None = None  # by them at the lines, where lines have it all
+    response_spectrum: Taken | None = None  # by them at the lines, where lines have it all
     _found: dict[float, tuple[FloatArray, FloatArray]] = field(default_factory=dict, init=False, repr=False)
 
     @cached_property

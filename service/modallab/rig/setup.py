@@ -15,12 +15,12 @@ from modallab.rig.suspension import Suspension
 
 
 @dataclass(frozen=True)
-class Shot:
+class AcquisitionRun:
     """Channels acquired together: one run of the analyser."""
 
     drives: tuple[Dof, ...]  # driven at the same time
     outputs: tuple[Dof, ...]
-    moment: float = 0.0  # 0 for the first run of the test, 1 for the last
+    elapsed: float = 0.0  # 0 for the first run of the test, 1 for the last
 
     @property
     def drive(self) -> Dof:
@@ -91,7 +91,7 @@ class RigSetup:
         return self.drives[0]
 
     @property
-    def shots(self) -> tuple[Shot, ...]:
+    def shots(self) -> tuple[AcquisitionRun, ...]:
         """The runs of the test.
 
         One for each position of what roves: of the accelerometer, of the hammer, or of both.
@@ -101,4 +101,4 @@ class RigSetup:
         drives = [(drive,) for drive in self.drives] if self.exciter.kind == "hammer" else [self.drives]
         runs = [(d, o) for d in drives for o in outputs]
         last = max(len(runs) - 1, 1)
-        return tuple(Shot(d, o, i / last) for i, (d, o) in enumerate(runs))
+        return tuple(AcquisitionRun(d, o, i / last) for i, (d, o) in enumerate(runs))

@@ -10,7 +10,7 @@ from scipy.sparse import coo_array, csr_array
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray
 from modallab.rig.acquisition import samples_of
 from modallab.rig.analyser import Analyser
-from modallab.rig.smear import Smear, smear
+from modallab.rig.leakage_kernel import LeakageKernel, leak_spectrum
 
 POINTS = 10  # Gauss points a panel: 1e-8 of a spectrum for panels no longer than `refined` makes them
 THIN = 5  # of them for derivatives: 1e-3 of a spectrum at the worst line
@@ -68,7 +68,9 @@ def periodic_view(analyser: Analyser, step: int = 1) -> View:
     return View(analyser.freq, matrix(own, (own >= 0) & (own < n)), matrix(-own, (own < 0) & (own > -n)))
 
 
-def refined_view(analyser: Analyser, poles: FloatArray, widths: FloatArray, points: int = POINTS) -> Smear:
+def refined_view(
+    analyser: Analyser, poles: FloatArray, widths: FloatArray, points: int = POINTS
+) -> LeakageKernel:
     """Return how the lines see a stationary signal, by quadrature refined towards resonances.
 
     Parameters
@@ -80,7 +82,7 @@ def refined_view(analyser: Analyser, poles: FloatArray, widths: FloatArray, poin
     """
     grid = refined(analyser, poles, widths, points)
     window, n_samples = analyser.line_window_kind, samples_of(analyser)
-    return smear(window, analyser.n_lines, analyser.spacing, *grid, n_samples)
+    return leak_spectrum(window, analyser.n_lines, analyser.spacing, *grid, n_samples)
 
 
 @lru_cache(maxsize=16)

@@ -12,9 +12,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.dof import Dof
+from modallab.core.frequency_inconsistency import FrequencyInconsistency
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.core.modal_model import ModalModel, Mode, StabilisationChart
-from modallab.core.wander import Wander
 from modallab.correlation.compare import Correlation
 from modallab.diagnosis.result import Diagnosis
 from modallab.fe.structure import Structure
@@ -22,9 +22,9 @@ from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
 from modallab.store.plain import Arrays, Json, from_plain, to_plain
 from modallab.updating.direct.result import DirectResult
-from modallab.updating.locating.method import LocationResult
+from modallab.updating.error_location.method import LocationResult
 from modallab.updating.method import UpdateResult
-from modallab.updating.studying.study import Study
+from modallab.updating.studies.study import Study
 
 T = TypeVar("T")
 _Given = Mapping[str, NDArray[Any]]
@@ -152,7 +152,9 @@ def _put_modal_model(body: Json, arrays: _Given) -> ModalModel:
         beyond_constant=arrays.get("beyond_constants"),
         resynthesis_error=arrays.get("resynthesis_error"),
         references=_references(body),
-        wander=from_plain(Wander, body["wander"], _named(arrays, _WANDER)) if "wander" in body else None,
+        wander=from_plain(FrequencyInconsistency, body["wander"], _named(arrays, _WANDER))
+        if "wander" in body
+        else None,
         chart=None if f"{_CHART}order" not in arrays else _chart(arrays),
         choices=body.get("choices", {}),
         notes=tuple(body["notes"]),

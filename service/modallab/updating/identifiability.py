@@ -7,9 +7,9 @@ from itertools import pairwise
 import numpy as np
 
 from modallab.core.arrays import FloatArray, frozen
+from modallab.updating.log_coefficients import slopes
 from modallab.updating.parameterisation import MacroElement, Parameterisation, Part
-from modallab.updating.relative import slopes
-from modallab.updating.solve import Step
+from modallab.updating.solve import ParameterStep
 
 NORMAL_95 = 1.959964  # standard errors to either side that hold 95 % of a normal distribution
 HIDDEN = 1e-6  # share of a coefficient beyond the rank that is more than rounding
@@ -64,7 +64,7 @@ class Identifiability:
 def identify(
     parameterisation: Parameterisation,
     values: FloatArray,
-    step: Step,
+    step: ParameterStep,
     remaining: FloatArray,
     errors: FloatArray | None,
     *,
@@ -111,7 +111,7 @@ def identify(
     )
 
 
-def _split(step: Step, rates: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _split(step: ParameterStep, rates: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return orthonormal relative changes within and beyond the rank, (n_params, n_params) in all."""
     n_params, n_rows = step.inverse.shape
     basis = np.linalg.svd(step.inverse, full_matrices=n_rows < n_params)[0]

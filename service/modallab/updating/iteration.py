@@ -8,9 +8,9 @@ import numpy as np
 from modallab.core.arrays import FloatArray, frozen
 from modallab.core.errors import DivergedError, UnderdeterminedError
 from modallab.core.progress import Progress, silent
-from modallab.updating.fit import Fit, State
+from modallab.updating.modal_residuals import ModalResiduals, State
 from modallab.updating.parameterisation import MacroElement, Parameterisation
-from modallab.updating.solve import Step, at_bounds, bounded_step
+from modallab.updating.solve import ParameterStep, at_bounds, bounded_step
 
 ASTRAY = 10.0  # times the differences at the start: beyond, the linear equations say nothing
 ROUNDING = 1e-6  # balanced differences below this are what eigenvalues of a good model scatter by
@@ -59,7 +59,7 @@ class Ending(StrEnum):
 
 
 @dataclass(frozen=True, eq=False)
-class Path:
+class IterationPath:
     """How a stage went."""
 
     history: tuple[Iteration, ...]
@@ -73,7 +73,9 @@ class Path:
         return self.ending is Ending.CONVERGED
 
 
-def iterate(fit: Fit, start: FloatArray, rule: StopRule, *, stage: str, progress: Progress = silent) -> Path:
+def iterate(
+    fit: ModalResiduals, start: FloatArray, rule: StopRule, *, stage: str, progress: Progress = silent
+) -> IterationPath:
     """Return the path from `start` (n_params,) to where no coefficient moves by the tolerance.
 
     Modes are paired again at every step. A path that loses a measured mode, or whose differences
@@ -93,7 +95,7 @@ def iterate(fit: Fit, start: FloatArray, rule: StopRule, *, stage: str, progress
         try:
             state = _moved(fit, state, step, begun)
         except DivergedError as error:
-            return Path(tuple(history), state, Ending.DIVERGED, f"{Ending.DIVERGED}: {error}")
+            return IterationPath(tuple(history), state, Ending.DIVERGED, f"{Ending.DIVERGED}: {error}")
         history.append(
             Iteration(
                 stage,
@@ -114,13 +116,13 @@ def iterate(fit: Fit, start: FloatArray, rule: StopRule, *, stage: str, progress
     return _ended(fit, history, state, Ending.STILL_MOVING)
 
 
-def _ended(fit: Fit, history: list[Iteration], state: State, ending: Ending) -> Path:
-    return Path(tuple(history), state, ending, ending + resting(fit.parameterisation, state.values))
+def _ended(fit: ModalResiduals, history: list[Iteration], state: State, ending: Ending) -> IterationPath:
+    return IterationPath(tuple(history), state, ending, ending + resting(fit.parameterisation, state.values))
 
 
-def _step(fit: Fit, state: State, rule: StopRule) -> Step:
+def _step(fit: ModalResiduals, state: State, rule: StopRule) -> ParameterStep:
     sensitivity = fit.sensitivity(state)
-    refuse_blind(sensitivity)
+    check_sensitivity(sensitivity)
     return bounded_step(
         sensitivity,
         state.difference,
@@ -132,7 +134,7 @@ def _step(fit: Fit, state: State, rule: StopRule) -> Step:
     )
 
 
-def _moved(fit: Fit, state: State, step: Step, begun: float) -> State:
+def _moved(fit: ModalResiduals, state: State, step: ParameterStep, begun: float) -> State:
     try:
         to = np.clip(state.values + step.parameters, *fit.parameterisation.bounds)
         after = fit.state(to)
@@ -143,7 +145,7 @@ def _moved(fit: Fit, state: State, step: Step, begun: float) -> State:
     return after
 
 
-def refuse_blind(rows: FloatArray) -> None:
+def check_sensitivity(rows: FloatArray) -> None:
     """Raise `UnderdeterminedError` if the derivatives (n_rows, n_params) are all zero."""
     if not rows.any():
         raise UnderdeterminedError(

@@ -11,14 +11,14 @@ from modallab.core.parameters import OptionSpec, Parameterised, parameter
 from modallab.core.progress import Progress, silent
 from modallab.core.registry import Family
 from modallab.fe.structure import Structure
-from modallab.updating.evidence import Prior
-from modallab.updating.fit import Balance
 from modallab.updating.identifiability import Identifiability
 from modallab.updating.iteration import Iteration
+from modallab.updating.modal_residuals import Balance
 from modallab.updating.parameterisation import Parameterisation, Part
 from modallab.updating.posterior import PosteriorSample
 from modallab.updating.quantities import Quantity
 from modallab.updating.responses.result import ResponseFit
+from modallab.updating.sparse_bayes import Prior
 
 REFUSED, REGULARISED = "refused", "regularised"
 CHOICES: Mapping[str, OptionSpec] = {
@@ -190,14 +190,14 @@ UPDATERS: Family[Updater] = Family("updating method", home=METHODS_HOME)
 PARTS: Family[tuple[Part, ...]] = Family("updating method", home=METHODS_HOME)
 
 # Options that a method does without, if these are not those that choose a prior.
-IDLE: Family[tuple[str, ...]] = Family("updating method", home=METHODS_HOME)
+UNUSED_OPTIONS: Family[tuple[str, ...]] = Family("updating method", home=METHODS_HOME)
 
 
 def options_of(method: str) -> dict[str, OptionSpec]:
     """Return the options that mean something to a method."""
     idle = {*BELIEVING, *SAMPLING}
-    if method in IDLE:
-        idle = set(IDLE[method])
+    if method in UNUSED_OPTIONS:
+        idle = set(UNUSED_OPTIONS[method])
     if Part.DAMPING not in parts_of(method):
         idle.add("damping_threshold")
     return {name: spec for name, spec in UpdateOptions.as_options().items() if name not in idle}

@@ -8,9 +8,9 @@ import numpy as np
 from modallab.core.arrays import BoolArray, FloatArray
 from modallab.core.errors import InvalidInputError
 from modallab.fe.assembly import Coefficients
-from modallab.fe.shapes import size
+from modallab.fe.section_size import size
 from modallab.fe.structure import Structure
-from modallab.updating.attached import carried, refuse_absent
+from modallab.updating.nodal_elements import carried, refuse_absent
 from modallab.updating.part import Part as Part
 from modallab.updating.part import refuse_clash
 

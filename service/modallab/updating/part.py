@@ -3,7 +3,7 @@
 from enum import StrEnum
 
 from modallab.core.errors import InvalidInputError
-from modallab.fe.shapes import Shape
+from modallab.fe.section_size import SectionSize
 
 
 class Part(StrEnum):
@@ -55,9 +55,9 @@ class Part(StrEnum):
         return self in (Part.DENSITY, Part.MODULUS) or self.shape is not None
 
     @property
-    def shape(self) -> Shape | None:
+    def shape(self) -> SectionSize | None:
         """The size of the member that it is, None of what leaves section and thickness as they are."""
-        return Shape(self.value) if self.value in tuple(Shape) else None
+        return SectionSize(self.value) if self.value in tuple(SectionSize) else None
 
     @property
     def matrices(self) -> tuple[str, ...]:

@@ -3,11 +3,11 @@
 from dataclasses import dataclass
 
 from modallab.core.arrays import FloatArray
-from modallab.fe.members import AnyMember, Block
-from modallab.fe.shapes import size
+from modallab.fe.members import AnyMember, MatrixElement
+from modallab.fe.section_size import size
 from modallab.fe.structure import Structure
-from modallab.updating.attached import carried
 from modallab.updating.identifiability import Identifiability
+from modallab.updating.nodal_elements import carried
 from modallab.updating.parameterisation import Parameterisation, Part
 
 UNITS = {
@@ -89,7 +89,7 @@ def _value(member: AnyMember, part: Part) -> float | None:
     """Return a member's property with the factors that it carries; None of one given by its matrices."""
     if part.shape is not None:
         return size(member, part.shape)
-    if isinstance(member, Block):
+    if isinstance(member, MatrixElement):
         return None
     if part is Part.DENSITY:
         return member.mass_factor * member.material.density

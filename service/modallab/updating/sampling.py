@@ -8,10 +8,10 @@ import numpy as np
 from modallab.core.arrays import FloatArray, IntArray
 from modallab.core.errors import MissingExtraError, UnderdeterminedError
 from modallab.core.progress import Progress, silent
-from modallab.updating.fit import Fit
+from modallab.updating.log_coefficients import changed, changes
+from modallab.updating.modal_residuals import ModalResiduals
+from modallab.updating.one_stage_path import OneStagePath
 from modallab.updating.posterior import PosteriorSample
-from modallab.updating.relative import changed, changes
-from modallab.updating.whole import WholePath
 
 FEWEST_WALKERS = 16
 WALKERS = 2.5  # a coefficient: the ensemble needs more than two to span all directions
@@ -39,7 +39,7 @@ def require_sampler() -> Any:
 
 
 def sample(
-    fit: Fit, whole: WholePath, n_draws: int, seed: int, progress: Progress = silent
+    fit: ModalResiduals, whole: OneStagePath, n_draws: int, seed: int, progress: Progress = silent
 ) -> PosteriorSample:
     """Return draws from the posterior of an update's coefficients by the model itself, not made linear.
 
@@ -93,19 +93,19 @@ def sample(
     )
 
 
-def _coefficients(fit: Fit, free: IntArray, own: FloatArray) -> FloatArray:
+def _coefficients(fit: ModalResiduals, free: IntArray, own: FloatArray) -> FloatArray:
     """Return coefficients (n_params,) from the changes (n_free,) of those that are free."""
     every = np.zeros(len(fit.parameterisation.macros))
     every[free] = own
     return changed(fit.parameterisation, every)
 
 
-def _limits(fit: Fit, free: IntArray) -> tuple[FloatArray, FloatArray]:
+def _limits(fit: ModalResiduals, free: IntArray) -> tuple[FloatArray, FloatArray]:
     lower, upper = (changes(fit.parameterisation, bound)[free] for bound in fit.parameterisation.bounds)
     return lower, upper
 
 
-def _density(fit: Fit, whole: WholePath, free: IntArray) -> Callable[[FloatArray], float]:
+def _density(fit: ModalResiduals, whole: OneStagePath, free: IntArray) -> Callable[[FloatArray], float]:
     """Return the logarithm of the posterior of changes (n_free,), up to a constant."""
     belief, weights, final = whole.belief, whole.weights, whole.path.final
     # Errors are those of the data: what the model's own eigenvalues balance them by stays where it ended.
@@ -126,7 +126,9 @@ def _density(fit: Fit, whole: WholePath, free: IntArray) -> Callable[[FloatArray
     return density
 
 
-def _start(fit: Fit, whole: WholePath, free: IntArray, n_chains: int, rng: np.random.Generator) -> FloatArray:
+def _start(
+    fit: ModalResiduals, whole: OneStagePath, free: IntArray, n_chains: int, rng: np.random.Generator
+) -> FloatArray:
     """Return where chains begin, (n_chains, n_free): draws of the linearised posterior within the bounds."""
     belief, final = whole.belief, whole.path.final
     values, turn = np.linalg.eigh(belief.covariance[np.ix_(free, free)])

@@ -9,8 +9,8 @@ import numpy as np
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from modallab.fe.assembly import Assembly, Coefficients
 from modallab.fe.modes import ModalBasis
-from modallab.updating.above import Above, above_at, left_out
 from modallab.updating.parameterisation import Parameterisation, Part
+from modallab.updating.truncation import HigherModes, higher_modes_at, left_out
 
 REPEATED = 1e-9  # relative distance of eigenvalues below which their shapes have no derivative
 
@@ -141,7 +141,7 @@ def derivatives(
     parts: tuple[PartMatrices, ...],
     mass_loss: float = 0.0,
     *,
-    above: Above = Above.STATIC,
+    above: HigherModes = HigherModes.STATIC,
     planes: Sequence[IntArray] = (),
     turn: FloatArray | None = None,
 ) -> Derivatives:
@@ -198,7 +198,7 @@ def subspace_derivatives(
     parts: tuple[PartMatrices, ...],
     mass_loss: float = 0.0,
     *,
-    above: Above = Above.STATIC,
+    above: HigherModes = HigherModes.STATIC,
 ) -> SubspaceDerivatives:
     """Return the derivatives of modes that are the same or nearly so in frequency, as one subspace.
 
@@ -226,7 +226,7 @@ def _moved(
     parts: tuple[PartMatrices, ...],
     alike: BoolArray,
     mass_loss: float,
-    above: Above,
+    above: HigherModes,
 ) -> SubspaceDerivatives:
     """Return derivatives of modes that do not turn towards those `alike`, (m, n_modes) True."""
     damped = bool(basis.eigenvalues.imag.any())
@@ -238,7 +238,7 @@ def _moved(
     d_squares = np.zeros((n_params, len(modes), len(modes)), dtype)
     d_shapes = np.zeros((n_params, sensors.shape[1], len(modes)), dtype)
     at_sensors, moving = sensors.T @ basis.shapes, basis.shapes[:, modes]
-    answers = above_at(basis, modes, sensors, above)
+    answers = higher_modes_at(basis, modes, sensors, above)
     columns, factor = next(answers, (np.zeros((len(sensors), 0)), np.ones(len(modes))))
     facing: FloatArray | ComplexArray = np.concatenate([basis.shapes, columns], axis=1)
     for part in parts:

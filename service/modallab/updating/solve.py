@@ -10,7 +10,7 @@ CLOSE = 1e-9  # a coefficient this near its bound, relative, sits on it but for 
 
 
 @dataclass(frozen=True, eq=False)
-class Step:
+class ParameterStep:
     """One correction of the parameters, and how well determined it was."""
 
     parameters: FloatArray  # (n_params,)
@@ -29,7 +29,7 @@ class Step:
 
 def balanced_step(
     sensitivity: FloatArray, difference: FloatArray, size: FloatArray, *, jump: float = 1e3
-) -> Step:
+) -> ParameterStep:
     """Return the dp that solves S dp = delta by SVD, each row divided by its own `size` first.
 
     The rank ends where one singular value is `jump` times the next, or where rounding begins: what
@@ -51,7 +51,7 @@ def balanced_step(
     cliffs = np.flatnonzero(values[:-1] > jump * values[1:])
     rank = min(int(cliffs[0]) + 1 if cliffs.size else len(values), int((values > floor).sum()))
     inverse = (vh[:rank].T / values[:rank]) @ u[:, :rank].T
-    return Step(inverse @ (difference / size), values, rank, inverse)
+    return ParameterStep(inverse @ (difference / size), values, rank, inverse)
 
 
 def bounded_step(
@@ -63,7 +63,7 @@ def bounded_step(
     *,
     max_step: float,
     jump: float = 1e3,
-) -> Step:
+) -> ParameterStep:
     """Return the step that solves S dp = delta with no parameter leaving its bounds or going far.
 
     A parameter that sits on a bound and would leave it is held there and the others solved for

@@ -7,11 +7,11 @@ import numpy as np
 from modallab.core.progress import Progress, part
 from modallab.fe.assembly import Assembly
 from modallab.fe.structure import Structure
-from modallab.updating.certainty import certainty
-from modallab.updating.fit import Balance, Fit, State
-from modallab.updating.iteration import Ending, Path, StopRule, iterate
+from modallab.updating.covariance import coefficient_covariance
+from modallab.updating.iteration import Ending, IterationPath, StopRule, iterate
 from modallab.updating.location import Suspicion, suspicion
 from modallab.updating.method import Stages, UpdateOptions, UpdateResult
+from modallab.updating.modal_residuals import Balance, ModalResiduals, State
 from modallab.updating.parameterisation import Parameterisation, Part, by_member
 from modallab.updating.quantities import quantities
 from modallab.updating.target import TargetModes
@@ -32,7 +32,7 @@ def update_in_two_stages(
     """
     assembly, measured = Assembly(structure, jumps=True), replace(measured, n_shapes=options.n_shapes)
     balance = Balance(options.balance)
-    whole = Fit(assembly, parameterisation, measured, options.min_mac, balance=balance)
+    whole = ModalResiduals(assembly, parameterisation, measured, options.min_mac, balance=balance)
     start = parameterisation.unchanged
     before = whole.state(start)
     rule = StopRule(options.location_tolerance, np.inf, options.max_iterations, options.rank_jump)
@@ -41,11 +41,14 @@ def update_in_two_stages(
         parameterisation, located.final.values, options.suspect_threshold, options.damping_threshold
     )
     if located.ending is Ending.DIVERGED:
-        fit, path = whole, Path((), located.final, located.ending, located.why)
+        fit, path = whole, IterationPath((), located.final, located.ending, located.why)
     elif suspected is None:
-        fit, path = whole, Path((), before, located.ending, f"{located.why}; no macro element is suspected")
+        fit, path = (
+            whole,
+            IterationPath((), before, located.ending, f"{located.why}; no macro element is suspected"),
+        )
     else:
-        fit = Fit(assembly, suspected.parameterisation, measured, options.min_mac, balance=balance)
+        fit = ModalResiduals(assembly, suspected.parameterisation, measured, options.min_mac, balance=balance)
         rule = StopRule(options.tolerance, options.max_step, options.max_iterations, options.rank_jump)
         path = iterate(fit, suspected.start, rule, stage="updating", progress=part(progress, 0.5, 1.0))
     return _result(before, located, suspected, fit, path, parameterisation.parts, options)
@@ -53,15 +56,15 @@ def update_in_two_stages(
 
 def _result(
     before: State,
-    located: Path,
+    located: IterationPath,
     suspected: Suspicion | None,
-    fit: Fit,
-    path: Path,
+    fit: ModalResiduals,
+    path: IterationPath,
     parts: tuple[Part, ...],
     options: UpdateOptions,
 ) -> UpdateResult:
     final, moved = path.final, fit.parameterisation
-    sure = certainty(fit, final, jump=options.rank_jump, within=options.identified_within)
+    sure = coefficient_covariance(fit, final, jump=options.rank_jump, within=options.identified_within)
     told = sure.identifiability
     corrected_any = path.ending is not Ending.DIVERGED and suspected is not None
     errors = sure.standard_errors if corrected_any else None

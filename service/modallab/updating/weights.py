@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from modallab.core.arrays import FloatArray, IntArray
-from modallab.updating.fit import Fit, State
+from modallab.updating.modal_residuals import ModalResiduals, State
 from modallab.updating.target import TargetModes
 
 EXACT = 1e-7  # of a row's size: what eigenvalues of a good model scatter by, however well they were measured
@@ -39,7 +39,7 @@ class Weights:
             return cls(usual, block, np.full(n_modes, EXACT), False)
         return cls(np.maximum(target.errors, EXACT * sizes), block, np.ones(n_modes), True)
 
-    def rows(self, fit: Fit, state: State) -> tuple[FloatArray, FloatArray]:
+    def rows(self, fit: ModalResiduals, state: State) -> tuple[FloatArray, FloatArray]:
         """Return derivatives (n_rows, n_params) and what the model misses (n_rows,), in these units."""
         unit = state.size * self.units
         return fit.sensitivity(state) / unit[:, None], state.difference / unit

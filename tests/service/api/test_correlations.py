@@ -8,7 +8,7 @@ import pytest
 
 from modallab.fe.assembly import assemble
 from modallab.fe.catalogued import STRUCTURES
-from modallab.fe.selected import exact_modes
+from modallab.fe.synthetic_modes import exact_modes
 
 SENSORS = [f"{n}:{'+' if n % 4 == 1 else '-'}Y" for n in range(1, 22, 2)]
 BEAM = STRUCTURES["chapter-5-beam"]()

@@ -8,7 +8,7 @@ from modallab.correlation.compare import compare, correlate
 from modallab.fe.assembly import assemble
 from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.reduction import reduce, reduction_of
-from modallab.fe.selected import ModeNoise, exact_modes, synthetic_modes
+from modallab.fe.synthetic_modes import ModeNoise, exact_modes, synthetic_modes
 from tests.service.correlation.cases import POINTS, model, shapes
 
 

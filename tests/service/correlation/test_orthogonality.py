@@ -10,7 +10,7 @@ from modallab.correlation.orthogonality import Orthogonality, orthogonality
 from modallab.fe.assembly import assemble
 from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.reduction import reduce, reduction_of
-from modallab.fe.selected import exact_modes
+from modallab.fe.synthetic_modes import exact_modes
 from tests.service.correlation.cases import shapes
 
 SYSTEM = assemble(STRUCTURES["chapter-5-beam"]())

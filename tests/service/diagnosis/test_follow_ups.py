@@ -10,20 +10,20 @@ from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError, UnknownDofError
 from modallab.core.place import Channels
 from modallab.diagnosis.diagnose import diagnose
-from modallab.diagnosis.numbers.tolerances import Tolerances
-from modallab.diagnosis.observing.observed import observe
-from modallab.diagnosis.predicting.joint import FollowUp, Further, Joint
+from modallab.diagnosis.optimisation.tolerances import Tolerances
+from modallab.diagnosis.predicting.joint_prediction import FollowUp, FollowUpPredictor, JointPredictor
 from modallab.diagnosis.predicting.predictor import Predictor
+from modallab.diagnosis.residuals.observed import observe
 from modallab.diagnosis.result import Diagnosis, Verdict
-from modallab.diagnosis.searching.trials import Suspects
+from modallab.diagnosis.searching.search_round import Suspects
 from modallab.effects.cubic_stiffness import CubicStiffness
 from modallab.effects.extra_mass import ExtraMass
 from modallab.effects.force_transducer_mass import ForceTransducerMass
 from modallab.effects.gain_error import GainError
 from modallab.effects.stinger_bending import StingerBending
-from modallab.rig.carried_over import carried_over
 from modallab.rig.change import Change
 from modallab.rig.effect import Effect
+from modallab.rig.effects_in_other_test import effects_in_other_test
 from modallab.rig.measure import Route, measure
 from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
@@ -47,7 +47,7 @@ def drawn(setup: RigSetup, hidden: Sequence[Effect] = (), *, seed: int = 0) -> M
 def taken(setup: RigSetup, change: Change, hidden: Sequence[Effect], *, seed: int = 1) -> FollowUp:
     """Return a further test of what the first one hides."""
     after = change.applied(setup)
-    return FollowUp(drawn(after, carried_over(hidden, setup, after), seed=seed), change)
+    return FollowUp(drawn(after, effects_in_other_test(hidden, setup, after), seed=seed), change)
 
 
 def found_by(
@@ -111,7 +111,9 @@ def test_a_blow_is_explained_together_with_a_shaker() -> None:
     struck = taken(setup, Change(exciter="hammer"), [gauge])
     first = Predictor(model(), setup, observe(drawn(setup, [gauge]), (), fraction=0.0))
     further = struck.taken_after(drawn(setup, [gauge]))
-    joint = Joint([first, Further(first, further.setup, observe(further, (), fraction=0.0))])
+    joint = JointPredictor(
+        [first, FollowUpPredictor(first, further.setup, observe(further, (), fraction=0.0))]
+    )
     usable = joint.observed.usable
     # The gauge is there in the first test alone. 80 lines of 4 channels scatter by 6 %, five of them 30 %.
     assert all(gap < 1.3 for gap in joint.residual([gauge]).gaps(usable).values())
@@ -124,10 +126,10 @@ def test_what_shows_at_the_second_level_alone_is_suspected() -> None:
     louder = Change(level_factor=10.0)
     further = taken(setup, louder, [cubic])
     first = Predictor(model(), setup, observe(drawn(setup, [cubic]), (), fraction=0.0))
-    loud = Further(first, further.measurement.setup, observe(further.measurement, (), fraction=0.0))
+    loud = FollowUpPredictor(first, further.measurement.setup, observe(further.measurement, (), fraction=0.0))
     candidates = Suspects([cubic, ExtraMass(at=Dof(4, "Y"))], least=0.1)
     assert CubicStiffness not in {type(one) for one in candidates.of(first, [])}
-    assert CubicStiffness in {type(one) for one in candidates.of(Joint([first, loud]), [])}
+    assert CubicStiffness in {type(one) for one in candidates.of(JointPredictor([first, loud]), [])}
 
 
 def test_a_long_fit_of_several_tests_is_heard_at_every_prediction() -> None:

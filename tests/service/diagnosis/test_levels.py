@@ -7,8 +7,8 @@ import pytest
 
 from modallab.core.dof import Dof
 from modallab.diagnosis.fitting.fit import fit
-from modallab.diagnosis.observing.observed import observe
 from modallab.diagnosis.predicting.predictor import Predictor
+from modallab.diagnosis.residuals.observed import observe
 from modallab.effects.cubic_stiffness import CubicStiffness
 from modallab.effects.ground_spring import GroundSpring
 from modallab.rig.effect import Effect

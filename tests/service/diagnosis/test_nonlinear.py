@@ -8,13 +8,13 @@ import pytest
 from modallab.core.dof import Dof
 from modallab.core.progress import silent
 from modallab.diagnosis.diagnose import RULED_OUT, diagnose
-from modallab.diagnosis.fitting.certainty import Errors
+from modallab.diagnosis.fitting.covariance import Errors
 from modallab.diagnosis.fitting.fit import fit
-from modallab.diagnosis.locating.evidence import gather
-from modallab.diagnosis.observing.observed import observe
-from modallab.diagnosis.observing.residual import residual
+from modallab.diagnosis.localisation.evidence import gather
 from modallab.diagnosis.predicting.predictor import Predictor
-from modallab.diagnosis.searching.judging import improves
+from modallab.diagnosis.residuals.observed import observe
+from modallab.diagnosis.residuals.residual import residual
+from modallab.diagnosis.searching.acceptance import is_significant
 from modallab.effects.cubic_stiffness import CubicStiffness
 from modallab.effects.friction import Friction
 from modallab.fe.assembly import assemble
@@ -116,4 +116,4 @@ def test_a_force_whose_size_is_known_to_a_factor_only_is_accepted_all_the_same()
     predictor = Predictor(model(), measured.setup, observe(measured, (), fraction=0.2))
     after = fit(predictor, [strong])
     vague = Errors(({"stiffness": strong.stiffness},), np.zeros(0))
-    assert improves(predictor, fit(predictor, []), replace(after, spread=lambda: vague))
+    assert is_significant(predictor, fit(predictor, []), replace(after, spread=lambda: vague))

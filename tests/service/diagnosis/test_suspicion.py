@@ -3,7 +3,7 @@ import pytest
 from modallab.core.dof import Dof
 from modallab.core.place import Channels
 from modallab.diagnosis.diagnose import RULED_OUT
-from modallab.diagnosis.locating.evidence import gather
+from modallab.diagnosis.localisation.evidence import gather
 from modallab.effects.force_noise import ForceNoise
 from modallab.effects.overload import Overload
 from modallab.effects.quantisation import Quantisation

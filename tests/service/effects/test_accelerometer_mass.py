@@ -7,7 +7,7 @@ from modallab.core.dof import Dof
 from modallab.effects.accelerometer_mass import AccelerometerMass
 from modallab.fe.assembly import assemble
 from modallab.fe.beam import beam
-from modallab.fe.structure import GroundSpring, Section, Support
+from modallab.fe.structure import GroundSpringElement, Section, Support
 from modallab.fe.system import DynamicSystem
 from modallab.rig.chain import chain
 from modallab.rig.hardware import Accelerometers
@@ -22,7 +22,7 @@ STIFFNESS, MASS = 1e4, 7800.0 * 4e-4 * 0.06  # N/m, kg
 def block() -> DynamicSystem:
     """A bar three times as long as high, on a spring, that cannot turn: it bends at 30 kHz."""
     thick = Section(area=4e-4, second_moment=0.02**4 / 12)
-    held, spring = (Support(2, ("RZ",)),), (GroundSpring(CENTRE, STIFFNESS),)
+    held, spring = (Support(2, ("RZ",)),), (GroundSpringElement(CENTRE, STIFFNESS),)
     return assemble(
         beam(length=0.06, n_elements=2, section=thick, material=STEEL, supports=held, springs=spring)
     )

@@ -13,11 +13,11 @@ from modallab.fe.receptance import receptance
 from modallab.fe.structure import Support
 from modallab.fe.system import DynamicSystem
 from modallab.rig.chain import chain
-from modallab.rig.setup import Shot
+from modallab.rig.setup import AcquisitionRun
 from tests.rigs import BAR, STEEL, beam_system, dofs, rig, steel_beam
 
 SYSTEM = beam_system()
-SHOT = Shot(dofs(1), dofs(1, 7, 16))
+SHOT = AcquisitionRun(dofs(1), dofs(1, 7, 16))
 
 
 def by_hand(system: DynamicSystem, at: Dof, m: float, f: float, eta: float, freq: FloatArray) -> ComplexArray:
@@ -66,7 +66,7 @@ def test_a_tuned_absorbers_fixed_points_are_den_hartogs(loss_factor: float) -> N
     half = (1 + (1 + mu) * tuning**2) / (2 + mu)
     squares = half + np.array([-1, 1]) * np.sqrt(half**2 - 2 * tuning**2 / (2 + mu))
     y = np.ones((1, 1))
-    loaded = effect.on_system(system, Shot((Dof(2, "Y"),), (Dof(2, "Y"),)))
+    loaded = effect.on_system(system, AcquisitionRun((Dof(2, "Y"),), (Dof(2, "Y"),)))
     moved = np.abs(receptance(loaded, own * np.sqrt(squares), y, y))[:, 0, 0] * system.stiffness[0, 0]
     np.testing.assert_allclose(moved, np.sqrt(1 + 2 / mu), rtol=1e-9)  # closed form: rounding only
 
@@ -98,5 +98,5 @@ def test_it_hangs_on_a_translation() -> None:
 
 def test_first_looks_lie_within_the_band() -> None:
     for top in (50.0, 5000.0):
-        looks = AttachedOscillator(Dof(5, "Y")).looks(SYSTEM, rig(1, analyser={"frequency_max": top}))
+        looks = AttachedOscillator(Dof(5, "Y")).scan_values(SYSTEM, rig(1, analyser={"frequency_max": top}))
         assert all(0 < frequency < top for frequency in looks["frequency"])

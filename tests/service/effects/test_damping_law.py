@@ -8,10 +8,10 @@ from modallab.fe.assembly import assemble
 from modallab.fe.damping import Damping, ModalDamping, StructuralDamping, ViscousDamping
 from modallab.fe.receptance import direct_receptance, receptance
 from modallab.rig.chain import chain
-from modallab.rig.setup import Shot
+from modallab.rig.setup import AcquisitionRun
 from tests.rigs import dofs, rig, steel_beam
 
-SHOT = Shot(dofs(1), dofs(1))
+SHOT = AcquisitionRun(dofs(1), dofs(1))
 AT = 200.0  # Hz
 OMEGA = 2 * np.pi * AT
 FREQ = np.linspace(10.0, 700.0, 40)

@@ -13,9 +13,9 @@ from modallab.fe.damping import StructuralDamping
 from modallab.rig.analyser import Analyser, ExcitationSetting
 from modallab.rig.chain import chain
 from modallab.rig.expected import expected_spectra
+from modallab.rig.free_decay import answers_of
 from modallab.rig.hardware import Exciter, Noise
 from modallab.rig.measure import Route, measure
-from modallab.rig.ringing import answers_of
 from modallab.rig.setup import RigSetup
 from tests.rigs import beam_system, dofs, rig, steel_beam
 

@@ -10,11 +10,11 @@ from modallab.effects.extra_mass import ExtraMass
 from modallab.fe.assembly import assemble
 from modallab.fe.receptance import direct_receptance
 from modallab.rig.chain import chain
-from modallab.rig.setup import Shot
+from modallab.rig.setup import AcquisitionRun
 from tests import bernoulli
 from tests.rigs import beam_system, dofs, rig, steel_beam
 
-SHOT = Shot(dofs(1), dofs(1))
+SHOT = AcquisitionRun(dofs(1), dofs(1))
 ROOT = bernoulli.WAVE_NUMBERS * bernoulli.LENGTH
 
 

@@ -8,11 +8,11 @@ from modallab.core.errors import InvalidInputError
 from modallab.effects.ground_spring import GroundSpring
 from modallab.fe.assembly import assemble
 from modallab.fe.system import DynamicSystem
-from modallab.rig.setup import Shot
+from modallab.rig.setup import AcquisitionRun
 from tests.rigs import BAR, STEEL, beam_system, dofs, steel_beam
 
 LENGTH, MASS = 1.5, 7800.0 * 5e-4 * 1.5  # m, kg
-SHOT = Shot(dofs(1), dofs(1))
+SHOT = AcquisitionRun(dofs(1), dofs(1))
 ENDS = dofs(1, 21)
 
 

@@ -12,7 +12,7 @@ from modallab.effects.joint_flexibility import JointFlexibility
 from modallab.fe.assembly import assemble
 from modallab.fe.beam import beam
 from modallab.fe.structure import Support
-from modallab.rig.setup import Shot
+from modallab.rig.setup import AcquisitionRun
 from tests.rigs import BAR, STEEL, beam_system, dofs, rig, steel_beam
 
 N, LENGTH = 30, 1.2
@@ -25,7 +25,7 @@ PINNED = beam(
     supports=(Support(1, ("Y",)), Support(N + 1, ("Y",))),
 )
 SYSTEM = assemble(PINNED)
-SHOT = Shot(dofs(5), dofs(5))
+SHOT = AcquisitionRun(dofs(5), dofs(5))
 
 
 def cracked(node: int, flexibility: float) -> FloatArray:
@@ -94,7 +94,7 @@ def test_it_needs_members_on_both_sides_and_a_rotation(at: Dof) -> None:
 
 
 def test_first_looks_are_about_the_members_own_flexibility() -> None:
-    looks = JointFlexibility(Dof(5, "RZ")).looks(beam_system(), rig(1))["flexibility"]
+    looks = JointFlexibility(Dof(5, "RZ")).scan_values(beam_system(), rig(1))["flexibility"]
     own = 1.5 / 20 / (4 * BEND)  # L / 4 E I: one end turned, the other held
     assert min(looks) < own / 10
     assert max(looks) > 100 * own

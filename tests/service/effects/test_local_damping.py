@@ -10,12 +10,12 @@ from modallab.effects.local_damping import LocalDamping
 from modallab.fe.damping import StructuralDamping
 from modallab.fe.receptance import receptance
 from modallab.rig.chain import chain
-from modallab.rig.setup import Shot
+from modallab.rig.setup import AcquisitionRun
 from tests.rigs import beam_system, dofs, rig, steel_beam
 
 UNDAMPED = beam_system(StructuralDamping())
 AT = Dof(4, "Y")
-SHOT = Shot(dofs(1), dofs(1))
+SHOT = AcquisitionRun(dofs(1), dofs(1))
 
 
 def test_at_resonance_of_a_lossless_structure_the_damper_alone_resists() -> None:

@@ -15,11 +15,11 @@ from modallab.fe.receptance import direct_receptance, receptance
 from modallab.fe.structure import Structure
 from modallab.fe.system import DynamicSystem
 from modallab.rig.chain import chain
-from modallab.rig.setup import Shot
+from modallab.rig.setup import AcquisitionRun
 from tests.rigs import dofs, rig, steel_beam
 
 ETA, MASS_PART = 0.005, 100.0
-SHOT = Shot(dofs(1), dofs(1))
+SHOT = AcquisitionRun(dofs(1), dofs(1))
 FREQ = np.linspace(10.0, 700.0, 40)
 
 

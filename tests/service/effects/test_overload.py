@@ -13,7 +13,7 @@ from modallab.estimation.clipping import clipped_power, hermite_parts, kept_gain
 from modallab.estimation.coherence import coherence, frf_error
 from modallab.estimation.estimator import ESTIMATORS
 from modallab.rig.chain import chain
-from modallab.rig.expected import expected_spectra, glimpse
+from modallab.rig.expected import coarse_spectra, expected_spectra
 from modallab.rig.hardware import Noise
 from modallab.rig.sampled import sampled_spectra
 from tests.rigs import beam_system, dofs, rig
@@ -124,7 +124,7 @@ def test_only_the_channels_named_are_clipped() -> None:
 def test_a_first_look_sees_what_every_line_sees() -> None:
     setup = rig(1, 7, noise=Noise(1e-3, 1e-3), analyser={"window": "hann"})
     whole = chain(beam_system(), setup, [Overload(level=1.5)])
-    every, some = expected_spectra(whole), glimpse(whole, 3)
+    every, some = expected_spectra(whole), coarse_spectra(whole, 3)
     # A third of the lines knows the power of sharp resonances to some ten per cent, and with it the level.
     np.testing.assert_allclose(some.ff, every.ff[:, ::3], rtol=0.02)
     assert np.median(np.abs(some.xx / every.xx[:, ::3] - 1)) < 0.15

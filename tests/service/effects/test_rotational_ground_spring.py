@@ -11,11 +11,11 @@ from modallab.core.errors import InvalidInputError
 from modallab.effects.rotational_ground_spring import RotationalGroundSpring
 from modallab.fe.assembly import assemble
 from modallab.fe.structure import Support
-from modallab.rig.setup import Shot
+from modallab.rig.setup import AcquisitionRun
 from tests.rigs import BAR, STEEL, dofs, steel_beam
 
 LENGTH, RIGIDITY = 1.5, STEEL.modulus * BAR.second_moment
-SHOT = Shot(dofs(5), dofs(5))
+SHOT = AcquisitionRun(dofs(5), dofs(5))
 PINNED = replace(steel_beam(), supports=(Support(1, ("Y",)), Support(21, ("Y",))))
 
 

@@ -13,10 +13,10 @@ from modallab.effects.shear_and_rotary_inertia import ShearAndRotaryInertia
 from modallab.fe.assembly import assemble
 from modallab.fe.beam import beam
 from modallab.fe.structure import Support
-from modallab.rig.setup import Shot
+from modallab.rig.setup import AcquisitionRun
 from tests.rigs import BAR, STEEL, dofs, steel_beam
 
-SHOT = Shot(dofs(1), dofs(1))
+SHOT = AcquisitionRun(dofs(1), dofs(1))
 N = 100
 
 

@@ -12,14 +12,14 @@ from modallab.fe.assembly import assemble
 from modallab.fe.beam import beam
 from modallab.fe.changes import MemberChange, MemberProperty, change
 from modallab.fe.receptance import direct_receptance
-from modallab.fe.structure import GroundSpring, Support
+from modallab.fe.structure import GroundSpringElement, Support
 from modallab.rig.chain import chain
-from modallab.rig.setup import Shot
+from modallab.rig.setup import AcquisitionRun
 from tests import bernoulli
 from tests.rigs import BAR, STEEL, beam_system, dofs, rig, steel_beam, tilted_beam
 
 FREQ = np.linspace(5.0, 800.0, 60)
-SHOT = Shot(dofs(1), dofs(1))
+SHOT = AcquisitionRun(dofs(1), dofs(1))
 
 
 @pytest.mark.parametrize("factor", [0.25, 1.1, 9.0])
@@ -85,7 +85,9 @@ def test_a_clamped_beam_softer_at_its_root_gives_way_as_its_flexibilities_add_up
 def test_added_to_the_model_it_is_the_model_with_another_modulus(at: Members | None) -> None:
     numbers = at.numbers if at else tuple(range(1, 21))
     # A spring to the ground is no member's: it stays as it is. Tilted, members stretch as well.
-    structure = replace(steel_beam() if at else tilted_beam(), springs=(GroundSpring(Dof(5, "Y"), 3e3),))
+    structure = replace(
+        steel_beam() if at else tilted_beam(), springs=(GroundSpringElement(Dof(5, "Y"), 3e3),)
+    )
     effect = StiffnessError(at=at, factor=1.7)
     model = effect.added_to(structure)
     assert model.springs == structure.springs

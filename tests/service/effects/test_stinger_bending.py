@@ -18,7 +18,7 @@ from modallab.fe.structure import PLANE, Material, Member, PointMass, Section, S
 from modallab.rig.chain import chain
 from modallab.rig.effect import Effect
 from modallab.rig.hardware import ForceTransducer
-from modallab.rig.setup import RigSetup, Shot
+from modallab.rig.setup import AcquisitionRun, RigSetup
 from modallab.rig.stinger import StingerRod, StingerStiffness
 from tests.rigs import BAR, STEEL, beam_system, rig, steel_beam
 
@@ -32,7 +32,7 @@ STUD = StingerRod(4e-3, 50e-3, 2.07e11, 7850.0)
 def loaded(effect: StingerBending, drive: Dof, structure: Structure | None = None) -> FloatArray:
     """Elastic natural frequencies, Hz."""
     system = assemble(structure or steel_beam(n_elements=60))
-    return effect.on_system(system, Shot((drive,), (drive,))).modes().elastic(6).frequencies
+    return effect.on_system(system, AcquisitionRun((drive,), (drive,))).modes().elastic(6).frequencies
 
 
 @pytest.mark.parametrize("stiffness", [3.0, 100.0, 1e4])

@@ -8,7 +8,7 @@ import pytest
 
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
-from modallab.effects.suspension import Suspension
+from modallab.effects.suspension import SuspensionStiffness
 from modallab.fe.assembly import assemble
 from modallab.fe.damping import StructuralDamping
 from modallab.fe.receptance import receptance
@@ -43,9 +43,9 @@ def test_below_its_bounce_a_suspended_beam_gives_as_its_bands_do() -> None:
 
 
 def test_the_log_book_has_one_for_each_band() -> None:
-    bands = list(Suspension.from_setup(rig(1, suspension=Declared(ENDS, 100.0, 0.05))))
-    assert bands == [Suspension(at=dof, stiffness=100.0, loss_factor=0.05) for dof in ENDS]
-    assert list(Suspension.from_setup(rig(1))) == []
+    bands = list(SuspensionStiffness.from_setup(rig(1, suspension=Declared(ENDS, 100.0, 0.05))))
+    assert bands == [SuspensionStiffness(at=dof, stiffness=100.0, loss_factor=0.05) for dof in ENDS]
+    assert list(SuspensionStiffness.from_setup(rig(1))) == []
 
 
 @pytest.mark.parametrize(
@@ -55,7 +55,7 @@ def test_the_log_book_has_one_for_each_band() -> None:
         ("suspension.loss_factor", lambda: Declared(ENDS, 1.0, float("nan"))),
         ("suspension.at", lambda: Declared((Dof(1, "RZ"),), 1.0)),
         ("suspension.at", lambda: Declared((Dof(1, "Y"), Dof(1, "Y", -1)), 1.0)),
-        ("at", lambda: Suspension(at=Dof(5, "RZ")).check(steel_beam())),
+        ("at", lambda: SuspensionStiffness(at=Dof(5, "RZ")).check(steel_beam())),
     ],
 )
 def test_a_band_that_cannot_be_is_refused_by_name(field: str, make: Callable[[], object]) -> None:
@@ -66,5 +66,5 @@ def test_a_band_that_cannot_be_is_refused_by_name(field: str, make: Callable[[],
 
 def test_a_structure_that_is_held_has_no_bands_to_suspect() -> None:
     held = assemble(replace(steel_beam(), supports=(Support(1, ("Y", "RZ")),)))
-    assert Suspension.places(held, rig(1)) == ()
-    assert len(Suspension.places(beam_system(), rig(1))) == 21
+    assert SuspensionStiffness.places(held, rig(1)) == ()
+    assert len(SuspensionStiffness.places(beam_system(), rig(1))) == 21

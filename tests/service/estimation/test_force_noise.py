@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from modallab.core.arrays import FloatArray
-from modallab.estimation.force_noise import ForceNoise, parted
+from modallab.estimation.force_noise import ForceChannelNoise, parted
 
 FREQ = np.linspace(0.0, 100.0, 201)
 ABOVE = FREQ > 0
@@ -29,14 +29,14 @@ DROPS = 1 / (1 + 20 * np.exp(-(((FREQ[:, None] - 45.0) / 2) ** 2)))  # as where 
 @pytest.mark.parametrize("signal", [FLAT, DROPS], ids=["flat", "drops out"])
 @pytest.mark.parametrize("noise", [1e-4, 1e-2, 0.3])
 def test_the_force_is_freed_of_its_noise_wherever_it_drops_out(signal: FloatArray, noise: float) -> None:
-    found = ForceNoise.of(ABOVE, *expected(signal, noise, 1e-5))
+    found = ForceChannelNoise.of(ABOVE, *expected(signal, noise, 1e-5))
     assert found is not None
     # exact but for 1e-6 of the faintest coherence, and the steps' end
     np.testing.assert_allclose(found.rise, np.broadcast_to(noise / signal, (201, 3)), rtol=1e-4)
 
 
 def test_shares_are_the_variances_of_an_frf() -> None:
-    found = ForceNoise.of(ABOVE, *expected(FLAT, 1e-3, 1e-4))
+    found = ForceChannelNoise.of(ABOVE, *expected(FLAT, 1e-3, 1e-4))
     assert found is not None
     known = 1e-3 / (1e-3 + 1e-4 / SIZES)
     # what is added by the products of both noises is of their own order
@@ -44,10 +44,10 @@ def test_shares_are_the_variances_of_an_frf() -> None:
 
 
 def test_without_noise_of_the_force_next_to_nothing_is_shared() -> None:
-    found = ForceNoise.of(ABOVE, *expected(FLAT, 0.0, 1e-4))
+    found = ForceChannelNoise.of(ABOVE, *expected(FLAT, 0.0, 1e-4))
     assert found is not None
     assert found.rise.max() < 1e-6
-    assert ForceNoise.of(ABOVE, *expected(FLAT, 0.0, 0.0)) is None
+    assert ForceChannelNoise.of(ABOVE, *expected(FLAT, 0.0, 0.0)) is None
 
 
 def test_residuals_that_share_a_number_become_independent() -> None:

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from modallab.core.arrays import ComplexArray
-from modallab.extraction.jointly.global_method import Poles
+from modallab.extraction.multi_mode.global_method import Poles
 
 SPACING = 0.5  # Hz
 

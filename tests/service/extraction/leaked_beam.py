@@ -8,7 +8,7 @@ from modallab.core.arrays import BoolArray, FloatArray
 from modallab.core.modal_model import ModalModel
 from modallab.estimation.windows import WINDOWS
 from modallab.extraction.extract import extract
-from modallab.extraction.measured.leakage import Leakage
+from modallab.extraction.preprocessing.leakage import WindowLeakage
 from modallab.fe.catalogued import STRUCTURES
 from modallab.rig.analyser import Analyser, ExcitationSetting
 from modallab.rig.hardware import Noise
@@ -42,7 +42,7 @@ def read(measurement: Measurement, estimator: str, method: str) -> ModalModel:
         coherence=measurement.coherence,
         averages=measurement.averages,
         method=method,
-        leakage=Leakage.of(WINDOWS["hann"].samples(1024), estimator),
+        leakage=WindowLeakage.of(WINDOWS["hann"].samples(1024), estimator),
         estimator=estimator,
     )
 

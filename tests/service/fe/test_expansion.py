@@ -11,7 +11,7 @@ from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.changes import MemberChange, MemberProperty, change
 from modallab.fe.expansion import expand
 from modallab.fe.reduction import reduction_of
-from modallab.fe.selected import ModeNoise, exact_modes, synthetic_modes
+from modallab.fe.synthetic_modes import ModeNoise, exact_modes, synthetic_modes
 
 BEAM = STRUCTURES["chapter-5-beam"]()
 SYSTEM = assemble(BEAM)

@@ -14,7 +14,7 @@ from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.damping import Damping, ModalDamping, StructuralDamping, ViscousDamping
 from modallab.fe.modes import modal_basis
 from modallab.fe.receptance import direct_receptance, receptance
-from modallab.fe.structure import GroundSpring, Material, Section, Structure, Support
+from modallab.fe.structure import GroundSpringElement, Material, Section, Structure, Support
 from modallab.fe.system import SMALL
 from tests.strategies import frames
 
@@ -38,7 +38,7 @@ def test_rigid_body_modes_are_counted_and_cost_no_elastic_one(hold: str) -> None
 
 
 def test_a_spring_to_ground_takes_a_rigid_body_mode_away() -> None:
-    springs = (GroundSpring(Dof(1, "Y"), 1e3), GroundSpring(Dof(21, "Y"), 1e3))
+    springs = (GroundSpringElement(Dof(1, "Y"), 1e3), GroundSpringElement(Dof(21, "Y"), 1e3))
     basis = assemble(replace(STRUCTURES["chapter-5-beam"](), springs=springs)).modes()
     assert basis.n_rigid_body == 0
     # on springs far softer than itself it bounces and rocks as a rigid bar: 2k/m and 6k/m, but for

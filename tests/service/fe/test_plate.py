@@ -14,8 +14,8 @@ from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.changes import MemberChange, MemberProperty, change
 from modallab.fe.members import Plate
 from modallab.fe.plate import Edge, Holding, plate
-from modallab.fe.selected import lowest_modes
 from modallab.fe.structure import Material, Structure
+from modallab.fe.synthetic_modes import lowest_modes
 
 STEEL = Material(modulus=2.09e11, density=7800.0)
 LENGTH, WIDTH = 0.6, 0.4

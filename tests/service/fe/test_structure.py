@@ -9,7 +9,7 @@ from modallab.core.errors import InvalidInputError, UnknownDofError
 from modallab.fe.beam import beam
 from modallab.fe.damping import ModalDamping, StructuralDamping, ViscousDamping
 from modallab.fe.structure import (
-    GroundSpring,
+    GroundSpringElement,
     Material,
     Member,
     PointMass,
@@ -31,7 +31,7 @@ def frame(
     nodes: dict[int, tuple[float, float]] = CORNERS,
     supports: tuple[Support, ...] = (),
     masses: tuple[PointMass, ...] = (),
-    springs: tuple[GroundSpring, ...] = (),
+    springs: tuple[GroundSpringElement, ...] = (),
 ) -> Structure:
     return Structure(nodes, members, supports, masses, springs)
 
@@ -55,7 +55,10 @@ WRONG: dict[str, tuple[Callable[[], object], str]] = {
     "a mass at an unknown node": (lambda: frame(*PATH, masses=(PointMass(9, 1.0),)), "masses"),
     "a negative mass": (lambda: frame(*PATH, masses=(PointMass(1, -1.0),)), "mass"),
     "a mass that is no number": (lambda: frame(*PATH, masses=(PointMass(1, float("nan")),)), "mass"),
-    "a negative spring": (lambda: frame(*PATH, springs=(GroundSpring(Dof(1, "Y"), -1.0),)), "stiffness"),
+    "a negative spring": (
+        lambda: frame(*PATH, springs=(GroundSpringElement(Dof(1, "Y"), -1.0),)),
+        "stiffness",
+    ),
     "a negative area": (lambda: Section(-5e-4, 4e-9), "area"),
     "no second moment": (lambda: Section(5e-4, 0.0), "second_moment"),
     "a modulus that is no number": (lambda: Material(float("nan"), 7800.0), "modulus"),

@@ -110,7 +110,7 @@ def test_a_mass_needs_a_node_and_a_change_a_member() -> None:
 
 def test_each_mode_may_lose_more_or_less_than_the_law_has_it() -> None:
     more = (0.004, -0.002, 0.0, 0.001)
-    bare, lossy = BEAM.modes().elastic(6), BEAM.losing(more).modes().elastic(6)
+    bare, lossy = BEAM.modes().elastic(6), BEAM.with_modal_loss(more).modes().elastic(6)
     # A law of mass and stiffness and damping mode by mode leave shapes real: sums to rounding.
     np.testing.assert_allclose(lossy.loss_factors - bare.loss_factors, [*more, 0, 0], atol=1e-9)
     np.testing.assert_allclose(lossy.frequencies, bare.frequencies, rtol=1e-9)
@@ -118,18 +118,18 @@ def test_each_mode_may_lose_more_or_less_than_the_law_has_it() -> None:
 
 
 def test_what_modes_lose_besides_is_there_in_matrices_and_receptance() -> None:
-    lossy = BEAM.losing((0.02, 0.01)).losing((0.01,)).add_mass(1, 0.3)
+    lossy = BEAM.with_modal_loss((0.02, 0.01)).with_modal_loss((0.01,)).add_mass(1, 0.3)
     selected = lossy.selection((Dof(1, "Y"), Dof(9, "Y")))
     freq = np.linspace(20.0, 80.0, 31)
     fast = receptance(lossy, freq, selected, selected)
     # modes up to 2 kHz are written out in the matrices; all others have no such loss: sums to rounding
     np.testing.assert_allclose(fast, direct_receptance(lossy, freq, selected, selected), rtol=1e-6)
-    again = receptance(BEAM.losing((0.03, 0.01)).add_mass(1, 0.3), freq, selected, selected)
+    again = receptance(BEAM.with_modal_loss((0.03, 0.01)).add_mass(1, 0.3), freq, selected, selected)
     np.testing.assert_allclose(fast, again, rtol=1e-9)
 
 
 def test_resonances_are_as_wide_as_what_their_modes_lose() -> None:
-    plain, lossy = BEAM.add_mass(1, 0.01), BEAM.losing((0.02,)).add_mass(1, 0.01)
+    plain, lossy = BEAM.add_mass(1, 0.01), BEAM.with_modal_loss((0.02,)).add_mass(1, 0.01)
     frequencies, width = lossy.resonances(200.0)
     before, narrow = plain.resonances(200.0)
     np.testing.assert_allclose(frequencies, before, rtol=1e-9)

@@ -13,8 +13,8 @@ from modallab.core.errors import InvalidInputError
 from modallab.fe.assembly import Assembly, assemble
 from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.damping import StructuralDamping
-from modallab.fe.selected import lowest_modes
 from modallab.fe.structure import Structure
+from modallab.fe.synthetic_modes import lowest_modes
 from modallab.interchange.model_reading import read_model
 from tests.service.interchange.nastran import described
 

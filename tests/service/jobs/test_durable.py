@@ -17,16 +17,16 @@ from modallab.core.errors import NotFoundError
 from modallab.fe.assembly import assemble
 from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.changes import MemberChange, MemberProperty, change
-from modallab.fe.selected import ModeNoise, synthetic_modes
+from modallab.fe.synthetic_modes import ModeNoise, synthetic_modes
 from modallab.jobs.book import JobBook
 from modallab.jobs.durable import DurableRunner, JobPlace
 from modallab.jobs.runner import Job, JobState
 from modallab.store.place import StorePlace, engine_of, open_store
 from modallab.store.plain import to_plain
-from modallab.updating.dividing import automatic_groups
 from modallab.updating.method import UpdateOptions
 from modallab.updating.parameterisation import parameterise
-from modallab.updating.studying.plan import NOISE_LEVELS, Division, Level, StudyPlan
+from modallab.updating.partitioning import automatic_groups
+from modallab.updating.studies.plan import NOISE_LEVELS, Division, Level, StudyPlan
 
 # A thread of the engine may hand its PostgreSQL connection back when the pool is gone already.
 pytestmark = pytest.mark.filterwarnings(

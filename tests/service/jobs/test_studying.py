@@ -17,7 +17,7 @@ from modallab.store.place import StorePlace, open_store
 from modallab.store.plain import to_plain
 from modallab.updating.method import UpdateOptions
 from modallab.updating.parameterisation import parameterise
-from modallab.updating.studying.plan import NOISE_LEVELS, Division, Level, StudyPlan
+from modallab.updating.studies.plan import NOISE_LEVELS, Division, Level, StudyPlan
 
 TASK = "study_and_store"
 

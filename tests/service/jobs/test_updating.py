@@ -11,7 +11,7 @@ from modallab.core.progress import silent
 from modallab.fe.assembly import assemble
 from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.changes import MemberChange, MemberProperty, change
-from modallab.fe.selected import ModeNoise, synthetic_modes
+from modallab.fe.synthetic_modes import ModeNoise, synthetic_modes
 from modallab.jobs.destination import Destination
 from modallab.jobs.tasks import TASKS
 from modallab.store.place import StorePlace, engine_of, open_store
@@ -19,8 +19,8 @@ from modallab.store.plain import to_plain
 from modallab.store.sql import SqlStore
 from modallab.updating.direct.method import DirectOptions
 from modallab.updating.direct.result import DirectResult
-from modallab.updating.locating.method import LocationResult
-from modallab.updating.locating.run import LocationOptions
+from modallab.updating.error_location.method import LocationResult
+from modallab.updating.error_location.run import LocationOptions
 from modallab.updating.method import UpdateOptions, UpdateResult
 from modallab.updating.parameterisation import parameterise
 

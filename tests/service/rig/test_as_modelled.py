@@ -8,7 +8,7 @@ from modallab.core.place import EffectSpec
 from modallab.effects.attached_oscillator import AttachedOscillator
 from modallab.effects.joint_flexibility import JointFlexibility
 from modallab.fe.assembly import assemble
-from modallab.fe.selected import lowest_modes
+from modallab.fe.synthetic_modes import lowest_modes
 from modallab.rig.effect import Effect
 from modallab.rig.exact import as_modelled, exact_frf
 from tests.rigs import dofs, steel_beam

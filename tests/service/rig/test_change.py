@@ -12,9 +12,9 @@ from modallab.effects.force_transducer_mass import ForceTransducerMass
 from modallab.effects.gain_error import GainError
 from modallab.effects.stinger_bending import StingerBending
 from modallab.effects.swapped_channels import SwappedChannels
-from modallab.rig.carried_over import carried_over
 from modallab.rig.change import Change
 from modallab.rig.effect import Effect
+from modallab.rig.effects_in_other_test import effects_in_other_test
 from tests.diagnosing import rig
 
 CHANGES: list[dict[str, Any]] = [
@@ -112,10 +112,10 @@ DRIVE, OTHER = Dof(1, "Y"), Dof(4, "Y")
 )
 def test_what_sits_at_the_drive_point_moves_with_it(effect: Effect, after: Effect) -> None:
     first = rig()
-    moved = carried_over([effect], first, replace(first, drives=(OTHER,)))
+    moved = effects_in_other_test([effect], first, replace(first, drives=(OTHER,)))
     assert moved == [after]
     # Of effects that were named for the other test already nothing changes.
-    assert carried_over(moved, first, replace(first, drives=(OTHER,))) == moved
+    assert effects_in_other_test(moved, first, replace(first, drives=(OTHER,))) == moved
 
 
 @pytest.mark.parametrize(
@@ -131,7 +131,7 @@ def test_what_sits_at_the_drive_point_moves_with_it(effect: Effect, after: Effec
 )
 def test_with_a_hammer_the_shakers_own_effects_are_gone(effect: Effect, there: bool) -> None:
     first = rig()
-    assert carried_over([effect], first, Change(exciter="hammer").applied(first)) == [effect] * there
+    assert effects_in_other_test([effect], first, Change(exciter="hammer").applied(first)) == [effect] * there
 
 
 @pytest.mark.parametrize(
@@ -146,4 +146,4 @@ def test_with_a_hammer_the_shakers_own_effects_are_gone(effect: Effect, there: b
 def test_a_channel_is_at_fault_where_it_is_used(effect: Effect, there: bool) -> None:
     first = rig()
     other = replace(first, responses=(DRIVE, OTHER))
-    assert carried_over([effect], first, other) == [effect] * there
+    assert effects_in_other_test([effect], first, other) == [effect] * there

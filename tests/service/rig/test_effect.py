@@ -8,16 +8,16 @@ from modallab.rig.chain import chain
 from modallab.rig.effect import EFFECTS, Effect
 from tests.rigs import beam_system, rig
 
-MORE = [cls for cls in EFFECTS.values() if cls.more_than is not None]
+MORE = [cls for cls in EFFECTS.values() if cls.nested_kind is not None]
 
 
 @pytest.mark.parametrize("cls", MORE, ids=lambda cls: cls.kind)
 def test_without_its_one_number_more_an_effect_is_the_plainer_one(cls: type[Effect]) -> None:
     own = cls(at=Dof(4, "Y"))
-    simpler = own.plainer()
+    simpler = own.reduced_model()
     assert simpler is not None
     plain, more = simpler
-    assert plain.kind == cls.more_than
+    assert plain.kind == cls.nested_kind
 
     def seen(effect: Effect) -> np.ndarray:
         return chain(beam_system(), rig(2, 4), [effect]).respond(np.linspace(1.0, 200.0, 20)).inertance
@@ -29,4 +29,4 @@ def test_without_its_one_number_more_an_effect_is_the_plainer_one(cls: type[Effe
 
 def test_most_effects_are_more_than_no_other() -> None:
     assert {cls.kind for cls in MORE} == {"suspension", "cable_mass"}
-    assert EFFECTS["extra_mass"](at=Dof(4, "Y")).plainer() is None
+    assert EFFECTS["extra_mass"](at=Dof(4, "Y")).reduced_model() is None

@@ -9,7 +9,7 @@ from modallab.estimation.estimator import ESTIMATORS
 from modallab.fe.damping import StructuralDamping
 from modallab.fe.receptance import direct_receptance
 from modallab.rig.chain import Chain, chain
-from modallab.rig.expected import expected_spectra, glimpse
+from modallab.rig.expected import coarse_spectra, expected_spectra
 from modallab.rig.hardware import Exciter, Noise
 from tests.rigs import beam_system, rig
 
@@ -131,7 +131,7 @@ def test_what_repeats_with_the_record_does_not_leak() -> None:
 def test_a_first_look_is_the_expected_spectra_where_resonances_are_lines_wide() -> None:
     setup = rig(1, 7, excitation="random", analyser=LOW)
     bench = chain(beam_system(StructuralDamping(stiffness_coefficient=0.1)), setup)  # from 1.2 lines
-    quick, full = glimpse(bench, 4), expected_spectra(bench)
+    quick, full = coarse_spectra(bench, 4), expected_spectra(bench)
     np.testing.assert_array_equal(quick.freq, full.freq[::4])
     # midpoints h = half a line apart, poles a = 0.6 lines away: of a peak of 1 they miss
     # 2 exp(-2 pi a / h) (pi / a) W(ia)^2 / 1.5 = 5.8e-3 at most, 9e-3 of the two thirds that a line sees

@@ -9,7 +9,7 @@ from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.rig.analyser import Analyser, ExcitationSetting
 from modallab.rig.hardware import Accelerometers, Exciter, ForceTransducer, Noise
-from modallab.rig.setup import RigSetup, Shot
+from modallab.rig.setup import AcquisitionRun, RigSetup
 from tests.rigs import dofs, rig
 
 
@@ -22,8 +22,8 @@ def test_lines_run_from_zero_hertz_to_the_top() -> None:
 
 def test_a_roving_accelerometer_takes_a_run_for_every_response() -> None:
     roving = rig(1, 7, accelerometers=Accelerometers(0.02, roving=True))
-    assert roving.shots == (Shot(dofs(1), dofs(1), 0.0), Shot(dofs(1), dofs(7), 1.0))
-    assert rig(1, 7).shots == (Shot(dofs(1), dofs(1, 7)),)
+    assert roving.shots == (AcquisitionRun(dofs(1), dofs(1), 0.0), AcquisitionRun(dofs(1), dofs(7), 1.0))
+    assert rig(1, 7).shots == (AcquisitionRun(dofs(1), dofs(1, 7)),)
 
 
 @pytest.mark.parametrize(

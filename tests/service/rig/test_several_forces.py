@@ -15,13 +15,13 @@ from modallab.estimation.spectra import CrossSpectra
 from modallab.fe.receptance import receptance
 from modallab.rig.analyser import Analyser, ExcitationSetting
 from modallab.rig.chain import Chain, chain
-from modallab.rig.drawn import drawn_spectra
-from modallab.rig.drawn_forces import drawn_of_several
 from modallab.rig.expected import expected_spectra
 from modallab.rig.hardware import Accelerometers, Exciter, Noise
 from modallab.rig.measure import Route, measure, measurement_of
 from modallab.rig.sampled import sampled_spectra
 from modallab.rig.setup import RigSetup
+from modallab.rig.wishart import wishart_spectra
+from modallab.rig.wishart_forces import wishart_of_several_forces
 from tests.rigs import beam_system, dofs, steel_beam
 
 DRIVES, RESPONSES = dofs(1, 16), dofs(1, 5, 11, 16, 21)
@@ -122,7 +122,7 @@ def test_records_and_expected_spectra_agree_within_their_random_error(excitation
 def test_drawn_spectra_are_right_in_the_mean_and_their_frfs_scatter_as_they_should() -> None:
     whole = expected_spectra(bench(noise=Noise(0.1, 0.1), averages=30, n_lines=17))
     n_tests = 4000
-    drawn = drawn_spectra(whole, np.random.default_rng(3), n_tests)
+    drawn = wishart_spectra(whole, np.random.default_rng(3), n_tests)
     assert drawn.ff.shape == (n_tests, 17, 2, 2)
     for found, wanted in ((drawn.ff, whole.ff), (drawn.fx, whole.fx), (drawn.xx, whole.xx)):
         mean, size = found.mean(axis=0), found.std(axis=0) / np.sqrt(n_tests)
@@ -138,7 +138,7 @@ def test_drawn_spectra_are_right_in_the_mean_and_their_frfs_scatter_as_they_shou
 def test_few_averages_scatter_as_records_drawn_one_by_one(averages: int) -> None:
     whole = expected_spectra(bench(noise=Noise(0.1, 0.3), averages=averages, n_lines=17))
     n_tests, line = 4000, 5
-    drawn = drawn_spectra(whole, np.random.default_rng(4), n_tests)
+    drawn = wishart_spectra(whole, np.random.default_rng(4), n_tests)
     wanted = simulated(whole, line, averages, n_tests, seed=5)
     both = ((drawn, line), (wanted, 0))
     pairs = {
@@ -161,7 +161,7 @@ def test_multiple_coherence_of_nothing_is_a_beta_variable() -> None:
         np.ones((1, 2, 1)),
         n,
     )
-    g2 = coherence(drawn_spectra(nothing, np.random.default_rng(6), n_tests))[..., 0]
+    g2 = coherence(wishart_spectra(nothing, np.random.default_rng(6), n_tests))[..., 0]
     # Goodman (1963): the forces explain Beta(n_in, n - n_in) of what has nothing to do with them; at 0 Hz,
     # where all is real, half as many of each.
     assert kstest(g2[:, 1], "beta", (n_in, n - n_in)).pvalue > 1e-3
@@ -176,7 +176,7 @@ def test_at_zero_hertz_spectra_are_real() -> None:
         np.ones((1, 2, 1)),
         10,
     )
-    drawn = drawn_spectra(whole, np.random.default_rng(7), 3)
+    drawn = wishart_spectra(whole, np.random.default_rng(7), 3)
     assert not drawn.fx[:, 0].imag.any()
     assert not drawn.ff[:, 0].imag.any()
     assert drawn.fx[:, 1].imag.all()
@@ -185,8 +185,8 @@ def test_at_zero_hertz_spectra_are_real() -> None:
 def test_one_force_by_the_law_of_several_scatters_as_by_its_own() -> None:
     setup = RigSetup(dofs(1), dofs(1, 7), noise=Noise(0.1, 0.1), analyser=Analyser(n_lines=9, averages=8))
     whole = expected_spectra(chain(beam_system(), setup))
-    one = drawn_spectra(whole, np.random.default_rng(8), 4000)
-    other = drawn_of_several(whole, np.random.default_rng(9), 4000)
+    one = wishart_spectra(whole, np.random.default_rng(8), 4000)
+    other = wishart_of_several_forces(whole, np.random.default_rng(9), 4000)
     for line in (0, 4):
         for found, wanted in ((one.xx, other.xx), (one.ff.real[..., 0], other.ff.real[..., 0])):
             assert kstest(found[:, line, 0], wanted[:, line, 0]).pvalue > 1e-3
@@ -223,7 +223,7 @@ def test_a_measurement_says_how_well_the_forces_are_told_apart() -> None:
 def test_of_a_roving_test_the_worst_run_counts() -> None:
     setup = two_shakers(roving=True, noise=NOISE, averages=20, n_lines=33)
     roved = measure(steel_beam(), setup, route=Route.DRAWN, rng=np.random.default_rng(2))
-    spectra = drawn_spectra(expected_spectra(chain(beam_system(), setup)), np.random.default_rng(2))
+    spectra = wishart_spectra(expected_spectra(chain(beam_system(), setup)), np.random.default_rng(2))
     assert spectra.ff.shape[0] == len(RESPONSES)
     assert roved.input_condition is not None
     np.testing.assert_allclose(roved.input_condition, input_condition(spectra).max(axis=0), rtol=1e-12)
@@ -260,7 +260,7 @@ def test_forces_that_are_one_are_refused_by_name() -> None:
         np.array([1.0]), np.ones((1, 1, 2, 2), complex), np.ones((1, 1, 2, 1), complex), np.ones((1, 1, 1)), 9
     )
     with pytest.raises(InvalidInputError, match="not independent"):
-        drawn_spectra(together, np.random.default_rng(1))
+        wishart_spectra(together, np.random.default_rng(1))
     assert input_condition(together)[0, 0] > 1e14
     setup = RigSetup(DRIVES, RESPONSES[:1], analyser=Analyser(n_lines=8))
     with pytest.raises(InvalidInputError, match="not independent") as caught:

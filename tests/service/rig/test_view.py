@@ -6,7 +6,7 @@ import pytest
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.estimation.windows import WINDOWS
 from modallab.rig.analyser import Analyser
-from modallab.rig.smear import smear
+from modallab.rig.leakage_kernel import leak_spectrum
 from modallab.rig.view import coarse_view, periodic_view, refined, refined_view
 
 ANALYSER = Analyser(frequency_max=120.0, n_lines=81, window="hann")  # 1.5 Hz a line
@@ -33,7 +33,7 @@ def hanning_sees(resonance: float, half: float, lines: FloatArray) -> FloatArray
 def test_a_resonance_between_lines_is_seen_as_its_closed_form(half: float, place: float) -> None:
     d = ANALYSER.spacing
     grid = refined(ANALYSER, np.array([place * d]), np.array([half * d]))
-    view = smear("hann", ANALYSER.n_lines, d, *grid)  # of continuous time, as the closed form is
+    view = leak_spectrum("hann", ANALYSER.n_lines, d, *grid)  # of continuous time, as the closed form is
     x = view.nodes / d
     seen = view.through((1 / ((x - place) ** 2 + half**2))[None, :, None].astype(complex))[0, :, 0]
     near = np.arange(30, 51)

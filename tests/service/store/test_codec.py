@@ -3,16 +3,16 @@ from dataclasses import fields
 import numpy as np
 
 from modallab.core.dof import Dof
+from modallab.core.frequency_inconsistency import FrequencyInconsistency, InconsistencyCause
 from modallab.core.modal_model import ModalModel, Mode
-from modallab.core.wander import Wander, WanderCause
 from modallab.store.codec import CODECS
 
 DOFS = (Dof(1, "Y"), Dof(5, "Y", -1))
 
 
-def wandering() -> Wander:
-    return Wander(
-        cause=WanderCause.ROVING_MASS,
+def wandering() -> FrequencyInconsistency:
+    return FrequencyInconsistency(
+        cause=InconsistencyCause.ROVING_MASS,
         shift=np.array([[-0.5, np.nan]]),
         shift_error=np.array([[0.01, np.nan]]),
         chi_square=np.array([50.0]),
@@ -36,7 +36,7 @@ def test_how_frequencies_wander_comes_back_and_is_served_under_its_own_names() -
     found = codec.put_together(body, arrays)
     assert found.drive == DOFS[1]
     assert found.wander is not None
-    for field in fields(Wander):
+    for field in fields(FrequencyInconsistency):
         np.testing.assert_array_equal(getattr(found.wander, field.name), getattr(wandering(), field.name))
     assert not found.wander.shift.flags.writeable
 

@@ -9,8 +9,8 @@ from modallab.fe.beam import beam
 from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.changes import MemberChange, MemberProperty, change
 from modallab.fe.damping import StructuralDamping
-from modallab.fe.selected import ModeNoise, synthetic_modes
 from modallab.fe.structure import Material, Section, Structure, Support
+from modallab.fe.synthetic_modes import ModeNoise, synthetic_modes
 
 BEAM, BAY = STRUCTURES["chapter-5-beam"](), STRUCTURES["bay"]()
 BEAM_DOFS = tuple(Dof(node, "Y") for node in range(1, 22, 2))

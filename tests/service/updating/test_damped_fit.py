@@ -16,8 +16,8 @@ from modallab.fe.damping import Damping, ModalDamping, ViscousDamping
 from modallab.fe.modes import modal_basis
 from modallab.fe.structure import Structure
 from modallab.fe.system import SMALL
-from modallab.updating.fit import Fit
 from modallab.updating.iteration import StopRule, iterate
+from modallab.updating.modal_residuals import ModalResiduals
 from modallab.updating.parameterisation import Parameterisation, parameterise
 from modallab.updating.target import complex_modes, real_modes
 from tests.service.updating.cases import BAY, BAY_DOFS, BEAM, BEAM_DOFS, long_cantilever, modes_of
@@ -37,13 +37,13 @@ CASES = {
 }
 
 
-def fit_of(structure: Structure, parameters: Parameterisation) -> Fit:
+def fit_of(structure: Structure, parameters: Parameterisation) -> ModalResiduals:
     dofs = BAY_DOFS if len(structure.members) == 31 else BEAM_DOFS[1:]
     measured = change(structure, [MemberChange((11,), MemberProperty.LOSS_FACTOR, value=0.1)])
-    return Fit(Assembly(structure), parameters, complex_modes(modes_of(measured, 6, dofs)), 0.3)
+    return ModalResiduals(Assembly(structure), parameters, complex_modes(modes_of(measured, 6, dofs)), 0.3)
 
 
-def by_differences(fit: Fit, at: FloatArray) -> FloatArray:
+def by_differences(fit: ModalResiduals, at: FloatArray) -> FloatArray:
     """Return differences of the balanced rows over coefficients, two central ones extrapolated."""
     size = fit.state(at).size[:, None]
 
@@ -90,7 +90,7 @@ def test_a_loss_factor_below_zero_is_zero_in_the_structure_and_counted() -> None
 def test_rows_are_those_of_real_modes_with_imaginary_parts_behind_them() -> None:
     parameters = parameterise([(1, 2), (12,)])
     target = modes_of(BAY, 6, BAY_DOFS)
-    real = Fit(Assembly(BAY), parameters, real_modes(target), 0.3)
+    real = ModalResiduals(Assembly(BAY), parameters, real_modes(target), 0.3)
     damped = fit_of(BAY, parameters)
     at = np.array([1.1, 0.9, 1.2, 1.0])
     one, other = real.state(at), damped.state(at)
@@ -106,7 +106,7 @@ def test_a_complex_scale_of_a_shape_drops_out() -> None:
     target = modes_of(change(JOINT, [MemberChange((5,), MemberProperty.MODULUS, factor=1.2)]), 6, BAY_DOFS)
     turned = [replace(m, shape=m.shape * (0.3 - 2j) ** (r - 2)) for r, m in enumerate(target.modes)]
     unscaled = [replace(target, modes=tuple(m), normalisation="none") for m in (target.modes, turned)]
-    plain, scaled = (Fit(Assembly(JOINT), parameters, complex_modes(m), 0.3) for m in unscaled)
+    plain, scaled = (ModalResiduals(Assembly(JOINT), parameters, complex_modes(m), 0.3) for m in unscaled)
     at = parameters.unchanged
     # rounding of shapes whose scales lie up to 34 times apart
     np.testing.assert_allclose(scaled.state(at).difference, plain.state(at).difference, atol=1e-9)
@@ -122,7 +122,7 @@ def test_a_model_whose_damping_is_not_hysteretic_is_refused(law: Damping) -> Non
 def test_real_modes_are_not_asked_for_damping() -> None:
     target = real_modes(modes_of(BAY, 6, BAY_DOFS))
     with pytest.raises(InvalidInputError, match="real modes") as caught:
-        Fit(Assembly(BAY), parameterise([(1, 2)], PARTS), target, 0.3)
+        ModalResiduals(Assembly(BAY), parameterise([(1, 2)], PARTS), target, 0.3)
     assert caught.value.context["field"] == "parts"
     assert caught.value.context["value"] == "damping"
 
@@ -141,7 +141,7 @@ def test_a_large_structure_is_corrected_without_all_its_modes() -> None:
     shapes = exact.shapes[[truth.index(dof) for dof in dofs]]
     modes = map(Mode, exact.frequencies, exact.loss_factors, shapes.T)
     parameters = parameterise(groups, ("stiffness", "damping"))
-    fit = Fit(Assembly(long), parameters, complex_modes(ModalModel(tuple(modes), dofs)), 0.3)
+    fit = ModalResiduals(Assembly(long), parameters, complex_modes(ModalModel(tuple(modes), dofs)), 0.3)
     path = iterate(fit, parameters.unchanged, StopRule(1e-6, 0.3, 20, 1e6), stage="updating")
     assert path.converged
     expected = parameters.unchanged

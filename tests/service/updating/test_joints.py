@@ -16,10 +16,10 @@ from modallab.fe.assembly import Assembly, assemble
 from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.damping import Damping, StructuralDamping, ViscousDamping
 from modallab.fe.modes import modal_basis
-from modallab.fe.structure import Joint, Structure
+from modallab.fe.structure import JointSpring, Structure
 from modallab.fe.system import DynamicSystem
 from modallab.rig.exact import as_modelled, with_effects
-from modallab.updating.corrected import CorrectedModel
+from modallab.updating.corrected_model import CorrectedModel
 from modallab.updating.method import UPDATERS, UpdateOptions
 from modallab.updating.parameterisation import Part, at_nodes, parameterise
 from modallab.updating.responses.method import RESPONSE_UPDATERS
@@ -28,10 +28,10 @@ from tests.service.updating.responses.cases import exact
 
 BEAM = replace(STRUCTURES["chapter-5-beam"](), damping=StructuralDamping())
 # A member's end is turned by 4 E I / L = 4.6e4 N m/rad.
-MODEL = replace(BEAM, joints=(Joint(6, 2e4), Joint(14, 1e5)))
-TRUTH = replace(BEAM, joints=(Joint(6, 1.2e4), Joint(14, 1e5)))
+MODEL = replace(BEAM, joints=(JointSpring(6, 2e4), JointSpring(14, 1e5)))
+TRUTH = replace(BEAM, joints=(JointSpring(6, 1.2e4), JointSpring(14, 1e5)))
 # At node 5 of the bay member 4 ends, at node 1 it has members that start: of one both ends are loose.
-BAY = replace(STRUCTURES["bay"](), joints=tuple(Joint(node, 4e8) for node in (1, 2, 5, 13)))
+BAY = replace(STRUCTURES["bay"](), joints=tuple(JointSpring(node, 4e8) for node in (1, 2, 5, 13)))
 GROUPS = [tuple(range(first, first + 4)) for first in range(1, 21, 4)]
 EXACT = 1e-6  # noise-free modes: rounding, times the condition of the equations
 
@@ -61,7 +61,7 @@ def test_a_joint_lowers_frequencies_and_a_stiff_one_none() -> None:
         modal_basis(s.mass, s.stiffness, None, None, s.rigid, frequency_max=np.inf).frequencies[2:8]
         for s in (
             Assembly(replace(BEAM, joints=joints), jumps=True).system()
-            for joints in ((), (Joint(11, 1e3),), (Joint(11, 1e12),))
+            for joints in ((), (JointSpring(11, 1e3),), (JointSpring(11, 1e12),))
         )
     )
     assert (loose <= own * (1 + 1e-12)).all()
@@ -146,7 +146,9 @@ def test_a_joint_is_found_on_responses() -> None:
 
 
 def test_joints_of_a_frame_are_found_among_its_members() -> None:
-    truth = replace(BAY, joints=(Joint(1, 4e8), Joint(2, 4e8), Joint(5, 2e8), Joint(13, 4e8)))
+    truth = replace(
+        BAY, joints=(JointSpring(1, 4e8), JointSpring(2, 4e8), JointSpring(5, 2e8), JointSpring(13, 4e8))
+    )
     also = at_nodes(BAY, {"joint_stiffness": None})
     parameters = parameterise([(m.number,) for m in BAY.members], ("bending",), also=also)
     target = modes_of(truth, 10, BAY_DOFS)
@@ -168,8 +170,8 @@ def test_an_effect_that_is_a_joint_is_one_of_the_models() -> None:
     np.testing.assert_allclose(one, other, rtol=0, atol=1e-9 * np.abs(other).max())
 
 
-@pytest.mark.parametrize("joints", [(Joint(1, 1e4),), (Joint(6, 1e4), Joint(6, 2e4))])
-def test_a_joint_is_where_two_bars_meet_and_once(joints: tuple[Joint, ...]) -> None:
+@pytest.mark.parametrize("joints", [(JointSpring(1, 1e4),), (JointSpring(6, 1e4), JointSpring(6, 2e4))])
+def test_a_joint_is_where_two_bars_meet_and_once(joints: tuple[JointSpring, ...]) -> None:
     with pytest.raises(StructureError, match="no joint at node") as caught:
         replace(BEAM, joints=joints)
     assert caught.value.context["field"] == "joints"

@@ -2,7 +2,6 @@ import numpy as np
 import pytest
 
 from modallab.fe.changes import MemberChange, MemberProperty, change
-from modallab.updating.dividing import automatic_groups
 from modallab.updating.location import suspicion
 from modallab.updating.method import UPDATERS
 from modallab.updating.parameterisation import (
@@ -11,6 +10,7 @@ from modallab.updating.parameterisation import (
     Part,
     parameterise,
 )
+from modallab.updating.partitioning import automatic_groups
 from tests.service.updating.cases import BEAM, BEAM_DOFS, modes_of
 
 PAIR = Parameterisation((MacroElement((1, 2), Part.MASS), MacroElement((3, 4), Part.STIFFNESS)))

@@ -10,13 +10,13 @@ from modallab.fe.assembly import assemble
 from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.changes import MemberChange, MemberProperty, change
 from modallab.fe.damping import StructuralDamping
-from modallab.fe.imported import GroupMatrices, of_groups
+from modallab.fe.imported_elements import GroupMatrices, of_groups
 from modallab.fe.plate import plate
-from modallab.fe.selected import ModeNoise
 from modallab.fe.structure import Material
-from modallab.updating.dividing import automatic_groups
+from modallab.fe.synthetic_modes import ModeNoise
 from modallab.updating.method import UPDATERS, UpdateOptions, UpdateResult
 from modallab.updating.parameterisation import parameterise
+from modallab.updating.partitioning import automatic_groups
 from modallab.updating.quantities import Quantity, quantities
 from tests.service.updating.cases import BAY, BAY_DOFS, BEAM, BEAM_DOFS, modes_of
 

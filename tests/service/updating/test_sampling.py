@@ -11,17 +11,17 @@ from modallab.core.errors import MissingExtraError, UnderdeterminedError
 from modallab.fe.assembly import Assembly
 from modallab.fe.beam import beam
 from modallab.fe.changes import MemberChange, MemberProperty, change
-from modallab.fe.selected import ModeNoise
 from modallab.fe.structure import Material, Section
-from modallab.updating.evidence import Prior
-from modallab.updating.fit import Fit
+from modallab.fe.synthetic_modes import ModeNoise
+from modallab.updating.log_coefficients import changed, changes
 from modallab.updating.method import UPDATERS, UpdateOptions
+from modallab.updating.modal_residuals import ModalResiduals
+from modallab.updating.one_stage_path import OneStagePath, Rule, correct
 from modallab.updating.parameterisation import Parameterisation, parameterise
 from modallab.updating.posterior import PosteriorSample
-from modallab.updating.relative import changed, changes
 from modallab.updating.sampling import sample
+from modallab.updating.sparse_bayes import Prior
 from modallab.updating.target import real_modes
-from modallab.updating.whole import Rule, WholePath, correct
 from tests.service.updating.cases import modes_of
 
 # Small: a draw is an eigen-solution.
@@ -32,13 +32,15 @@ THIRDS = [(1, 2), (3, 4), (5, 6)]
 SOME = ModeNoise(eigenvalue=0.005, eigenvector=0.05)
 
 
-def path(parameters: Parameterisation, noise: ModeNoise, prior: Prior = Prior.RANGE) -> tuple[Fit, WholePath]:
+def path(
+    parameters: Parameterisation, noise: ModeNoise, prior: Prior = Prior.RANGE
+) -> tuple[ModalResiduals, OneStagePath]:
     target = real_modes(modes_of(TRUTH, 5, DOFS, noise, seed=4))
-    fit = Fit(Assembly(MODEL), parameters, target, 0.0)
+    fit = ModalResiduals(Assembly(MODEL), parameters, target, 0.0)
     return fit, correct(fit, Rule(prior, 1e-8, 30, 1e3))
 
 
-def drawn(fit: Fit, whole: WholePath, n: int = 4000, seed: int = 1) -> PosteriorSample:
+def drawn(fit: ModalResiduals, whole: OneStagePath, n: int = 4000, seed: int = 1) -> PosteriorSample:
     return sample(fit, whole, n, seed)
 
 
@@ -46,7 +48,7 @@ def test_draws_of_one_coefficient_are_those_of_its_density_by_quadrature() -> No
     # one member is seen by one mode alone: a density with a long tail
     parameters = parameterise([(3,)], ("stiffness",))
     target = real_modes(modes_of(TRUTH, 1, DOFS[:2], ModeNoise(eigenvalue=0.02), seed=4))
-    fit = Fit(Assembly(MODEL), parameters, target, 0.0)
+    fit = ModalResiduals(Assembly(MODEL), parameters, target, 0.0)
     whole = correct(fit, Rule(Prior.RANGE, 1e-8, 30, 1e3))
     found = drawn(fit, whole, 1600)
     grid = np.linspace(np.log(0.05), np.log(10.0), 301)
@@ -148,7 +150,7 @@ def test_without_the_extra_it_is_said_which(monkeypatch: pytest.MonkeyPatch) -> 
 def test_a_prior_that_leaves_nothing_free_has_nothing_to_draw() -> None:
     parameters = parameterise(THIRDS[1:2])
     target = real_modes(modes_of(MODEL, 5, DOFS, seed=4))
-    fit = Fit(Assembly(MODEL), parameters, target, 0.0)
+    fit = ModalResiduals(Assembly(MODEL), parameters, target, 0.0)
     whole = correct(fit, Rule(Prior.SPARSE, 1e-8, 30, 1e3))
     nothing = replace(whole, belief=replace(whole.belief, widths=np.zeros(2)))
     with pytest.raises(UnderdeterminedError, match="nothing to sample"):

@@ -15,9 +15,9 @@ from modallab.fe.modes import ModalBasis, modal_basis
 from modallab.fe.plate import plate
 from modallab.fe.structure import Material, Structure
 from modallab.fe.system import SMALL
-from modallab.updating.above import Above
 from modallab.updating.parameterisation import Parameterisation, Part, parameterise
 from modallab.updating.sensitivity import PartMatrices, derivatives, part_matrices, subspace_derivatives
+from modallab.updating.truncation import HigherModes
 from tests.service.updating.cases import long_cantilever
 
 STEP = 1e-30  # of a coefficient, imaginary: nothing cancels, so it can be as small as one likes
@@ -204,7 +204,7 @@ def test_derivatives_from_some_modes_are_exact_where_asked_for(name: str) -> Non
     assert len(case.structure.dofs) >= SMALL
     basis = case.basis
     modes = basis.n_rigid_body + np.array([0, 1, 4])
-    ours = derivatives(basis, modes, case.sensors, case.parts, above=Above.EXACT)
+    ours = derivatives(basis, modes, case.sensors, case.parts, above=HigherModes.EXACT)
     exact = stepped(case, basis, modes)
     near(ours.eigenvalues, exact.eigenvalues)
     near(ours.shapes, exact.shapes)
@@ -216,9 +216,9 @@ def loads(case: Case, shapes: FloatArray, squares: FloatArray) -> FloatArray:
     return np.array([dk @ shapes - dm @ shapes * squares for dm, dk in case.changes()])
 
 
-@pytest.mark.parametrize("above", [Above.LEFT_OUT, Above.STATIC])
+@pytest.mark.parametrize("above", [HigherModes.LEFT_OUT, HigherModes.STATIC])
 @pytest.mark.parametrize("name", LARGE)
-def test_derivatives_from_some_modes_are_off_by_no_more_than_stated(name: str, above: Above) -> None:
+def test_derivatives_from_some_modes_are_off_by_no_more_than_stated(name: str, above: HigherModes) -> None:
     case = LARGE[name]
     basis = case.basis
     modes = basis.n_rigid_body + np.array([0, 1, 4])
@@ -240,7 +240,7 @@ def test_derivatives_from_some_modes_are_off_by_no_more_than_stated(name: str, a
     assert (off > 1e-3 * stated).any()
     first = off[:, 0].max() / np.abs(exact.shapes[:, 0]).max()
     # the lowest modes are far below those that count statically: 1 % at most of what these add
-    assert first < (1e-3 if above is Above.STATIC else 1.0)
+    assert first < (1e-3 if above is HigherModes.STATIC else 1.0)
 
 
 def paired(case: Case) -> tuple[ModalBasis, IntArray]:
@@ -284,7 +284,7 @@ def test_close_modes_of_a_large_model_move_as_a_subspace_of_some_modes() -> None
     case = Case(structure, parameterise([(1, 2), (30,)]), PLATE_DOFS, 800.0)
     basis, modes = paired(case)
     squares = basis.eigenvalues.real[modes]
-    ours = subspace_derivatives(basis, modes, case.sensors, case.parts, above=Above.EXACT)
+    ours = subspace_derivatives(basis, modes, case.sensors, case.parts, above=HigherModes.EXACT)
     exact = complex_step(case, basis.shapes[:, modes].real, squares)
     near(ours.eigenvalues, exact.eigenvalues)
     near(ours.shapes, exact.shapes)
@@ -323,4 +323,4 @@ def test_modes_above_damped_ones_are_not_summed_exactly() -> None:
     case = LARGE["plate"]
     basis = case.basis.damped(1e-3 * case.assembly.system().stiffness, None)
     with pytest.raises(InvalidInputError, match="count statically"):
-        derivatives(basis, np.array([3]), case.sensors, case.parts, above=Above.EXACT)
+        derivatives(basis, np.array([3]), case.sensors, case.parts, above=HigherModes.EXACT)

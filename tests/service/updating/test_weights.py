@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from modallab.fe.selected import ModeNoise
+from modallab.fe.synthetic_modes import ModeNoise
 from modallab.updating.target import real_modes
 from modallab.updating.weights import EXACT, SHAPES_WORSE, Weights
 from tests.service.updating.cases import BEAM, BEAM_DOFS, modes_of

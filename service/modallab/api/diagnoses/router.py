@@ -13,9 +13,9 @@ from modallab.api.diagnoses.schemas import DiagnosisOut, DiagnosisStart
 from modallab.api.examples import example
 from modallab.api.jobs import JobOut
 from modallab.api.shelves import add_routes
-from modallab.diagnosis.observing.random_error import check_weighable
 from modallab.diagnosis.predicting.predictor import check_comparable
 from modallab.diagnosis.reporting.report import report
+from modallab.diagnosis.residuals.random_error import check_weighable
 
 # The page holds all it shows: it may load nothing and run nothing.
 _STATIC = {"Content-Security-Policy": "default-src 'none'; style-src 'unsafe-inline'; img-src data:"}

@@ -6,7 +6,7 @@ from typing import Annotated, Any
 from pydantic import Field
 
 from modallab.api.wire import Number, Wire, place_out
-from modallab.diagnosis.numbers.tolerances import LATEST, WIDEST
+from modallab.diagnosis.optimisation.tolerances import LATEST, WIDEST
 from modallab.diagnosis.result import Tolerated
 
 Relative = Annotated[Number, Field(ge=0, le=WIDEST, description="one standard deviation, relative")]

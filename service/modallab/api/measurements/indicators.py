@@ -8,8 +8,8 @@ from pydantic import BaseModel, Field
 from modallab.api.thinning import MOST_JSON, numbers, thinned
 from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfKind
-from modallab.extraction.measured.indicators import complex_mode_indicator, real_part_indicator
-from modallab.extraction.measured.reciprocity import reciprocity
+from modallab.extraction.preprocessing.indicators import complex_mode_indicator, real_part_indicator
+from modallab.extraction.preprocessing.reciprocity import reciprocity
 from modallab.rig.measurement import Measurement
 
 

@@ -15,8 +15,8 @@ from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError, NotFoundError
 from modallab.core.frf import FrfSet
 from modallab.core.modal_model import ModalModel
-from modallab.extraction.jointly.global_method import GLOBAL_METHODS
-from modallab.extraction.picture import FitPicture
+from modallab.extraction.multi_mode.global_method import GLOBAL_METHODS
+from modallab.extraction.plot_data import FitPlotData
 from modallab.rig.measurement import Measurement
 from modallab.store.base import Store
 
@@ -79,7 +79,7 @@ class FitOut(BaseModel):
     complex_details: dict[str, Any] = Field(description="complex ones")
 
     @classmethod
-    def of(cls, picture: FitPicture, mode: int, response: Dof, reference: Dof | None = None) -> Self:
+    def of(cls, picture: FitPlotData, mode: int, response: Dof, reference: Dof | None = None) -> Self:
         """Return what the contract shows of a fit."""
         drawn = _few(picture.details)
         flat = {name: numbers(values) for name, values in drawn.items()}

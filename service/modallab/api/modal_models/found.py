@@ -10,13 +10,13 @@ from pydantic import BaseModel, Field
 from modallab.api.thinning import numbers
 from modallab.api.wire import EntryOut
 from modallab.core.arrays import FloatArray
+from modallab.core.frequency_inconsistency import FrequencyInconsistency, InconsistencyCause
 from modallab.core.modal_model import ModalModel, Mode
-from modallab.core.wander import Wander, WanderCause
 from modallab.correlation.complexity import mean_phase, mean_phase_deviation, phase_collinearity
 from modallab.store.base import Entry
 
 MOST_SHIFTS = 2_000  # numbers of a wander's table in JSON; beyond, `/arrays` has them
-_UNITS = {WanderCause.ROVING_MASS: "kg"}
+_UNITS = {InconsistencyCause.ROVING_MASS: "kg"}
 
 
 class WanderOut(BaseModel):
@@ -41,7 +41,7 @@ class WanderOut(BaseModel):
     mode_size_error: list[float | None]
 
     @classmethod
-    def of(cls, wander: Wander, frfs: Sequence[str]) -> Self:
+    def of(cls, wander: FrequencyInconsistency, frfs: Sequence[str]) -> Self:
         """Return what the contract shows of a wander."""
         few = wander.shift.size <= MOST_SHIFTS
         return cls(

@@ -8,7 +8,7 @@ from pydantic import BaseModel, Field
 from modallab.api.deps import Id
 from modallab.api.thinning import numbers
 from modallab.core.modal_model import ModalModel
-from modallab.extraction.measured.reciprocity import modal_reciprocity
+from modallab.extraction.preprocessing.reciprocity import modal_reciprocity
 
 OTHER = Annotated[Id, Query(description="the modal model of the other test")]
 

@@ -11,9 +11,9 @@ from modallab.api.wire import Count, DofText, Number, Seed, Text, Wire
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.modal_model import ModalModel, Mode
-from modallab.extraction.offered import check_offered
+from modallab.extraction.method_options import check_method_options
 from modallab.extraction.options import Damping, ExtractionOptions
-from modallab.fe.selected import Distribution, ModeNoise
+from modallab.fe.synthetic_modes import Distribution, ModeNoise
 from modallab.store.plain import to_plain
 
 
@@ -58,7 +58,7 @@ class SyntheticIn(Wire):
 Band = tuple[Number, Number]
 
 
-class OptionsIn(Wire):
+class ExtractionOptionsIn(Wire):
     """How an extraction goes about it; what is left out is chosen from the data."""
 
     lines: Count | None = Field(default=None, description="around each resonance; of single-mode methods")
@@ -79,7 +79,7 @@ class ModalModelStart(Wire):
 
     measurement_id: Id
     method: Text = Field(default="dobson", description="one of `/catalog/extraction-methods`")
-    options: OptionsIn = OptionsIn()
+    options: ExtractionOptionsIn = ExtractionOptionsIn()
     bands: Literal["auto"] | Annotated[list[Band], Field(min_length=1, max_length=500)] = "auto"
     n_modes: Count | None = Field(None, ge=1, le=500)
     correct_window_damping: bool = Field(
@@ -95,7 +95,7 @@ class ModalModelStart(Wire):
             If the method is unknown, or cannot do what is asked of it.
         """
         options = self.options.to_domain()
-        check_offered(self.method, options)
+        check_method_options(self.method, options)
         arguments = self.model_dump(mode="json") | {"options": to_plain(options)[0]}
         return arguments | {"bands": None if self.bands == "auto" else self.bands}
 

@@ -22,7 +22,7 @@ from modallab.api.structures.schemas import ModesOut, StructureIn, StructureOut,
 from modallab.api.wire import Text
 from modallab.fe.changes import change
 from modallab.fe.expansion import expand
-from modallab.fe.selected import lowest_modes, synthetic_modes
+from modallab.fe.synthetic_modes import lowest_modes, synthetic_modes
 from modallab.interchange import uff_geometry
 from modallab.interchange.model_reading import read_model
 from modallab.rig.exact import as_modelled

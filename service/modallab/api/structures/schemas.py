@@ -13,7 +13,15 @@ from modallab.fe.beam import beam
 from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.damping import Damping, ModalDamping, StructuralDamping, ViscousDamping
 from modallab.fe.plate import Edge, Holding, plate
-from modallab.fe.structure import GroundSpring, Material, Member, PointMass, Section, Structure, Support
+from modallab.fe.structure import (
+    GroundSpringElement,
+    Material,
+    Member,
+    PointMass,
+    Section,
+    Structure,
+    Support,
+)
 
 _MOST = 2000  # nodes or members that are described one by one
 _MOST_PLATES = 40_000  # about 120,000 degrees of freedom: beyond, modes take longer than a request may
@@ -145,7 +153,7 @@ class _Described(Wire):
             "damping": self.damping.to_domain(),
             "supports": tuple(Support(s.node, tuple(s.directions)) for s in self.supports),
             "masses": tuple(PointMass(m.node, m.mass) for m in self.masses),
-            "springs": tuple(GroundSpring(Dof.parse(s.dof), s.stiffness) for s in self.springs),
+            "springs": tuple(GroundSpringElement(Dof.parse(s.dof), s.stiffness) for s in self.springs),
             "name": self.name,
         }
 

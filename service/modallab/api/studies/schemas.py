@@ -9,7 +9,7 @@ from pydantic import BaseModel, Field
 from modallab.api.deps import Id
 from modallab.api.modal_models.schemas import Dofs, ModeNoiseIn, distinct
 from modallab.api.updates.parameterisation import Macros, ParameterisationIn, Parts
-from modallab.api.updates.schemas import OptionsIn, refuse
+from modallab.api.updates.schemas import UpdateOptionsIn, refuse
 from modallab.api.wire import Count, EntryOut, Number, Seed, Text, Wire
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
@@ -18,10 +18,10 @@ from modallab.rig.exact import as_modelled
 from modallab.store.base import Entry
 from modallab.store.plain import to_plain
 from modallab.updating.method import SAMPLING
-from modallab.updating.studying.plan import MOST_RUNS, NOISE_LEVELS, Division, Level, StudyPlan, known_method
-from modallab.updating.studying.run import Run
-from modallab.updating.studying.study import Cell, Study
-from modallab.updating.studying.truth import true_coefficients
+from modallab.updating.studies.plan import MOST_RUNS, NOISE_LEVELS, Division, Level, StudyPlan, known_method
+from modallab.updating.studies.run import StudyUpdate
+from modallab.updating.studies.study import Study, StudyCell
+from modallab.updating.studies.truth import true_coefficients
 
 MOST_NUMBERS = 2_000_000  # coefficients of all runs of a study
 
@@ -67,7 +67,7 @@ class StudyStart(Wire):
     parts: Parts = None
     lower: Number = 0.05
     upper: Number = 10.0
-    options: OptionsIn = OptionsIn()
+    options: UpdateOptionsIn = UpdateOptionsIn()
 
     def to_arguments(self, model: Structure, truth: Structure) -> dict[str, Any]:
         """Return the task's arguments, checked as far as can be before the work.
@@ -141,7 +141,7 @@ class CellOut(BaseModel):
     coverage: float | None
 
     @classmethod
-    def of(cls, cell: Cell) -> Self:
+    def of(cls, cell: StudyCell) -> Self:
         """Return what the reply shows of a cell."""
         return cls(**vars(cell))
 
@@ -162,7 +162,7 @@ class RunOut(BaseModel):
     coverage: float | None
 
     @classmethod
-    def of(cls, run: Run) -> Self:
+    def of(cls, run: StudyUpdate) -> Self:
         """Return what the reply shows of a run."""
         suspected = {part: list(members) for part, members in run.suspected.items()}
         return cls(**(vars(run) | {"suspected": suspected}))

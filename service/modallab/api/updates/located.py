@@ -5,7 +5,7 @@ from typing import Any, Self
 
 from pydantic import BaseModel
 
-from modallab.updating.locating.method import LOCATED, LocationResult
+from modallab.updating.error_location.method import LOCATED, LocationResult
 
 
 class LocatedOut(BaseModel):

@@ -6,7 +6,6 @@ from pydantic import Field
 
 from modallab.api.wire import Count, Number, Text, Wire
 from modallab.fe.structure import Structure
-from modallab.updating.dividing import Groups, automatic_groups, named_groups, partitioned, property_groups
 from modallab.updating.method import parts_of
 from modallab.updating.parameterisation import (
     Parameterisation,
@@ -14,6 +13,13 @@ from modallab.updating.parameterisation import (
     at_nodes,
     parameterise,
     refuse_loss_factors,
+)
+from modallab.updating.partitioning import (
+    Groups,
+    automatic_groups,
+    named_groups,
+    partitioned,
+    property_groups,
 )
 
 Group = Annotated[list[Count], Field(min_length=1, max_length=5000)] | Text  # numbers, or a group's name

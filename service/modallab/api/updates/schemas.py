@@ -20,11 +20,11 @@ from modallab.store.base import Entry
 from modallab.store.plain import to_plain
 from modallab.updating.direct.method import DIRECT_METHODS, EXPANSION, DirectOptions
 from modallab.updating.direct.result import DirectResult
+from modallab.updating.error_location.method import LOCATORS, LocationResult
+from modallab.updating.error_location.run import LocationOptions
 from modallab.updating.iteration import Iteration
-from modallab.updating.locating.method import LOCATORS, LocationResult
-from modallab.updating.locating.run import LocationOptions
 from modallab.updating.method import UPDATERS, Stages, UpdateOptions, UpdateResult
-from modallab.updating.offered import DIRECT, offered
+from modallab.updating.method_options import DIRECT, method_options
 from modallab.updating.responses.method import RESPONSE_UPDATERS
 from modallab.updating.sampling import require_sampler
 
@@ -36,7 +36,7 @@ Completion = Annotated[
 Floor = Annotated[Number, Field(gt=0, le=1)] | None
 
 
-class OptionsIn(Wire):
+class UpdateOptionsIn(Wire):
     """How an update is run; what is left out has the method's default."""
 
     max_iterations: Count | None = Field(default=None, ge=1, le=1000)
@@ -89,7 +89,7 @@ class OptionsIn(Wire):
         if method in LOCATORS:
             refuse(given.keys() - LocationOptions.specs().keys(), "a method that locates errors by one step")
             return LocationOptions(**given)
-        refuse(given.keys() - offered(method).keys(), method)
+        refuse(given.keys() - method_options(method).keys(), method)
         options = UpdateOptions(**given)
         if options.samples:
             require_sampler()  # known now: no job fails for it later
@@ -130,7 +130,7 @@ class UpdateStart(Wire):
     )
     method: Text = "inverse_eigensensitivity"
     parameterisation: ParameterisationIn = ParameterisationIn()
-    options: OptionsIn = OptionsIn()
+    options: UpdateOptionsIn = UpdateOptionsIn()
 
     def to_arguments(self, structure: Structure) -> dict[str, Any]:
         """Return the task's arguments, checked as far as can be before the work.

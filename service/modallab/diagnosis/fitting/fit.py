@@ -10,22 +10,22 @@ from functools import cached_property, partial
 import numpy as np
 
 from modallab.core.arrays import FloatArray
-from modallab.diagnosis.fitting.certainty import Errors, standard_errors
-from modallab.diagnosis.fitting.settling import settled
-from modallab.diagnosis.numbers.knobs import Panel
-from modallab.diagnosis.numbers.least_squares import Descent
-from modallab.diagnosis.numbers.tolerances import LIMIT
-from modallab.diagnosis.observing.observed import Predicted
-from modallab.diagnosis.observing.residual import Residual, lessened, residual, softened
-from modallab.diagnosis.predicting.glimpses import Glimpses
+from modallab.diagnosis.fitting.covariance import Errors, standard_errors
+from modallab.diagnosis.fitting.held_out_nuisances import fit_held_out_nuisances
+from modallab.diagnosis.optimisation.fit_parameters import ParameterVector
+from modallab.diagnosis.optimisation.least_squares import Descent
+from modallab.diagnosis.optimisation.tolerances import LIMIT
+from modallab.diagnosis.predicting.coarse_prediction import CoarsePrediction
 from modallab.diagnosis.predicting.predictor import Predictor
+from modallab.diagnosis.residuals.observed import Predicted
+from modallab.diagnosis.residuals.residual import Residual, error_ratio, residual, softened
 from modallab.rig.effect import Effect
 
 NEAR, THERE = 1e-2, 1e-4  # squared standard errors that a fit is off its goal by at most
 WORTH = 50.0  # independent numbers that what is missing is worth
 PATIENCE = 12  # evaluations, and as many again where little is left to explain
 NEARLY = 2.0  # mean square of the residuals, below which a fit is worth ending
-BLURRED = (0.3, 0.1, 0.03, 0.003)  # widenings a fit passes on its way to none
+NOISE_INFLATION_SCHEDULE = (0.3, 0.1, 0.03, 0.003)  # widenings a fit passes on its way to none
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +65,7 @@ class Fit:
 
 
 def approach(
-    glimpses: Glimpses, fixed: Sequence[Effect], effect: Effect, widening: float
+    glimpses: CoarsePrediction, fixed: Sequence[Effect], effect: Effect, widening: float
 ) -> tuple[Effect, float]:
     """Return an effect brought near its best value on first looks, and the cost it has there.
 
@@ -78,7 +78,7 @@ def approach(
     widening
         How blurred to begin.
     """
-    panel, thin, free = Panel([effect]), glimpses.observed, glimpses.freedom
+    panel, thin, free = ParameterVector([effect]), glimpses.observed, glimpses.freedom
     n, also, here, prior = len(panel), free.slopes, free.position, np.sqrt(free.precision)
 
     def looked(effects: Sequence[Effect]) -> FloatArray:
@@ -102,7 +102,7 @@ def approach(
         own = softened(thin, thin.fitted, widen) if widen else None
         return None if own is None else np.concatenate([own, np.ones(len(here))])
 
-    stages = (*(w for w in BLURRED if w <= widening), 0.0)
+    stages = (*(w for w in NOISE_INFLATION_SCHEDULE if w <= widening), 0.0)
     how = np.concatenate([[knob.spec.absent is None for knob in panel.knobs], np.zeros(len(here), bool)])
     if how.any() and not how[:n].all():
         # How much before how: while the amount is wrong it draws the rest to where nothing tells it any more.
@@ -115,7 +115,7 @@ def approach(
     return panel.turned(descent.position[:n])[0], float(descent.vector @ descent.vector)
 
 
-def _sides(panel: Panel) -> tuple[tuple[FloatArray, float], tuple[FloatArray, float]]:
+def _sides(panel: ParameterVector) -> tuple[tuple[FloatArray, float], tuple[FloatArray, float]]:
     return (panel.low, -LIMIT), (panel.high, LIMIT)
 
 
@@ -139,7 +139,7 @@ def fit(predictor: Predictor, effects: Sequence[Effect], *, fixed: Sequence[Effe
         Effects that act but are not fitted.
     """
     plain, predictor = predictor, predictor.weighed([*fixed, *effects])
-    task = _Task(predictor, fixed, Panel(effects))
+    task = _Task(predictor, fixed, ParameterVector(effects))
     start = np.concatenate([task.panel.start, predictor.position[task.free]])
     if len(start):
         low, high = (np.concatenate([s, np.full(len(task.free), end)]) for s, end in _sides(task.panel))
@@ -162,13 +162,13 @@ def fit(predictor: Predictor, effects: Sequence[Effect], *, fixed: Sequence[Effe
     outlook[task.free] += _drawn_back(slopes / np.sqrt(few), position[task.free])
     predictor = predictor.tolerating(position)
     if len(task.own):
-        position = settled(predictor, [*fixed, *final], left, task.own)
+        position = fit_held_out_nuisances(predictor, [*fixed, *final], left, task.own)
         predictor = predictor.tolerating(position)
         left = predictor.residual([*fixed, *final])
     spread = partial(standard_errors, predictor, tuple(fixed), tuple(final), left)
     if predictor.observed is not plain.observed:
         # As large as it is likely: wider errors have to pay for what they forgive.
-        chi_square -= 2 * float(np.log(lessened(plain.observed, predictor.observed)).sum())
+        chi_square -= 2 * float(np.log(error_ratio(plain.observed, predictor.observed)).sum())
         left = plain.tolerating(position).residual([*fixed, *final])
     return Fit(
         tuple(final),
@@ -200,7 +200,7 @@ def _drawn_back(slopes: FloatArray, position: FloatArray) -> FloatArray:
 class _Task:
     """The residuals of a fit by the numbers of effects and, behind them, what is tolerated."""
 
-    def __init__(self, predictor: Predictor, fixed: Sequence[Effect], panel: Panel) -> None:
+    def __init__(self, predictor: Predictor, fixed: Sequence[Effect], panel: ParameterVector) -> None:
         self.predictor, self.fixed, self.panel = predictor, tuple(fixed), panel
         observed = predictor.observed
         # What belongs to a channel that is held out no fitted line tells: it is settled afterwards.
@@ -228,7 +228,7 @@ class _Task:
         """Return the derivatives of residuals that were seen, (n_data, n)."""
         effects, position = self.at(u)
         observed = self.predictor.observed
-        sketch = self.predictor.tolerating(position).around([*self.fixed, *effects])
+        sketch = self.predictor.tolerating(position).linearisation_at([*self.fixed, *effects])
 
         def near(others: Sequence[Effect]) -> Predicted:
             return sketch([*self.fixed, *others])

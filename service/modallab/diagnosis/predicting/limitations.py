@@ -3,7 +3,7 @@
 from collections.abc import Iterator
 
 from modallab.core.frf import FrfKind
-from modallab.diagnosis.observing.observed import Observed
+from modallab.diagnosis.residuals.observed import Observed
 from modallab.rig.measurement import Measurement
 
 FEW_AVERAGES = 10  # below, random errors themselves are known to a third or worse

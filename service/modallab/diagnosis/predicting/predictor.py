@@ -12,11 +12,11 @@ from numpy.typing import NDArray
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
-from modallab.diagnosis.numbers.tolerances import Nuisances, on_the_model
-from modallab.diagnosis.observing.observed import Factors, Observed, Predicted
-from modallab.diagnosis.observing.residual import Residual, residual
-from modallab.diagnosis.predicting.effort import Effort
-from modallab.diagnosis.predicting.glimpses import Glimpses
+from modallab.diagnosis.optimisation.tolerances import Nuisances, on_the_model
+from modallab.diagnosis.predicting.coarse_prediction import CoarsePrediction
+from modallab.diagnosis.predicting.prediction_budget import PredictionBudget
+from modallab.diagnosis.residuals.observed import Factors, Observed, Predicted
+from modallab.diagnosis.residuals.residual import Residual, residual
 from modallab.estimation.spectra import CrossSpectra
 from modallab.fe.assembly import assemble
 from modallab.fe.modes import ModalBasis
@@ -25,12 +25,12 @@ from modallab.rig.chain import Chain, chain
 from modallab.rig.channel import Channel
 from modallab.rig.effect import Effect, build
 from modallab.rig.excitation import EXCITATIONS
-from modallab.rig.expected import expected_spectra, glimpse, thin_view
+from modallab.rig.expected import coarse_spectra, expected_spectra, thin_view
 from modallab.rig.measurement import Measurement
-from modallab.rig.rehearsal import REPEATS, Rehearsals, comes_in_bursts
+from modallab.rig.periodic_variance import VarianceFactors, periodic_factors
+from modallab.rig.record_correlation import correlated_excess_variance
 from modallab.rig.setup import RigSetup
-from modallab.rig.steadiness import VarianceFactors, steady_factors
-from modallab.rig.succession import excess_variance
+from modallab.rig.simulated_variance import REPEATS, SimulatedVariance, is_intermittent
 
 GOLDEN = (5**0.5 - 1) / 2
 GLIMPSED = 130  # lines that a first look uses
@@ -51,11 +51,11 @@ class Predictor:
     def __init__(self, structure: Structure, setup: RigSetup, observed: Observed) -> None:
         self.setup, self.observed = setup, observed
         self.alive: Callable[[], None] = _unheard  # called before every prediction
-        self.effort = Effort()
+        self.effort = PredictionBudget()
         self.system = self._loose = assemble(structure)
         self._own = [build(spec) for spec in structure.effects]
         self.step = max(1, setup.analyser.n_lines // GLIMPSED)
-        self._rehearsals = Rehearsals()
+        self._rehearsals = SimulatedVariance()
 
     @property
     def tests(self) -> tuple["Predictor", ...]:
@@ -98,7 +98,7 @@ class Predictor:
             other._loose = effect.on_system(other._loose, self.setup.shots[0])
         return other
 
-    def built_in(self, effects: Sequence[Effect]) -> "Predictor":
+    def folded_into_matrices(self, effects: Sequence[Effect]) -> "Predictor":
         """Return the same with effects put into the structure's matrices, where many cost no more than one.
 
         Only what is alike in every run: members, springs, masses that stay.
@@ -115,21 +115,21 @@ class Predictor:
         spectra = expected_spectra(whole)
         leaking = whole.source.continuous > 0
         excitation, steady = EXCITATIONS[self.setup.analyser.excitation.kind], None
-        bursts = comes_in_bursts(effects, self.setup)
+        bursts = is_intermittent(effects, self.setup)
         if excitation.comes_back:
-            steady = partial(steady_factors, whole, spectra)
+            steady = partial(periodic_factors, whole, spectra)
         elif bursts:
             steady = partial(self._rehearsed, whole, spectra, effects)
         return Predicted.of(
             spectra,
-            partial(excess_variance, whole, spectra) if leaking else None,
+            partial(correlated_excess_variance, whole, spectra) if leaking else None,
             steady,
-            tied=leaking or bursts or excitation.transient is not None,
+            lines_correlated=leaking or bursts or excitation.transient is not None,
         )
 
     def weighed(self, effects: Sequence[Effect]) -> "Predictor":
         """Return the same with random errors as large as distortion that comes in bursts makes them."""
-        if not comes_in_bursts(effects, self.setup):
+        if not is_intermittent(effects, self.setup):
             return self
         predicted = self.predict(effects)
         assert predicted.steady is not None
@@ -137,9 +137,9 @@ class Predictor:
         other.observed = self.observed.widened(predicted.steady())
         return other
 
-    def gone_through(self, effects: Sequence[Effect]) -> Factors | None:
+    def simulate_variance(self, effects: Sequence[Effect]) -> Factors | None:
         """Return what tests are like in which distortion comes in bursts, as many as errors ask for."""
-        if not comes_in_bursts(effects, self.setup):
+        if not is_intermittent(effects, self.setup):
             return None
         whole = self.chain(effects)
         spectra = expected_spectra(whole)
@@ -154,10 +154,10 @@ class Predictor:
         self.effort.spend(STEPPED * len(whole.runs[0].local) * (self._rehearsals.made - before))
         return found
 
-    def around(self, effects: Sequence[Effect]) -> Callable[[Sequence[Effect]], Predicted]:
+    def linearisation_at(self, effects: Sequence[Effect]) -> Callable[[Sequence[Effect]], Predicted]:
         """Return predictions to differentiate with, near some effects: leakage on one thin grid for all."""
         here = self.chain(effects)
-        view, taken = thin_view(here), here.taken
+        view, taken = thin_view(here), here.response_spectrum
 
         def sketch(near: Sequence[Effect]) -> Predicted:
             return Predicted.of(expected_spectra(self.chain(near, near=taken), view))
@@ -168,15 +168,15 @@ class Predictor:
         """Return the whitened residual of the prediction at every line."""
         return residual(self.observed, self.predict(effects))
 
-    def detuned(self, effects: Sequence[Effect], shift: float) -> Predicted:
+    def with_frequency_shift(self, effects: Sequence[Effect], shift: float) -> Predicted:
         """Return the expected spectra with every natural frequency moved by a small share of itself."""
         system = self._loose.scaled(stiffness=(1 + shift) ** 2)
         whole = chain(system, self.setup, self._with(effects))
         return Predicted.of(expected_spectra(whole))
 
-    def glimpse(self, effects: Sequence[Effect]) -> Predicted:
+    def coarse(self, effects: Sequence[Effect]) -> Predicted:
         """Return the expected spectra at every `step`-th line, leakage coarse."""
-        return Predicted.of(glimpse(self.chain(effects, alike=True), self.step))
+        return Predicted.of(coarse_spectra(self.chain(effects, alike=True), self.step))
 
     def without_lines(self, every: int) -> "Predictor":
         """Return the same with one of so many lines held out of its fits as well.
@@ -199,9 +199,9 @@ class Predictor:
         (own,) = parts
         return own
 
-    def near(self, effects: Sequence[Effect]) -> Glimpses:
+    def near(self, effects: Sequence[Effect]) -> CoarsePrediction:
         """Return first looks at what is added to some effects."""
-        return Glimpses(self, effects)
+        return CoarsePrediction(self, effects)
 
     def modes(self) -> ModalBasis:
         """Return the elastic modes of the model with what the first run attaches to it."""

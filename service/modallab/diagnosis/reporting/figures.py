@@ -8,9 +8,9 @@ import numpy as np
 
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from modallab.diagnosis.reporting import svg
-from modallab.diagnosis.reporting.errors_drawn import POINTS, differences
 from modallab.diagnosis.reporting.legend import legend
-from modallab.diagnosis.reporting.ratio_drawn import ratio_drawn
+from modallab.diagnosis.reporting.ratio_plot import ratio_drawn
+from modallab.diagnosis.reporting.residual_plot import POINTS, differences
 from modallab.diagnosis.result import Curves
 
 MOST_ERROR = 0.9  # of |H|, relative, that a band on a logarithmic axis can show

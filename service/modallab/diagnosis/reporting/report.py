@@ -6,12 +6,13 @@ from html import escape
 
 import numpy as np
 
-from modallab.diagnosis.reporting import svg, wording
+from modallab.diagnosis.reporting import svg
+from modallab.diagnosis.reporting import text as wording
 from modallab.diagnosis.reporting.figures import all_curves, enlarged
 from modallab.diagnosis.reporting.legend import keys
+from modallab.diagnosis.reporting.location_plot import where_drawn
 from modallab.diagnosis.reporting.page import Row, page, paragraph, table
-from modallab.diagnosis.reporting.places import where_drawn
-from modallab.diagnosis.reporting.spectra_drawn import spectra_drawn
+from modallab.diagnosis.reporting.spectra_plot import spectra_drawn
 from modallab.diagnosis.result import Diagnosis, Rival, Sign, Verdict
 from modallab.rig.effect import EFFECTS
 

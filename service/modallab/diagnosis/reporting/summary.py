@@ -2,7 +2,7 @@
 
 from textwrap import fill
 
-from modallab.diagnosis.reporting import wording
+from modallab.diagnosis.reporting import text as wording
 from modallab.diagnosis.result import Diagnosis, Step
 
 WIDTH = 100

@@ -7,11 +7,11 @@ import numpy as np
 
 from modallab.core.arrays import FloatArray
 from modallab.core.progress import Progress, part
-from modallab.diagnosis.observing.residual import residual
-from modallab.diagnosis.predicting.glimpses import Glimpses
-from modallab.diagnosis.searching.cost import WIDENINGS, Costs, downhill
+from modallab.diagnosis.predicting.coarse_prediction import CoarsePrediction
+from modallab.diagnosis.residuals.residual import residual
+from modallab.diagnosis.searching.robust_cost import NOISE_INFLATIONS, Costs, line_minimum_fraction
 from modallab.diagnosis.searching.shortlist import shortlist
-from modallab.diagnosis.searching.variants import least, shrunk, valleys
+from modallab.diagnosis.searching.starting_values import least, local_minima, shrunk
 from modallab.rig.effect import Effect
 
 KEPT = 5  # starts that each widening sends on
@@ -19,7 +19,7 @@ USEFUL = 0.99  # of the cost without it that a kind must come below to be sent o
 
 
 @dataclass(frozen=True)
-class Start:
+class StartingPoint:
     """An effect at a place with a value from which a fit should start, and how blurred to start it."""
 
     effect: Effect
@@ -27,8 +27,8 @@ class Start:
 
 
 def scan(
-    glimpses: Glimpses, accepted: Sequence[Effect], suspects: Sequence[Effect], progress: Progress
-) -> list[Start]:
+    glimpses: CoarsePrediction, accepted: Sequence[Effect], suspects: Sequence[Effect], progress: Progress
+) -> list[StartingPoint]:
     """Return the starts worth a fit.
 
     Parameters
@@ -40,7 +40,7 @@ def scan(
     """
     worth = shortlist(glimpses, accepted, suspects, part(progress, 0.0, 0.5))
     nothing, cost = _vector(glimpses, accepted), Costs(glimpses)
-    cleared = glimpses.cleared(nothing, 0.0)
+    cleared = glimpses.project_out(nothing, 0.0)
     tried: list[list[Effect]] = []
     costs: list[FloatArray] = []
     for i, sizes in enumerate(worth):
@@ -48,8 +48,8 @@ def scan(
         looked_at, left = _tried(glimpses, accepted, sizes, cleared)
         tried.append(looked_at)
         costs.append(cost.of(left))
-    chosen: dict[tuple[int, int], Start] = {}
-    for w, widening in enumerate(WIDENINGS):
+    chosen: dict[tuple[int, int], StartingPoint] = {}
+    for w, widening in enumerate(NOISE_INFLATIONS):
         order = sorted(range(len(tried)), key=lambda i: float(costs[i][:, w].min()))
         # The best place of each kind goes on as well, if it is of any use: no kind is crowded out by many
         # places of another. So does what acts on all of a model: its narrow valley may lie between values.
@@ -60,19 +60,19 @@ def scan(
             if float(costs[i][:, w].min()) < useful or (tried[i][0].at is None and tried[i][0].structural)
         }
         for i in [*order[:KEPT], *firsts.values()]:
-            for best in valleys(tried[i], costs[i][:, w]):
-                chosen.setdefault((i, best), Start(tried[i][best], widening))
+            for best in local_minima(tried[i], costs[i][:, w]):
+                chosen.setdefault((i, best), StartingPoint(tried[i][best], widening))
     return list(chosen.values())
 
 
-def _vector(glimpses: Glimpses, effects: Sequence[Effect]) -> FloatArray:
+def _vector(glimpses: CoarsePrediction, effects: Sequence[Effect]) -> FloatArray:
     """Return the residuals of a first look."""
     observed = glimpses.observed
     return residual(observed, glimpses.predict(effects)).vector(observed.fitted)
 
 
 def _tried(
-    glimpses: Glimpses, accepted: Sequence[Effect], sizes: Sequence[Effect], start: FloatArray
+    glimpses: CoarsePrediction, accepted: Sequence[Effect], sizes: Sequence[Effect], start: FloatArray
 ) -> tuple[list[Effect], FloatArray]:
     """Return sizes of an effect at a place and the residuals of each, (n_sizes, n_residuals).
 
@@ -85,7 +85,7 @@ def _tried(
     found = [_vector(glimpses, [*accepted, effect]) for effect in tried]
     for i in least(tried):
         # Where residuals are no larger than noise the best size is smaller than any that is tried.
-        if share := downhill(start, glimpses.cleared(found[i], 0.0)):
+        if share := line_minimum_fraction(start, glimpses.project_out(found[i], 0.0)):
             tried.append(shrunk(tried[i], share))
             found.append(_vector(glimpses, [*accepted, tried[-1]]))
     return tried, np.array(found)

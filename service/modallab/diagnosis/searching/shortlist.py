@@ -9,11 +9,16 @@ from modallab.core.arrays import FloatArray
 from modallab.core.dof import Dof
 from modallab.core.place import Channels, Members
 from modallab.core.progress import Progress
-from modallab.diagnosis.observing.residual import residual
-from modallab.diagnosis.predicting.glimpses import Glimpses
-from modallab.diagnosis.searching.cost import HEAVY_TAIL, WIDENINGS, Costs, downhill
-from modallab.diagnosis.searching.foreseen import Foreseen
-from modallab.diagnosis.searching.variants import least, shrunk, variants
+from modallab.diagnosis.predicting.coarse_prediction import CoarsePrediction
+from modallab.diagnosis.residuals.residual import residual
+from modallab.diagnosis.searching.modification_screen import ModificationScreen
+from modallab.diagnosis.searching.robust_cost import (
+    HEAVY_TAIL,
+    NOISE_INFLATIONS,
+    Costs,
+    line_minimum_fraction,
+)
+from modallab.diagnosis.searching.starting_values import least, shrunk, variants
 from modallab.rig.effect import Effect
 
 PLACES = 4  # of a kind that go on, for each widening
@@ -35,7 +40,7 @@ class _Look:
 
 
 def shortlist(
-    glimpses: Glimpses, accepted: Sequence[Effect], suspects: Sequence[Effect], progress: Progress
+    glimpses: CoarsePrediction, accepted: Sequence[Effect], suspects: Sequence[Effect], progress: Progress
 ) -> list[list[Effect]]:
     """Return for each suspect that is worth it the sizes to predict.
 
@@ -49,8 +54,8 @@ def shortlist(
     """
     predictor = glimpses.predictor
     sample = glimpses.sampled(round(glimpses.observed.fitted.sum() / ENOUGH))
-    foreseen, costs = Foreseen(sample, accepted), Costs(sample)
-    start = costs.cleared(foreseen.nothing)
+    foreseen, costs = ModificationScreen(sample, accepted), Costs(sample)
+    start = costs.project_out(foreseen.nothing)
     worst = _worst_channels(glimpses, accepted)
     chosen: list[list[Effect]] = []
     looks: dict[str, list[_Look]] = {}
@@ -59,7 +64,7 @@ def shortlist(
         progress(i / len(suspects), f"places of {suspect.kind}")
         if isinstance(suspect.at, Channels) and not any(suspect.acts_on(dof) for dof in worst):
             continue
-        sizes = variants(suspect, suspect.looks(predictor.system, predictor.setup))
+        sizes = variants(suspect, suspect.scan_values(predictor.system, predictor.setup))
         look = _foreseen(foreseen, sizes, costs, start) if isinstance(suspect.at, Dof | Members) else None
         if look is not None:
             looks.setdefault(suspect.kind, []).append(look)
@@ -74,7 +79,9 @@ def shortlist(
     return chosen
 
 
-def _foreseen(foreseen: Foreseen, sizes: list[Effect], costs: Costs, start: FloatArray) -> _Look | None:
+def _foreseen(
+    foreseen: ModificationScreen, sizes: list[Effect], costs: Costs, start: FloatArray
+) -> _Look | None:
     """Return what sizes of an effect leave, one more between nothing and the smallest included.
 
     Parameters
@@ -88,8 +95,8 @@ def _foreseen(foreseen: Foreseen, sizes: list[Effect], costs: Costs, start: Floa
     vectors, nothing = foreseen.vectors(ratios), foreseen.nothing
     # Where residuals are no larger than noise the best size is smaller than any that is tried.
     smallest = least(sizes)
-    moved = costs.cleared(vectors[smallest])
-    shares = [downhill(start, one) for one in moved]
+    moved = costs.project_out(vectors[smallest])
+    shares = [line_minimum_fraction(start, one) for one in moved]
     between = {i: share for i, share in zip(smallest, shares, strict=True) if share}
     along = [nothing + share * (vectors[i] - nothing) for i, share in between.items()]
     smaller = [shrunk(sizes[i], share) for i, share in between.items()]
@@ -99,7 +106,7 @@ def _foreseen(foreseen: Foreseen, sizes: list[Effect], costs: Costs, start: Floa
 def _best(places: Sequence[_Look]) -> list[list[Effect]]:
     """Return the sizes worth a prediction at the best places of one kind."""
     chosen: dict[int, list[Effect]] = {}
-    for w in range(len(WIDENINGS)):
+    for w in range(len(NOISE_INFLATIONS)):
         for i in sorted(range(len(places)), key=lambda i: float(places[i].costs[:, w].min()))[:PLACES]:
             best = places[i].best(w)
             if best not in chosen.setdefault(i, []):
@@ -107,7 +114,9 @@ def _best(places: Sequence[_Look]) -> list[list[Effect]]:
     return list(chosen.values())
 
 
-def _likely(glimpses: Glimpses, accepted: Sequence[Effect], places: list[list[Effect]]) -> list[list[Effect]]:
+def _likely(
+    glimpses: CoarsePrediction, accepted: Sequence[Effect], places: list[list[Effect]]
+) -> list[list[Effect]]:
     """Return the places where a few sizes of a kind, or more or less of each in a straight line, leave least.
 
     Nonlinear forces: a prediction of each costs many times that of anything else. One size would not do:
@@ -121,22 +130,25 @@ def _likely(glimpses: Glimpses, accepted: Sequence[Effect], places: list[list[Ef
         return residual(observed, glimpses.predict(effects)).vector(observed.fitted)
 
     nothing = left(accepted)
-    start, leaves = costs.cleared(nothing), []
+    start, leaves = costs.project_out(nothing), []
     for sizes in places:
         looks = []
         for size in sizes[:: max(1, len(sizes) // SIZES)]:
             moved = left([*accepted, size])
-            looks += [moved, nothing + downhill(start, costs.cleared(moved)) * (moved - nothing)]
+            looks += [
+                moved,
+                nothing + line_minimum_fraction(start, costs.project_out(moved)) * (moved - nothing),
+            ]
         leaves.append(costs.of(np.array(looks)).min(axis=0))
     order = np.argsort(leaves, axis=0)[:ROUGHLY]
     return [places[i] for i in np.unique(order)]
 
 
-def _worst_channels(glimpses: Glimpses, accepted: Sequence[Effect]) -> set[Dof]:
+def _worst_channels(glimpses: CoarsePrediction, accepted: Sequence[Effect]) -> set[Dof]:
     """Return the responses that disagree most at one of the widenings."""
     observed, predicted = glimpses.observed, glimpses.predict(accepted)
     worst: set[Dof] = set()
-    for widen in WIDENINGS:
+    for widen in NOISE_INFLATIONS:
         left = residual(observed, predicted, widen=widen)
         squares = [np.abs(left.frf) ** 2, *([] if left.response is None else [left.response**2])]
         each = [HEAVY_TAIL * np.log1p(one / HEAVY_TAIL) * observed.fitted for one in squares]

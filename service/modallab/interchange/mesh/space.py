@@ -9,7 +9,7 @@ from modallab.core.arrays import BoolArray, FloatArray
 from modallab.core.dof import DIRECTIONS, Dof
 from modallab.core.errors import InvalidInputError
 from modallab.fe.damping import Damping
-from modallab.fe.imported import Element, Places, of_elements
+from modallab.fe.imported_elements import Element, Places, of_elements
 from modallab.fe.spatial import (
     WARPED,
     SpatialBars,
@@ -30,7 +30,7 @@ STEEP = 1e-6  # of a bar's direction, by which it must stand off Z for Z to turn
 
 
 @dataclass(frozen=True, eq=False)
-class Cell:
+class SpaceCell:
     """A member of a mesh: its number, its group, what it is made of, its nodes."""
 
     number: int
@@ -40,7 +40,7 @@ class Cell:
 
 
 def in_space(
-    cells: Sequence[Cell],
+    cells: Sequence[SpaceCell],
     places: Places,
     *,
     supports: tuple[Support, ...],
@@ -70,7 +70,7 @@ def in_space(
     return of_elements(elements, dofs, places, supports=supports, damping=damping, name=name)
 
 
-def _bars(cells: Sequence[Cell], ends: FloatArray) -> Matrices:
+def _bars(cells: Sequence[SpaceCell], ends: FloatArray) -> Matrices:
     made = [cell.made for cell in cells if isinstance(cell.made, BarMade)]
     along = ends[:, 1] - ends[:, 0]
     length = np.linalg.norm(along, axis=1)
@@ -103,7 +103,7 @@ def _second_moments(made: BarMade) -> tuple[float, float]:
     return own, own if made.second_moment_across is None else made.second_moment_across
 
 
-def _shells(cells: Sequence[Cell], corners: FloatArray) -> Matrices:
+def _shells(cells: Sequence[SpaceCell], corners: FloatArray) -> Matrices:
     made = [cell.made for cell in cells if isinstance(cell.made, PlateMade)]
     _refuse(cells, convex(corners), "a folded, hollow or flat cell", "corners round a convex shape")
     _refuse(
@@ -119,7 +119,7 @@ def _shells(cells: Sequence[Cell], corners: FloatArray) -> Matrices:
     return plates_in_space(plates)
 
 
-def _refuse(cells: Sequence[Cell], good: BoolArray, what: str, allowed: str) -> None:
+def _refuse(cells: Sequence[SpaceCell], good: BoolArray, what: str, allowed: str) -> None:
     wrong = [cell for cell, fine in zip(cells, good, strict=True) if not fine]
     if wrong:
         raise InvalidInputError(

@@ -12,7 +12,7 @@ from modallab.fe.members import Member, Plate
 from modallab.fe.structure import ACROSS, PLANE, Structure, Support
 from modallab.interchange.mesh.described import TAKES, BarMade, MeshDescription
 from modallab.interchange.mesh.reading import Mesh
-from modallab.interchange.mesh.space import Cell, in_space
+from modallab.interchange.mesh.space import SpaceCell, in_space
 
 MOST = 40_000  # cells that become members
 FLAT = 1e-9  # of its size, by which a mesh in X, Y may be off a plane
@@ -58,7 +58,7 @@ def structure_of_mesh(
     }
     supports = _supports(mesh, described, used)
     members = [
-        Cell(number, group, described.groups[group], rim)
+        SpaceCell(number, group, described.groups[group], rim)
         for number, (group, rim) in enumerate(zip(groups, rims, strict=True), 1)
     ]
     if len({type(cell.made) for cell in members}) == 1 and _flat(np.array(list(places.values()))):
@@ -142,7 +142,7 @@ def _supports(mesh: Mesh, described: MeshDescription, used: Sequence[int]) -> tu
 
 
 def _plane(
-    cells: Sequence[Cell],
+    cells: Sequence[SpaceCell],
     places: Mapping[int, tuple[float, float, float]],
     supports: tuple[Support, ...],
     *,

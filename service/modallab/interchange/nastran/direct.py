@@ -7,7 +7,7 @@ from scipy.sparse import csc_array
 
 from modallab.core.dof import DIRECTIONS
 from modallab.core.errors import InvalidInputError
-from modallab.fe.imported import GroupMatrices
+from modallab.fe.imported_elements import GroupMatrices
 from modallab.interchange.nastran.deck import Card, Deck
 
 SQUARE, SYMMETRIC = 1, 6

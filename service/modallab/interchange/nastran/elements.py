@@ -7,7 +7,7 @@ import numpy as np
 
 from modallab.core.arrays import FloatArray
 from modallab.core.errors import InvalidInputError
-from modallab.fe.imported import Element
+from modallab.fe.imported_elements import Element
 from modallab.fe.spatial import (
     WARPED,
     SpatialBars,

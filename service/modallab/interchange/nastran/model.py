@@ -9,7 +9,7 @@ import numpy as np
 from modallab.core.dof import DIRECTIONS, Dof
 from modallab.core.errors import InvalidInputError
 from modallab.fe.damping import Damping, StructuralDamping
-from modallab.fe.imported import Element, elements_of_groups, of_elements
+from modallab.fe.imported_elements import Element, elements_of_groups, of_elements
 from modallab.fe.structure import Structure, Support
 from modallab.interchange.nastran import elements as made
 from modallab.interchange.nastran.deck import Deck, read_deck

@@ -3,21 +3,21 @@
 from modallab.core.modal_model import ModalModel
 from modallab.core.progress import Progress, silent
 from modallab.fe.structure import Structure
-from modallab.updating.at_once import update_at_once
 from modallab.updating.method import (
     DEFAULTS,
-    IDLE,
     PARTS,
     TWO_STAGE,
+    UNUSED_OPTIONS,
     UPDATERS,
     UpdateOptions,
     UpdateResult,
 )
+from modallab.updating.one_stage import update_in_one_stage
 from modallab.updating.parameterisation import Parameterisation, Part
 from modallab.updating.target import complex_modes
 
 METHOD = "complex_one_shot"
-IDLE.register(METHOD)(TWO_STAGE)
+UNUSED_OPTIONS.register(METHOD)(TWO_STAGE)
 PARTS.register(METHOD)((Part.MASS, Part.STIFFNESS, Part.DAMPING))
 
 
@@ -51,4 +51,4 @@ def complex_one_shot(
     UnknownDofError
         If the structure lacks a measured DoF.
     """
-    return update_at_once(structure, parameterisation, complex_modes(target), options, progress)
+    return update_in_one_stage(structure, parameterisation, complex_modes(target), options, progress)

@@ -3,13 +3,20 @@
 from modallab.core.modal_model import ModalModel
 from modallab.core.progress import Progress, silent
 from modallab.fe.structure import Structure
-from modallab.updating.at_once import update_at_once
-from modallab.updating.method import DEFAULTS, IDLE, TWO_STAGE, UPDATERS, UpdateOptions, UpdateResult
+from modallab.updating.method import (
+    DEFAULTS,
+    TWO_STAGE,
+    UNUSED_OPTIONS,
+    UPDATERS,
+    UpdateOptions,
+    UpdateResult,
+)
+from modallab.updating.one_stage import update_in_one_stage
 from modallab.updating.parameterisation import Parameterisation
 from modallab.updating.target import real_modes
 
 METHOD = "one_shot"
-IDLE.register(METHOD)(TWO_STAGE)
+UNUSED_OPTIONS.register(METHOD)(TWO_STAGE)
 
 
 @UPDATERS.register(METHOD)
@@ -43,4 +50,4 @@ def one_shot(
     UnknownDofError
         If the structure lacks a measured DoF.
     """
-    return update_at_once(structure, parameterisation, real_modes(target), options, progress)
+    return update_in_one_stage(structure, parameterisation, real_modes(target), options, progress)

@@ -6,12 +6,21 @@ import numpy as np
 
 from modallab.core.arrays import FloatArray
 from modallab.core.progress import Progress, part, silent
-from modallab.updating.evidence import Belief, Equations
-from modallab.updating.iteration import Ending, Iteration, refuse_blind, resting
-from modallab.updating.relative import changed, changes
+from modallab.updating.iteration import Ending, Iteration, check_sensitivity, resting
+from modallab.updating.log_coefficients import changed, changes
+from modallab.updating.one_stage_path import (
+    DOUBLED,
+    SHORTER,
+    TRIES,
+    Rule,
+    believed,
+    opened,
+    unweighted,
+    within_bounds,
+)
 from modallab.updating.responses.fields import ResponseModel
 from modallab.updating.responses.rows import Rows, doubt, log_ratios, log_rows, mean_square, tolerant_rows
-from modallab.updating.whole import DOUBLED, SHORTER, TRIES, Rule, believed, opened, unweighted, within_bounds
+from modallab.updating.sparse_bayes import Equations, Posterior
 
 # Times the share that a model must be wrong by to miss what it does, that it is taken to be wrong by, and
 # steps so at most: the second path is the more careful one.
@@ -33,7 +42,7 @@ class ResponsePath:
     history: tuple[Iteration, ...]
     ending: Ending
     why: str
-    belief: Belief  # of their changes, `relative.changes`
+    belief: Posterior  # of their changes, `relative.changes`
     linear: Equations  # at the values, by the coefficients, in units of their errors
     before: float  # mean square of log ratios over their random error
     after: float
@@ -126,7 +135,7 @@ class _Walk:
         return Ending.STILL_MOVING, str(Ending.STILL_MOVING)
 
     def _wanted(self, rows: Rows, linear: Equations) -> FloatArray:
-        refuse_blind(rows.matrix)
+        check_sensitivity(rows.matrix)
         widths = self._belief.widths
         self._belief = believed(self._may_move, self._values, linear, self._rule.prior, widths)
         return within_bounds(self._may_move, self._belief)

@@ -9,9 +9,9 @@ from scipy.sparse import csc_array
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray
 from modallab.core.errors import InvalidInputError
 from modallab.fe.damping import ModalDamping, StructuralDamping, ViscousDamping
-from modallab.fe.lowest import factorised
+from modallab.fe.lowest_modes import factorised
 from modallab.fe.system import SMALL, DynamicSystem
-from modallab.updating.corrected import CorrectedModel
+from modallab.updating.corrected_model import CorrectedModel
 from modallab.updating.parameterisation import Part
 from modallab.updating.responses.target import TargetResponses
 from modallab.updating.sensitivity import PartMatrices
@@ -22,7 +22,7 @@ Solve = Callable[[ComplexArray], ComplexArray]  # forces (n_lines, n, k) to moti
 
 
 @dataclass(frozen=True, eq=False)
-class Law:
+class FieldDamping:
     """What damping adds to dZ: a and omega a' of the mass, omega b' of the stiffness."""
 
     mass: float  # a, rad^2/s^2
@@ -42,7 +42,7 @@ class Fields:
     load: FloatArray  # (n_lines, n) N/m or N m: |K_jj| + omega^2 M_jj, which forces a wrong model leaves by
     solve: Solve
     parts: tuple[PartMatrices, ...]
-    law: Law
+    law: FieldDamping
 
     def moved(self, motion: ComplexArray) -> ComplexArray:
         """Return -S^T Z^-1 (dZ/dp) motion of every coefficient, (n_lines, n_out, n_in, n_params).
@@ -93,7 +93,9 @@ class ResponseModel:
             )
         hysteretic = isinstance(law, StructuralDamping)
         by_mass, by_stiffness = law.mass_coefficient, law.stiffness_coefficient
-        self._law = Law(by_mass, 0.0, 0.0) if hysteretic else Law(0.0, by_mass, by_stiffness)
+        self._law = (
+            FieldDamping(by_mass, 0.0, 0.0) if hysteretic else FieldDamping(0.0, by_mass, by_stiffness)
+        )
         self.model, self.target, self.parameterisation = model, target, model.parameterisation
         self._outputs, self._inputs = (
             _columns([structure.index(dof) for dof in dofs], [dof.sign for dof in dofs], model.size)

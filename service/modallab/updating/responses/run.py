@@ -7,12 +7,11 @@ from modallab.core.errors import UnderdeterminedError
 from modallab.core.progress import Progress
 from modallab.fe.assembly import Assembly
 from modallab.fe.structure import Structure
-from modallab.updating.clear import standard_errors, suspected
-from modallab.updating.corrected import CorrectedModel
-from modallab.updating.evidence import Prior
+from modallab.updating.corrected_model import CorrectedModel
 from modallab.updating.identifiability import Identifiability, identify
 from modallab.updating.iteration import Ending
 from modallab.updating.method import REGULARISED, Stages, UpdateOptions, UpdateResult
+from modallab.updating.one_stage_path import Rule, unweighted
 from modallab.updating.parameterisation import Parameterisation, by_member
 from modallab.updating.quantities import quantities
 from modallab.updating.responses.correct import BEGINNING, EXPLAINED, ResponsePath, correct
@@ -20,7 +19,8 @@ from modallab.updating.responses.fields import ResponseModel
 from modallab.updating.responses.result import ResponseFit
 from modallab.updating.responses.rows import log_ratios, mean_square
 from modallab.updating.responses.target import TargetResponses
-from modallab.updating.whole import Rule, unweighted
+from modallab.updating.significance import standard_errors, suspected
+from modallab.updating.sparse_bayes import Prior
 
 MOST = 40_000  # real numbers that coefficients are found by; lines beyond are held out
 

@@ -30,7 +30,7 @@ def test_a_first_look_at_leaking_data_is_right_to_some_per_cent() -> None:
 
 def test_differences_on_one_thin_grid_are_those_of_exact_predictions() -> None:
     predictor, observed = predicting(exact(rig(kind="random", window="hann")))
-    near, step = predictor.around([STIFFER]), 1e-4
+    near, step = predictor.linearisation_at([STIFFER]), 1e-4
     stiffer = STIFFER.with_parameters({"factor": STIFFER.factor + step})
     thin = np.log(near([stiffer]).h / near([STIFFER]).h) / step
     whole = np.log(predictor.predict([stiffer]).h / predictor.predict([STIFFER]).h) / step

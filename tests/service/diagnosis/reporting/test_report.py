@@ -8,7 +8,7 @@ from modallab.core.dof import Dof
 from modallab.core.place import Channels, Members
 from modallab.diagnosis.reporting.figures import telling
 from modallab.diagnosis.reporting.report import report
-from modallab.diagnosis.reporting.wording import number
+from modallab.diagnosis.reporting.text import number
 from modallab.diagnosis.result import (
     Alias,
     FittedEffect,

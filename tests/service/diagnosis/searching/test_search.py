@@ -7,11 +7,11 @@ from modallab.core.dof import Dof
 from modallab.core.place import Channels
 from modallab.core.progress import silent
 from modallab.diagnosis.fitting.fit import Fit, fit
-from modallab.diagnosis.observing.observed import observe
 from modallab.diagnosis.predicting.predictor import Predictor
-from modallab.diagnosis.searching.path import name_of
+from modallab.diagnosis.residuals.observed import observe
 from modallab.diagnosis.searching.search import convincing, search
-from modallab.diagnosis.searching.trials import Suspects
+from modallab.diagnosis.searching.search_path import name_of
+from modallab.diagnosis.searching.search_round import Suspects
 from modallab.effects.extra_mass import ExtraMass
 from modallab.effects.polarity import Polarity
 from modallab.effects.response_noise import ResponseNoise

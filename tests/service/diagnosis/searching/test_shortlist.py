@@ -7,8 +7,8 @@ import pytest
 import modallab.diagnosis.searching.shortlist as module
 from modallab.core.dof import Dof
 from modallab.core.progress import silent
-from modallab.diagnosis.predicting.glimpses import Glimpses
-from modallab.diagnosis.searching.foreseen import Foreseen
+from modallab.diagnosis.predicting.coarse_prediction import CoarsePrediction
+from modallab.diagnosis.searching.modification_screen import ModificationScreen
 from modallab.diagnosis.searching.shortlist import PLACES, ROUGHLY, shortlist
 from modallab.effects.cubic_stiffness import CubicStiffness
 from modallab.effects.extra_mass import ExtraMass
@@ -20,7 +20,7 @@ from tests.diagnosing import drawn, predicting, rig
 NODES = range(1, 10)
 
 
-def looking_for(hidden: Effect, *, roving: bool = False) -> Glimpses:
+def looking_for(hidden: Effect, *, roving: bool = False) -> CoarsePrediction:
     predictor, _ = predicting(drawn(rig(roving=roving), [hidden]))
     return predictor.near([])
 
@@ -55,7 +55,7 @@ def test_foreseen_residuals_of_nothing_are_those_of_the_prediction(every: int, n
     # Noise that the channels of a run share is taken once, and large errors go without a logarithm.
     predictor, _ = predicting(drawn(rig(roving=False, noise=noise)))
     sample = predictor.near([]).sampled(every)
-    foreseen = Foreseen(sample, [])
+    foreseen = ModificationScreen(sample, [])
     nothing = np.ones((1, int(sample.observed.fitted.sum())), complex)
     np.testing.assert_allclose(foreseen.vectors(nothing)[0], foreseen.nothing, rtol=1e-9, atol=1e-9)
 
@@ -79,7 +79,7 @@ def test_a_nonlinear_force_of_any_strength_is_looked_for_where_it_is(node: int, 
     bare = CubicStiffness(Dof(node, "Y"))
     setup = rig(roving=False, noise=1e-3)
     predictor, _ = predicting(drawn(setup))
-    whole = max(bare.looks(predictor.system, setup)["stiffness"])
+    whole = max(bare.scan_values(predictor.system, setup)["stiffness"])
     suspects = [CubicStiffness(Dof(n, "Y")) for n in (1, 2, 4, 5, 7, 9)]
     predictor, _ = predicting(drawn(setup, [replace(bare, stiffness=share * whole)]))
     assert bare.at in places_of(shortlist(predictor.near([]), [], suspects, silent), bare.kind)

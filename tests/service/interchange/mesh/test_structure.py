@@ -13,8 +13,8 @@ from modallab.fe.assembly import assemble
 from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.members import Material, Plate, Section
 from modallab.fe.plate import Edge, Holding, plate
-from modallab.fe.selected import lowest_modes
 from modallab.fe.structure import Structure
+from modallab.fe.synthetic_modes import lowest_modes
 from modallab.interchange.mesh.described import BarMade, Held, MeshDescription, PlateMade
 from modallab.interchange.mesh.reading import Cells, Mesh, read_mesh
 from modallab.interchange.mesh.structure import structure_of_mesh

@@ -9,7 +9,7 @@ from modallab.fe.assembly import assemble
 from modallab.fe.beam import beam
 from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.plate import plate
-from modallab.fe.structure import GroundSpring, Material, PointMass, Section, Structure, Support
+from modallab.fe.structure import GroundSpringElement, Material, PointMass, Section, Structure, Support
 
 STEEL = Material(modulus=2.09e11, density=7800.0)
 MASS, SPRING = 12.5, 3e7  # kg at node 8, N/m from 20:+Y to the ground
@@ -27,7 +27,7 @@ def loaded_bay() -> Structure:
     return replace(
         free,
         masses=(PointMass(8, MASS),),
-        springs=(GroundSpring(Dof(20, "Y"), SPRING),),
+        springs=(GroundSpringElement(Dof(20, "Y"), SPRING),),
         supports=(HELD,),
     )
 

@@ -9,9 +9,9 @@ from modallab.core.arrays import FloatArray
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.fe.assembly import assemble
-from modallab.fe.members import Block
-from modallab.fe.selected import lowest_modes
+from modallab.fe.members import MatrixElement
 from modallab.fe.structure import Structure
+from modallab.fe.synthetic_modes import lowest_modes
 from modallab.interchange.nastran.model import read
 from tests.service.interchange.nastran import described
 
@@ -104,7 +104,7 @@ def test_a_large_matrix_is_cut_into_members_of_two_nodes() -> None:
         lines += [f"DMIG,K,{i},1,,{i + 1},1,-1."] if i < n else []
     given = read(deck(bulk="\n".join(lines)))
     assert len(given.all_members) == 2 * n - 1
-    assert all(isinstance(one, Block) and one.group == "DMIG" for one in given.all_members)
+    assert all(isinstance(one, MatrixElement) and one.group == "DMIG" for one in given.all_members)
     # a chain held at one end: omega_r = 2 sin((2 r - 1) pi / (2 (2 n + 1)))
     exact = 2 * np.sin((2 * np.arange(1, 9) - 1) * np.pi / (2 * (2 * n + 1))) / (2 * np.pi)
     # rounding, times the highest eigenvalue over the lowest: 4 / 1.7e-6

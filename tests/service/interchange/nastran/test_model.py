@@ -12,8 +12,8 @@ from modallab.core.errors import InvalidInputError
 from modallab.fe.assembly import assemble
 from modallab.fe.damping import StructuralDamping
 from modallab.fe.members import Plate
-from modallab.fe.selected import lowest_modes
 from modallab.fe.structure import Structure
+from modallab.fe.synthetic_modes import lowest_modes
 from modallab.interchange.nastran.model import read
 from tests.service.interchange.nastran import described
 

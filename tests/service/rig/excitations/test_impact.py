@@ -20,9 +20,9 @@ from modallab.fe.system import DynamicSystem
 from modallab.rig.analyser import Analyser, ExcitationSetting
 from modallab.rig.chain import Chain, chain
 from modallab.rig.expected import expected_spectra
+from modallab.rig.free_decay import answers_of
 from modallab.rig.hammer import pulse_spectrum, pulse_width, reach, tilt_moments, tilted
 from modallab.rig.measure import draw
-from modallab.rig.ringing import answers_of
 from modallab.rig.sampled import sampled_spectra
 from modallab.rig.setup import RigSetup
 from tests.rigs import beam_system, dofs, steel_beam, tilted_beam

@@ -10,7 +10,7 @@ from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError, UnderdeterminedError, UnknownDofError
 from modallab.core.modal_model import ModalModel
 from modallab.fe.reduction import REDUCTIONS
-from modallab.fe.selected import ModeNoise, synthetic_modes
+from modallab.fe.synthetic_modes import ModeNoise, synthetic_modes
 from modallab.updating.direct.completion import complete
 from modallab.updating.direct.method import DirectOptions
 from tests.service.updating.direct.cases import BEAM, SYSTEM, measured

@@ -11,7 +11,7 @@ from modallab.core.errors import InvalidInputError
 from modallab.fe.assembly import assemble
 from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.changes import MemberChange, MemberProperty, change
-from modallab.fe.selected import ModeNoise, exact_modes, synthetic_modes
+from modallab.fe.synthetic_modes import ModeNoise, exact_modes, synthetic_modes
 from modallab.updating.direct.method import DIRECT_METHODS, DirectOptions
 from modallab.updating.direct.result import DirectResult
 from modallab.updating.direct.run import update_directly

@@ -10,12 +10,12 @@ from modallab.core.modal_model import ModalModel
 from modallab.fe.assembly import assemble
 from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.changes import MemberChange, MemberProperty, change
-from modallab.fe.selected import Distribution, ModeNoise
 from modallab.fe.structure import Structure
-from modallab.updating.dividing import automatic_groups
+from modallab.fe.synthetic_modes import Distribution, ModeNoise
 from modallab.updating.method import UPDATERS, UpdateOptions, UpdateResult, parts_of
 from modallab.updating.methods.complex_inverse_eigensensitivity import complex_inverse_eigensensitivity
 from modallab.updating.parameterisation import parameterise
+from modallab.updating.partitioning import automatic_groups
 from tests.service.updating.cases import BAY, BAY_DOFS, BEAM, BEAM_DOFS, WRONG_BAY, modes_of
 
 ALL = ("mass", "stiffness", "damping")

@@ -4,8 +4,8 @@ import pytest
 
 from modallab.core.errors import InvalidInputError
 from modallab.fe.changes import MemberChange, MemberProperty, change
-from modallab.fe.selected import Distribution, ModeNoise
 from modallab.fe.structure import Structure
+from modallab.fe.synthetic_modes import Distribution, ModeNoise
 from modallab.updating.methods.complex_one_shot import complex_one_shot
 from modallab.updating.parameterisation import parameterise
 from tests.service.updating.cases import BAY, BAY_DOFS, modes_of

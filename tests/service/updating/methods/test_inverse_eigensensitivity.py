@@ -9,11 +9,11 @@ import pytest
 from modallab.core.errors import UnderdeterminedError
 from modallab.core.modal_model import ModalModel
 from modallab.fe.changes import MemberChange, MemberProperty, change
-from modallab.fe.selected import Distribution, ModeNoise
-from modallab.updating.dividing import automatic_groups
+from modallab.fe.synthetic_modes import Distribution, ModeNoise
 from modallab.updating.method import UpdateOptions, UpdateResult
 from modallab.updating.methods.inverse_eigensensitivity import inverse_eigensensitivity
 from modallab.updating.parameterisation import parameterise
+from modallab.updating.partitioning import automatic_groups
 from tests.service.updating.cases import BAY, BAY_DOFS, BEAM, BEAM_DOFS, WRONG_BEAM, modes_of
 
 FIVE = parameterise([tuple(range(i, i + 4)) for i in range(1, 21, 4)])

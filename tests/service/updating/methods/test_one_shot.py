@@ -9,7 +9,7 @@ import pytest
 from benchmarks.one_shot import CLOSE, ITERATIONS, NL3, SEEDS, WRONG, exact, garteur, measured, noisy
 from modallab.core.errors import InvalidInputError, UnderdeterminedError
 from modallab.fe.changes import MemberChange, MemberProperty, change
-from modallab.fe.selected import ModeNoise
+from modallab.fe.synthetic_modes import ModeNoise
 from modallab.updating.method import UpdateOptions, UpdateResult
 from modallab.updating.methods.one_shot import one_shot
 from modallab.updating.parameterisation import parameterise

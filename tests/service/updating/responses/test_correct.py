@@ -6,13 +6,13 @@ import pytest
 from modallab.core.arrays import FloatArray
 from modallab.fe.assembly import Assembly
 from modallab.fe.changes import MemberChange, MemberProperty, change
-from modallab.updating.corrected import CorrectedModel
-from modallab.updating.evidence import Prior
+from modallab.updating.corrected_model import CorrectedModel
 from modallab.updating.iteration import Ending
+from modallab.updating.one_stage_path import Rule
 from modallab.updating.responses import correct as module
 from modallab.updating.responses.correct import ResponsePath, correct
 from modallab.updating.responses.fields import ResponseModel
-from modallab.updating.whole import Rule
+from modallab.updating.sparse_bayes import Prior
 from tests.service.updating.responses.cases import (
     BAY,
     BAY_EACH,

@@ -12,7 +12,7 @@ from modallab.fe.assembly import Assembly, assemble
 from modallab.fe.damping import Damping, ModalDamping, StructuralDamping, ViscousDamping
 from modallab.fe.plate import plate
 from modallab.fe.structure import Material, Structure
-from modallab.updating.corrected import CorrectedModel
+from modallab.updating.corrected_model import CorrectedModel
 from modallab.updating.parameterisation import Parameterisation, parameterise
 from modallab.updating.responses import fields
 from modallab.updating.responses.fields import ResponseModel

@@ -7,7 +7,7 @@ import numpy as np
 from modallab.core.arrays import IntArray
 from modallab.fe.assembly import Assembly
 from modallab.fe.changes import MemberChange, MemberProperty, change
-from modallab.updating.corrected import CorrectedModel
+from modallab.updating.corrected_model import CorrectedModel
 from modallab.updating.responses.fields import ResponseModel
 from modallab.updating.responses.rows import Rows, doubt, log_ratios, log_rows, mean_square, tolerant_rows
 from modallab.updating.responses.target import TargetResponses

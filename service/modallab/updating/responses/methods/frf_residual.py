@@ -4,10 +4,10 @@ from modallab.core.progress import Progress, silent
 from modallab.fe.structure import Structure
 from modallab.updating.method import (
     DEFAULTS,
-    IDLE,
     PARTS,
     SAMPLING,
     TWO_STAGE,
+    UNUSED_OPTIONS,
     UpdateOptions,
     UpdateResult,
 )
@@ -17,7 +17,7 @@ from modallab.updating.responses.run import update_on_responses
 from modallab.updating.responses.target import TargetResponses
 
 METHOD = "frf_residual"
-IDLE.register(METHOD)((*TWO_STAGE, *SAMPLING, "min_mac"))
+UNUSED_OPTIONS.register(METHOD)((*TWO_STAGE, *SAMPLING, "min_mac"))
 PARTS.register(METHOD)((Part.MASS, Part.STIFFNESS, Part.DAMPING))
 
 

@@ -10,8 +10,8 @@ from modallab.fe.assembly import assemble
 from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.changes import NodeMass, change
 from modallab.fe.damping import StructuralDamping
-from modallab.fe.selected import ModeNoise
 from modallab.fe.structure import Structure
+from modallab.fe.synthetic_modes import ModeNoise
 from modallab.updating.direct.completion import complete
 from modallab.updating.direct.method import DirectOptions
 from modallab.updating.direct.methods.eigendynamic_constraint import eigendynamic_constraint

@@ -16,8 +16,8 @@ from modallab.fe.damping import StructuralDamping
 from modallab.rig.analyser import Analyser
 from modallab.rig.hardware import Noise
 from modallab.rig.measure import Route, measure
+from modallab.rig.noise_bias import without_noise_bias
 from modallab.rig.setup import RigSetup
-from modallab.rig.unbiased import unbiased
 from modallab.updating.method import UpdateOptions, UpdateResult
 from modallab.updating.parameterisation import Parameterisation, parameterise
 from modallab.updating.responses import run
@@ -146,7 +146,7 @@ def test_noise_that_all_responses_share_counts_once() -> None:
     inside = []
     for seed in range(24):
         test = measure(BEAM, setup, route=Route.DRAWN, rng=np.random.default_rng(seed))
-        frf, common = unbiased(test)
+        frf, common = without_noise_bias(test)
         result = frf_residual(BEAM, whole, weighed(frf, test.coherence, test.averages, common=common))
         inside += [table[1][0] <= 1 <= table[1][1] for table in result.intervals.values()]
     # mass and stiffness are off together, so that these are 24 draws: 95 % less two errors of 4.4 %

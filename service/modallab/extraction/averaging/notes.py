@@ -1,0 +1,114 @@
+"""In words: how means were formed, how frequencies wander, why a fit was left out."""
+
+from collections.abc import Iterator, Sequence
+
+import numpy as np
+
+from modallab.core.arrays import FloatArray, IntArray
+from modallab.core.frequency_inconsistency import FrequencyInconsistency, InconsistencyCause
+from modallab.extraction.averaging.reference_shapes import ReferenceShapes
+from modallab.extraction.single_mode.fitting import Table
+
+SHOWN = 0.05  # of the random error: less than that in common is hardly told from none
+
+
+def choice_of_means(wander: FrequencyInconsistency | None, shared: float) -> str:
+    """Return how frequencies and loss factors of the FRFs were averaged, and why."""
+    return _means(wander) + (
+        f"; {100 * shared:.0f} % of their random error is the same in all FRFs, which no mean lessens"
+        if shared > SHOWN
+        else ""
+    )
+
+
+def _means(wander: FrequencyInconsistency | None) -> str:
+    if wander is None:
+        return (
+            "weighted by one over variance: the frequencies of the FRFs agree within their standard errors, "
+            "as those of one structure do"
+        )
+    if wander.cause is InconsistencyCause.UNKNOWN:
+        return (
+            "plain where the FRFs differ by more than their standard errors, these then with the scatter; "
+            "weighted by one over variance for the other modes"
+        )
+    return "plain: every FRF is of a slightly different structure, and none is truer than another"
+
+
+def no_scale(shapes: ReferenceShapes) -> Iterator[str]:
+    """Yield a note where no response is at a drive point."""
+    if shapes.scale is None:
+        which = ", ".join(str(dof) for dof in shapes.references)
+        what = "the drive point" if len(shapes.references) == 1 else "any of the drive points"
+        yield f"no response at {what} {which}: shapes are not mass-normalised"
+
+
+def inconsistency_notes(wander: FrequencyInconsistency | None, names: Sequence[str]) -> Iterator[str]:
+    """Yield what moves the frequencies, and for each mode how far and between which FRFs."""
+    if wander is None:
+        return
+    total, degrees = float(wander.chi_square.sum()), int(wander.degrees.sum())
+    yield (
+        f"frequencies wander from FRF to FRF beyond their standard errors "
+        f"(chi-square {total:.3g} of {degrees} degrees of freedom): {_cause(wander)}"
+    )
+    for number, shift in enumerate(wander.shift, start=1):
+        if (text := _range(shift, names)) is not None:
+            yield f"mode {number} wanders {text}"
+
+
+def _cause(wander: FrequencyInconsistency) -> str:
+    share = f"explains {100 * wander.explained:.0f} % of it"
+    match wander.cause:
+        case InconsistencyCause.ROVING_MASS:
+            mass, error = 1e3 * wander.size, 1e3 * wander.size_error
+            size = f"{mass:.3g} +- {error:.2g} g"
+            if mass < 0:
+                return (
+                    f"they rise with the squared shape at the response, as if {size} moved with it ({share})"
+                )
+            return (
+                f"they fall as the accelerometer roves, with the squared shape where it sits: {size} at the "
+                f"moving position {share}"
+            )
+        case InconsistencyCause.SQUARED_SHAPE:
+            return (
+                f"they follow the squared shape at the response, as a roving mass makes them, which {share}; "
+                "shapes without scale do not tell the mass"
+            )
+        case InconsistencyCause.STEADY_DRIFT:
+            change, error = 100 * wander.size, 100 * wander.size_error
+            return (
+                f"all modes alike drift by {change:+.3g} +- {error:.2g} % from the first FRF to the last, "
+                f"which {share}: the structure changes during the test, as with temperature"
+            )
+        case InconsistencyCause.UNKNOWN:
+            return (
+                "neither with the squared shape at the response nor steadily; leakage, close modes, or a "
+                "structure that changes from FRF to FRF"
+            )
+
+
+def _range(shift: FloatArray, names: Sequence[str]) -> str | None:
+    known = np.flatnonzero(np.isfinite(shift))
+    if len(known) < 2:
+        return None
+    low, high = known[np.argmin(shift[known])], known[np.argmax(shift[known])]
+    return (
+        f"by {shift[high] - shift[low]:.3g} Hz: {shift[low]:+.3g} Hz from its mean at {names[low]}, "
+        f"{shift[high]:+.3g} Hz at {names[high]}"
+    )
+
+
+def why_outlying(table: Table, order: IntArray, names: Sequence[str]) -> Iterator[str]:
+    """Yield for each outlier how far it is from the fits that count; `order` are the modes as listed."""
+    for number, m in enumerate(order.tolist(), start=1):
+        good = table.screening.good[m]
+        frequency, damping = np.median(table.frequency[m][good]), np.median(table.loss_factor[m][good])
+        for j in np.flatnonzero(table.screening.outlying[m]).tolist():
+            off = table.frequency[m, j] - frequency
+            share = 100 * (table.loss_factor[m, j] / damping - 1)
+            yield (
+                f"mode {number}, {names[j]} left out: {off:+.3g} Hz from the median of the others (its "
+                f"standard error {table.frequency_error[m, j]:.2g} Hz), loss factor {share:+.0f} %"
+            )

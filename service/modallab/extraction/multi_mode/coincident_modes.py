@@ -1,0 +1,99 @@
+"""Modes at one frequency: of the plane that their shapes span, a pair that is mass-normalised."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+from itertools import pairwise
+
+import numpy as np
+import scipy.linalg
+
+from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray
+from modallab.extraction.multi_mode.fit_result import ModalFit
+
+APART = 3.0  # standard errors: nearer than that, two poles are not told apart
+FLAT = 1e-3  # of a plane's larger extent at the drive points: less does not tell its scale
+
+
+def coincident_modes(fit: ModalFit) -> list[IntArray]:
+    """Return the modes of each group whose poles are not told apart though their shapes are; two or more."""
+    if fit.participation is None:
+        return []
+    width = fit.loss_factor * fit.frequency
+    beside = np.diff(fit.frequency) < np.minimum(width[1:], width[:-1])  # and not merely vague
+    alike = _near(fit.frequency, fit.frequency_error) & _near(fit.loss_factor, fit.loss_factor_error)
+    near = beside & alike
+    ends = [0, *(np.flatnonzero(~near) + 1).tolist(), len(fit.frequency)]
+    return [np.arange(a, b) for a, b in pairwise(ends) if b - a > 1]
+
+
+def with_shapes_of_planes(fit: ModalFit, rows: IntArray, senses: IntArray) -> ModalFit:
+    """Return the fit with coincident modes as reciprocity has them.
+
+    All that such modes add to the FRFs is `(Phi Phi_d^T)/(lambda - omega^2)`, Phi their mass-normalised
+    shapes and Phi_d those at the drive points; a fit gives it as another product, `Psi L`. With `Phi = Psi T`
+    it is the same if `T T^T Psi_d^T = L`, least squares over the drive points. Any rotation in the plane
+    would do as well: shapes are taken that are real where the plane is, and orthogonal over the DoFs. Left as
+    it is where drive points are too few, or do not show all of the plane.
+
+    Parameters
+    ----------
+    rows
+        (n_ref,) which DoF is at the point of each reference, -1 if none is.
+    senses
+        (n_ref,) -1 where the two point opposite ways, else 1.
+    """
+    if fit.participation is None or fit.held_error is None:
+        return fit
+    constant, error = fit.modal_constant.copy(), fit.modal_constant_error.copy()
+    reach = fit.participation.copy()
+    at = np.flatnonzero(rows >= 0)
+    for group in coincident_modes(fit):
+        total = constant[group].sum(axis=0).reshape(-1, reach.shape[1])
+        shapes = _shapes(total, len(group), rows[at], at, senses[at])
+        if shapes is None:
+            continue
+        reach[group] = np.linalg.lstsq(shapes, total)[0]
+        constant[group] = (shapes.T[:, :, None] * reach[group][:, None]).reshape(len(group), -1)
+        error[group] = fit.held_error[group].max(axis=0)
+    return replace(fit, modal_constant=constant, modal_constant_error=error, participation=reach)
+
+
+def said_of_coincident(fit: ModalFit) -> dict[int, str]:
+    """Return what to say of each mode that coincides with another."""
+    return {row: text for group in coincident_modes(fit) for row, text in _texts(fit, group)}
+
+
+def _texts(fit: ModalFit, group: IntArray) -> Iterator[tuple[int, str]]:
+    for row in group.tolist():
+        others = ", ".join(f"{fit.frequency[other]:.5g} Hz" for other in group.tolist() if other != row)
+        yield row, f"coincident: no further from {others} than errors; any shapes of their plane would do"
+
+
+def _near(values: FloatArray, errors: FloatArray) -> BoolArray:
+    """Return whether each value and the next are not told apart, (n - 1,)."""
+    return np.asarray(np.abs(np.diff(values)) < APART * np.hypot(errors[1:], errors[:-1]))
+
+
+def _shapes(
+    total: ComplexArray, n: int, rows: IntArray, at: IntArray, senses: IntArray
+) -> ComplexArray | None:
+    """Return n mass-normalised shapes, (n_dof, n), of what they all add, (n_dof, n_ref); None if untold."""
+    if len(at) < n:
+        return None
+    plane = _as_real_as_can_be(np.linalg.svd(total, full_matrices=False)[0][:, :n])
+    driven = plane[rows]
+    extent = np.linalg.svd(driven, compute_uv=False)
+    if extent[-1] < FLAT * extent[0]:
+        return None
+    reach = np.linalg.lstsq(plane, total)[0][:, at] * senses
+    square = np.linalg.lstsq(driven, reach.T)[0].T
+    shapes = plane @ scipy.linalg.sqrtm((square + square.T) / 2)
+    return np.asarray(shapes @ np.linalg.eigh((shapes.conj().T @ shapes).real)[1][:, ::-1])
+
+
+def _as_real_as_can_be(basis: ComplexArray) -> ComplexArray:
+    """Return another orthonormal basis of the same plane: real, if it has one.
+
+    A basis `R W`, R real and W unitary, has `W^T W` for the product of its transpose and itself.
+    """
+    return np.asarray(basis @ np.linalg.inv(scipy.linalg.sqrtm(basis.T @ basis)))

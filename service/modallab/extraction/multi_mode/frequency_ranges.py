@@ -1,0 +1,104 @@
+"""Which lines a global method reads, and to what order."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from itertools import pairwise
+
+import numpy as np
+
+from modallab.core.arrays import FloatArray, IntArray
+from modallab.core.errors import NoModeInBandError
+from modallab.extraction.options import MOST_ORDER, ExtractionOptions
+from modallab.extraction.preprocessing.bands import Band, find_bands, given_bands
+from modallab.extraction.preprocessing.common_peaks import CommonPeaks, find_common
+from modallab.extraction.preprocessing.responses import Responses
+
+PER_PEAK = 4  # orders a peak: two hold its pole, the rest what lies beside it and noise
+BESIDE = 16  # orders more, for what lies outside the range
+LEAST_ORDER = 4
+LINES_PER_ORDER = 3  # fewer lines than unknowns fit anything
+
+
+@dataclass(frozen=True)
+class FrequencyRanges:
+    """The lines of each range, rising, and why these."""
+
+    ranges: tuple[slice, ...]
+    why: str
+    left_out: tuple[str, ...] = ()
+
+    def said(self, freq: FloatArray) -> str:
+        """Return in words which lines of `freq`, (n_freq,) Hz, are searched, and why."""
+        spans = ", ".join(f"{freq[lines][0]:g} to {freq[lines][-1]:g} Hz" for lines in self.ranges)
+        return f"{spans}: {self.why}"
+
+
+@dataclass(frozen=True, eq=False)
+class Chart:
+    """A range of lines, and the orders of its stabilisation chart."""
+
+    lines: slice
+    orders: IntArray
+    why: str
+
+
+def find_frequency_ranges(
+    responses: Responses, indicator: FloatArray, bands: Sequence[tuple[float, float]] | None
+) -> FrequencyRanges:
+    """Return the lines of each range; bands that touch each other are one.
+
+    Parameters
+    ----------
+    responses
+        From `responses_of`.
+    indicator
+        (n_freq,) from `mode_indicator`.
+    bands
+        Pairs (lower, upper) in Hz that were asked for; by default all lines from the first that is more
+        than noise to the last, or where only peaks tell noise, the bands of those that are none.
+    """
+    if bands is not None:
+        return FrequencyRanges(_joined(given_bands(responses.freq, indicator, bands)), "as asked")
+    peaks = _common(responses, indicator)
+    if peaks.left_out:
+        return FrequencyRanges(_joined(peaks.bands), "peaks that FRFs have in common", peaks.left_out)
+    heard = np.flatnonzero(responses.coherent)
+    return FrequencyRanges((slice(int(heard[0]), int(heard[-1]) + 1),), "all lines that are more than noise")
+
+
+def _common(responses: Responses, indicator: FloatArray) -> CommonPeaks:
+    try:
+        return find_common(responses, indicator)
+    except NoModeInBandError:  # poles may be there without a peak
+        return CommonPeaks(())
+
+
+def _joined(found: Sequence[Band]) -> tuple[slice, ...]:
+    ends = [0, *(n + 1 for n, (a, b) in enumerate(pairwise(found)) if b.first > a.last + 1), len(found)]
+    return tuple(
+        slice(found[a].first, max(band.last for band in found[a:b]) + 1) for a, b in pairwise(ends) if a < b
+    )
+
+
+def orders_of(indicator: FloatArray, options: ExtractionOptions) -> tuple[IntArray, str]:
+    """Return the orders of the chart of a range, (n_orders,) rising, and why these."""
+    most = max((len(indicator) - 1) // LINES_PER_ORDER, LEAST_ORDER)
+    if options.max_order is not None:
+        top, why = min(options.max_order, most), "as asked"
+    else:
+        peaks = _n_peaks(indicator)
+        wanted = PER_PEAK * peaks + BESIDE
+        top = min(wanted, most, MOST_ORDER)
+        why = f"{PER_PEAK} for each of {peaks} peaks and {BESIDE} for what lies beside them"
+        if top == MOST_ORDER < wanted:
+            why += f", at most {MOST_ORDER}; bands of fewer peaks have as many each"
+    if top == most:
+        why += f", at most one for {LINES_PER_ORDER} of the {len(indicator)} lines"
+    return np.arange(2, top + 1), f"{top}: {why}"
+
+
+def _n_peaks(indicator: FloatArray) -> int:
+    try:
+        return len(find_bands(indicator))
+    except NoModeInBandError:
+        return 1

@@ -1,0 +1,39 @@
+"""Poly-reference least-squares complex frequency: a right matrix fraction for several inputs."""
+
+from dataclasses import replace
+
+import numpy as np
+
+from modallab.core.arrays import ComplexArray, FloatArray, IntArray
+from modallab.core.errors import InvalidInputError
+from modallab.extraction.multi_mode.fraction_poles import poles_of_fractions
+from modallab.extraction.multi_mode.global_method import GLOBAL_METHODS, Poles
+
+MOST_INPUTS = 6
+
+
+@GLOBAL_METHODS.register("poly_reference_lscf")
+def poly_reference_lscf(freq: FloatArray, frf: ComplexArray, weight: FloatArray, orders: IntArray) -> Poles:
+    """Poles of matrix fractions `H = B A^-1`; parameters and errors as `GlobalMethod`.
+
+    A polynomial of order n has n poles an input, and as many modes may coincide as there are inputs. With
+    one input it is `lscf`. A line of an output counts by the mean variance over its inputs. More inputs than
+    `MOST_INPUTS` are refused: the fit of all their participations would not fit into memory.
+
+    References
+    ----------
+    Peeters, B., Van der Auweraer, H., Guillaume, P. and Leuridan, J. (2004), Shock and Vibration 11,
+    395-409.
+    """
+    if frf.shape[2] > MOST_INPUTS:
+        raise InvalidInputError(
+            "poly_reference_lscf fits few references together",
+            field="inputs",
+            value=frf.shape[2],
+            allowed=f"at most {MOST_INPUTS}; lscf and methods of single modes take any number",
+        )
+    poles = poles_of_fractions(freq, frf, weight, orders)
+    residue = poles.vector.reshape(-1, *frf.shape[1:])
+    # of rank one, so that each row is the participation
+    clearest = np.linalg.norm(residue, axis=2).argmax(axis=1)
+    return replace(poles, participation=residue[np.arange(len(residue)), clearest])

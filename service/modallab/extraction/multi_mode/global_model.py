@@ -1,0 +1,168 @@
+"""A modal model out of fits of all FRFs at once."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray
+from modallab.core.modal_model import ModalModel, Mode, StabilisationChart
+from modallab.extraction.averaging.combine import NODE, SMALL
+from modallab.extraction.averaging.leakage_flag import leakage_flags
+from modallab.extraction.averaging.notes import no_scale
+from modallab.extraction.averaging.reference_shapes import ReferenceShapes, reference_shapes
+from modallab.extraction.multi_mode.coincident_modes import with_shapes_of_planes
+from modallab.extraction.multi_mode.range_modes import RangeModes, pairs
+from modallab.extraction.preprocessing.responses import Responses
+
+FITTED = "modal constants are fitted as those of one shape"
+
+
+@dataclass(frozen=True, eq=False)
+class GlobalFit:
+    """What one range of lines holds."""
+
+    lines: slice  # of the responses
+    modes: RangeModes
+
+
+def modal_model(
+    fits: Sequence[GlobalFit],
+    responses: Responses,
+    *,
+    method: str,
+    n_modes: int | None,
+    choices: Mapping[str, str],
+) -> ModalModel:
+    """Return the modes of all ranges as one set.
+
+    Parameters
+    ----------
+    fits
+        At least one, in rising frequency.
+    n_modes
+        How many to keep, the most prominent ones; all if None.
+    """
+    fits = [_as_reciprocity_has_it(fit, responses) for fit in fits]
+    chosen = _chosen(fits, n_modes)
+    each = [(fit.modes, row) for fit, rows in zip(fits, chosen, strict=True) for row in rows.tolist()]
+    constant = np.stack([modes.fit.modal_constant[row] for modes, row in each])
+    error = np.stack([modes.fit.modal_constant_error[row] for modes, row in each])
+    product = fits[0].modes.fit.participation is not None
+    # constants that are fitted as products say of a DoF no more together than each of them does
+    alike = len(responses.references) if product else 1
+    shapes = reference_shapes(constant, np.sqrt(alike) * error, responses.dofs, responses.references)
+    close = [pairs(fit.modes.fit, rows.tolist()) for fit, rows in zip(fits, chosen, strict=True)]
+    near = [said.get(row, []) for said, rows in zip(close, chosen, strict=True) for row in rows.tolist()]
+    nodes = [[*_nodes(a, e, responses.frfs)] for a, e in zip(constant, error, strict=True)]
+    return ModalModel(
+        modes=tuple(_mode(*each[n], shapes, n, (*near[n], *nodes[n])) for n in range(len(each))),
+        dofs=responses.dofs,
+        references=responses.references,
+        normalisation="none" if shapes.scale is None else "mass",
+        method=method,
+        modal_constant=constant,
+        modal_constant_error=error,
+        chart=_chart(fits, chosen),
+        choices={**choices, **shapes.said(FITTED if product else None)},
+        notes=(
+            *no_scale(shapes),
+            *_notes(fits, chosen),
+            *([f"{n_modes} modes asked for, {len(each)} found"] if n_modes and len(each) < n_modes else []),
+        ),
+    )
+
+
+def _chosen(fits: Sequence[GlobalFit], n_modes: int | None) -> list[IntArray]:
+    """Return the modes kept of each range: inside it, and of these the most prominent."""
+    inside = [np.flatnonzero(fit.modes.inside) for fit in fits]
+    if n_modes is None or sum(len(rows) for rows in inside) <= n_modes:
+        return inside
+    height = [_prominence(fit.modes)[rows] for fit, rows in zip(fits, inside, strict=True)]
+    least = np.sort(np.concatenate(height))[-n_modes]
+    return [rows[high >= least] for rows, high in zip(inside, height, strict=True)]
+
+
+def _prominence(modes: RangeModes) -> FloatArray:
+    """Return peak mobility squared over the FRFs, each in parts of its strongest mode, (n_modes,)."""
+    fit = modes.fit
+    peak = np.abs(fit.modal_constant) / (fit.loss_factor * fit.frequency)[:, None]
+    strongest = peak.max(axis=0)
+    return np.asarray(((peak / np.where(strongest > 0, strongest, 1.0)) ** 2).sum(axis=1))
+
+
+def _as_reciprocity_has_it(fit: GlobalFit, responses: Responses) -> GlobalFit:
+    known = with_shapes_of_planes(fit.modes.fit, responses.driving, responses.senses)
+    return replace(fit, modes=replace(fit.modes, fit=known))
+
+
+def _mode(modes: RangeModes, row: int, shapes: ReferenceShapes, n: int, flags: Sequence[str]) -> Mode:
+    """Return mode `n` of the model, that of a row of its range's fit; `flags` are of more than itself."""
+    fit, loss_factor = modes.fit, float(modes.fit.loss_factor[row])
+    errors = _numbers(np.array([fit.frequency_error[row], fit.loss_factor_error[row]]))
+    bias = {} if modes.leakage_bias is None else _numbers(modes.leakage_bias[row])
+    return Mode(
+        frequency=float(fit.frequency[row]),
+        loss_factor=loss_factor,
+        shape=shapes.shape[n],
+        standard_errors=errors,
+        shape_errors=shapes.error[n],
+        leakage_bias=bias,
+        flags=(*flags, *leakage_flags(bias, errors, loss_factor), *shapes.odd(n)),
+    )
+
+
+def _numbers(of: FloatArray) -> dict[str, float]:
+    return dict(zip(("frequency", "loss_factor"), of.tolist(), strict=True))
+
+
+def _nodes(constant: ComplexArray, error: FloatArray, names: Sequence[str]) -> Iterator[str]:
+    """Yield the FRFs that hardly show a mode."""
+    size = np.abs(constant)
+    hidden: BoolArray = size < np.maximum(NODE * error, SMALL * size.max())
+    for j in np.flatnonzero(hidden).tolist():
+        yield f"node: {names[j]}"
+
+
+def _chart(fits: Sequence[GlobalFit], chosen: Sequence[IntArray]) -> StabilisationChart:
+    """Return the charts of all ranges as one, their modes counted as in the modal model."""
+    charts, before = [], 0
+    for fit, rows in zip(fits, chosen, strict=True):
+        number = np.full(len(fit.modes.fit.eigenvalue) + 1, -1)
+        number[rows] = before + np.arange(len(rows))
+        chart = fit.modes.chart
+        charts.append(replace(chart, mode=number[chart.mode]))  # -1 finds the -1 at the end
+        before += len(rows)
+    return StabilisationChart(
+        *(
+            np.concatenate([getattr(chart, name) for chart in charts])
+            for name in ("order", "frequency", "loss_factor", "stability", "mode")
+        )
+    )
+
+
+def _notes(fits: Sequence[GlobalFit], chosen: Sequence[IntArray]) -> Iterator[str]:
+    """Yield why each mode is one, what was left out, and what noise the FRFs share."""
+    number = 0
+    for fit, rows in zip(fits, chosen, strict=True):
+        for row in rows:
+            number += 1
+            yield f"mode {number}, {fit.modes.fit.frequency[row]:.5g} Hz: {fit.modes.reasons[row]}"
+        for row in np.flatnonzero(~np.isin(np.arange(len(fit.modes.inside)), rows)).tolist():
+            yield f"left out, {fit.modes.fit.frequency[row]:.5g} Hz: {_why_not(fit.modes, row)}"
+        for reason in fit.modes.notes:
+            yield f"left out, {reason}"
+        if fit.modes.fit.common > 0:
+            share = 100 * fit.modes.fit.common
+            yield f"the FRFs have {share:.0f} % of their random error in common: standard errors allow for it"
+
+
+def _why_not(modes: RangeModes, row: int) -> str:
+    """Return in words why a pole of the fit is not kept as a mode."""
+    if modes.inside[row]:
+        return "less prominent than those asked for"
+    if modes.fit.loss_factor[row] <= 0:
+        return "it bends the lines there but gains energy, as no mode does"
+    if modes.bends[row]:
+        return "it bends the lines there, without a column of the chart or a peak of its own"
+    return "beyond the range"

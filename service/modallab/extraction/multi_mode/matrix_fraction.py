@@ -1,0 +1,238 @@
+"""Matrix fractions of all orders fitted to FRFs by linear least squares, from one set of sums.
+
+The fraction is `H(z) = B(z) A(z)^-1`, `A(z) = I + A_1 z + ... + A_n z^n`, where
+`z = exp(2 pi i (f - f_0)/(N df))`. Sums over the lines are Fourier sums, so the normal matrices consist of
+Toeplitz blocks. With the numerators eliminated,
+
+    M = sum_o (T_o - S_o^H R_o^-1 S_o)
+
+holds every order in its leading block, and one Cholesky factor solves them all. Because the LOWEST
+coefficient is held, poles that only fit noise come out unstable while those of the structure are stable.
+
+References
+----------
+Guillaume, P., Verboven, P., Vanlanduit, S., Van der Auweraer, H. and Peeters, B. (2003), Proc. 21st
+International Modal Analysis Conference, paper 183. Cauberghe, B., Guillaume, P., Verboven, P., Vanlanduit,
+S. and Parloo, E. (2005), Mechanical Systems and Signal Processing 19, 909-919. Sanathanan, C. K. and
+Koerner, J. (1963), IEEE Transactions on Automatic Control 8, 56-58.
+"""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+import scipy.fft
+import scipy.linalg
+
+from modallab.core.arrays import ComplexArray, FloatArray, IntArray
+
+# Part of the circle: on a whole one the two ends of a band would meet, and they differ. On an arc of
+# capacity c the least eigenvalue of normal equations of order n is some c^(2 n) of the largest.
+LEAST_ARC = 0.8
+LOST = 0.05
+LOUDEST = 100.0  # times the power of the usual FRF: an error told too small must not silence the others
+DEEPEST = 1e-8  # of the largest power: below, a line would not count at all
+ALIKE = 1e-9  # weights that differ by rounding
+COMPENSATED = 0.75  # of what noise adds to M: bias falls with it; with all of it, noise poles would be stable
+ROUNDING = 1e-14  # of the mean of a diagonal: sums of exact data are positive but for rounding
+
+
+@dataclass(frozen=True, eq=False)
+class ZDomainData:
+    """FRFs on an arc of the unit circle, all inputs and all FRFs brought to one size."""
+
+    frf: ComplexArray  # (n_out, n_in, n_freq): the lines last, along which all sums go
+    weight: FloatArray  # (n_out, n_freq) of an equation, a row of the FRF matrix; (1, n_freq) where all agree
+    noise: FloatArray  # (n_out, n_in, n_freq) E|error|^2 times that weight
+    scale: FloatArray  # (n_out, n_in) what the FRFs were divided by
+    points: int  # N, round the whole circle
+
+    def sums(self, values: ComplexArray | FloatArray, order: int) -> ComplexArray:
+        """Return `sum_k values_k z_k^l`, the lags l = -order to order on the last axis."""
+        turned = scipy.fft.ifft(values, self.points, norm="forward")
+        lags: ComplexArray = np.empty((*turned.shape[:-1], 2 * order + 1), complex)
+        lags[..., :order] = turned[..., self.points - order :]
+        lags[..., order:] = turned[..., : order + 1]
+        return lags
+
+
+@dataclass(frozen=True, eq=False)
+class Fractions:
+    """Denominators of all orders, and what gives the numerators."""
+
+    denominator: ComplexArray  # (n_orders, n + 1, n_in, n_in) A_0 = I, zero beyond the order
+    numerator: ComplexArray  # (n_out, n + 1, (n + 1) n_in) which makes B of A
+    noise: float  # what the data say that E|error|^2 is, over what the weights say
+
+
+def to_z_domain(frf: ComplexArray, weight: FloatArray, order: int) -> ZDomainData:
+    """Return the lines as the sums up to an order take them; other parameters as `GlobalMethod`.
+
+    The error of an equation is that of the FRF times `|A|`. The power of all FRFs together peaks where
+    `1/|A|^2` does, so that weighting by it makes the error of the FRFs least, and not of the equations.
+    """
+    by_lines = np.ascontiguousarray(frf.transpose(1, 2, 0))
+    square = by_lines.real**2 + by_lines.imag**2
+    mean = square.mean(axis=(0, 2))
+    scale = np.where(mean > 0, mean, 1.0)[:, None]
+    told = weight.transpose(1, 2, 0)
+    usable = told.min(axis=1) > 0
+    variance = np.divide(1 / scale, told, out=np.zeros(told.shape), where=usable[:, None])
+    row = np.divide(1.0, variance.mean(axis=1), out=np.zeros(usable.shape), where=usable)
+    power = (square / scale).sum(axis=1) * usable
+    level = _level(row, power)[:, None]
+    pattern = row / level * _gain(power)
+    noise = variance * (pattern * level)[:, None]
+    if (np.ptp(pattern, axis=0) <= ALIKE * pattern[0]).all():
+        pattern = pattern[:1]
+    each = np.sqrt(scale / level[:, None])
+    arc = max(LEAST_ARC, 2 / np.pi * np.arcsin(LOST ** (1 / (2 * order))))
+    points = scipy.fft.next_fast_len(int(np.ceil(len(frf) / arc)))
+    return ZDomainData(by_lines * (1 / each), pattern, noise, each[..., 0], points)
+
+
+def _level(row: FloatArray, power: FloatArray) -> FloatArray:
+    """Return what each FRF's weights are divided by, (n_out,), bounded where it is far above the others."""
+    level = row.mean(axis=1)
+    told = (row * power).sum(axis=1)
+    ranked = np.sort(told[told > 0])
+    loudest = LOUDEST * (ranked[len(ranked) // 2] if len(ranked) else 1.0)
+    level = level * np.minimum(1.0, loudest / np.where(told > 0, told, loudest))
+    return np.asarray(np.where(level > 0, level, 1.0))
+
+
+def _gain(power: FloatArray) -> FloatArray:
+    """Return the power of all FRFs, each in parts of its own sum, (n_freq,), with a geometric mean of 1."""
+    total = power.sum(axis=1)
+    gain = 1 / np.where(total > 0, total, 1.0) @ power
+    gain = np.maximum(gain, DEEPEST * (gain.max() or 1.0))
+    return np.asarray(gain / np.exp(np.log(gain).mean()))
+
+
+def fit_fractions(circle: ZDomainData, orders: IntArray) -> Fractions:
+    """Return the fractions of every order.
+
+    Parameters
+    ----------
+    circle
+        From `to_z_domain`.
+    orders
+        (n_orders,) rising.
+    """
+    normal = _normal(circle, int(orders[-1]))
+    added = _added_by_noise(circle, normal)
+    level = _noise_level(_factor(normal.reduced, normal.total), added)
+    unbiased = replace(normal, reduced=normal.reduced - COMPENSATED * level * added)
+    return Fractions(unbiased.solve(orders), normal.numerator, level)
+
+
+@dataclass(frozen=True, eq=False)
+class _Normal:
+    """Least squares of the highest order, the numerators eliminated."""
+
+    reduced: ComplexArray  # ((n + 1) n_in, (n + 1) n_in) M, of which the lower triangle counts
+    total: ComplexArray  # the same shape, sum of all T_o
+    inverse: ComplexArray  # (n_out, n + 1, n + 1) R^-1; (1, ...) where all agree
+    numerator: ComplexArray  # (n_out, n + 1, (n + 1) n_in) R^-1 S
+
+    def solve(self, orders: IntArray) -> ComplexArray:
+        """Return A of every order, (n_orders, n + 1, n_in, n_in)."""
+        order = self.inverse.shape[1] - 1
+        m = len(self.reduced) // (order + 1)
+        inverse = _inverse(_factor(self.reduced[m:, m:], self.total)[None])[0]
+        forward = inverse @ -self.reduced[m:, :m]
+        held = np.arange(order * m)[:, None, None] < m * orders[:, None]
+        each = np.where(held, forward[:, None, :], 0.0).reshape(order * m, -1)
+        free = inverse.conj().T @ each
+        solved = np.empty((len(orders), order + 1, m, m), complex)
+        solved[:, 0] = np.eye(m)
+        solved[:, 1:] = np.moveaxis(free.reshape(order, m, len(orders), m), 2, 0)
+        return solved
+
+
+def _normal(circle: ZDomainData, order: int) -> _Normal:
+    n_out, n_in, n_freq = circle.frf.shape
+    size = (order + 1) * n_in
+    weighted = circle.weight[:, None] * circle.frf
+    power = np.einsum("oik,ojk->ijk", weighted.conj(), circle.frf)
+    # all sums by one transform: one call a set costs as much as the sums
+    rows = (weighted.reshape(-1, n_freq), power.reshape(-1, n_freq), circle.weight)
+    every = _toeplitz(circle.sums(np.concatenate(rows), order))
+    first, last = len(rows[0]), len(rows[0]) + len(rows[1])
+    square = (order + 1, order + 1)
+    each = every[:first].reshape(n_out, n_in, *square).transpose(0, 2, 3, 1)
+    of_outputs = each.reshape(n_out, order + 1, size)
+    total = every[first:last].reshape(n_in, n_in, *square).transpose(2, 0, 3, 1).reshape(size, size)
+    own = every[last:]
+    # R^-1 = F^H F: a difference of squares loses less to rounding than one with R^-1
+    factor = _inverse(_factor(own, own))
+    part = (factor @ of_outputs).reshape(-1, size)
+    turned = factor.conj().transpose(0, 2, 1)
+    numerator = turned @ part.reshape(of_outputs.shape)
+    eliminated = scipy.linalg.blas.zherk(1.0, part.T).T  # part^H part, half the work of a general product
+    return _Normal(total - eliminated, total, turned @ factor, numerator)
+
+
+def _toeplitz(lags: ComplexArray) -> ComplexArray:
+    """Return matrices whose element (j, k) is the lag k - j, (..., n + 1, n + 1)."""
+    order = lags.shape[-1] // 2
+    shape, one = (*lags.shape[:-1], order + 1, order + 1), lags.strides[-1]
+    strides = (*lags.strides[:-1], -one, one)
+    return np.lib.stride_tricks.as_strided(lags[..., order:], shape, strides, writeable=False)
+
+
+def _factor(matrices: ComplexArray, of: ComplexArray) -> ComplexArray:
+    """Return lower Cholesky factors; what rounding of sums as large as `of` took away is put back first."""
+    mean = np.einsum("...ii->...", of).real / of.shape[-1]
+    ridge = np.where(mean > 0, ROUNDING * mean, 1.0)
+    raised = np.array(matrices)
+    diagonal = np.einsum("...ii->...i", raised)
+    while True:
+        diagonal += ridge[..., None]
+        try:
+            return np.asarray(np.linalg.cholesky(raised))
+        except np.linalg.LinAlgError:
+            ridge = 10 * ridge
+
+
+def _inverse(factors: ComplexArray) -> ComplexArray:
+    """Return the inverses of lower triangular matrices."""
+    # a general inverse costs six times as much
+    return np.stack([scipy.linalg.lapack.ztrtri(factor, lower=1)[0] for factor in factors])
+
+
+def _added_by_noise(circle: ZDomainData, normal: _Normal) -> ComplexArray:
+    """Return C, what noise as the weights tell it adds to M.
+
+    Of the noise in an equation the numerators take up a share: the leverage of its line.
+    """
+    n_in = circle.frf.shape[1]
+    order = normal.inverse.shape[1] - 1
+    lags = _along_diagonals(normal.inverse)
+    round_circle = np.zeros((len(lags), circle.points), complex)
+    round_circle[:, : order + 1] = lags[:, order:]
+    round_circle[:, circle.points - order :] = lags[:, :order]
+    leverage = circle.weight * scipy.fft.fft(round_circle)[:, : circle.weight.shape[1]].real
+    left = np.clip(1 - leverage, 0.0, 1.0)
+    own = _toeplitz(circle.sums((circle.noise * left[:, None]).sum(axis=0), order))
+    added = np.zeros((order + 1, n_in, order + 1, n_in), complex)
+    for i in range(n_in):
+        added[:, i, :, i] = own[i]
+    return added.reshape(normal.reduced.shape)
+
+
+def _along_diagonals(matrices: ComplexArray) -> ComplexArray:
+    """Return the sum of every diagonal, (..., 2 n + 1), that of lag -n first."""
+    size = matrices.shape[-1]
+    # each row put one further to the right than the row below it
+    skewed = np.zeros((*matrices.shape[:-1], 2 * size), complex)
+    skewed[..., :size] = matrices[..., ::-1, :]
+    flat = skewed.reshape(*matrices.shape[:-2], -1)[..., :-size]
+    return np.asarray(flat.reshape(*matrices.shape[:-1], 2 * size - 1).sum(axis=-2))
+
+
+def _noise_level(factor: ComplexArray, added: ComplexArray) -> float:
+    """Return the largest c that leaves `M - c C` without a negative eigenvalue, of the factor of M."""
+    inverse = _inverse(factor[None])[0]
+    whole = inverse @ added @ inverse.conj().T
+    largest = float(np.linalg.eigvalsh(whole)[-1])
+    return 1 / largest if largest > 0 else 0.0

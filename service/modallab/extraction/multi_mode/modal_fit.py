@@ -1,0 +1,224 @@
+"""All modes in all FRFs at once, by weighted least squares, with their covariance."""
+
+import numpy as np
+
+from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.core.progress import Progress, silent
+from modallab.extraction.multi_mode.fit_result import ModalFit
+from modallab.extraction.multi_mode.modal_covariance import evened, turned, uncertainty
+from modallab.extraction.multi_mode.participation import SharedShapeBasis
+from modallab.extraction.multi_mode.physical_units import constants, to_physical_units
+from modallab.extraction.multi_mode.pole_basis import BASES, PoleBasis
+from modallab.extraction.multi_mode.variable_projection import Linear, Scaled, scaled, solve_linear
+from modallab.extraction.options import Damping
+
+ROUNDS = 40  # steps tried; from a pole finder's start four to eight are taken
+USUAL = 6  # steps, in which half of the work is said to be done
+SETTLED = 0.02  # standard errors: what a last step may still move a mode by
+NOTHING = 0.05  # of what random error lowers the misfit by per unknown: a step that wins less is the last
+LEVEL = 1e-9  # of the misfit: what a step gains or loses by rounding, and through directions nobody sees
+EXACT = 1e-13  # of an eigenvalue, where the lines hold rounding only
+FARTHEST = 0.5  # of a mode's own damping: what one step may change of it, or the slopes no longer hold
+# Of the ends of the range: a mode further below is but a mass, further above but a constant and the pole held
+# there. It would wander for ever.
+FARTHEST_BELOW, FARTHEST_ABOVE = 0.3, 1.4
+FIRST, STRICTER, LOOSER = 1e-4, 10.0, 0.1  # Levenberg-Marquardt damping, of the normal matrix's diagonal
+
+
+def fit_modes(
+    freq: FloatArray,
+    receptance: ComplexArray,
+    weight: FloatArray,
+    start: ComplexArray,
+    *,
+    damping: Damping = Damping.STRUCTURAL,
+    participation: ComplexArray | None = None,
+    progress: Progress = silent,
+) -> ModalFit:
+    """Return all modes in all FRFs, with residuals, from eigenvalues to start at.
+
+    Separable least squares: modal constants and residuals are solved for inside (with `start` held they
+    are the least-squares frequency-domain shapes), Gauss-Newton steps on the eigenvalues alone, damped
+    as by Levenberg and Marquardt. Slopes by Kaufman's form of the variable projection.
+
+    Parameters
+    ----------
+    freq
+        (n_lines,) Hz, above 0, in any spacing.
+    receptance
+        (n_lines, n_frf) m/N, of several references DoF by DoF.
+    weight
+        (n_lines, n_frf) one over E|error|^2; 0 leaves a line out.
+    start
+        (n_modes,) omega_r^2 (1 + i eta_r), (rad/s)^2.
+    damping
+        Law of the modes.
+    participation
+        (n_modes, n_ref) how strongly each reference reaches a mode, to start at: the modal constants of a
+        mode are then products `psi_j L_k`, and as many modes as references may coincide. None: each FRF has
+        a constant of its own.
+    progress
+        Told how many steps have been taken.
+
+    References
+    ----------
+    Golub, G. H. and Pereyra, V. (1973), SIAM Journal on Numerical Analysis 10, 413-432.
+    Kaufman, L. (1975), BIT 15, 49-57.
+    """
+    n_ref = 1 if participation is None else participation.shape[1]
+    lines = scaled(2 * np.pi * freq, receptance, weight, n_ref)
+    order = np.argsort(start, kind="stable")
+    reach = None if participation is None or n_ref == 1 else participation[order]
+    basis, begin = _begin(start[order] / lines.unit**2, reach, damping)
+    parameters, linear = _descend(lines, basis, begin, progress)
+    order = np.argsort(parameters[:, 0], kind="stable")
+    if (np.diff(order) < 0).any():  # modes have changed places
+        parameters, basis = parameters[order], basis.at(order)
+        linear = solve_linear(lines, basis, parameters)
+    return to_physical_units(lines, basis, parameters, linear, uncertainty(lines, basis, parameters, linear))
+
+
+def one_step(
+    freq: FloatArray, receptance: ComplexArray, weight: FloatArray, fit: ModalFit, *, damping: Damping
+) -> tuple[ComplexArray, ComplexArray]:
+    """Return where one Gauss-Newton step takes the modes of a fit, to tell how they follow small changes.
+
+    Parameters
+    ----------
+    freq, receptance, weight, damping
+        As of `fit_modes`; the lines a little changed.
+    fit
+        What it returned of the lines as they were.
+
+    Returns
+    -------
+    Eigenvalues, (n_modes,) (rad/s)^2, and modal constants, (n_modes, n_frf) 1/kg.
+    """
+    n_ref = 1 if fit.participation is None else fit.participation.shape[1]
+    lines = scaled(2 * np.pi * freq, receptance, weight, n_ref)
+    basis, parameters = _begin(fit.eigenvalue / lines.unit**2, fit.participation, damping)
+    normal, slope = _normal_equations(basis, solve_linear(lines, basis, parameters))
+    step = _step(normal, slope, 0.0).reshape(parameters.shape)
+    # a mode far beyond the range is one that nothing holds
+    parameters = parameters + _limited(step, parameters, (float(lines.omega.min()) ** 2, 1.0))
+    constant = constants(lines, basis, parameters, solve_linear(lines, basis, parameters))
+    stiffness = lines.unit**2 * parameters[:, 0]
+    return np.asarray(stiffness * (1 + 1j * basis.loss_factor(parameters)[0])), constant
+
+
+def _begin(
+    eigenvalue: ComplexArray, participation: ComplexArray | None, damping: Damping
+) -> tuple[PoleBasis, FloatArray]:
+    """Return the basis, and the parameters to start at."""
+    law = BASES[damping]
+    if participation is None:
+        return law, law.parameters(eigenvalue)
+    basis = SharedShapeBasis(damping, np.abs(participation).argmax(axis=1), participation.shape[1])
+    return basis, basis.start(law.parameters(eigenvalue), participation)
+
+
+def held_modes(
+    freq: FloatArray,
+    receptance: ComplexArray,
+    weight: FloatArray,
+    eigenvalue: ComplexArray,
+    *,
+    damping: Damping = Damping.STRUCTURAL,
+) -> ModalFit:
+    """Return modal constants and residuals with the eigenvalues held; parameters as `fit_modes`.
+
+    Least squares in the frequency domain: the shapes of known poles. The covariance of the eigenvalues is
+    that which they would have if they too were fitted, from here.
+    """
+    basis = BASES[damping]
+    lines = scaled(2 * np.pi * freq, receptance, weight)
+    parameters = basis.parameters(np.sort_complex(eigenvalue) / lines.unit**2)
+    linear = solve_linear(lines, basis, parameters)
+    return to_physical_units(lines, basis, parameters, linear, uncertainty(lines, basis, parameters, linear))
+
+
+def fitted_receptance(fit: ModalFit, freq: FloatArray, damping: Damping) -> ComplexArray:
+    """Return the receptance that a fit gives back, (n_lines, n_frf) m/N, residuals included.
+
+    Parameters
+    ----------
+    freq
+        (n_lines,) Hz, above 0.
+    damping
+        Law it was fitted with.
+    """
+    basis = BASES[damping]
+    omega = 2 * np.pi * freq
+    parameters = basis.parameters(fit.eigenvalue)
+    parts = np.stack([fit.modal_constant.real, fit.modal_constant.imag], axis=2)
+    coefficients = np.linalg.inv(basis.constant(parameters)) @ parts[..., None]
+    columns = basis.columns(omega, parameters).reshape(len(freq), -1)
+    modes = columns @ coefficients[..., 0].swapaxes(1, 2).reshape(-1, fit.modal_constant.shape[1])
+    below, above = fit.residuals
+    return np.asarray(modes + above - below / omega[:, None] ** 2, complex)
+
+
+def _descend(
+    lines: Scaled, basis: PoleBasis, parameters: FloatArray, progress: Progress
+) -> tuple[FloatArray, Linear]:
+    """Return the parameters of least misfit, and what is linear there."""
+    linear = solve_linear(lines, basis, parameters)
+    damping, ends = FIRST, (float(lines.omega.min()) ** 2, 1.0)
+    n_spare = max(2 * int((lines.weight > 0).sum()) - linear.coefficients.size - parameters.size, 1)
+    # modes that begin beyond the range stay there: what they are for is not in it
+    lowest = np.where(parameters[:, 0] > ends[1], ends[1], FARTHEST_BELOW**2 * ends[0])
+    highest = np.where(parameters[:, 0] < ends[0], ends[0], FARTHEST_ABOVE**2 * ends[1])
+    for n in range(ROUNDS):
+        progress(n / (n + USUAL), "fitting all modes to all FRFs")
+        normal, slope = _normal_equations(basis, linear)
+        step = _limited(_step(normal, slope, damping).reshape(parameters.shape), parameters, ends)
+        trial = parameters + step
+        trial[:, 0] = np.clip(trial[:, 0], lowest, highest)
+        if not _moves(trial - parameters, normal, parameters, 2 * linear.misfit.sum() / n_spare):
+            break
+        tried = solve_linear(lines, basis, trial)
+        gain = float(linear.misfit.sum() - tried.misfit.sum())
+        if abs(gain) < LEVEL * linear.misfit.sum():
+            break
+        if gain > 0:
+            parameters, linear, damping = trial, tried, damping * LOOSER
+            if gain < NOTHING * linear.misfit.sum() / n_spare:
+                break
+        else:
+            damping = max(damping, FIRST) * STRICTER
+            if damping > 1 / FIRST**2:  # rounding: no smaller step does better
+                break
+    return parameters, linear
+
+
+def _normal_equations(basis: PoleBasis, linear: Linear) -> tuple[FloatArray, FloatArray]:
+    """Return the normal matrix of all parameters and its right-hand side."""
+    c = turned(basis, linear)
+    normal = np.einsum("jps,jsq->pq", c @ linear.beside, c.swapaxes(1, 2), optimize=True)
+    return normal, np.einsum("jps,js->p", c, linear.gradient)
+
+
+def _step(normal: FloatArray, slope: FloatArray, damping: float) -> FloatArray:
+    even, length = evened(normal)
+    pull = np.where(np.diag(normal) > 0, slope / length, 0.0)
+    return np.asarray(np.linalg.solve(even + (damping + 1e-14) * np.eye(len(length)), pull) / length)
+
+
+def _moves(step: FloatArray, normal: FloatArray, parameters: FloatArray, variance: float) -> bool:
+    """Return whether a step is more than a small part of the standard errors, and than rounding."""
+    far = float(step.ravel() @ normal @ step.ravel()) > SETTLED**2 * variance
+    return far and bool((np.abs(step) > EXACT * parameters[:, :1]).any())
+
+
+def _limited(step: FloatArray, parameters: FloatArray, ends: tuple[float, float]) -> FloatArray:
+    """Return the step, each mode's cut to where its slopes still hold and its damping stays positive.
+
+    Of a mode beyond the ends of the range, whose damping hardly shows, to part of its distance from them. A
+    participation, of which the largest is 1, moves by no more than `FARTHEST` at once either.
+    """
+    stiffness, damping = parameters[:, :2].T
+    beyond = np.abs(stiffness - np.clip(stiffness, *ends))
+    most = FARTHEST * np.minimum(np.maximum(np.abs(damping), beyond), stiffness)
+    longest = np.maximum(np.abs(step[:, :2]).max(axis=1), 1e-300)
+    turned = np.maximum(np.abs(step[:, 2:]).max(axis=1, initial=0.0), 1e-300)
+    return np.asarray(step * np.minimum(1.0, np.minimum(most / longest, FARTHEST / turned))[:, None])

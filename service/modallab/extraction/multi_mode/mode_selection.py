@@ -1,0 +1,180 @@
+"""Which columns of a stabilisation chart are modes, and why."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from modallab.core.arrays import ComplexArray, FloatArray, IntArray, frozen
+from modallab.core.modal_model import StabilisationChart
+from modallab.extraction.multi_mode.global_method import Poles
+from modallab.extraction.multi_mode.pole_tracks import pole_tracks
+
+STABLE = 2  # in frequency and damping
+LEAST = 5  # stable poles of a mode; fewer where the chart has few orders
+LEAST_PART = 1 / 3  # of the orders
+SHARE = 0.5  # of the orders from its first stable pole on
+NOTED = 3  # stable poles, from which a column that is no mode is spoken of
+STRONG = 4.0  # times what noise would be, rms over many FRFs: the strongest of noise poles reach 3
+FEW = 3.0  # with one FRF they reach twice that
+NARROWEST = 0.005  # of a line: what one line alone shows is hum, or a wrong value
+BROADEST = 0.4  # loss factor: what has died away after two periods is no resonance
+NEAR = 3.0  # half-power bandwidths: modes within them share their circles
+
+
+@dataclass(frozen=True, eq=False)
+class Selection:
+    """Poles taken for modes, in rising frequency, and what speaks for each."""
+
+    pole: ComplexArray  # (n_modes,) s = -zeta omega_r + i omega_r sqrt(1 - zeta^2), rad/s
+    frequency_scatter: FloatArray  # (n_modes,) Hz, standard deviation over the orders it is taken from
+    loss_factor_scatter: FloatArray  # (n_modes,)
+    mode: IntArray  # (n_poles,) which mode each pole of the chart speaks for, from 0; -1 for none
+    reasons: tuple[str, ...]  # (n_modes,) in words
+    pairs: tuple[tuple[int, int], ...]  # neighbouring modes within `NEAR` bandwidths of each other
+    left_out: tuple[str, ...]  # in words: columns that might have been modes, and why they are not
+    participation: ComplexArray | None  # (n_modes, n_in) at the highest of these orders, as of `Poles`
+
+    def __post_init__(self) -> None:
+        n = len(self.pole)
+        object.__setattr__(self, "pole", frozen(self.pole, complex, (n,), name="pole"))
+        for name in ("frequency_scatter", "loss_factor_scatter"):
+            object.__setattr__(self, name, frozen(getattr(self, name), float, (n,), name=name))
+        object.__setattr__(self, "mode", frozen(self.mode, int, (None,), name="mode"))
+
+    @property
+    def frequency(self) -> FloatArray:
+        """(n_modes,) |s|/2 pi, Hz."""
+        return np.asarray(np.abs(self.pole) / (2 * np.pi))
+
+    @property
+    def loss_factor(self) -> FloatArray:
+        """(n_modes,) twice the damping ratio."""
+        return np.asarray(-2 * self.pole.real / np.abs(self.pole))
+
+
+def chart_of(poles: Poles, stability: IntArray, selection: Selection) -> StabilisationChart:
+    """Return the chart that shows what was found and taken."""
+    return StabilisationChart(poles.order, poles.frequency, poles.loss_factor, stability, selection.mode)
+
+
+@dataclass(frozen=True, eq=False)
+class _Column:
+    """What the chart says of one pole over the orders."""
+
+    members: IntArray  # which poles of the chart, highest order first
+    taken: IntArray  # of them, those its values are of: stable ones, of the higher orders
+    pole: complex
+    frequency: float  # Hz
+    loss_factor: float
+    frequency_scatter: float
+    loss_factor_scatter: float
+    strength: float
+    n_stable: int
+    n_alike: int  # stable in the vector too
+    first: int  # order of the lowest stable pole
+    n_since: int  # orders of the chart from there on
+
+
+def select(poles: Poles, stability: IntArray) -> Selection:
+    """Return the modes that a chart shows, with the reason for each, and what was not taken.
+
+    A column of poles is a mode if it is stable at enough orders, and at most of them once it first was;
+    if its part of the FRFs is more than noise; and if it is as broad as a resonance. Its pole is the median
+    of those stable at the higher orders, where noise biases them least.
+
+    Parameters
+    ----------
+    poles
+        Of rising orders, from a member of `GLOBAL_METHODS`.
+    stability
+        (n_poles,) from `stabilise`.
+    """
+    seen = [_column(poles, stability, members) for members in pole_tracks(poles)]
+    columns = sorted((column for column in seen if column is not None), key=lambda column: column.frequency)
+    against = [_against(column, poles) for column in columns]
+    modes = [column for column, why in zip(columns, against, strict=True) if why is None]
+    mode = np.full(len(poles.order), -1)
+    for m, column in enumerate(modes):
+        mode[column.members] = m
+    pairs = _pairs(modes)
+    return Selection(
+        np.array([column.pole for column in modes], complex),
+        np.array([column.frequency_scatter for column in modes]),
+        np.array([column.loss_factor_scatter for column in modes]),
+        mode,
+        tuple(_reason(modes, m, int(poles.orders[-1]), pairs) for m in range(len(modes))),
+        pairs,
+        tuple(
+            f"{column.frequency:.5g} Hz: {why}"
+            for column, why in zip(columns, against, strict=True)
+            if why is not None and column.n_stable >= NOTED
+        ),
+        None if poles.participation is None else poles.participation[[int(c.taken[0]) for c in modes]],
+    )
+
+
+def _column(poles: Poles, stability: IntArray, members: IntArray) -> _Column | None:
+    """Return what speaks for a column, None if it is nowhere stable."""
+    stable = members[stability[members] >= STABLE]
+    if not len(stable):
+        return None
+    taken = stable[: max(LEAST, (len(stable) + 1) // 2)]
+    first = int(poles.order[stable].min())
+    pole = complex(np.median(poles.pole[taken].real), np.median(poles.pole[taken].imag))
+    return _Column(
+        members=members,
+        taken=taken,
+        pole=pole,
+        frequency=abs(pole) / (2 * np.pi),
+        loss_factor=-2 * pole.real / abs(pole),
+        frequency_scatter=float(poles.frequency[taken].std()),
+        loss_factor_scatter=float(poles.loss_factor[taken].std()),
+        strength=float(np.median(poles.strength[taken])),
+        n_stable=len(stable),
+        n_alike=int((stability[stable] > STABLE).sum()),
+        first=first,
+        n_since=int((poles.orders >= first).sum()),
+    )
+
+
+def _against(column: _Column, poles: Poles) -> str | None:
+    """Return in words why a column is no mode, None if it is one."""
+    # the lowest order is stable against none
+    least = min(LEAST, max(1, int(LEAST_PART * (len(poles.orders) - 1))))
+    if column.n_stable < least or column.n_stable < SHARE * column.n_since:
+        return f"stable at only {column.n_stable} of {column.n_since} orders from {column.first} on"
+    if column.strength < STRONG * np.sqrt(1 + FEW / poles.vector.shape[1]):
+        return f"no more than noise, {column.strength:.2g} standard errors of a line"
+    if column.loss_factor > BROADEST:
+        return f"no resonance, its loss factor is {column.loss_factor:.2g}"
+    width = column.loss_factor * column.frequency / poles.spacing
+    if width < NARROWEST:
+        return f"no resonance but a line of its own, only {width:.2g} of a line wide"
+    return None
+
+
+def _pairs(modes: list[_Column]) -> tuple[tuple[int, int], ...]:
+    return tuple((m, m + 1) for m in range(len(modes) - 1) if _gap(modes[m], modes[m + 1]) < NEAR)
+
+
+def _gap(lower: _Column, upper: _Column) -> float:
+    """Return how far two modes are apart, in half-power bandwidths of the broader one."""
+    width = max(column.loss_factor * column.frequency for column in (lower, upper))
+    return (upper.frequency - lower.frequency) / width
+
+
+def _reason(modes: list[_Column], m: int, highest: int, pairs: tuple[tuple[int, int], ...]) -> str:
+    column = modes[m]
+    parts = [
+        f"stable at {column.n_stable} of {column.n_since} orders from {column.first} to {highest}, "
+        f"{column.n_alike} of them in its shape",
+        f"scatter {100 * column.frequency_scatter / column.frequency:.2g} % in frequency and "
+        f"{100 * column.loss_factor_scatter / column.loss_factor:.2g} % in loss factor",
+        f"{20 * np.log10(column.strength):.0f} dB above the noise of a line",
+    ]
+    for pair in pairs:
+        if m in pair:
+            other = modes[pair[0] + pair[1] - m]
+            gap = _gap(modes[pair[0]], modes[pair[1]])
+            parts.append(f"a pair with {other.frequency:.5g} Hz, {gap:.2g} bandwidths away")
+    return "; ".join(parts)

@@ -1,0 +1,123 @@
+"""What one mode contributes to FRFs of several references: one shape, and how strongly each reaches it."""
+
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from modallab.core.arrays import ComplexArray, FloatArray, IntArray
+from modallab.extraction.multi_mode.pole_basis import BASES, ModelledPoleBasis
+from modallab.extraction.options import Damping
+
+OF_POLE = 2  # parameters of a mode that place it; the others are its participation
+TURNED = np.array([[0.0, -1.0], [1.0, 0.0]])  # times i, in parts
+
+
+@dataclass(frozen=True, eq=False)
+class SharedShapeBasis:
+    """Rank one: `A_jk = psi_j L_k`; parameters are those of the law, then parts of each L but one.
+
+    Of a mode's L the one named by `pivot` is held at 1: its size is that of the shape.
+    """
+
+    damping: Damping
+    pivot: IntArray  # (n_modes,) which reference
+    n_references: int
+
+    @property
+    def turned(self) -> bool:
+        """As of the law."""
+        return self._law.turned
+
+    @property
+    def turn(self) -> FloatArray:
+        """(2, n_parameters, n_slopes)."""
+        n_free = self.n_references - 1
+        turn = np.zeros((2, OF_POLE + 2 * n_free, 4 + 2 * n_free))
+        for c in (0, 1):
+            turn[c, 0, c] = turn[c, 1, 2 + c] = 1.0
+        real, imaginary = OF_POLE + 2 * np.arange(n_free), OF_POLE + 1 + 2 * np.arange(n_free)
+        first, second = 4 + 2 * np.arange(n_free), 5 + 2 * np.arange(n_free)
+        turn[0, real, first] = turn[1, real, second] = turn[0, imaginary, second] = 1.0
+        turn[1, imaginary, first] = -1.0
+        return turn
+
+    @property
+    def _law(self) -> ModelledPoleBasis:
+        return BASES[self.damping]
+
+    @property
+    def _free(self) -> IntArray:
+        """(n_modes, n_references - 1) which references are not held."""
+        every = np.broadcast_to(np.arange(self.n_references), (len(self.pivot), self.n_references))
+        return np.asarray(every[every != self.pivot[:, None]].reshape(len(self.pivot), -1))
+
+    def start(self, parameters: FloatArray, participation: ComplexArray) -> FloatArray:
+        """Return the parameters of modes, (n_modes, n_parameters), from those of the law and every L."""
+        held = participation / np.take_along_axis(participation, self.pivot[:, None], axis=1)
+        free = np.take_along_axis(held, self._free, axis=1)
+        parts = np.stack([free.real, free.imag], axis=2).reshape(len(parameters), -1)
+        return np.concatenate([parameters, parts], axis=1)
+
+    def participation(self, parameters: FloatArray) -> ComplexArray:
+        """Return L of every mode, (n_modes, n_references)."""
+        reach = np.ones((len(parameters), self.n_references), complex)
+        free = parameters[:, OF_POLE::2] + 1j * parameters[:, OF_POLE + 1 :: 2]
+        np.put_along_axis(reach, self._free, free, axis=1)
+        return reach
+
+    def at(self, order: IntArray) -> "SharedShapeBasis":
+        """Return the same for modes in another order."""
+        return replace(self, pivot=self.pivot[order])
+
+    def parameters(self, eigenvalue: ComplexArray) -> FloatArray:
+        """Return those of the law, (n_modes, 2)."""
+        return self._law.parameters(eigenvalue)
+
+    def loss_factor(self, parameters: FloatArray) -> tuple[FloatArray, FloatArray]:
+        """Return (n_modes,) and the derivatives by the law's parameters, (n_modes, 2)."""
+        return self._law.loss_factor(parameters[:, :OF_POLE])
+
+    def columns(self, omega: FloatArray, parameters: FloatArray) -> ComplexArray:
+        """Return those of the law, (n_lines, n_modes, 2)."""
+        return self._law.columns(omega, parameters[:, :OF_POLE])
+
+    def slopes(self, omega: FloatArray, parameters: FloatArray) -> ComplexArray:
+        """Return those of the law, (n_lines, n_modes, n_own)."""
+        return self._law.slopes(omega, parameters[:, :OF_POLE])
+
+    def mixing(self, parameters: FloatArray) -> FloatArray:
+        """Return (n_references, n_modes, 2 + n_own, 2 + n_slopes).
+
+        A mode of shape psi gives a reference `psi L`, and that its law's coefficients: a rotation of the
+        parts of psi, and the inverse of how the law makes modal constants of coefficients. The slopes by the
+        law's parameters are those of both; those by parts of an L are the columns, at that reference alone.
+        """
+        law, n_own = parameters[:, :OF_POLE], self._law.turn.shape[2]
+        unit = np.linalg.inv(self._law.constant(law)[:, 0])  # (n_modes, coefficient, part)
+        reach = self.constant(parameters).swapaxes(0, 1)  # (n_references, n_modes, part, part of psi)
+        shape = (self.n_references, len(parameters), 2 + n_own, 2 + self.turn.shape[2])
+        mixing = np.zeros(shape)
+        mixing[:, :, :2, :2] = unit @ reach
+        for p in range(OF_POLE):
+            of_law = np.zeros((len(parameters), 2 + n_own, 2))
+            of_law[:, :2] = -unit @ self._law.constant_by_pole(law)[:, p] @ unit
+            of_law[:, 2:] = self._law.turn[:, p].T @ unit
+            mixing[:, :, :, 2 + 2 * p : 4 + 2 * p] = of_law @ reach
+        modes = np.arange(len(parameters))
+        for n, free in enumerate(self._free.T):
+            mixing[free, modes, :2, 6 + 2 * n : 8 + 2 * n] = unit
+        return mixing
+
+    def constant(self, parameters: FloatArray) -> FloatArray:
+        """Return (n_modes, n_references, 2, 2)."""
+        reach = self.participation(parameters)[..., None, None]
+        return np.asarray(reach.real * np.eye(2) + reach.imag * TURNED)
+
+    def constant_slopes(self, parameters: FloatArray) -> FloatArray:
+        """Return the derivatives of `constant`, (n_modes, n_references, n_parameters, 2, 2)."""
+        n_modes, n_parameters = parameters.shape
+        slopes = np.zeros((n_modes, self.n_references, n_parameters, 2, 2))
+        modes, free = np.arange(n_modes)[:, None], np.arange(self.n_references - 1)
+        slopes[modes, self._free, OF_POLE + 2 * free] = np.eye(2)
+        slopes[modes, self._free, OF_POLE + 1 + 2 * free] = TURNED
+        return slopes

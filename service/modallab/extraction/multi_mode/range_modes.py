@@ -1,0 +1,184 @@
+"""The modes of one stretch of the axis: poles of all FRFs, those that are modes, and the fit of these."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.optimize
+
+from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray
+from modallab.core.errors import NoModeInBandError
+from modallab.core.modal_model import StabilisationChart
+from modallab.core.progress import Progress, part
+from modallab.extraction.multi_mode.coincident_modes import said_of_coincident
+from modallab.extraction.multi_mode.fit_result import ModalFit
+from modallab.extraction.multi_mode.global_method import GlobalMethod, Poles
+from modallab.extraction.multi_mode.leakage_correction import LeakageCorrection, all_starts, cleaned
+from modallab.extraction.multi_mode.leaked_modes import allowing_for_leakage
+from modallab.extraction.multi_mode.mode_selection import NEAR, Selection, chart_of, select
+from modallab.extraction.multi_mode.refinement import BandData, StartingPoles, between_ends, refine
+from modallab.extraction.multi_mode.stabilisation import stabilise
+from modallab.extraction.multi_mode.uniform_grid import poles_of_lines
+from modallab.extraction.multi_mode.variable_projection import below_one_another
+from modallab.extraction.options import Damping
+from modallab.extraction.preprocessing.bands import find_bands, mode_indicator
+
+MOST_DOFS = 48  # that a pole finder is given; beyond, what they have in common
+POLES = 0.05  # of the time, of many FRFs: the rest goes into the fit of the modes
+SAME = 0.5  # half-power bandwidths: how far a pole of the chart may be from the mode fitted from it,
+SAME_LINES = 0.25  # or as much of this part of the lines' spacing, if that is more
+
+
+@dataclass(frozen=True, eq=False)
+class RangeModes:
+    """What a stretch holds."""
+
+    fit: ModalFit
+    weight: FloatArray  # (n_lines, n_frf) that the fit ended with
+    chart: StabilisationChart
+    reasons: tuple[str, ...]  # (n_modes,) in words
+    inside: BoolArray  # (n_modes,) False for a mode that lies beyond the ends: it serves as their residual
+    bends: BoolArray  # (n_modes,) between the ends, yet no mode: it only bends the lines there
+    notes: tuple[str, ...]
+    # (n_modes, 2) by what frequency, Hz, and loss factor are off for leakage still, nearly; None without
+    leakage_bias: FloatArray | None = None
+
+
+def modes_of(
+    find: GlobalMethod,
+    stretch: BandData,
+    orders: IntArray,
+    damping: Damping,
+    *,
+    leaked: LeakageCorrection | None,
+    progress: Progress,
+) -> RangeModes | None:
+    """Return the modes of a stretch; None if there is none.
+
+    Parameters
+    ----------
+    find
+        A member of `GLOBAL_METHODS`.
+    orders
+        (n_orders,) rising.
+    damping
+        Law of the modes fitted.
+    leaked
+        Leakage to be undone, and modes known one by one to undo it by; None where there is none.
+    """
+    progress(0.0, "looking for poles")
+    clean = stretch if leaked is None else cleaned(stretch, leaked, damping)
+    poles = poles_of_lines(find, clean.freq, *_for_poles(clean), orders)
+    if not len(poles.order):
+        return None
+    stability = stabilise(poles)
+    selection = select(poles, stability)
+    eigenvalue = np.asarray(selection.frequency**2 * (2 * np.pi) ** 2 * (1 + 1j * selection.loss_factor))
+    start = StartingPoles(eigenvalue, None if stretch.n_ref == 1 else selection.participation)
+    if leaked is not None:
+        start = all_starts(start, leaked, stretch.freq)
+    if not len(start.eigenvalue):
+        return None
+    refined = refine(clean, start, damping, part(progress, POLES, 1.0))
+    if refined is None:
+        return None
+    if leaked is not None:
+        refined = allowing_for_leakage(refined, stretch, leaked, damping)
+    fit, between = refined.fit, between_ends(refined.fit, stretch.freq)
+    match = _match(selection, fit, stretch.freq)
+    modes = between & (fit.loss_factor > 0)
+    if leaked is None:  # else modes known one by one may be without a column
+        modes &= np.isin(np.arange(len(modes)), match) | _standing_out(fit, clean)
+    return RangeModes(
+        fit,
+        refined.weight,
+        _chart(poles, stability, selection, match),
+        tuple(_reason(selection, match, m) for m in range(len(fit.eigenvalue))),
+        modes,
+        between & ~modes,
+        (*selection.left_out, *refined.left_out),
+        refined.leakage_bias,
+    )
+
+
+def _for_poles(stretch: BandData) -> tuple[ComplexArray, FloatArray]:
+    """Return mobility and its weights as a pole finder takes them, (n_lines, n_dof, n_ref).
+
+    Of very many DoFs their strongest combinations: principal components, each DoF in parts of its
+    noise, so that the noise of the components is alike.
+    """
+    n_ref = stretch.n_ref
+    omega = 2 * np.pi * stretch.freq[:, None]
+    mobility, weight = 1j * omega * stretch.receptance, stretch.weight / omega**2
+    # the lines of all references below one another: a combination of DoFs is one for all of them
+    mobility, weight = below_one_another(mobility, n_ref), below_one_another(weight, n_ref)
+    if mobility.shape[1] > MOST_DOFS:
+        used = weight > 0
+        noise = (used / np.where(used, weight, 1.0)).sum(axis=0) / np.maximum(used.sum(axis=0), 1)
+        level = 1 / np.sqrt(np.where(noise > 0, noise, np.inf))
+        even = np.where(used, mobility, 0) * level
+        _, _, directions = np.linalg.svd(even.conj().T @ even, hermitian=True)
+        some = directions[:MOST_DOFS]
+        variance = np.where(used, 1 / np.where(used, weight, 1.0), 0.0) * level**2 @ np.abs(some.T) ** 2
+        heard = variance > 0
+        mobility = even @ some.conj().T
+        weight = np.where(heard, 1 / np.where(heard, variance, 1.0), 0.0)
+    shape = (len(stretch.freq), n_ref, -1)
+    apart = np.asarray(mobility, complex).reshape(shape).transpose(0, 2, 1)
+    return apart, weight.reshape(shape).transpose(0, 2, 1)
+
+
+def _match(selection: Selection, fit: ModalFit, freq: FloatArray) -> IntArray:
+    """Return which fitted mode each selected one became, -1 for none."""
+    if not len(selection.pole):
+        return np.zeros(0, int)
+    width = fit.loss_factor * fit.frequency
+    reach = np.maximum(width, SAME_LINES * float(np.median(np.diff(freq))))
+    away = np.abs(selection.frequency[:, None] - fit.frequency) / reach
+    nearest = away.argmin(axis=1)
+    # of modes at one frequency each has its own
+    row, own = scipy.optimize.linear_sum_assignment(np.minimum(away, SAME))
+    close = away[row, own] < SAME
+    nearest[row[close]] = own[close]
+    near = away[np.arange(len(nearest)), nearest] < SAME
+    return np.where(near, nearest, -1)
+
+
+def _standing_out(fit: ModalFit, stretch: BandData) -> BoolArray:
+    """Return which modes have a peak of the lines to themselves, or share the resonance of one that has."""
+    mobility = stretch.freq[:, None] * stretch.receptance
+    try:
+        bands = find_bands(mode_indicator(mobility, np.ones(len(mobility), bool)))
+    except NoModeInBandError:
+        return np.zeros(len(fit.frequency), bool)
+    peaks = stretch.freq[[band.peak for band in bands]]
+    own = np.abs(peaks[:, None] - fit.frequency).argmin(axis=1)
+    width = fit.loss_factor * fit.frequency
+    apart = np.abs(fit.frequency[:, None] - fit.frequency[own])
+    return np.asarray((apart <= NEAR * np.minimum(width[:, None], width[own])).any(axis=1))
+
+
+def _chart(poles: Poles, stability: IntArray, selection: Selection, match: IntArray) -> StabilisationChart:
+    chart = chart_of(poles, stability, selection)
+    mode = np.append(match, -1)[selection.mode]  # -1 finds the -1 at the end
+    return StabilisationChart(chart.order, chart.frequency, chart.loss_factor, chart.stability, mode)
+
+
+def _reason(selection: Selection, match: IntArray, mode: int) -> str:
+    reasons = [selection.reasons[m] for m in np.flatnonzero(match == mode)]
+    return "; ".join(reasons) or "needed beside the others"
+
+
+def pairs(fit: ModalFit, among: Sequence[int]) -> dict[int, list[str]]:
+    """Return, for modes that share their resonance with others, what to say of it."""
+    width = fit.loss_factor * fit.frequency
+    said = {row: [text] for row, text in said_of_coincident(fit).items() if row in among}
+    for r in among:
+        for s in among:
+            gap = abs(fit.frequency[r] - fit.frequency[s]) / max(width[r], width[s])
+            if r != s and gap < NEAR:
+                covariance = fit.eigenvalue_covariance[r, s]
+                tie = covariance / max(fit.frequency_error[r] * fit.frequency_error[s], 1e-300)
+                text = f"pair: with {fit.frequency[s]:.5g} Hz, {gap:.2g} bandwidths away"
+                said.setdefault(r, []).append(f"{text}, errors of the two frequencies correlated {tie:+.2f}")
+    return said

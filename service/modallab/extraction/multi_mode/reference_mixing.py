@@ -1,0 +1,83 @@
+"""How FRFs of several references, which share the shapes of modes, follow from those of each reference."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from modallab.core.arrays import FloatArray, IntArray
+from modallab.extraction.multi_mode.pole_basis import PoleBasis
+
+
+@dataclass(frozen=True, eq=False)
+class ReferenceMixing:
+    """Sums over the lines of every FRF by itself, made into those of all FRFs of a DoF, and back.
+
+    All FRFs have the same few columns, whatever their reference; the columns that a DoF's FRFs share are
+    made of them. Their sums over the lines are, too: so the lines are gone through once, with few columns,
+    and not once a reference with all of them.
+    """
+
+    whole: FloatArray | None  # (n_references, n_each, n_all) columns, then slopes; None: nothing is shared
+    n_every: int  # columns and slopes of an FRF
+    n_each: int  # columns of an FRF
+    n_all: int  # columns of a DoF's FRFs
+
+    def products(self, each: FloatArray) -> FloatArray:
+        """Return (n_dof, n_all, n_all) of the columns' and slopes' products (n_frf, n_each, n_each)."""
+        if self.whole is None:
+            return each
+        apart = each.reshape(-1, *self.whole.shape[:2], each.shape[2])
+        total = np.zeros((len(apart), self.whole.shape[2], self.whole.shape[2]))
+        for k, whole in enumerate(self.whole):
+            made = np.flatnonzero(whole.any(axis=0))  # the others are of other references
+            total[:, made[:, None], made] += whole[:, made].T @ apart[:, k] @ whole[:, made]
+        return total
+
+    def sums(self, each: FloatArray) -> FloatArray:
+        """Return (n_dof, n) of products with something else, (n_frf, n): of the columns, or slopes too."""
+        if self.whole is None:
+            return each
+        columns = each.shape[1] == self.n_each
+        whole = self.whole[:, : self.n_each, : self.n_all] if columns else self.whole
+        apart = each.reshape(-1, len(whole), each.shape[1])
+        return np.asarray(np.einsum("jkl,klc->jc", apart, whole, optimize=True))
+
+    def coefficients(self, of_all: FloatArray) -> FloatArray:
+        """Return those of every FRF, (n_frf, n_each), of those of a DoF (n_dof, n_all)."""
+        if self.whole is None:
+            return of_all
+        columns = self.whole[:, : self.n_each, : self.n_all]
+        return np.asarray(np.einsum("klc,jc->jkl", columns, of_all, optimize=True).reshape(-1, self.n_each))
+
+    def influence(self, of_all: FloatArray) -> list[FloatArray]:
+        """Return, reference by reference, (n_dof, n_each, n) of columns' and slopes' (n_dof, n_all, n)."""
+        return [of_all] if self.whole is None else [np.asarray(whole @ of_all) for whole in self.whole]
+
+
+def reference_mixing(basis: PoleBasis, parameters: FloatArray, n_residuals: int) -> ReferenceMixing:
+    """Return how the columns of all references are made; each has residuals of its own.
+
+    Parameters
+    ----------
+    n_residuals
+        Columns that an FRF has beside those of the modes.
+    """
+    n_modes, mixing = len(parameters), basis.mixing(parameters)
+    n_each = 2 * n_modes + n_residuals
+    if mixing is None:
+        return ReferenceMixing(None, n_each + n_modes * basis.turn.shape[2], n_each, n_each)
+    n_ref, _, n_own, n_slopes = mixing.shape
+    n_all = 2 * n_modes + n_ref * n_residuals
+    whole = np.zeros((n_ref, n_each + n_modes * (n_own - 2), n_all + n_modes * (n_slopes - 2)))
+    modes, residuals = np.arange(n_modes), np.arange(n_residuals)
+    rows = np.concatenate([_of_modes(modes, 2, 0), _of_modes(modes, n_own - 2, n_each)], axis=1)
+    columns = np.concatenate([_of_modes(modes, 2, 0), _of_modes(modes, n_slopes - 2, n_all)], axis=1)
+    for k in range(n_ref):
+        whole[k, rows[:, :, None], columns[:, None, :]] = mixing[k]
+        whole[k, 2 * n_modes + residuals, 2 * n_modes + k * n_residuals + residuals] = 1.0
+    return ReferenceMixing(whole, whole.shape[1], n_each, n_all)
+
+
+def _of_modes(modes: IntArray, n: int, after: int) -> IntArray:
+    """Return where the n columns of each mode are, (n_modes, n)."""
+    return np.asarray(after + n * modes[:, None] + np.arange(n))

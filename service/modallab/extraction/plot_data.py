@@ -1,0 +1,228 @@
+"""What one single-mode fit of a modal model saw and drew, found again from the measured responses."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+
+import numpy as np
+
+from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray, frozen
+from modallab.core.errors import InvalidInputError
+from modallab.core.frf import FrfKind
+from modallab.core.modal_model import ModalModel
+from modallab.extraction.options import MIN_LINES, Damping
+from modallab.extraction.preprocessing.fit_windows import Windows, without_nearest
+from modallab.extraction.preprocessing.leakage import WindowLeakage
+from modallab.extraction.preprocessing.responses import Responses
+from modallab.extraction.single_mode.damping_models import DAMPING_MODELS, DampingModel
+from modallab.extraction.single_mode.fitting import Data, Settled, fit_all, gather
+from modallab.extraction.single_mode.method import EXTRACTION_METHODS, PICTURES, ModeFit
+from modallab.extraction.single_mode.plan import taken
+
+CURVE = 201  # points to draw a fit with
+TINY = 1e-300
+
+
+@dataclass(frozen=True, eq=False)
+class FitPlotData:
+    """One fit: lines as measured, freed of leakage and other modes, and the mode through them."""
+
+    method: str
+    damping: Damping  # viscous: `x...` of the details is omega, rad/s, instead of omega^2
+    kind: FrfKind  # of all responses here: the one that the mode was fitted on
+    freq: FloatArray  # (n_lines,) Hz
+    used: BoolArray  # (n_lines,) False where a line was left out
+    measured: ComplexArray  # (n_lines,)
+    cleaned: ComplexArray  # (n_lines,)
+    curve_freq: FloatArray  # (n_curve,) Hz
+    curve: ComplexArray  # (n_curve,) mode and residual
+    frequency: float  # Hz
+    loss_factor: float
+    modal_constant: complex  # 1/kg, of receptance
+    residual: complex  # unit of the responses
+    details: Mapping[
+        str, FloatArray | ComplexArray
+    ]  # as the method's `Picture`; none of fewer than four lines
+
+    quality: Mapping[str, float]  # what only this method can tell, %
+
+    def __post_init__(self) -> None:
+        n = len(self.freq)
+        for name, of, shape in (
+            ("freq", float, (n,)),
+            ("used", bool, (n,)),
+            ("measured", complex, (n,)),
+            ("cleaned", complex, (n,)),
+            ("curve_freq", float, (None,)),
+            ("curve", complex, (len(self.curve_freq),)),
+        ):
+            object.__setattr__(self, name, frozen(getattr(self, name), of, shape, name=name))
+
+
+def fit_plot_data(
+    responses: Responses, model: ModalModel, mode: int, row: int, *, leakage: WindowLeakage | None = None
+) -> FitPlotData:
+    """Return one of the fits that a modal model was collated from.
+
+    The other modes are taken off as the model has them, and the mode is fitted to the same lines once more.
+
+    Parameters
+    ----------
+    responses
+        Those that the model was read from.
+    model
+        Of a single-mode method.
+    mode, row
+        Which mode, and in which of the FRFs.
+    leakage
+        As `extract` was told.
+
+    Raises
+    ------
+    InvalidInputError
+        If there is no such fit, or the model was not made of single-mode fits.
+    """
+    ends = _ends(responses, model)
+    for name, value, n in (("mode", mode, len(ends)), ("row", row, ends.shape[1])):
+        if not 0 <= value < n:
+            raise InvalidInputError(f"no such {name}", field=name, value=value, allowed=f"0 to {n - 1}")
+    damping = Damping(taken(model.choices, "damping") or Damping.STRUCTURAL)
+    data = _lines_again(responses, ends[mode], int(taken(model.choices, "leave_out") or 0), leakage)
+    settled, place = _again(DAMPING_MODELS[damping], model, mode, row, data)
+    table, mean = settled.table, model.modes[mode]
+    found = bool(table.frequency[0, place] > 0)  # where it was not, the modal constant is of the mean mode
+    fit = ModeFit(
+        float(table.frequency[0, place] if found else mean.frequency),
+        float(table.loss_factor[0, place] if found else mean.loss_factor),
+        complex(table.modal_constant[0, place]),
+    )
+    n_lines = int(ends[mode, row, 1] - ends[mode, row, 0] + 1)
+    inside = (0, row, slice(0, n_lines))
+    order = 2 if settled.inertance[0] else 0
+    freq = data.freq[inside]
+    factor = (2j * np.pi * freq) ** order
+    cleaned = factor * settled.cleaned[0, place, :n_lines]
+    seen = _Seen(freq, cleaned, data.weight[inside] / np.abs(factor) ** 2, order)
+    return _drawn(model.method, damping, fit, seen, factor * data.receptance[inside])
+
+
+def _again(law: DampingModel, model: ModalModel, mode: int, row: int, data: Data) -> tuple[Settled, int]:
+    """Return the fit of one FRF once more, and its place among those done for it.
+
+    All FRFs decided together which kind of response the mode was fitted on: it is the one that gives the
+    same frequency again. The drive point's fit is done too where leakage is undone by it. A fit that did not
+    count has no frequency to know it by: then all are done.
+    """
+    method = EXTRACTION_METHODS[model.method]
+    fitted = np.nan if model.fitted_frequency is None else float(model.fitted_frequency[mode, row])
+    if not np.isfinite(fitted):
+        rows = np.arange(data.freq.shape[1])
+        return fit_all(method, law, data, _known(law, model, mode, data, rows)), row
+    drive = None if data.leakage is None else data.drive
+    rows = np.unique([row] if drive is None else [row, drive])
+    some = Data(
+        data.freq[:, rows],
+        data.receptance[:, rows],
+        data.weight[:, rows],
+        data.spacing,
+        data.leakage,
+        None if drive is None else int(np.searchsorted(rows, drive)),
+    )
+    known, place = _known(law, model, mode, some, rows), int(np.searchsorted(rows, row))
+    both = [fit_all(method, law, some, known, inertance=np.array([kind])) for kind in (False, True)]
+    away = [abs(float(tried.table.frequency[0, place]) - fitted) for tried in both]
+    return both[int(np.argmin(away))], place
+
+
+@dataclass(frozen=True, eq=False)
+class _Seen:
+    freq: FloatArray  # (n_lines,) Hz
+    frf: ComplexArray  # (n_lines,) cleaned
+    weight: FloatArray
+    order: int  # of the derivative of receptance that `frf` is
+
+
+def _drawn(method: str, damping: Damping, fit: ModeFit, seen: _Seen, measured: ComplexArray) -> FitPlotData:
+    """Return the picture of a fit, whose residual is not yet known."""
+    law, freq, frf, weight = DAMPING_MODELS[damping], seen.freq, seen.frf, seen.weight
+    order = np.array(seen.order)
+    eigenvalue = np.array((2 * np.pi * fit.frequency) ** 2 * (1 + 1j * fit.loss_factor))
+    constant = np.array(fit.modal_constant)
+
+    def alone(at: FloatArray) -> ComplexArray:
+        return np.asarray((2j * np.pi * at) ** order * law.response(at, eigenvalue, constant))
+
+    residual = complex((weight * (frf - alone(freq))).sum() / max(weight.sum(), TINY))
+    curve_freq = np.linspace(freq[0], freq[-1], CURVE)
+    pole = frf - law.beside(freq, eigenvalue, constant, order)
+    enough = (weight > 0).sum() >= MIN_LINES
+    details = PICTURES[method](law.variable(freq), pole, weight) if enough else {}
+    again = law.fit(EXTRACTION_METHODS[method], freq[None], frf[None], weight[None], order[None])
+    return FitPlotData(
+        method=method,
+        damping=damping,
+        kind=FrfKind.INERTANCE if seen.order else FrfKind.RECEPTANCE,
+        freq=freq,
+        used=weight > 0,
+        measured=measured,
+        cleaned=frf,
+        curve_freq=curve_freq,
+        curve=alone(curve_freq) + residual,
+        frequency=fit.frequency,
+        loss_factor=fit.loss_factor,
+        modal_constant=fit.modal_constant,
+        residual=residual,
+        details={
+            name: values * law.loss_per_pole if name == "damping_surface" else values
+            for name, values in details.items()
+        },
+        quality={name: float(values[0]) for name, values in again.quality.items()},
+    )
+
+
+def _ends(responses: Responses, model: ModalModel) -> IntArray:
+    """Return the lines that the fits drew on, (n_modes, n_frf, 2), if the model tells them of these FRFs."""
+    if model.method not in EXTRACTION_METHODS or model.fitted_lines is None:
+        raise InvalidInputError(
+            "these modes are not from fits of single modes",
+            field="method",
+            value=model.method,
+            allowed=", ".join(EXTRACTION_METHODS),
+        )
+    if model.frfs != responses.frfs or model.fitted_lines.max(initial=0) >= len(responses.freq):
+        raise InvalidInputError(
+            "these responses are not those that the modes were read from",
+            field="responses",
+            value=len(responses.frfs),
+            allowed="the measurement behind the modal model",
+        )
+    return model.fitted_lines
+
+
+def _lines_again(responses: Responses, ends: IntArray, leave_out: int, leakage: WindowLeakage | None) -> Data:
+    """Return the lines of one mode in every FRF, as they were fitted; `ends` (n_frf, 2)."""
+    count = ends[:, 1:] - ends[:, :1] + 1
+    offset = np.arange(count.max())
+    index = np.minimum(ends[:, :1] + offset, len(responses.freq) - 1)
+    used = offset < count
+    if leave_out:
+        columns = np.arange(len(ends))[:, None]
+        used = without_nearest(np.abs(responses.mobility)[index, columns], used, leave_out)
+    windows = Windows(index[None], used[None], ends[None])
+    receptance, variance = responses.receptance, responses.variance
+    return gather(responses.freq, receptance, variance, windows, leakage, responses.drive_row)
+
+
+def _known(law: DampingModel, model: ModalModel, mode: int, data: Data, rows: IntArray) -> ComplexArray:
+    """Return the receptance of all other modes of the model, (1, n_rows, n_lines); `data` of these rows."""
+    known = np.zeros_like(data.receptance)
+    if model.modal_constant is None or model.fitted_frequency is None or model.fitted_loss_factor is None:
+        return known
+    for m, other in enumerate(model.modes):
+        if m != mode:
+            shown = np.isfinite(model.fitted_frequency[m, rows])
+            frequency = np.where(shown, model.fitted_frequency[m, rows], other.frequency)
+            loss_factor = np.where(shown, model.fitted_loss_factor[m, rows], other.loss_factor)
+            eigenvalue = (2 * np.pi * frequency) ** 2 * (1 + 1j * loss_factor)
+            constant = model.modal_constant[m, rows]
+            known += law.response(data.freq, eigenvalue[:, None], constant[:, None])
+    return known

@@ -1,0 +1,203 @@
+"""Circle-fit: the Nyquist plot of one mode is a circle run through at a known rate."""
+
+import numpy as np
+
+from modallab.core.arrays import BoolArray, ComplexArray, FloatArray
+from modallab.extraction.single_mode.lines import Lines, conclude, one_row, scale
+from modallab.extraction.single_mode.method import (
+    EXTRACTION_METHODS,
+    PICTURES,
+    TRAITS,
+    ModeFits,
+    Traits,
+    in_blocks,
+)
+
+TINY = 1e-100
+FARTHEST = 1e8  # tan(theta/2) of a line on the far side of the circle, to rounding
+AROUND = 181  # points to draw the circle with
+ROUNDS = 4  # Gauss-Newton steps of the circle: quadratic from an algebraic start
+
+TRAITS.register("circle_fit")(Traits(exact=True, leaves_out=False))
+
+
+@EXTRACTION_METHODS.register("circle_fit")
+@in_blocks
+def circle_fit(freq: FloatArray, frf: ComplexArray, weight: FloatArray) -> ModeFits:
+    """Circle through the lines, resonance where they run fastest, damping from every pair of them.
+
+    With theta the angle from resonance, `tan(theta/2) = (1 - (omega/omega_r)^2)/eta`. Resonance is where
+    d(theta)/d(omega^2) is greatest; each pair a above, b below it gives
+    `eta = (omega_a^2 - omega_b^2) / (omega_r^2 (tan|theta_a/2| + tan|theta_b/2|))`, and
+    `A = 2 i eta omega_r^2 (z_res - centre)`. The residual is the displacement of the circle from the origin.
+    `quality` holds the variation of radius and damping, both in %.
+
+    Parameters
+    ----------
+    freq, frf, weight
+        As `ExtractionMethod`.
+
+    References
+    ----------
+    Kennedy, C. C. and Pancu, C. D. P. (1947), Journal of the Aeronautical Sciences 14, 603-625;
+    Ewins, D. J. (1984), Modal Testing, section 4.3.
+    """
+    lines = scale(freq, frf, weight)
+    centre, radius = _circle(lines)
+    spoke = lines.z - centre[:, None]
+    at, resonance, running = _resonance(lines, spoke)
+    half_tan = _half_tan(spoke / np.exp(1j * resonance)[:, None])
+    width, variation = _damping_pairs(lines, at, half_tan)
+    eigenvalue = at + 1j * np.where(running, width, -width)
+    to_resonance = radius * np.exp(1j * resonance)
+    left = np.abs(spoke) / radius[:, None] - 1
+    spread = np.sqrt((lines.weight * left**2).sum(axis=1) / lines.weight.sum(axis=1))
+    quality = {"radius_variation": 100 * spread, "damping_variation": 100 * variation}
+    return conclude(lines, eigenvalue, 2j * width * to_resonance, centre - to_resonance, quality)
+
+
+@PICTURES.register("circle_fit")
+def circle_fit_picture(
+    freq: FloatArray, frf: ComplexArray, weight: FloatArray
+) -> dict[str, FloatArray | ComplexArray]:
+    """The Nyquist circle with its points, how fast it is run through, and the loss factor of every pair.
+
+    `sweep_rate` is that of the angle (n_lines,) between the lines; `damping_surface` (n_above, n_below).
+    """
+    lines, x, points = one_row(freq, frf, weight)
+    centre, radius = _circle(lines)
+    spoke = lines.z - centre[:, None]
+    at, resonance, _ = _resonance(lines, spoke)
+    turned = spoke / np.exp(1j * resonance)[:, None]
+    away, half_tan = (lines.x - at[:, None])[0], _half_tan(turned)[0]
+    above, below = np.flatnonzero(away > 0), np.flatnonzero(away < 0)
+    width = (away[above, None] - away[below]) / _not_zero(half_tan[above, None] + half_tan[below])
+    turn = np.angle(turned[0, 1:] * turned[0, :-1].conj())
+    around = np.exp(1j * np.linspace(0, 2 * np.pi, AROUND))
+    size = lines.size
+    stiffness = lines.centre + lines.half * at
+    return {
+        "x": x,
+        "points": points,
+        "centre": size * centre,
+        "radius": size * radius,
+        "circle": size * (centre + radius * around),
+        "resonance": size * (centre + radius * np.exp(1j * resonance)),
+        "x_resonance": stiffness,
+        "angle": np.angle(turned[0]),
+        "x_sweep": (x[1:] + x[:-1]) / 2,
+        "sweep_rate": turn / np.diff(x),
+        "x_above": x[above],
+        "x_below": x[below],
+        "damping_surface": lines.half * width / stiffness,
+    }
+
+
+def _circle(lines: Lines) -> tuple[ComplexArray, FloatArray]:
+    """Return centre and radius, (n_fits,): least squares on |z - c|^2 = R^2, then on the distances."""
+    w = lines.weight / lines.weight.sum(axis=1, keepdims=True)
+    mean = (w * lines.z).sum(axis=1)
+    z = lines.z - mean[:, None]
+    square = np.abs(z) ** 2
+    # normal equations of 2 Re(conj(c) z) + k = |z|^2 about the mean of z, where k separates
+    xx, yy = (w * z.real**2).sum(axis=1), (w * z.imag**2).sum(axis=1)
+    xy = (w * z.real * z.imag).sum(axis=1)
+    px, py = (w * z.real * square).sum(axis=1), (w * z.imag * square).sum(axis=1)
+    determinant = _not_zero(xx * yy - xy**2)
+    centre = ((yy * px - xy * py) + 1j * (xx * py - xy * px)) / (2 * determinant)
+    radius = np.sqrt(xx + yy + np.abs(centre) ** 2)
+    for _ in range(ROUNDS):
+        centre, radius = _geometric_step(z, w, centre, radius)
+    return centre + mean, radius
+
+
+def _geometric_step(
+    z: ComplexArray, w: FloatArray, centre: ComplexArray, radius: FloatArray
+) -> tuple[ComplexArray, FloatArray]:
+    """Return centre and radius after one Gauss-Newton step on the distances from the circle."""
+    spoke = z - centre[:, None]
+    length = np.abs(spoke)
+    unit = spoke / _not_zero(length)
+    u = unit - (w * unit).sum(axis=1, keepdims=True)
+    distance = length - radius[:, None]
+    xx, yy = (w * u.real**2).sum(axis=1), (w * u.imag**2).sum(axis=1)
+    xy = (w * u.real * u.imag).sum(axis=1)
+    px, py = (w * u.real * distance).sum(axis=1), (w * u.imag * distance).sum(axis=1)
+    determinant = _not_zero(xx * yy - xy**2)
+    step = ((yy * px - xy * py) + 1j * (xx * py - xy * px)) / determinant
+    # a step beyond the radius means that the lines hardly show a circle: stay near
+    step *= np.minimum(1, radius / _not_zero(np.abs(step)))
+    centre = centre + step
+    return centre, (w * np.abs(z - centre[:, None])).sum(axis=1)
+
+
+def _resonance(lines: Lines, spoke: ComplexArray) -> tuple[FloatArray, FloatArray, BoolArray]:
+    """Return where the sweep is fastest, the angle there, and whether it runs clockwise as damping asks.
+
+    One mode maps the line x onto the circle by `tan(angle/2) = (a x + b)/(c x + 1)`, angles being taken
+    from the line next to x = 0. That is linear in a, b, c; the sweep rate
+    `2 (a - bc)/((ax + b)^2 + (cx + 1)^2)` is greatest where its denominator is least.
+    """
+    nearest = np.argmin(np.where(lines.weight > 0, np.abs(lines.x), np.inf), axis=1)
+    origin = spoke[np.arange(len(spoke)), nearest]
+    half_angle = np.angle(spoke * origin.conj()[:, None]) / 2
+    cosine, sine = np.cos(half_angle), np.sin(half_angle)
+    columns = (cosine * lines.x, cosine, -sine * lines.x)
+    weight = lines.weight
+    for _ in range(2):  # the denominator scales each row's error, and is known only after one fit
+        a, b, c = _solve(columns, sine, weight)
+        sweep = (a[:, None] * lines.x + b[:, None]) ** 2 + (c[:, None] * lines.x + 1) ** 2
+        weight = lines.weight / _not_zero(sweep)
+    at = -(a * b + c) / _not_zero(a**2 + c**2)
+    resonance = 2 * np.arctan2(a * at + b, c * at + 1) + np.angle(origin)
+    return at, resonance, a < b * c
+
+
+def _solve(
+    columns: tuple[FloatArray, FloatArray, FloatArray], right: FloatArray, weight: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return the weighted least-squares solution of each row's three unknowns, by cofactors."""
+    p, q, r = (weight * column for column in columns)
+    u, v, w = columns
+    pp, pq, pr = (p * u).sum(axis=1), (p * v).sum(axis=1), (p * w).sum(axis=1)
+    qq, qr, rr = (q * v).sum(axis=1), (q * w).sum(axis=1), (r * w).sum(axis=1)
+    f, g, h = (p * right).sum(axis=1), (q * right).sum(axis=1), (r * right).sum(axis=1)
+    ff, fg, fh = qq * rr - qr**2, pr * qr - pq * rr, pq * qr - pr * qq
+    gg, gh, hh = pp * rr - pr**2, pq * pr - pp * qr, pp * qq - pq**2
+    determinant = pp * ff + pq * fg + pr * fh
+    determinant = np.where(np.abs(determinant) < TINY, np.inf, determinant)
+    return (
+        (ff * f + fg * g + fh * h) / determinant,
+        (fg * f + gg * g + gh * h) / determinant,
+        (fh * f + gh * g + hh * h) / determinant,
+    )
+
+
+def _damping_pairs(lines: Lines, at: FloatArray, half_tan: FloatArray) -> tuple[FloatArray, FloatArray]:
+    """Return eta omega_r^2 on the scale of x, mean over all pairs, and its relative standard deviation."""
+    away = lines.x - at[:, None]
+    # an error e of an angle moves tan(theta/2) by e (1 + tan^2)/2
+    noise = (1 + half_tan**2) ** 2 / np.where(lines.weight > 0, lines.weight, 1.0)
+    above = (lines.weight > 0) & (away > 0)
+    below = (lines.weight > 0) & (away < 0)
+    pairs = above[:, :, None] & below[:, None, :]
+    tangents = np.where(pairs, half_tan[:, :, None] + half_tan[:, None, :], 1.0)
+    width = np.where(pairs, away[:, :, None] - away[:, None, :], 0.0) / _not_zero(tangents)
+    trust = np.where(pairs, (tangents / _not_zero(width)) ** 2, 0.0)
+    trust = trust / (noise[:, :, None] + noise[:, None, :])
+    total = _not_zero(trust.sum(axis=(1, 2)))
+    mean = (trust * width).sum(axis=(1, 2)) / total
+    square = (trust * (width - mean[:, None, None]) ** 2).sum(axis=(1, 2)) / total
+    return mean, np.sqrt(square) / _not_zero(mean)
+
+
+def _half_tan(turned: ComplexArray) -> FloatArray:
+    """Return tan|theta/2| of the angle of complex numbers, without a branch."""
+    size = np.abs(turned)
+    values = np.abs(turned.imag) / _not_zero(size + turned.real)
+    return np.minimum(values, FARTHEST)
+
+
+def _not_zero(values: FloatArray) -> FloatArray:
+    """Return the values, zeros replaced by the smallest number that can be divided by."""
+    return np.where(np.abs(values) < TINY, TINY, values)

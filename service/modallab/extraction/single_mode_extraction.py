@@ -1,0 +1,121 @@
+"""Modes by single-mode methods: a band for each, a window in each FRF, one set collated from all fits."""
+
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+
+from modallab.core.arrays import FloatArray
+from modallab.core.errors import NoModeInBandError
+from modallab.core.modal_model import ModalModel
+from modallab.core.progress import Progress, part, silent
+from modallab.extraction.averaging.combine import combine_fits
+from modallab.extraction.averaging.damping_model_flag import with_damping_model_flags
+from modallab.extraction.averaging.misfit_flags import flag_further_peaks, flag_misfits
+from modallab.extraction.averaging.resynthesis import with_resynthesis
+from modallab.extraction.averaging.shared_noise import shared_noise_fraction
+from modallab.extraction.options import ExtractionOptions
+from modallab.extraction.preprocessing.bands import Band, given_bands, mode_indicator
+from modallab.extraction.preprocessing.common_peaks import CommonPeaks, find_common
+from modallab.extraction.preprocessing.fit_windows import place_windows
+from modallab.extraction.preprocessing.leakage import WindowLeakage
+from modallab.extraction.preprocessing.line_noise import knows_noise
+from modallab.extraction.preprocessing.responses import Responses
+from modallab.extraction.single_mode.damping_models import DAMPING_MODELS
+from modallab.extraction.single_mode.fitting import Table, fit_all, gather
+from modallab.extraction.single_mode.leaked_covariance import line_spectra
+from modallab.extraction.single_mode.leaked_fits import allowing_for_leakage
+from modallab.extraction.single_mode.method import TRAITS, ExtractionMethod
+from modallab.extraction.single_mode.plan import plan
+
+MOST_NAMED = 8  # peaks that are no modes; more are counted
+SMEARED = 3  # lines: the main lobe of a Hanning window and its first side lobe
+
+
+def extract_mode_by_mode(
+    fit: ExtractionMethod,
+    responses: Responses,
+    options: ExtractionOptions,
+    *,
+    method: str,
+    bands: Sequence[tuple[float, float]] | None,
+    n_modes: int | None,
+    leakage: WindowLeakage | None,
+    progress: Progress = silent,
+) -> ModalModel:
+    """Return the modes that a single-mode method reads; parameters and errors as `extract`."""
+    freq, dofs = responses.freq, responses.dofs
+    decided = plan(method, options, leakage)
+    progress(0.0, "looking for modes")
+    indicator = mode_indicator(responses.mobility, responses.coherent)
+    peaks = (
+        find_common(responses, indicator, n_modes)
+        if bands is None
+        else CommonPeaks(given_bands(freq, indicator, bands))
+    )
+    found = peaks.bands
+    windows = place_windows(
+        responses.mobility,
+        indicator,
+        found,
+        base=decided.lines,
+        widths=decided.widths,
+        leave_out=decided.leave_out,
+    )
+    progress(0.2, f"fitting {len(found)} modes in {len(dofs)} FRFs")
+    data = gather(freq, responses.receptance, responses.variance, windows, leakage, responses.drive_row)
+    settled = fit_all(fit, DAMPING_MODELS[options.law], data, progress=part(progress, 0.2, 0.9))
+    if leakage is not None:
+        known = line_spectra(responses, windows.index) if knows_noise(responses) else None
+        settled = allowing_for_leakage(fit, DAMPING_MODELS[options.law], data, leakage, settled, known)
+    table = replace(settled.table, lines=windows.ends)
+    notes = [*peaks.left_out, *_missing(table, freq, found, given=bands is not None)]
+    if not TRAITS[method].exact:
+        notes.append(f"{method} is biased: by up to half a line in frequency, and towards too much damping")
+    left_out = np.diff(windows.ends, axis=2)[:, :, 0] + 1 - windows.used.sum(axis=2)
+    if (left_out < decided.leave_out).any():
+        notes.append(f"bands of few lines: there, fewer than {decided.leave_out} are left out")
+    if n_modes is not None and bands is None and len(found) < n_modes:
+        notes.append(f"{n_modes} modes asked for, {len(found)} found")
+    progress(1.0, "modes collated")
+    model = combine_fits(
+        table,
+        dofs,
+        responses.references,
+        method=method,
+        notes=notes,
+        choices=decided.choices,
+        shared=shared_noise_fraction(DAMPING_MODELS[options.law], data, settled, windows.index),
+    )
+    if leakage is None and TRAITS[method].exact:
+        model = flag_misfits(model, responses, DAMPING_MODELS[options.law], decided.leave_out)
+    if bands is not None:
+        model = flag_further_peaks(model, freq, indicator, found)
+    model = with_damping_model_flags(model, responses, options)
+    return with_resynthesis(model, responses, found, smeared=0 if leakage is None else SMEARED)
+
+
+def _missing(table: Table, freq: FloatArray, bands: Sequence[Band], *, given: bool) -> list[str]:
+    """Return a note on every band found that proved empty; raise if it was given, or if all are."""
+    line_spectra = np.asarray(table.screening.good.any(axis=1))
+    empty = [band for band, shown in zip(bands, line_spectra.tolist(), strict=True) if not shown]
+    if empty and not given and not line_spectra.any():
+        raise NoModeInBandError(
+            f"no FRF shows a mode at any of {len(empty)} peaks beyond its random error; bands may help",
+            field="bands",
+            value=", ".join(f"{freq[band.peak]:g}" for band in empty[:MOST_NAMED]),
+        )
+    if empty and given:
+        lower, upper = float(freq[empty[0].first]), float(freq[empty[0].last])
+        raise NoModeInBandError(
+            f"no FRF shows a mode by itself between {lower:g} and {upper:g} Hz",
+            field="bands",
+            lower=lower,
+            upper=upper,
+        )
+    peaks = [f"{freq[band.peak]:g}" for band in empty]
+    if len(peaks) > MOST_NAMED:
+        return [
+            f"{len(peaks)} peaks from {peaks[0]} to {peaks[-1]} Hz are no modes: noise, or bands are needed"
+        ]
+    return [f"a peak at {peak} Hz is no mode" for peak in peaks]

@@ -1,0 +1,17 @@
+"""What was worked out of a system before, kept for when it is asked for again."""
+
+from collections.abc import Callable
+from typing import TypeVar
+
+T = TypeVar("T")
+KEPT = 16  # variants with other matrices that are kept
+
+
+def cached(shared: dict[str, object], name: str, key: object, make: Callable[[], T], most: int = KEPT) -> T:
+    """Return what was made for a key before, or else make it; the latest few of a name are kept."""
+    variants: dict[object, T] = shared.setdefault(name, {})  # type: ignore[assignment]
+    found = variants.pop(key) if key in variants else make()
+    variants[key] = found  # behind all others: the first one is what was not asked for longest
+    if len(variants) > most:
+        del variants[next(iter(variants))]
+    return found

@@ -1,0 +1,259 @@
+"""Structures of which a file brings the matrices: element by element, or whole, by named groups."""
+
+from collections.abc import Iterator, Mapping, Sequence
+from dataclasses import dataclass
+from itertools import count
+
+import numpy as np
+from scipy.sparse import csc_array
+
+from modallab.core.arrays import FloatArray, IntArray
+from modallab.core.dof import Dof
+from modallab.core.errors import StructureError
+from modallab.fe.blocks import Blocks
+from modallab.fe.damping import Damping, StructuralDamping
+from modallab.fe.matrix_checks import check_mass, slow_motions, symmetric
+from modallab.fe.members import MatrixElement
+from modallab.fe.structure import Structure, Support
+
+WHOLE = 1_000_000  # numbers of all groups, each as one full matrix, up to which they stay whole
+PAIRS = 50_000  # members that groups are cut into at most
+MOST = 20_000_000  # numbers of all element matrices of a kind: 160 MB
+
+
+@dataclass(frozen=True, eq=False)
+class Element:
+    """Matrices of one element at its degrees of freedom, by their place in a table."""
+
+    number: int
+    group: str
+    rows: Sequence[int]  # (k,)
+    mass: FloatArray  # (k, k) kg, kg m, kg m^2
+    axial: FloatArray  # (k, k) N/m, N, N m; all stiffness that is not told apart
+    bending: FloatArray | None = None
+    loss_factor: float | None = None
+
+
+@dataclass(frozen=True, eq=False)
+class GroupMatrices:
+    """What one named part of a model adds to its matrices."""
+
+    name: str
+    mass: csc_array  # (n, n) kg, kg m, kg m^2
+    stiffness: csc_array  # (n, n) N/m, N, N m
+
+
+Places = Mapping[int, tuple[float, float, float]]  # m, by node
+
+
+def of_elements(
+    elements: Sequence[Element],
+    dofs: Sequence[Dof],
+    places: Places | None = None,
+    *,
+    supports: tuple[Support, ...] = (),
+    damping: Damping | None = None,
+    motions: FloatArray | None = None,
+    name: str = "",
+) -> Structure:
+    """Return the structure that elements add up to.
+
+    Parameters
+    ----------
+    dofs
+        (n,) all degrees of freedom there are.
+    places
+        Of the nodes, m; left out: not known.
+    motions
+        (n, k) that may strain nothing; by default the slowest ones of the matrices.
+
+    Raises
+    ------
+    StructureError
+        If a matrix is not symmetric, the mass not positive or the stiffness negative, or the structure
+        cannot be analysed.
+    """
+    _check_table(dofs)
+    blocks = _blocks(elements, dofs, supports, motions)
+    return Structure(
+        nodes={node: (0.0, 0.0, 0.0) if places is None else places[node] for node in _nodes(dofs)},
+        members=(),
+        others=tuple(
+            MatrixElement(
+                element.number,
+                tuple(dict.fromkeys(dofs[row].node for row in element.rows)),
+                i,
+                loss_factor=element.loss_factor,
+                group=element.group,
+            )
+            for i, element in enumerate(elements)
+        ),
+        supports=supports,
+        damping=damping or StructuralDamping(),
+        directions=tuple(dict.fromkeys(dof.direction for dof in dofs)),
+        name=name,
+        blocks=blocks,
+    )
+
+
+def _blocks(
+    elements: Sequence[Element],
+    dofs: Sequence[Dof],
+    supports: tuple[Support, ...],
+    motions: FloatArray | None,
+) -> Blocks:
+    rows, mass, axial, bending = _padded(elements)
+    what = [f"element {element.number}" for element in elements]
+    for part, of in ((mass, "mass"), (axial, "stiffness"), (bending, "stiffness")):
+        symmetric(part, what, of)
+    free = _free(dofs, supports)
+    kept = np.ix_(free, free)
+    total_mass, total_stiffness = (
+        csc_array(_total(part, rows, len(dofs))[kept]) for part in (mass, axial + bending)
+    )
+    check_mass(total_mass, [dofs[i] for i in free])
+    if motions is None:
+        slow = slow_motions(total_mass, total_stiffness)
+        motions = np.zeros((len(dofs), slow.shape[1]))
+        motions[free] = slow
+    return Blocks(tuple(dofs), rows, mass, axial, bending if bending.any() else None, motions)
+
+
+def _padded(elements: Sequence[Element]) -> tuple[IntArray, FloatArray, FloatArray, FloatArray]:
+    """Return rows (n, w), mass, axial and bending stiffness (n, w, w) of elements of several sizes."""
+    if not elements:
+        raise StructureError("a model needs elements", field="elements", value=0, allowed=">= 1")
+    width = max(len(element.rows) for element in elements)
+    if len(elements) * width**2 > MOST:
+        raise StructureError(
+            "the element matrices hold too many numbers",
+            field="elements",
+            value=len(elements) * width**2,
+            allowed=f"elements times the square of the largest's degrees of freedom <= {MOST}",
+        )
+    rows = np.full((len(elements), width), -1)
+    mass, axial, bending = np.zeros((3, len(elements), width, width))
+    for i, element in enumerate(elements):
+        k = len(element.rows)
+        rows[i, :k] = element.rows
+        mass[i, :k, :k] = element.mass
+        axial[i, :k, :k] = element.axial
+        if element.bending is not None:
+            bending[i, :k, :k] = element.bending
+    return rows, mass, axial, bending
+
+
+def of_groups(
+    groups: Sequence[GroupMatrices],
+    dofs: Sequence[Dof],
+    places: Places | None = None,
+    *,
+    damping: Damping | None = None,
+    name: str = "",
+) -> Structure:
+    """Return the structure that named parts of a model add up to.
+
+    Small ones are a member each. Those of a large model are cut into members of two nodes each, which
+    only together mean something: their coefficients are those of the group.
+
+    Raises
+    ------
+    StructureError
+        As `of_elements`.
+    """
+    _check_table(dofs)
+    return of_elements(elements_of_groups(groups, dofs), dofs, places, damping=damping, name=name)
+
+
+def elements_of_groups(
+    groups: Sequence[GroupMatrices], dofs: Sequence[Dof], *, first: int = 1
+) -> list[Element]:
+    """Return the elements that named parts of a model are, as `of_groups` says, numbered from `first`."""
+    touched = [_touched(group) for group in groups]
+    whole = len(groups) * max((len(rows) for rows in touched), default=0) ** 2
+    number = count(first)
+    _, node, sizes = np.unique([dof.node for dof in dofs], return_inverse=True, return_counts=True)
+    n_pairs = sum(_n_pairs(group, node) for group in groups) if whole > WHOLE else 0
+    if whole <= WHOLE or n_pairs > PAIRS or n_pairs * (2 * sizes.max()) ** 2 > whole:
+        return [
+            Element(next(number), group.name, rows.tolist(), *_dense(group, rows))
+            for group, rows in zip(groups, touched, strict=True)
+            if len(rows)
+        ]
+    return [element for group in groups for element in _pairs(group, dofs, number)]
+
+
+def _dense(group: GroupMatrices, rows: IntArray) -> tuple[FloatArray, FloatArray]:
+    at = np.ix_(rows, rows)
+    return group.mass[at].toarray(), group.stiffness[at].toarray()
+
+
+def _touched(group: GroupMatrices) -> IntArray:
+    """Return the rows in which a group has an entry."""
+    return np.unique(np.concatenate(_entries(group)))
+
+
+def _entries(group: GroupMatrices) -> tuple[IntArray, IntArray]:
+    """Return rows and columns of all that a group's matrices hold."""
+    both = [matrix.tocoo() for matrix in (group.mass, group.stiffness)]
+    rows, columns = ([getattr(e, name)[e.data != 0] for e in both] for name in ("row", "col"))
+    return np.concatenate(rows), np.concatenate(columns)
+
+
+def _n_pairs(group: GroupMatrices, node: IntArray) -> int:
+    """Return how many pairs of nodes, (n,) of the degrees of freedom, a group joins."""
+    ends = np.sort([node[places] for places in _entries(group)], axis=0)
+    return len(np.unique(ends, axis=1).T)
+
+
+def _pairs(group: GroupMatrices, dofs: Sequence[Dof], number: Iterator[int]) -> Iterator[Element]:
+    """Yield a group's matrices cut up by pairs of nodes, what a node has alone being a pair with itself."""
+    _, node = np.unique([dof.node for dof in dofs], return_inverse=True)
+    at = [np.flatnonzero(node == i) for i in range(node.max() + 1)]
+    parts: dict[tuple[int, int], list[tuple[int, int, int, float]]] = {}
+    for kind, matrix in enumerate((group.mass, group.stiffness)):
+        entries = matrix.tocoo()
+        for row, column, value in zip(entries.row, entries.col, entries.data, strict=True):
+            ends = sorted((int(node[row]), int(node[column])))
+            parts.setdefault((ends[0], ends[1]), []).append((kind, int(row), int(column), float(value)))
+    for (one, other), numbers in parts.items():
+        rows = at[one] if one == other else np.concatenate([at[one], at[other]])
+        place = {int(row): i for i, row in enumerate(rows)}
+        matrices = np.zeros((2, len(rows), len(rows)))
+        for kind, row, column, value in numbers:
+            matrices[kind, place[row], place[column]] += value
+        yield Element(next(number), group.name, rows.tolist(), *matrices)
+
+
+def _total(parts: FloatArray, rows: IntArray, n: int) -> csc_array:
+    r = np.broadcast_to(rows[:, :, None], parts.shape)
+    c = np.broadcast_to(rows[:, None, :], parts.shape)
+    kept = (r >= 0) & (c >= 0)
+    return csc_array((parts[kept], (r[kept], c[kept])), shape=(n, n))
+
+
+def _free(dofs: Sequence[Dof], supports: tuple[Support, ...]) -> IntArray:
+    held = {(s.node, d) for s in supports for d in s.directions}
+    free = [i for i, dof in enumerate(dofs) if (dof.node, dof.direction) not in held]
+    if not free:
+        raise StructureError("the supports hold every degree of freedom", field="supports")
+    return np.array(free)
+
+
+def _nodes(dofs: Sequence[Dof]) -> tuple[int, ...]:
+    return tuple(dict.fromkeys(dof.node for dof in dofs))
+
+
+def _check_table(dofs: Sequence[Dof]) -> None:
+    if not dofs:
+        raise StructureError("a model needs degrees of freedom", field="dofs", value=0, allowed=">= 1")
+    seen: set[Dof] = set()
+    for dof in dofs:
+        if dof.sign < 0 or dof.point in seen:
+            raise StructureError(
+                f"{dof} is there twice or in its negative sense",
+                field="dofs",
+                value=str(dof),
+                allowed="each degree of freedom once, in its positive sense",
+            )
+        seen.add(dof.point)

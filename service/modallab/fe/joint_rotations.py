@@ -1,0 +1,60 @@
+"""Rotations that jump at joints, as rows of their own behind those of the degrees of freedom."""
+
+import numpy as np
+
+from modallab.core.arrays import FloatArray, IntArray
+from modallab.fe.alteration import TURNING
+from modallab.fe.member_table import loose_end
+from modallab.fe.structure import Member, Structure
+
+
+class JointRotations:
+    """Where a structure's joints let members turn by themselves, rad.
+
+    A member's matrices have a row more for every jump of an end, by which that end turns beside its node.
+
+    Parameters
+    ----------
+    width
+        w, rows of a member without jumps.
+    """
+
+    def __init__(self, structure: Structure, width: int) -> None:
+        members = structure.all_members
+        place = {member.number: i for i, member in enumerate(members)}
+        ends = [member.nodes for member in members]
+        bars = np.array([isinstance(member, Member) for member in members])
+        taken: dict[int, int] = {}
+        found = []
+        for joint in structure.joints:
+            number, end = loose_end(tuple(place), ends, bars, joint.node)
+            member = place[number]
+            column = width + taken.get(member, 0)
+            taken[member] = taken.get(member, 0) + 1
+            found.append((member, TURNING[end], column))
+        # (n_joints,) each: the member, the row of the end that turns, the row of the jump
+        self.members, self._turning, self._columns = np.array(found, int).reshape(-1, 3).T
+        self.width_alone, self.width = width, width + max(taken.values(), default=0)
+
+    def widened(self, parts: FloatArray, places: IntArray) -> FloatArray:
+        """Return matrices (m, w, w) of members, by their place among all, as (m, w', w') with their jumps."""
+        more = self.width - parts.shape[-1]
+        out = np.pad(parts, ((0, 0), (0, more), (0, more)))
+        at = {int(place): i for i, place in enumerate(places)}
+        for member, row, column in zip(self.members, self._turning, self._columns, strict=True):
+            if (i := at.get(int(member))) is not None:
+                out[i, :, column] = out[i, :, row]
+                out[i, column] = out[i, row]
+        return out
+
+    def rows(self, rows: IntArray, first: int) -> IntArray:
+        """Return the place of members' rows (n_members, w) in a system whose jumps begin at `first`."""
+        out = np.pad(rows, ((0, 0), (0, self.width - rows.shape[1])), constant_values=-1)
+        out[self.members, self._columns] = first + np.arange(len(self.members))
+        return out
+
+    def springs(self, structure: Structure) -> FloatArray:
+        """Return the stiffness of joints at the jumps of their members, (n_members, w', w'), N m/rad."""
+        out = np.zeros((len(structure.all_members), self.width, self.width))
+        out[self.members, self._columns, self._columns] = [joint.stiffness for joint in structure.joints]
+        return out

@@ -1,0 +1,236 @@
+"""The lowest modes of a large system, counted so that none is missed."""
+
+from dataclasses import dataclass
+from functools import cached_property
+
+import numpy as np
+from scipy.linalg import eigh
+from scipy.sparse import csc_array
+from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, SuperLU, eigsh, splu
+
+from modallab.core.arrays import FloatArray
+from modallab.core.errors import StructureError
+from modallab.fe.truncation import ModalTruncation
+
+# Of an eigenvalue of the inverse that is iterated for; of a very thin plate rounding leaves less.
+ACCURACIES = (1e-12, 1e-9, 1e-6)
+RESTARTS = 100  # after which it is rounding that is iterated
+APART = 1e-6  # relative, of eigenvalues between which a band may end
+OTHERS = 1e-2  # share of all motions in a start from known modes: one that is not among them may come in
+HARD, LEAST = 1e-11, 1e-14  # shares of the highest eigenvalue: below most elastic modes, and near rounding
+FEW = 20  # modes that are looked for first where they cannot be counted
+SPARE = 10  # motions iterated beside the modes, at least, where these are nearly known
+NUDGES = 5  # of a place that eigenvalues are counted below, where a pivot is zero
+
+
+@dataclass(frozen=True, eq=False)
+class LowestModes:
+    """All modes below some frequency, rigid-body modes first, and what the others add."""
+
+    squares: FloatArray  # (m,) rad^2/s^2, rising
+    shapes: FloatArray  # (n, m) mass-normalised
+    highest: float  # rad^2/s^2, below which there is no other
+    remainder: ModalTruncation
+
+
+def factorised(matrix: csc_array) -> SuperLU:
+    """Return L U of a symmetric matrix, by pivots on its diagonal.
+
+    Others would undo the ordering: four times the work of a plate's. Of a definite matrix none is needed.
+    """
+    return splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
+
+
+def count_below(mass: csc_array, stiffness: csc_array, square: float) -> int | None:
+    """Return how many eigenvalues are below `square`, rad^2/s^2; None if rounding hides it.
+
+    As many as K - square M has negative pivots.
+
+    Sylvester's law of inertia; Parlett, The Symmetric Eigenvalue Problem (1980), chapter 3.
+    """
+    for _ in range(NUDGES):
+        try:
+            factor = factorised(csc_array(stiffness - square * mass))
+        except RuntimeError:  # a pivot of exactly zero
+            square *= 1 + APART
+            continue
+        if np.array_equal(factor.perm_r, factor.perm_c):
+            return int((factor.U.diagonal() < 0).sum())
+        square *= 1 + APART
+    return None
+
+
+def lowest_below(
+    mass: csc_array,
+    stiffness: csc_array,
+    bodies: FloatArray,
+    highest: float,
+    near: FloatArray | None = None,
+) -> LowestModes:
+    """Return all modes below `highest`, rad^2/s^2.
+
+    Parameters
+    ----------
+    bodies
+        (n, n_rigid) mass-normalised rigid-body modes.
+    near
+        (n, k) modes of a system much like this one, to begin with.
+    """
+    # Factorising K + s M instead of K keeps a free structure regular; s near the first elastic
+    # eigenvalues keeps the low modes well apart.
+    search = _Search(mass, stiffness, bodies, max(1e-3 * highest, 1.0))
+    below = count_below(mass, stiffness, highest)
+    if below is None:
+        squares, shapes = search.pairs(FEW, near)
+        while squares.max() <= highest and len(squares) < search.elastic:
+            squares, shapes = search.more(squares, shapes, len(squares))
+        return search.band(squares, shapes, highest, 0)
+    count = below - bodies.shape[1]
+    if count < 1:
+        return search.band(np.zeros(0), np.zeros((len(bodies), 0)), highest, 0)
+    return search.band(*search.pairs(count, near), highest, count)
+
+
+def lowest_first(mass: csc_array, stiffness: csc_array, bodies: FloatArray, count: int) -> LowestModes:
+    """Return the rigid-body modes and the first elastic ones: `count`, all if there are no more.
+
+    Where the last of them are close to the next there are a few more.
+    """
+    search = _scaled(mass, stiffness, bodies)
+    squares, shapes = search.pairs(min(count + 1, search.elastic), None)
+    while True:
+        squares, shapes = _sorted(squares, shapes)
+        ends = np.flatnonzero(np.diff(squares) > APART * squares[1:])
+        ends = ends[ends >= count - 1]
+        if ends.size:
+            highest = float(squares[ends[0] : ends[0] + 2].mean())
+            below = count_below(mass, stiffness, highest) or 0
+            return search.band(squares, shapes, highest, below - bodies.shape[1])
+        if len(squares) >= search.elastic:
+            return search.band(squares, shapes, np.inf, len(squares))
+        squares, shapes = search.more(squares, shapes, 2)
+
+
+def _scaled(mass: csc_array, stiffness: csc_array, bodies: FloatArray) -> "_Search":
+    """Return a search whose shift is no larger than the first elastic eigenvalues."""
+    largest = float((abs(stiffness).sum(axis=0) / mass.diagonal()).max())
+    shift = HARD * largest
+    while True:
+        search = _Search(mass, stiffness, bodies, shift)
+        slow = search.slow()
+        if slow > shift or shift < LEAST * largest:
+            return search
+        shift = max(slow / 10, LEAST * largest / 2)
+
+
+class _Search:
+    """Elastic modes by inverse iteration with one factorisation of K + shift M."""
+
+    def __init__(self, mass: csc_array, stiffness: csc_array, bodies: FloatArray, shift: float) -> None:
+        self.mass, self.stiffness, self.bodies, self.shift = mass, stiffness, bodies, shift
+        self.elastic = mass.shape[0] - bodies.shape[1]  # how many there are
+
+    @cached_property
+    def factor(self) -> SuperLU:
+        """L U of K + shift M."""
+        return factorised(csc_array(self.stiffness + self.shift * self.mass))
+
+    def slow(self) -> float:
+        """Return an eigenvalue as low as that of a few elastic modes together, or as the shift."""
+        moved = self._start(None)
+        for _ in range(3):
+            moved = self._answer(moved, self.bodies)
+        return float(moved @ (self.stiffness @ moved) / (moved @ (self.mass @ moved)))
+
+    def _answer(self, motion: FloatArray, apart: FloatArray) -> FloatArray:
+        moved = self.factor.solve(self.mass @ motion)
+        return np.asarray(moved - apart @ (apart.T @ (self.mass @ moved)))
+
+    def pairs(
+        self, count: int, near: FloatArray | None, known: FloatArray | None = None
+    ) -> tuple[FloatArray, FloatArray]:
+        """Return the lowest eigenvalues and modes but for those that are known, or all that there are.
+
+        Raises
+        ------
+        StructureError
+            If rounding leaves nothing of them.
+        """
+        n = len(self.bodies)
+        apart = self.bodies if known is None else np.hstack([self.bodies, known])
+        if 2 * (count + apart.shape[1]) + 1 > n:
+            squares, shapes = eigh(self.stiffness.toarray(), self.mass.toarray())
+            return squares[apart.shape[1] :], shapes[:, apart.shape[1] :]
+        heavy = self.mass @ apart
+
+        def inverse(load: FloatArray) -> FloatArray:
+            moved = self.factor.solve(load)
+            return np.asarray(moved - apart @ (heavy.T @ moved))
+
+        solve = LinearOperator((n, n), matvec=inverse, dtype=float)
+        width = None if near is None else count + max(SPARE, count // 2)
+        return self._iterated(count, solve, self._start(near), width)
+
+    def _iterated(
+        self, count: int, inverse: LinearOperator, start: FloatArray, width: int | None
+    ) -> tuple[FloatArray, FloatArray]:
+        for accuracy in ACCURACIES:
+            try:
+                squares, shapes = eigsh(
+                    self.stiffness,
+                    count,
+                    self.mass,
+                    sigma=-self.shift,
+                    OPinv=inverse,
+                    v0=start,
+                    ncv=width,
+                    tol=accuracy,
+                    maxiter=RESTARTS,
+                )
+            except ArpackNoConvergence:
+                continue
+            return np.asarray(squares), np.asarray(shapes)
+        raise StructureError(
+            "rounding hides the lowest modes: some stiffness is too large beside what bends in them",
+            field="stiffness",
+            value=float(abs(self.stiffness).max()),
+            allowed="stiffnesses within about 1e15 of one another",
+        )
+
+    def _start(self, near: FloatArray | None) -> FloatArray:
+        # eigsh draws its start otherwise: the same input, the same modes. One of ones would be blind to
+        # modes that are not as symmetric.
+        any_motion = np.random.default_rng(0).standard_normal(len(self.bodies))
+        if near is None:
+            return any_motion
+        moved = self._answer(any_motion, self.bodies)
+        known = near.sum(axis=1)
+        return np.asarray(known + OTHERS * np.abs(known).max() / np.abs(moved).max() * moved)
+
+    def more(self, squares: FloatArray, shapes: FloatArray, count: int) -> tuple[FloatArray, FloatArray]:
+        """Return what was found and the next `count` modes beside it."""
+        count = min(count, self.elastic - len(squares))
+        others, beside = self.pairs(count, None, shapes)
+        return np.concatenate([squares, others]), np.hstack([shapes, beside])
+
+    def band(self, squares: FloatArray, shapes: FloatArray, highest: float, count: int) -> LowestModes:
+        """Return all modes up to `highest`, of which there should be `count` elastic ones."""
+        # Of modes at the same frequency one start shows a single one, but for rounding.
+        while (missing := count - int((squares <= highest).sum())) > 0 and len(squares) < self.elastic:
+            before = len(squares)
+            squares, shapes = self.more(squares, shapes, missing)
+            if squares[before:].min() > highest:
+                break
+        squares, shapes = _sorted(squares, shapes)
+        inside = squares <= highest
+        n_rigid = self.bodies.shape[1]
+        squares = np.concatenate([np.zeros(n_rigid), squares[inside]])
+        shapes = np.hstack([self.bodies, shapes[:, inside]])
+        return LowestModes(
+            squares, shapes, highest, ModalTruncation(self.mass, self.factor.solve, self.shift, shapes)
+        )
+
+
+def _sorted(squares: FloatArray, shapes: FloatArray) -> tuple[FloatArray, FloatArray]:
+    order = np.argsort(squares)
+    return squares[order], shapes[:, order]

@@ -1,0 +1,119 @@
+"""Impulse responses of a run's channels, and what transient signals make of them."""
+
+from collections.abc import Iterator
+from dataclasses import replace
+
+import numpy as np
+import scipy.fft
+
+from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.core.errors import InvalidInputError
+from modallab.estimation.averaging import Averager
+from modallab.rig.acquisition import sample_rate_of, samples_of
+from modallab.rig.chain import DC_LIMIT, Chain
+from modallab.rig.excitation import EXCITATIONS
+from modallab.rig.hammer_misalignment import misalignment_responses
+from modallab.rig.transient import Answers, Transient
+
+FORGOTTEN = 1e-6  # amplitude below which a mode has rung out
+NEARLY = 0.03  # the same for a first look over many hypotheses
+LONGEST = 2**26  # samples of all channels, 0.5 GB
+AT_ONCE = 2**22  # samples of all channels of the runs that are solved for together
+
+
+def transient_of(chain: Chain) -> Transient | None:
+    """Return what of the declared excitation begins and ends within a record."""
+    return EXCITATIONS[chain.setup.analyser.excitation.kind].transient
+
+
+def answers_of(chain: Chain, run: int) -> Answers:
+    """Return the impulse responses of a run's channels to its sources.
+
+    Found by frequency, on a grid so fine that they have rung out before they repeat. Hysteretic damping is
+    slightly non-causal: what comes before the impulse is kept too. The anti-alias filter is flat to
+    the top of the band and rolls off as a raised cosine to half the sample rate.
+
+    Raises
+    ------
+    InvalidInputError
+        If a mode rings too long.
+    """
+    return _answers(replace(chain, runs=(chain.runs[run],)), FORGOTTEN)[0]
+
+
+def all_answers(chain: Chain, forgotten: float = FORGOTTEN) -> Iterator[Answers]:
+    """Yield the same of every run; runs that fit into memory share their solutions."""
+    whole = samples_of(chain.setup.analyser) * _repeats(replace(chain, runs=chain.runs[:1]), forgotten)
+    n_ch = chain.n_in + len(chain.runs[0].responses)
+    together = max(1, AT_ONCE // (whole * n_ch))
+    for first in range(0, len(chain.runs), together):
+        yield from _answers(replace(chain, runs=chain.runs[first : first + together]), forgotten)
+
+
+def _answers(group: Chain, forgotten: float) -> list[Answers]:
+    analyser, transient = group.setup.analyser, transient_of(group)
+    assert transient is not None  # asked for by transient excitations only
+    n, rate, setting = samples_of(analyser), sample_rate_of(analyser), analyser.excitation
+    whole = n * _repeats(group, forgotten)
+    freq = scipy.fft.rfftfreq(whole, 1 / rate)
+    omega = 2 * np.pi * np.maximum(freq, DC_LIMIT * analyser.spacing)
+    played = transient.spectrum(omega, setting) * _anti_alias(freq, analyser.frequency_max, rate / 2)
+    for shaping in group.source.shaping:
+        played = played * shaping(omega)
+    played = played * np.sqrt(setting.level**2 / analyser.frequency_max * rate / 2)
+    found = []
+    for run, heard in zip(group.runs, group.respond(freq).channels, strict=True):
+        if transient.strays(setting):
+            heard = np.concatenate([heard, misalignment_responses(replace(group, runs=(run,)), freq)], axis=2)
+        samples = scipy.fft.irfft(played * heard.transpose(2, 1, 0), whole)
+        found.append(Answers(np.concatenate([samples[..., -n:], samples[..., :n]], axis=-1), group.n_in))
+    return found
+
+
+def transient_spectra(chain: Chain, forgotten: float = FORGOTTEN) -> ComplexArray:
+    """Return the expected G_ff, G_fx and G_xx side by side, (n_run, n_lines, n_in^2 + n_in n_out + n_out).
+
+    Parameters
+    ----------
+    forgotten
+        Share of an impulse response that may still ring when it is taken for over.
+    """
+    analyser, transient = chain.setup.analyser, transient_of(chain)
+    assert transient is not None
+    runs = []
+    for answers in all_answers(chain, forgotten):
+        shape = answers.samples.shape[1], answers.n_samples
+        averager = Averager(
+            analyser.line_window,
+            shape,
+            sample_rate_of(analyser),
+            n_lines=analyser.n_lines,
+            n_in=chain.n_in,
+        )
+        for records in transient.typical(answers, analyser.excitation):
+            averager.add(records)
+        flat = [part.reshape(analyser.n_lines, -1) for part in averager.densities()]
+        runs.append(np.concatenate(flat, axis=1))
+    return np.array(runs)
+
+
+def _anti_alias(freq: FloatArray, top: float, nyquist: float) -> FloatArray:
+    place = np.clip((freq - top) / (nyquist - top), 0.0, 1.0)
+    return np.asarray(np.cos(np.pi / 2 * place) ** 2)
+
+
+def _repeats(group: Chain, forgotten: float) -> int:
+    """Return over how many records the impulse responses are found: an even number."""
+    analyser = group.setup.analyser
+    frequencies, widths = group.poles()
+    slowest = widths[frequencies < analyser.frequency_max + analyser.spacing].min(initial=np.inf)
+    ringing = -np.log(forgotten) / (2 * np.pi * slowest) * analyser.spacing if slowest > 0 else np.inf
+    room = LONGEST / ((1 + len(group.runs[0].responses)) * samples_of(analyser))
+    if ringing > room:
+        raise InvalidInputError(
+            f"a mode rings for {ringing:.3g} records: too long to follow what a transient leaves",
+            field="excitation.kind",
+            value=analyser.excitation.kind,
+            allowed="a periodic excitation, or more damping",
+        )
+    return 2 * int(np.ceil(max(ringing, 2.0) / 2 + 0.5))

@@ -1,0 +1,46 @@
+"""What channels hear of forces that only a hand-held hammer has: beside the point, across the axis."""
+
+import numpy as np
+
+from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.core.dof import TRANSLATIONS, Dof
+from modallab.fe.interpolation import motion_beside
+from modallab.fe.receptance import receptance
+from modallab.fe.system import DynamicSystem
+from modallab.rig.chain import DC_LIMIT, Chain
+from modallab.rig.run import filtered
+
+STEP = 1e-4  # m, to either side, for the slope of the shape functions at a node
+
+
+def lateral(system: DynamicSystem, drive: Dof) -> tuple[Dof, ...]:
+    """Return the translations of a drive point's node across its axis."""
+    beside = (Dof(drive.node, direction) for direction in TRANSLATIONS if direction != drive.direction)
+    return tuple(dof for dof in beside if dof in system.dofs)
+
+
+def misalignment_responses(alone: Chain, freq: FloatArray) -> ComplexArray:
+    """Return what the channels of one run show of stray forces, (n_freq, 1 + n_out, 1 + n_lateral).
+
+    First per newton and metre of place along the member, to first order, then per newton in each
+    direction across the axis. The gauge sits in the hammer and shows the whole blow, wherever it goes.
+    """
+    run = alone.runs[0]
+    drive, spacing = run.shot.drive, alone.setup.analyser.spacing
+    columns = np.column_stack([_lever(run.system, drive), run.system.selection(lateral(run.system, drive))])
+    omega = 2 * np.pi * np.maximum(freq, DC_LIMIT * spacing)
+    alpha = receptance(run.system, omega / (2 * np.pi), run.system.selection(run.motions), columns)
+    responses = filtered(run.mixed(-(omega**2)[:, None, None] * alpha), run.responses, omega)
+    return np.concatenate([np.zeros((len(freq), 1, columns.shape[1])), responses], axis=1)
+
+
+def _lever(system: DynamicSystem, drive: Dof) -> FloatArray:
+    """Return how a force at a drive point changes, per metre that it moves along the member, (n_dof,)."""
+    column = np.zeros(len(system.dofs))
+    table = system.members
+    if table is None or drive.direction not in ("X", "Y") or not table.has_bar(drive.node):
+        return column
+    for sign in (1, -1):
+        for row, weight in motion_beside(table, drive.node, sign * STEP, drive.direction):
+            column[row] += sign * drive.sign * weight / (2 * STEP)
+    return column

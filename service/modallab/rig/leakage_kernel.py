@@ -1,0 +1,137 @@
+"""Leakage of a stationary spectrum into all lines; its cost grows with the lines, not with their square."""
+
+from dataclasses import dataclass
+from functools import lru_cache
+
+import numpy as np
+import scipy.fft
+from scipy.sparse import coo_array, csr_array
+
+from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.estimation.windows import WINDOWS, Window
+
+# A line shape is sin^2 times a rational function with poles at whole offsets. That far from the last of
+# them it is a polynomial over one line, to 1e-9 (Bernstein ellipse: 16^-10, for poles of sixth order
+# together some hundred times that): what lies there need not be known node by node, but only by this
+# many values a line.
+NEAR = 4
+DEGREE = 10
+
+
+@dataclass(frozen=True, eq=False)
+class LeakageKernel:
+    """What lines take from quadrature nodes: node by node nearby, line by line from afar.
+
+    Spectra are conjugate at negative frequency, so that every node has a mirror.
+    """
+
+    nodes: FloatArray  # (n_nodes,) Hz
+    near: csr_array  # (n_lines, n_nodes)
+    mirrored: csr_array
+    gather: csr_array  # (DEGREE * n_lines, n_nodes): onto points about every line
+    far: ComplexArray  # (DEGREE, n_fft // 2 + 1, 1): transform of what a line takes from such points
+    n_fft: int
+
+    def through(self, spectrum: ComplexArray) -> ComplexArray:
+        """Return a spectrum at the nodes (n_run, n_nodes, k) as the lines see it, (n_run, n_lines, k)."""
+        n_run, n_nodes, k = spectrum.shape
+        n_lines = self.near.shape[0]
+        flat = np.ascontiguousarray(spectrum.swapaxes(0, 1)).reshape(n_nodes, n_run * k)
+        # Real and imaginary parts each on their own: an auto spectrum, which has but one, costs half.
+        turning = flat.imag.any(axis=0)
+        n_real = flat.shape[1]
+        parts = np.concatenate([flat.real, flat.imag[:, turning]], axis=1)
+        sign = np.ones(parts.shape[1])
+        sign[n_real:] = -1.0  # of the mirror
+        seen = self.near @ parts + sign * (self.mirrored @ parts)
+        above = (self.gather @ parts).reshape(DEGREE, n_lines, -1)
+        both = np.zeros((self.n_fft, parts.shape[1]))
+        lines = np.zeros((self.far.shape[1], parts.shape[1]), complex)
+        for far, own, mirror in zip(self.far, above, above[::-1], strict=True):  # each lies in the cache
+            both[: n_lines - 1] = both[2 * n_lines - 1 :] = 0.0
+            both[n_lines - 1 : 2 * n_lines - 1] = own
+            both[n_lines - 1 :: -1] += sign * mirror
+            lines += far * scipy.fft.rfft(both, axis=0)
+        seen += scipy.fft.irfft(lines, self.n_fft, axis=0)[n_lines - 1 : 2 * n_lines - 1]
+        whole = seen[:, :n_real].astype(complex)
+        whole.imag[:, turning] = seen[:, n_real:]
+        return np.asarray(whole.reshape(n_lines, n_run, k).swapaxes(0, 1))
+
+
+def leak_spectrum(
+    window: str,
+    n_lines: int,
+    spacing: float,
+    nodes: FloatArray,
+    weights: FloatArray,
+    n_samples: int | None = None,
+) -> LeakageKernel:
+    """Return how lines, `spacing` Hz apart from 0, see a density integrated with nodes and weights, Hz.
+
+    Nodes lie between the first and the last line, none of them on a line.
+
+    Parameters
+    ----------
+    n_samples
+        Of a record, 2.5 n_lines and more; None: of continuous time.
+    """
+    shape = WINDOWS[window]
+    line = np.round(nodes / spacing)
+    offset = nodes / spacing - line
+    share = np.sin(np.pi * offset) ** 2 * weights / spacing
+    nearby = _nearby(shape, n_lines)
+    reach = np.arange(1 - nearby, nearby)[:, None]
+    own = line.astype(int)
+    column = np.arange(len(nodes))
+
+    def matrix(rows: FloatArray, values: FloatArray, n_rows: int) -> csr_array:
+        kept = (rows >= 0) & (rows < n_rows)
+        columns = np.broadcast_to(column, rows.shape)
+        return csr_array(coo_array((values[kept], (rows[kept], columns[kept])), (n_rows, len(nodes))))
+
+    return LeakageKernel(
+        nodes,
+        matrix(own + reach, shape.envelope(reach - offset, n_samples) * share, n_lines),
+        matrix(reach - own, shape.envelope(reach + offset, n_samples) * share, n_lines),
+        matrix(own + n_lines * np.arange(DEGREE)[:, None], _lagrange(offset) * share, DEGREE * n_lines),
+        _far(window, n_lines, n_samples),
+        _n_fft(n_lines),
+    )
+
+
+def _nearby(window: Window, n_lines: int) -> int:
+    reach = NEAR + len(window.coefficients) - 1
+    # The poles of a sampled line shape come again after n_samples: among few lines nowhere is far from all.
+    return reach if n_lines > 2 * reach else 2 * n_lines
+
+
+def _points() -> FloatArray:
+    """Chebyshev points over one line, symmetric about it."""
+    return np.asarray(-0.5 * np.cos(np.pi * (np.arange(DEGREE) + 0.5) / DEGREE))
+
+
+def _lagrange(offset: FloatArray) -> FloatArray:
+    """Return the polynomials that are 1 at one point and 0 at the others, (DEGREE, n) at `offset` (n,)."""
+    points = _points()
+    off = offset - points[:, None]
+    apart = np.where(np.eye(DEGREE, dtype=bool), 1.0, points[:, None] - points).prod(axis=1)
+    below, above = np.ones_like(off), np.ones_like(off)  # products over the points on either side
+    for i in range(1, DEGREE):
+        below[i] = below[i - 1] * off[i - 1]
+        above[-1 - i] = above[-i] * off[-i]
+    return np.asarray(below * above / apart[:, None])
+
+
+@lru_cache(maxsize=8)
+def _far(window: str, n_lines: int, n_samples: int | None) -> ComplexArray:
+    """Return the transform of what a line takes from points about lines that are not near."""
+    n_fft = _n_fft(n_lines)
+    steps = np.arange(1 - n_lines, 2 * n_lines - 1)
+    kernel = np.zeros((DEGREE, n_fft))
+    far = steps[np.abs(steps) >= _nearby(WINDOWS[window], n_lines)]
+    kernel[:, far % n_fft] = WINDOWS[window].envelope(far - _points()[:, None], n_samples)
+    return np.asarray(scipy.fft.rfft(kernel, axis=1)[:, :, None])
+
+
+def _n_fft(n_lines: int) -> int:
+    return int(scipy.fft.next_fast_len(3 * n_lines, real=True))

@@ -1,0 +1,164 @@
+"""What nonlinear forces add to time records: found by steps in time, heard by every channel."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+import scipy.fft
+
+from modallab.core.arrays import ComplexArray, FloatArray, IntArray
+from modallab.rig.acquisition import samples_of
+from modallab.rig.analyser import Analyser
+from modallab.rig.chain import DC_LIMIT, Chain
+from modallab.rig.distortion import motions
+from modallab.rig.run import Run
+from modallab.rig.time_stepping import ModalFeedback, Stepper, check_bounded, residual_forces
+
+FINER = 4  # steps per sample of the analyser: third harmonics of half the band, 1 % of the force at its top
+FORGOTTEN = 0.05  # share of a residual's effect that may be missing where a record begins
+LONGEST = 12  # records of lead-in at most
+SIDE_BY_SIDE = 2**23  # samples of all records that are stepped together, lead-in included
+
+
+@dataclass(frozen=True, eq=False)
+class Played:
+    """What the sources play, line by line: (k, n_in, n_lines), k signals periodic in `n_records` records.
+
+    `share` of the excitation's power is in it. Each record is cut from the signal `which` (n_block,) says,
+    from the sample `starts` (n_block,) on.
+    """
+
+    lines: ComplexArray
+    share: float
+    n_records: int
+    starts: IntArray
+    which: IntArray
+
+    @classmethod
+    def joined(cls, parts: "Sequence[Played]") -> "Played":
+        """Return the records of several, one after the other."""
+        offsets = np.cumsum([0, *(len(part.lines) for part in parts)])
+        return replace(
+            parts[0],
+            lines=np.concatenate([part.lines for part in parts]),
+            starts=np.concatenate([part.starts for part in parts]),
+            which=np.concatenate([part.which + offset for part, offset in zip(parts, offsets, strict=False)]),
+        )
+
+
+class Distorter:
+    """Adds to the records of some runs what their nonlinear forces leave of their straight lines.
+
+    Records of all these runs are stepped side by side; each begins as early as its own run asks for.
+    """
+
+    def __init__(self, chain: Chain, runs: Sequence[int]) -> None:
+        self._analyser = analyser = chain.setup.analyser
+        self._runs = [chain.runs[run] for run in runs]
+        self._n = samples_of(analyser)
+        self._leads = [lead_in(run, analyser) for run in self._runs]
+        step = 1 / (FINER * self._n * analyser.spacing)
+        self._of_velocity = [one.force.of_velocity for one in self._runs[0].local]
+        feedbacks = feedbacks_of(self._runs)
+        self._stepper = Stepper(feedbacks, self._of_velocity, step)
+        self._heard = [self._hearing(chain, *pair) for pair in zip(self._runs, self._leads, strict=True)]
+
+    def _hearing(self, chain: Chain, run: Run, lead: int) -> ComplexArray:
+        """Return what channels hear of a newton at a nonlinear force, over lead-in and record together."""
+        freq = np.arange((1 + lead) * self._n // 2 + 1) * self._analyser.spacing / (1 + lead)
+        answer = replace(chain, runs=(run,)).distort(freq).channels[0]
+        return np.ascontiguousarray(np.moveaxis(answer, 0, -1))
+
+    def added(self, played: Sequence[Sequence[Played]]) -> list[FloatArray]:
+        """Return what the channels hear of the residuals in each record, (n_block, n_ch, n_samples) by run.
+
+        Parameters
+        ----------
+        played
+            By run, of as many records each.
+        """
+        longest = max(self._leads)
+        motions = [self._motion(*each, longest) for each in zip(self._runs, played, self._leads, strict=True)]
+        left = residual_forces(
+            [run.local for run in self._runs],
+            lambda start, end: np.stack([motion(start, end) for motion in motions], axis=1),
+            (1 + longest) * self._n * FINER,
+            self._stepper,
+        )
+        return [
+            self._told(left[(longest - lead) * self._n * FINER :, i], heard)
+            for i, (lead, heard) in enumerate(zip(self._leads, self._heard, strict=True))
+        ]
+
+    def _told(self, left: FloatArray, heard: ComplexArray) -> FloatArray:
+        """Return the channels' records of residuals (n_fine, n, r), lead-in first."""
+        lines = scipy.fft.rfft(left, axis=0)[: heard.shape[-1]] / FINER
+        # The residual is a force against the structure's motion: on the structure it acts the other way.
+        told = -np.einsum("crf,fnr->ncf", heard, lines, optimize=True)
+        return np.asarray(scipy.fft.irfft(told, len(left) // FINER)[..., -self._n :])
+
+    def _motion(
+        self, run: Run, played: Sequence[Played], lead: int, longest: int
+    ) -> Callable[[int, int], FloatArray]:
+        """Return the motion at the forces (n, n_block, r) by the samples from one to another.
+
+        Nothing moves before a run's own lead-in begins.
+        """
+        samples = [self._samples(run, one) for one in played]
+        begins = (longest - lead) * self._n * FINER
+
+        def between(start: int, end: int) -> FloatArray:
+            time = np.arange(start, end)
+            parts = []
+            for one, own in zip(played, samples, strict=True):
+                at = FINER * one.starts + (time - longest * self._n * FINER)[:, None]
+                at %= len(own)
+                parts.append(own[at, one.which])
+            total = sum(parts[1:], parts[0])
+            if start < begins:
+                total[time < begins] = 0.0
+            return np.asarray(total)
+
+        return between
+
+    def _samples(self, run: Run, played: Played) -> FloatArray:
+        """Return what the forces of a run take, (n_samples, n, r), over a period of what is played."""
+        n_lines = played.lines.shape[-1]
+        freq = np.linspace(0.0, self._analyser.frequency_max, n_lines)
+        whole = played.n_records * self._n * FINER
+        omega = 2 * np.pi * np.maximum(freq, DC_LIMIT * self._analyser.spacing)
+        driven = motions([run], [one.force for one in run.local], omega)[0][0]
+        driven[0] = 0.0  # a free body's place is no part of its vibration
+        driven = driven * np.where(self._of_velocity, 1j * omega[:, None], 1.0)[..., None]
+        lines = np.einsum("fri,nif->fnr", driven, played.lines)
+        density = played.share * self._analyser.excitation.level**2 / self._analyser.frequency_max
+        rate = FINER * self._n * self._analyser.spacing
+        return np.asarray(scipy.fft.irfft(lines, whole, axis=0) * np.sqrt(density * rate * whole / 2))
+
+
+def feedbacks_of(runs: Sequence[Run]) -> list[ModalFeedback]:
+    """Return how the structure of each run answers its nonlinear forces.
+
+    Raises
+    ------
+    DivergedError
+        If steps in time are known not to follow them.
+    """
+    feedbacks = [ModalFeedback.of(run.whole, tuple(one.force.dof for one in run.local)) for run in runs]
+    for run, feedback in zip(runs, feedbacks, strict=True):
+        check_bounded(feedback, run.local)
+    return feedbacks
+
+
+def lead_in(run: Run, analyser: Analyser) -> int:
+    """Return how many records it takes until a start from rest is forgotten."""
+    frequencies, widths = run.resonances(analyser.frequency_max)
+    slowest = widths[frequencies < analyser.frequency_max].min(initial=np.inf)
+    ringing = -np.log(FORGOTTEN) / (2 * np.pi * max(slowest, 1e-12)) * analyser.spacing
+    return int(np.clip(np.ceil(ringing), 1, LONGEST))
+
+
+def side_by_side(chain: Chain) -> int:
+    """Return how many records of runs with nonlinear forces are stepped together."""
+    longest = 1 + max(lead_in(run, chain.setup.analyser) for run in chain.runs)
+    return max(1, SIDE_BY_SIDE // (FINER * samples_of(chain.setup.analyser) * longest))

@@ -1,0 +1,107 @@
+"""Signals that come back in every average: what all averages have in common, as the lines see it."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+import scipy.fft
+
+from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.estimation.windows import Window
+from modallab.rig.acquisition import sample_rate_of
+from modallab.rig.analyser import Analyser
+from modallab.rig.chain import Chain
+from modallab.rig.excitation import EXCITATIONS
+from modallab.rig.free_decay import all_answers, transient_of
+from modallab.rig.transient import Answers, Transient
+
+Weights = Callable[[int, np.random.Generator], FloatArray]  # number of averages -> (n, k)
+
+
+@dataclass(frozen=True, eq=False)
+class PeriodicSignal:
+    """The signals of one run: in every average a sum of the same few, with real weights.
+
+    One of weight 1 where every record is the same; blows of a hammer differ in size, place and angle.
+    """
+
+    signals: ComplexArray  # (k, n_lines, n_ch) forces first, as roots of one-sided densities
+    moments: FloatArray  # (k, k) mean products of the weights
+    weights: Weights
+
+    def expected(self, gain: ComplexArray) -> ComplexArray:
+        """Return their mean G_ff, G_fx and G_xx side by side, (n_lines, 1 + 2 n_out), behind gains."""
+        seen = self.signals * gain
+        back = np.einsum("kl,kf->lf", self.moments, seen[..., 0].conj())
+        first = np.einsum("lf,lfc->fc", back, seen)
+        return np.concatenate(
+            [first, np.einsum("kl,kfc,lfc->fc", self.moments, seen[..., 1:].conj(), seen[..., 1:])], axis=1
+        )
+
+
+def fixed_lines(analyser: Analyser) -> ComplexArray | None:
+    """Return what a source plays in every record, line by line, of unit density; None if drawn anew."""
+    phases = EXCITATIONS[analyser.excitation.kind].phases
+    return None if phases is None else np.exp(1j * phases(analyser.n_lines))
+
+
+def steady_runs(chain: Chain) -> tuple[PeriodicSignal, ...] | None:
+    """Return what comes back in every average of each run; None where all is drawn anew."""
+    transient = transient_of(chain)
+    if transient is None:
+        seen, share = fixed_signals(chain), np.sqrt(1 - chain.source.continuous)
+        return (
+            None
+            if seen is None
+            else tuple(PeriodicSignal(share * run[None], np.eye(1), _once) for run in seen)
+        )
+    runs = [_blows(chain, transient, answers) for answers in all_answers(chain)]
+    return None if None in runs else tuple(run for run in runs if run is not None)
+
+
+def _blows(chain: Chain, transient: Transient, answers: Answers) -> PeriodicSignal | None:
+    """Return the signals of a run that begin and end within a record; None where they are Gaussian."""
+    analyser, setting = chain.setup.analyser, chain.setup.analyser.excitation
+    records = transient.recurring(answers, setting)
+    if records is None:
+        return None
+    n_ch, n = records.shape[1:]
+    window = analyser.line_window
+    density = 2 * (1 - chain.source.continuous) / (sample_rate_of(analyser) * n * window.power)
+    windowed = np.sqrt(density) * records * window.weights(n, chain.n_in, n_ch - chain.n_in)
+    lines = scipy.fft.rfft(windowed)[..., : analyser.n_lines]
+    return PeriodicSignal(
+        lines.swapaxes(1, 2),
+        transient.moments(answers, setting),
+        lambda n, rng: transient.weights(answers, setting, n, rng),
+    )
+
+
+def fixed_signals(chain: Chain) -> ComplexArray | None:
+    """Return the lines of a fixed signal through the window, (n_run, n_lines, n_ch); None if drawn anew."""
+    analyser = chain.setup.analyser
+    lines = fixed_lines(analyser)
+    if lines is None:
+        return None
+    density = analyser.excitation.level**2 / analyser.frequency_max
+    heard = chain.respond(analyser.freq).channels.sum(axis=3)
+    return _through(analyser.line_window, np.sqrt(density) * heard * lines[:, None])
+
+
+def _through(window: Window, lines: ComplexArray) -> ComplexArray:
+    """Return the lines (n_run, n_lines, n_ch) of a record through a window, over its root mean square."""
+    reach, n = len(window.coefficients) - 1, lines.shape[1]
+    nothing = np.zeros((len(lines), reach, lines.shape[2]))
+    # Lines at negative frequency are conjugate; the record of a channel is real.
+    wide = np.concatenate([lines[:, reach:0:-1].conj(), lines, nothing], axis=1)
+    wide[:, reach] = wide[:, reach].real
+    seen = window.coefficients[0] * wide[:, reach : reach + n]
+    for m, a in enumerate(window.coefficients[1:], start=1):
+        seen = seen + (-1) ** m * a / 2 * (
+            wide[:, reach - m : reach - m + n] + wide[:, reach + m : reach + m + n]
+        )
+    return np.asarray(seen / np.sqrt(window.power))
+
+
+def _once(n: int, _rng: np.random.Generator) -> FloatArray:
+    return np.ones((n, 1))

@@ -1,0 +1,87 @@
+"""How averages scatter of signals that come back in every record: less than those of signals drawn anew."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.estimation.coherence import coherence
+from modallab.estimation.estimators.h1 import h1
+from modallab.estimation.spectra import CrossSpectra
+from modallab.rig.chain import Chain
+from modallab.rig.expected import noise_densities, noise_free
+from modallab.rig.periodic import PeriodicSignal, steady_runs
+from modallab.rig.wishart_periodic import gain_of
+
+ROUNDING = 1e-9  # share of a response below which what is not coherent is rounding
+
+
+@dataclass(frozen=True, eq=False)
+class VarianceFactors:
+    """Variances over those of averages of Gaussian records drawn anew, to first order in 1/n."""
+
+    force: FloatArray  # (n_run, n_freq) of ln G_ff
+    frf: FloatArray  # (n_run, n_freq, n_out) of H1
+    response: FloatArray  # (n_run, n_freq, n_out) of ln G_xx (1 - coherence)
+    # Where distortion comes in bursts: how far off its expectation each of these lies in some tests,
+    # (n_tests, ..) logarithms, so that it is known what scatters together.
+    tests: tuple[FloatArray, ComplexArray, FloatArray] | None = None
+
+
+def periodic_factors(chain: Chain, spectra: CrossSpectra) -> VarianceFactors | None:
+    """Return what signals that come back in every average take from the variances of spectra.
+
+    A force f that comes back, and u of power N beside it that does not: G_ff is non-central chi-square of
+    variance (2 |f|^2 N + N^2)/n, which is 1 - a^2 of G_ff^2/n, a = |f|^2/G_ff. What H1 does not explain
+    of a response x likewise: of its power G_xx (1 - coherence) the share b = |x - H1 f|^2/C comes back, and
+    its variance is 1 - b^2 of C^2/n. Fixed parts are tied, as a force and what it does not explain have
+    nothing in common on average, which makes the variance of H1 1 - a b of C/(n G_ff).
+
+    Blows differ in size, with E[w^4] = exp(4 s^2) for s the scatter of its logarithm, and G_ff with them.
+    What blows beside their point or at an angle add to a response has real weights: the square of a real
+    number scatters twice as much as that of a complex one.
+
+    Parameters
+    ----------
+    spectra
+        `expected_spectra(chain)`, one force a run.
+
+    Returns
+    -------
+    None where all is drawn anew.
+    """
+    steady = steady_runs(chain)
+    if steady is None:
+        return None
+    clean = noise_free(chain)
+    seen = chain.setup.analyser.line_window.noise_shares(chain.n_in, len(chain.runs[0].responses))
+    noise = (noise_densities(chain, clean) * seen)[:, 0]
+    h, force = h1(spectra)[..., 0], spectra.ff[:, :, 0, 0].real
+    loose = spectra.xx * (1 - coherence(spectra) + ROUNDING)
+    sizes = np.exp(4 * chain.setup.analyser.excitation.level_scatter**2) - 1 if _blown(steady) else 0.0
+    shares = [
+        _shares(one, gain_of(spectra, clean[run], noise[run], run), h[run], force[run], loose[run])
+        for run, one in enumerate(steady)
+    ]
+    a, b, strayed = (np.array(part) for part in zip(*shares, strict=True))
+    return VarianceFactors(1 - a**2 + sizes, 1 - a[..., None] * b, 1 - b**2 + strayed**2)
+
+
+def _blown(steady: tuple[PeriodicSignal, ...]) -> bool:
+    """Return whether blows differ from record to record."""
+    weights = steady[0].weights(2, np.random.default_rng(0))
+    return bool((weights[0] != weights[1]).any())
+
+
+def _shares(
+    steady: PeriodicSignal, gain: ComplexArray, h: ComplexArray, force: FloatArray, loose: FloatArray
+) -> tuple[FloatArray, FloatArray, FloatArray]:
+    """Return which share of G_ff, (n_freq,), and of each loose response, (n_freq, n_out), comes back, and
+    which share of the latter is a signal with real weights that differ."""
+    signals = steady.signals * gain
+    left = signals[..., 1:] - h * signals[..., :1]
+    mean = steady.moments[0] / steady.moments[0, 0]  # the first weight is that of the force: a blow's size
+    fixed = np.abs(np.tensordot(mean, signals[..., 0], axes=1)) ** 2
+    back = np.abs(np.tensordot(mean, left, axes=1)) ** 2
+    varying = np.einsum("kl,kfo,lfo->fo", steady.moments - np.outer(mean, mean), left.conj(), left).real
+    return (fixed / force).clip(0, 1), (back / loose).clip(0, 1), (varying / loose).clip(0, 1)

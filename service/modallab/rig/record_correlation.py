@@ -1,0 +1,104 @@
+"""How records that follow one another share the power that leaks, and what that does to averages."""
+
+from collections.abc import Iterator
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.estimation.coherence import coherence
+from modallab.estimation.estimators.h1 import h1
+from modallab.estimation.spectra import CrossSpectra
+from modallab.rig.chain import Chain
+from modallab.rig.view import refined_view
+
+RECORDS = 4  # how many records ahead are worked out: Gauss points resolve that many turns a line
+FINE = 4096  # samples of a window for its overlap with itself: exact for sums of cosines at this length
+ROUNDING = 1e-9  # share of a response below which what is not coherent is rounding
+
+
+def correlated_excess_variance(chain: Chain, spectra: CrossSpectra) -> FloatArray:
+    """Return how much more G_xx (1 - coherence) scatters than averages of independent records do.
+
+    What a line takes from a stationary excitation besides H1 times the force is tied to the same in the
+    next records: with a rectangular window a record ends where the next begins. With c_l its
+    covariance l records apart, the variance of its mean square is that of independent records times
+    1 + 2 sum_l (1 - l/n) |c_l / c_0|^2, over the same of signals that are flat over a line, which the
+    effective averages count already. For one mode, a rectangular window and no noise that is
+    1 + |1 - rho|^4 / (2 (1 - Re rho)^2 (1 - |rho|^2)), rho = exp(-pi eta f T + 2 pi i f T).
+
+    Left out: a line's likeness to its mirror at negative frequency. With a rectangular window it adds
+    up to as much again on the first lines below the first mode, and little anywhere else.
+
+    Parameters
+    ----------
+    spectra
+        `expected_spectra(chain)`.
+
+    Returns
+    -------
+    Factors (n_run, n_freq, n_out); 1 where nothing leaks.
+    """
+    analyser, n = chain.setup.analyser, chain.setup.analyser.averages
+    whole = spectra.xx * (1 - coherence(spectra) + ROUNDING)
+    if chain.source.continuous == 0:
+        return np.ones_like(whole)
+    lags = np.arange(1, int(np.ceil(RECORDS / (1 - chain.overlap))) + 1)
+    hop = (1 - chain.overlap) * analyser.record_length
+    leaked = np.array(list(leaked_covariances(chain, spectra, len(lags))))
+    # The rest comes anew at every instant: records have it in common as far as they overlap.
+    flat = _overlapping(analyser.line_window.samples(FINE), hop / analyser.record_length * lags)
+    turned = flat[:, None] * np.exp(2j * np.pi * analyser.freq * lags[:, None] * hop)
+    tied = leaked[1:] + turned[:, None, :, None] * (whole - leaked[0].real)
+    ratio = np.abs(tied / whole) ** 2
+    # Farther ahead each mode's part falls geometrically, none more slowly than the least damped one's.
+    slowest = np.exp(-4 * np.pi * hop * _least_width(chain))
+    fall = np.sqrt(ratio[-1] / np.maximum(ratio[-3], np.finfo(float).tiny)).clip(0.0, slowest)
+    seen = np.maximum(1 - lags / n, 0.0)
+    total = np.tensordot(seen, ratio, axes=1) + seen[-1] * ratio[-1] * fall / (1 - fall)
+    return np.asarray((1 + 2 * total) / (1 + 2 * seen @ flat**2))
+
+
+def leaked_covariances(chain: Chain, spectra: CrossSpectra, lags: int) -> Iterator[ComplexArray]:
+    """Yield the covariance of what leaks with itself 0, 1, ... `lags` records on, (n_run, n_freq, n_out).
+
+    The integral of the window's line shape times |X - H1 F|^2 exp(2 pi i f l hop), hop the time from one
+    record to the next, over the true spectra of what is stationary; at lag 0 what H1 leaves of its power.
+    """
+    analyser = chain.setup.analyser
+    view = refined_view(analyser, *chain.poles())
+    answer = chain.respond(view.nodes)
+    f, x = answer.force, answer.response
+    density = chain.source.continuous * analyser.excitation.level**2 / analyser.frequency_max
+    back = density * f.conj()
+    ff, fx = back @ f.swapaxes(2, 3), back @ x.swapaxes(2, 3)
+    xx = density * (np.abs(x) ** 2).sum(axis=3)
+    n_run, n_nodes, n_in, n_out = fx.shape
+    flat = [part.reshape(n_run, n_nodes, -1) for part in (ff, fx, fx.conj(), xx.astype(complex))]
+    truth = np.concatenate(flat, axis=2)
+    edges = np.cumsum([part.shape[2] for part in flat])[:-1]
+    h = h1(spectra)
+    hop = (1 - chain.overlap) * analyser.record_length
+    for lag in range(lags + 1):
+        later = np.exp(2j * np.pi * lag * hop * view.nodes)
+        seen = view.through(truth * later[:, None])
+        ff, fx, xf, xx = np.split(seen, edges, axis=2)
+        cross = (part.reshape(*h.shape[:2], n_in, n_out) for part in (fx, xf))
+        explained = sum(np.einsum("rloi,rlio->rlo", a, b) for a, b in zip((h.conj(), h), cross, strict=True))
+        own = np.einsum("rloi,rlij,rloj->rlo", h.conj(), ff.reshape(*h.shape[:2], n_in, n_in), h)
+        yield np.asarray(xx - explained + own)
+
+
+def _least_width(chain: Chain) -> float:
+    """Return half the half-power bandwidth, Hz, of the sharpest resonance within the band."""
+    frequencies, widths = chain.poles()
+    inside = frequencies < chain.setup.analyser.frequency_max
+    return max(float(widths[inside].min(initial=np.inf)), 1e-3 * chain.setup.analyser.spacing)
+
+
+def _overlapping(window: FloatArray, shifts: NDArray[np.floating[Any]]) -> FloatArray:
+    """Return the correlation of a window with itself, `shifts` (in records) on."""
+    n, power = len(window), float(window @ window)
+    steps = np.round(shifts * n).astype(int)
+    return np.array([float(window[s:] @ window[: n - s]) / power if s < n else 0.0 for s in steps])

@@ -1,0 +1,233 @@
+"""What expected spectra do not know of distortion that comes in bursts: found by going through the test."""
+
+from collections.abc import Hashable, Sequence
+from dataclasses import replace
+from typing import TypeVar
+
+import numpy as np
+from scipy.special import digamma, polygamma
+
+from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.core.errors import DivergedError, InvalidInputError
+from modallab.estimation.averaging import Averager, effective_averages
+from modallab.estimation.coherence import coherence
+from modallab.estimation.estimators.h1 import h1
+from modallab.estimation.spectra import CrossSpectra
+from modallab.rig.chain import Chain
+from modallab.rig.effect import Effect
+from modallab.rig.excitation import EXCITATIONS
+from modallab.rig.expected import acquisition, expected_spectra, noise_densities, noise_free
+from modallab.rig.periodic_variance import VarianceFactors
+from modallab.rig.record_correlation import correlated_excess_variance
+from modallab.rig.records import Recorder
+from modallab.rig.setup import RigSetup
+
+Numbers = TypeVar("Numbers", FloatArray, ComplexArray)
+
+REPEATS = 12  # tests that are gone through: of four the scatter is known to a factor of two only
+STEPPED = 4  # the same for weights alone where nonlinear forces are stepped through, which takes far longer
+LONGEST = 50  # averages of each at most
+FINENESS = 2  # values of a parameter to its double that are told apart
+CHANCE = 1.75  # times the variance of Gaussian records that so few lines show by chance
+SMOOTHED = 5  # lines that squares are averaged over
+ROUNDING = 1e-8  # share of a response below which what is not coherent is rounding
+
+
+def is_intermittent(effects: Sequence[Effect], setup: RigSetup) -> bool:
+    """Return whether some effects' distortion comes in bursts in a test whose signals are drawn anew."""
+    excitation = EXCITATIONS[setup.analyser.excitation.kind]
+    return not excitation.comes_back and excitation.transient is None and any(e.intermittent for e in effects)
+
+
+class SimulatedVariance:
+    """Rehearsed factors of one rig, kept by place and about the size of what comes in bursts."""
+
+    def __init__(self) -> None:
+        self._known: dict[Hashable, VarianceFactors | None] = {}
+        self.made = 0  # tests that were gone through
+
+    def factors(
+        self, chain: Chain, spectra: CrossSpectra, effects: Sequence[Effect], *, repeats: int | None = None
+    ) -> VarianceFactors | None:
+        """Return the factors of a chain with some effects; None where it cannot be gone through.
+
+        Parameters
+        ----------
+        spectra
+            `expected_spectra(chain)`.
+        repeats
+            Tests that are gone through; None for as many as weights ask for.
+        """
+        if repeats is None:
+            repeats = STEPPED if chain.runs[0].local else REPEATS
+        key = (repeats, *sorted((e.kind, str(e.at), *_about(e)) for e in effects if e.intermittent))
+        if key not in self._known:
+            self.made += repeats
+            try:
+                self._known[key] = simulated_factors(chain, spectra, repeats)
+            except (DivergedError, InvalidInputError):  # too steep, or rings too long
+                self._known[key] = None
+        return self._known[key]
+
+
+def _about(effect: Effect) -> list[int]:
+    """Return the sizes of an effect's parameters, roughly."""
+    values = np.maximum(np.abs(list(effect.parameters.values())), np.finfo(float).tiny)
+    return [int(size) for size in np.rint(FINENESS * np.log2(values))]
+
+
+def simulated_factors(
+    chain: Chain, spectra: CrossSpectra, repeats: int = REPEATS, seed: int = 0
+) -> VarianceFactors:
+    """Return by how much more spectra lie off their expectation than averages of Gaussian records do.
+
+    Distortion comes in bursts: few records in which a line is large, or whose peaks are cut off, carry it,
+    and their averages scatter far more than the Gamma law has it. Nor does a straight line know how a
+    resonance wanders from record to record. Both show where the test is gone through in time with the
+    same effects: the squared logarithm of what comes out over what was expected, over the variance of
+    Gaussian records. Of it what is tied to the expectation stays however many averages there are, what
+    scatters falls with them.
+
+    With a roving sensor one run is gone through, in which all channels are heard.
+
+    Parameters
+    ----------
+    spectra
+        `expected_spectra(chain)`, one force a run.
+    repeats
+        Tests that are gone through.
+    """
+    n = min(chain.setup.analyser.averages, LONGEST)
+    if len(chain.runs) > 1:
+        chain = _all_at_once(chain)
+        alone = expected_spectra(chain)
+        return _apart(simulated_factors(chain, alone, repeats, seed), spectra)
+    tests = _gone_through(chain, repeats, n, np.random.default_rng(seed))
+    worth = effective_averages(n, chain.overlap, chain.setup.analyser.line_window)
+    share = worth / spectra.averages
+    g2 = coherence(spectra)
+    loose = spectra.xx * (1 - g2 + ROUNDING)
+    # Of H1 in one average, as a test tells it of itself: where it came out noisy its lines weigh less.
+    seen = np.array([coherence(test) for test in tests])
+    error = np.sqrt((1 - seen + ROUNDING) / np.maximum(seen, ROUNDING))
+    force, response = (np.array(part) for part in zip(*(_powers(test) for test in tests), strict=True))
+    # Less what the logarithm of an average of Gaussian records is off in the mean.
+    force = np.log(force / spectra.ff[:, :, 0, 0].real) - digamma(worth) + np.log(worth)
+    response = np.log(response / loose) - digamma(max(worth - 1, 0.5)) + np.log(worth)
+    frf: ComplexArray = np.log(np.array([h1(test)[..., 0] for test in tests]) / h1(spectra)[..., 0])
+    factors = VarianceFactors(
+        _factor(force, polygamma(1, worth), share),
+        _factor(frf / error, 1 / max(worth - 2, 1), share),
+        _factor(response, polygamma(1, max(worth - 1, 0.5)), share),
+        (_of_as_many(force, share), _of_as_many(frf, share), _of_as_many(response, share)),
+    )
+    if chain.source.continuous == 0:
+        return factors
+    # What follows from records in succession is counted by itself.
+    return replace(
+        factors, response=np.maximum(factors.response / correlated_excess_variance(chain, spectra), 1.0)
+    )
+
+
+def _powers(spectra: CrossSpectra) -> tuple[FloatArray, FloatArray]:
+    """Return G_ff of one force and the incoherent response spectra."""
+    return spectra.ff[:, :, 0, 0].real, spectra.xx * (1 - coherence(spectra) + ROUNDING)
+
+
+def _all_at_once(chain: Chain) -> Chain:
+    """Return one run in which all channels of a roving test are heard, the sensor in the middle place."""
+    run = chain.runs[len(chain.runs) // 2]
+    responses = tuple(channel for each in chain.runs for channel in each.responses)
+    shot = replace(run.shot, outputs=tuple(dof for each in chain.runs for dof in each.shot.outputs))
+    return replace(chain, runs=(replace(run, shot=shot, responses=responses),))
+
+
+def _apart(factors: VarianceFactors, spectra: CrossSpectra) -> VarianceFactors:
+    """Return the factors of one run with all channels by the runs of a test."""
+    n_run, n_lines, n_out = spectra.xx.shape
+    rng = np.random.default_rng(n_run)
+
+    def parted(part: Numbers) -> Numbers:
+        """(.., 1, n_lines, n_run n_out) by run."""
+        each = part.reshape(*part.shape[:-3], n_lines, n_run, n_out)
+        out: Numbers = np.ascontiguousarray(np.moveaxis(each, -2, -3))
+        return out
+
+    def anew(part: Numbers) -> Numbers:
+        """What scatters from test to test does so in every run by itself."""
+        mean, signs = part.mean(axis=0), rng.choice([-1.0, 1.0], (len(part), n_run, 1, 1))
+        out: Numbers = mean + signs * (part - mean)
+        return out
+
+    assert factors.tests is not None
+    force, frf, response = factors.tests
+    runs = anew(np.repeat(force[..., None], n_run, axis=1))[..., 0]
+    return VarianceFactors(
+        np.repeat(factors.force, n_run, axis=0),
+        parted(factors.frf),
+        parted(factors.response),
+        (runs, anew(parted(frf)), anew(parted(response))),
+    )
+
+
+def _of_as_many(off: Numbers, share: float) -> Numbers:
+    """Return what tests lie off as if of more averages: what they have in common stays."""
+    mean = off.mean(axis=0)
+    out: Numbers = mean + np.sqrt(share) * (off - mean)
+    return out
+
+
+def _factor(off: FloatArray | ComplexArray, variance: float, share: float) -> FloatArray:
+    """Return mean squares (n_run, n_freq, ..) over the variance of Gaussian records, at least 1.
+
+    Parameters
+    ----------
+    off
+        (n_tests, n_run, n_freq, ..) from what was expected.
+    share
+        Averages of these tests over those of the test itself.
+    """
+    mean = off.mean(axis=0)
+    scatter = (np.abs(off - mean) ** 2).sum(axis=0) / (len(off) - 1)
+    bias = np.maximum(_smooth(np.abs(mean) ** 2 - scatter / len(off)), 0.0)
+    total = _smooth(scatter) / variance + bias / (share * variance)
+    return np.where(total > CHANCE, total, 1.0)
+
+
+def _smooth(squares: FloatArray) -> FloatArray:
+    """Return running means over lines, the second axis."""
+    width = min(SMOOTHED, squares.shape[1])
+    squares = np.concatenate([squares[:, 1:2], squares[:, 1:]], axis=1)  # nothing is seen at 0 Hz
+    padded = np.pad(
+        squares, [(0, 0), (width // 2, (width - 1) // 2), *[(0, 0)] * (squares.ndim - 2)], mode="reflect"
+    )
+    total = np.cumsum(np.concatenate([np.zeros_like(padded[:, :1]), padded], axis=1), axis=1)
+    return np.asarray((total[:, width:] - total[:, :-width]) / width)
+
+
+def _gone_through(chain: Chain, repeats: int, n: int, rng: np.random.Generator) -> list[CrossSpectra]:
+    """Return the spectra of some tests of n averages each."""
+    analyser = replace(chain.setup.analyser, averages=repeats * n)
+    longer = replace(chain, setup=replace(chain.setup, analyser=analyser))
+    recorder, clean = Recorder(longer), noise_free(chain)
+    noise, known = noise_densities(chain, clean), acquisition(chain, clean)
+    n_run, n_in = len(chain.runs), chain.n_in
+
+    def averager() -> Averager:
+        window, shape, rate = analyser.line_window, recorder.shape, recorder.sample_rate
+        return Averager(window, shape, rate, n_lines=analyser.n_lines, n_in=n_in)
+
+    sums = [[averager() for _ in range(n_run)] for _ in range(repeats)]
+    done = np.zeros(n_run, int)
+    for batch in recorder.batches(noise, rng):
+        for effect in chain.effects:
+            batch = replace(batch, samples=effect.on_records(batch, known, rng))
+        test = (done[batch.run] + np.arange(len(batch.samples))) // n
+        done[batch.run] += len(test)
+        for one in np.unique(test):
+            sums[one][batch.run].add(batch.samples[test == one])
+    found = []
+    for of_test in sums:
+        ff, fx, xx = (np.array(part) for part in zip(*(one.densities() for one in of_test), strict=True))
+        found.append(CrossSpectra(analyser.freq, ff, fx, xx, n))
+    return found

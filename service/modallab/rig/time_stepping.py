@@ -1,0 +1,241 @@
+"""Nonlinear forces in time: what they leave of their straight lines, found step by step."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass
+
+import numpy as np
+from scipy.linalg import expm
+
+from modallab.core.arrays import FloatArray
+from modallab.core.dof import Dof
+from modallab.core.errors import DivergedError
+from modallab.fe.system import DynamicSystem
+from modallab.rig.local_force import Linearised
+
+STILL = 1e-3  # rad/s: what moves slower is a rigid body
+NEWTON = 2  # steps to the force at the end of a time step: the motion hardly feels it within one
+LOUD = 7.0  # times its usual size: a motion that no record of Gaussian noise has
+AT_REST = 1e-6  # of the highest mode: growth that is rounding, of modes which do not ring
+BLOCK = 16  # time steps between which modes are turned: within, motions answer forces by convolution
+
+
+@dataclass(frozen=True, eq=False)
+class ModalFeedback:
+    """How a structure with passive sources answers forces at some motions: a sum of real modes.
+
+    Structural damping counts as viscous damping of the same width, which is exact at resonance: the
+    force that is fed back here is what a straight line leaves, small against the force itself.
+    """
+
+    shapes: FloatArray  # (r, m) of the motions, 1/sqrt(kg)
+    omega: FloatArray  # (m,) rad/s
+    damping: FloatArray  # (m,) 1/s, twice the rate of decay
+
+    @classmethod
+    def of(cls, system: DynamicSystem, dofs: tuple[Dof, ...]) -> "ModalFeedback":
+        """Return the modes of a system at some DoFs."""
+        basis = system.modes()
+        columns = system.selection(dofs)
+        shapes = columns.T @ basis.shapes[: len(columns)].real
+        omega = 2 * np.pi * basis.frequencies
+        lost = basis.eigenvalues.imag
+        damping = np.divide(lost, omega, out=np.zeros_like(omega), where=omega > STILL)
+        if basis.viscous is not None:
+            damping = damping + np.diag(basis.viscous).real
+        heard = np.abs(shapes).max(axis=0) > 1e-9 * np.abs(shapes).max()
+        return cls(shapes[:, heard], omega[heard], damping[heard])
+
+
+def check_bounded(feedback: ModalFeedback, found: Sequence[Linearised]) -> None:
+    """Raise if time steps would let a loud motion grow, as the structure does not.
+
+    The straight line of a damper is in the feedback mode by mode, without what it couples. A force that
+    falls behind its line at loud motions takes the line off again, couplings and all: if it is strong
+    that feeds motions which several modes share.
+
+    Raises
+    ------
+    DivergedError
+        If a motion `LOUD` times the usual one grows.
+    """
+    loud = [float(one.force.lines(np.array(LOUD * one.rms))[0]) if one.rms > 0 else 0.0 for one in found]
+    behind = np.minimum(np.array(loud) - [one.slope for one in found], 0.0)
+    if not behind.any():
+        return
+    of_velocity = np.array([one.force.of_velocity for one in found])
+    shapes, omega = feedback.shapes, feedback.omega
+    taken = [(shapes.T * np.where(kind, behind, 0.0)) @ shapes for kind in (~of_velocity, of_velocity)]
+    stiffness, damping = np.diag(omega**2) + taken[0], np.diag(feedback.damping) + taken[1]
+    state = np.block([[np.zeros_like(stiffness), np.eye(len(omega))], [-stiffness, -damping]])
+    if np.linalg.eigvals(state).real.max() > AT_REST * omega.max():
+        raise DivergedError(
+            f"the nonlinear force at {found[int(behind.argmin())].force.dof} holds too hard to be stepped "
+            "through time at this level",
+            field="excitation.level",
+            allowed="a higher level, or the expected route",
+        )
+
+
+class Stepper:
+    """Steps the modes of several structures side by side, for forces in straight lines from step to step.
+
+    Exact for such forces. Modes are turned once a block; within it the motion at a force is what the modes
+    would do alone, and a convolution of the forces with the structure's answer. The force that a step
+    ends with is left out of the modes until the next one, (n_run, n, 2 m) displacements and velocities.
+    """
+
+    def __init__(
+        self, feedbacks: Sequence[ModalFeedback], of_velocity: Sequence[bool], step: float, block: int = BLOCK
+    ) -> None:
+        most = max(one.shapes.shape[1] for one in feedbacks)
+        parts = [_turned(_padded(one, most), of_velocity, step, block) for one in feedbacks]
+        # (n_run, 2, 2, m) over a block; (n_run, 2 m, block r) from modes to motions at its steps;
+        # (n_run, block r, 2 m) from forces to modes at its end; (block, n_run, r, r) from a force to motions.
+        self.turn, self.ahead, self.gathered, self.answer = (
+            np.array([one[i] for one in parts]) for i in range(4)
+        )
+        self.answer = np.ascontiguousarray(self.answer.swapaxes(0, 1))
+        self.block = block
+
+    def alone(self, state: FloatArray) -> FloatArray:
+        """Return the motions (block, n_run, n, r) over a block without forces in it."""
+        n_run, n, _ = state.shape
+        return np.moveaxis((state @ self.ahead).reshape(n_run, n, self.block, -1), 2, 0)
+
+    def onward(self, state: FloatArray, forces: FloatArray) -> FloatArray:
+        """Return the modes a block on, after forces (block, n_run, n, r)."""
+        n_run, n, both = state.shape
+        q, v = state[..., : both // 2], state[..., both // 2 :]
+        given = np.moveaxis(forces, 0, 2).reshape(n_run, n, -1)
+        out = given @ self.gathered
+        for new, part in enumerate((out[..., : both // 2], out[..., both // 2 :])):
+            part += self.turn[:, new, 0, None] * q
+            part += self.turn[:, new, 1, None] * v
+        return np.asarray(out)
+
+
+def _padded(one: ModalFeedback, n_modes: int) -> ModalFeedback:
+    """Return the same with modes that nothing moves, up to as many as others have."""
+    missing = n_modes - one.shapes.shape[1]
+    shapes, omega, damping = (np.pad(a, (*[(0, 0)] * (a.ndim - 1), (0, missing))) for a in _parts(one))
+    return ModalFeedback(shapes, omega, damping)
+
+
+def _parts(one: ModalFeedback) -> tuple[FloatArray, FloatArray, FloatArray]:
+    return one.shapes, one.omega, one.damping
+
+
+def _turned(
+    one: ModalFeedback, of_velocity: Sequence[bool], step: float, block: int
+) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
+    """Return the four matrices of a `Stepper` for one structure, over a block of steps."""
+    r, m = one.shapes.shape
+    exact = np.array([_step(w, c, step) for w, c in zip(one.omega, one.damping, strict=True)])
+    a, b_old, b_new = exact[:, :, :2], exact[:, :, 2], exact[:, :, 3]  # (m, 2, 2), (m, 2), (m, 2)
+    c = np.einsum("mij,mj->mi", a, b_new) + b_old
+    kind = np.array([int(velocity) for velocity in of_velocity])
+    reading = np.zeros((2, m, r))
+    reading[kind, :, np.arange(r)] = one.shapes
+    powers = [np.broadcast_to(np.eye(2), a.shape)]
+    for _ in range(block):
+        powers.append(a @ powers[-1])
+    turns = np.array(powers)  # (block + 1, m, 2, 2)
+    ahead = np.einsum("bmij,imr->jmbr", turns[:-1], reading).reshape(2 * m, -1)
+    kicked = np.einsum("bmij,mj->bim", turns[:-1], c)
+    gathered = np.einsum("bim,rm->brim", kicked[::-1], one.shapes).reshape(-1, 2 * m)
+    later = np.einsum("bim,imr,sm->brs", kicked[:-1], reading, one.shapes)
+    at_once = np.einsum("mi,imr,sm->rs", b_new, reading, one.shapes)
+    return turns[-1].transpose(1, 2, 0), ahead, gathered, np.concatenate([at_once[None], later])
+
+
+def _step(omega: float, damping: float, step: float) -> FloatArray:
+    """Return displacement and velocity of a mode a step on, of both, old and new force, (2, 4)."""
+    a = np.zeros((4, 4))
+    a[0, 1], a[1, 0], a[1, 1] = 1.0, -(omega**2), -damping
+    a[1, 2], a[2, 3] = 1.0, 1.0 / step  # force u, rising at (new - old)/step
+    whole = expm(a * step)[:2]
+    return np.column_stack([whole[:, :2], whole[:, 2] - whole[:, 3], whole[:, 3]])
+
+
+def residual_forces(
+    found: Sequence[Sequence[Linearised]],
+    moved: Callable[[int, int], FloatArray],
+    n_samples: int,
+    stepper: Stepper,
+) -> FloatArray:
+    """Return the residual of every local force over time, (n_samples, n_run, n, r) N.
+
+    The motion is what the sources alone cause in the linearised structure plus what the residuals
+    themselves cause, from rest; at the end of each step the force there is found by Newton's method.
+
+    Parameters
+    ----------
+    found
+        By run, of the same laws.
+    moved
+        From the first and the last sample, (n, n_run, n_records, r) m or m/s, whichever each force takes,
+        at the local forces of the linearised structures: of records that are stepped side by side.
+
+    Raises
+    ------
+    DivergedError
+        If a force is too steep for the steps.
+    """
+    balance, block = _Balance(found, stepper.answer[0]), stepper.block
+    first = moved(0, 1)[0]
+    out = np.empty((n_samples, *first.shape))
+    force = np.zeros_like(first)
+    state = np.zeros((*first.shape[:2], stepper.ahead.shape[1]))
+    with np.errstate(over="ignore", invalid="ignore"):
+        for start in range(0, n_samples, block):
+            end = min(start + block, n_samples)
+            free, here = stepper.alone(state)[: end - start] + moved(start, end), out[start:end]
+            for t in range(end - start):
+                force = balance.force(free[t], force)
+                here[t] = force
+                if t + 1 < len(free):
+                    free[t + 1 :] += _felt(stepper.answer[1 : len(free) - t], force)
+            if end - start == block:
+                state = stepper.onward(state, here)
+    if not np.isfinite(out).all():
+        raise DivergedError(
+            "a nonlinear force is too steep to be stepped through time at this level",
+            field="excitation.level",
+            allowed="a lower level, or the expected route",
+        )
+    return np.negative(out, out=out)
+
+
+def _felt(answer: FloatArray, force: FloatArray) -> FloatArray:
+    """Return the motions (n, n_run, n_records, r) at later steps, of a force (n_run, n_records, r)."""
+    if force.shape[-1] == 1:
+        return answer * force
+    return np.asarray(force @ answer.swapaxes(2, 3))
+
+
+class _Balance:
+    """Finds the forces on the structure that agree with their motion: F = -g(free + own F)."""
+
+    def __init__(self, found: Sequence[Sequence[Linearised]], own: FloatArray) -> None:
+        self._laws = [one.force for one in found[0]]
+        self._lines = np.array([[one.slope for one in run] for run in found])[:, None]  # (n_run, 1, r)
+        self._own = own  # (n_run, r, r): what a force does within its own step
+
+    def force(self, free: FloatArray, guess: FloatArray) -> FloatArray:
+        """Return the forces (n_run, n, r) at motions without them, near a guess."""
+        force = guess
+        if len(self._laws) == 1:
+            law, soft, line = self._laws[0], self._own, self._lines
+            for _ in range(NEWTON):
+                x = free + soft * force
+                left = force + law.law(x) - line * x
+                force = force - left / (1 + soft * (law.slope(x) - line))
+            return force
+        for _ in range(NEWTON):
+            x = free + force @ self._own.swapaxes(1, 2)
+            each = list(enumerate(self._laws))
+            left = force + np.stack([one.law(x[..., i]) for i, one in each], axis=-1) - self._lines * x
+            slope = np.stack([one.slope(x[..., i]) for i, one in each], axis=-1) - self._lines
+            matrix = np.eye(len(each)) + slope[..., None] * self._own[:, None]
+            force = force - np.linalg.solve(matrix, left[..., None])[..., 0]
+        return force

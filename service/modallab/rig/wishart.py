@@ -1,0 +1,139 @@
+"""Route a with noise: averaged spectra drawn from the law they follow around the expected ones."""
+
+import numpy as np
+
+from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.estimation.spectra import CrossSpectra
+from modallab.rig.wishart_forces import wishart_of_several_forces
+
+IN_CACHE = 2**14  # spectral values drawn at once: larger batches run at the speed of memory
+ROUNDING = 1e-12  # share of a force below which what is no signal is rounding
+FEWEST = 2  # averages that leave something beside the force and what it does not explain of the signal
+
+
+def wishart_spectra(
+    spectra: CrossSpectra, rng: np.random.Generator, n_tests: int = 1, *, signal: FloatArray | None = None
+) -> CrossSpectra:
+    """Return spectra as averages of Gaussian records scatter about the expected ones.
+
+    Complex Wishart law with `spectra.averages` degrees of freedom a line, real at 0 Hz, by its
+    conditional (Bartlett) form: G_ff is a Gamma variable; given it, G_fx of each channel is complex
+    normal about H G_ff, and what the force does not explain a Gamma variable of one average less.
+    Lines and runs are independent; the channels of a run share the force, noise and all. Given it they
+    move by what of the signal it does not explain, alike, and by noise of their own.
+    Goodman (1963), Annals of Mathematical Statistics 34, 152-177.
+
+    Parameters
+    ----------
+    spectra
+        Expected.
+    n_tests
+        How often the test is repeated; the runs of a test follow one another.
+    signal
+        (n_run, n_freq) G_ff without its noise, N^2/Hz; None: there is none. Of one force alone.
+
+    Returns
+    -------
+    Spectra of `n_tests * n_run` runs.
+    """
+    n_run, n_freq, n_in, n_out = spectra.fx.shape
+    if n_in > 1:
+        return wishart_of_several_forces(spectra, rng, n_tests)
+    ff = np.empty((n_tests, n_run, n_freq))
+    fx = np.empty((n_tests, n_run, n_freq, n_out), complex)
+    xx = np.empty((n_tests, n_run, n_freq, n_out))
+    hidden = None if signal is None or n_out == 1 else _hidden(spectra, signal)
+    law = _Law(spectra) if hidden is None else _SharedLaw(spectra, hidden)
+    batch = max(1, IN_CACHE // (n_run * n_freq * n_out))
+    for start in range(0, n_tests, batch):
+        part = slice(start, start + batch)
+        law.fill(rng, ff[part], fx[part], xx[part])
+    shape = (n_tests * n_run, n_freq)
+    return CrossSpectra(
+        spectra.freq,
+        ff.reshape(*shape, 1, 1).astype(complex),
+        fx.reshape(*shape, 1, n_out),
+        xx.reshape(*shape, n_out),
+        spectra.averages,
+    )
+
+
+class _Law:
+    """What the draws of all tests share."""
+
+    def __init__(self, spectra: CrossSpectra) -> None:
+        self.n = spectra.averages
+        # At 0 Hz the transform of a record is real: half as many independent squares an average.
+        self.real = np.flatnonzero(spectra.freq == 0)
+        squares = np.where(spectra.freq == 0, self.n / 2, self.n)
+        force = spectra.ff[:, :, 0, 0].real
+        self.h = spectra.fx[:, :, 0, :] / force[:, :, None]
+        unexplained = spectra.xx - (self.h.real**2 + self.h.imag**2) * force[:, :, None]
+        self.force = force / squares
+        self.residual = np.maximum(unexplained, 0.0) / squares[:, None]
+        self.spread = np.sqrt(self.residual / 2)
+
+    def fill(self, rng: np.random.Generator, ff: FloatArray, fx: ComplexArray, xx: FloatArray) -> None:
+        """Draw into arrays (n_tests, n_run, n_freq[, n_out])."""
+        rng.standard_gamma(self.n, out=ff)
+        ff[..., self.real] = rng.standard_gamma(self.n / 2, ff[..., self.real].shape)
+        ff *= self.force
+        given = ff[..., None]
+        rng.standard_normal(out=fx.view(float))
+        fx.imag[:, :, self.real] = 0.0
+        fx *= np.sqrt(given) * self.spread
+        fx += self.h * given
+        rng.standard_gamma(self.n - 1, out=xx)
+        xx[:, :, self.real] = rng.standard_gamma((self.n - 1) / 2, xx[:, :, self.real].shape)
+        xx *= self.residual
+        xx += (fx.real**2 + fx.imag**2) / given
+
+
+def _hidden(spectra: CrossSpectra, signal: FloatArray) -> ComplexArray | None:
+    """Return how responses move by what of the signal a noisy force does not explain, None if all is.
+
+    Of unit power: (n_run, n_freq, n_out). For few averages, where there is nothing of it to draw, None too.
+    """
+    share = signal / spectra.ff[:, :, 0, 0].real
+    if spectra.averages < FEWEST or (1 - share).max() < ROUNDING:
+        return None
+    safe = np.where(signal > 0, signal, 1.0)
+    root = np.sqrt(np.clip(1 - share, 0.0, 1.0) / safe)
+    return np.asarray(np.where(signal > 0, root, 0.0)[:, :, None] * spectra.fx[:, :, 0])
+
+
+class _SharedLaw(_Law):
+    """The same with a force that is noisy: the rest of its signal is a second force that nothing measures."""
+
+    def __init__(self, spectra: CrossSpectra, hidden: ComplexArray) -> None:
+        super().__init__(spectra)
+        squares = np.where(spectra.freq == 0, self.n / 2, self.n)[:, None]
+        self.hidden = hidden / np.sqrt(squares)
+        own = self.residual - (self.hidden.real**2 + self.hidden.imag**2)
+        self.residual = np.maximum(own, 0.0)
+        self.spread = np.sqrt(self.residual / 2)
+
+    def fill(self, rng: np.random.Generator, ff: FloatArray, fx: ComplexArray, xx: FloatArray) -> None:
+        """Draw into arrays (n_tests, n_run, n_freq[, n_out])."""
+        ff[:] = self.force * self._squares(rng, ff.shape, self.n)
+        given = ff[..., None]
+        shared = np.sqrt(0.5) * self._normal(rng, given.shape)
+        explained = np.sqrt(given) * (self.hidden * shared + self.spread * self._normal(rng, fx.shape))
+        fx[:] = self.h * given + explained
+        beside = np.sqrt(self._squares(rng, given.shape, self.n - 1)) * self.hidden
+        beside = beside + self.spread * self._normal(rng, fx.shape)
+        xx[:] = self.residual * self._squares(rng, xx.shape, self.n - 2)
+        xx += beside.real**2 + beside.imag**2
+        xx += (fx.real**2 + fx.imag**2) / given
+
+    def _squares(self, rng: np.random.Generator, shape: tuple[int, ...], n: float) -> FloatArray:
+        """Return Gamma variables of n averages, of half as many where transforms are real."""
+        drawn = rng.standard_gamma(n, shape)
+        drawn[:, :, self.real] = rng.standard_gamma(n / 2, drawn[:, :, self.real].shape)
+        return drawn
+
+    def _normal(self, rng: np.random.Generator, shape: tuple[int, ...]) -> ComplexArray:
+        """Return complex numbers whose parts are normal, real where transforms are."""
+        drawn = rng.standard_normal((*shape, 2)).view(complex)[..., 0]
+        drawn.imag[:, :, self.real] = 0.0
+        return drawn

@@ -1,0 +1,101 @@
+"""Averaged spectra of several forces at once, drawn from the law they follow."""
+
+import numpy as np
+
+from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.estimation.condition import told_apart
+from modallab.estimation.spectra import CrossSpectra
+
+TOGETHER = 2**16  # spectral values drawn at once: enough to make little of the calls, few enough for a cache
+
+
+def wishart_of_several_forces(spectra: CrossSpectra, rng: np.random.Generator, n_tests: int) -> CrossSpectra:
+    """Return spectra of several forces as averages of Gaussian records scatter about the expected ones.
+
+    Complex Wishart law, real at 0 Hz, by Bartlett's factors: with the Cholesky factor L of the expected
+    G_ff, the drawn one is L A A^H L^H / n, A lower triangular, the squares of its diagonal Gamma(n - i), what
+    is below it complex normal. Given G_ff, G_fx of each channel is complex normal about G_ff H^T, and what
+    the forces do not explain a Gamma variable of as many averages less as there are forces. Goodman (1963),
+    Annals of Mathematical Statistics 34, 152-177.
+
+    Parameters
+    ----------
+    spectra
+        Expected, of no fewer averages than forces.
+    n_tests
+        How often the test is repeated; the runs of a test follow one another.
+
+    Raises
+    ------
+    InvalidInputError
+        If the forces are not independent of each other.
+    """
+    n_run, n_freq, n_in, n_out = spectra.fx.shape
+    law = _Law(spectra)
+    ff = np.empty((n_tests, n_run, n_freq, n_in, n_in), complex)
+    fx = np.empty((n_tests, n_run, n_freq, n_in, n_out), complex)
+    xx = np.empty((n_tests, n_run, n_freq, n_out))
+    batch = max(1, TOGETHER // (n_run * n_freq * n_in * n_out))
+    for start in range(0, n_tests, batch):
+        part = slice(start, start + batch)
+        law.fill(rng, ff[part], fx[part], xx[part])
+    shape = (n_tests * n_run, n_freq)
+    return CrossSpectra(
+        spectra.freq,
+        ff.reshape(*shape, n_in, n_in),
+        fx.reshape(*shape, n_in, n_out),
+        xx.reshape(*shape, n_out),
+        spectra.averages,
+    )
+
+
+class _Law:
+    """What the draws of all tests share."""
+
+    def __init__(self, spectra: CrossSpectra) -> None:
+        self.n, self.n_in = spectra.averages, spectra.ff.shape[-1]
+        # At 0 Hz the transform of a record is real: half as many independent squares an average.
+        self.real = np.flatnonzero(spectra.freq == 0)
+        squares = np.where(spectra.freq == 0, self.n / 2, self.n)[:, None]
+        told_apart(spectra)
+        self.root = np.linalg.cholesky(spectra.ff) / np.sqrt(self.n)
+        self.h = np.linalg.solve(spectra.ff, spectra.fx)
+        unexplained = spectra.xx - (spectra.fx.conj() * self.h).sum(axis=2).real
+        self.residual = np.maximum(unexplained, 0.0) / squares
+        self.spread = np.sqrt(self.residual / 2)[:, :, None]
+
+    def fill(self, rng: np.random.Generator, ff: ComplexArray, fx: ComplexArray, xx: FloatArray) -> None:
+        """Draw into arrays (n_tests, n_run, n_freq, n_in, n_in or n_out)."""
+        root = self.root @ self._factor(rng, ff)
+        # Laid out anew: products with strided matrices take twice as long.
+        back = np.ascontiguousarray(root.conj().swapaxes(-1, -2))
+        np.matmul(root, back, out=ff)
+        explained = np.empty_like(fx)  # of each channel, by forces of unit density that nothing ties
+        parts = explained.view(float)
+        rng.standard_normal(out=parts)
+        explained.imag[:, :, self.real] = 0.0
+        explained *= self.spread
+        explained += back @ self.h
+        np.matmul(root, explained, out=fx)
+        rng.standard_gamma(self.n - self.n_in, out=xx)
+        xx[:, :, self.real] = rng.standard_gamma((self.n - self.n_in) / 2, xx[:, :, self.real].shape)
+        xx *= self.residual
+        power = np.einsum("...io,...io->...o", parts, parts)
+        xx += power[..., ::2]
+        xx += power[..., 1::2]
+
+    def _factor(self, rng: np.random.Generator, like: ComplexArray) -> ComplexArray:
+        """Return Bartlett's factor A for every line, shaped as G_ff."""
+        factor = np.zeros_like(like)
+        below, column = np.tril_indices(self.n_in, -1)
+        lines = like.shape[:-2]
+        for i in range(self.n_in):  # variables of one shape are drawn three times faster than of several
+            squares = rng.standard_gamma(self.n - i, lines)
+            squares[:, :, self.real] = 2 * rng.standard_gamma(
+                (self.n - i) / 2, squares[:, :, self.real].shape
+            )
+            factor[..., i, i] = np.sqrt(squares)
+        ties = rng.standard_normal((*lines, len(below), 2)).view(complex)[..., 0] / np.sqrt(2)
+        ties[:, :, self.real] = np.sqrt(2) * ties[:, :, self.real].real
+        factor[..., below, column] = ties
+        return factor

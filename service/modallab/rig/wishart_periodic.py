@@ -1,0 +1,125 @@
+"""Route a with noise, of signals that come back in every average: spectra drawn from their law."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.estimation.spectra import CrossSpectra
+from modallab.rig.periodic import PeriodicSignal
+
+ROUNDING = 1e-12  # share of a spectrum below which what does not come back is rounding
+
+
+def wishart_about(
+    spectra: CrossSpectra,
+    clean: ComplexArray,
+    force_noise: FloatArray,
+    steady: Sequence[PeriodicSignal],
+    rng: np.random.Generator,
+) -> CrossSpectra:
+    """Return spectra as averages scatter in which a signal comes back every time.
+
+    Noncentral complex Wishart law. In n averages W m comes back, W the (n, k) weights of k signals m. A
+    rotation among the averages leaves Gaussian noise what it is and lays all of it into the first k,
+    R m with W = Q R; the others have noise alone. Without noise the coherence of a signal that is the
+    same every time is 1, and G_ff exact.
+    James (1964), Annals of Mathematical Statistics 35, 475-501.
+
+    Parameters
+    ----------
+    spectra
+        Expected, with one force a run.
+    clean
+        (n_run, n_freq, 1 + 2 n_out) G_ff, G_fx and G_xx as they are without noise and converter.
+    force_noise
+        (n_run,) N^2/Hz, in G_ff.
+    steady
+        What comes back in each run.
+    """
+    n, runs = round(spectra.averages), []
+    for run, own in enumerate(steady):
+        gain = gain_of(spectra, clean[run], force_noise[run], run)
+        rest = _Rest.of(spectra, run, own.expected(gain))
+        rotated = np.linalg.qr(own.weights(n, rng), mode="r")
+        first = np.tensordot(rotated, own.signals * gain, axes=1) + rest.averages(len(rotated), rng)
+        back, response = first[..., :1].conj(), first[..., 1:]
+        found = (
+            (back * back.conj()).sum(axis=0),
+            (back * response).sum(axis=0),
+            _squares(response).sum(axis=0),
+        )
+        runs.append([(a + b) / n for a, b in zip(found, rest.sums(n - len(rotated), rng), strict=True)])
+    ff, fx, xx = (np.array(part) for part in zip(*runs, strict=True))
+    return CrossSpectra(spectra.freq, ff[..., None], fx[:, :, None], xx.real, spectra.averages)
+
+
+def gain_of(spectra: CrossSpectra, clean: ComplexArray, force_noise: float, run: int) -> ComplexArray:
+    """Return what the converter makes of the channels' signals, (n_freq, 1 + n_out)."""
+    n_out = spectra.xx.shape[2]
+    ff, fx = clean[:, 0].real, clean[:, 1 : 1 + n_out]
+    force = np.sqrt(np.clip((spectra.ff[run, :, 0, 0].real - force_noise) / ff, 0.0, 1.0))
+    both = np.divide(spectra.fx[run, :, 0], fx, out=np.ones_like(fx), where=fx != 0)
+    response = both / np.where(force > 0, force, 1.0)[:, None]
+    return np.concatenate([force[:, None], response], axis=1)
+
+
+def signal_of(spectra: CrossSpectra, clean: ComplexArray, force_noise: FloatArray) -> FloatArray | None:
+    """Return G_ff without its noise, (n_run, n_freq), None where several forces act at once.
+
+    Parameters
+    ----------
+    clean, force_noise
+        As of `wishart_about`.
+    """
+    if spectra.ff.shape[2] > 1:
+        return None
+    gains = [gain_of(spectra, clean[run], noise, run)[:, 0] for run, noise in enumerate(force_noise)]
+    return np.asarray(np.abs(gains) ** 2 * clean[:, :, 0].real)
+
+
+def _squares(values: ComplexArray) -> FloatArray:
+    return values.real**2 + values.imag**2
+
+
+@dataclass(frozen=True, eq=False)
+class _Rest:
+    """What of a run's signals is drawn anew in every average: its expected spectra, as Bartlett has them."""
+
+    force: FloatArray  # (n_freq, 1) N^2/Hz
+    h: ComplexArray  # (n_freq, n_out) response per force
+    response: FloatArray  # (n_freq, n_out) that the force does not explain
+    real: FloatArray  # (n_freq, 1) 2 where transforms are real, half as many squares an average; else 1
+
+    @classmethod
+    def of(cls, spectra: CrossSpectra, run: int, own: ComplexArray) -> "_Rest":
+        """Return what is left of a run's spectra beside its own G_ff, G_fx, G_xx that come back."""
+        n_out = spectra.xx.shape[2]
+        whole = np.concatenate([spectra.ff[run, :, 0], spectra.fx[run, :, 0], spectra.xx[run]], axis=1)
+        left = np.where(np.abs(whole - own) > ROUNDING * np.abs(whole), whole - own, 0.0)
+        force = left[:, :1].real.clip(min=0.0)
+        safe = np.where(force > 0, force, 1.0)
+        h: ComplexArray = np.asarray(np.where(force > 0, left[:, 1 : 1 + n_out], 0.0) / safe, complex)
+        response = (left[:, 1 + n_out :].real - _squares(h) * force).clip(min=0.0)
+        return cls(force, h, response, np.where(spectra.freq == 0, 2.0, 1.0)[:, None])
+
+    def averages(self, n: int, rng: np.random.Generator) -> ComplexArray:
+        """Return n averages of all channels, (n, n_freq, 1 + n_out)."""
+        force = np.sqrt(self.force) * self._normal(rng, (n, *self.force.shape))
+        response = np.sqrt(self.response) * self._normal(rng, (n, *self.response.shape))
+        return np.concatenate([force, self.h * force + response], axis=2)
+
+    def sums(self, n: int, rng: np.random.Generator) -> tuple[FloatArray, ComplexArray, FloatArray]:
+        """Return G_ff (n_freq, 1), G_fx and G_xx (n_freq, n_out), summed over n averages."""
+        if n == 0:
+            return np.zeros(self.force.shape), np.zeros(self.h.shape, complex), np.zeros(self.h.shape)
+        root = np.sqrt(self.force * self.real * rng.standard_gamma(n / self.real, self.force.shape))
+        response = self.h * root + np.sqrt(self.response) * self._normal(rng, self.response.shape)
+        loose = self.response * self.real * rng.standard_gamma((n - 1) / self.real, self.response.shape)
+        return root**2, root * response, _squares(response) + loose
+
+    def _normal(self, rng: np.random.Generator, shape: tuple[int, ...]) -> ComplexArray:
+        """Return complex normal numbers of unit mean square, real where transforms are."""
+        drawn = rng.standard_normal((*shape, 2)).view(complex)[..., 0]
+        return np.where(self.real == 2, drawn.real, drawn / np.sqrt(2))

@@ -1,0 +1,91 @@
+"""Locate errors by one linear step from a model as it stands."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from modallab.core.modal_model import ModalModel
+from modallab.core.parameters import Parameterised, parameter
+from modallab.core.progress import Progress, silent
+from modallab.fe.assembly import Assembly
+from modallab.fe.structure import Structure
+from modallab.updating.error_location.method import LOCATORS, LinearLocation, LinearProblem, LocationResult
+from modallab.updating.iteration import check_sensitivity
+from modallab.updating.modal_residuals import ModalResiduals, State
+from modallab.updating.parameterisation import Parameterisation, by_member
+from modallab.updating.target import real_modes
+
+
+@dataclass(frozen=True)
+class LocationOptions(Parameterised):
+    """How errors are located."""
+
+    suspect_threshold: float = parameter(
+        0.08, unit="-", lower=0.0, upper=10.0, doc="change of a coefficient from which it is suspected"
+    )
+    rank_jump: float = parameter(
+        1e3, unit="-", lower=2.0, upper=1e15, doc="ratio of consecutive singular values that ends the rank"
+    )
+    min_mac: float = parameter(
+        0.3, unit="-", lower=0.0, upper=1.0, doc="MAC below which a measured and a model mode do not pair"
+    )
+
+
+DEFAULTS = LocationOptions()
+
+
+def locate(
+    structure: Structure,
+    parameterisation: Parameterisation,
+    method: str,
+    target: ModalModel,
+    *,
+    options: LocationOptions = DEFAULTS,
+    progress: Progress = silent,
+) -> LocationResult:
+    """Return the members that a method suspects, at measured DoFs and modes alone, without expansion.
+
+    Parameters
+    ----------
+    method
+        One of `LOCATORS`.
+    target
+        Measured modes; shapes that are not mass-normalised count up to their scale.
+
+    Raises
+    ------
+    UnderdeterminedError
+        If there are fewer measured numbers than coefficients, a measured mode pairs with none, or no
+        measured number moves with any coefficient.
+    UnknownDofError
+        If the structure lacks a measured DoF.
+    """
+    find, measured = LOCATORS[method], real_modes(target)
+    fit = ModalResiduals(Assembly(structure, jumps=True), parameterisation, measured, options.min_mac)
+    progress(0.1, "the model is held against the measured modes")
+    state = fit.state(np.ones(len(parameterisation.macros)))
+    sensitivity = fit.sensitivity(state) / state.size[:, None]
+    check_sensitivity(sensitivity)
+    progress(0.6, f"{method} over {len(parameterisation.macros)} coefficients")
+    problem = LinearProblem(sensitivity, state.difference / state.size)
+    found = find(problem, threshold=options.suspect_threshold, jump=options.rank_jump)
+    return _result(method, parameterisation, found, fit, state)
+
+
+def _result(
+    method: str, parameterisation: Parameterisation, found: LinearLocation, fit: ModalResiduals, state: State
+) -> LocationResult:
+    parts = parameterisation.parts
+    marked = by_member(parameterisation, found.suspected.astype(float), parts=parts)
+    return LocationResult(
+        locator=method,
+        changes=by_member(parameterisation, found.change, parts=parts),
+        weights=by_member(parameterisation, found.weight, parts=parts),
+        suspected={part: tuple(sorted(n for n, x in table.items() if x)) for part, table in marked.items()},
+        remaining=found.remaining,
+        measured=fit.target.frequencies,
+        frequencies=state.frequencies,
+        mac=state.mac,
+        rank=found.rank,
+        condition_number=found.condition_number,
+    )

@@ -1,0 +1,114 @@
+"""Which updates a study is made of."""
+
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass
+
+from modallab.core.dof import Dof
+from modallab.core.errors import InvalidInputError
+from modallab.fe.synthetic_modes import ModeNoise
+from modallab.updating.error_location.method import LOCATORS
+from modallab.updating.error_location.run import LocationOptions
+from modallab.updating.method import UPDATERS, UpdateOptions
+from modallab.updating.parameterisation import Parameterisation, Part
+
+MOST_RUNS = 2000
+# The levels of the 1992 thesis, section 4.2.1: relative errors, evenly drawn, of eigenvalues and shapes.
+NOISE_LEVELS: Mapping[str, ModeNoise] = {
+    "NL1": ModeNoise(),
+    "NL2": ModeNoise(eigenvalue=0.002, eigenvector=0.02),
+    "NL3": ModeNoise(eigenvalue=0.005, eigenvector=0.05),
+    "NL4": ModeNoise(eigenvalue=0.01, eigenvector=0.10),
+}
+
+
+@dataclass(frozen=True)
+class Level:
+    """How noisy the modes are."""
+
+    name: str
+    noise: ModeNoise
+
+
+@dataclass(frozen=True)
+class Division:
+    """How members share coefficients."""
+
+    name: str
+    parameterisation: Parameterisation
+
+
+@dataclass(frozen=True)
+class StudyPlan:
+    """A method tried on modes of every level of noise, division and seed.
+
+    A seed draws the same errors at every level, but for their size, and in every division.
+
+    Raises
+    ------
+    InvalidInputError
+        If the method neither corrects coefficients nor locates by them, a name or a seed comes twice, the
+        divisions are of different parts, or there are no runs or too many.
+    """
+
+    method: str
+    levels: tuple[Level, ...]
+    divisions: tuple[Division, ...]
+    seeds: tuple[int, ...]
+    count: int  # modes
+    dofs: tuple[Dof, ...]  # where shapes are measured
+    options: UpdateOptions | LocationOptions
+
+    def __post_init__(self) -> None:
+        known_method(self.method)
+        _refuse_twice("levels", [level.name for level in self.levels])
+        _refuse_twice("divisions", [division.name for division in self.divisions])
+        _refuse_twice("seeds", self.seeds)
+        if not 1 <= self.n_runs <= MOST_RUNS:
+            raise InvalidInputError(
+                "a study is levels x divisions x seeds of updates",
+                field="seeds",
+                value=self.n_runs,
+                allowed=f"1 to {MOST_RUNS}",
+            )
+        if len({frozenset(division.parameterisation.parts) for division in self.divisions}) > 1:
+            raise InvalidInputError(
+                "all divisions of a study correct the same parts",
+                field="divisions",
+                value=len(self.divisions),
+                allowed="equal parts",
+            )
+
+    @property
+    def n_runs(self) -> int:
+        """Number of updates."""
+        return len(self.levels) * len(self.divisions) * len(self.seeds)
+
+    @property
+    def parts(self) -> tuple[Part, ...]:
+        """Parts that are corrected."""
+        return self.divisions[0].parameterisation.parts
+
+    def run(self, index: int) -> tuple[Level, Division, int]:
+        """Return level, division and seed of a run; seeds change fastest."""
+        rest, seed = divmod(index, len(self.seeds))
+        level, division = divmod(rest, len(self.divisions))
+        return self.levels[level], self.divisions[division], self.seeds[seed]
+
+
+def known_method(name: str) -> None:
+    """Raise `InvalidInputError` unless a method of that name corrects coefficients or locates by them."""
+    if name not in UPDATERS and name not in LOCATORS:
+        raise InvalidInputError(
+            f"no method called {name!r} corrects coefficients or locates by them",
+            field="method",
+            value=name,
+            allowed=", ".join(sorted([*UPDATERS, *LOCATORS])),
+        )
+
+
+def _refuse_twice(field: str, given: Sequence[str | int]) -> None:
+    twice = [one for i, one in enumerate(given) if one in given[:i]]
+    if twice:
+        raise InvalidInputError(
+            f"{twice[0]} comes twice in {field}", field=field, value=twice[0], allowed="each once"
+        )

@@ -1,0 +1,134 @@
+"""One update of a study, and how far it ended from the truth."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from modallab.core.arrays import FloatArray
+from modallab.core.errors import CancelledError, ModalLabError
+from modallab.core.modal_model import ModalModel
+from modallab.core.progress import Progress, silent
+from modallab.fe.structure import Structure
+from modallab.fe.synthetic_modes import lowest_modes, synthetic_modes
+from modallab.fe.system import DynamicSystem
+from modallab.updating.error_location.method import LOCATED, LocationResult
+from modallab.updating.error_location.run import LocationOptions, locate
+from modallab.updating.method import UPDATERS, UpdateResult
+from modallab.updating.parameterisation import Part
+from modallab.updating.studies.plan import Division, StudyPlan
+from modallab.updating.studies.truth import Values, wrong_of
+
+
+@dataclass(frozen=True)
+class StudyUpdate:
+    """How one update went; numbers are None of one that could not be made."""
+
+    level: str
+    division: str
+    seed: int
+    converged: bool
+    stopped_because: str
+    suspected: Mapping[str, tuple[int, ...]]  # members by part
+    all_suspected: bool  # every coefficient that is wrong was suspected
+    n_unfounded: int  # coefficients suspected that are right
+    coefficient_error: float | None = None  # the largest, |found - true|
+    # the largest of the updated model, relative to the truth; None of a method that only locates
+    frequency_error: float | None = None
+    coverage: float | None = None  # share of 95 % intervals that hold the truth; None without intervals
+
+    @property
+    def made(self) -> bool:
+        """True if the method came to an end."""
+        return self.coefficient_error is not None
+
+
+def run_once(
+    plan: StudyPlan,
+    index: int,
+    model: Structure,
+    truth: DynamicSystem,
+    true: Values,
+    progress: Progress = silent,
+) -> tuple[StudyUpdate, FloatArray | None]:
+    """Return how one run of a study went, and its coefficients (n_coefficients,) in the order of `true`.
+
+    A run that cannot be made says why and has no coefficients.
+
+    Parameters
+    ----------
+    truth
+        What is measured.
+    true
+        From `true_coefficients`.
+
+    Raises
+    ------
+    CancelledError
+        From `progress`.
+    """
+    level, division, seed = plan.run(index)
+    rng = np.random.default_rng(seed)
+    try:
+        target = synthetic_modes(truth, plan.count, plan.dofs, noise=level.noise, rng=rng)
+        result = _tried(plan, division, model, target, progress)
+    except CancelledError:
+        raise
+    except (ModalLabError, np.linalg.LinAlgError) as error:
+        return failed(plan, index, str(error)), None
+    frequencies = np.sort(lowest_modes(truth, plan.count)[0].frequencies)
+    return _judged(result, (level.name, division.name, seed), true, frequencies)
+
+
+def failed(plan: StudyPlan, index: int, why: str) -> StudyUpdate:
+    """Return a run that could not be made."""
+    level, division, seed = plan.run(index)
+    return StudyUpdate(level.name, division.name, seed, False, why, {}, all_suspected=False, n_unfounded=0)
+
+
+def _tried(
+    plan: StudyPlan, division: Division, model: Structure, target: ModalModel, progress: Progress
+) -> UpdateResult | LocationResult:
+    moved = division.parameterisation
+    if isinstance(plan.options, LocationOptions):
+        return locate(model, moved, plan.method, target, options=plan.options, progress=progress)
+    return UPDATERS[plan.method](model, moved, target, options=plan.options, progress=progress)
+
+
+def _judged(
+    result: UpdateResult | LocationResult,
+    key: tuple[str, str, int],
+    true: Values,
+    frequencies: FloatArray,
+) -> tuple[StudyUpdate, FloatArray]:
+    has = result.coefficients
+    found = np.array(
+        [has.get(part, {}).get(n, Part(part).unchanged) for part, table in true.items() for n in table]
+    )
+    actual = np.array([value for table in true.values() for value in table.values()])
+    wrong = {(part, n) for part, table in wrong_of(true).items() for n in table}
+    suspects = {(part, n) for part, members in result.suspected.items() for n in members}
+    run = StudyUpdate(
+        *key,
+        converged=False,
+        stopped_because=LOCATED,
+        suspected=dict(result.suspected),
+        all_suspected=wrong <= suspects,
+        n_unfounded=len(suspects - wrong),
+        coefficient_error=float(np.abs(found - actual).max()),
+    )
+    if isinstance(result, LocationResult):
+        return run, found
+    inside = [
+        low <= true[part][n] <= high
+        for part, table in result.intervals.items()
+        for n, (low, high) in table.items()
+    ]
+    updated = replace(
+        run,
+        converged=result.converged,
+        stopped_because=result.stopped_because,
+        frequency_error=float(np.abs(np.sort(result.frequencies.after) / frequencies - 1).max()),
+        coverage=float(np.mean(inside)) if inside else None,
+    )
+    return updated, found

@@ -1,0 +1,136 @@
+import numpy as np
+import pytest
+from scipy.optimize import lsq_linear
+
+from modallab.core.arrays import FloatArray
+from modallab.core.errors import InvalidInputError
+from modallab.diagnosis.optimisation.least_squares import Curvature, Descent, Slopes, slope
+
+TIME = np.linspace(0.0, 4.0, 50)
+FREE = (np.full(3, -10.0), np.full(3, 10.0))
+
+
+class Counted:
+    """Residuals of a decaying oscillation, their derivatives by differences, and how often each was asked."""
+
+    def __init__(self, true: FloatArray) -> None:
+        self.measured = self.model(true)
+        self.calls = 0
+
+    @staticmethod
+    def model(u: FloatArray) -> FloatArray:
+        return np.asarray(np.exp(u[0] - 0.3 * TIME * np.exp(u[1])) * np.cos(np.exp(u[2]) * TIME))
+
+    def residual(self, u: FloatArray) -> FloatArray:
+        self.calls += 1
+        return 1e3 * (self.model(u) - self.measured)  # random error 1e-3
+
+    @property
+    def slopes(self) -> Slopes:
+        step = 1e-6 * np.eye(3)
+        return lambda u, here: np.array([(self.residual(u + one) - here) / 1e-6 for one in step]).T
+
+
+def test_a_nonlinear_fit_comes_home_in_few_evaluations() -> None:
+    true = np.array([0.1, 0.2, 0.3])
+    problem = Counted(true)
+    descent = Descent(problem.residual, problem.slopes, np.array([0.2, 0.0, 0.25]), FREE)
+    descent.go(evaluations=20, enough=1e-4)
+    # Stops when a step promises 1e-4 of a squared error: within a hundredth of a standard error, 1e-3.
+    np.testing.assert_allclose(descent.position, true, atol=1e-4)
+    # Six steps at derivatives by differences alone would ask for 1 + 6 (3 + 1).
+    assert problem.calls < 20
+
+
+def test_a_number_comes_to_lie_on_its_bound_and_the_others_make_the_best_of_it() -> None:
+    true = np.array([0.1, 0.2, 0.3])
+    bounds = (FREE[0], np.array([10.0, 0.1, 10.0]))
+    problem = Counted(true)
+    descent = Descent(problem.residual, problem.slopes, np.array([0.2, 0.0, 0.25]), bounds)
+    descent.go(evaluations=20, enough=1e-6)
+    assert descent.position[1] == 0.1
+    # What is free has no slope left: a residual of 1e3 times what is missed is orthogonal to it.
+    jacobian = problem.slopes(descent.position, descent.vector)[:, [0, 2]]
+    left = jacobian.T @ descent.vector / np.linalg.norm(jacobian, axis=0)
+    assert np.abs(left).max() < 0.1  # in standard errors
+
+
+def test_where_nothing_can_be_predicted_a_step_is_cut_short() -> None:
+    true = np.array([0.1, 0.2, 0.3])
+    problem = Counted(true)
+
+    asked = []
+
+    def residual(u: FloatArray) -> FloatArray:
+        asked.append(u[0])
+        if u[0] > 0.15:
+            raise InvalidInputError("beyond what can be predicted")
+        return problem.residual(u)
+
+    start = np.array([-0.8, 0.2, 0.3])  # from where the first step goes too far: amplitudes are exponents
+    descent = Descent(residual, problem.slopes, start, FREE)
+    descent.go(evaluations=20, enough=1e-4)
+    assert max(asked) > 0.15
+    # As where all can be predicted: within a hundredth of a standard error, 1e-3.
+    np.testing.assert_allclose(descent.position, true, atol=1e-4)
+
+
+def test_weights_say_whose_errors_count() -> None:
+    problem = Counted(np.array([0.1, 0.2, 0.3]))
+    early = (TIME < 2.0).astype(float)
+    problem.measured = problem.measured + (1 - early)  # nonsense where nothing counts
+    descent = Descent(problem.residual, problem.slopes, np.array([0.2, 0.0, 0.25]), FREE)
+    descent.go(evaluations=20, enough=1e-4, weights=early)
+    np.testing.assert_allclose(descent.position, [0.1, 0.2, 0.3], atol=1e-3)  # half as many lines
+
+
+def test_a_number_that_nothing_depends_on_stays_where_it_is() -> None:
+    descent = Descent(
+        lambda u: np.array([u[0] - 3.0, 0.0 * u[1]]),
+        lambda *_: np.array([[1.0, 0.0], [0.0, 0.0]]),
+        np.array([0.0, 0.5]),
+        (np.full(2, -10.0), np.full(2, 10.0)),
+    )
+    descent.go(evaluations=10, enough=1e-4)
+    assert descent.position == pytest.approx([3.0, 0.5])
+
+
+def test_many_steps_in_a_box_are_nearly_the_best_ones() -> None:
+    rng = np.random.default_rng(1)
+    slopes, vectors = rng.normal(size=(60, 5)), 3.0 * rng.normal(size=(20, 60))
+    slopes[:, 1] += slopes[:, 0]  # two that look alike
+    low, high = -rng.random(5), rng.random(5)
+    steps = Curvature(slopes.T @ slopes).boxed(vectors @ slopes, low, high)
+    assert (steps >= low).all()
+    assert (steps <= high).all()
+    for vector, step in zip(vectors, steps, strict=True):
+        best = lsq_linear(slopes, -vector, (low, high), method="bvls")
+        gained, most = (
+            vector @ vector - np.sum((vector + slopes @ step) ** 2),
+            vector @ vector - 2 * best.cost,
+        )
+        assert gained > 0.97 * most  # six sweeps of alternating steps leave a few per cent
+
+
+def test_one_step_that_no_bound_cuts_is_newtons() -> None:
+    curvature, pull = np.array([[2.0, 1.0], [1.0, 3.0]]), np.array([0.4, -0.2])
+    step = Curvature(curvature).boxed(pull, np.full(2, -1.0), np.full(2, 1.0))
+    np.testing.assert_allclose(curvature @ step, -pull, atol=1e-12)
+
+
+def test_a_slope_is_the_derivative_where_a_number_acts_in_a_straight_line() -> None:
+    direction = np.array([3.0, -4.0])
+    found = slope(lambda step: direction * step, np.zeros(2), 1e-6, 0.1)
+    np.testing.assert_allclose(found, direction)  # rounding
+
+
+def test_where_residuals_are_flat_and_curved_a_slope_is_taken_over_what_can_be_seen() -> None:
+    curved = np.array([3e6, 4e6])  # seen at one standard error from sqrt(1 / 5e6) on
+    found = slope(lambda step: curved * step**2, np.zeros(2), 3e-6, 0.1)
+    # Over the step that changes the residuals by one: sqrt(5e6) a unit. By a factor of two it may be off.
+    assert 0.5 < np.linalg.norm(found) / np.sqrt(5e6) < 2.0
+    np.testing.assert_allclose(found[1] / found[0], 4 / 3)  # rounding
+
+
+def test_a_number_that_nothing_depends_on_has_no_slope() -> None:
+    assert (slope(lambda _: np.ones(2), np.ones(2), 3e-6, 0.1) == 0).all()

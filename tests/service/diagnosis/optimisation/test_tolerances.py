@@ -1,0 +1,199 @@
+"""What may differ a little is fitted with every effect, within its limits, and is no missing effect."""
+
+import numpy as np
+import pytest
+
+from modallab.core.arrays import FloatArray
+from modallab.core.dof import Dof
+from modallab.core.errors import InvalidInputError
+from modallab.diagnosis.fitting.fit import Fit, approach, fit
+from modallab.diagnosis.optimisation.tolerances import LIMIT, Nuisances, Tolerances, drawn, nuisances
+from modallab.diagnosis.predicting.predictor import Predictor
+from modallab.diagnosis.residuals.residual import residual
+from modallab.diagnosis.searching.acceptance import is_noise_only
+from modallab.effects.damping_law import DampingLaw
+from modallab.effects.extra_mass import ExtraMass
+from modallab.effects.loss_factor_error import LossFactorError
+from modallab.effects.stiffness_error import StiffnessError
+from modallab.fe.assembly import assemble
+from modallab.rig.effect import Effect
+from modallab.rig.measure import Route, measure
+from modallab.rig.setup import RigSetup
+from tests.diagnosing import drawn as measured
+from tests.diagnosing import model, predicting, rig
+
+ALL = Tolerances(
+    modulus=0.003,
+    density=0.002,
+    sensitivity=0.005,
+    accelerometer_mass=0.03,
+    delay=1e-6,
+    modal_loss_factor=0.2,
+)
+MASS = ExtraMass(at=Dof(5, "Y"), mass=0.1)
+
+
+def allowing(
+    setup: RigSetup, true: FloatArray, hidden: tuple[Effect, ...] = (), *, seed: int = 0
+) -> tuple[Predictor, Nuisances]:
+    """Return the predictor of a measurement of a test so far off what is declared, tolerating it."""
+    numbers = nuisances(ALL, assemble(model()), setup)
+    predictor, _ = predicting(measured(setup, [*numbers.effects(true[: len(numbers)]), *hidden], seed=seed))
+    return predictor.allowing(numbers), numbers
+
+
+def varied(tolerances: Tolerances, setup: RigSetup, seed: int) -> tuple[Effect, ...]:
+    """Return what a true test has that is not quite as declared."""
+    numbers = nuisances(tolerances, assemble(model()), setup)
+    return numbers.effects(drawn(len(numbers), np.random.default_rng(seed)))
+
+
+def off(seed: int) -> FloatArray:
+    return np.random.default_rng(seed).standard_normal(40).clip(-2.5, 2.5)
+
+
+@pytest.mark.parametrize(("kind", "roving"), [("random", True), ("periodic_random", False)])
+def test_a_mass_is_found_beside_all_that_is_a_little_off(kind: str, roving: bool) -> None:
+    setup = rig(kind=kind, window="hann" if kind == "random" else "rectangular", roving=roving)
+    predictor, numbers = allowing(setup, true := off(1), (MASS,))
+    alone = fit(predictor, ())
+    assert not is_noise_only(predictor, alone.residual)  # no tolerance explains 100 g
+    near, _ = approach(
+        predictor.tolerating(alone.outlook).near(()), (), MASS.with_parameters({"mass": 0.03}), 0.3
+    )
+    found = fit(predictor.tolerating(alone.outlook), [near])
+    assert is_noise_only(predictor, found.residual)
+    error = found.errors[0]["mass"]
+    assert abs(found.effects[0].parameters["mass"] - 0.1) < 4 * error  # four standard errors
+    apart = (found.tolerated - true[: len(numbers)]) / found.tolerated_errors
+    assert np.abs(apart).max() < 4.5  # the largest of nineteen
+
+
+def test_stated_errors_of_what_is_tolerated_are_its_scatter() -> None:
+    setup = rig(noise=1e-3)
+    numbers = nuisances(ALL, assemble(model()), setup)
+    rng = np.random.default_rng(0)
+    scores = []
+    for seed in range(14):
+        true = rng.standard_normal(len(numbers)).clip(-2, 2)
+        predictor, _ = allowing(setup, true, seed=seed)
+        found = fit(predictor, ())
+        scores.append((found.tolerated - true) / found.tolerated_errors)
+    squares = np.mean(np.square(scores))
+    # 126 squares, of a few correlated numbers: known to 15 %, three of them. Truth is drawn from the prior.
+    assert 0.55 < squares < 1.45
+
+
+def test_an_effect_that_changes_what_a_tolerance_does_is_fitted_with_it_from_anywhere() -> None:
+    # Four times the loss of the model is four times what its modes lose more than modelled; of what follows
+    # the other law the same share.
+    hidden = (DampingLaw(share=0.7, frequency=200.0), LossFactorError(factor=4.0))
+    predictor, _ = allowing(rig(), off(2), hidden)
+    law, loss = hidden
+    starts = [(0.7, 4.0), (0.4, 2.5), (0.9, 6.0)]
+    found = [
+        fit(predictor, [law.with_parameters({"share": share}), loss.with_parameters({"factor": factor})])
+        for share, factor in starts
+    ]
+    least = min(one.chi_square for one in found)
+    # A fit ends within a hundredth of a standard error, 1e-4 of a square; wrong slopes end it early.
+    assert max(one.chi_square for one in found) < least + 0.1
+    assert all(is_noise_only(predictor, one.residual) for one in found)
+
+
+def test_limits_hold_against_any_amount_of_data() -> None:
+    predictor, numbers = allowing(rig(), np.zeros(40), (StiffnessError(factor=1.05),))
+    found = fit(predictor, ())
+    assert np.abs(found.tolerated).max() == LIMIT
+    assert not is_noise_only(predictor, found.residual)
+    assert numbers.numbers[0].name == "modulus"
+    assert found.tolerated[0] == LIMIT
+
+
+def test_an_effect_like_what_is_tolerated_is_the_whole_departure_and_carries_the_tolerance() -> None:
+    predictor, _ = allowing(rig(), np.zeros(40), (StiffnessError(factor=1.05),))
+    found = fit(predictor, [StiffnessError(factor=1.04)])
+    assert is_noise_only(predictor, found.residual)
+    error = found.errors[0]["factor"]
+    # What the log book leaves open: the modulus, and some of the density that looks like it; noise is 1e-5.
+    assert 0.003 * 1.05 < error < np.hypot(0.003, 0.002) * 1.05
+    assert abs(found.effects[0].parameters["factor"] - 1.05) < 0.5 * error  # drawn back to what is declared
+    assert abs(found.tolerated[0]) < 0.5
+
+
+@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("roving", [True, False])
+def test_a_test_within_tolerances_misses_nothing(roving: bool, seed: int) -> None:
+    setup = rig(roving=roving)
+    true = varied(ALL, setup, seed)
+    rng = np.random.default_rng(seed)
+    measurement = measure(model(), setup, true, route=Route.SAMPLED, rng=rng)
+    predictor, _ = predicting(measurement)
+    assert not is_noise_only(predictor, fit(predictor, ()).residual)  # without tolerances much is
+    predictor = predictor.allowing(nuisances(ALL, assemble(model()), setup))
+    assert is_noise_only(predictor, fit(predictor, ()).residual)
+
+
+def test_what_belongs_to_a_held_out_channel_is_read_off_that_channel() -> None:
+    from dataclasses import replace
+
+    predictor, numbers = allowing(rig(roving=False), true := off(2))
+    held = np.array([False, False, True, False, False, True])
+    predictor.observed = replace(predictor.observed, held_out=held)
+    found = fit(predictor, ())
+    assert is_noise_only(predictor, found.residual)  # held out ones included
+    own = [i for i, one in enumerate(numbers.numbers) if str(one.at) == "channels 4:+Y"]
+    assert [numbers.numbers[i].name for i in own] == ["sensitivity", "delay"]
+    apart = (found.tolerated - true[: len(numbers)])[own] / found.tolerated_errors[own]
+    assert np.abs(apart).max() < 4  # in standard errors
+
+
+def test_residuals_are_cleared_of_what_is_tolerated_and_of_nothing_else() -> None:
+    predictor, numbers = allowing(rig(), true := 0.3 * off(3))
+    glimpses = predictor.near(())
+
+    def left(*effects: Effect) -> FloatArray:
+        observed = glimpses.observed
+        return residual(observed, glimpses.predict(effects)).vector(observed.fitted)
+
+    nothing, right, wrong = left(), left(*numbers.effects(true[: len(numbers)])), left(MASS)
+    cleared = glimpses.project_out(np.array([nothing, wrong]), 0.0)
+    # To the second order of a third of a standard deviation: 0.06^2 of a loss factor is many random errors.
+    assert cleared[0] @ cleared[0] - right @ right < 0.01 * (nothing @ nothing - right @ right)
+    assert cleared[1] @ cleared[1] > 0.3 * wrong @ wrong  # 100 g are beyond all limits
+    assert predictor.near(()).project_out(nothing, 0.3).shape == (len(nothing) + len(numbers),)
+
+
+def test_without_tolerances_fits_and_looks_are_as_they_were() -> None:
+    predictor, _ = predicting(measured(rig(), [MASS]))
+    found: Fit = fit(predictor, [MASS])
+    assert found.tolerated.shape == found.tolerated_errors.shape == (0,)
+    vector = predictor.near(()).observed.freq
+    assert predictor.near(()).project_out(vector, 0.0) is vector
+
+
+def test_truths_lie_within_limits_and_follow_from_the_seed() -> None:
+    setup = rig(roving=False)
+    first, again = (varied(ALL, setup, 4) for _ in range(2))
+    assert first == again
+    gains = [e.factor for e in first if e.kind == "gain_error"]  # type: ignore[attr-defined]
+    assert len(gains) == len(setup.responses)
+    assert np.abs(np.array(gains) - 1).max() <= LIMIT * 0.005
+    assert varied(Tolerances(), setup, 4) == ()
+
+
+def test_one_accelerometer_that_roves_has_one_sensitivity_and_one_delay() -> None:
+    names = [n.name for n in nuisances(ALL, assemble(model()), rig(roving=True)).numbers]
+    assert names.count("sensitivity") == names.count("delay") == 1
+    assert names.count("modal_loss_factor") == 4  # elastic modes below 400 Hz: 29, 81, 159, 262 Hz
+    apart = [n.name for n in nuisances(ALL, assemble(model()), rig(roving=False)).numbers]
+    assert apart.count("sensitivity") == apart.count("delay") == 6
+
+
+@pytest.mark.parametrize(
+    ("values", "field"), [({"modulus": -0.1}, "tolerances.modulus"), ({"size": 0.1}, "tolerances")]
+)
+def test_a_tolerance_that_makes_no_sense_is_refused(values: dict[str, float], field: str) -> None:
+    with pytest.raises(InvalidInputError) as refused:
+        Tolerances.of(values)
+    assert refused.value.context["field"] == field

@@ -1,0 +1,78 @@
+"""A search that comes to an end."""
+
+import pytest
+
+import modallab.diagnosis.searching.search as module
+from modallab.core.dof import Dof
+from modallab.core.progress import silent
+from modallab.diagnosis.diagnose import diagnose
+from modallab.diagnosis.fitting.fit import Fit, fit
+from modallab.diagnosis.predicting.prediction_budget import PredictionBudget
+from modallab.diagnosis.predicting.predictor import Predictor
+from modallab.diagnosis.residuals.observed import observe
+from modallab.diagnosis.result import Verdict
+from modallab.diagnosis.searching.search import search
+from modallab.diagnosis.searching.search_path import name_of
+from modallab.diagnosis.searching.search_round import Suspects
+from modallab.effects.cubic_stiffness import CubicStiffness
+from modallab.effects.extra_mass import ExtraMass
+from modallab.effects.ground_spring import GroundSpring
+from tests.diagnosing import drawn, model, rig
+from tests.service.diagnosis.searching.test_search import MASS
+
+SPRING = GroundSpring(at=MASS.at, stiffness=1e4)
+
+
+def predicting() -> Predictor:
+    test = drawn(rig(), [MASS], seed=3)
+    return Predictor(model(), test.setup, observe(test, (), fraction=0.25))
+
+
+def test_every_prediction_counts_whichever_copy_makes_it() -> None:
+    predictor = predicting()
+    predictor.predict(())
+    predictor.allowing(predictor.nuisances).coarse((MASS,))
+    assert predictor.effort.spent == 2
+
+
+def test_a_search_that_was_given_up_follows_its_best_lead_only(monkeypatch: pytest.MonkeyPatch) -> None:
+    predictor, looked = predicting(), list[int]()
+    start, mass, spring = (fit(predictor, effects) for effects in ((), (MASS,), (SPRING,)))
+
+    def trials(_predictor: Predictor, base: Fit, *_: object, **__: object) -> list[Fit]:
+        looked.append(len(base.effects))
+        return [] if base.effects else [mass, spring]
+
+    monkeypatch.setattr(module, "trials", trials)
+    monkeypatch.setattr(module, "only_noise_left", lambda *_: False)  # whatever is found is not enough
+    predictor.effort = PredictionBudget(0)
+    path = search(predictor, start, Suspects([]), max_effects=4, progress=silent)
+    assert looked == [0], "no second effect is looked for"
+    assert [step.kind_and_place for step in path.steps] == [name_of(MASS)]
+
+
+def test_a_diagnosis_that_was_given_up_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("modallab.diagnosis.diagnose.ENOUGH", 1)
+    test = drawn(rig(), [MASS], seed=3)
+    found = diagnose(model(), test, suspects=["ground_spring"])
+    assert found.verdict is Verdict.UNEXPLAINED
+    assert any("given up" in note for note in found.notes)
+    explained = diagnose(model(), test, suspects=[ExtraMass.kind])
+    assert explained.verdict is Verdict.EXPLAINED
+    assert not any("given up" in note for note in explained.notes), (
+        "what was found leaves nothing to look for"
+    )
+
+
+def test_forces_that_are_stepped_through_count_as_long_as_they_take() -> None:
+    test = drawn(rig(kind="random", window="hann"), [MASS], seed=3)
+    predictor = Predictor(model(), test.setup, observe(test, (), fraction=0.25))
+    hardening, other = (CubicStiffness(at=at, stiffness=1e9) for at in (MASS.at, Dof(3, "Y")))
+    predictor.weighed((hardening,))
+    once = predictor.effort.spent
+    assert once > 50
+    predictor.weighed((hardening,))
+    assert predictor.effort.spent == once + 1, "what is known is not gone through again"
+    predictor.effort = PredictionBudget()
+    predictor.weighed((hardening, other))
+    assert predictor.effort.spent - 1 == 2 * (once - 1), "two forces are stepped through, of one prediction"

@@ -1,0 +1,143 @@
+"""When an effect is told from nothing by the size that it was given."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from benchmarks.trial.rigs import bench
+from modallab.core.dof import Dof
+from modallab.core.place import Channels
+from modallab.diagnosis.diagnose import diagnose
+from modallab.diagnosis.fitting.covariance import Errors
+from modallab.diagnosis.fitting.fit import Fit, fit
+from modallab.diagnosis.predicting.predictor import Predictor
+from modallab.diagnosis.residuals.observed import observe
+from modallab.diagnosis.result import Verdict
+from modallab.diagnosis.searching.acceptance import (
+    best_first,
+    clear_of_nothing,
+    is_significant,
+    probabilities,
+)
+from modallab.effects.extra_mass import ExtraMass
+from modallab.effects.gain_error import GainError
+from modallab.effects.ground_spring import GroundSpring
+from modallab.effects.mains_hum import MainsHum
+from modallab.effects.stinger_axial import StingerAxial
+from modallab.effects.suspension import SuspensionStiffness
+from modallab.effects.transverse_sensitivity import TransverseSensitivity
+from modallab.rig.measure import Route, measure
+from tests.diagnosing import drawn, model, rig
+
+HERE = Channels((Dof(5, "Y"),))
+
+
+def test_an_amount_within_two_standard_errors_of_none_is_no_effect() -> None:
+    assert clear_of_nothing(GainError(HERE, 1.05), {"factor": 0.02})
+    assert not clear_of_nothing(GainError(HERE, 1.05), {"factor": 0.03})
+    assert not clear_of_nothing(MainsHum(HERE, 0.01, 50.0), {"ratio": 0.006, "frequency": 0.02})
+
+
+def test_an_amount_whose_direction_nothing_tells_is_left_to_the_likelihood() -> None:
+    # Of a plane frame only sensitivity x cos(angle) counts: near 0 the angle may be anything, and with it
+    # the sensitivity has any error, however well their product is known.
+    tilted = TransverseSensitivity(HERE, -0.104, 0.009)
+    assert clear_of_nothing(tilted, {"sensitivity": 0.47, "angle": np.pi})
+    assert not clear_of_nothing(tilted, {"sensitivity": 0.47, "angle": 0.01})
+
+
+def test_what_the_held_out_frfs_could_not_tell_is_borne_out_by_lines_that_were_held_out() -> None:
+    # All accelerometers of the frame hear sideways motion, but only 8:+Y, at the corner, has much of it.
+    where = bench(("transverse_sensitivity",), np.random.default_rng(1), noise=1e-3, leaking=False)
+    everywhere = TransverseSensitivity(None, 0.0033, 0.0)
+    held_out = (Dof(2, "X"), Dof(5, "X"), Dof(12, "Y"))
+
+    def convinced(*acting: TransverseSensitivity) -> bool:
+        rng = np.random.default_rng(3)
+        test = measure(where.structure, where.setup, acting, route=Route.DRAWN, rng=rng)
+        observed = observe(test, held_out, fraction=0.0)
+        predictor = Predictor(where.structure, where.setup, observed)
+        return is_significant(predictor, fit(predictor, ()), fit(predictor, (everywhere,)))
+
+    assert convinced(everywhere)
+    assert not convinced()
+
+
+def test_hum_in_one_line_of_one_channel_needs_no_witness() -> None:
+    # On a line of 2.5 Hz spacing, and not one that is held out: no other line and no other channel has it.
+    hum = MainsHum(HERE, 0.01, 62.5)
+
+    def convinced(*acting: MainsHum) -> bool:
+        test = drawn(rig(), acting, seed=4)
+        observed = observe(test, (Dof(2, "Y"),), fraction=0.0)
+        predictor = Predictor(model(), test.setup, observed)
+        return is_significant(predictor, fit(predictor, ()), fit(predictor, (hum,)))
+
+    assert convinced(hum)
+    assert not convinced()
+
+
+def test_what_is_missing_smoothly_is_not_taken_for_leakage() -> None:
+    # The force of a stinger gives way over the whole range: its residuals go together as leaked ones may.
+    leaky = rig(kind="random", window="hann", roving=False)
+    kinds = ["stinger_axial", "response_noise", "extra_mass"]
+    gives_way = drawn(leaky, [StingerAxial(None, 5e5)], seed=3)
+    (step,) = diagnose(model(), gives_way, suspects=kinds).steps
+    assert step.effect.kind == "stinger_axial"
+    # fits of eight draws scatter by 1.3 %: four times that
+    assert step.effect.parameters["stiffness"].value == pytest.approx(5e5, rel=0.053)
+    assert diagnose(model(), drawn(leaky, seed=3), suspects=kinds).verdict is Verdict.NOTHING_MISSING
+
+
+@pytest.fixture(scope="module")
+def springs() -> tuple[Fit, Fit]:
+    """A spring to the ground, and a band at the same place whose loss leaves far less than it."""
+    test = drawn(rig(), [GroundSpring(Dof(4, "Y"), 2e4)], seed=3)
+    predictor = Predictor(model(), test.setup, observe(test, (), fraction=0.25))
+    plain, lossy = (fit(predictor, (cls(Dof(4, "Y"), 2e4),)) for cls in (GroundSpring, SuspensionStiffness))
+    return plain, replace(lossy, chi_square=plain.chi_square - 50.0)
+
+
+def with_error_of_loss(band: Fit, errors_away: float) -> Fit:
+    error = band.effects[-1].parameters["loss_factor"] / errors_away
+    found = Errors(({"stiffness": 10.0, "loss_factor": error},), np.zeros(0))
+    return replace(band, spread=lambda: found)
+
+
+def test_a_number_more_has_to_be_told_from_nothing_by_its_own_standard_error(
+    springs: tuple[Fit, Fit],
+) -> None:
+    plain, band = springs
+    unsure, sure = (with_error_of_loss(band, away) for away in (1.8, 6.0))
+    assert best_first([unsure, plain])[0] is plain, "chi-square alone counts lines that leakage ties"
+    assert best_first([sure, plain])[0] is sure
+    assert best_first([unsure])[0] is unsure
+
+
+def test_shares_of_belief_follow_the_order(springs: tuple[Fit, Fit]) -> None:
+    plain, band = springs
+    test = drawn(rig(), seed=3)
+    predictor = Predictor(model(), test.setup, observe(test, (), fraction=0.25))
+    first, second = probabilities(predictor, [plain, with_error_of_loss(band, 1.8)])
+    assert first > 0.8 > 0.2 > second > 0.01, "three units of BIC or so: a loss is not ruled out either"
+
+
+def test_what_is_surely_more_is_as_good_as_it_fits_however_bad_the_plainer_one_is(
+    springs: tuple[Fit, Fit],
+) -> None:
+    plain, band = springs
+    sure = with_error_of_loss(band, 6.0)
+    other = replace(plain, effects=(ExtraMass(Dof(4, "Y"), 0.01),), chi_square=plain.chi_square + 1e3)
+    far = replace(plain, chi_square=plain.chi_square + 1e6)
+    assert best_first([other, far, sure])[0] is sure
+
+
+def test_numbers_of_which_only_their_product_is_told_are_judged_by_how_well_they_fit(
+    springs: tuple[Fit, Fit],
+) -> None:
+    # So are mass and drag of a cable whose loss alone shows: each has any error, their product has little
+    plain, band = springs
+    found = Errors(({name: 10 * value for name, value in band.effects[-1].parameters.items()},), np.zeros(0))
+    together = replace(band, spread=lambda: found)
+    assert best_first([together, plain])[0] is together

@@ -1,0 +1,130 @@
+from collections.abc import Sequence
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from modallab.core.dof import Dof
+from modallab.core.place import Channels, Members, Place
+from modallab.diagnosis.predicting.predictor import Predictor
+from modallab.diagnosis.searching.modification_screen import ModificationScreen
+from modallab.effects.attached_oscillator import AttachedOscillator
+from modallab.effects.density_error import DensityError
+from modallab.effects.extra_mass import ExtraMass
+from modallab.effects.gain_error import GainError
+from modallab.effects.ground_spring import GroundSpring
+from modallab.effects.joint_flexibility import JointFlexibility
+from modallab.effects.local_damping import LocalDamping
+from modallab.effects.loss_factor_error import LossFactorError
+from modallab.effects.misplaced_accelerometer import MisplacedAccelerometer
+from modallab.effects.stiffness_error import StiffnessError
+from modallab.effects.swapped_channels import SwappedChannels
+from modallab.rig.effect import Effect
+from tests.diagnosing import drawn, predicting, rig
+
+# Noise of 1e-9: with more, a receptance alone does not tell the FRF that H1 shows at an antiresonance.
+QUIET = 1e-9
+
+
+def quiet(*, roving: bool = True) -> Predictor:
+    predictor, _ = predicting(drawn(rig(noise=QUIET, roving=roving), []))
+    return predictor
+
+
+@pytest.mark.parametrize(
+    ("effect", "larger"),
+    [
+        (ExtraMass(Dof(4, "Y"), 0.01), {"mass": 0.3}),
+        (GroundSpring(Dof(3, "Y"), 1e3), {"stiffness": 1e5}),
+        (LocalDamping(Dof(9, "Y"), 0.1), {"damping": 20.0}),
+        (AttachedOscillator(Dof(6, "Y"), 0.02, 120.0, 0.05), {"frequency": 200.0}),
+        (StiffnessError(Members((3,)), 1.01), {"factor": 2.0}),
+        (DensityError(Members((2,)), 0.9), {"factor": 3.0}),
+        (LossFactorError(Members((5,)), 3.0), {"factor": 10.0}),
+        (JointFlexibility(Dof(5, "RZ"), 1e-5), {"flexibility": 1e-3}),
+    ],
+    ids=lambda value: value.kind if isinstance(value, Effect) else "",
+)
+@pytest.mark.parametrize("roving", [True, False])
+def test_what_hangs_on_a_structure_is_foreseen_exactly(
+    effect: Effect, larger: dict[str, float], roving: bool
+) -> None:
+    predictor = quiet(roving=roving)
+    sizes = [effect, effect.with_parameters(larger)]
+    ratios = ModificationScreen(predictor.near([]), []).ratios(sizes)
+    assert ratios is not None
+    fitted, step = predictor.near([]).observed.fitted, predictor.step
+    without = predictor.predict([]).h[::step]
+    for size, ratio in zip(sizes, ratios, strict=True):
+        predicted = predictor.predict([size]).h[::step] / without
+        # H1 is lowered by the force's noise of 1e-9 of its mean, most where an armature lets it drop.
+        np.testing.assert_allclose(ratio, predicted[fitted], rtol=1e-4)
+
+
+def test_sizes_at_one_place_after_the_other_are_those_at_a_place_alone() -> None:
+    predictor = quiet()
+    one_after_the_other = ModificationScreen(predictor.near([]), [])
+    kinds: list[Sequence[Effect]] = [
+        [AttachedOscillator(None, mass, 120.0, 0.05) for mass in (0.0, 0.02, 0.3)],
+        [ExtraMass(None, mass) for mass in (0.01, 0.1, 1.0)],
+        [StiffnessError(None, factor) for factor in (0.3, 0.9, 1.2)],
+        [JointFlexibility(None, amount) for amount in (1e-6, 1e-5, 1e-3)],
+    ]
+    places: list[Sequence[Place]] = [
+        [Dof(4, "Y"), Dof(7, "Y")],
+        [Dof(4, "Y"), Dof(1, "Y")],
+        [Members((2,)), Members((5,)), Members((8,))],
+        [Dof(4, "RZ"), Dof(6, "RZ")],
+    ]
+    for sizes, where in zip(kinds, places, strict=True):
+        for at in where:
+            here = [replace(size, at=at) for size in sizes]
+            alone = ModificationScreen(predictor.near([]), []).ratios(here)
+            found = one_after_the_other.ratios(here)
+            assert alone is not None
+            assert found is not None
+            # the same equations, but for a basis of motions that may be another one
+            np.testing.assert_allclose(found, alone, rtol=1e-8)
+
+
+def test_it_is_foreseen_beside_what_was_accepted_at_the_same_member() -> None:
+    predictor = quiet()
+    accepted, more = StiffnessError(Members((3,)), 0.8), GroundSpring(Dof(3, "Y"), 1e4)
+    ratios = ModificationScreen(predictor.near([accepted]), [accepted]).ratios([more])
+    assert ratios is not None
+    step = predictor.step
+    predicted = predictor.predict([accepted, more]).h[::step] / predictor.predict([accepted]).h[::step]
+    np.testing.assert_allclose(ratios[0], predicted[predictor.near([]).observed.fitted], rtol=1e-4)
+
+
+def test_it_is_foreseen_where_a_channel_hears_two_motions() -> None:
+    predictor = quiet()
+    beside, more = MisplacedAccelerometer(Channels((Dof(5, "Y"),)), 0.02), GroundSpring(Dof(3, "Y"), 1e4)
+    swapped = SwappedChannels(Channels((Dof(4, "Y"), Dof(5, "Y"))))
+    for accepted in (beside, swapped):
+        ratios = ModificationScreen(predictor.near([accepted]), [accepted]).ratios([more])
+        assert ratios is not None
+        both, alone = (predictor.predict(e).h[:: predictor.step] for e in ([accepted, more], [accepted]))
+        fitted = predictor.near([]).observed.fitted
+        np.testing.assert_allclose(ratios[0], (both / alone)[fitted], rtol=1e-4)
+
+
+def test_what_is_not_hung_on_the_structure_is_not_foreseen() -> None:
+    foreseen = ModificationScreen(quiet().near([]), [])
+    assert foreseen.ratios([GainError(Channels((Dof(5, "Y"),)), 1.1)]) is None
+    assert foreseen.ratios([StiffnessError(None, 1.1)]) is None
+
+
+def test_a_member_that_is_altered_already_is_left_to_a_prediction() -> None:
+    predictor = quiet()
+    accepted = StiffnessError(Members((3,)), 0.8)
+    foreseen = ModificationScreen(predictor.near([accepted]), [accepted])
+    assert foreseen.ratios([DensityError(Members((3,)), 1.1)]) is None
+
+
+def test_residuals_of_a_ratio_are_those_of_the_prediction() -> None:
+    predictor, _ = predicting(drawn(rig(noise=QUIET), [ExtraMass(Dof(4, "Y"), 0.01)]))
+    glimpses = predictor.near([])
+    foreseen = ModificationScreen(glimpses, [])
+    same = foreseen.vectors(np.ones((1, int(glimpses.observed.fitted.sum())), complex))
+    np.testing.assert_allclose(same[0], foreseen.nothing, atol=1e-12)
