@@ -61,8 +61,10 @@ def test_a_prior_is_asked_for_by_keyword_and_the_covariance_comes_apart(
         coefficients=np.array(["mass of 11"]), intervals=np.array([[0.9, 1.1]]), covariance=np.eye(1)
     )
     service.on("GET /v1/updates/u1/covariance", covariance)
-    lab.updates.start("s1", "mm1", method="one_shot", macros="each", prior="common", few_rows="regularised")
-    assert service.body(0)["options"] == {"prior": "common", "few_rows": "regularised"}
+    lab.updates.start(
+        "s1", "mm1", method="one_shot", macros="each", prior="common", underdetermined="regularised"
+    )
+    assert service.body(0)["options"] == {"prior": "common", "underdetermined": "regularised"}
     assert service.body(0)["parameterisation"] == {"macros": "each"}
     found = lab.updates.covariance("u1")
     assert found.coefficients == ("mass of 11",)

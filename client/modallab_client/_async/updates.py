@@ -30,7 +30,7 @@ class AsyncUpdates(AsyncShelf):
         upper: float | None = None,
         max_iterations: int | None = None,
         prior: str | None = None,
-        few_rows: str | None = None,
+        underdetermined: str | None = None,
         samples: int | None = None,
         seed: int | None = None,
         completion: str | Mapping[str, Any] | None = None,
@@ -59,7 +59,7 @@ class AsyncUpdates(AsyncShelf):
             modes and of FRFs damping too.
         lower, upper, max_iterations
             Bounds of every coefficient, 1 = no change; steps of each stage.
-        prior, few_rows
+        prior, underdetermined
             Of methods that correct all at once: what is held likely before, `sparse`, `common` or `range`;
             fewer measured numbers than coefficients, `refused` or `regularised`.
         samples, seed
@@ -77,7 +77,7 @@ class AsyncUpdates(AsyncShelf):
         tuned = dict(options or {}) | _wire.body(
             max_iterations=max_iterations,
             prior=prior,
-            few_rows=few_rows,
+            underdetermined=underdetermined,
             samples=samples,
             seed=seed,
             completion=completion,

@@ -27,8 +27,8 @@ CHOICES: Mapping[str, OptionSpec] = {
         choices=tuple(Prior),
         default=Prior.SPARSE.value,
     ),
-    "few_rows": OptionSpec(
-        "fewer measured numbers than coefficients",
+    "underdetermined": OptionSpec(
+        "an update with fewer measured numbers than coefficients",
         choices=(REFUSED, REGULARISED),
         default=REFUSED,
     ),
@@ -39,7 +39,7 @@ CHOICES: Mapping[str, OptionSpec] = {
     ),
 }
 SAMPLING = ("samples", "seed")
-BELIEVING = ("prior", "few_rows")
+BELIEVING = ("prior", "underdetermined")
 TWO_STAGE = (
     "location_tolerance",
     "suspect_threshold",
@@ -99,7 +99,7 @@ class UpdateOptions(Parameterised):
     )
     seed: int = parameter(0, unit="-", lower=0, upper=2**63 - 1, doc="of these draws")
     prior: str = Prior.SPARSE.value
-    few_rows: str = REFUSED
+    underdetermined: str = REFUSED
     balance: str = Balance.EIGENVALUES.value
 
     def __post_init__(self) -> None:

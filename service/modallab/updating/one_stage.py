@@ -34,7 +34,7 @@ def update_in_one_stage(
         parameterisation,
         measured,
         0.0,
-        regularised=options.few_rows == REGULARISED,
+        regularised=options.underdetermined == REGULARISED,
     )
     rule = Rule(Prior(options.prior), options.tolerance, options.max_iterations, options.rank_jump)
     # Draws take much longer than the path to where they begin.

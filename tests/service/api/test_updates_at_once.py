@@ -87,7 +87,7 @@ def test_too_few_modes_fail_the_job_with_the_count_or_are_regularised(
     assert job["state"] == "failed"
     assert job["error"]["code"] == "underdetermined"
     assert job["error"]["context"] == {"field": "macros", "value": 40, "allowed": "<= 36"}
-    body = asked(beam, few, few_rows="regularised")
+    body = asked(beam, few, underdetermined="regularised")
     update = service.get(f"/v1/updates/{service.result_of('/v1/updates', body)}")
     assert update["converged"]
     nothing = [one for one in update["identifiability"]["directions"] if one["standard_error"] is None]
@@ -96,7 +96,11 @@ def test_too_few_modes_fail_the_job_with_the_count_or_are_regularised(
 
 @pytest.mark.parametrize(
     ("options", "field"),
-    [({"prior": "flat"}, "prior"), ({"few_rows": "maybe"}, "few_rows"), ({"max_step": 0.2}, "max_step")],
+    [
+        ({"prior": "flat"}, "prior"),
+        ({"underdetermined": "maybe"}, "underdetermined"),
+        ({"max_step": 0.2}, "max_step"),
+    ],
 )
 def test_options_that_there_are_not_are_refused_by_name(
     service: Any, beam: str, stiffer: str, options: dict[str, Any], field: str

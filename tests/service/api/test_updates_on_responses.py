@@ -99,7 +99,7 @@ def test_sensors_that_the_model_lacks_are_refused(service: Any, test_of_wrong_be
 
 def test_the_catalogue_offers_the_method(service: Any) -> None:
     offered = {one["kind"]: one for one in service.get("/v1/catalog/updating-methods")}
-    assert {"prior", "few_rows", "tolerance"} <= offered["frf_residual"]["parameters"].keys()
+    assert {"prior", "underdetermined", "tolerance"} <= offered["frf_residual"]["parameters"].keys()
     assert "min_mac" not in offered["frf_residual"]["parameters"]
 
 

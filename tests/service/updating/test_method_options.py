@@ -43,6 +43,6 @@ def test_a_method_is_told_only_what_means_something_to_it() -> None:
     at_once, two_stage = method_options("one_shot"), method_options("inverse_eigensensitivity")
     assert "suspect_threshold" not in at_once
     assert at_once["prior"].choices == ("sparse", "common", "range")
-    assert at_once["few_rows"].default == "refused"
+    assert at_once["underdetermined"].default == "refused"
     assert "prior" not in two_stage
     assert "damping_threshold" not in two_stage

@@ -34,7 +34,7 @@ _AT_ONCE = {
     "modal_model_id": "77ab10",
     "method": "one_shot",
     "parameterisation": {"macros": [[1], [2], [3], [4]], "parts": ["mass", "stiffness"]},
-    "options": {"prior": "sparse", "few_rows": "regularised"},
+    "options": {"prior": "sparse", "underdetermined": "regularised"},
 }
 _RESPONSES = {
     "structure_id": "5f0c31",

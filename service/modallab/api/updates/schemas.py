@@ -61,7 +61,7 @@ class UpdateOptionsIn(Wire):
     prior: Text | None = Field(
         default=None, description="`sparse`, `common` or `range`, of a method that corrects all at once"
     )
-    few_rows: Text | None = Field(
+    underdetermined: Text | None = Field(
         default=None, description="`refused` or `regularised`, of a method that has a prior"
     )
     samples: Count | None = Field(

@@ -67,7 +67,7 @@ def update_on_responses(
 
 def refuse_few(target: TargetResponses, n_params: int, options: UpdateOptions) -> None:
     """Raise `UnderdeterminedError` if there are too few measured numbers, unless the prior is to decide."""
-    if target.n_numbers < n_params and options.few_rows != REGULARISED:
+    if target.n_numbers < n_params and options.underdetermined != REGULARISED:
         raise UnderdeterminedError(
             f"{target.n_numbers} measured numbers cannot determine {n_params} coefficients",
             field="macros",

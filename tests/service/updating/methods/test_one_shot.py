@@ -118,7 +118,7 @@ def test_fewer_numbers_than_coefficients_are_refused_with_their_count_or_regular
     target = modes_of(WRONG_BEAM, 3, BEAM_DOFS)
     with pytest.raises(UnderdeterminedError, match="36 measured numbers cannot determine 40 coefficients"):
         one_shot(BEAM, BEAM_EACH, target)
-    result = one_shot(BEAM, BEAM_EACH, target, options=UpdateOptions(few_rows="regularised"))
+    result = one_shot(BEAM, BEAM_EACH, target, options=UpdateOptions(underdetermined="regularised"))
     assert result.converged, result.stopped_because
     assert result.frequencies.measured is not None
     np.testing.assert_allclose(result.frequencies.after, result.frequencies.measured, rtol=1e-4)

@@ -184,7 +184,7 @@ def test_too_few_numbers_are_refused_with_their_count() -> None:
 
 
 def test_too_few_numbers_are_left_to_the_prior_where_asked() -> None:
-    result = frf_residual(BEAM, BEAM_EACH, few(), options=UpdateOptions(few_rows="regularised"))
+    result = frf_residual(BEAM, BEAM_EACH, few(), options=UpdateOptions(underdetermined="regularised"))
     assert result.rank <= 20
     assert result.identifiability is not None
     assert result.identifiability.directions
