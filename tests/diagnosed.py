@@ -6,15 +6,15 @@ from modallab.core.arrays import ComplexArray
 from modallab.core.dof import Dof
 from modallab.core.place import Members
 from modallab.diagnosis.result import (
-    Curves,
     Diagnosis,
     FittedEffect,
     FittedParameter,
-    Located,
+    Localisation,
     Rival,
     Step,
     Verdict,
 )
+from modallab.diagnosis.result_curves import Curves
 from tests.diagnosing import model, rig
 
 OUTPUTS = tuple(Dof(n, "Y") for n in (1, 2, 4, 5, 7, 9))
@@ -59,7 +59,7 @@ def diagnosis(verdict: Verdict = Verdict.EXPLAINED, steps: tuple[Step, ...] = (S
     )
     return Diagnosis(
         verdict=verdict,
-        located=Located(((118.0, 126.0),), (Dof(5, "Y"),), (2,), ("frequency shifts: mode 2 -3.00 %",)),
+        located=Localisation(((118.0, 126.0),), (Dof(5, "Y"),), (2,), ("frequency shifts: mode 2 -3.00 %",)),
         steps=steps,
         remaining_gap=1.05,
         remaining_scatter=0.02,

@@ -138,7 +138,7 @@ def read(found: findings.Diagnosis, question: Question) -> result.Diagnosis:
     assert found.curves is not None
     return result.Diagnosis(
         verdict=result.Verdict(found.verdict),
-        located=result.Located(words=found.located.words),
+        located=result.Localisation(words=found.located.words),
         steps=steps,
         remaining_gap=_number(found.remaining_gap),
         remaining_scatter=_number(found.remaining_scatter),
@@ -163,7 +163,7 @@ def _step(one: findings.Step) -> result.Step:
         held_out_gap_before=_number(one.held_out_gap_before),
         held_out_gap_after=_number(one.held_out_gap_after),
         held_out_scatter=_number(one.held_out_scatter),
-        rivals_alike=tuple(result.Alias(other.kind, _place(other)) for other in one.rivals_alike),
+        rivals_alike=tuple(result.EquivalentEffect(other.kind, _place(other)) for other in one.rivals_alike),
     )
 
 

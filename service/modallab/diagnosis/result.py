@@ -1,20 +1,18 @@
-"""What a diagnosis hands over."""
+"""Result of a diagnosis: verdict, location of the disagreement, missing effects, remaining gap."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
 
-import numpy as np
-
-from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, frozen
 from modallab.core.dof import Dof
 from modallab.core.place import Place
+from modallab.diagnosis.result_curves import Curves
 from modallab.fe.structure import Structure
 from modallab.rig.setup import RigSetup
 
 
 class Verdict(StrEnum):
-    """How a diagnosis ends."""
+    """Outcome of a diagnosis."""
 
     EXPLAINED = "explained"
     NOTHING_MISSING = "nothing_missing"
@@ -24,204 +22,228 @@ class Verdict(StrEnum):
 
 @dataclass(frozen=True)
 class FittedParameter:
-    """A fitted number with its random error."""
+    """Parameter of an effect, as fitted, with its standard error."""
 
     value: float
+    """In `unit`, the estimate."""
     standard_error: float
+    """In `unit`, random error of the estimate; nan where it cannot be stated."""
     unit: str
+    """SI unit of value and standard error; `1` for a ratio."""
 
 
 @dataclass(frozen=True)
 class FittedEffect:
-    """An effect with the size that the measurement gives it."""
+    """Effect with the parameters fitted to the measurement."""
 
     kind: str
+    """Kind of effect, as the catalogue of effects names it."""
     at: Place
+    """Place of the effect; None: the whole structure or the whole rig."""
     parameters: Mapping[str, FittedParameter]
+    """Fitted parameters by name."""
 
 
 @dataclass(frozen=True)
-class Tolerated:
-    """A number that may differ a little, as it was fitted beside what was missing."""
+class ToleratedParameter:
+    """Nuisance parameter, free within its tolerance and fitted beside the missing effects."""
 
-    name: str  # as `tolerances.Tolerances` has it
-    value: float  # true over declared; of a delay, s
+    name: str
+    """Name as in `tolerances.Tolerances`."""
+    value: float
+    """Ratio true over declared; of a delay, s."""
     standard_error: float
-    tolerance: float  # one standard deviation, beforehand
+    """In `unit`, random error of the value."""
+    tolerance: float
+    """In `unit`, prior standard deviation."""
     unit: str
-    at: Place = None  # a channel of its own
-    mode: int | None = None  # elastic mode of the model, from 1
+    """Unit of value, error and tolerance; `1` for a ratio."""
+    at: Place = None
+    """Channel to which the parameter belongs; None: all."""
+    mode: int | None = None
+    """Elastic mode of the model to which the parameter belongs, counted from 1; None: no mode."""
 
 
 @dataclass(frozen=True)
 class Rival:
-    """Another explanation, and what it leaves unexplained."""
+    """Competing explanation of the same round."""
 
     kind: str
+    """Kind of effect."""
     at: Place
+    """Place of the effect."""
     probability: float
+    """Posterior probability among the explanations of its round, 0 to 1."""
     gap_after: float
+    """Gap (mean squared residual) that remains with this effect on the fitted FRFs."""
 
 
 @dataclass(frozen=True)
-class Alias:
-    """An explanation that this measurement cannot tell from the one named."""
+class EquivalentEffect:
+    """Effect that this measurement cannot distinguish from the named one."""
 
     kind: str
+    """Kind of effect."""
     at: Place
+    """Place of the effect."""
 
 
 @dataclass(frozen=True)
 class Step:
-    """One effect added to the model, and what it closed; held-out FRFs took no part in the fit."""
+    """Effect added to the model, and the reduction of the gap; held-out FRFs took no part in the fit."""
 
     effect: FittedEffect
+    """The added effect, with parameters from the fit of all effects together."""
     probability: float
+    """Posterior probability among the explanations of its round, 0 to 1."""
     gap_before: float
+    """Gap (mean squared residual) over the fitted FRFs before the effect was added."""
     gap_after: float
+    """Gap over the fitted FRFs with the effect."""
     held_out_gap_before: float
+    """Gap over the held-out FRFs before the effect was added."""
     held_out_gap_after: float
-    held_out_scatter: float  # random error of the last number if nothing more is missing
+    """Gap over the held-out FRFs with the effect."""
+    held_out_scatter: float
+    """Standard deviation of `held_out_gap_after` if no other effect is missing."""
     rivals: tuple[Rival, ...] = ()
-    rivals_alike: tuple[Alias, ...] = ()
+    """Competing explanations of the round, best first, without the named one."""
+    rivals_alike: tuple[EquivalentEffect, ...] = ()
+    """Effects that this measurement cannot distinguish from the named one."""
 
 
-class Sign(StrEnum):
-    """What is telling about where a gap sits."""
+class GapPattern(StrEnum):
+    """Pattern of the disagreement that points to a class of causes."""
 
-    FORCE_ONLY = "force_only"  # FRFs and what is not coherent agree
-    COHERENCE_ONLY = "coherence_only"  # FRFs and forces agree
-    ONE_RESPONSE = "one_response"  # all others agree
+    FORCE_ONLY = "force_only"  # FRFs and incoherent response spectra agree
+    COHERENCE_ONLY = "coherence_only"  # FRFs and force spectra agree
+    ONE_RESPONSE = "one_response"  # all other responses agree
     DRIVE_POINT_ONLY = "drive_point_only"
-    LOW_FREQUENCY = "low_frequency"  # in the lowest quarter of the band alone
-    HIGH_FREQUENCY = "high_frequency"  # in the highest quarter
-    LEVEL_DEPENDENCE = "level_dependence"  # tests at other force levels differ
+    LOW_FREQUENCY = "low_frequency"  # only the lowest quarter of the band disagrees
+    HIGH_FREQUENCY = "high_frequency"  # only the highest quarter of the band disagrees
+    LEVEL_DEPENDENCE = "level_dependence"  # FRFs measured at two force levels differ
 
 
 @dataclass(frozen=True)
 class ModeShift:
-    """How a resonance differs from the model's, with standard errors; nan where the test does not tell."""
+    """Shift of one mode against the model, with standard errors; nan where the test does not show it."""
 
-    mode: int  # elastic modes of the model, from 1
-    frequency: float  # Hz, of the model
-    frequency_shift: float  # measured over the model's, minus 1
+    mode: int
+    """Number of the elastic mode of the model, counted from 1."""
+    frequency: float
+    """Hz, natural frequency of the model."""
+    frequency_shift: float
+    """Natural frequency, measured over model, minus 1."""
     frequency_error: float
-    loss_factor_shift: float  # the same of the loss factor
+    """Standard error of `frequency_shift`."""
+    loss_factor_shift: float
+    """Loss factor, measured over model, minus 1."""
     loss_factor_error: float
+    """Standard error of `loss_factor_shift`."""
 
 
-class Course(StrEnum):
-    """How a response differs over frequency."""
+class ChannelError(StrEnum):
+    """Error of a channel, by the course of its FRF's deviation over frequency."""
 
-    GAIN = "gain"  # by a factor
-    POLARITY = "polarity"  # by the sign
-    DELAY = "delay"  # by a phase that grows with frequency
-    RISING_GAIN = "rising_gain"  # by a factor that grows with the square of frequency
+    GAIN = "gain"  # constant factor
+    POLARITY = "polarity"  # opposite sign
+    DELAY = "delay"  # phase proportional to frequency
+    RISING_GAIN = "rising_gain"  # factor that grows with the square of frequency
 
 
 @dataclass(frozen=True)
 class ResponseMisfit:
-    """How the FRF of one response differs, on average over all lines, with standard errors."""
+    """Deviation of the FRF of one response, averaged over all lines, with standard errors."""
 
     dof: Dof
-    gap: float  # mean squared residual
-    amplitude: float  # measured over predicted
+    """Measured DoF of the response."""
+    gap: float
+    """Mean squared residual of the response."""
+    amplitude: float
+    """Amplitude ratio, measured over predicted."""
     amplitude_error: float
-    phase: float  # rad, measured minus predicted
+    """Standard error of `amplitude`."""
+    phase: float
+    """rad, phase, measured minus predicted."""
     phase_error: float
-    delay: float  # s by which the measured one lags behind
+    """rad, standard error of `phase`."""
+    delay: float
+    """s, delay of the measured response behind the predicted one."""
     delay_error: float
-    course: Course | None = None  # what accounts for nearly all of its gap; None: not one of these alone
+    """s, standard error of `delay`."""
+    course: ChannelError | None = None
+    """Channel error that accounts for nearly all of the gap; None: no single one does."""
 
 
 @dataclass(frozen=True)
-class Located:
-    """Where the model without additions parts from the measurement."""
+class Localisation:
+    """Location of the disagreement between the measurement and the model without added effects."""
 
-    bands: tuple[tuple[float, float], ...] = ()  # Hz
+    bands: tuple[tuple[float, float], ...] = ()
+    """Hz, lower and upper limits of the frequency bands that disagree."""
     dofs: tuple[Dof, ...] = ()
-    modes: tuple[int, ...] = ()  # elastic modes of the model, from 1
+    """Responses that disagree most."""
+    modes: tuple[int, ...] = ()
+    """Elastic modes of the model, counted from 1, in the bands that disagree."""
     words: tuple[str, ...] = ()
-    signs: tuple[Sign, ...] = ()
+    """Statements in plain English."""
+    signs: tuple[GapPattern, ...] = ()
+    """Patterns that point to a class of causes."""
     mode_shifts: tuple[ModeShift, ...] = ()
+    """Shifts of natural frequencies and loss factors."""
     responses: tuple[ResponseMisfit, ...] = ()
-    level_dependence: float | None = None  # gap between tests at two levels; None: one level only
+    """Deviation of each response."""
+    level_dependence: float | None = None
+    """Mean squared normalised difference of FRFs at two force levels; None: one level only."""
 
 
 @dataclass(frozen=True)
 class NextTest:
-    """The further measurement that would separate what this one cannot."""
+    """Proposed further test that would distinguish explanations which this measurement cannot."""
 
     why: str
-    change: Mapping[str, object]  # as `rig.change.Change.read` reads it
+    """Reason for the proposal, in plain English."""
+    change: Mapping[str, object]
+    """Changes against the first test, as `rig.change.Change.read` reads them."""
     separates: tuple[str, ...]
-    expected_separation: float = float("nan")  # of the two closest of them, in standard deviations
-
-
-@dataclass(frozen=True, eq=False)
-class Spectra:
-    """An auto spectrum that the diagnosis compared, one-sided."""
-
-    measured: FloatArray  # (n_freq, n_channel) unit^2/Hz
-    before: FloatArray  # the same, predicted without additions
-    after: FloatArray  # the same, with what was added
-    random_error: FloatArray  # (n_freq, n_channel) of its logarithm
-
-    def __post_init__(self) -> None:
-        for name in ("measured", "before", "after", "random_error"):
-            object.__setattr__(
-                self, name, frozen(getattr(self, name), float, np.shape(self.measured), name=name)
-            )
-
-
-@dataclass(frozen=True, eq=False)
-class Curves:
-    """The FRFs that the diagnosis compared, H1 as inertance, and the auto spectra where measured."""
-
-    freq: FloatArray  # (n_freq,) Hz
-    measured: ComplexArray  # (n_freq, n_out, n_in) m/(s^2 N)
-    before: ComplexArray  # the same, predicted without additions
-    after: ComplexArray  # the same, with what was added
-    random_error: FloatArray  # (n_freq, n_out, n_in) of |H|, relative
-    held_out: BoolArray  # (n_out,)
-    outputs: tuple[Dof, ...]
-    inputs: tuple[Dof, ...]
-    predicted: ComplexArray | None = None  # (n_freq, n_pred, n_in) at DoFs that were not measured
-    predicted_outputs: tuple[Dof, ...] = ()
-    force: Spectra | None = None  # of each run, N^2/Hz
-    incoherent: Spectra | None = None  # of each response, what is not coherent with the force, (m/s^2)^2/Hz
-
-    def __post_init__(self) -> None:
-        shape = (len(self.freq), len(self.outputs), len(self.inputs))
-        for name in ("measured", "before", "after"):
-            object.__setattr__(self, name, frozen(getattr(self, name), complex, shape, name=name))
-        object.__setattr__(self, "freq", frozen(self.freq, float, shape[:1], name="freq"))
-        errors = frozen(self.random_error, float, shape, name="random_error")
-        object.__setattr__(self, "random_error", errors)
-        object.__setattr__(self, "held_out", frozen(self.held_out, bool, shape[1:2], name="held_out"))
-        if self.predicted is not None:
-            wanted = (shape[0], len(self.predicted_outputs), shape[2])
-            predicted = frozen(self.predicted, complex, wanted, name="predicted")
-            object.__setattr__(self, "predicted", predicted)
+    """Kinds of effects that the test distinguishes."""
+    expected_separation: float = float("nan")
+    """Standard deviations, expected difference of the two closest explanations."""
 
 
 @dataclass(frozen=True, eq=False)
 class Diagnosis:
-    """Where model and measurement part, which effects were missing, and what is left."""
+    """Disagreement of model and measurement, the missing effects, and the gap that remains."""
 
     verdict: Verdict
-    located: Located
+    """Outcome of the diagnosis."""
+    located: Localisation
+    """Location of the disagreement without added effects."""
     steps: tuple[Step, ...]
+    """Added effects, the one that explains most first."""
     remaining_gap: float
-    remaining_scatter: float  # expected random error of the remaining gap if nothing is missing
-    gaps: Mapping[str, Mapping[str, float]]  # "before", "after" -> part -> mean squared residual
-    structure: Structure  # the model with what was added
-    setup: RigSetup  # the log book with what was added
+    """Gap (mean squared residual) over all usable FRFs with all added effects; 1: random error alone."""
+    remaining_scatter: float
+    """Standard deviation of `remaining_gap` if no effect is missing."""
+    gaps: Mapping[str, Mapping[str, float]]
+    """Gap of each part (FRFs, force spectra, response spectra) under `before` and `after`."""
+    structure: Structure
+    """Model with the added effects."""
+    setup: RigSetup
+    """Log book with the added effects."""
     curves: Curves
-    candidates: tuple[Rival, ...] = ()  # all that were fitted in the first round, best first
+    """Measured and predicted FRFs and spectra."""
+    candidates: tuple[Rival, ...] = ()
+    """All effects fitted in the first round, best first."""
     next_test: NextTest | None = None
-    tolerated: tuple[Tolerated, ...] = ()
-    follow_ups: tuple[Mapping[str, object], ...] = ()  # what was changed for each further test
+    """Proposed further test; None: no rival is left."""
+    tolerated: tuple[ToleratedParameter, ...] = ()
+    """Nuisance parameters that were free within their tolerances."""
+    follow_ups: tuple[Mapping[str, object], ...] = ()
+    """Changes of each further test against the first."""
     seed: int | None = None
-    asked: Mapping[str, object] = field(default_factory=dict)  # the request's options, to ask the same again
+    """Seed from which the held-out FRFs were drawn."""
+    request_options: Mapping[str, object] = field(default_factory=dict)
+    """Options of the request, to repeat it."""
     notes: tuple[str, ...] = field(default=())
+    """Limitations of this diagnosis, in plain English."""

@@ -12,15 +12,14 @@ from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.residuals.observed import Observed
 from modallab.diagnosis.residuals.residual import scatter
 from modallab.diagnosis.result import (
-    Alias,
-    Curves,
+    EquivalentEffect,
     FittedEffect,
     FittedParameter,
     Rival,
-    Spectra,
     Step,
-    Tolerated,
+    ToleratedParameter,
 )
+from modallab.diagnosis.result_curves import Curves, Spectra
 from modallab.diagnosis.searching.acceptance import probabilities
 from modallab.diagnosis.searching.search_path import AcceptedEffect
 from modallab.diagnosis.test_design.proposal import alike, named
@@ -44,11 +43,11 @@ def _fitted(fit: Fit, i: int) -> FittedEffect:
     return FittedEffect(effect.kind, effect.at, numbers)
 
 
-def tolerated(predictor: Predictor, best: Fit) -> tuple[Tolerated, ...]:
+def tolerated(predictor: Predictor, best: Fit) -> tuple[ToleratedParameter, ...]:
     """Return what may differ a little, as it was fitted."""
     each = zip(predictor.nuisances.numbers, best.tolerated, best.tolerated_errors, strict=True)
     return tuple(
-        Tolerated(
+        ToleratedParameter(
             name=one.name,
             at=one.at,
             mode=one.mode,
@@ -97,7 +96,7 @@ def step(predictor: Predictor, accepted: AcceptedEffect, final: Fit, *, explaine
         held_out_gap_after=accepted.after.residual.gap(observed.kept),
         held_out_scatter=scatter(observed, accepted.after.residual, observed.kept),
         rivals=rivals(predictor, tried, chosen),
-        rivals_alike=tuple(Alias(f.effects[-1].kind, f.effects[-1].at) for f in near[:MOST_ALIKE]),
+        rivals_alike=tuple(EquivalentEffect(f.effects[-1].kind, f.effects[-1].at) for f in near[:MOST_ALIKE]),
     )
 
 

@@ -90,7 +90,7 @@ class _Question:
         asked |= {f"follow_up_{i}": test.measurement_id for i, test in enumerate(tests, 1)}
         asked |= {f"earlier_{i}": id for i, id in enumerate(earlier, 1)}
         model, rig = into.beside("structure"), into.beside("rig")
-        found = replace(found, asked=self.options)
+        found = replace(found, request_options=self.options)
         with store.together() as batch:
             batch.structures.add(found.structure, owner=into.owner, inputs=asked, id=model)
             batch.rigs.add(found.setup, owner=into.owner, inputs=asked, id=rig)

@@ -4,10 +4,10 @@ import math
 from dataclasses import asdict
 from typing import Any
 
-from modallab.diagnosis.result import Located
+from modallab.diagnosis.result import Localisation
 
 
-def located_out(located: Located) -> dict[str, Any]:
+def located_out(located: Localisation) -> dict[str, Any]:
     """Return plain values; numbers that the test does not tell are null."""
     return {
         "bands": [list(band) for band in located.bands],

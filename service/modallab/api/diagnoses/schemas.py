@@ -12,7 +12,7 @@ from modallab.api.diagnoses.located import located_out
 from modallab.api.diagnoses.tolerated import TolerancesIn, tolerated_out
 from modallab.api.wire import Count, DofText, EntryOut, Number, Seed, Text, Wire, place_out
 from modallab.core.dof import Dof
-from modallab.diagnosis.result import Alias, Diagnosis, FittedEffect, NextTest, Rival, Step
+from modallab.diagnosis.result import Diagnosis, EquivalentEffect, FittedEffect, NextTest, Rival, Step
 from modallab.fe.structure import Structure
 from modallab.rig.effect import EFFECTS
 from modallab.store.base import Entry
@@ -142,7 +142,7 @@ def _effect(effect: FittedEffect) -> dict[str, Any]:
     return {"kind": effect.kind, "at": place_out(effect.at), "parameters": parameters}
 
 
-def _alias(alias: Alias | Rival) -> dict[str, Any]:
+def _alias(alias: EquivalentEffect | Rival) -> dict[str, Any]:
     return {"kind": alias.kind, "at": place_out(alias.at)}
 
 

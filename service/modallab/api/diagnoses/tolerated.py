@@ -7,7 +7,7 @@ from pydantic import Field
 
 from modallab.api.wire import Number, Wire, place_out
 from modallab.diagnosis.optimisation.tolerances import LATEST, WIDEST
-from modallab.diagnosis.result import Tolerated
+from modallab.diagnosis.result import ToleratedParameter
 
 Relative = Annotated[Number, Field(ge=0, le=WIDEST, description="one standard deviation, relative")]
 Late = Annotated[Number, Field(ge=0, le=LATEST, description="one standard deviation, s")]
@@ -28,7 +28,7 @@ class TolerancesIn(Wire):
         return self.model_dump(exclude_defaults=True)
 
 
-def tolerated_out(one: Tolerated) -> dict[str, Any]:
+def tolerated_out(one: ToleratedParameter) -> dict[str, Any]:
     """Return a number that may differ a little, as it was fitted."""
     error = one.standard_error
     return {

@@ -14,7 +14,7 @@ from modallab.diagnosis.localisation.response_misfits import response_misfits
 from modallab.diagnosis.localisation.text import LocalisationText, span
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.residuals.residual import scatters
-from modallab.diagnosis.result import Located, Sign
+from modallab.diagnosis.result import GapPattern, Localisation
 
 DISAGREES = 3.0  # mean squared residual above which a band or a response is named
 BEYOND = 5.0  # standard errors by which a part's gap is above 1 if it disagrees
@@ -25,7 +25,7 @@ MOST_BANDS = 20
 MOST_MODES = 8  # whose shifts are worked out: each takes predictions of its own
 
 
-def locate(predictor: Predictor, evidence: Evidence) -> Located:
+def locate(predictor: Predictor, evidence: Evidence) -> Localisation:
     """Return where the gap sits: bands, responses, modes, in numbers and in words.
 
     Parameters
@@ -47,7 +47,7 @@ def locate(predictor: Predictor, evidence: Evidence) -> Located:
     by_line, by_channel = (_mean(squares, usable, axis) for axis in (1, 0))
     bands = _bands(first.observed.freq, by_line)
     shown = range(1, min(MOST_MODES, len(evidence.mode_frequency)) + 1) if "frf" in parts else ()
-    found = Located(
+    found = Localisation(
         bands=bands[:MOST_BANDS],
         dofs=_dofs(evidence.outputs, by_channel),
         modes=_modes(evidence, bands),
@@ -103,7 +103,7 @@ def _modes(evidence: Evidence, bands: tuple[tuple[float, float], ...]) -> tuple[
 
 def _signs(
     carrier: str | None, first: Predictor, by_line: FloatArray, by_channel: FloatArray, level: float | None
-) -> Iterator[Sign]:
+) -> Iterator[GapPattern]:
     """Yield what is telling.
 
     Parameters
@@ -112,20 +112,20 @@ def _signs(
         The part that the gap is in; None if all agree.
     """
     if carrier == "force":
-        yield Sign.FORCE_ONLY
+        yield GapPattern.FORCE_ONLY
     if carrier == "response":
-        yield Sign.COHERENCE_ONLY
+        yield GapPattern.COHERENCE_ONLY
     if carrier in ("frf", "response") and _alone(by_channel):
         at_drive = first.observed.outputs[int(by_channel.argmax())].point == first.setup.drive.point
-        yield Sign.DRIVE_POINT_ONLY if at_drive else Sign.ONE_RESPONSE
+        yield GapPattern.DRIVE_POINT_ONLY if at_drive else GapPattern.ONE_RESPONSE
     if carrier is not None and by_line.max() > DISAGREES:
         low, high = span(first.observed.freq, by_line)
         if high < END * first.observed.freq[-1]:
-            yield Sign.LOW_FREQUENCY
+            yield GapPattern.LOW_FREQUENCY
         if low > (1 - END) * first.observed.freq[-1]:
-            yield Sign.HIGH_FREQUENCY
+            yield GapPattern.HIGH_FREQUENCY
     if level is not None and level > DISAGREES:
-        yield Sign.LEVEL_DEPENDENCE
+        yield GapPattern.LEVEL_DEPENDENCE
 
 
 def _alone(by_channel: FloatArray) -> bool:

@@ -5,7 +5,7 @@ import numpy as np
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.diagnosis.residuals.observed import Observed
 from modallab.diagnosis.residuals.residual import normalised_difference
-from modallab.diagnosis.result import Course, ResponseMisfit
+from modallab.diagnosis.result import ChannelError, ResponseMisfit
 
 ACCOUNTED = 0.9  # share of a response's gap above 1 that a course closes if it is the reason
 DISAGREES = 3.0  # gap from which on it is asked for reasons
@@ -36,10 +36,10 @@ def _misfit(observed: Observed, left: ComplexArray, channel: int) -> ResponseMis
     turned = np.angle(np.exp(1j * (left[where, channel].imag - np.pi))) / error
     rising = ratio.real - _along(ratio.real, omega**2 / error)[0] * omega**2 / error
     rest = {
-        Course.GAIN: (ratio.real - size * constant, ratio.imag),
-        Course.POLARITY: (ratio.real, turned),
-        Course.DELAY: (ratio.real, ratio.imag + delay * growing),
-        Course.RISING_GAIN: (rising, ratio.imag),
+        ChannelError.GAIN: (ratio.real - size * constant, ratio.imag),
+        ChannelError.POLARITY: (ratio.real, turned),
+        ChannelError.DELAY: (ratio.real, ratio.imag + delay * growing),
+        ChannelError.RISING_GAIN: (rising, ratio.imag),
     }
     closed = {c: float((re**2 + im**2).sum()) / (2 * n) for c, (re, im) in rest.items()}
     best = min(closed, key=lambda course: closed[course])

@@ -9,7 +9,7 @@ import numpy as np
 from modallab.core.arrays import FloatArray
 from modallab.core.dof import Dof
 from modallab.diagnosis.residuals.residual import Residual
-from modallab.diagnosis.result import Course, Located, ModeShift, ResponseMisfit, Sign
+from modallab.diagnosis.result import ChannelError, GapPattern, Localisation, ModeShift, ResponseMisfit
 
 NAMES = {"frf": "FRFs", "force": "force spectra", "response": "response spectra"}
 CLEAR = 4.0  # standard errors from which on a shift is told
@@ -18,21 +18,26 @@ LIKE = 0.1  # spread of the shifts of all modes over their mean below which they
 NEARLY_ALL = 0.95  # share of what is above 1 that lies where "only" is said
 MOST = 8
 # One response alone cannot say that the modes of a structure are elsewhere, nor can FRFs that agree.
-NOT_THE_MODES = {Sign.FORCE_ONLY, Sign.COHERENCE_ONLY, Sign.ONE_RESPONSE, Sign.DRIVE_POINT_ONLY}
+NOT_THE_MODES = {
+    GapPattern.FORCE_ONLY,
+    GapPattern.COHERENCE_ONLY,
+    GapPattern.ONE_RESPONSE,
+    GapPattern.DRIVE_POINT_ONLY,
+}
 SIGNS = {
-    Sign.FORCE_ONLY: (
+    GapPattern.FORCE_ONLY: (
         "the FRFs agree; only the auto spectra do not, most of all those of the force: look at what drives "
         "the structure"
     ),
-    Sign.COHERENCE_ONLY: (
+    GapPattern.COHERENCE_ONLY: (
         "the FRFs agree; only the auto spectra do not: {more} of the responses has nothing to do with the "
         "force than the log book accounts for"
     ),
-    Sign.ONE_RESPONSE: "one response stands out, {dof}: all others agree",
-    Sign.DRIVE_POINT_ONLY: "the drive point, {dof}, stands out: all other responses agree",
-    Sign.LOW_FREQUENCY: "only the low end of the band disagrees, up to {high:.4g} Hz",
-    Sign.HIGH_FREQUENCY: "only the high end of the band disagrees, from {low:.4g} Hz",
-    Sign.LEVEL_DEPENDENCE: (
+    GapPattern.ONE_RESPONSE: "one response stands out, {dof}: all others agree",
+    GapPattern.DRIVE_POINT_ONLY: "the drive point, {dof}, stands out: all other responses agree",
+    GapPattern.LOW_FREQUENCY: "only the low end of the band disagrees, up to {high:.4g} Hz",
+    GapPattern.HIGH_FREQUENCY: "only the high end of the band disagrees, from {low:.4g} Hz",
+    GapPattern.LEVEL_DEPENDENCE: (
         "the FRFs change with the force level, by {level:.1f} random errors: something is not linear"
     ),
 }
@@ -58,7 +63,7 @@ def span(freq: FloatArray, by_line: FloatArray) -> tuple[float, float]:
     return float(freq[low]), float(freq[min(int(np.searchsorted(share, 1 - edge)), len(freq) - 1)])
 
 
-def said(found: Located, gaps: Mapping[str, float], seen: LocalisationText) -> Located:
+def said(found: Localisation, gaps: Mapping[str, float], seen: LocalisationText) -> Localisation:
     """Return what was located with its words."""
     words = [f"mean squared residual: {', '.join(f'{NAMES[part]} {gap:.3g}' for part, gap in gaps.items())}"]
     words += [_sign(sign, found, seen) for sign in found.signs]
@@ -73,7 +78,7 @@ def said(found: Located, gaps: Mapping[str, float], seen: LocalisationText) -> L
     return replace(found, words=tuple(words))
 
 
-def _sign(sign: Sign, found: Located, seen: LocalisationText) -> str:
+def _sign(sign: GapPattern, found: Localisation, seen: LocalisationText) -> str:
     low, high = span(seen.freq, seen.by_line)
     return SIGNS[sign].format(
         dof=seen.outputs[int(seen.by_channel.argmax())],
@@ -115,10 +120,10 @@ def _percent(share: float) -> str:
     return f"{100 * share:.2g} %" if share < 0.1 else f"{100 * share:.0f} %"
 
 
-def _responses(found: Located) -> list[str]:
+def _responses(found: Localisation) -> list[str]:
     """Return what accounts for single responses, one sentence a kind of reason."""
     told = []
-    for course in Course:
+    for course in ChannelError:
         those = [one for one in found.responses if one.course is course]
         # Where all responses are off alike it is the force, or the model.
         if those and len(those) <= max(1, len(found.responses) // 2):
@@ -128,13 +133,13 @@ def _responses(found: Located) -> list[str]:
 
 def _response(one: ResponseMisfit) -> str:
     off = one.amplitude - 1
-    if one.course is Course.GAIN:
+    if one.course is ChannelError.GAIN:
         return (
             f"{one.dof} reads {_percent(abs(off))} {'high' if off > 0 else 'low'} at all frequencies: a gain"
         )
-    if one.course is Course.POLARITY:
+    if one.course is ChannelError.POLARITY:
         return f"{one.dof} has the opposite sign at all frequencies"
-    if one.course is Course.DELAY:
+    if one.course is ChannelError.DELAY:
         way = "lags behind" if one.delay > 0 else "is ahead"
         return f"{one.dof} {way}, the more the higher the frequency: by {_time(abs(one.delay))}"
     return f"{one.dof} reads more wrongly with the square of the frequency: as a sensor near its resonance"

@@ -11,7 +11,7 @@ from modallab.diagnosis.reporting import svg
 from modallab.diagnosis.reporting.legend import legend
 from modallab.diagnosis.reporting.ratio_plot import ratio_drawn
 from modallab.diagnosis.reporting.residual_plot import POINTS, differences
-from modallab.diagnosis.result import Curves
+from modallab.diagnosis.result_curves import Curves
 
 MOST_ERROR = 0.9  # of |H|, relative, that a band on a logarithmic axis can show
 SEEN = 3.0  # random errors beyond which a difference is worth an enlargement

@@ -10,7 +10,8 @@ from modallab.core.place import Channels, Members, Place
 from modallab.diagnosis.reporting import svg
 from modallab.diagnosis.reporting.figures import residual
 from modallab.diagnosis.reporting.legend import keys
-from modallab.diagnosis.result import Curves, Diagnosis
+from modallab.diagnosis.result import Diagnosis
+from modallab.diagnosis.result_curves import Curves
 from modallab.fe.members import AnyMember, sides
 from modallab.fe.structure import Structure
 

@@ -7,7 +7,7 @@ import numpy as np
 from modallab.core.arrays import FloatArray
 from modallab.diagnosis.reporting import svg
 from modallab.diagnosis.reporting.legend import legend
-from modallab.diagnosis.result import Curves
+from modallab.diagnosis.result_curves import Curves
 
 DOTS = 200  # lines that are drawn, at most
 SURE = 3.0  # typical random errors beyond which a line is left out

@@ -13,13 +13,18 @@ from modallab.diagnosis.reporting.legend import keys
 from modallab.diagnosis.reporting.location_plot import where_drawn
 from modallab.diagnosis.reporting.page import Row, page, paragraph, table
 from modallab.diagnosis.reporting.spectra_plot import spectra_drawn
-from modallab.diagnosis.result import Diagnosis, Rival, Sign, Verdict
+from modallab.diagnosis.result import Diagnosis, GapPattern, Rival, Verdict
 from modallab.rig.effect import EFFECTS
 
 EVEN = 0.5  # probability below which something else was believed more
 CLEAR = 4.0  # standard errors from which on a shift of a mode is worth a table
 # One response alone cannot say that the modes of a structure are elsewhere, nor can FRFs that agree.
-NOT_THE_MODES = {Sign.FORCE_ONLY, Sign.COHERENCE_ONLY, Sign.ONE_RESPONSE, Sign.DRIVE_POINT_ONLY}
+NOT_THE_MODES = {
+    GapPattern.FORCE_ONLY,
+    GapPattern.COHERENCE_ONLY,
+    GapPattern.ONE_RESPONSE,
+    GapPattern.DRIVE_POINT_ONLY,
+}
 MEANING = (
     "Every residual is the logarithm of measured over predicted, in units of its own random error, which "
     "follows from coherence and the number of averages. The gap is the mean of their squares, over the FRFs "
@@ -247,7 +252,7 @@ def _request(diagnosis: Diagnosis, made: Mapping[str, str]) -> str:
     given = {name: made[name] for name in ("structure_id", "measurement_id") if name in made}
     if not given:
         return ""
-    more: dict[str, object] = {**diagnosis.asked, "seed": diagnosis.seed}
+    more: dict[str, object] = {**diagnosis.request_options, "seed": diagnosis.seed}
     if diagnosis.follow_ups:
         more["follow_ups"] = [
             {"measurement_id": made.get(f"follow_up_{i}"), "changed": dict(change)}

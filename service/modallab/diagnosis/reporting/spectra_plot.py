@@ -8,7 +8,7 @@ from modallab.core.arrays import BoolArray, FloatArray
 from modallab.diagnosis.reporting import svg
 from modallab.diagnosis.reporting.legend import legend
 from modallab.diagnosis.reporting.residual_plot import POINTS, differences
-from modallab.diagnosis.result import Curves, Spectra
+from modallab.diagnosis.result_curves import Curves, Spectra
 
 TELLING = 1.5  # mean squared residual above which a spectrum is drawn
 

@@ -6,15 +6,15 @@ from collections.abc import Mapping
 from modallab.core.dof import Dof
 from modallab.core.place import Channels, Members, Place
 from modallab.diagnosis.result import (
-    Alias,
     Diagnosis,
+    EquivalentEffect,
     FittedEffect,
     FittedParameter,
-    Located,
+    Localisation,
     NextTest,
     Rival,
     Step,
-    Tolerated,
+    ToleratedParameter,
     Verdict,
 )
 from modallab.fe.structure import Structure
@@ -36,7 +36,7 @@ CHANGES = {
 }
 
 
-def name(effect: FittedEffect | Rival | Alias) -> str:
+def name(effect: FittedEffect | Rival | EquivalentEffect) -> str:
     """Return kind and place of an effect; what belongs to the whole rig has no place."""
     kind = effect.kind.replace("_", " ")
     if effect.at is None:
@@ -97,7 +97,7 @@ def number(parameter: FittedParameter) -> str:
     return f"({text})·10{str(scale).translate(RAISED)}{unit}" if scale else f"{text}{unit}"
 
 
-def tolerated(one: Tolerated) -> tuple[str, str, str]:
+def tolerated(one: ToleratedParameter) -> tuple[str, str, str]:
     """Return what may differ a little, what it came to, and its tolerance."""
     what = one.name.replace("_", " ") if one.mode is None else f"loss factor of mode {one.mode}"
     fitted = number(FittedParameter(one.value, one.standard_error, one.unit))
@@ -181,7 +181,7 @@ def alike(step: Step) -> str:
     return f"this measurement cannot tell it from {others}"
 
 
-def whereabouts(found: Located) -> list[str]:
+def whereabouts(found: Localisation) -> list[str]:
     """Return in sentences where the model as given parts from the measurement."""
     lines = []
     if found.bands:

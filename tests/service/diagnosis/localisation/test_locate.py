@@ -11,7 +11,7 @@ from modallab.diagnosis.localisation.evidence import gather
 from modallab.diagnosis.localisation.locate import locate
 from modallab.diagnosis.predicting.joint_prediction import FollowUp, FollowUpPredictor, JointPredictor
 from modallab.diagnosis.residuals.observed import observe
-from modallab.diagnosis.result import Course, Located, Sign
+from modallab.diagnosis.result import ChannelError, GapPattern, Localisation
 from modallab.effects.channel_delay import ChannelDelay
 from modallab.effects.exciter_armature import ExciterArmature
 from modallab.effects.extra_mass import ExtraMass
@@ -31,7 +31,7 @@ from modallab.rig.setup import RigSetup
 from tests.diagnosing import drawn, model, predicting, rig
 
 
-def located(effects: list[Effect], setup: RigSetup | None = None, seed: int = 1) -> Located:
+def located(effects: list[Effect], setup: RigSetup | None = None, seed: int = 1) -> Localisation:
     predictor, _ = predicting(drawn(setup or rig(), effects, seed=seed))
     return locate(predictor, gather(predictor, []))
 
@@ -40,7 +40,7 @@ def at(node: int) -> Channels:
     return Channels((Dof(node, "Y"),))
 
 
-def said(found: Located, text: str) -> bool:
+def said(found: Localisation, text: str) -> bool:
     return any(text in words for words in found.words)
 
 
@@ -101,48 +101,48 @@ def test_modes_of_swapped_channels_have_not_moved() -> None:
 @pytest.mark.parametrize(
     ("hidden", "course", "words"),
     [
-        (GainError(at=at(5), factor=1.1), Course.GAIN, "5:+Y reads 10 % high at all frequencies"),
-        (Polarity(at=at(5)), Course.POLARITY, "5:+Y has the opposite sign"),
-        (ChannelDelay(at=at(5), delay=3e-5), Course.DELAY, "5:+Y lags behind"),
+        (GainError(at=at(5), factor=1.1), ChannelError.GAIN, "5:+Y reads 10 % high at all frequencies"),
+        (Polarity(at=at(5)), ChannelError.POLARITY, "5:+Y has the opposite sign"),
+        (ChannelDelay(at=at(5), delay=3e-5), ChannelError.DELAY, "5:+Y lags behind"),
     ],
     ids=lambda value: getattr(value, "kind", ""),
 )
-def test_one_response_against_all_is_told_with_its_course(hidden: Effect, course: Course, words: str) -> None:
+def test_a_channel_error_of_one_response_is_named(hidden: Effect, course: ChannelError, words: str) -> None:
     found = located([hidden])
-    assert found.signs == (Sign.ONE_RESPONSE,)
+    assert found.signs == (GapPattern.ONE_RESPONSE,)
     (one,) = [one for one in found.responses if one.course is not None]
     assert (one.dof, one.course) == (Dof(5, "Y"), course)
     assert said(found, words)
     others = [one for one in found.responses if one.dof != Dof(5, "Y")]
     # 160 complex residuals scatter by 8 %: four of these
     assert all(abs(one.gap - 1) < 0.4 for one in others)
-    if course is Course.GAIN:
+    if course is ChannelError.GAIN:
         # lines weigh by their errors, which blend to the difference of numbers where those are coarse
         assert abs(one.amplitude - 1.1) < 4 * one.amplitude_error + 1e-3
-    if course is Course.DELAY:
+    if course is ChannelError.DELAY:
         assert abs(one.delay - 3e-5) < 4 * one.delay_error
 
 
 def test_a_drive_point_that_stands_out_is_called_so() -> None:
-    assert located([GainError(at=at(1), factor=1.05)]).signs == (Sign.DRIVE_POINT_ONLY,)
+    assert located([GainError(at=at(1), factor=1.05)]).signs == (GapPattern.DRIVE_POINT_ONLY,)
 
 
 def test_forces_alone_are_told() -> None:
     found = located([ExciterArmature(mass=0.05)])
-    assert found.signs == (Sign.FORCE_ONLY,)
+    assert found.signs == (GapPattern.FORCE_ONLY,)
     assert said(found, "only the auto spectra")
     assert found.mode_shifts == ()
 
 
 def test_a_loss_of_coherence_alone_is_told() -> None:
     found = located([ResponseNoise(ratio=1e-3)])
-    assert found.signs == (Sign.COHERENCE_ONLY,)
+    assert found.signs == (GapPattern.COHERENCE_ONLY,)
     assert said(found, "more of the responses has nothing to do with the force")
 
 
 def test_bands_of_hum_are_its_lines() -> None:
     found = located([MainsHum(ratio=0.01, frequency=50.0)])
-    assert found.signs == (Sign.COHERENCE_ONLY,)
+    assert found.signs == (GapPattern.COHERENCE_ONLY,)
     assert all(
         any(abs(hum - (low + high) / 2) < 5.0 for hum in (50, 150, 250, 350)) for low, high in found.bands
     )
@@ -151,7 +151,7 @@ def test_bands_of_hum_are_its_lines() -> None:
 
 def test_a_gap_at_one_end_of_the_band_is_told() -> None:
     found = located([GroundSpring(at=Dof(5, "Y"), stiffness=1e4)])
-    assert Sign.LOW_FREQUENCY in found.signs
+    assert GapPattern.LOW_FREQUENCY in found.signs
     assert said(found, "only the low end of the band disagrees")
 
 
@@ -180,7 +180,7 @@ def test_tests_at_two_levels_tell_whether_frfs_depend_on_it(effects: list[Effect
     found = locate(JointPredictor([one, other]), gather(one, []))
     assert found.level_dependence is not None
     assert (found.level_dependence > 3) == dependent
-    assert (Sign.LEVEL_DEPENDENCE in found.signs) == dependent
+    assert (GapPattern.LEVEL_DEPENDENCE in found.signs) == dependent
     if not dependent:
         # 960 complex numbers: 3 %; four of these
         assert found.level_dependence == pytest.approx(1.0, abs=0.15)

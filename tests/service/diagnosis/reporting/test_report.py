@@ -10,14 +10,14 @@ from modallab.diagnosis.reporting.figures import telling
 from modallab.diagnosis.reporting.report import report
 from modallab.diagnosis.reporting.text import number
 from modallab.diagnosis.result import (
-    Alias,
+    EquivalentEffect,
     FittedEffect,
     FittedParameter,
     ModeShift,
     NextTest,
     Rival,
     Step,
-    Tolerated,
+    ToleratedParameter,
     Verdict,
 )
 from tests.diagnosed import STEP, curves, diagnosis
@@ -83,7 +83,7 @@ def test_what_comes_from_outside_cannot_become_markup() -> None:
         ),
         (
             Verdict.AMBIGUOUS,
-            (replace(STEP, rivals_alike=(Alias("density_error", Members((3,))),)),),
+            (replace(STEP, rivals_alike=(EquivalentEffect("density_error", Members((3,))),)),),
             "cannot tell it from density error at member 3",
         ),
     ],
@@ -173,8 +173,8 @@ def test_a_number_has_the_digits_that_are_known(value: float, error: float, unit
 
 def test_what_may_differ_a_little_stands_in_a_table_where_it_was_tolerated() -> None:
     tolerated = (
-        Tolerated("modal_loss_factor", 1.1834, 0.0021, 0.2, "1", mode=3),
-        Tolerated("delay", -1.2e-6, 2e-8, 1e-6, "s", at=Channels((Dof(4, "Y"),))),
+        ToleratedParameter("modal_loss_factor", 1.1834, 0.0021, 0.2, "1", mode=3),
+        ToleratedParameter("delay", -1.2e-6, 2e-8, 1e-6, "s", at=Channels((Dof(4, "Y"),))),
     )
     words = text_of(report(replace(diagnosis(), tolerated=tolerated)))
     assert "loss factor of mode 3 1.1834 ± 0.0021 ± 20 %" in words

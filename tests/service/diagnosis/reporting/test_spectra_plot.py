@@ -8,7 +8,7 @@ import numpy as np
 from modallab.core.place import EffectSpec
 from modallab.diagnosis.diagnose import diagnose
 from modallab.diagnosis.reporting.spectra_plot import spectra_drawn
-from modallab.diagnosis.result import Spectra
+from modallab.diagnosis.result_curves import Spectra
 from modallab.rig.effect import build
 from tests.diagnosed import curves
 from tests.diagnosing import drawn, model, rig

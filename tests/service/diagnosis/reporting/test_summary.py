@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from modallab.core.dof import Dof
 from modallab.diagnosis.reporting.summary import WIDTH, summary
-from modallab.diagnosis.result import Alias, NextTest, Verdict
+from modallab.diagnosis.result import EquivalentEffect, NextTest, Verdict
 from tests.diagnosed import STEP, diagnosis
 
 
@@ -21,7 +21,9 @@ def test_a_terminal_is_told_what_where_how_large_how_sure_and_what_is_left() -> 
 
 
 def test_look_alikes_and_the_test_that_would_tell_are_told() -> None:
-    step = replace(STEP, rivals_alike=(Alias("force_transducer_mass", None), Alias("drift", None)))
+    step = replace(
+        STEP, rivals_alike=(EquivalentEffect("force_transducer_mass", None), EquivalentEffect("drift", None))
+    )
     test = NextTest("it moves", {"drive": Dof(9, "Y")}, ("extra_mass", "drift"))
     words = summary(replace(diagnosis(Verdict.AMBIGUOUS, (step,)), next_test=test, notes=("noted",)))
     said = " ".join(words.split())

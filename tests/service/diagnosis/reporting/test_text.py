@@ -5,7 +5,7 @@ import pytest
 from modallab.core.dof import Dof
 from modallab.core.place import Channels, Members, Place
 from modallab.diagnosis.reporting import text as wording
-from modallab.diagnosis.result import Alias, Located, NextTest, Rival, Step
+from modallab.diagnosis.result import EquivalentEffect, Localisation, NextTest, Rival, Step
 from tests.diagnosed import STEP
 from tests.diagnosing import model
 
@@ -23,7 +23,7 @@ from tests.diagnosing import model
     ],
 )
 def test_an_effect_is_named_with_its_place(kind: str, at: Place, words: str) -> None:
-    assert wording.name(Alias(kind, at)) == words
+    assert wording.name(EquivalentEffect(kind, at)) == words
 
 
 @pytest.mark.parametrize(
@@ -83,7 +83,7 @@ def test_a_shift_is_told_in_per_cent_with_the_digits_that_are_known() -> None:
 
 def test_what_is_said_of_bands_modes_and_responses_is_said_once() -> None:
     repeated = ("bands: 20 to 24 Hz", "responses: 5:+Y", "mean squared residual: FRFs 30")
-    found = Located(((20.0, 24.0), (31.0, 31.0)), (Dof(5, "Y"),), (1, 2), (*repeated, "mode 1 is lower"))
+    found = Localisation(((20.0, 24.0), (31.0, 31.0)), (Dof(5, "Y"),), (1, 2), (*repeated, "mode 1 is lower"))
     assert wording.whereabouts(found) == [
         "at 20 to 24 Hz and 31 Hz",
         "at the model's elastic modes 1 and 2",
