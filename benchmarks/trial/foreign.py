@@ -11,7 +11,7 @@ from modallab.core.parameters import parameter
 from modallab.core.place import Channels, Place
 from modallab.fe.system import DynamicSystem
 from modallab.rig.channel import Channel
-from modallab.rig.effect import Effect
+from modallab.rig.effect import Effect, Stage
 from modallab.rig.local_force import LocalForce
 from modallab.rig.setup import RigSetup
 
@@ -22,7 +22,7 @@ class GainBump(Effect):
 
     kind: ClassVar[str] = "gain_bump"
     summary: ClassVar[str] = "a channel's sensitivity has a bump"
-    stage: ClassVar[int] = 4
+    stage: ClassVar[Stage] = Stage.CHANNEL
     allowed_places: ClassVar[tuple[type, ...]] = (Channels,)
     height: float = parameter(0.1, unit="1", lower=0.0, upper=10.0, doc="at its centre")
     centre: float = parameter(300.0, unit="Hz", lower=1.0, upper=1e5, absent=None, doc="of the bump")
@@ -50,7 +50,7 @@ class Echo(Effect):
 
     kind: ClassVar[str] = "echo"
     summary: ClassVar[str] = "responses come a second time"
-    stage: ClassVar[int] = 4
+    stage: ClassVar[Stage] = Stage.CHANNEL
     ratio: float = parameter(0.05, unit="1", lower=0.0, upper=0.9, doc="of the second to the first")
     delay: float = parameter(0.02, unit="s", lower=1e-6, upper=10.0, absent=None, doc="of the second")
 
@@ -67,7 +67,7 @@ class CubicDamper(Effect):
 
     kind: ClassVar[str] = "cubic_damper"
     summary: ClassVar[str] = "a damper that grows with the cube of velocity"
-    stage: ClassVar[int] = 2
+    stage: ClassVar[Stage] = Stage.MOTION
     structural: ClassVar[bool] = True
     allowed_places: ClassVar[tuple[type, ...]] = (Dof,)
     damping: float = parameter(1e3, unit="N s^3/m^3", lower=0.0, upper=1e20, doc="force over velocity cubed")

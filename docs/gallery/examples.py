@@ -4,7 +4,7 @@ from docs.gallery.example import Example, structure
 from modallab.core.dof import Dof
 from modallab.core.place import Channels, Members, Place
 from modallab.fe.assembly import assemble
-from modallab.rig.effect import EFFECTS
+from modallab.rig.effect import EFFECTS, Stage
 from modallab.rig.setup import RigSetup
 
 TIP = {"drive": "6:+Y", "responses": ["21:+Y"]}
@@ -274,9 +274,9 @@ def group_of(kind: str) -> str:
     cls = EFFECTS[kind]
     if cls.structural:
         return "Structure"
-    if cls.at_drive and cls.stage < 4:
+    if cls.at_drive and cls.stage <= Stage.DRIVE:
         return "Exciter and stinger"
-    return "Transducers" if cls.stage < 5 else "Analyser"
+    return "Transducers" if cls.stage <= Stage.CHANNEL else "Analyser"
 
 
 def _plain(kind: str) -> Example:

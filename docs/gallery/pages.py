@@ -11,7 +11,7 @@ from docs.gallery.examples import GROUPS, example_of, group_of
 from docs.gallery.words import ALIKE, HARDWARE
 from modallab.core.dof import Dof
 from modallab.core.place import Channels, Members
-from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.effect import EFFECTS, Effect, Stage
 
 MADE = "<!-- Written by `make docs` from the effect's class and docs/gallery: edit those. -->\n"
 _NAMES = {
@@ -175,7 +175,7 @@ def _routes(cls: type[Effect]) -> str:
     own = {hook for hook in _HOOKS if getattr(cls, hook) is not getattr(Effect, hook)}
     if "on_motion" in own:
         return _NONLINEAR
-    if own & {"on_spectra", "on_records"} and cls.stage > 5:
+    if own & {"on_spectra", "on_records"} and cls.stage >= Stage.ACQUISITION:
         return _CONVERTED
     if "on_source" in own:
         return _SHAPED

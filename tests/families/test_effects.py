@@ -20,7 +20,7 @@ from modallab.fe.receptance import receptance
 from modallab.fe.structure import Structure
 from modallab.rig.chain import chain
 from modallab.rig.drive import Drive
-from modallab.rig.effect import EFFECTS, Effect, build
+from modallab.rig.effect import EFFECTS, Effect, Stage, build
 from modallab.rig.expected import expected_spectra
 from modallab.rig.hardware import Accelerometers, Coil, Exciter, ForceTransducer, Noise
 from modallab.rig.measure import Route, measure
@@ -32,7 +32,7 @@ from modallab.rig.suspension import Suspension
 from tests.rigs import beam_system, dofs, rig, steel_beam, tilted_beam
 
 KINDS = sorted(EFFECTS)
-MECHANICAL = [kind for kind in KINDS if EFFECTS[kind].stage <= 3]
+MECHANICAL = [kind for kind in KINDS if EFFECTS[kind].stage <= Stage.DRIVE]
 FREQ = np.linspace(2.0, 800.0, 41)
 SYSTEM = beam_system()
 SETUP = rig(1, 7, 16)
@@ -83,7 +83,7 @@ def test_it_says_what_it_is_and_what_its_numbers_mean(kind: str) -> None:
     cls = EFFECTS[kind]
     assert cls.kind == kind
     assert cls.summary
-    assert cls.stage in range(1, 8)
+    assert isinstance(cls.stage, Stage)
     for i, (name, spec) in enumerate(cls.specs().items()):
         assert spec.unit, name
         assert spec.doc, name
@@ -247,7 +247,7 @@ def test_effects_of_a_stage_commute(one: str, other: str) -> None:
 # What is nonlinear agrees to first order, on a structure of its own: tests/service/rig/
 # test_distorted_records.py.
 @pytest.mark.parametrize("excitation", ["periodic_random", "random"])
-@pytest.mark.parametrize("kind", [kind for kind in KINDS if EFFECTS[kind].stage != 2])
+@pytest.mark.parametrize("kind", [kind for kind in KINDS if EFFECTS[kind].stage is not Stage.MOTION])
 def test_records_and_expected_spectra_agree_within_their_random_error(kind: str, excitation: str) -> None:
     averages = 200
     setup = rig(

@@ -10,7 +10,7 @@ from modallab.core.parameters import parameter
 from modallab.core.place import Place
 from modallab.correlation.evidence import Evidence
 from modallab.fe.system import DynamicSystem
-from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.effect import EFFECTS, Effect, Stage
 from modallab.rig.setup import AcquisitionRun, RigSetup
 
 
@@ -25,7 +25,7 @@ class AccelerometerMass(Effect):
 
     kind: ClassVar[str] = "accelerometer_mass"
     summary: ClassVar[str] = "the accelerometer's mass lowers the natural frequencies"
-    stage: ClassVar[int] = 1
+    stage: ClassVar[Stage] = Stage.STRUCTURE
     allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Dof)
     mass: float = parameter(0.02, unit="kg", lower=0.0, upper=0.5, doc="accelerometer with its stud")
 

@@ -12,7 +12,7 @@ from modallab.core.place import Place
 from modallab.correlation.evidence import Evidence
 from modallab.fe.structure import Structure
 from modallab.fe.system import DynamicSystem
-from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.effect import EFFECTS, Effect, Stage
 from modallab.rig.setup import AcquisitionRun, RigSetup
 
 IN_BAND = np.arange(0.03, 1.0, 0.03)  # shares of the band at which a first look is taken
@@ -29,7 +29,7 @@ class AttachedOscillator(Effect):
 
     kind: ClassVar[str] = "attached_oscillator"
     summary: ClassVar[str] = "a part on the structure with a resonance of its own"
-    stage: ClassVar[int] = 1
+    stage: ClassVar[Stage] = Stage.STRUCTURE
     structural: ClassVar[bool] = True
     same_in_all_runs: ClassVar[bool] = True
     allowed_places: ClassVar[tuple[type, ...]] = (Dof,)

@@ -13,7 +13,7 @@ from modallab.core.place import Place
 from modallab.correlation.evidence import Evidence
 from modallab.fe.attachment import Attachment
 from modallab.fe.system import DynamicSystem
-from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.effect import EFFECTS, Effect, Stage
 from modallab.rig.setup import AcquisitionRun, RigSetup
 
 
@@ -32,7 +32,7 @@ class CableMass(Effect):
 
     kind: ClassVar[str] = "cable_mass"
     summary: ClassVar[str] = "an accelerometer's cable loads the structure and damps it"
-    stage: ClassVar[int] = 1
+    stage: ClassVar[Stage] = Stage.STRUCTURE
     nested_kind: ClassVar[str | None] = "accelerometer_mass"
     allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Dof)
     mass: float = parameter(

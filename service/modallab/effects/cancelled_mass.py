@@ -8,7 +8,7 @@ from typing import ClassVar, Self
 from modallab.core.dof import Dof
 from modallab.core.parameters import parameter
 from modallab.rig.drive import Drive
-from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.effect import EFFECTS, Effect, Stage
 from modallab.rig.setup import RigSetup
 
 
@@ -23,7 +23,7 @@ class CancelledMass(Effect):
 
     kind: ClassVar[str] = "cancelled_mass"
     summary: ClassVar[str] = "mass below the gauge that was cancelled still takes force from the source"
-    stage: ClassVar[int] = 3
+    stage: ClassVar[Stage] = Stage.DRIVE
     allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Dof)
     at_drive: ClassVar[bool] = True
     suspected: ClassVar[bool] = False

@@ -13,7 +13,7 @@ from modallab.core.place import Channels, Place
 from modallab.correlation.evidence import Evidence
 from modallab.fe.system import DynamicSystem
 from modallab.rig.channel import Channel
-from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.effect import EFFECTS, Effect, Stage
 from modallab.rig.setup import RigSetup
 
 
@@ -29,7 +29,8 @@ class ChannelDelay(Effect):
 
     kind: ClassVar[str] = "channel_delay"
     summary: ClassVar[str] = "a channel lags the others by a constant time"
-    stage: ClassVar[int] = 4
+    stage: ClassVar[Stage] = Stage.CHANNEL
+    tolerance: ClassVar[str | None] = "delay"
     allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Channels, Dof)
     at_drive: ClassVar[bool] = True
     delay: float = parameter(

@@ -9,7 +9,7 @@ from modallab.core.parameters import parameter
 from modallab.core.place import Place
 from modallab.correlation.evidence import Evidence
 from modallab.fe.system import DynamicSystem
-from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.effect import EFFECTS, Effect, Stage
 from modallab.rig.likely_motion import distortion, likely_motion
 from modallab.rig.local_force import LocalForce
 from modallab.rig.setup import RigSetup
@@ -27,7 +27,7 @@ class CubicStiffness(Effect):
 
     kind: ClassVar[str] = "cubic_stiffness"
     summary: ClassVar[str] = "a spring that hardens: frequencies rise with the level"
-    stage: ClassVar[int] = 2
+    stage: ClassVar[Stage] = Stage.MOTION
     intermittent: ClassVar[bool] = True
     structural: ClassVar[bool] = True
     allowed_places: ClassVar[tuple[type, ...]] = (Dof,)

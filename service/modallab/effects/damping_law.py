@@ -10,7 +10,7 @@ from modallab.core.parameters import parameter
 from modallab.core.place import Place
 from modallab.correlation.evidence import Evidence
 from modallab.fe.system import DynamicSystem
-from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.effect import EFFECTS, Effect, Stage
 from modallab.rig.setup import AcquisitionRun, RigSetup
 
 
@@ -28,7 +28,7 @@ class DampingLaw(Effect):
 
     kind: ClassVar[str] = "damping_law"
     summary: ClassVar[str] = "viscous damping that the model has as structural, or the other way round"
-    stage: ClassVar[int] = 1
+    stage: ClassVar[Stage] = Stage.STRUCTURE
     structural: ClassVar[bool] = True
     same_in_all_runs: ClassVar[bool] = True
     share: float = parameter(

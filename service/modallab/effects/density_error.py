@@ -10,7 +10,7 @@ from modallab.core.place import Members, Place
 from modallab.correlation.evidence import Evidence
 from modallab.fe.structure import Structure
 from modallab.fe.system import DynamicSystem
-from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.effect import EFFECTS, Effect, Stage
 from modallab.rig.setup import AcquisitionRun, RigSetup
 
 
@@ -25,7 +25,8 @@ class DensityError(Effect):
 
     kind: ClassVar[str] = "density_error"
     summary: ClassVar[str] = "members heavier or lighter than modelled"
-    stage: ClassVar[int] = 1
+    stage: ClassVar[Stage] = Stage.STRUCTURE
+    tolerance: ClassVar[str | None] = "density"
     structural: ClassVar[bool] = True
     same_in_all_runs: ClassVar[bool] = True
     allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Members)

@@ -11,7 +11,7 @@ from modallab.core.parameters import parameter
 from modallab.core.place import Place
 from modallab.correlation.evidence import Evidence
 from modallab.fe.system import DynamicSystem
-from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.effect import EFFECTS, Effect, Stage
 from modallab.rig.setup import RigSetup
 from modallab.rig.source import Source
 
@@ -31,7 +31,7 @@ class DoubleHit(Effect):
 
     kind: ClassVar[str] = "double_hit"
     summary: ClassVar[str] = "the hammer strikes a second time within the record"
-    stage: ClassVar[int] = 5
+    stage: ClassVar[Stage] = Stage.NOISE
     ratio: float = parameter(
         0.3, unit="1", lower=0.0, upper=1.0, doc="size of the second blow over that of the first"
     )

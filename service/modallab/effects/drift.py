@@ -8,7 +8,7 @@ from modallab.core.parameters import parameter
 from modallab.core.place import Place
 from modallab.correlation.evidence import Evidence
 from modallab.fe.system import DynamicSystem
-from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.effect import EFFECTS, Effect, Stage
 from modallab.rig.setup import AcquisitionRun, RigSetup
 
 
@@ -25,7 +25,7 @@ class Drift(Effect):
 
     kind: ClassVar[str] = "drift"
     summary: ClassVar[str] = "stiffness changes between the runs of a test, as with temperature"
-    stage: ClassVar[int] = 1
+    stage: ClassVar[Stage] = Stage.STRUCTURE
     structural: ClassVar[bool] = True
     change: float = parameter(
         -0.01, unit="1", lower=-0.3, upper=0.3, doc="of stiffness from the first run to the last, relative"

@@ -9,7 +9,7 @@ from modallab.core.dof import Dof
 from modallab.core.parameters import parameter
 from modallab.correlation.evidence import Evidence
 from modallab.rig.drive import Drive
-from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.effect import EFFECTS, Effect, Stage
 from modallab.rig.setup import RigSetup
 
 # Armature and structure resonate together, and the peaks move with the mass: a step of a fifth stays within
@@ -27,7 +27,7 @@ class ExciterArmature(Effect):
 
     kind: ClassVar[str] = "exciter_armature"
     summary: ClassVar[str] = "the armature's inertia takes the force at resonances"
-    stage: ClassVar[int] = 3
+    stage: ClassVar[Stage] = Stage.DRIVE
     allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Dof)
     at_drive: ClassVar[bool] = True
     mass: float = parameter(

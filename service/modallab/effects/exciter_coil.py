@@ -8,7 +8,7 @@ from typing import ClassVar, Self
 from modallab.core.dof import Dof
 from modallab.core.parameters import parameter
 from modallab.rig.drive import Drive
-from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.effect import EFFECTS, Effect, Stage
 from modallab.rig.hardware import Coil
 from modallab.rig.setup import RigSetup
 
@@ -26,7 +26,7 @@ class ExciterCoil(Effect):
 
     kind: ClassVar[str] = "exciter_coil"
     summary: ClassVar[str] = "back-EMF of a coil whose voltage is kept damps the armature"
-    stage: ClassVar[int] = 3
+    stage: ClassVar[Stage] = Stage.DRIVE
     allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Dof)
     at_drive: ClassVar[bool] = True
     suspected: ClassVar[bool] = False

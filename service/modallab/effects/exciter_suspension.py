@@ -8,7 +8,7 @@ from typing import ClassVar, Self
 from modallab.core.dof import Dof
 from modallab.core.parameters import parameter
 from modallab.rig.drive import Drive
-from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.effect import EFFECTS, Effect, Stage
 from modallab.rig.setup import RigSetup
 
 
@@ -23,7 +23,7 @@ class ExciterSuspension(Effect):
 
     kind: ClassVar[str] = "exciter_suspension"
     summary: ClassVar[str] = "the suspension of the armature takes force at low frequencies"
-    stage: ClassVar[int] = 3
+    stage: ClassVar[Stage] = Stage.DRIVE
     allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Dof)
     at_drive: ClassVar[bool] = True
     suspected: ClassVar[bool] = False

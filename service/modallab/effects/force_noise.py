@@ -10,7 +10,7 @@ import numpy as np
 from modallab.core.dof import Dof
 from modallab.core.parameters import parameter
 from modallab.correlation.evidence import Evidence
-from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.effect import EFFECTS, Effect, Stage
 from modallab.rig.setup import RigSetup
 from modallab.rig.source import NoiseLevels
 
@@ -26,7 +26,7 @@ class ForceNoise(Effect):
 
     kind: ClassVar[str] = "force_noise"
     summary: ClassVar[str] = "white noise on the force channel"
-    stage: ClassVar[int] = 5
+    stage: ClassVar[Stage] = Stage.NOISE
     allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Dof)
     at_drive: ClassVar[bool] = True
     ratio: float = parameter(

@@ -8,7 +8,7 @@ from typing import ClassVar, Self
 from modallab.core.dof import Dof
 from modallab.core.parameters import parameter
 from modallab.rig.drive import Drive
-from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.effect import EFFECTS, Effect, Stage
 from modallab.rig.setup import RigSetup
 from modallab.rig.stinger import SOFTEST, STIFFEST
 
@@ -25,7 +25,7 @@ class ForceTransducerStiffness(Effect):
 
     kind: ClassVar[str] = "force_transducer_stiffness"
     summary: ClassVar[str] = "the force gauge gives way along its axis"
-    stage: ClassVar[int] = 3
+    stage: ClassVar[Stage] = Stage.DRIVE
     allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Dof)
     at_drive: ClassVar[bool] = True
     suspected: ClassVar[bool] = False

@@ -11,7 +11,7 @@ from modallab.core.parameters import parameter
 from modallab.core.place import Place
 from modallab.correlation.evidence import Evidence
 from modallab.fe.system import DynamicSystem
-from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.effect import EFFECTS, Effect, Stage
 from modallab.rig.likely_motion import distortion, likely_motion
 from modallab.rig.local_force import LocalForce
 from modallab.rig.setup import RigSetup
@@ -30,7 +30,7 @@ class Friction(Effect):
 
     kind: ClassVar[str] = "friction"
     summary: ClassVar[str] = "dry friction: damping falls as the level rises"
-    stage: ClassVar[int] = 2
+    stage: ClassVar[Stage] = Stage.MOTION
     intermittent: ClassVar[bool] = True
     structural: ClassVar[bool] = True
     allowed_places: ClassVar[tuple[type, ...]] = (Dof,)

@@ -13,7 +13,7 @@ from modallab.core.place import Channels, Place
 from modallab.correlation.evidence import Evidence
 from modallab.fe.system import DynamicSystem
 from modallab.rig.channel import Channel
-from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.effect import EFFECTS, Effect, Stage
 from modallab.rig.setup import RigSetup
 
 
@@ -28,7 +28,8 @@ class GainError(Effect):
 
     kind: ClassVar[str] = "gain_error"
     summary: ClassVar[str] = "a channel's sensitivity is not the one declared"
-    stage: ClassVar[int] = 4
+    stage: ClassVar[Stage] = Stage.CHANNEL
+    tolerance: ClassVar[str | None] = "sensitivity"
     allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Channels, Dof)
     at_drive: ClassVar[bool] = True
     factor: float = parameter(

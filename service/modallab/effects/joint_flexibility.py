@@ -12,7 +12,7 @@ from modallab.core.place import Place
 from modallab.correlation.evidence import Evidence
 from modallab.fe.structure import JointSpring, Structure
 from modallab.fe.system import DynamicSystem
-from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.effect import EFFECTS, Effect, Stage
 from modallab.rig.setup import AcquisitionRun, RigSetup
 
 LOOKS = np.logspace(-1.5, 2.5, 9)  # flexibility of the joint over that of one member's end
@@ -31,7 +31,7 @@ class JointFlexibility(Effect):
 
     kind: ClassVar[str] = "joint_flexibility"
     summary: ClassVar[str] = "a crack or loose joint that gives in bending"
-    stage: ClassVar[int] = 1
+    stage: ClassVar[Stage] = Stage.STRUCTURE
     structural: ClassVar[bool] = True
     same_in_all_runs: ClassVar[bool] = True
     allowed_places: ClassVar[tuple[type, ...]] = (Dof,)

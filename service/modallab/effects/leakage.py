@@ -7,7 +7,7 @@ import numpy as np
 
 from modallab.core.parameters import parameter
 from modallab.correlation.evidence import Evidence
-from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.effect import EFFECTS, Effect, Stage
 from modallab.rig.source import Source
 
 
@@ -23,7 +23,7 @@ class Leakage(Effect):
 
     kind: ClassVar[str] = "leakage"
     summary: ClassVar[str] = "part of the excitation does not repeat with the record"
-    stage: ClassVar[int] = 6
+    stage: ClassVar[Stage] = Stage.ACQUISITION
     share: float = parameter(
         0.1, unit="1", lower=0.0, upper=1.0, doc="share of the source's power that does not repeat"
     )

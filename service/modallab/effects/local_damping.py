@@ -10,7 +10,7 @@ from modallab.core.place import Place
 from modallab.correlation.evidence import Evidence
 from modallab.fe.structure import Structure
 from modallab.fe.system import DynamicSystem
-from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.effect import EFFECTS, Effect, Stage
 from modallab.rig.setup import AcquisitionRun, RigSetup
 
 
@@ -26,7 +26,7 @@ class LocalDamping(Effect):
 
     kind: ClassVar[str] = "local_damping"
     summary: ClassVar[str] = "a damper at one point that the model lacks"
-    stage: ClassVar[int] = 1
+    stage: ClassVar[Stage] = Stage.STRUCTURE
     structural: ClassVar[bool] = True
     same_in_all_runs: ClassVar[bool] = True
     allowed_places: ClassVar[tuple[type, ...]] = (Dof,)

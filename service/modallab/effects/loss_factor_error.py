@@ -12,7 +12,7 @@ from modallab.fe.alteration import Alteration
 from modallab.fe.damping import ModalDamping, StructuralDamping
 from modallab.fe.structure import Structure
 from modallab.fe.system import DynamicSystem
-from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.effect import EFFECTS, Effect, Stage
 from modallab.rig.setup import AcquisitionRun, RigSetup
 
 
@@ -28,7 +28,7 @@ class LossFactorError(Effect):
 
     kind: ClassVar[str] = "loss_factor_error"
     summary: ClassVar[str] = "members lose more or less than modelled"
-    stage: ClassVar[int] = 1
+    stage: ClassVar[Stage] = Stage.STRUCTURE
     structural: ClassVar[bool] = True
     same_in_all_runs: ClassVar[bool] = True
     allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Members)

@@ -14,7 +14,7 @@ from modallab.correlation.evidence import Evidence
 from modallab.estimation.spectra import CrossSpectra
 from modallab.fe.system import DynamicSystem
 from modallab.rig.acquisition import Acquisition, Batch, samples_of
-from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.effect import EFFECTS, Effect, Stage
 from modallab.rig.setup import RigSetup
 
 ORDERS = np.array([1, 3, 5, 7])  # harmonics of a current that both half waves of the mains distort alike
@@ -35,7 +35,7 @@ class MainsHum(Effect):
 
     kind: ClassVar[str] = "mains_hum"
     summary: ClassVar[str] = "mains frequency and odd harmonics on the response signals"
-    stage: ClassVar[int] = 5
+    stage: ClassVar[Stage] = Stage.NOISE
     allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Channels)
     ratio: float = parameter(
         0.01,

@@ -11,7 +11,7 @@ from modallab.fe.interpolation import motion_beside
 from modallab.fe.structure import Structure
 from modallab.fe.system import DynamicSystem
 from modallab.rig.channel import Channel
-from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.effect import EFFECTS, Effect, Stage
 from modallab.rig.setup import RigSetup
 
 BESIDE = "channels at nodes of bars, whose shape says how a point beside the node moves"
@@ -31,7 +31,7 @@ class MisplacedAccelerometer(Effect):
 
     kind: ClassVar[str] = "misplaced_accelerometer"
     summary: ClassVar[str] = "the accelerometer sits beside the node that the log book names"
-    stage: ClassVar[int] = 4
+    stage: ClassVar[Stage] = Stage.CHANNEL
     allowed_places: ClassVar[tuple[type, ...]] = (Channels,)
     distance: float = parameter(
         0.01,

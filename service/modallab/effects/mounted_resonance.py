@@ -12,7 +12,7 @@ from modallab.core.place import Channels, Place
 from modallab.correlation.evidence import Evidence
 from modallab.fe.system import DynamicSystem
 from modallab.rig.channel import Channel
-from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.effect import EFFECTS, Effect, Stage
 from modallab.rig.mounting import reading
 from modallab.rig.setup import RigSetup
 
@@ -28,7 +28,7 @@ class MountedResonance(Effect):
 
     kind: ClassVar[str] = "mounted_resonance"
     summary: ClassVar[str] = "the accelerometer rings on its mounting and reads too high"
-    stage: ClassVar[int] = 4
+    stage: ClassVar[Stage] = Stage.CHANNEL
     allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Channels)
     frequency: float = parameter(
         7e3,

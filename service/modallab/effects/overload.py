@@ -15,7 +15,7 @@ from modallab.estimation.clipping import clipped_spectra
 from modallab.estimation.spectra import CrossSpectra
 from modallab.fe.system import DynamicSystem
 from modallab.rig.acquisition import Acquisition, Batch
-from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.effect import EFFECTS, Effect, Stage
 from modallab.rig.excitation import EXCITATIONS
 from modallab.rig.setup import RigSetup
 
@@ -37,7 +37,7 @@ class Overload(Effect):
 
     kind: ClassVar[str] = "overload"
     summary: ClassVar[str] = "samples beyond the converter's range are cut off"
-    stage: ClassVar[int] = 6
+    stage: ClassVar[Stage] = Stage.ACQUISITION
     intermittent: ClassVar[bool] = True
     allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Channels)
     level: float = parameter(

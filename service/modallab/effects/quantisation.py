@@ -14,7 +14,7 @@ from modallab.correlation.evidence import Evidence
 from modallab.estimation.spectra import CrossSpectra
 from modallab.fe.system import DynamicSystem
 from modallab.rig.acquisition import Acquisition, Batch
-from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.effect import EFFECTS, Effect, Stage
 from modallab.rig.setup import RigSetup
 
 
@@ -33,7 +33,7 @@ class Quantisation(Effect):
 
     kind: ClassVar[str] = "quantisation"
     summary: ClassVar[str] = "samples are rounded to the converter's steps"
-    stage: ClassVar[int] = 7
+    stage: ClassVar[Stage] = Stage.QUANTISATION
     allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Channels)
     step: float = parameter(
         0.03,

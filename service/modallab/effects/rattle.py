@@ -11,7 +11,7 @@ from modallab.core.parameters import parameter
 from modallab.core.place import Place
 from modallab.correlation.evidence import Evidence
 from modallab.fe.system import DynamicSystem
-from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.effect import EFFECTS, Effect, Stage
 from modallab.rig.likely_motion import distortion
 from modallab.rig.local_force import LocalForce
 from modallab.rig.setup import RigSetup
@@ -29,7 +29,7 @@ class Rattle(Effect):
 
     kind: ClassVar[str] = "rattle"
     summary: ClassVar[str] = "stops that the structure strikes: all changes above some level"
-    stage: ClassVar[int] = 2
+    stage: ClassVar[Stage] = Stage.MOTION
     intermittent: ClassVar[bool] = True
     structural: ClassVar[bool] = True
     suspected: ClassVar[bool] = False

@@ -8,7 +8,7 @@ import numpy as np
 
 from modallab.core.parameters import parameter
 from modallab.correlation.evidence import Evidence
-from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.effect import EFFECTS, Effect, Stage
 from modallab.rig.setup import RigSetup
 from modallab.rig.source import NoiseLevels
 
@@ -24,7 +24,7 @@ class ResponseNoise(Effect):
 
     kind: ClassVar[str] = "response_noise"
     summary: ClassVar[str] = "white noise on the response channels"
-    stage: ClassVar[int] = 5
+    stage: ClassVar[Stage] = Stage.NOISE
     ratio: float = parameter(
         1e-3, unit="1", lower=0.0, upper=10.0, doc="noise over the mean response spectrum of the band"
     )

@@ -11,7 +11,7 @@ from modallab.correlation.evidence import Evidence
 from modallab.fe.structure import GroundSpringElement as ModelledSpring
 from modallab.fe.structure import Structure
 from modallab.fe.system import DynamicSystem
-from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.effect import EFFECTS, Effect, Stage
 from modallab.rig.setup import AcquisitionRun, RigSetup
 
 
@@ -27,7 +27,7 @@ class RotationalGroundSpring(Effect):
 
     kind: ClassVar[str] = "rotational_ground_spring"
     summary: ClassVar[str] = "a rotation that the ground holds back and the model leaves free"
-    stage: ClassVar[int] = 1
+    stage: ClassVar[Stage] = Stage.STRUCTURE
     structural: ClassVar[bool] = True
     same_in_all_runs: ClassVar[bool] = True
     allowed_places: ClassVar[tuple[type, ...]] = (Dof,)

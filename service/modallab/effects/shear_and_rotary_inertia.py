@@ -10,7 +10,7 @@ from modallab.correlation.evidence import Evidence
 from modallab.fe.alteration import Alteration
 from modallab.fe.structure import Structure
 from modallab.fe.system import DynamicSystem
-from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.effect import EFFECTS, Effect, Stage
 from modallab.rig.setup import AcquisitionRun
 
 
@@ -27,7 +27,7 @@ class ShearAndRotaryInertia(Effect):
 
     kind: ClassVar[str] = "shear_and_rotary_inertia"
     summary: ClassVar[str] = "members shear and their sections have inertia"
-    stage: ClassVar[int] = 1
+    stage: ClassVar[Stage] = Stage.STRUCTURE
     structural: ClassVar[bool] = True
     same_in_all_runs: ClassVar[bool] = True
     allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Members)

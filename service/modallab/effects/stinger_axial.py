@@ -9,7 +9,7 @@ from modallab.core.dof import Dof
 from modallab.core.parameters import parameter
 from modallab.correlation.evidence import Evidence
 from modallab.rig.drive import Drive
-from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.effect import EFFECTS, Effect, Stage
 from modallab.rig.setup import RigSetup
 from modallab.rig.stinger import SOFTEST, STIFFEST
 
@@ -25,7 +25,7 @@ class StingerAxial(Effect):
 
     kind: ClassVar[str] = "stinger_axial"
     summary: ClassVar[str] = "the stinger gives way along its axis: armature and structure resonate on it"
-    stage: ClassVar[int] = 3
+    stage: ClassVar[Stage] = Stage.DRIVE
     allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Dof)
     at_drive: ClassVar[bool] = True
     stiffness: float = parameter(

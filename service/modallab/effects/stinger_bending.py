@@ -12,7 +12,7 @@ from modallab.core.parameters import parameter
 from modallab.correlation.evidence import Evidence
 from modallab.fe.attachment import Attachment
 from modallab.fe.system import DynamicSystem
-from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.effect import EFFECTS, Effect, Stage
 from modallab.rig.setup import AcquisitionRun, RigSetup
 from modallab.rig.stinger import LONGEST, SHORTEST, STIFFEST_BENDING, lateral_ends
 
@@ -30,7 +30,7 @@ class StingerBending(Effect):
 
     kind: ClassVar[str] = "stinger_bending"
     summary: ClassVar[str] = "the stinger holds the drive point against rotation and lateral motion"
-    stage: ClassVar[int] = 1
+    stage: ClassVar[Stage] = Stage.STRUCTURE
     allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Dof)
     at_drive: ClassVar[bool] = True
     stiffness: float = parameter(

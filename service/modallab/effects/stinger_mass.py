@@ -12,7 +12,7 @@ from modallab.core.parameters import parameter
 from modallab.fe.attachment import Attachment
 from modallab.fe.system import DynamicSystem
 from modallab.rig.drive import Drive
-from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.effect import EFFECTS, Effect, Stage
 from modallab.rig.setup import AcquisitionRun, RigSetup
 from modallab.rig.stinger import HEAVIEST, LONGEST, SHORTEST, lateral_ends
 
@@ -32,7 +32,7 @@ class StingerMass(Effect):
 
     kind: ClassVar[str] = "stinger_mass"
     summary: ClassVar[str] = "the mass of the stinger takes force to move"
-    stage: ClassVar[int] = 3
+    stage: ClassVar[Stage] = Stage.DRIVE
     allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Dof)
     at_drive: ClassVar[bool] = True
     suspected: ClassVar[bool] = False

@@ -13,7 +13,7 @@ from modallab.correlation.evidence import Evidence
 from modallab.fe.attachment import Attachment
 from modallab.fe.structure import Structure
 from modallab.fe.system import DynamicSystem
-from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.effect import EFFECTS, Effect, Stage
 from modallab.rig.setup import AcquisitionRun, RigSetup
 
 
@@ -28,7 +28,7 @@ class SuspensionStiffness(Effect):
 
     kind: ClassVar[str] = "suspension"
     summary: ClassVar[str] = "an elastic band holds a structure that should be free"
-    stage: ClassVar[int] = 1
+    stage: ClassVar[Stage] = Stage.STRUCTURE
     same_in_all_runs: ClassVar[bool] = True
     nested_kind: ClassVar[str | None] = "ground_spring"
     allowed_places: ClassVar[tuple[type, ...]] = (Dof,)

@@ -12,7 +12,7 @@ from modallab.correlation.evidence import Evidence
 from modallab.fe.structure import Structure
 from modallab.fe.system import DynamicSystem
 from modallab.rig.channel import Channel
-from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.effect import EFFECTS, Effect, Stage
 from modallab.rig.setup import RigSetup
 
 
@@ -29,7 +29,7 @@ class SwappedChannels(Effect):
 
     kind: ClassVar[str] = "swapped_channels"
     summary: ClassVar[str] = "two channels stand for each other"
-    stage: ClassVar[int] = 4
+    stage: ClassVar[Stage] = Stage.CHANNEL
     allowed_places: ClassVar[tuple[type, ...]] = (Channels,)
 
     def on_channel(self, channel: Channel, system: DynamicSystem) -> Channel:

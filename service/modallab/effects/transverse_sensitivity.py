@@ -14,7 +14,7 @@ from modallab.correlation.evidence import Evidence
 from modallab.fe.structure import Structure
 from modallab.fe.system import DynamicSystem
 from modallab.rig.channel import Channel
-from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.effect import EFFECTS, Effect, Stage
 from modallab.rig.setup import RigSetup
 
 
@@ -35,7 +35,7 @@ class TransverseSensitivity(Effect):
 
     kind: ClassVar[str] = "transverse_sensitivity"
     summary: ClassVar[str] = "the accelerometer hears motion across its axis"
-    stage: ClassVar[int] = 4
+    stage: ClassVar[Stage] = Stage.CHANNEL
     allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Channels)
     sensitivity: float = parameter(
         0.03,

@@ -2,6 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
+from enum import IntEnum
 from types import NoneType
 from typing import Any, ClassVar, Self
 
@@ -25,6 +26,18 @@ from modallab.rig.setup import AcquisitionRun, RigSetup
 from modallab.rig.source import NoiseLevels, Source
 
 
+class Stage(IntEnum):
+    """Place of an effect in the measuring chain; effects act in this order."""
+
+    STRUCTURE = 1  # mass, stiffness and damping
+    MOTION = 2  # a nonlinear force on the structure
+    DRIVE = 3  # between source and structure
+    CHANNEL = 4  # transducer and cable
+    NOISE = 5  # noise of the channels
+    ACQUISITION = 6  # source signal, record, range of the converter
+    QUANTISATION = 7  # steps of the converter, after its range
+
+
 @dataclass(frozen=True)
 class Effect(Parameterised):
     """Base of all effects: hooks that do nothing.
@@ -34,7 +47,7 @@ class Effect(Parameterised):
 
     kind: ClassVar[str]
     summary: ClassVar[str]
-    stage: ClassVar[int]
+    stage: ClassVar[Stage]
     structural: ClassVar[bool] = False  # True: it belongs to the model, else to the log book
     allowed_places: ClassVar[tuple[type, ...]] = (NoneType,)  # what `at` may be
     at_drive: ClassVar[bool] = False  # True: a DoF it sits at can only be a drive point
@@ -42,41 +55,42 @@ class Effect(Parameterised):
     suspected: ClassVar[bool] = True  # False: a diagnosis looks for it only when told to
     intermittent: ClassVar[bool] = False  # True: what it adds comes in bursts, which few records carry
     nested_kind: ClassVar[str | None] = None  # the kind that it is where its one number more is nothing
+    tolerance: ClassVar[str | None] = None  # name of the model tolerance that its first parameter may have
     at: Place = None
 
     def on_system(self, system: DynamicSystem, shot: AcquisitionRun) -> DynamicSystem:
-        """Stage 1: return the structure with what the effect adds to it in this run."""
+        """Stage `STRUCTURE`: return the structure with what the effect adds to it in this run."""
         return system
 
     def on_motion(self) -> LocalForce | None:
-        """Stage 2: return the nonlinear force that the effect puts on the structure."""
+        """Stage `MOTION`: return the nonlinear force that the effect puts on the structure."""
         return None
 
     def on_drive(self, drive: Drive) -> Drive:
-        """Stage 3: return what stands between one source and the structure."""
+        """Stage `DRIVE`: return what stands between one source and the structure."""
         return drive
 
     def on_channel(self, channel: Channel, system: DynamicSystem) -> Channel:
-        """Stage 4: return what reaches a channel and what it makes of it."""
+        """Stage `CHANNEL`: return what reaches a channel and what it makes of it."""
         return channel
 
     def on_noise(self, noise: NoiseLevels) -> NoiseLevels:
-        """Stage 5: return the channels' noise."""
+        """Stage `NOISE`: return the channels' noise."""
         return noise
 
     def on_source(self, source: Source) -> Source:
-        """Stage 6: return how the excitation stands to the record."""
+        """Stage `ACQUISITION`: return how the excitation stands to the record."""
         return source
 
     def on_spectra(self, spectra: CrossSpectra, acquisition: Acquisition) -> CrossSpectra:
-        """Stages 5 to 7, expected route: return the spectra as the converter leaves them.
+        """Stages `NOISE` to `QUANTISATION`, expected route: return the spectra behind the converter.
 
         `spectra` may hold every few lines only: its own `freq` says which.
         """
         return spectra
 
     def on_records(self, batch: Batch, acquisition: Acquisition, rng: np.random.Generator) -> FloatArray:
-        """Stages 5 to 7, sampled route: return the samples as the converter leaves them."""
+        """Stages `NOISE` to `QUANTISATION`, sampled route: return the samples behind the converter."""
         return batch.samples
 
     def check(self, structure: Structure, setup: RigSetup | None = None) -> None:

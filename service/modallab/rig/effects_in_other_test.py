@@ -5,10 +5,10 @@ from dataclasses import replace
 
 from modallab.core.dof import Dof
 from modallab.core.place import Channels
-from modallab.rig.effect import Effect
+from modallab.rig.effect import Effect, Stage
 from modallab.rig.setup import RigSetup
 
-_CONTACT = (1, 3)  # stages of what stands between a shaker and the structure
+_CONTACT = (Stage.STRUCTURE, Stage.DRIVE)  # stages of what stands between a shaker and the structure
 
 
 def effects_in_other_test(effects: Sequence[Effect], first: RigSetup, other: RigSetup) -> list[Effect]:

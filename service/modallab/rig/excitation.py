@@ -1,15 +1,16 @@
 """What an excitation is: which signal the source plays, and how it stands to the analyser's record."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 from dataclasses import dataclass, fields
+from typing import Protocol
 
 import numpy as np
 
-from modallab.core.arrays import FloatArray
+from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.parameters import ParameterSpec, parameter
 from modallab.core.registry import Family
 from modallab.rig.hardware import within
-from modallab.rig.transient import Transient
+from modallab.rig.impulse_responses import ImpulseResponses
 
 Phases = Callable[[int], FloatArray]  # number of lines -> rad, 0 at 0 Hz
 
@@ -66,6 +67,35 @@ class ExcitationSetting:
     def specs(cls) -> dict[str, ParameterSpec]:
         """Return unit, bounds and meaning of every number by name."""
         return {f.name: f.metadata["spec"] for f in fields(cls) if "spec" in f.metadata}
+
+
+class Transient(Protocol):
+    """A signal that begins and ends within a record, on a structure at rest when the record begins."""
+
+    def spectrum(self, omega: FloatArray, setting: ExcitationSetting) -> ComplexArray:
+        """Return the spectrum (n_freq,) of what the source plays, over that of a white one or an impulse."""
+
+    def strays(self, setting: ExcitationSetting) -> bool:
+        """Return whether forces beside the intended ones act."""
+
+    def typical(self, answers: ImpulseResponses, setting: ExcitationSetting) -> Iterator[FloatArray]:
+        """Yield records (n, n_ch, n_samples) whose mean spectra are the expected ones, some at a time."""
+
+    def drawn(
+        self, answers: ImpulseResponses, setting: ExcitationSetting, n: int, rng: np.random.Generator
+    ) -> FloatArray:
+        """Return n records, (n, n_ch, n_samples)."""
+
+    def recurring(self, answers: ImpulseResponses, setting: ExcitationSetting) -> FloatArray | None:
+        """Return the records (k, n_ch, n_samples) that all are weighted sums of; None if Gaussian."""
+
+    def weights(
+        self, answers: ImpulseResponses, setting: ExcitationSetting, n: int, rng: np.random.Generator
+    ) -> FloatArray:
+        """Return the weights of n records, (n, k)."""
+
+    def moments(self, answers: ImpulseResponses, setting: ExcitationSetting) -> FloatArray:
+        """Return the mean products of the weights, (k, k)."""
 
 
 @dataclass(frozen=True)

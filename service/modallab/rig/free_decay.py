@@ -11,9 +11,9 @@ from modallab.core.errors import InvalidInputError
 from modallab.estimation.averaging import Averager
 from modallab.rig.acquisition import sample_rate_of, samples_of
 from modallab.rig.chain import DC_LIMIT, Chain
-from modallab.rig.excitation import EXCITATIONS
+from modallab.rig.excitation import EXCITATIONS, Transient
 from modallab.rig.hammer_misalignment import misalignment_responses
-from modallab.rig.transient import Answers, Transient
+from modallab.rig.impulse_responses import ImpulseResponses
 
 FORGOTTEN = 1e-6  # amplitude below which a mode has rung out
 NEARLY = 0.03  # the same for a first look over many hypotheses
@@ -26,7 +26,7 @@ def transient_of(chain: Chain) -> Transient | None:
     return EXCITATIONS[chain.setup.analyser.excitation.kind].transient
 
 
-def answers_of(chain: Chain, run: int) -> Answers:
+def answers_of(chain: Chain, run: int) -> ImpulseResponses:
     """Return the impulse responses of a run's channels to its sources.
 
     Found by frequency, on a grid so fine that they have rung out before they repeat. Hysteretic damping is
@@ -41,7 +41,7 @@ def answers_of(chain: Chain, run: int) -> Answers:
     return _answers(replace(chain, runs=(chain.runs[run],)), FORGOTTEN)[0]
 
 
-def all_answers(chain: Chain, forgotten: float = FORGOTTEN) -> Iterator[Answers]:
+def all_answers(chain: Chain, forgotten: float = FORGOTTEN) -> Iterator[ImpulseResponses]:
     """Yield the same of every run; runs that fit into memory share their solutions."""
     whole = samples_of(chain.setup.analyser) * _repeats(replace(chain, runs=chain.runs[:1]), forgotten)
     n_ch = chain.n_in + len(chain.runs[0].responses)
@@ -50,7 +50,7 @@ def all_answers(chain: Chain, forgotten: float = FORGOTTEN) -> Iterator[Answers]
         yield from _answers(replace(chain, runs=chain.runs[first : first + together]), forgotten)
 
 
-def _answers(group: Chain, forgotten: float) -> list[Answers]:
+def _answers(group: Chain, forgotten: float) -> list[ImpulseResponses]:
     analyser, transient = group.setup.analyser, transient_of(group)
     assert transient is not None  # asked for by transient excitations only
     n, rate, setting = samples_of(analyser), sample_rate_of(analyser), analyser.excitation
@@ -66,7 +66,9 @@ def _answers(group: Chain, forgotten: float) -> list[Answers]:
         if transient.strays(setting):
             heard = np.concatenate([heard, misalignment_responses(replace(group, runs=(run,)), freq)], axis=2)
         samples = scipy.fft.irfft(played * heard.transpose(2, 1, 0), whole)
-        found.append(Answers(np.concatenate([samples[..., -n:], samples[..., :n]], axis=-1), group.n_in))
+        found.append(
+            ImpulseResponses(np.concatenate([samples[..., -n:], samples[..., :n]], axis=-1), group.n_in)
+        )
     return found
 
 

@@ -11,9 +11,9 @@ from modallab.estimation.windows import Window
 from modallab.rig.acquisition import sample_rate_of
 from modallab.rig.analyser import Analyser
 from modallab.rig.chain import Chain
-from modallab.rig.excitation import EXCITATIONS
+from modallab.rig.excitation import EXCITATIONS, Transient
 from modallab.rig.free_decay import all_answers, transient_of
-from modallab.rig.transient import Answers, Transient
+from modallab.rig.impulse_responses import ImpulseResponses
 
 Weights = Callable[[int, np.random.Generator], FloatArray]  # number of averages -> (n, k)
 
@@ -59,7 +59,7 @@ def steady_runs(chain: Chain) -> tuple[PeriodicSignal, ...] | None:
     return None if None in runs else tuple(run for run in runs if run is not None)
 
 
-def _blows(chain: Chain, transient: Transient, answers: Answers) -> PeriodicSignal | None:
+def _blows(chain: Chain, transient: Transient, answers: ImpulseResponses) -> PeriodicSignal | None:
     """Return the signals of a run that begin and end within a record; None where they are Gaussian."""
     analyser, setting = chain.setup.analyser, chain.setup.analyser.excitation
     records = transient.recurring(answers, setting)

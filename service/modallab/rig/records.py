@@ -12,9 +12,9 @@ from modallab.core.errors import InvalidInputError
 from modallab.rig.acquisition import Batch, sample_rate_of, samples_of
 from modallab.rig.chain import Chain
 from modallab.rig.free_decay import answers_of, transient_of
+from modallab.rig.impulse_responses import ImpulseResponses
 from modallab.rig.nonlinear_records import Distorter, Played, side_by_side
 from modallab.rig.periodic import fixed_lines
-from modallab.rig.transient import Answers
 
 FORGOTTEN = 1e-6  # amplitude below which a mode has rung out
 LONGEST = 2**26  # samples of all channels of one stretch, 0.5 GB
@@ -152,7 +152,7 @@ class Recorder:
         return records.swapaxes(0, 1), stretch
 
     def _anew(
-        self, run: int, n: int, answers: Answers | None, rng: np.random.Generator
+        self, run: int, n: int, answers: ImpulseResponses | None, rng: np.random.Generator
     ) -> tuple[FloatArray | None, ComplexArray | None]:
         """Return what is made for each of n records, (n, n_ch, n_samples), and the lines of what repeats."""
         own, lines = None, None

@@ -12,13 +12,9 @@ from modallab.core.errors import InvalidInputError
 from modallab.core.parameters import parameter
 from modallab.core.place import Channels, Place
 from modallab.diagnosis.residuals.observed import Observed, Predicted
-from modallab.effects.channel_delay import ChannelDelay
-from modallab.effects.density_error import DensityError
-from modallab.effects.gain_error import GainError
-from modallab.effects.stiffness_error import StiffnessError
 from modallab.fe.attachment import Attachment
 from modallab.fe.system import DynamicSystem
-from modallab.rig.effect import Effect
+from modallab.rig.effect import EFFECTS, Effect, Stage
 from modallab.rig.setup import AcquisitionRun, RigSetup
 
 NUDGE = 1e-3  # standard deviations to differentiate by
@@ -82,7 +78,7 @@ class AccelerometerTolerance(Effect):
 
     kind: ClassVar[str] = "accelerometer_tolerance"
     summary: ClassVar[str] = "accelerometers a little heavier or lighter than declared"
-    stage: ClassVar[int] = 1
+    stage: ClassVar[Stage] = Stage.STRUCTURE
     more: float = parameter(0.0, unit="kg", lower=-0.5, upper=0.5, doc="mass beyond the one declared")
 
     def on_system(self, system: DynamicSystem, shot: AcquisitionRun) -> DynamicSystem:
@@ -119,7 +115,8 @@ class LossTolerance(Effect):
 
     kind: ClassVar[str] = "loss_tolerance"
     summary: ClassVar[str] = "modes lose a little more or less than modelled"
-    stage: ClassVar[int] = 1
+    stage: ClassVar[Stage] = Stage.STRUCTURE
+    tolerance: ClassVar[str | None] = "modal_loss_factor"
     structural: ClassVar[bool] = True
     same_in_all_runs: ClassVar[bool] = True
     more: tuple[float, ...] = ()  # loss factor beyond the model's, of the lowest elastic modes
@@ -227,22 +224,16 @@ class Nuisances:
         return (*out, LossTolerance(more=tuple(more.tolist()))) if more.any() else tuple(out)
 
     def _effect(self, one: Nuisance, value: float) -> Effect:
-        match one.name:
-            case "modulus":
-                return StiffnessError(factor=value)
-            case "density":
-                return DensityError(factor=value)
-            case "sensitivity":
-                return GainError(at=one.at, factor=value)
-            case "delay":
-                return ChannelDelay(at=one.at, delay=value)
-            case _:
-                return AccelerometerTolerance(more=self.mass * (value - 1))
+        if one.name == "accelerometer_mass":
+            return AccelerometerTolerance(more=self.mass * (value - 1))
+        (cls,) = (cls for cls in EFFECTS.values() if cls.tolerance == one.name)
+        amount = next(iter(cls.specs()))
+        return cls(at=one.at).with_parameters({amount: value})
 
 
 def on_the_model(effects: Sequence[Effect]) -> tuple[list[Effect], list[Effect]]:
     """Return what acts on a structure as a whole, alike in every run, and all else."""
-    whole = [isinstance(one, StiffnessError | DensityError | LossTolerance) for one in effects]
+    whole = [one.structural and one.tolerance is not None for one in effects]
     return (
         [one for one, here in zip(effects, whole, strict=True) if here],
         [one for one, here in zip(effects, whole, strict=True) if not here],

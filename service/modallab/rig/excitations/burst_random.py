@@ -7,7 +7,7 @@ import scipy.fft
 
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.rig.excitation import EXCITATIONS, Excitation, ExcitationSetting
-from modallab.rig.transient import Answers
+from modallab.rig.impulse_responses import ImpulseResponses
 
 MOMENTS = 512  # of a burst for its mean spectra: exact to as many samples, resonances resolved beyond
 AT_ONCE = 2**20  # samples of the records handed out at once
@@ -29,7 +29,7 @@ class Burst:
         """Return False: exciters are mounted."""
         return False
 
-    def typical(self, answers: Answers, setting: ExcitationSetting) -> Iterator[FloatArray]:
+    def typical(self, answers: ImpulseResponses, setting: ExcitationSetting) -> Iterator[FloatArray]:
         """Yield the records of single impulses."""
         length, n = self._samples(answers, setting), answers.n_samples
         edges = np.linspace(0, length, min(length, MOMENTS) + 1)
@@ -43,7 +43,7 @@ class Burst:
             yield size * records.reshape(-1, *records.shape[2:])
 
     def drawn(
-        self, answers: Answers, setting: ExcitationSetting, n: int, rng: np.random.Generator
+        self, answers: ImpulseResponses, setting: ExcitationSetting, n: int, rng: np.random.Generator
     ) -> FloatArray:
         """Return n records, (n, n_ch, n_samples)."""
         length, n_samples = self._samples(answers, setting), answers.n_samples
@@ -54,20 +54,20 @@ class Burst:
         heard = np.einsum("nsf,scf->ncf", lines, answer)
         return np.asarray(scipy.fft.irfft(heard, 2 * n_samples, overwrite_x=True)[..., :n_samples])
 
-    def recurring(self, answers: Answers, setting: ExcitationSetting) -> None:
+    def recurring(self, answers: ImpulseResponses, setting: ExcitationSetting) -> None:
         """Return None: it is Gaussian."""
 
     def weights(
-        self, answers: Answers, setting: ExcitationSetting, n: int, rng: np.random.Generator
+        self, answers: ImpulseResponses, setting: ExcitationSetting, n: int, rng: np.random.Generator
     ) -> FloatArray:
         """Return no weights: nothing comes back."""
         return np.zeros((n, 0))
 
-    def moments(self, answers: Answers, setting: ExcitationSetting) -> FloatArray:
+    def moments(self, answers: ImpulseResponses, setting: ExcitationSetting) -> FloatArray:
         """Return no moments."""
         return np.zeros((0, 0))
 
-    def _samples(self, answers: Answers, setting: ExcitationSetting) -> int:
+    def _samples(self, answers: ImpulseResponses, setting: ExcitationSetting) -> int:
         """Return how many samples the burst lasts."""
         return max(1, round(setting.burst * answers.n_samples))
 

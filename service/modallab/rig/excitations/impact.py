@@ -7,7 +7,7 @@ import numpy as np
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.rig.excitation import EXCITATIONS, Excitation, ExcitationSetting
 from modallab.rig.hammer import pulse_spectrum, pulse_width, tilt_moments, tilted
-from modallab.rig.transient import Answers
+from modallab.rig.impulse_responses import ImpulseResponses
 
 
 class Blow:
@@ -26,20 +26,20 @@ class Blow:
         """Return whether blows fall beside their point or off their axis."""
         return setting.place_scatter > 0 or setting.angle_scatter > 0
 
-    def typical(self, answers: Answers, setting: ExcitationSetting) -> Iterator[FloatArray]:
+    def typical(self, answers: ImpulseResponses, setting: ExcitationSetting) -> Iterator[FloatArray]:
         """Yield blows, as many as there are ways to stray, that have the mean products of all blows."""
         size, turned = np.linalg.eigh(self.moments(answers, setting))
         ways = turned.T * np.sqrt(len(size) * size.clip(min=0.0))[:, None]
         yield np.tensordot(ways, self.recurring(answers, setting), axes=1)
 
     def drawn(
-        self, answers: Answers, setting: ExcitationSetting, n: int, rng: np.random.Generator
+        self, answers: ImpulseResponses, setting: ExcitationSetting, n: int, rng: np.random.Generator
     ) -> FloatArray:
         """Return n records, (n, n_ch, n_samples)."""
         weights = self.weights(answers, setting, n, rng)
         return np.asarray(np.tensordot(weights, self.recurring(answers, setting), axes=1))
 
-    def recurring(self, answers: Answers, setting: ExcitationSetting) -> FloatArray:
+    def recurring(self, answers: ImpulseResponses, setting: ExcitationSetting) -> FloatArray:
         """Return the records of a blow; where it strays, first its force alone, then the responses to it
         along the axis, per metre beside the point, and across."""
         moment = round(setting.pre_trigger * answers.n_samples)
@@ -51,7 +51,7 @@ class Blow:
         return np.concatenate([force, along, records[1:]])
 
     def weights(
-        self, answers: Answers, setting: ExcitationSetting, n: int, rng: np.random.Generator
+        self, answers: ImpulseResponses, setting: ExcitationSetting, n: int, rng: np.random.Generator
     ) -> FloatArray:
         """Return the weights of n blows, (n, k)."""
         s = setting.level_scatter
@@ -62,7 +62,7 @@ class Blow:
         along, across = tilted(setting.angle_scatter, n, answers.samples.shape[0] - 2, rng)
         return np.asarray(size * np.hstack([np.ones((n, 1)), along[:, None], beside, across]))
 
-    def moments(self, answers: Answers, setting: ExcitationSetting) -> FloatArray:
+    def moments(self, answers: ImpulseResponses, setting: ExcitationSetting) -> FloatArray:
         """Return the mean products of the weights, (k, k)."""
         if not self.strays(setting):
             return np.eye(1)

@@ -1,0 +1,31 @@
+"""Impulse responses of the channels of a run."""
+
+from dataclasses import dataclass
+
+import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
+
+from modallab.core.arrays import FloatArray, IntArray
+
+
+@dataclass(frozen=True, eq=False)
+class ImpulseResponses:
+    """What the channels of a run show after an impulse of each source at time 0.
+
+    `samples` cover one record length before it, where a hysteretic structure's precursor and the
+    anti-alias filter's are, and one after it; per sample of source that has a density of 1.
+    The sources proper come first; forces that only strayed blows have come behind them.
+    """
+
+    samples: FloatArray  # (n_sources, n_ch, 2 n_samples)
+    n_in: int  # sources proper
+
+    @property
+    def n_samples(self) -> int:
+        """Samples of a record."""
+        return int(self.samples.shape[-1] // 2)
+
+    def after(self, moments: IntArray) -> FloatArray:
+        """Return records of impulses at some samples of theirs, (n_moments, n_sources, n_ch, n_samples)."""
+        windows = sliding_window_view(self.samples, self.n_samples, axis=-1)
+        return np.moveaxis(windows[:, :, self.n_samples - moments], 2, 0)
