@@ -1,0 +1,216 @@
+"""Replies derived from domain types: one pydantic model a frozen dataclass, described by its docstrings."""
+
+import ast
+import inspect
+import math
+import textwrap
+import types
+from collections.abc import Callable, Mapping
+from dataclasses import fields, is_dataclass
+from functools import cache
+from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
+
+import numpy as np
+from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, create_model
+
+from modallab.api.thinning import numbers
+from modallab.api.wire import ChannelsAt, EntryOut, MembersAt, place_out
+from modallab.core.dof import Dof
+from modallab.core.place import Place
+from modallab.core.reply import Axes, MayBeNan, NotInReply
+from modallab.store.base import Entry
+
+
+class Reply(BaseModel):
+    """Base of derived replies; values are read from the attributes of domain types."""
+
+    model_config = ConfigDict(from_attributes=True, frozen=True)
+
+
+class StoredReply(EntryOut):
+    """Base of derived replies of stored resources."""
+
+    model_config = ConfigDict(from_attributes=True, frozen=True)
+
+    @classmethod
+    def of(cls, value: object, entry: Entry, **added: Any) -> Any:
+        """Return the reply of a stored value.
+
+        Parameters
+        ----------
+        value
+            Of the domain type that this reply is derived from.
+        entry
+            Its entry in the store.
+        added
+            Values of the fields that the domain type does not have.
+        """
+        names = cls.model_fields.keys() - EntryOut.model_fields.keys() - added.keys()
+        read = {name: getattr(value, name) for name in names}
+        return cls.model_validate({**EntryOut.fields(entry), **read, **added}, from_attributes=True)
+
+
+def stored_reply(
+    domain: type, name: str, *, leave_out: tuple[str, ...] = (), **added: tuple[Any, str]
+) -> type[StoredReply]:
+    """Return the reply model of a stored domain type.
+
+    Parameters
+    ----------
+    domain
+        A frozen dataclass; its docstring and attribute docstrings become descriptions.
+    name
+        Component name in the OpenAPI document.
+    leave_out
+        Fields that an entry of the store tells already.
+    added
+        Further fields, or other types of fields, as `name=(type, description)`.
+    """
+    definitions = {n: d for n, d in _definitions(domain).items() if n not in leave_out}
+    definitions |= {n: (hint, Field(description=text)) for n, (hint, text) in added.items()}
+    made: type[StoredReply] = create_model(
+        name, __base__=StoredReply, __doc__=inspect.getdoc(domain), **definitions
+    )
+    return made
+
+
+@cache
+def reply_of(domain: type) -> type[Reply]:
+    """Return the reply model of a domain type that is part of a resource."""
+    return reply(domain, domain.__name__)
+
+
+def reply(domain: type, name: str, **added: tuple[Any, str]) -> type[Reply]:
+    """Return a reply model with further fields, as `name=(type, description)`."""
+    definitions = _definitions(domain)
+    definitions |= {n: (hint, Field(description=text)) for n, (hint, text) in added.items()}
+    made: type[Reply] = create_model(name, __base__=Reply, __doc__=inspect.getdoc(domain), **definitions)
+    return made
+
+
+def _definitions(domain: type) -> dict[str, Any]:
+    """Return the fields of a derived model by name: type and description."""
+    hints = get_type_hints(domain, include_extras=True)
+    docs = attribute_docs(domain)
+    found = {}
+    for field in fields(domain):
+        hint = wire_type(hints[field.name])
+        if hint is not None:
+            found[field.name] = (hint, Field(description=docs.get(field.name)))
+    return found
+
+
+@cache
+def attribute_docs(domain: type) -> dict[str, str]:
+    """Return the attribute docstrings of a dataclass and its bases: string literals below its fields."""
+    docs: dict[str, str] = {}
+    for cls in reversed(domain.__mro__):
+        if not is_dataclass(cls):
+            continue
+        (tree,) = ast.parse(textwrap.dedent(inspect.getsource(cls))).body
+        assert isinstance(tree, ast.ClassDef)
+        for statement, below in zip(tree.body, tree.body[1:], strict=False):
+            match statement, below:
+                case (
+                    ast.AnnAssign(target=ast.Name(id=name)),
+                    ast.Expr(value=ast.Constant(value=str(text))),
+                ):
+                    docs[name] = " ".join(text.split())
+    return docs
+
+
+def _finite(value: Any) -> Any:
+    return None if isinstance(value, float) and not math.isfinite(value) else value
+
+
+def _pair(value: Any) -> Any:
+    return [value.real, value.imag] if isinstance(value, complex) else value
+
+
+def _nested(value: Any) -> Any:
+    return numbers(value) if isinstance(value, np.ndarray) else value
+
+
+_SCALARS: Mapping[Any, Any] = {
+    Dof: Annotated[str, BeforeValidator(str)],
+    complex: Annotated[tuple[float, float], BeforeValidator(_pair)],
+}
+PlaceOut = str | MembersAt | ChannelsAt | None
+_MAYBE = Annotated[float | None, BeforeValidator(_finite)]
+
+
+def wire_type(hint: Any) -> Any:
+    """Return the wire's type of an annotation; None of what replies do not have."""
+    marks: tuple[Any, ...] = ()
+    if get_origin(hint) is Annotated:
+        hint, *rest = get_args(hint)
+        marks = tuple(rest)
+    if any(isinstance(mark, NotInReply) for mark in marks):
+        return None
+    if any(isinstance(mark, MayBeNan) for mark in marks):
+        return _MAYBE
+    if hint == Place:
+        return Annotated[PlaceOut, BeforeValidator(place_out)]
+    origin = get_origin(hint)
+    if origin is np.ndarray:
+        return _array(hint, marks)
+    if origin in (Union, types.UnionType):
+        return _union(get_args(hint), marks)
+    if origin is Literal:
+        return hint
+    if origin is not None:
+        return _container(origin, get_args(hint))
+    if hint in _SCALARS:
+        return _SCALARS[hint]
+    if is_dataclass(hint) and isinstance(hint, type):
+        return reply_of(hint)
+    return hint
+
+
+def _array(hint: Any, marks: tuple[Any, ...]) -> Any:
+    """Return nested lists of a marked array, None of any other."""
+    axes = next((mark.count for mark in marks if isinstance(mark, Axes)), None)
+    if axes is None:
+        return None
+    (scalar,) = get_args(get_args(hint)[1])
+    item: Any = {"f": float | None, "c": tuple[float, float], "i": int, "b": bool, "u": int}[
+        np.dtype(scalar).kind
+    ]
+    for _ in range(axes):
+        item = list[item]
+    return Annotated[item, BeforeValidator(_nested)]
+
+
+def _union(options: tuple[Any, ...], marks: tuple[Any, ...]) -> Any:
+    parts = [option for option in options if option is not type(None)]
+    if len(parts) == 1:
+        inner = wire_type(Annotated[parts[0], *marks] if marks else parts[0])
+        return None if inner is None else inner | None if not _annotated(inner) else _optional(inner)
+    made = [wire_type(option) for option in parts]
+    union: Any = Union[tuple(made)]  # noqa: UP007
+    return union | None if len(parts) < len(options) else union
+
+
+def _annotated(hint: Any) -> bool:
+    return get_origin(hint) is Annotated
+
+
+def _optional(hint: Any) -> Any:
+    """Return an annotated type or None; the validator is not run on None."""
+    inner, *validators = get_args(hint)
+    (before,) = (v.func for v in validators)
+
+    def unless_none(value: Any, before: Callable[[Any], Any] = before) -> Any:
+        return None if value is None else before(value)
+
+    return Annotated[inner | None, BeforeValidator(unless_none)]
+
+
+def _container(origin: Any, options: tuple[Any, ...]) -> Any:
+    if issubclass(origin, Mapping):
+        key, item = (wire_type(option) for option in options)
+        return None if item is None else dict[key, item]  # type: ignore[valid-type]
+    if origin is tuple and not (len(options) == 2 and options[1] is Ellipsis):
+        return tuple[tuple(wire_type(option) for option in options)]  # type: ignore[misc]
+    item = wire_type(options[0])
+    return None if item is None else list[item]  # type: ignore[valid-type]
