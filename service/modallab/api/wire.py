@@ -5,30 +5,38 @@ from typing import Annotated, Any
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, StringConstraints
 
+from modallab.api.schema import Limits
 from modallab.core.dof import Dof
 from modallab.core.place import Channels, EffectSpec, Members, Place
 from modallab.rig.effect import Effect, build
 from modallab.store.base import Entry
 
 
-def _no_guess(value: Any) -> Any:
+def _refuse_conversion(value: Any) -> Any:
     if isinstance(value, (bool, str)):
         raise ValueError("Input should be a number")
     return value
 
 
-# `true` and "20" are slips of who sent them: to read them as numbers would hide that.
-_Told = BeforeValidator(_no_guess)
+# `true` and "20" are mistakes of the sender: reading them as numbers would hide that. This validator
+# stands last in every number's type: bounds that follow it are lost to the JSON schema.
+NO_CONVERSION = BeforeValidator(_refuse_conversion)
 # A number beyond this has no meaning in any unit used here, and would overflow in the first product.
-Number = Annotated[float, _Told, Field(ge=-1e30, le=1e30)]
-Count = Annotated[int, _Told, Field(ge=-(2**31), le=2**31)]
+Number = Annotated[float, Field(ge=-1e30, le=1e30), NO_CONVERSION]
+Count = Annotated[int, Field(ge=-(2**31), le=2**31), NO_CONVERSION]
+Positive = Annotated[Number, Limits(0.0, above=True)]
+NonNegative = Annotated[Number, Limits(0.0)]
+Fraction = Annotated[Number, Limits(0.0, 1.0)]
+NodeNumber = Annotated[Count, Limits(1, 999_999_999)]
+NoiseFloor = Annotated[float, Field(gt=0, le=1), NO_CONVERSION]
+ModeCount = Annotated[int, Field(ge=1, le=100), NO_CONVERSION]
 Text = Annotated[str, StringConstraints(max_length=100, pattern=r"^[^\x00]*$")]
 DofText = Annotated[
     str,
     StringConstraints(max_length=20, pattern=r"^[^\x00]*$"),
-    Field(description="node:direction, such as 5:+Y"),
+    Field(description="degree of freedom as `node:direction`, for example `5:+Y`"),
 ]
-Seed = Annotated[int, _Told, Field(ge=0, le=2**63 - 1)]
+Seed = Annotated[int, Field(ge=0, le=2**63 - 1), NO_CONVERSION]
 
 
 class Wire(BaseModel):

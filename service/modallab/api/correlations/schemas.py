@@ -5,11 +5,11 @@ from typing import Any, Self
 
 import numpy as np
 from numpy.typing import NDArray
-from pydantic import BaseModel, Field
+from pydantic import BaseModel
 
 from modallab.api.deps import Id
 from modallab.api.reductions import Reduced
-from modallab.api.wire import Count, EntryOut, Wire
+from modallab.api.wire import EntryOut, ModeCount, Wire
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfSet
@@ -30,7 +30,7 @@ class CorrelationIn(Wire):
 
     modal_model_id: Id
     structure_id: Id
-    count: Count | None = Field(None, ge=1, le=100)
+    count: ModeCount | None = None
     reduction: Reduced | None = None
     measurement_id: Id | None = None
 

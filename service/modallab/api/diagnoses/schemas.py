@@ -10,7 +10,17 @@ from modallab.api.deps import Id
 from modallab.api.diagnoses.follow_ups import FollowUpIn
 from modallab.api.diagnoses.located import located_out
 from modallab.api.diagnoses.tolerated import TolerancesIn, tolerated_out
-from modallab.api.wire import Count, DofText, EntryOut, Number, Seed, Text, Wire, place_out
+from modallab.api.wire import (
+    NO_CONVERSION,
+    DofText,
+    EntryOut,
+    NoiseFloor,
+    Number,
+    Seed,
+    Text,
+    Wire,
+    place_out,
+)
 from modallab.core.dof import Dof
 from modallab.diagnosis.result import Diagnosis, EquivalentEffect, FittedEffect, NextTest, Rival, Step
 from modallab.fe.structure import Structure
@@ -38,12 +48,12 @@ class DiagnosisStart(Wire):
     tolerances: TolerancesIn = TolerancesIn()
     follow_ups: list[FollowUpIn] = Field(default=[], max_length=MOST_FOLLOW_UPS)
     act: bool = False
-    noise_floor: Annotated[Number, Field(gt=0, le=1)] | None = Field(
+    noise_floor: NoiseFloor | None = Field(
         default=None,
         description="relative random error of every FRF, of its median where it is below that; beside what "
         "coherence and averages tell, alone where there is no coherence",
     )
-    max_effects: Count = Field(default=4, ge=1, le=8)
+    max_effects: Annotated[int, Field(ge=1, le=8), NO_CONVERSION] = 4
     seed: Seed = 0
 
     def to_arguments(self, structure: Structure) -> dict[str, Any]:

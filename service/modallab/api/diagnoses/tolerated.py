@@ -5,12 +5,16 @@ from typing import Annotated, Any
 
 from pydantic import Field
 
-from modallab.api.wire import Number, Wire, place_out
+from modallab.api.wire import NO_CONVERSION, Wire, place_out
 from modallab.diagnosis.optimisation.tolerances import LATEST, WIDEST
 from modallab.diagnosis.result import ToleratedParameter
 
-Relative = Annotated[Number, Field(ge=0, le=WIDEST, description="one standard deviation, relative")]
-Late = Annotated[Number, Field(ge=0, le=LATEST, description="one standard deviation, s")]
+Relative = Annotated[
+    float,
+    Field(ge=0, le=WIDEST, description="one standard deviation, relative"),
+    NO_CONVERSION,
+]
+Late = Annotated[float, Field(ge=0, le=LATEST, description="one standard deviation, s"), NO_CONVERSION]
 
 
 class TolerancesIn(Wire):

@@ -7,7 +7,7 @@ import numpy as np
 from pydantic import Field
 
 from modallab.api.deps import Id
-from modallab.api.wire import Count, DofText, Number, Seed, Text, Wire
+from modallab.api.wire import NO_CONVERSION, Count, DofText, ModeCount, Number, Seed, Text, Wire
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.modal_model import ModalModel, Mode
@@ -45,7 +45,7 @@ def distinct(texts: Sequence[str]) -> tuple[Dof, ...]:
 class SyntheticIn(Wire):
     """Modes of a structure as a test would give them."""
 
-    count: Count = Field(ge=1, le=100)
+    count: ModeCount
     dofs: Dofs
     noise: ModeNoiseIn = ModeNoiseIn()
     seed: Seed = 0
@@ -81,7 +81,7 @@ class ModalModelStart(Wire):
     method: Text = Field(default="dobson", description="one of `/catalog/extraction-methods`")
     options: ExtractionOptionsIn = ExtractionOptionsIn()
     bands: Literal["auto"] | Annotated[list[Band], Field(min_length=1, max_length=500)] = "auto"
-    n_modes: Count | None = Field(None, ge=1, le=500)
+    n_modes: Annotated[int, Field(ge=1, le=500), NO_CONVERSION] | None = None
     correct_window_damping: bool = Field(
         False, description="take what an exponential window added out of the loss factors"
     )
@@ -106,7 +106,7 @@ Complex = Number | tuple[Number, Number]
 class ModeIn(Wire):
     """One mode; shape entries are numbers or [re, im]."""
 
-    frequency: Number = Field(gt=0, description="Hz")
+    frequency: Annotated[float, Field(gt=0, le=1e30), NO_CONVERSION] = Field(description="Hz")
     loss_factor: Number = 0.0
     shape: list[Complex] = Field(min_length=1, max_length=5000)
 

@@ -6,7 +6,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, TypeAdapter, ValidationError
 
 from modallab.api.faults import wrong_json
-from modallab.api.wire import Count, DofText, Effects, EntryOut, Number, Text, Wire
+from modallab.api.wire import NO_CONVERSION, Count, DofText, Effects, EntryOut, Number, Text, Wire
 from modallab.core.dof import Dof
 from modallab.core.errors import StructureError
 from modallab.fe.beam import beam
@@ -25,7 +25,7 @@ from modallab.fe.structure import (
 
 _MOST = 2000  # nodes or members that are described one by one
 _MOST_PLATES = 40_000  # about 120,000 degrees of freedom: beyond, modes take longer than a request may
-Each = Annotated[Count, Field(ge=1, le=_MOST)]
+ElementCount = Annotated[int, Field(ge=1, le=_MOST), NO_CONVERSION]
 
 
 class SectionIn(Wire):
@@ -177,7 +177,7 @@ class BeamIn(_OfBars):
 
     kind: Literal["beam"]
     length: Number
-    n_elements: Count = Field(ge=1, le=_MOST)
+    n_elements: ElementCount
     section: SectionIn
     material: MaterialIn
 
@@ -211,7 +211,7 @@ class PlateIn(_Described):
     length: Number
     width: Number
     thickness: Number
-    n_elements: tuple[Each, Each] = Field(description="along X and along Y")
+    n_elements: tuple[ElementCount, ElementCount] = Field(description="along X and along Y")
     material: MaterialIn
     edges: dict[Edge, Holding] = Field({}, description="how sides are held; free where left out")
 

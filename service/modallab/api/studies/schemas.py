@@ -10,7 +10,7 @@ from modallab.api.deps import Id
 from modallab.api.modal_models.schemas import Dofs, ModeNoiseIn, distinct
 from modallab.api.updates.parameterisation import Macros, ParameterisationIn, Parts
 from modallab.api.updates.schemas import UpdateOptionsIn, refuse
-from modallab.api.wire import Count, EntryOut, Number, Seed, Text, Wire
+from modallab.api.wire import EntryOut, ModeCount, Number, Seed, Text, Wire
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.fe.structure import Structure
@@ -62,7 +62,7 @@ class StudyStart(Wire):
         default={"each": "each"}, description="macro elements by a name: as `macros` of an update"
     )
     seeds: Annotated[list[Seed], Field(min_length=1, max_length=MOST_RUNS)] = Field(default=list(range(10)))
-    count: Count = Field(default=10, ge=1, le=100, description="modes that are measured")
+    count: ModeCount = Field(default=10, description="modes that are measured")
     dofs: Dofs
     parts: Parts = None
     lower: Number = 0.05

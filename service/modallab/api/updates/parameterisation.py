@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from modallab.api.wire import Count, Number, Text, Wire
+from modallab.api.wire import NO_CONVERSION, Count, Number, Text, Wire
 from modallab.fe.structure import Structure
 from modallab.updating.method import parts_of
 from modallab.updating.parameterisation import (
@@ -39,10 +39,8 @@ class PartitionIn(Wire):
     """Macro elements that are connected parts of the structure, of about as many members each."""
 
     by: Literal["partition"]
-    count: Count | None = Field(
+    count: Annotated[int, Field(ge=1, le=1000), NO_CONVERSION] | None = Field(
         default=None,
-        ge=1,
-        le=1000,
         description="macro elements; left out: a quarter of the members, 60 at most",
     )
 

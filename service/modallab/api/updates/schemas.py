@@ -13,7 +13,7 @@ from modallab.api.updates.located import LocatedOut, located_fields, number
 from modallab.api.updates.parameterisation import ParameterisationIn
 from modallab.api.updates.posterior import PosteriorOut
 from modallab.api.updates.responses import ResponsesOut
-from modallab.api.wire import Count, EntryOut, Number, Seed, Text, Wire
+from modallab.api.wire import NO_CONVERSION, EntryOut, NoiseFloor, Number, Seed, Text, Wire
 from modallab.core.errors import InvalidInputError
 from modallab.fe.structure import Structure
 from modallab.store.base import Entry
@@ -33,22 +33,21 @@ Completion = Annotated[
     Text | ReductionIn,
     Field(description="`expansion` of shapes to all DoFs, or a reduction of the model to measured ones"),
 ]
-Floor = Annotated[Number, Field(gt=0, le=1)] | None
+Floor = NoiseFloor | None
+UpTo1000 = Annotated[int, Field(ge=1, le=1000), NO_CONVERSION]
 
 
 class UpdateOptionsIn(Wire):
     """How an update is run; what is left out has the method's default."""
 
-    max_iterations: Count | None = Field(default=None, ge=1, le=1000)
+    max_iterations: UpTo1000 | None = None
     location_tolerance: Number | None = None
     tolerance: Number | None = None
     suspect_threshold: Number | None = None
     damping_threshold: Number | None = None
     max_step: Number | None = None
-    n_shapes: Count | None = Field(
+    n_shapes: Annotated[int, Field(ge=0, le=1000), NO_CONVERSION] | None = Field(
         default=None,
-        ge=0,
-        le=1000,
         description="lowest modes whose shapes count, of a method with a location stage; left out: all",
     )
     balance: Text | None = Field(
@@ -64,16 +63,15 @@ class UpdateOptionsIn(Wire):
     underdetermined: Text | None = Field(
         default=None, description="`refused` or `regularised`, of a method that has a prior"
     )
-    samples: Count | None = Field(
+    samples: Annotated[int, Field(ge=0, le=2**31), NO_CONVERSION] | None = Field(
         default=None,
-        ge=0,
         description="draws from the posterior, of a method that corrects modes all at once",
     )
     seed: Seed | None = None
     completion: Completion | None = None
     expansion: Reduced | None = None
-    n_modes: Count | None = Field(
-        default=None, ge=1, le=1000, description="lowest measured modes that a direct method uses"
+    n_modes: UpTo1000 | None = Field(
+        default=None, description="lowest measured modes that a direct method uses"
     )
 
     def to_domain(self, method: str) -> UpdateOptions | LocationOptions:

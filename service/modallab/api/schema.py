@@ -1,0 +1,49 @@
+"""Parts of JSON Schema that the OpenAPI document shows while the numerical code enforces them."""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from typing import Any
+
+from pydantic import GetJsonSchemaHandler
+from pydantic_core import CoreSchema
+
+Json = dict[str, Any]
+
+
+@dataclass(frozen=True)
+class Limits:
+    """Bounds of a number: keywords of JSON Schema, shown and not enforced here.
+
+    The dataclass that takes the number refuses it with a code and a field name of its own, which a
+    bound of pydantic would replace by `invalid_request`.
+
+    Parameters
+    ----------
+    lower, upper
+        Bounds; None where there is none.
+    above
+        True where the lower bound itself is excluded.
+    """
+
+    lower: float | None = None
+    upper: float | None = None
+    above: bool = False
+
+    def __get_pydantic_json_schema__(self, core: CoreSchema, handler: GetJsonSchemaHandler) -> Json:
+        schema = dict(handler(core))
+        if self.lower is not None:
+            schema.pop("minimum", None)
+            schema["exclusiveMinimum" if self.above else "minimum"] = self.lower
+        if self.upper is not None:
+            schema["maximum"] = self.upper
+        return schema
+
+
+@dataclass(frozen=True)
+class OneOf:
+    """The closed set of names that a text may be, read from a family when the document is made."""
+
+    names: Callable[[], Iterable[str]]
+
+    def __get_pydantic_json_schema__(self, core: CoreSchema, handler: GetJsonSchemaHandler) -> Json:
+        return {"type": "string", "enum": sorted(self.names())}
