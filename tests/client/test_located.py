@@ -31,7 +31,7 @@ FOUND: dict[str, Any] = {
         "bands": [[22.0, 24.0]],
         "dofs": ["5:+Y"],
         "modes": [2],
-        "words": ["one response stands out, 5:+Y: all others agree"],
+        "words": ["only one response, 5:+Y, disagrees; all other responses agree"],
         "signs": ["one_response"],
         "mode_shifts": [SHIFT | {"of_a_later_version": 1.0}],
         "responses": [MISFIT],

@@ -7,7 +7,7 @@ from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.progress import Progress, Pulse, part, silent
 from modallab.diagnosis.fitting.fit import fit
-from modallab.diagnosis.localisation.evidence import gather
+from modallab.diagnosis.localisation.evidence import collect_evidence
 from modallab.diagnosis.localisation.locate import locate
 from modallab.diagnosis.optimisation.tolerances import NONE, Tolerances, nuisances
 from modallab.diagnosis.predicting.held_out import held_out, standing_out
@@ -88,7 +88,7 @@ def diagnose(
         predictor = _predicting(structure, tests, held, hold_out_fraction, tolerances, pulse)
         start = fit(predictor, ())
     observed = predictor.observed
-    evidence = gather(predictor.tests[0], [])
+    evidence = collect_evidence(predictor.tests[0], [])
     candidates = Suspects(suspected(predictor, suspects), RULED_OUT if suspects is None else 0.0)
     path = search(predictor, start, candidates, max_effects=max_effects, progress=pulse)
     pulse(0.94, "writing down what was found")

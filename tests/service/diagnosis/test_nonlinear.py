@@ -10,7 +10,7 @@ from modallab.core.progress import silent
 from modallab.diagnosis.diagnose import RULED_OUT, diagnose
 from modallab.diagnosis.fitting.covariance import Errors
 from modallab.diagnosis.fitting.fit import fit
-from modallab.diagnosis.localisation.evidence import gather
+from modallab.diagnosis.localisation.evidence import collect_evidence
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.residuals.observed import observe
 from modallab.diagnosis.residuals.residual import residual
@@ -32,7 +32,7 @@ KINDS = ("cubic_stiffness", "friction", "ground_spring", "local_damping", "respo
 @pytest.mark.parametrize("effect", [CUBIC, RUBBING], ids=lambda effect: effect.kind)
 def test_they_are_looked_for_where_no_response_spectrum_was_stored(effect: Effect) -> None:
     measured = replace(drawn(rig(), [effect]), force_spectrum=None, response_spectrum=None)
-    evidence = gather(predicting(measured)[0], [])
+    evidence = collect_evidence(predicting(measured)[0], [])
     assert evidence.response is None
     assert type(effect).signature(evidence) > RULED_OUT
 
@@ -40,7 +40,7 @@ def test_they_are_looked_for_where_no_response_spectrum_was_stored(effect: Effec
 @pytest.mark.parametrize("effect", [CUBIC, RUBBING], ids=lambda effect: effect.kind)
 def test_a_response_spectrum_that_disagrees_lets_them_be_looked_for(effect: Effect) -> None:
     """Also where friction takes more of what the force's noise makes at resonances than it adds itself."""
-    distorted, bare = (gather(predicting(drawn(rig(), added))[0], []) for added in ([effect], []))
+    distorted, bare = (collect_evidence(predicting(drawn(rig(), added))[0], []) for added in ([effect], []))
     assert type(effect).signature(distorted) > RULED_OUT
     # by chance a mean over a thousand lines is 0.03 off
     assert type(effect).signature(bare) < type(effect).signature(distorted) / 2

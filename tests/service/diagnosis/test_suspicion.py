@@ -3,7 +3,7 @@ import pytest
 from modallab.core.dof import Dof
 from modallab.core.place import Channels
 from modallab.diagnosis.diagnose import RULED_OUT
-from modallab.diagnosis.localisation.evidence import gather
+from modallab.diagnosis.localisation.evidence import collect_evidence
 from modallab.effects.force_noise import ForceNoise
 from modallab.effects.overload import Overload
 from modallab.effects.quantisation import Quantisation
@@ -14,7 +14,7 @@ FAULTY = Channels((Dof(5, "Y"),))
 
 def test_noise_that_hardly_lowers_coherence_is_looked_for_all_the_same() -> None:
     predictor, _ = predicting(drawn(rig(noise=1e-5), [ForceNoise(None, 1e-4)], seed=2))
-    evidence = gather(predictor, [])
+    evidence = collect_evidence(predictor, [])
     assert evidence.coherence_drop.mean() < 5e-4
     assert max(evidence.gaps.values()) > 2, "and yet it is there"
     assert ForceNoise.signature(evidence) > 10 * RULED_OUT
@@ -27,7 +27,7 @@ def test_what_a_converter_adds_to_one_channel_is_looked_for_though_coherence_har
     effect: Quantisation | Overload,
 ) -> None:
     predictor, _ = predicting(drawn(rig(noise=1e-5), [effect], seed=2))
-    evidence = gather(predictor, [])
+    evidence = collect_evidence(predictor, [])
     assert evidence.coherence_drop.mean() < 5e-4
     assert max(evidence.gaps.values()) > 2, "and yet it is there"
     assert effect.signature(evidence) > 10 * RULED_OUT

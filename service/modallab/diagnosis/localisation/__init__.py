@@ -1,1 +1,1 @@
-"""Where model and measurement part, as numbers and in words."""
+"""Localisation of the disagreement between measurement and model, in numbers and statements."""

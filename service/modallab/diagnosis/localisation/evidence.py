@@ -1,72 +1,80 @@
-"""From residuals to evidence: shifts of modes, drops of coherence, bands and channels that disagree."""
+"""Evidence from residuals: frequency shifts of modes, loss of coherence, disagreement by line and channel."""
 
 from collections.abc import Sequence
 
 import numpy as np
 
 from modallab.core.arrays import BoolArray, FloatArray
+from modallab.core.numerics import SAFE_DIVISOR
 from modallab.correlation.evidence import Evidence
+from modallab.diagnosis.localisation.settings import EVIDENCE
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.residuals.observed import Observed, Predicted
 from modallab.diagnosis.residuals.residual import residual
 from modallab.rig.effect import Effect
 
-SHIFTS = np.linspace(-0.1, 0.1, 81)  # relative frequency shifts that are looked for by shape
-SMALL_SHIFT = 1e-5  # to differentiate by
 
-
-def gather(predictor: Predictor, effects: Sequence[Effect]) -> Evidence:
-    """Return what disagrees between the measurement and the prediction with some effects."""
+def collect_evidence(predictor: Predictor, effects: Sequence[Effect]) -> Evidence:
+    """Return the disagreement of the measurement and the prediction with some effects."""
     observed, predicted = predictor.observed, predictor.predict(effects)
-    left = residual(observed, predicted)
+    remainder = residual(observed, predicted)
     modes = predictor.modes()
     rows = [predictor.system.index(dof) for dof in observed.outputs]
+    shifted = predictor.with_frequency_shift(effects, EVIDENCE.difference_step)
     return Evidence(
         freq=observed.freq,
         outputs=observed.outputs,
         drive=predictor.setup.drive,
-        frf=left.frf,
-        force=left.force,
-        response=left.response,
+        frf=remainder.frf,
+        force=remainder.force,
+        response=remainder.response,
         coherence_drop=np.where(observed.usable, predicted.coherence - observed.coherence, 0.0),
         weight=observed.fitted.astype(float),
         mode_frequency=modes.frequencies,
-        frequency_shift=_shifts(
-            observed, predicted, predictor.with_frequency_shift(effects, SMALL_SHIFT), modes.frequencies
-        ),
+        frequency_shift=_frequency_shifts(observed, predicted, shifted, modes.frequencies),
         response_amplitude=np.abs(modes.shapes[rows]).T,
     )
 
 
-def _shifts(
-    observed: Observed, predicted: Predicted, detuned: Predicted, frequencies: FloatArray
+def _frequency_shifts(
+    observed: Observed, predicted: Predicted, shifted: Predicted, frequencies: FloatArray
 ) -> FloatArray:
-    """Return by how much of itself each mode's frequency differs.
+    """Return the relative frequency shift of each mode, measured against predicted, (n_modes,).
 
-    From the shape of its resonance; where that does not move by a step of `SHIFTS`, by least squares
-    on how the logarithm of the FRFs changes with the frequencies.
+    The shift follows from the shape of the mode's resonance. Where that gives less than one step of the
+    grid of shifts, it follows by least squares from the derivative of the FRFs' logarithm.
+
+    Parameters
+    ----------
+    shifted
+        Prediction with all natural frequencies higher by `EVIDENCE.difference_step`.
+    frequencies
+        (n_modes,) Hz, natural frequencies of the model.
     """
-    change = np.log(detuned.h / predicted.h) / SMALL_SHIFT
-    apart = np.log(observed.h / np.where(observed.usable, predicted.h, 1.0))
+    derivative = np.log(shifted.h / predicted.h) / EVIDENCE.difference_step
+    log_ratio = np.log(observed.h / np.where(observed.usable, predicted.h, 1.0))
     weight = observed.usable / observed.error**2
-    found = np.zeros(len(frequencies))
+    shifts = np.zeros(len(frequencies))
     edges = np.concatenate([[0.0], (frequencies[1:] + frequencies[:-1]) / 2, [np.inf]])
+    spacing = observed.freq[1] - observed.freq[0]
     for i, frequency in enumerate(frequencies):
-        reach = max(0.15 * frequency, 4 * (observed.freq[1] - observed.freq[0]))
+        reach = max(EVIDENCE.resonance_reach * frequency, EVIDENCE.least_reach * spacing)
         low, high = max(edges[i], frequency - reach), min(edges[i + 1], frequency + reach)
         near = (observed.freq > low) & (observed.freq < high)
-        if near.sum() < 5:
+        if near.sum() < EVIDENCE.fewest_lines:
             continue
-        found[i] = _shift_of_shape(observed, predicted, near)
-        if found[i] == 0:
-            known = (weight[near] * np.abs(change[near]) ** 2).sum()
-            found[i] = (weight[near] * (change[near].conj() * apart[near]).real).sum() / max(known, 1e-300)
-    return found
+        shifts[i] = _shift_of_shape(observed, predicted, near)
+        if shifts[i] == 0:
+            normal = (weight[near] * np.abs(derivative[near]) ** 2).sum()
+            projected = (weight[near] * (derivative[near].conj() * log_ratio[near]).real).sum()
+            shifts[i] = projected / max(normal, SAFE_DIVISOR)
+    return shifts
 
 
 def _shift_of_shape(observed: Observed, predicted: Predicted, near: BoolArray) -> float:
-    """Return the shift of the predicted lines that makes their mean magnitude most like the measured."""
-    size_m = np.log(np.abs(observed.h[near]) + 1e-300).mean(axis=1)
-    size_p = np.log(np.abs(predicted.h) + 1e-300).mean(axis=1)
-    moved = np.array([np.interp(observed.freq[near], observed.freq * (1 + s), size_p) for s in SHIFTS])
-    return float(SHIFTS[int((moved - size_m).std(axis=1).argmin())])
+    """Return the relative shift of the predicted lines that fits the mean log magnitude best."""
+    grid = np.linspace(-EVIDENCE.largest_shift, EVIDENCE.largest_shift, EVIDENCE.n_shifts)
+    measured_level = np.log(np.abs(observed.h[near]) + SAFE_DIVISOR).mean(axis=1)
+    level = np.log(np.abs(predicted.h) + SAFE_DIVISOR).mean(axis=1)
+    candidates = np.array([np.interp(observed.freq[near], observed.freq * (1 + s), level) for s in grid])
+    return float(grid[int((candidates - measured_level).std(axis=1).argmin())])

@@ -1,4 +1,4 @@
-"""Where the model without additions parts from the measurement: lines, responses, modes, and what tells."""
+"""Localisation of the disagreement between measurement and model: bands, responses, modes, patterns."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from collections.abc import Set as AbstractSet
@@ -8,67 +8,68 @@ import numpy as np
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray
 from modallab.core.dof import Dof
 from modallab.correlation.evidence import Evidence
-from modallab.diagnosis.localisation import text as located_words
 from modallab.diagnosis.localisation.mode_shifts import mode_shifts
 from modallab.diagnosis.localisation.response_misfits import response_misfits
-from modallab.diagnosis.localisation.text import LocalisationText, span
+from modallab.diagnosis.localisation.settings import LOCALISATION
+from modallab.diagnosis.localisation.text import GapDistribution, span, with_statements
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.residuals.residual import scatters
 from modallab.diagnosis.result import GapPattern, Localisation
 
-DISAGREES = 3.0  # mean squared residual above which a band or a response is named
-BEYOND = 5.0  # standard errors by which a part's gap is above 1 if it disagrees
-END = 0.25  # share of the band that is its low or its high end
-LOUDER = 0.1  # of another part's excess: where that of the FRFs is less, they are not where the gap sits
-OTHERS = 0.05  # share of the worst response's excess below which another one agrees beside it
-MOST_BANDS = 20
-MOST_MODES = 8  # whose shifts are worked out: each takes predictions of its own
-
 
 def locate(predictor: Predictor, evidence: Evidence) -> Localisation:
-    """Return where the gap sits: bands, responses, modes, in numbers and in words.
+    """Return where measurement and prediction without added effects disagree, in numbers and statements.
 
     Parameters
     ----------
     predictor
-        Of one test or of several; all but the dependence on the level is told of the first.
+        Predictor of one test or several; everything but the level dependence refers to the first.
     evidence
-        What the first test and its prediction without additions disagree in.
+        Disagreement of the first test and its prediction without added effects.
+
+    Returns
+    -------
+    Localisation
+        Bands in Hz, responses, modes counted from 1, patterns, mode shifts, misfits of responses.
     """
     first = predictor.tests[0]
-    predicted, left = first.predict(()), first.residual(())
+    predicted, residual = first.predict(()), first.residual(())
     usable = first.observed.usable
-    gaps, errors = left.gaps(usable), scatters(first.observed, left, usable)
-    parts = {part for part, gap in gaps.items() if gap > 1 + BEYOND * errors[part]}
+    gaps, errors = residual.gaps(usable), scatters(first.observed, residual, usable)
+    parts = {part for part, gap in gaps.items() if gap > 1 + LOCALISATION.part_significance * errors[part]}
     level = _level_dependence(predictor)
     carrier = _carrier(gaps, parts)
-    # Where FRFs agree it is told where the part sits that does not.
-    squares = _squares(left.rescaled[carrier], usable)
+    # Where the FRFs agree, bands and responses are those of the part that does not.
+    squares = _squares(residual.rescaled[carrier], usable)
     by_line, by_channel = (_mean(squares, usable, axis) for axis in (1, 0))
     bands = _bands(first.observed.freq, by_line)
-    shown = range(1, min(MOST_MODES, len(evidence.mode_frequency)) + 1) if "frf" in parts else ()
-    found = Localisation(
-        bands=bands[:MOST_BANDS],
+    n_modes = min(LOCALISATION.max_modes, len(evidence.mode_frequency)) if "frf" in parts else 0
+    modes = range(1, n_modes + 1)
+    localisation = Localisation(
+        bands=bands[: LOCALISATION.max_bands],
         dofs=_dofs(evidence.outputs, by_channel),
         modes=_modes(evidence, bands),
-        signs=tuple(_signs(carrier if parts else None, first, by_line, by_channel, level)),
+        signs=tuple(_patterns(carrier if parts else None, first, by_line, by_channel, level)),
         mode_shifts=mode_shifts(
-            first, predicted.h, shown, [float(evidence.frequency_shift[m - 1]) for m in shown]
+            first, predicted.h, modes, [float(evidence.frequency_shift[m - 1]) for m in modes]
         ),
         responses=response_misfits(first.observed, predicted.h),
         level_dependence=level,
     )
-    return located_words.said(
-        found, gaps, LocalisationText(first.observed.freq, evidence.outputs, by_line, by_channel, left)
+    return with_statements(
+        localisation,
+        gaps,
+        GapDistribution(first.observed.freq, evidence.outputs, by_line, by_channel, residual),
     )
 
 
 def _carrier(gaps: Mapping[str, float], parts: AbstractSet[str]) -> str:
     """Return the part that carries the gap: the FRFs, unless they nearly agree and another does not."""
-    loud = {part: gaps[part] - 1 for part in parts}
-    worst = max(loud, key=lambda part: loud[part], default="frf")
-    quiet = gaps["frf"] < DISAGREES and loud.get("frf", 0.0) < LOUDER * loud.get(worst, 0.0)
-    return worst if quiet else "frf"
+    excess = {part: gaps[part] - 1 for part in parts}
+    worst = max(excess, key=lambda part: excess[part], default="frf")
+    threshold = LOCALISATION.minor_excess * excess.get(worst, 0.0)
+    frfs_agree = gaps["frf"] < LOCALISATION.disagreement and excess.get("frf", 0.0) < threshold
+    return worst if frfs_agree else "frf"
 
 
 def _squares(part: ComplexArray | FloatArray, usable: BoolArray) -> FloatArray:
@@ -80,71 +81,84 @@ def _mean(squares: FloatArray, usable: BoolArray, axis: int) -> FloatArray:
 
 
 def _bands(freq: FloatArray, by_line: FloatArray) -> tuple[tuple[float, float], ...]:
-    line = np.convolve(by_line, np.ones(3) / 3, mode="same")
-    typical = max(DISAGREES, 0.1 * float(line.max(initial=0.0)))
-    high = np.flatnonzero(line > typical)
-    groups = np.split(high, np.flatnonzero(np.diff(high) > 3) + 1) if high.size else []
+    """Return the bands, Hz, whose smoothed mean squared residual is high."""
+    n = LOCALISATION.band_separation
+    smooth = np.convolve(by_line, np.ones(n) / n, mode="same")
+    threshold = max(LOCALISATION.disagreement, LOCALISATION.band_level * float(smooth.max(initial=0.0)))
+    high = np.flatnonzero(smooth > threshold)
+    groups = np.split(high, np.flatnonzero(np.diff(high) > n) + 1) if high.size else []
     return tuple((float(freq[g[0]]), float(freq[g[-1]])) for g in groups)
 
 
 def _dofs(outputs: Sequence[Dof], by_channel: FloatArray) -> tuple[Dof, ...]:
-    worst = max(DISAGREES, 0.5 * float(by_channel.max(initial=0.0)))
-    return tuple(d for d, gap in zip(outputs, by_channel, strict=True) if gap > worst)
+    """Return the responses with a high mean squared residual."""
+    level = LOCALISATION.response_level * float(by_channel.max(initial=0.0))
+    threshold = max(LOCALISATION.disagreement, level)
+    return tuple(d for d, gap in zip(outputs, by_channel, strict=True) if gap > threshold)
 
 
 def _modes(evidence: Evidence, bands: tuple[tuple[float, float], ...]) -> tuple[int, ...]:
-    spacing = float(evidence.freq[1] - evidence.freq[0])
+    """Return the modes, counted from 1, in or beside the bands."""
+    margin = LOCALISATION.mode_margin * float(evidence.freq[1] - evidence.freq[0])
     return tuple(
         i + 1
         for i, f in enumerate(evidence.mode_frequency)
-        if any(lo - 2 * spacing <= f <= hi + 2 * spacing for lo, hi in bands)
+        if any(lo - margin <= f <= hi + margin for lo, hi in bands)
     )
 
 
-def _signs(
+def _patterns(
     carrier: str | None, first: Predictor, by_line: FloatArray, by_channel: FloatArray, level: float | None
 ) -> Iterator[GapPattern]:
-    """Yield what is telling.
+    """Yield the patterns of the gap.
 
     Parameters
     ----------
     carrier
-        The part that the gap is in; None if all agree.
+        Part that carries the gap; None if all parts agree.
+    by_line, by_channel
+        (n_freq,) and (n_out,), mean squared residuals.
+    level
+        Level dependence; None if the tests have one level.
     """
     if carrier == "force":
         yield GapPattern.FORCE_ONLY
     if carrier == "response":
         yield GapPattern.COHERENCE_ONLY
-    if carrier in ("frf", "response") and _alone(by_channel):
+    if carrier in ("frf", "response") and _one_disagrees(by_channel):
         at_drive = first.observed.outputs[int(by_channel.argmax())].point == first.setup.drive.point
         yield GapPattern.DRIVE_POINT_ONLY if at_drive else GapPattern.ONE_RESPONSE
-    if carrier is not None and by_line.max() > DISAGREES:
+    if carrier is not None and by_line.max() > LOCALISATION.disagreement:
         low, high = span(first.observed.freq, by_line)
-        if high < END * first.observed.freq[-1]:
+        if high < LOCALISATION.band_end * first.observed.freq[-1]:
             yield GapPattern.LOW_FREQUENCY
-        if low > (1 - END) * first.observed.freq[-1]:
+        if low > (1 - LOCALISATION.band_end) * first.observed.freq[-1]:
             yield GapPattern.HIGH_FREQUENCY
-    if level is not None and level > DISAGREES:
+    if level is not None and level > LOCALISATION.disagreement:
         yield GapPattern.LEVEL_DEPENDENCE
 
 
-def _alone(by_channel: FloatArray) -> bool:
+def _one_disagrees(by_channel: FloatArray) -> bool:
     """Return whether one response disagrees and at least two others agree."""
     order = np.sort(by_channel)
-    return len(order) > 2 and order[-1] > DISAGREES and order[-2] - 1 < OTHERS * (order[-1] - 1)
+    if len(order) <= 2 or order[-1] <= LOCALISATION.disagreement:  # 2: with fewer there is no majority
+        return False
+    return bool(order[-2] - 1 < LOCALISATION.agreeing_excess * (order[-1] - 1))
 
 
 def _level_dependence(predictor: Predictor) -> float | None:
-    """Return the mean squared difference of the FRFs of tests at other levels over its random variance."""
-    first, *others = predictor.tests
+    """Return the mean squared difference of FRFs at two force levels over its random variance."""
+    first, *further_tests = predictor.tests
+    reference = first.observed
     gaps = []
-    for other in others:
-        seen, own = other.observed, first.observed
-        level = other.setup.analyser.excitation.level / first.setup.analyser.excitation.level
-        same = seen.outputs == own.outputs and other.setup.drives == first.setup.drives
-        if level == 1 or not same or not np.array_equal(seen.freq, own.freq):
+    for test in further_tests:
+        observed = test.observed
+        level = test.setup.analyser.excitation.level / first.setup.analyser.excitation.level
+        comparable = observed.outputs == reference.outputs and test.setup.drives == first.setup.drives
+        if level == 1 or not comparable or not np.array_equal(observed.freq, reference.freq):
             continue
-        both = seen.usable & own.usable
-        variance = 2 * (seen.error[both] ** 2 + own.error[both] ** 2)
-        gaps.append(float((np.abs(np.log(seen.h[both] / own.h[both])) ** 2 / variance).mean()))
+        usable = observed.usable & reference.usable
+        variance = 2 * (observed.error[usable] ** 2 + reference.error[usable] ** 2)
+        log_ratio = np.log(observed.h[usable] / reference.h[usable])
+        gaps.append(float((np.abs(log_ratio) ** 2 / variance).mean()))
     return max(gaps) if gaps else None

@@ -1,4 +1,4 @@
-"""Where a gap sits, in plain words."""
+"""Statements in plain English on where the gap lies."""
 
 import math
 from collections.abc import Mapping
@@ -8,108 +8,136 @@ import numpy as np
 
 from modallab.core.arrays import FloatArray
 from modallab.core.dof import Dof
+from modallab.core.numerics import SAFE_DIVISOR
+from modallab.diagnosis.localisation.settings import STATEMENTS
 from modallab.diagnosis.residuals.residual import Residual
 from modallab.diagnosis.result import ChannelError, GapPattern, Localisation, ModeShift, ResponseMisfit
 
-NAMES = {"frf": "FRFs", "force": "force spectra", "response": "response spectra"}
-CLEAR = 4.0  # standard errors from which on a shift is told
-NOTABLE = 1e-5  # smaller shifts than that are not told: nobody can do anything about them
-LIKE = 0.1  # spread of the shifts of all modes over their mean below which they are one
-NEARLY_ALL = 0.95  # share of what is above 1 that lies where "only" is said
-MOST = 8
-# One response alone cannot say that the modes of a structure are elsewhere, nor can FRFs that agree.
-NOT_THE_MODES = {
+PARTS = {"frf": "FRFs", "force": "force spectra", "response": "response spectra"}
+# With these patterns the disagreement does not come from the modes of the structure.
+PATTERNS_WITHOUT_MODES = {
     GapPattern.FORCE_ONLY,
     GapPattern.COHERENCE_ONLY,
     GapPattern.ONE_RESPONSE,
     GapPattern.DRIVE_POINT_ONLY,
 }
-SIGNS = {
+PATTERNS = {
     GapPattern.FORCE_ONLY: (
-        "the FRFs agree; only the auto spectra do not, most of all those of the force: look at what drives "
-        "the structure"
+        "the FRFs agree; only the auto spectra disagree, the force spectrum most: "
+        "the cause lies in the excitation of the structure"
     ),
     GapPattern.COHERENCE_ONLY: (
-        "the FRFs agree; only the auto spectra do not: {more} of the responses has nothing to do with the "
-        "force than the log book accounts for"
+        "the FRFs agree; only the auto spectra disagree: the part of the responses that is not coherent "
+        "with the force is {size} than the log book predicts"
     ),
-    GapPattern.ONE_RESPONSE: "one response stands out, {dof}: all others agree",
-    GapPattern.DRIVE_POINT_ONLY: "the drive point, {dof}, stands out: all other responses agree",
+    GapPattern.ONE_RESPONSE: "only one response, {dof}, disagrees; all other responses agree",
+    GapPattern.DRIVE_POINT_ONLY: "only the drive point, {dof}, disagrees; all other responses agree",
     GapPattern.LOW_FREQUENCY: "only the low end of the band disagrees, up to {high:.4g} Hz",
     GapPattern.HIGH_FREQUENCY: "only the high end of the band disagrees, from {low:.4g} Hz",
     GapPattern.LEVEL_DEPENDENCE: (
-        "the FRFs change with the force level, by {level:.1f} random errors: something is not linear"
+        "the FRFs depend on the force level, by {level:.1f} random errors: structure or rig is nonlinear"
     ),
 }
 
 
 @dataclass(frozen=True, eq=False)
-class LocalisationText:
-    """Where the part sits that carries the gap."""
+class GapDistribution:
+    """Distribution of the gap over frequency and responses, of the part that carries it."""
 
-    freq: FloatArray  # (n_freq,) Hz
+    freq: FloatArray
+    """Hz, (n_freq,), frequency lines."""
     outputs: tuple[Dof, ...]
-    by_line: FloatArray  # (n_freq,) mean squared residual
-    by_channel: FloatArray  # (n_out,)
-    left: Residual
+    """Measured responses."""
+    by_line: FloatArray
+    """(n_freq,), mean squared residual of each line."""
+    by_channel: FloatArray
+    """(n_out,), mean squared residual of each response."""
+    residual: Residual
+    """Residual of the prediction without added effects."""
 
 
 def span(freq: FloatArray, by_line: FloatArray) -> tuple[float, float]:
-    """Return from where to where nearly all of the gap lies, Hz."""
+    """Return the lower and upper limit, Hz, of the band that holds nearly all of the gap."""
     excess = np.maximum(by_line - 1, 0.0)
-    share = np.cumsum(excess) / max(float(excess.sum()), 1e-300)
-    edge = (1 - NEARLY_ALL) / 2
-    low = int(np.searchsorted(share, edge))
-    return float(freq[low]), float(freq[min(int(np.searchsorted(share, 1 - edge)), len(freq) - 1)])
+    share = np.cumsum(excess) / max(float(excess.sum()), SAFE_DIVISOR)
+    tail = (1 - STATEMENTS.band_share) / 2
+    low, high = int(np.searchsorted(share, tail)), int(np.searchsorted(share, 1 - tail))
+    return float(freq[low]), float(freq[min(high, len(freq) - 1)])
 
 
-def said(found: Localisation, gaps: Mapping[str, float], seen: LocalisationText) -> Localisation:
-    """Return what was located with its words."""
-    words = [f"mean squared residual: {', '.join(f'{NAMES[part]} {gap:.3g}' for part, gap in gaps.items())}"]
-    words += [_sign(sign, found, seen) for sign in found.signs]
-    if not NOT_THE_MODES & set(found.signs):
-        words += _shifts("natural frequencies", found.mode_shifts, "frequency")
-        words += _shifts("loss factors", found.mode_shifts, "loss_factor")
-    words += _responses(found)
-    if found.bands:
-        words.append("bands: " + ", ".join(f"{lo:.4g} to {hi:.4g} Hz" for lo, hi in found.bands[:MOST]))
-    if found.dofs and len(found.dofs) < len(seen.outputs):
-        words.append("responses: " + ", ".join(map(str, found.dofs)))
-    return replace(found, words=tuple(words))
+def with_statements(
+    localisation: Localisation, gaps: Mapping[str, float], distribution: GapDistribution
+) -> Localisation:
+    """Return the localisation with its statements in plain English."""
+    parts = ", ".join(f"{PARTS[part]} {gap:.3g}" for part, gap in gaps.items())
+    words = [f"mean squared residual: {parts}"]
+    words += [_pattern(pattern, localisation, distribution) for pattern in localisation.signs]
+    if not PATTERNS_WITHOUT_MODES & set(localisation.signs):
+        words += _mode_shifts("natural frequencies", localisation.mode_shifts, "frequency")
+        words += _mode_shifts("loss factors", localisation.mode_shifts, "loss_factor")
+    words += _channel_errors(localisation)
+    if localisation.bands:
+        bands = localisation.bands[: STATEMENTS.max_items]
+        words.append("bands: " + ", ".join(f"{low:.4g} to {high:.4g} Hz" for low, high in bands))
+    if localisation.dofs and len(localisation.dofs) < len(distribution.outputs):
+        words.append("responses: " + ", ".join(map(str, localisation.dofs)))
+    return replace(localisation, words=tuple(words))
 
 
-def _sign(sign: GapPattern, found: Localisation, seen: LocalisationText) -> str:
-    low, high = span(seen.freq, seen.by_line)
-    return SIGNS[sign].format(
-        dof=seen.outputs[int(seen.by_channel.argmax())],
-        more="more" if seen.left.response is None or seen.left.response.sum() > 0 else "less",
+def _pattern(pattern: GapPattern, localisation: Localisation, distribution: GapDistribution) -> str:
+    low, high = span(distribution.freq, distribution.by_line)
+    response = distribution.residual.response
+    return PATTERNS[pattern].format(
+        dof=distribution.outputs[int(distribution.by_channel.argmax())],
+        size="larger" if response is None or response.sum() > 0 else "smaller",
         low=low,
         high=high,
-        level=math.sqrt(found.level_dependence or 0.0),
+        level=math.sqrt(localisation.level_dependence or 0.0),
     )
 
 
-def _shifts(what: str, shifts: tuple[ModeShift, ...], name: str) -> list[str]:
-    """Return one sentence on what modes have in common, or each mode's own shift; none if none is clear."""
-    each = [(one.mode, getattr(one, f"{name}_shift"), getattr(one, f"{name}_error")) for one in shifts]
-    clear = [one for one in each if abs(one[1]) > max(CLEAR * one[2], NOTABLE)]
-    if not clear:
+def _mode_shifts(quantity: str, shifts: tuple[ModeShift, ...], name: str) -> list[str]:
+    """Return a statement on the significant shifts: a common trend, or each mode; empty if none is.
+
+    Parameters
+    ----------
+    quantity
+        Name of the shifted quantity, plural.
+    name
+        Start of the names of its fields in `ModeShift`.
+    """
+    values = [(s.mode, getattr(s, f"{name}_shift"), getattr(s, f"{name}_error")) for s in shifts]
+    limit = STATEMENTS.shift_significance
+    significant = [
+        (mode, shift)
+        for mode, shift, error in values
+        if abs(shift) > max(limit * error, STATEMENTS.smallest_shift)
+    ]
+    if not significant:
         return []
-    values = np.array([shift for _, shift, _ in clear])
-    way = {"frequency": ("higher", "lower"), "loss_factor": ("more damped", "less damped")}[name]
+    if trend := _trend(significant):
+        return [f"the {quantity} are {trend}"]
+    modes = ", ".join(f"mode {mode} {_signed(shift)}" for mode, shift in significant[: STATEMENTS.max_items])
+    return [f"the {quantity} differ from the model's: {modes}"]
+
+
+def _trend(shifts: list[tuple[int, float]]) -> str:
+    """Return the common trend of shifts (mode, relative shift); empty if there is none."""
+    values = np.array([shift for _, shift in shifts])
     mean, size = float(values.mean()), np.abs(values)
-    if len(clear) > 2 and (values * mean > 0).all():
-        if size.max() - size.min() < LIKE * abs(mean):
-            return [f"modes are {way[mean < 0]} than the model's, all by about {_percent(abs(mean))}"]
-        for order, end in ((-1, "lower"), (1, "higher")):
-            if (order * np.diff(size) > 0).all():
-                first, last = _signed(values[0]), _signed(values[-1])
-                return [
-                    f"modes are {way[mean < 0]} than the model's, the more the {end} they are: "
-                    f"mode {clear[0][0]} {first} to mode {clear[-1][0]} {last}"
-                ]
-    modes = ", ".join(f"mode {mode} {_signed(shift)}" for mode, shift, _ in clear[:MOST])
-    return [f"{what} against the model's: {modes}"]
+    if len(shifts) <= 2 or not (values * mean > 0).all():  # 2: any two shifts have a trend
+        return ""
+    direction = "lower" if mean < 0 else "higher"
+    if size.max() - size.min() < STATEMENTS.common_spread * abs(mean):
+        return f"{direction} than the model's, all by about {_percent(abs(mean))}"
+    for order, end in ((-1, "lower"), (1, "higher")):
+        if (order * np.diff(size) > 0).all():
+            (first, first_shift), (last, last_shift) = shifts[0], shifts[-1]
+            return (
+                f"{direction} than the model's, and the shift grows towards {end} modes: "
+                f"mode {first} {_signed(first_shift)} to mode {last} {_signed(last_shift)}"
+            )
+    return ""
 
 
 def _signed(share: float) -> str:
@@ -117,32 +145,37 @@ def _signed(share: float) -> str:
 
 
 def _percent(share: float) -> str:
-    return f"{100 * share:.2g} %" if share < 0.1 else f"{100 * share:.0f} %"
+    return f"{100 * share:.2g} %" if share < 0.1 else f"{100 * share:.0f} %"  # 0.1: two digits in either form
 
 
-def _responses(found: Localisation) -> list[str]:
-    """Return what accounts for single responses, one sentence a kind of reason."""
-    told = []
-    for course in ChannelError:
-        those = [one for one in found.responses if one.course is course]
-        # Where all responses are off alike it is the force, or the model.
-        if those and len(those) <= max(1, len(found.responses) // 2):
-            told += [_response(one) for one in those[:MOST]]
-    return told
+def _channel_errors(localisation: Localisation) -> list[str]:
+    """Return a statement on each response with a channel error, by kind of error.
+
+    An error that most responses share is omitted: the force or the model causes it, not the channels.
+    """
+    statements = []
+    for error in ChannelError:
+        misfits = [misfit for misfit in localisation.responses if misfit.course is error]
+        if misfits and len(misfits) <= max(1, len(localisation.responses) // 2):
+            statements += [_channel_error(misfit) for misfit in misfits[: STATEMENTS.max_items]]
+    return statements
 
 
-def _response(one: ResponseMisfit) -> str:
-    off = one.amplitude - 1
-    if one.course is ChannelError.GAIN:
-        return (
-            f"{one.dof} reads {_percent(abs(off))} {'high' if off > 0 else 'low'} at all frequencies: a gain"
-        )
-    if one.course is ChannelError.POLARITY:
-        return f"{one.dof} has the opposite sign at all frequencies"
-    if one.course is ChannelError.DELAY:
-        way = "lags behind" if one.delay > 0 else "is ahead"
-        return f"{one.dof} {way}, the more the higher the frequency: by {_time(abs(one.delay))}"
-    return f"{one.dof} reads more wrongly with the square of the frequency: as a sensor near its resonance"
+def _channel_error(misfit: ResponseMisfit) -> str:
+    deviation = misfit.amplitude - 1
+    if misfit.course is ChannelError.GAIN:
+        direction = "high" if deviation > 0 else "low"
+        size = f"{_percent(abs(deviation))} {direction}"
+        return f"{misfit.dof} reads {size} at all frequencies, as with a gain error"
+    if misfit.course is ChannelError.POLARITY:
+        return f"{misfit.dof} has the opposite sign at all frequencies"
+    if misfit.course is ChannelError.DELAY:
+        verb = "lags" if misfit.delay > 0 else "leads"
+        return f"{misfit.dof} {verb} by {_time(abs(misfit.delay))}, its phase error proportional to frequency"
+    return (
+        f"{misfit.dof} deviates in amplitude with the square of frequency, as a sensor does near its mounted "
+        "resonance"
+    )
 
 
 def _time(seconds: float) -> str:

@@ -11,7 +11,7 @@ from modallab.core.errors import InvalidInputError
 from modallab.core.place import Members
 from modallab.core.progress import Progress, part
 from modallab.diagnosis.fitting.fit import NEARLY, Fit, approach, fit
-from modallab.diagnosis.localisation.evidence import gather
+from modallab.diagnosis.localisation.evidence import collect_evidence
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.searching.acceptance import best_first, is_noise_only
 from modallab.diagnosis.searching.scanning import scan
@@ -36,7 +36,7 @@ class Suspects:
     def of(self, predictor: Predictor, accepted: Sequence[Effect]) -> list[Effect]:
         """Return those that what disagrees with some effects accepted points at, the likeliest first."""
         # What shows at one level or drive point need not show at the others.
-        every = [gather(test, accepted) for test in predictor.tests]
+        every = [collect_evidence(test, accepted) for test in predictor.tests]
         kinds = {type(effect) for effect in self.effects}
         likely = {cls: max(cls.signature(evidence) for evidence in every) for cls in kinds}
         taken = {name_of(effect) for effect in accepted}

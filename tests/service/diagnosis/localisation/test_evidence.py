@@ -1,7 +1,7 @@
 import numpy as np
 import pytest
 
-from modallab.diagnosis.localisation.evidence import gather
+from modallab.diagnosis.localisation.evidence import collect_evidence
 from modallab.effects.exciter_armature import ExciterArmature
 from modallab.effects.stiffness_error import StiffnessError
 from tests.diagnosing import drawn, predicting, rig
@@ -16,7 +16,7 @@ from tests.diagnosing import drawn, predicting, rig
 )
 def test_frequency_shifts_are_read_from_the_frfs(factor: float, tolerance: float) -> None:
     predictor, _ = predicting(drawn(rig(noise=1e-5), [StiffnessError(factor=factor)]))
-    found = gather(predictor, [])
+    found = collect_evidence(predictor, [])
     half_a_line = 1.25 / found.mode_frequency  # more than a step for the first mode alone
     allowed = np.maximum(tolerance, half_a_line) if factor > 1.01 else tolerance
     assert (np.abs(found.frequency_shift - (np.sqrt(factor) - 1)) < allowed).all()
@@ -24,6 +24,6 @@ def test_frequency_shifts_are_read_from_the_frfs(factor: float, tolerance: float
 
 def test_an_armature_is_told_from_the_force_spectra_alone() -> None:
     predictor, _ = predicting(drawn(rig(), [ExciterArmature(mass=0.05)]))
-    evidence = gather(predictor, [])
+    evidence = collect_evidence(predictor, [])
     assert evidence.gaps["force"] > 3 > evidence.gaps["frf"]
     assert ExciterArmature.signature(evidence) > 0.5

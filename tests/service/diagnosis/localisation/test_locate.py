@@ -7,7 +7,7 @@ import pytest
 
 from modallab.core.dof import Dof
 from modallab.core.place import Channels, Members
-from modallab.diagnosis.localisation.evidence import gather
+from modallab.diagnosis.localisation.evidence import collect_evidence
 from modallab.diagnosis.localisation.locate import locate
 from modallab.diagnosis.predicting.joint_prediction import FollowUp, FollowUpPredictor, JointPredictor
 from modallab.diagnosis.residuals.observed import observe
@@ -33,7 +33,7 @@ from tests.diagnosing import drawn, model, predicting, rig
 
 def located(effects: list[Effect], setup: RigSetup | None = None, seed: int = 1) -> Localisation:
     predictor, _ = predicting(drawn(setup or rig(), effects, seed=seed))
-    return locate(predictor, gather(predictor, []))
+    return locate(predictor, collect_evidence(predictor, []))
 
 
 def at(node: int) -> Channels:
@@ -46,7 +46,7 @@ def said(found: Localisation, text: str) -> bool:
 
 def test_bands_and_modes_are_where_the_gap_is() -> None:
     predictor, _ = predicting(drawn(rig(), [StiffnessError(factor=1.02)]))
-    evidence = gather(predictor, [])
+    evidence = collect_evidence(predictor, [])
     found = locate(predictor, evidence)
     worst = evidence.freq[evidence.by_line.argmax()]
     nearest = int(np.abs(evidence.mode_frequency - worst).argmin()) + 1
@@ -86,9 +86,9 @@ def test_shifts_of_modes_are_those_of_the_eigenvalues(hidden: Effect, kind: str,
 
 def test_what_all_modes_have_in_common_is_said_once() -> None:
     found = located([StiffnessError(factor=1.02)])
-    assert said(found, "modes are higher than the model's, all by about 0.99 %")
+    assert said(found, "the natural frequencies are higher than the model's, all by about 0.99 %")
     soft = located([GroundSpring(at=Dof(1, "Y"), stiffness=500.0)])
-    assert said(soft, "the more the lower they are")
+    assert said(soft, "the shift grows towards lower modes")
 
 
 def test_modes_of_swapped_channels_have_not_moved() -> None:
@@ -103,7 +103,7 @@ def test_modes_of_swapped_channels_have_not_moved() -> None:
     [
         (GainError(at=at(5), factor=1.1), ChannelError.GAIN, "5:+Y reads 10 % high at all frequencies"),
         (Polarity(at=at(5)), ChannelError.POLARITY, "5:+Y has the opposite sign"),
-        (ChannelDelay(at=at(5), delay=3e-5), ChannelError.DELAY, "5:+Y lags behind"),
+        (ChannelDelay(at=at(5), delay=3e-5), ChannelError.DELAY, "5:+Y lags by"),
     ],
     ids=lambda value: getattr(value, "kind", ""),
 )
@@ -137,7 +137,7 @@ def test_forces_alone_are_told() -> None:
 def test_a_loss_of_coherence_alone_is_told() -> None:
     found = located([ResponseNoise(ratio=1e-3)])
     assert found.signs == (GapPattern.COHERENCE_ONLY,)
-    assert said(found, "more of the responses has nothing to do with the force")
+    assert said(found, "not coherent with the force is larger")
 
 
 def test_bands_of_hum_are_its_lines() -> None:
@@ -177,7 +177,7 @@ def test_tests_at_two_levels_tell_whether_frfs_depend_on_it(effects: list[Effect
     second = FollowUp(_at_level(3.0, effects, 2), Change(level_factor=3.0)).taken_after(first)
     one, _ = predicting(first)
     other = FollowUpPredictor(one, second.setup, observe(second, (), fraction=0.0))
-    found = locate(JointPredictor([one, other]), gather(one, []))
+    found = locate(JointPredictor([one, other]), collect_evidence(one, []))
     assert found.level_dependence is not None
     assert (found.level_dependence > 3) == dependent
     assert (GapPattern.LEVEL_DEPENDENCE in found.signs) == dependent
