@@ -11,9 +11,10 @@ from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfSet
 from modallab.core.modal_model import ModalModel
 from modallab.correlation.coordinate import comac, ecomac
-from modallab.correlation.mac import FLOOR, mac, pair_modes, pole_weighted_mac
+from modallab.correlation.mac import mac, pair_modes, pole_weighted_mac
 from modallab.correlation.orthogonality import Orthogonality
 from modallab.correlation.responses import ResponseCorrelation, compare_responses
+from modallab.correlation.settings import PAIRING
 from modallab.fe.reduction import ReducedSystem, Reduction, reduce
 from modallab.fe.synthetic_modes import exact_modes
 from modallab.fe.system import DynamicSystem
@@ -42,9 +43,6 @@ class Correlation:
                 object.__setattr__(self, name, frozen(getattr(self, name), float, shape, name=name))
 
 
-MOST_MODES = 100  # of a model, unasked
-
-
 def correlate(
     system: DynamicSystem,
     measured: ModalModel,
@@ -70,7 +68,7 @@ def correlate(
         If the two have no DoF in common, one has no modes, or the common DoFs do not determine the motion
         of the others.
     """
-    model = exact_modes(system, count or min(len(measured.modes), MOST_MODES))
+    model = exact_modes(system, count or min(len(measured.modes), PAIRING.max_model_modes))
     masters = common_points(measured.dofs, system.dofs)
     reduced = None
     if reduction is not None and masters:
@@ -88,7 +86,7 @@ def compare(
     model: ModalModel,
     measured: ModalModel,
     *,
-    floor: float = FLOOR,
+    floor: float = PAIRING.min_mac,
     reduced: ReducedSystem | None = None,
     responses: ResponseCorrelation | None = None,
 ) -> Correlation:

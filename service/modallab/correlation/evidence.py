@@ -6,6 +6,7 @@ import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.dof import Dof
+from modallab.core.numerics import SAFE_DIVISOR
 
 
 @dataclass(frozen=True, eq=False)
@@ -62,7 +63,7 @@ class Evidence:
         worst = int(self.by_channel.argmax())
         left = self.frf[:, worst] * self.weight[:, worst]
         size = float((np.abs(left) ** 2).sum() * (np.abs(course) ** 2).sum())
-        return min(1.0, float((course.conj() * left).real.sum()) ** 2 / max(size, 1e-300))
+        return min(1.0, float((course.conj() * left).real.sum()) ** 2 / max(size, SAFE_DIVISOR))
 
     @property
     def at_peaks(self) -> float:
@@ -71,7 +72,7 @@ class Evidence:
             return 0.0
         lines = np.abs(self.freq[:, None] - self.mode_frequency).argmin(axis=0)
         left = (self.frf * self.weight)[lines]
-        return float((left.real**2).sum() / max(float((np.abs(left) ** 2).sum()), 1e-300))
+        return float((left.real**2).sum() / max(float((np.abs(left) ** 2).sum()), SAFE_DIVISOR))
 
     @property
     def by_line(self) -> FloatArray:

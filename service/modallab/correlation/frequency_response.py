@@ -4,9 +4,7 @@ import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.correlation.mac import mac
-
-WIDEST = 1.5  # frequency scale, either way, that is looked for
-SHARED = 0.5  # of the lines that must stay in the band of both
+from modallab.correlation.settings import RESPONSES
 
 
 def frac(measured: ComplexArray, model: ComplexArray) -> FloatArray:
@@ -68,7 +66,9 @@ def ridge(values: FloatArray, step: float) -> tuple[float | None, float | None, 
     """
     n = values.shape[1]
     plane = values.mean(axis=0)
-    furthest = min(int(np.log(WIDEST) / step), int((1 - SHARED) * n))
+    furthest = min(
+        int(np.log(RESPONSES.max_frequency_scale) / step), int((1 - RESPONSES.min_common_lines) * n)
+    )
     offsets = np.arange(-furthest, furthest + 1)
     # measured line i stands beside model line i - offset
     means = np.array([plane.diagonal(-offset).mean() for offset in offsets])

@@ -4,9 +4,8 @@ import numpy as np
 import scipy.optimize
 
 from modallab.core.arrays import ComplexArray, FloatArray
-
-FLOOR = 0.3  # MAC of unlike shapes at ten DoFs or so hardly reaches it by chance
-ORDER = 10  # of the pole-weighted vectors
+from modallab.core.numerics import PRODUCT_ROUNDING
+from modallab.correlation.settings import PAIRING
 
 
 def mac(first: ComplexArray | FloatArray, second: ComplexArray | FloatArray) -> FloatArray:
@@ -30,7 +29,7 @@ def mac(first: ComplexArray | FloatArray, second: ComplexArray | FloatArray) -> 
     return np.asarray(np.minimum(values, 1.0))
 
 
-def pair_modes(values: FloatArray, floor: float = FLOOR) -> tuple[tuple[int, int], ...]:
+def pair_modes(values: FloatArray, floor: float = PAIRING.min_mac) -> tuple[tuple[int, int], ...]:
     """Return pairs (row, column) of a MAC matrix, each used once, in rising row.
 
     The assignment whose MAC values add up to most: where two rows want the same column, the pair of
@@ -40,7 +39,9 @@ def pair_modes(values: FloatArray, floor: float = FLOOR) -> tuple[tuple[int, int
         np.where(values >= floor, values, 0.0), maximize=True
     )
     return tuple(
-        (int(r), int(c)) for r, c in zip(rows, columns, strict=True) if values[r, c] >= max(floor, 1e-12)
+        (int(r), int(c))
+        for r, c in zip(rows, columns, strict=True)
+        if values[r, c] >= max(floor, PRODUCT_ROUNDING)
     )
 
 
@@ -49,7 +50,7 @@ def pole_weighted_mac(
     second: ComplexArray | FloatArray,
     first_eigenvalues: ComplexArray,
     second_eigenvalues: ComplexArray,
-    order: int = ORDER,
+    order: int = PAIRING.pole_order,
 ) -> FloatArray:
     """Return the pole-weighted MAC of every pair of modes, (n_first, n_second), 0 to 1.
 

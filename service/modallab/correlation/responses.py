@@ -9,13 +9,9 @@ from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.correlation.frequency_response import fdac, frac, ridge
+from modallab.correlation.settings import RESPONSES
 from modallab.fe.receptance import receptance
 from modallab.fe.system import DynamicSystem
-
-SHOWN = 200  # lines of an FDAC, along either axis
-MOST_SHOWN = 4_000_000  # numbers of an FDAC over all its inputs: 32 MB
-FINE = 600  # lines at which the ridge is looked for
-LOWEST = 0.02  # of the highest frequency, where these lines begin
 
 
 @dataclass(frozen=True, eq=False)
@@ -59,7 +55,9 @@ def compare_responses(measured: FrfSet, system: DynamicSystem) -> ResponseCorrel
     shared = _shared(measured, system)
     freq = shared.freq
     computed = _responses(system, shared, freq)
-    wanted = min(len(freq), SHOWN, int(np.sqrt(MOST_SHOWN / len(shared.inputs))))
+    wanted = min(
+        len(freq), RESPONSES.plotted_lines, int(np.sqrt(RESPONSES.max_plotted_values / len(shared.inputs)))
+    )
     shown = np.unique(np.linspace(0, len(freq) - 1, wanted).round().astype(int))
     scale: tuple[float | None, ...] = (None, None, None)
     if len(shared.outputs) > 1 and len(freq) > 1:  # one response alone has no shape
@@ -114,10 +112,10 @@ def _responses(system: DynamicSystem, like: FrfSet, freq: FloatArray) -> Complex
 def _ridge(system: DynamicSystem, measured: FrfSet) -> tuple[float | None, float | None, float]:
     """Return the frequency scale of the FDAC's ridge, and the means on it and at equal frequencies."""
     freq = measured.freq
-    ends = np.log(max(freq[0], LOWEST * freq[-1])), np.log(freq[-1])
-    grid, step = np.linspace(*ends, FINE, retstep=True)
+    ends = np.log(max(freq[0], RESPONSES.ridge_start * freq[-1])), np.log(freq[-1])
+    grid, step = np.linspace(*ends, RESPONSES.ridge_lines, retstep=True)
     even = np.exp(grid)
     flat = measured.values.reshape(len(freq), -1)
     fine = np.stack([np.interp(even, freq, column) for column in flat.T], axis=1)
     computed = _responses(system, measured, even)
-    return ridge(fdac(fine.reshape(FINE, *measured.values.shape[1:]), computed), float(step))
+    return ridge(fdac(fine.reshape(RESPONSES.ridge_lines, *measured.values.shape[1:]), computed), float(step))

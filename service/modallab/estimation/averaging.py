@@ -6,10 +6,8 @@ import numpy as np
 import scipy.fft
 
 from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.estimation.settings import SPECTRUM
 from modallab.estimation.windows import Window
-
-IN_CACHE = 2**17  # samples transformed at once: larger batches run at the speed of memory
-FINE = 4096  # samples of a window for its overlap with itself: exact for sums of cosines at this length
 
 
 @lru_cache(maxsize=64)
@@ -26,13 +24,13 @@ def effective_averages(averages: int, overlap: float, window: Window) -> float:
     overlap
         Share of a record that the next one has in common with it, 0 to below 1.
     """
-    w = window.samples(FINE)
+    w = window.samples(SPECTRUM.window_samples)
     total = 1.0
     for k in range(1, averages):
-        shift = round(k * (1 - overlap) * FINE)
-        if shift >= FINE:
+        shift = round(k * (1 - overlap) * SPECTRUM.window_samples)
+        if shift >= SPECTRUM.window_samples:
             break
-        correlation = float((w[shift:] @ w[: FINE - shift]) / (w @ w))
+        correlation = float((w[shift:] @ w[: SPECTRUM.window_samples - shift]) / (w @ w))
         total += 2 * (1 - k / averages) * correlation**2
     return averages / total
 
@@ -47,7 +45,7 @@ class Averager:
         n_out = n_ch - n_in
         self.count = 0
         self._w = window.weights(n_samples, n_in, n_out)
-        self._batch = max(1, IN_CACHE // (n_ch * n_samples))
+        self._batch = max(1, SPECTRUM.batch_samples // (n_ch * n_samples))
         self._windowed = np.empty((self._batch, *shape))
         self._scale = 2 / (sample_rate * n_samples * window.power)
         self._ff: ComplexArray = np.zeros((n_in, n_in, n_lines), complex)

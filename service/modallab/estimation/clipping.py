@@ -7,10 +7,8 @@ import scipy.fft
 from scipy.special import erf
 
 from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.estimation.settings import CLIPPING
 from modallab.estimation.spectra import CrossSpectra
-
-ORDERS = range(3, 12, 2)  # of the signal that are told apart; what is left goes with the next one
-FAR = 30.0  # standard deviations beyond which nothing is ever clipped
 
 
 def kept_gain(level: FloatArray) -> FloatArray:
@@ -29,14 +27,15 @@ def clipped_power(level: FloatArray) -> FloatArray:
 
 
 def hermite_parts(level: FloatArray) -> FloatArray:
-    """Return how much of each of `ORDERS` there is in a clipped Gaussian signal, (n_orders, ...).
+    """Return the Hermite coefficients of a clipped Gaussian signal, (n_orders, ...).
 
-    Coefficients of normalised Hermite polynomials, -2 phi(c) He_{n-2}(c) / sqrt(n!); even ones are 0.
+    Coefficients -2 phi(c) He_{n-2}(c) / sqrt(n!) of the normalised polynomials of orders
+    `CLIPPING.hermite_orders`; those of even orders are 0.
     """
     parts = []
     before, here = np.zeros_like(level), np.ones_like(level)  # He_n / sqrt(n!)
-    for n in range(ORDERS[-1] - 1):
-        if n + 2 in ORDERS:
+    for n in range(CLIPPING.hermite_orders[-1] - 1):
+        if n + 2 in CLIPPING.hermite_orders:
             parts.append(-2 * _density(level) * here / np.sqrt((n + 1) * (n + 2)))
         before, here = here, (level * here - np.sqrt(n) * before) / np.sqrt(n + 1)
     return np.array(parts)
@@ -70,7 +69,7 @@ def clipped_spectra(
     turns = n_samples * spacing / 2  # one-sided density a line to the two-sided sum over all
     correlation = turns * scipy.fft.irfft(whole, n_samples, axis=1)
     size = np.sqrt(np.maximum(correlation[:, 0, :n_ch], np.finfo(float).tiny))
-    c = np.minimum(level / size, FAR)
+    c = np.minimum(level / size, CLIPPING.max_level)
     scale = size[:, one] * size[:, other]
     correlation /= scale[:, None]
     left = scipy.fft.rfft(_distorted(correlation, _weights(c, one, other)), axis=1)[:, :n_lines]

@@ -4,9 +4,8 @@ import numpy as np
 
 from modallab.core.arrays import FloatArray
 from modallab.core.errors import InvalidInputError
+from modallab.estimation.settings import SPECTRUM
 from modallab.estimation.spectra import CrossSpectra
-
-INDISTINCT = 1e12  # condition of the input matrix beyond which H1 is rounding
 
 
 def input_condition(spectra: CrossSpectra) -> FloatArray:
@@ -31,7 +30,7 @@ def told_apart(spectra: CrossSpectra) -> FloatArray:
         If they are not independent of each other at some line.
     """
     condition = input_condition(spectra)
-    if condition.max() > INDISTINCT:
+    if condition.max() > SPECTRUM.max_input_condition:
         raise InvalidInputError(
             "the forces that act at once are not independent of each other",
             field="excitation.kind",

@@ -7,15 +7,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.arrays import BoolArray, FloatArray
+from modallab.core.numerics import SAFE_DIVISOR
+from modallab.estimation.settings import FORCE_NOISE
 
 Numbers = TypeVar("Numbers", bound=NDArray[np.inexact[Any]])
-
-FAINT = 1e-6  # coherence below which there is no response at all
-ROUNDING = 1e-6  # of the force: noise that is no larger is that of the arithmetic
-MORE, ROUNDS = 2.0, 50  # times both noises that a line shows at most; steps of their least squares
-LEAST = 0.1  # share of the lines from whose noise that of the force is estimated
-MOST_COMMON = 0.95  # share of a variance that is taken for common: it is estimated, and the rest must count
-WEAKEST = 0.1  # signal over noise of a force that is believed at least, where noise seems to be all of it
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,11 +43,13 @@ class ForceChannelNoise:
         heard
             (n_freq, n_frf) coherent power g2 G_xx of the motion whose noise is white.
         """
-        loose = force * (1 - coherence) / np.maximum(coherence, FAINT)
-        weaker = np.median(heard[above]) / np.maximum(heard, FAINT * np.median(heard[above]))
+        loose = force * (1 - coherence) / np.maximum(coherence, FORCE_NOISE.min_coherence)
+        weaker = np.median(heard[above]) / np.maximum(
+            heard, FORCE_NOISE.min_coherence * np.median(heard[above])
+        )
         weaker = weaker * force / np.median(force[above])
         size = float(np.median(loose[above]))
-        if not size > ROUNDING**2 * float(np.median(force[above])):
+        if not size > FORCE_NOISE.relative_rounding**2 * float(np.median(force[above])):
             return None
         return cls(loose / size, weaker, force / size, above)
 
@@ -62,8 +59,10 @@ class ForceChannelNoise:
         noise, own = _both_noises(self.loose[self.above], self.weaker[self.above])
         both = noise + own * self.weaker
         # A line's own power would let those weigh more that came out large by chance.
-        every = np.where(self.loose > MORE * both, self.loose, both)
-        return np.asarray(np.minimum(noise / np.maximum(every, FAINT), MOST_COMMON))
+        every = np.where(self.loose > FORCE_NOISE.outlier_ratio * both, self.loose, both)
+        return np.asarray(
+            np.minimum(noise / np.maximum(every, FORCE_NOISE.min_coherence), FORCE_NOISE.max_common_fraction)
+        )
 
     @property
     def rise(self) -> FloatArray:
@@ -73,7 +72,9 @@ class ForceChannelNoise:
 
 
 def _signal(force: FloatArray, noise: float) -> FloatArray:
-    return np.asarray(np.maximum(force - noise, max(WEAKEST * noise, np.finfo(float).tiny)))
+    return np.asarray(
+        np.maximum(force - noise, max(FORCE_NOISE.min_signal_to_noise * noise, np.finfo(float).tiny))
+    )
 
 
 def _both_noises(
@@ -84,15 +85,18 @@ def _both_noises(
     Least squares of relative differences, alternating; lines on which there is more than both, as where
     power leaks, are left out. With the force, N G_ff/(G_ff - N) is fitted and not N, by Newton's steps.
     """
-    noise, own = float(np.quantile(loose, LEAST)), np.quantile(loose / weaker, LEAST, axis=0)
-    for _ in range(ROUNDS):
+    noise, own = (
+        float(np.quantile(loose, FORCE_NOISE.initial_quantile)),
+        np.quantile(loose / weaker, FORCE_NOISE.initial_quantile, axis=0),
+    )
+    for _ in range(FORCE_NOISE.iterations):
         more = 1.0 if force is None else force / _signal(force, noise)
-        both = noise * more + own * weaker + FAINT
-        weight = (loose < MORE * both) / both**2
-        seen = np.maximum((weight * weaker**2).sum(axis=0), FAINT)
+        both = noise * more + own * weaker + FORCE_NOISE.min_coherence
+        weight = (loose < FORCE_NOISE.outlier_ratio * both) / both**2
+        seen = np.maximum((weight * weaker**2).sum(axis=0), FORCE_NOISE.min_coherence)
         own = np.maximum((weight * weaker * (loose - noise * more)).sum(axis=0) / seen, 0.0)
         slope, left = more**2, loose - own * weaker - noise * more * (1 - more)
-        total = max(float((weight * slope**2).sum()), FAINT)
+        total = max(float((weight * slope**2).sum()), FORCE_NOISE.min_coherence)
         noise = max(float((weight * slope * left).sum()) / total, 0.0)
     return noise, own
 
@@ -116,5 +120,5 @@ def parted(part: Numbers, share: FloatArray, where: BoolArray) -> Numbers:
     along = np.where(where, np.sqrt(share) / rest, 0.0)
     size = (along**2).sum(axis=1, keepdims=True)
     alone = np.where(where, part / rest, 0.0)
-    both = (along * alone).sum(axis=1, keepdims=True) / np.maximum(size, 1e-300)
+    both = (along * alone).sum(axis=1, keepdims=True) / np.maximum(size, SAFE_DIVISOR)
     return cast(Numbers, alone - (1 - 1 / np.sqrt(1 + size)) * along * both)

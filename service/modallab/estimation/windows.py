@@ -6,13 +6,11 @@ from functools import lru_cache
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.core.numerics import PRODUCT_ROUNDING
 from modallab.core.registry import Family
+from modallab.estimation.settings import SPECTRUM
 
 WINDOWS: Family["Window"] = Family("window", home=__name__)
-FINE = 4096  # samples of a window for its mean square
-
-
-EDGE = 0.1  # share of a force window over which it falls to zero
 
 
 @dataclass(frozen=True)
@@ -54,7 +52,7 @@ class Window:
     def weights(self, n: int, n_in: int, n_out: int) -> FloatArray:
         """Return the windows of all channels, (n_in + n_out, n), forces first."""
         response = self.samples(n)
-        left = (self.force_width - np.arange(n) / n) / (EDGE * self.force_width)
+        left = (self.force_width - np.arange(n) / n) / (SPECTRUM.force_taper * self.force_width)
         passed = np.sin(np.pi / 2 * np.clip(left, 0.0, 1.0)) ** 2 if self.force_width < 1 else np.ones(n)
         return np.vstack([np.tile(response * passed, (n_in, 1)), np.tile(response, (n_out, 1))])
 
@@ -134,7 +132,7 @@ def _kernel(offset: FloatArray, n: int | None) -> ComplexArray | FloatArray:
         return np.sinc(offset)
     below = np.sinc(offset / n)
     # over the whole period: where the sine below the line is 0 again, the one above is too
-    again = np.abs(below) < 1e-12
+    again = np.abs(below) < PRODUCT_ROUNDING
     size = np.where(
         again, np.cos(np.pi * (n - 1) * offset / n), np.sinc(offset) / np.where(again, 1.0, below)
     )
@@ -188,4 +186,4 @@ def added_loss_factor(end: float, record_length: float, frequency: FloatArray) -
 @lru_cache(maxsize=64)
 def _noise_shares(window: Window) -> FloatArray:
     """Return what a force channel and a response channel keep of white noise, (2,)."""
-    return np.asarray((window.weights(FINE, 1, 1) ** 2).mean(axis=1) / window.power)
+    return np.asarray((window.weights(SPECTRUM.window_samples, 1, 1) ** 2).mean(axis=1) / window.power)

@@ -5,9 +5,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from modallab.core.arrays import FloatArray
+from modallab.core.numerics import PRODUCT_ROUNDING
+from modallab.fe.settings import ELEMENT
 
 TURNING = (2, 5)  # theta of each end among (u, v, theta) of both
-STIFF = 1e-5  # flexibility times the member's own stiffness below which a joint's inertia is of no account
 
 
 @dataclass(frozen=True)
@@ -56,7 +57,7 @@ def jointed(mass: FloatArray, stiffness: FloatArray, joints: tuple[float, float]
         own = flexibility * stiffness[row, row]
         if own == 0:
             continue
-        if own > STIFF:
+        if own > ELEMENT.rigid_joint_flexibility:
             inner.append((row, flexibility))
             continue
         # Moves as its spring lets it: a coordinate of its own would only add a mode at infinity.
@@ -79,4 +80,4 @@ def span(blocks: list[FloatArray]) -> FloatArray:
     if not sized:
         return np.zeros((len(blocks[0]), 0))
     u, s, _ = np.linalg.svd(np.hstack(sized), full_matrices=False)
-    return np.asarray(u[:, s > 1e-12 * s[0]])
+    return np.asarray(u[:, s > PRODUCT_ROUNDING * s[0]])

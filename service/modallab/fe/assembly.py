@@ -10,6 +10,7 @@ from scipy.sparse import csc_array
 
 from modallab.core.arrays import FloatArray, IntArray
 from modallab.core.dof import Dof
+from modallab.core.numerics import COMPARISON_ROUNDING
 from modallab.fe.damping import ModalDamping, StructuralDamping
 from modallab.fe.joint_rotations import JointRotations
 from modallab.fe.losses import Losses
@@ -246,7 +247,7 @@ class Assembly:
         shapes = np.array(free)
         if held:
             _, values, vh = np.linalg.svd(np.array(held), full_matrices=True)
-            rank = int((values > 1e-9 * values[0]).sum()) if values[0] > 0 else 0
+            rank = int((values > COMPARISON_ROUNDING * values[0]).sum()) if values[0] > 0 else 0
             shapes = shapes @ vh[rank:].T
         return shapes
 

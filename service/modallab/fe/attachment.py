@@ -9,11 +9,9 @@ from scipy.sparse import csc_array
 
 from modallab.core.arrays import ComplexArray, FloatArray, frozen
 from modallab.fe.cache import cached
+from modallab.fe.settings import CACHE, RECEPTANCE
 
-FEW = 250  # degrees of freedom up to which full matrices are put together faster
-ASKED = 2  # frequency axes whose dynamic stiffness is kept
 PARTS = ("mass", "stiffness", "damping", "viscous")
-LARGEST = 500  # numbers of one that is kept: of one motion at the lines of a test
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,9 +53,11 @@ class Attachment:
 
         Asked for again at the same frequencies, as in every run of a test, it is known.
         """
-        if len(omega) * self.columns.shape[1] ** 2 > LARGEST:
+        if len(omega) * self.columns.shape[1] ** 2 > CACHE.dynamic_stiffness_values:
             return self._stiffness(omega)
-        return cached(self._kept, "stiffness", omega.tobytes(), lambda: self._stiffness(omega), ASKED)
+        return cached(
+            self._kept, "stiffness", omega.tobytes(), lambda: self._stiffness(omega), CACHE.frequency_axes
+        )
 
     @cached_property
     def _kept(self) -> dict[str, object]:
@@ -130,7 +130,7 @@ def with_added(
     """Return a matrix (n, n) with small ones (r, r) added on their columns (n, r); None if all are none."""
     if not small:
         return matrix
-    if n > FEW:
+    if n > RECEPTANCE.dense_assembly_dofs:
         for columns, own in small:
             extra = csc_array(columns @ own @ columns.T)
             matrix = extra if matrix is None else csc_array(matrix + extra)

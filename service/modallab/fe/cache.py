@@ -3,11 +3,14 @@
 from collections.abc import Callable
 from typing import TypeVar
 
+from modallab.fe.settings import CACHE
+
 T = TypeVar("T")
-KEPT = 16  # variants with other matrices that are kept
 
 
-def cached(shared: dict[str, object], name: str, key: object, make: Callable[[], T], most: int = KEPT) -> T:
+def cached(
+    shared: dict[str, object], name: str, key: object, make: Callable[[], T], most: int = CACHE.variants
+) -> T:
     """Return what was made for a key before, or else make it; the latest few of a name are kept."""
     variants: dict[object, T] = shared.setdefault(name, {})  # type: ignore[assignment]
     found = variants.pop(key) if key in variants else make()

@@ -5,10 +5,8 @@ from scipy.linalg import eig
 from scipy.sparse.csgraph import connected_components
 
 from modallab.core.arrays import ComplexArray, FloatArray
-
-COUPLED = 1e-9  # off-diagonal modal damping, relative to the diagonal, above which modes turn complex
-SQUARE = 1e-8  # that vectors are from orthogonal before a last step, which squares it
-ROUNDING = 1e-12  # what products with the largest modal damping leave where there is none
+from modallab.core.numerics import PRODUCT_ROUNDING
+from modallab.fe.settings import DAMPED_MODES
 
 
 def coupled_by(squares: FloatArray, modal: FloatArray) -> tuple[ComplexArray, ComplexArray | None]:
@@ -16,7 +14,10 @@ def coupled_by(squares: FloatArray, modal: FloatArray) -> tuple[ComplexArray, Co
     ones where damping couples them."""
     loss = np.diag(modal)
     size = np.abs(loss)  # a rigid-body mode's may be a rounding error below zero
-    least = np.maximum(COUPLED * np.sqrt(np.outer(size, size)), ROUNDING * size.max(initial=0.0))
+    least = np.maximum(
+        DAMPED_MODES.relative_coupling * np.sqrt(np.outer(size, size)),
+        PRODUCT_ROUNDING * size.max(initial=0.0),
+    )
     n_groups, group = connected_components(np.abs(modal - np.diag(loss)) > least, directed=False)
     values = squares + 1j * loss
     if n_groups == len(values):
@@ -43,7 +44,7 @@ def _coupled(squares: FloatArray, modal: FloatArray) -> tuple[ComplexArray, Comp
     vectors = eig(matrix)[1]
     vectors = vectors / np.sqrt((vectors**2).sum(axis=0))
     apart = np.inf
-    while apart > SQUARE:
+    while apart > DAMPED_MODES.orthogonality_tolerance:
         off = vectors.T @ vectors - np.eye(len(squares))
         before, apart = apart, float(np.abs(off).max())
         if not apart < before:  # vectors that all but fall together, as where damping is critical

@@ -3,14 +3,13 @@
 from dataclasses import dataclass
 
 from modallab.core.errors import InvalidInputError
-
-LARGEST = 1e15  # far beyond any damping, and small enough to be computed with
+from modallab.fe.settings import INPUT
 
 
 def _not_negative(name: str, *values: float) -> None:
     for value in values:
-        if not 0 <= value <= LARGEST:  # NaN fails too
-            allowed = f"0 to {LARGEST:g}"
+        if not 0 <= value <= INPUT.max_damping:  # NaN fails too
+            allowed = f"0 to {INPUT.max_damping:g}"
             raise InvalidInputError(f"{name} must not be negative", field=name, value=value, allowed=allowed)
 
 

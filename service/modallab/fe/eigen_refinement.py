@@ -4,8 +4,7 @@ import numpy as np
 from scipy.linalg import LinAlgError, cho_factor, cho_solve, eigh
 
 from modallab.core.arrays import FloatArray
-
-RANGE = 1e3  # of eigenvalues, over the lowest elastic one's: by which rounding of the step grows
+from modallab.fe.settings import EIGENSOLUTION
 
 
 def sharpened(
@@ -19,7 +18,7 @@ def sharpened(
     """
     if n_rigid == len(squares):
         return squares, shapes
-    stop = int(np.searchsorted(squares, RANGE * squares[n_rigid]))
+    stop = int(np.searchsorted(squares, EIGENSOLUTION.refined_eigenvalue_range * squares[n_rigid]))
     bodies, low, high = np.split(shapes, [n_rigid, stop], axis=1)
     shift = float(squares[n_rigid])
     try:

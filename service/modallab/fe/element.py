@@ -7,6 +7,7 @@ import numpy as np
 
 from modallab.core.arrays import FloatArray
 from modallab.core.registry import Family
+from modallab.fe.settings import ELEMENT
 
 
 @dataclass(frozen=True)
@@ -19,7 +20,7 @@ class Bar:
     modulus: float  # N/m^2
     density: float  # kg/m^3
     shear_modulus: float = float("inf")  # N/m^2; infinite: sections stay normal to the axis
-    shear_coefficient: float = 5 / 6  # kappa, share of the area that shears
+    shear_coefficient: float = ELEMENT.shear_coefficient  # kappa, share of the area that shears
 
     def blank(self) -> FloatArray:
         """Return three empty matrices (6, 6), which hold complex numbers where the bar has one.

@@ -10,9 +10,9 @@ from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.modal_model import ModalModel, Mode
 from modallab.fe.reduction import ReducedSystem, Reduction, reduce
+from modallab.fe.settings import REDUCTION
 from modallab.fe.system import DynamicSystem
 
-DOUBTFUL = 0.1  # residual, or relative error of the Rayleigh quotient, beyond which a shape is flagged
 FLAG = "doubtful_expansion"
 
 
@@ -34,10 +34,11 @@ def expand(system: DynamicSystem, measured: ModalModel, reduction: Reduction) ->
     """Return measured modes at all DoFs of a model: phi = T phi_measured, T of `reduction`.
 
     Scale and phase stay as measured. Measured DoFs that the model lacks are left out. `residual` is
-    |phi_m - (T phi_m)_m| / |phi_m|: 0 where a reduction lets masters follow themselves, with SEREP what no
-    mode of the model has. `rayleigh` far from the measured frequency means that the model would not
-    move like this. Modes where either is off by more than `DOUBTFUL` are flagged. Standard errors of the
-    shapes follow as those of independent numbers.
+    |phi_m - (T phi_m)_m| / |phi_m|: 0 for a reduction in which masters follow themselves, with SEREP the part
+    outside the space of the model's modes. A `rayleigh` far from the measured frequency means that the shape
+    is no mode of the model. Modes with a residual or a relative frequency difference above
+    `REDUCTION.doubtful_expansion` are flagged. Standard errors of the shapes are propagated as those of
+    independent values.
 
     Raises
     ------
@@ -55,8 +56,8 @@ def expand(system: DynamicSystem, measured: ModalModel, reduction: Reduction) ->
     shapes = np.stack([s.transformation @ x for s, x in zip(systems, seen.T, strict=True)], axis=1)
     residual = _residual(shapes[[system.index(dof) for dof in masters]], seen)
     rayleigh = _rayleigh(systems, seen)
-    off = np.abs(rayleigh - measured.frequencies) > DOUBTFUL * measured.frequencies
-    doubtful = off | (residual > DOUBTFUL)
+    off = np.abs(rayleigh - measured.frequencies) > REDUCTION.doubtful_expansion * measured.frequencies
+    doubtful = off | (residual > REDUCTION.doubtful_expansion)
     modes = [
         _carried(mode, shapes[:, r], rows, systems[r], doubtful=bool(doubtful[r]))
         for r, mode in enumerate(measured.modes)

@@ -8,8 +8,6 @@ import numpy as np
 from modallab.core.arrays import FloatArray
 from modallab.core.registry import Family
 
-SHEARED = 5 / 6  # share of the thickness that shears, of a homogeneous plate
-
 
 @dataclass(frozen=True, eq=False)
 class Facets:

@@ -3,6 +3,7 @@
 from collections.abc import Sequence
 from itertools import pairwise
 
+from modallab.fe.settings import ELEMENT
 from modallab.fe.structure import Material, Member, Section, Structure
 
 Point = tuple[float, float]
@@ -11,15 +12,13 @@ ALLOY = Material(modulus=7.5e10, density=2800.0, name="aluminium")
 HORIZONTAL = Section(area=4e-3, second_moment=7.56e-2, name="horizontal")
 VERTICAL = Section(area=6e-3, second_moment=7.56e-2, name="vertical")
 DIAGONAL = Section(area=3e-3, second_moment=7.56e-2, name="diagonal")
-MEMBERS_A_METRE = 7 / 5  # along a horizontal; a diagonal has as many as the horizontal below it
-MEMBERS_A_METRE_UP = 5 / 3
 
 
 def _bars(start: Point, end: Point) -> tuple[int, Section]:
     across, up = abs(end[0] - start[0]), abs(end[1] - start[1])
     if across == 0:
-        return round(up * MEMBERS_A_METRE_UP), VERTICAL
-    return round(across * MEMBERS_A_METRE), HORIZONTAL if up == 0 else DIAGONAL
+        return round(up * ELEMENT.vertical_elements_per_metre), VERTICAL
+    return round(across * ELEMENT.elements_per_metre), HORIZONTAL if up == 0 else DIAGONAL
 
 
 def frame_along(path: Sequence[Point], *, name: str) -> Structure:

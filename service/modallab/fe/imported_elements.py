@@ -14,11 +14,8 @@ from modallab.fe.blocks import Blocks
 from modallab.fe.damping import Damping, StructuralDamping
 from modallab.fe.matrix_checks import check_mass, slow_motions, symmetric
 from modallab.fe.members import MatrixElement
+from modallab.fe.settings import INPUT
 from modallab.fe.structure import Structure, Support
-
-WHOLE = 1_000_000  # numbers of all groups, each as one full matrix, up to which they stay whole
-PAIRS = 50_000  # members that groups are cut into at most
-MOST = 20_000_000  # numbers of all element matrices of a kind: 160 MB
 
 
 @dataclass(frozen=True, eq=False)
@@ -124,12 +121,13 @@ def _padded(elements: Sequence[Element]) -> tuple[IntArray, FloatArray, FloatArr
     if not elements:
         raise StructureError("a model needs elements", field="elements", value=0, allowed=">= 1")
     width = max(len(element.rows) for element in elements)
-    if len(elements) * width**2 > MOST:
+    if len(elements) * width**2 > INPUT.max_element_values:
         raise StructureError(
             "the element matrices hold too many numbers",
             field="elements",
             value=len(elements) * width**2,
-            allowed=f"elements times the square of the largest's degrees of freedom <= {MOST}",
+            allowed="elements times the square of the largest's degrees of freedom "
+            f"<= {INPUT.max_element_values}",
         )
     rows = np.full((len(elements), width), -1)
     mass, axial, bending = np.zeros((3, len(elements), width, width))
@@ -173,8 +171,12 @@ def elements_of_groups(
     whole = len(groups) * max((len(rows) for rows in touched), default=0) ** 2
     number = count(first)
     _, node, sizes = np.unique([dof.node for dof in dofs], return_inverse=True, return_counts=True)
-    n_pairs = sum(_n_pairs(group, node) for group in groups) if whole > WHOLE else 0
-    if whole <= WHOLE or n_pairs > PAIRS or n_pairs * (2 * sizes.max()) ** 2 > whole:
+    n_pairs = sum(_n_pairs(group, node) for group in groups) if whole > INPUT.max_whole_group_values else 0
+    if (
+        whole <= INPUT.max_whole_group_values
+        or n_pairs > INPUT.max_pair_elements
+        or n_pairs * (2 * sizes.max()) ** 2 > whole
+    ):
         return [
             Element(next(number), group.name, rows.tolist(), *_dense(group, rows))
             for group, rows in zip(groups, touched, strict=True)

@@ -10,17 +10,10 @@ from scipy.sparse.linalg import ArpackNoConvergence, LinearOperator, SuperLU, ei
 
 from modallab.core.arrays import FloatArray
 from modallab.core.errors import StructureError
+from modallab.fe.settings import EIGENSOLUTION
 from modallab.fe.truncation import ModalTruncation
 
 # Of an eigenvalue of the inverse that is iterated for; of a very thin plate rounding leaves less.
-ACCURACIES = (1e-12, 1e-9, 1e-6)
-RESTARTS = 100  # after which it is rounding that is iterated
-APART = 1e-6  # relative, of eigenvalues between which a band may end
-OTHERS = 1e-2  # share of all motions in a start from known modes: one that is not among them may come in
-HARD, LEAST = 1e-11, 1e-14  # shares of the highest eigenvalue: below most elastic modes, and near rounding
-FEW = 20  # modes that are looked for first where they cannot be counted
-SPARE = 10  # motions iterated beside the modes, at least, where these are nearly known
-NUDGES = 5  # of a place that eigenvalues are counted below, where a pivot is zero
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,15 +41,15 @@ def count_below(mass: csc_array, stiffness: csc_array, square: float) -> int | N
 
     Sylvester's law of inertia; Parlett, The Symmetric Eigenvalue Problem (1980), chapter 3.
     """
-    for _ in range(NUDGES):
+    for _ in range(EIGENSOLUTION.inertia_attempts):
         try:
             factor = factorised(csc_array(stiffness - square * mass))
         except RuntimeError:  # a pivot of exactly zero
-            square *= 1 + APART
+            square *= 1 + EIGENSOLUTION.relative_gap
             continue
         if np.array_equal(factor.perm_r, factor.perm_c):
             return int((factor.U.diagonal() < 0).sum())
-        square *= 1 + APART
+        square *= 1 + EIGENSOLUTION.relative_gap
     return None
 
 
@@ -78,10 +71,10 @@ def lowest_below(
     """
     # Factorising K + s M instead of K keeps a free structure regular; s near the first elastic
     # eigenvalues keeps the low modes well apart.
-    search = _Search(mass, stiffness, bodies, max(1e-3 * highest, 1.0))
+    search = _Search(mass, stiffness, bodies, max(EIGENSOLUTION.band_shift * highest, 1.0))
     below = count_below(mass, stiffness, highest)
     if below is None:
-        squares, shapes = search.pairs(FEW, near)
+        squares, shapes = search.pairs(EIGENSOLUTION.uncounted_modes, near)
         while squares.max() <= highest and len(squares) < search.elastic:
             squares, shapes = search.more(squares, shapes, len(squares))
         return search.band(squares, shapes, highest, 0)
@@ -100,7 +93,7 @@ def lowest_first(mass: csc_array, stiffness: csc_array, bodies: FloatArray, coun
     squares, shapes = search.pairs(min(count + 1, search.elastic), None)
     while True:
         squares, shapes = _sorted(squares, shapes)
-        ends = np.flatnonzero(np.diff(squares) > APART * squares[1:])
+        ends = np.flatnonzero(np.diff(squares) > EIGENSOLUTION.relative_gap * squares[1:])
         ends = ends[ends >= count - 1]
         if ends.size:
             highest = float(squares[ends[0] : ends[0] + 2].mean())
@@ -114,13 +107,13 @@ def lowest_first(mass: csc_array, stiffness: csc_array, bodies: FloatArray, coun
 def _scaled(mass: csc_array, stiffness: csc_array, bodies: FloatArray) -> "_Search":
     """Return a search whose shift is no larger than the first elastic eigenvalues."""
     largest = float((abs(stiffness).sum(axis=0) / mass.diagonal()).max())
-    shift = HARD * largest
+    shift = EIGENSOLUTION.initial_shift * largest
     while True:
         search = _Search(mass, stiffness, bodies, shift)
         slow = search.slow()
-        if slow > shift or shift < LEAST * largest:
+        if slow > shift or shift < EIGENSOLUTION.min_shift * largest:
             return search
-        shift = max(slow / 10, LEAST * largest / 2)
+        shift = max(slow / EIGENSOLUTION.shift_margin, EIGENSOLUTION.min_shift * largest / 2)
 
 
 class _Search:
@@ -138,7 +131,7 @@ class _Search:
     def slow(self) -> float:
         """Return an eigenvalue as low as that of a few elastic modes together, or as the shift."""
         moved = self._start(None)
-        for _ in range(3):
+        for _ in range(EIGENSOLUTION.inverse_iterations):
             moved = self._answer(moved, self.bodies)
         return float(moved @ (self.stiffness @ moved) / (moved @ (self.mass @ moved)))
 
@@ -168,13 +161,13 @@ class _Search:
             return np.asarray(moved - apart @ (heavy.T @ moved))
 
         solve = LinearOperator((n, n), matvec=inverse, dtype=float)
-        width = None if near is None else count + max(SPARE, count // 2)
+        width = None if near is None else count + max(EIGENSOLUTION.spare_vectors, count // 2)
         return self._iterated(count, solve, self._start(near), width)
 
     def _iterated(
         self, count: int, inverse: LinearOperator, start: FloatArray, width: int | None
     ) -> tuple[FloatArray, FloatArray]:
-        for accuracy in ACCURACIES:
+        for accuracy in EIGENSOLUTION.tolerances:
             try:
                 squares, shapes = eigsh(
                     self.stiffness,
@@ -185,7 +178,7 @@ class _Search:
                     v0=start,
                     ncv=width,
                     tol=accuracy,
-                    maxiter=RESTARTS,
+                    maxiter=EIGENSOLUTION.max_restarts,
                 )
             except ArpackNoConvergence:
                 continue
@@ -205,7 +198,9 @@ class _Search:
             return any_motion
         moved = self._answer(any_motion, self.bodies)
         known = near.sum(axis=1)
-        return np.asarray(known + OTHERS * np.abs(known).max() / np.abs(moved).max() * moved)
+        return np.asarray(
+            known + EIGENSOLUTION.random_start_fraction * np.abs(known).max() / np.abs(moved).max() * moved
+        )
 
     def more(self, squares: FloatArray, shapes: FloatArray, count: int) -> tuple[FloatArray, FloatArray]:
         """Return what was found and the next `count` modes beside it."""

@@ -10,13 +10,7 @@ from scipy.sparse.linalg import LinearOperator, SuperLU, eigsh, splu
 from modallab.core.arrays import FloatArray
 from modallab.core.dof import Dof
 from modallab.core.errors import StructureError
-from modallab.fe.members import LARGEST, SMALLEST
-
-UNEVEN = 1e-8  # relative to the largest entry, of what a matrix and its transpose may differ by
-LEAST = 1e-12  # pivot of a mass matrix with a unit diagonal: below, it is singular but for rounding
-SLOW = 12  # motions that may strain nothing: six of a body, and as many mechanisms
-SMALL = 250  # degrees of freedom below which a dense eigen-solution is the faster one
-NAMED = 10  # degrees of freedom that an error names
+from modallab.fe.settings import EIGENSOLUTION, INPUT
 
 
 def symmetric(matrices: FloatArray, what: Sequence[str], of: str) -> None:
@@ -33,23 +27,23 @@ def symmetric(matrices: FloatArray, what: Sequence[str], of: str) -> None:
             f"the {of} of {what[i]} holds a value that is not finite", field=of, value="nan or inf"
         )
     size = np.abs(matrices).max(axis=(1, 2), initial=0.0)
-    if (size > LARGEST).any():
+    if (size > INPUT.max_property).any():
         i = int(np.argmax(size))
         raise StructureError(
             f"the {of} of {what[i]} is of no size that can be computed with",
             field=of,
             value=float(size[i]),
-            allowed=f"<= {LARGEST:g}",
+            allowed=f"<= {INPUT.max_property:g}",
         )
     turned = matrices.swapaxes(1, 2)
     off = np.abs(matrices - turned).max(axis=(1, 2), initial=0.0)
-    if (off > UNEVEN * size).any():
-        i = int(np.argmax(off - UNEVEN * size))
+    if (off > INPUT.max_asymmetry * size).any():
+        i = int(np.argmax(off - INPUT.max_asymmetry * size))
         raise StructureError(
             f"the {of} of {what[i]} is not symmetric",
             field=of,
             value=float(off[i] / size[i]),
-            allowed=f"K = K^T to {UNEVEN:g} of the largest entry",
+            allowed=f"K = K^T to {INPUT.max_asymmetry:g} of the largest entry",
         )
     matrices += turned.copy()
     matrices /= 2
@@ -58,7 +52,7 @@ def symmetric(matrices: FloatArray, what: Sequence[str], of: str) -> None:
 def check_mass(mass: csc_array, dofs: Sequence[Dof]) -> None:
     """Raise `StructureError` unless a mass matrix (n, n) is positive definite, which modes rest on."""
     diagonal = mass.diagonal()
-    bare = np.flatnonzero(diagonal < SMALLEST).tolist()
+    bare = np.flatnonzero(diagonal < INPUT.min_positive).tolist()
     if bare:
         raise StructureError(
             f"{len(bare)} degrees of freedom carry no mass",
@@ -68,7 +62,7 @@ def check_mass(mass: csc_array, dofs: Sequence[Dof]) -> None:
         )
     scale = diags_array(1 / np.sqrt(diagonal))
     factor = _factor(csc_array(scale @ mass @ scale))
-    if factor is None or factor.U.diagonal().min() < LEAST:
+    if factor is None or factor.U.diagonal().min() < INPUT.min_mass_pivot:
         raise StructureError(
             "the mass matrix is not positive definite",
             field="mass",
@@ -85,9 +79,9 @@ def slow_motions(mass: csc_array, stiffness: csc_array) -> FloatArray:
         If the stiffness is negative for some motion.
     """
     n = mass.shape[0]
-    few = min(SLOW, n)
+    few = min(INPUT.rigid_candidates, n)
     # As a share of the highest eigenvalue this is above rounding, and below what is elastic.
-    shift = 1e-9 * float((abs(stiffness).sum(axis=0) / mass.diagonal()).max()) or 1.0
+    shift = INPUT.rigid_shift * float((abs(stiffness).sum(axis=0) / mass.diagonal()).max()) or 1.0
     factor = _factor(csc_array(stiffness + shift * mass))
     if factor is None or factor.U.diagonal().min() <= 0:
         raise StructureError(
@@ -95,7 +89,7 @@ def slow_motions(mass: csc_array, stiffness: csc_array) -> FloatArray:
             field="stiffness",
             allowed="a positive semi-definite matrix",
         )
-    if n < SMALL:
+    if n < EIGENSOLUTION.dense_dofs:
         _, shapes = eigh(stiffness.toarray(), mass.toarray(), subset_by_index=(0, few - 1))
         return np.asarray(shapes)
     inverse = LinearOperator((n, n), matvec=factor.solve, dtype=float)
@@ -117,5 +111,5 @@ def _factor(matrix: csc_array) -> SuperLU | None:
 
 
 def _listed(dofs: Sequence[Dof]) -> str:
-    more = f" and {len(dofs) - NAMED} more" if len(dofs) > NAMED else ""
-    return ", ".join(map(str, dofs[:NAMED])) + more
+    more = f" and {len(dofs) - INPUT.reported_dofs} more" if len(dofs) > INPUT.reported_dofs else ""
+    return ", ".join(map(str, dofs[: INPUT.reported_dofs])) + more

@@ -10,6 +10,7 @@ from modallab.core.arrays import BoolArray, FloatArray, IntArray
 from modallab.fe.element import ELEMENTS, Bar, ElementParts
 from modallab.fe.facet import Facets, plate_matrices
 from modallab.fe.members import AnyMember, Material, MatrixElement, Member, Plate, Section
+from modallab.fe.settings import CACHE
 from modallab.fe.structure import ACROSS, PLANE, Structure
 
 
@@ -41,7 +42,7 @@ def _bar(length: float, section: Section, material: Material) -> Bar:
     )
 
 
-@lru_cache(maxsize=512)
+@lru_cache(maxsize=CACHE.element_matrices)
 def _parts(element: str, bar: Bar) -> ElementParts:
     return ELEMENTS[element](bar)
 

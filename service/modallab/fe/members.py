@@ -6,23 +6,22 @@ from dataclasses import dataclass
 import numpy as np
 
 from modallab.core.errors import StructureError
+from modallab.fe.settings import ELEMENT, INPUT
 
 # No beam is outside of these, and products of what is inside neither vanish nor overflow.
-SMALLEST, LARGEST = 1e-30, 1e30
-FARTHEST = 1e9  # m
 
 
 def positive(value: float, name: str) -> None:
     """Raise `StructureError` unless the value is above zero and of a size that can be computed with."""
-    if not SMALLEST <= value <= LARGEST:  # NaN fails too
-        allowed = f"{SMALLEST:g} to {LARGEST:g}"
+    if not INPUT.min_positive <= value <= INPUT.max_property:  # NaN fails too
+        allowed = f"{INPUT.min_positive:g} to {INPUT.max_property:g}"
         raise StructureError(f"{name} must be positive", field=name, value=value, allowed=allowed)
 
 
 def not_negative(value: float, name: str) -> None:
     """Raise `StructureError` if the value is below zero or of a size that cannot be computed with."""
-    if not 0 <= value <= LARGEST:
-        allowed = f"0 to {LARGEST:g}"
+    if not 0 <= value <= INPUT.max_property:
+        allowed = f"0 to {INPUT.max_property:g}"
         raise StructureError(f"{name} must not be negative", field=name, value=value, allowed=allowed)
 
 
@@ -40,12 +39,17 @@ class Section:
     area: float  # m^2
     second_moment: float  # m^4
     name: str = ""
-    shear_coefficient: float = 5 / 6  # kappa, share of the area that shears; 5/6: a rectangle
+    shear_coefficient: float = ELEMENT.shear_coefficient  # kappa, share of the area that shears
 
     def __post_init__(self) -> None:
         positive(self.area, "area")
         positive(self.second_moment, "second_moment")
-        within(self.shear_coefficient, 0.01, 1.0, "shear_coefficient")
+        within(
+            self.shear_coefficient,
+            INPUT.min_shear_coefficient,
+            INPUT.max_shear_coefficient,
+            "shear_coefficient",
+        )
 
 
 @dataclass(frozen=True)
@@ -60,7 +64,7 @@ class Material:
     def __post_init__(self) -> None:
         positive(self.modulus, "modulus")
         positive(self.density, "density")
-        within(self.poisson_ratio, -0.99, 0.5, "poisson_ratio")
+        within(self.poisson_ratio, INPUT.min_poisson_ratio, INPUT.max_poisson_ratio, "poisson_ratio")
 
     @property
     def shear_modulus(self) -> float:
@@ -125,7 +129,7 @@ class Plate:
         sides = np.roll(at, -1, axis=0) - at
         turns = np.roll(sides, 1, axis=0)
         area = turns[:, 0] * sides[:, 1] - turns[:, 1] * sides[:, 0]
-        least = 1e-6 * (sides**2).sum(axis=1).max()
+        least = INPUT.min_corner_area * (sides**2).sum(axis=1).max()
         if not ((area > least).all() or (area < -least).all()):
             raise StructureError(
                 f"plate element {self.number} is folded, hollow or flat",

@@ -8,18 +8,17 @@ from scipy.sparse import csc_array
 
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.errors import InvalidInputError
+from modallab.core.numerics import PRODUCT_ROUNDING
 from modallab.fe.attachment import distinct
 from modallab.fe.cache import cached
-from modallab.fe.complex_modes import COUPLED, coupled_by
+from modallab.fe.complex_modes import coupled_by
 from modallab.fe.eigen_refinement import sharpened
 from modallab.fe.losses import Losses
 from modallab.fe.lowest_modes import LowestModes, lowest_below, lowest_first
 from modallab.fe.modal_damping import ModalLossFactors
+from modallab.fe.settings import CACHE, DAMPED_MODES, EIGENSOLUTION
 from modallab.fe.truncation import ModalTruncation
 from modallab.fe.viscous_modes import CoupledModes
-
-ASKED = 3  # sets of frequencies whose responses are kept
-LARGEST = 250_000  # numbers of a response, frequencies times modes, that is kept
 
 
 @dataclass(frozen=True, eq=False)
@@ -101,9 +100,15 @@ class ModalBasis:
 
         Asked for again at the same frequencies, as by many suspects on one structure, it is known.
         """
-        if omega.size * len(self.eigenvalues) > LARGEST:
+        if omega.size * len(self.eigenvalues) > CACHE.response_values:
             return ModalResponse(self, omega)
-        return cached(self._kept, "responses", omega.tobytes(), lambda: ModalResponse(self, omega), ASKED)
+        return cached(
+            self._kept,
+            "responses",
+            omega.tobytes(),
+            lambda: ModalResponse(self, omega),
+            CACHE.modal_responses,
+        )
 
 
 class ModalResponse:
@@ -119,7 +124,7 @@ class ModalResponse:
             loss = np.diag(c)
             direct = direct + 1j * omega[:, None] * loss
             coupling = c - np.diag(loss)
-            if np.abs(coupling).max(initial=0.0) > COUPLED * np.abs(loss).max():
+            if np.abs(coupling).max(initial=0.0) > DAMPED_MODES.relative_coupling * np.abs(loss).max():
                 self._coupled = CoupledModes(direct, coupling, omega)
         # Kept in the one form in which it is asked for: many variants of a structure are kept at a time.
         over = 1.0 / direct  # (n_freq, m)
@@ -150,7 +155,7 @@ class ModalResponse:
         Asked for again, as by variants of what is attached to them, it is known.
         """
         size = len(self.omega) * motions.shape[1] ** 2
-        if size > LARGEST:
+        if size > CACHE.response_values:
             return self._among(motions)
         return cached(self._kept, "among", motions.tobytes(), lambda: self._among(motions), 1)
 
@@ -190,11 +195,12 @@ def rigid_body_modes(mass: csc_array, stiffness: csc_array, candidates: FloatArr
     if candidates is None or candidates.shape[1] == 0:
         return np.zeros((n, 0))
     values, turn = eigh(candidates.T @ (mass @ candidates))
-    heavy = values > 1e-12 * values[-1]
+    heavy = values > PRODUCT_ROUNDING * values[-1]
     shapes = candidates @ (turn[:, heavy] / np.sqrt(values[heavy]))
     energy, turn = eigh(shapes.T @ (stiffness @ shapes))
     # What rounding leaves of an exact zero: entries of K of this size cancelled in the product.
-    rounding = 1e3 * np.finfo(float).eps * abs(stiffness).max() * (shapes**2).sum(axis=0).max()
+    epsilon = EIGENSOLUTION.rigid_energy_rounding * np.finfo(float).eps
+    rounding = epsilon * abs(stiffness).max() * (shapes**2).sum(axis=0).max()
     return np.asarray(shapes @ turn[:, energy < rounding])
 
 

@@ -13,10 +13,8 @@ from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.fe.lowest_modes import count_below
 from modallab.fe.modes import ModalBasis, first_basis, rigid_body_modes, undamped_basis
-from modallab.fe.system import SMALL, DynamicSystem
-
-SINGULAR = 1e13  # condition beyond which hardly a digit of a solution is left
-UNSEEN = 1e-6  # of a motion's largest entry: what less moves the masters does not show there
+from modallab.fe.settings import EIGENSOLUTION, REDUCTION
+from modallab.fe.system import DynamicSystem
 
 Solve = Callable[[FloatArray], FloatArray]
 
@@ -79,7 +77,9 @@ class Partition:
             If the slaves can move without strain while the masters are held.
         """
         bodies = rigid_body_modes(self.system.mass, self.system.stiffness, self.system.rigid)
-        free = np.linalg.matrix_rank(bodies[self.rows], tol=UNSEEN * np.abs(bodies).max(initial=1.0))
+        free = np.linalg.matrix_rank(
+            bodies[self.rows], tol=REDUCTION.min_master_motion * np.abs(bodies).max(initial=1.0)
+        )
         if free < bodies.shape[1]:
             raise self._loose(f"{bodies.shape[1] - free} of {bodies.shape[1]} rigid-body motions")
         return self._solver(0.0)
@@ -114,7 +114,7 @@ class Partition:
         )
         # One column only: with more the estimate draws random ones.
         condition = onenormest(inverse, t=1) * float(abs(matrix).sum(axis=0).max())
-        if not condition < SINGULAR:  # NaN fails too
+        if not condition < REDUCTION.max_condition:  # NaN fails too
             raise self._unsolvable(omega)
         return lambda forces: scale[:, None] * factor.solve(scale[:, None] * forces)
 
@@ -144,7 +144,7 @@ class Partition:
         Never without an elastic mode, and of a small structure all.
         """
         mass, stiffness, rigid = self.system.mass, self.system.stiffness, self.system.rigid
-        if mass.shape[0] < SMALL:
+        if mass.shape[0] < EIGENSOLUTION.dense_dofs:
             return undamped_basis(mass, stiffness, rigid)
         if np.isfinite(highest):
             bodies = rigid_body_modes(mass, stiffness, rigid).shape[1]

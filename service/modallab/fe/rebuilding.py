@@ -3,16 +3,15 @@
 import numpy as np
 from scipy.sparse import csc_array
 
+from modallab.core.numerics import PRODUCT_ROUNDING
 from modallab.fe.member_table import MemberTable
-
-ROUNDING = 1e-12  # relative, of a sum over members
 
 
 def grounded(shared: dict[str, object], stiffness: csc_array, table: MemberTable) -> bool:
     """Return whether a matrix (n, n) holds stiffness beside that of the members; found out once."""
     if "grounded" not in shared:
         rest = stiffness - table.sum(table.axial + table.bending, stiffness.shape[0])
-        shared["grounded"] = bool(abs(rest).max() > ROUNDING * abs(stiffness).max())
+        shared["grounded"] = bool(abs(rest).max() > PRODUCT_ROUNDING * abs(stiffness).max())
     return shared["grounded"] is True
 
 
@@ -33,5 +32,5 @@ def rebuilt(
             continue
         more = new.sum(now - before, n)
         total = csc_array(more if matrix is None else matrix + more)
-        out[name] = total if abs(total).max() > ROUNDING * largest else None
+        out[name] = total if abs(total).max() > PRODUCT_ROUNDING * largest else None
     return out

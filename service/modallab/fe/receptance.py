@@ -14,13 +14,11 @@ from modallab.core.arrays import ComplexArray, FloatArray, IntArray
 from modallab.fe.attachment import Attachment, attached_stiffness, distinct, put_together, stacked
 from modallab.fe.cache import cached
 from modallab.fe.modes import ModalResponse
-from modallab.fe.system import SMALL, DynamicSystem
+from modallab.fe.settings import CACHE, EIGENSOLUTION, RECEPTANCE
+from modallab.fe.system import DynamicSystem
 
-FEW = 8  # attached columns up to which the Woodbury identity is the cheaper way
 # Columns times frequencies over degrees of freedom, up to which it is cheaper than one solution for modes.
-ONCE = 50.0
 Key = tuple[object, ...]  # of an attachment
-FOLDED = 3  # sets of attachments whose folded matrices are kept
 
 
 def attached(
@@ -129,7 +127,7 @@ def _attached_pairs(
 ) -> ComplexArray:
     """Return the receptances of pairs of columns of `used` (n, .), (n_freq, n_pairs): `attached`, but
     for the pairs that are asked for instead of all."""
-    if system.stacked.shape[1] > FEW:
+    if system.stacked.shape[1] > RECEPTANCE.woodbury_columns:
         (left, row), (right, column) = (np.unique(one, return_inverse=True) for one in (a, b))
         return _attached_to_many(response, system, used[:, left], used[:, right])[:, row, column]
     pairs, place = np.unique(np.sort(np.stack([a, b]), axis=0), axis=1, return_inverse=True)
@@ -193,16 +191,18 @@ def condense_if_cheaper(system: DynamicSystem, n_freq: float = np.inf) -> Dynami
         How many frequencies it is asked about: at few of them it stays as it is, if nothing like it was
         folded before.
     """
-    if system.stacked.shape[1] <= FEW:
+    if system.stacked.shape[1] <= RECEPTANCE.woodbury_columns:
         return system
     known = _folded_before(system)
     if known is not None:
         return known
-    if len(system.dofs) < SMALL and n_freq * _n_motions(system) <= ONCE * len(system.dofs):
+    if len(system.dofs) < EIGENSOLUTION.dense_dofs and n_freq * _n_motions(
+        system
+    ) <= RECEPTANCE.woodbury_products_per_dof * len(system.dofs):
         return system
     plain = tuple(a for a in system.attachments if a.inner == 0)
     folded = replace(system, attachments=plain).folded()
-    cached(system.shared, "folded", tuple(a.key for a in plain), lambda: folded, FOLDED)
+    cached(system.shared, "folded", tuple(a.key for a in plain), lambda: folded, CACHE.folded_systems)
     return replace(folded, attachments=tuple(a for a in system.attachments if a.inner))
 
 
@@ -216,7 +216,10 @@ def _folded_before(system: DynamicSystem) -> DynamicSystem | None:
     for keys, folded in reversed(known.items()):
         _, rest = _taken(system.attachments, Counter(keys))
         again = replace(folded, attachments=rest)
-        if len(rest) + len(keys) == len(system.attachments) and again.stacked.shape[1] <= FEW:
+        if (
+            len(rest) + len(keys) == len(system.attachments)
+            and again.stacked.shape[1] <= RECEPTANCE.woodbury_columns
+        ):
             return again
     return None
 
@@ -271,7 +274,7 @@ def direct_receptance(
             z = z + 1j * w * full.viscous
         return csc_array(z)
 
-    if len(system.dofs) < SMALL:
+    if len(system.dofs) < EIGENSOLUTION.dense_dofs:
         stack = np.array([dynamic_stiffness(w).toarray() for w in omega])
         return np.asarray(left.T @ np.linalg.solve(stack, right.astype(complex)))
     return np.array([left.T @ splu(dynamic_stiffness(w)).solve(right.astype(complex)) for w in omega])

@@ -8,9 +8,8 @@ import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray
 from modallab.fe.receptance import condense_if_cheaper, parted
+from modallab.fe.settings import CACHE
 from modallab.fe.system import DynamicSystem
-
-ROOM = 2**22  # numbers that are kept of receptances from all degrees of freedom
 
 
 class ReceptanceMap:
@@ -70,7 +69,7 @@ class ReceptanceMap:
     def _everywhere(self) -> ComplexArray | None:
         """(n_freq, n_used, n): from all degrees of freedom, if that is not too much to keep."""
         n = len(self._used)
-        if len(self._response.omega) * self._used.shape[1] * n > ROOM:
+        if len(self._response.omega) * self._used.shape[1] * n > CACHE.receptance_map_values:
             return None
         return self._response.receptance(self._used, np.eye(n))
 

@@ -11,12 +11,11 @@ from scipy.linalg import eigh
 from modallab.core.arrays import FloatArray, frozen
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
+from modallab.core.numerics import CURVATURE_ROUNDING
 from modallab.core.parameters import Parameterised
 from modallab.core.registry import Family
 from modallab.fe.partition import Partition
 from modallab.fe.system import DynamicSystem
-
-MASSLESS = 1e-10  # of the largest eigenvalue of a reduced mass: motions that a reduction does not have
 
 
 @dataclass(frozen=True)
@@ -91,7 +90,7 @@ def pencil_modes(mass: FloatArray, stiffness: FloatArray) -> tuple[FloatArray, F
     size = np.sqrt(np.maximum(np.diag(mass), 0.0))
     scale = np.divide(1.0, size, out=np.zeros_like(size), where=size > 0)
     values, turn = eigh(scale[:, None] * mass * scale)
-    kept = values > MASSLESS * values[-1]
+    kept = values > CURVATURE_ROUNDING * values[-1]
     basis = scale[:, None] * turn[:, kept] / np.sqrt(values[kept])
     squares, within = eigh(basis.T @ stiffness @ basis)
     shapes = basis @ within

@@ -9,12 +9,11 @@ import numpy as np
 
 from modallab.core.arrays import FloatArray
 from modallab.core.errors import InvalidInputError
+from modallab.core.numerics import COMPLEX_STEP
 from modallab.fe.element import ELEMENTS
 from modallab.fe.member_matrices import bar_of, member_matrices, turned
 from modallab.fe.members import AnyMember, MatrixElement, Member, Plate
 from modallab.fe.structure import Structure
-
-STEP = 1e-30  # relative, imaginary: nothing cancels, so it can be as small as one likes
 
 
 class SectionSize(StrEnum):
@@ -92,8 +91,8 @@ def slopes(structure: Structure, members: Sequence[AnyMember], shape: SectionSiz
     local = []
     for member in bars:
         bar = bar_of(structure, member)
-        aside: dict[str, Any] = {shape.value: complex(1, STEP) * size(member, shape)}
+        aside: dict[str, Any] = {shape.value: complex(1, COMPLEX_STEP) * size(member, shape)}
         local.append(ELEMENTS[member.element](replace(bar, **aside)))
     out = np.zeros((3, len(bars), width, width))
-    out[:, :, :6, :6] = turned(structure, bars, local).imag / STEP
+    out[:, :, :6, :6] = turned(structure, bars, local).imag / COMPLEX_STEP
     return out

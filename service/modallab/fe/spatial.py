@@ -6,11 +6,8 @@ import numpy as np
 
 from modallab.core.arrays import BoolArray, FloatArray
 from modallab.fe.facet import Facets, shell_matrices
+from modallab.fe.settings import INPUT
 from modallab.fe.shear import bending_stiffness, rotary_inertia, sway_mass
-
-SLANTED = 1e-9  # of its length, by which the vector that turns a bar must stand off its axis
-HOLLOW = 1e-9  # of its size to the fourth, of what a corner's area must be times the whole
-WARPED = 1e-3  # of its size, by which a corner of a plate may be off the plane of the others
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +70,7 @@ def bar_axes(bars: SpatialBars) -> FloatArray:
     x = bars.along / np.linalg.norm(bars.along, axis=1)[:, None]
     z = np.cross(x, bars.upright)
     size = np.linalg.norm(z, axis=1)
-    slanted = size > SLANTED * np.linalg.norm(bars.upright, axis=1)
+    slanted = size > INPUT.min_orientation * np.linalg.norm(bars.upright, axis=1)
     z = z / np.where(slanted, size, np.nan)[:, None]
     return np.stack([x, np.cross(z, x), z], axis=1)
 
@@ -125,7 +122,11 @@ def convex(corners: FloatArray) -> BoolArray:
     turns = np.cross(np.roll(sides, 1, axis=1), sides)  # (n, k, 3): area and normal at each corner
     normal = turns.sum(axis=1)
     size = (sides**2).sum(axis=2).max(axis=1)
-    return np.asarray(((turns * normal[:, None, :]).sum(axis=2) > HOLLOW * size[:, None] ** 2).all(axis=1))
+    return np.asarray(
+        ((turns * normal[:, None, :]).sum(axis=2) > INPUT.min_spatial_corner_area * size[:, None] ** 2).all(
+            axis=1
+        )
+    )
 
 
 def _turned(matrices: FloatArray, axes: FloatArray) -> FloatArray:

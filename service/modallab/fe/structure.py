@@ -15,11 +15,12 @@ from modallab.core.errors import InvalidInputError, StructureError, UnknownDofEr
 from modallab.core.place import EffectSpec
 from modallab.fe.blocks import Blocks
 from modallab.fe.damping import Damping, StructuralDamping
-from modallab.fe.members import FARTHEST, AnyMember, MatrixElement, Plate, not_negative
+from modallab.fe.members import AnyMember, MatrixElement, Plate, not_negative
 from modallab.fe.members import Material as Material
 from modallab.fe.members import Member as Member
 from modallab.fe.members import Section as Section
 from modallab.fe.members import positive as positive
+from modallab.fe.settings import INPUT
 
 PLANE = ("X", "Y", "RZ")  # of a frame
 ACROSS = ("Z", "RX", "RY")  # of a plate
@@ -112,8 +113,8 @@ class Structure:
     def _check_nodes(self) -> None:
         n_axes = 3 if self.blocks else 2
         for number, place in self.nodes.items():
-            if number < 1 or len(place) != n_axes or not np.abs(place).max() <= FARTHEST:
-                allowed = f"within {FARTHEST:g} m"
+            if number < 1 or len(place) != n_axes or not np.abs(place).max() <= INPUT.max_coordinate:
+                allowed = f"within {INPUT.max_coordinate:g} m"
                 raise StructureError(
                     f"node {number} has no place", field="nodes", value=str(place), allowed=allowed
                 )
@@ -141,7 +142,7 @@ class Structure:
                 self._check_block(member)
             elif isinstance(member, Plate):
                 member.check_corners([self.nodes[n] for n in member.nodes])
-            elif self.length(member) < 1e-9:
+            elif self.length(member) < INPUT.min_length:
                 raise StructureError(f"member {member.number} has no length", field="members", value=0.0)
         position = {node: i for i, node in enumerate(self.nodes)}
         ends = [(position[a], position[b]) for member in self.all_members for a, b in pairwise(member.nodes)]

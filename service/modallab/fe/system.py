@@ -31,11 +31,9 @@ from modallab.fe.member_table import MemberTable
 from modallab.fe.modal_damping import ModalLossFactors
 from modallab.fe.modes import ModalBasis, first_basis, undamped_basis
 from modallab.fe.rebuilding import grounded, rebuilt
+from modallab.fe.settings import CACHE, EIGENSOLUTION
 
-MODAL_BAND = 2e3  # Hz, of modes of a large structure that modal damping is written out for
 # Every run of a test hangs the same things on its structure: the latest are kept.
-HUNG, ROWS = 64, 1_000_000  # at most, and rows of them all
-SMALL = 250  # DoFs below which a dense eigen-solution is the faster one
 
 
 @dataclass(frozen=True, eq=False)
@@ -104,7 +102,13 @@ class DynamicSystem:
 
     def _known(self, key: tuple[object, ...], make: Callable[[], Attachment]) -> Attachment:
         """Return what was attached to the same matrices before, or else make it."""
-        return cached(self.shared, "hung", key, make, min(HUNG, 1 + ROWS // len(self.dofs)))
+        return cached(
+            self.shared,
+            "hung",
+            key,
+            make,
+            min(CACHE.attachments, 1 + CACHE.attachment_rows // len(self.dofs)),
+        )
 
     def _mass(self, node: int, mass: float) -> Attachment:
         moved = tuple(d for d in self.dofs if d.node == node and d.translational)
@@ -286,7 +290,7 @@ class DynamicSystem:
         modal = self.modal
 
         def make() -> Attachment:
-            basis = self._undamped(MODAL_BAND).elastic()
+            basis = self._undamped(EIGENSOLUTION.modal_damping_band).elastic()
             return modal.attachment(self.mass, basis.eigenvalues.real, basis.shapes.real)
 
         return (*self.attachments, cached(self.shared, "modal", modal, make))
@@ -301,13 +305,18 @@ class DynamicSystem:
         return attached_stiffness(self.attachments, omega)
 
     def base_modes(self, frequency_max: float) -> ModalBasis:
-        """Return modes of the matrices alone, attachments left out: all of them below `SMALL` DoFs,
-        else those up to twice `frequency_max`, Hz; solved once for all variants of the system."""
+        """Return the modes of the matrices without attachments, solved once for all variants of the system.
+
+        All modes of a system below `EIGENSOLUTION.dense_dofs` DoFs, else those up to twice
+        `frequency_max`, Hz.
+        """
         known = self.shared.get("basis")
-        if isinstance(known, ModalBasis) and known.frequency_max >= 2 * frequency_max:
+        if isinstance(known, ModalBasis) and known.frequency_max >= EIGENSOLUTION.band_margin * frequency_max:
             return known
         losses = None if self.members is None else self.members.losses
-        basis = self._undamped(2 * frequency_max).damped(self.damping, self.viscous, self.modal, losses)
+        basis = self._undamped(EIGENSOLUTION.band_margin * frequency_max).damped(
+            self.damping, self.viscous, self.modal, losses
+        )
         self.shared["basis"] = basis
         return basis
 
@@ -319,10 +328,11 @@ class DynamicSystem:
         if self.alike:
             other, stretch = self.alike
             # In few steps, or systems that get softer bit by bit would each ask for a little more.
-            wider = 1.25 ** np.ceil(max(-np.log(stretch) / 2 / np.log(1.25), 0.0))
+            growth = EIGENSOLUTION.band_growth
+            wider = growth ** np.ceil(max(-np.log(stretch) / 2 / np.log(growth), 0.0))
             basis = other._undamped(limit * wider).stretched(stretch)
         else:
-            top = np.inf if len(self.dofs) < SMALL else limit
+            top = np.inf if len(self.dofs) < EIGENSOLUTION.dense_dofs else limit
             basis = undamped_basis(self.mass, self.stiffness, self.rigid, frequency_max=top)
         self.shared["undamped"] = basis
         return basis
@@ -335,7 +345,7 @@ class DynamicSystem:
         if self.alike:
             other, stretch = self.alike
             basis = other._first(count).stretched(stretch)
-        elif len(self.dofs) < SMALL:
+        elif len(self.dofs) < EIGENSOLUTION.dense_dofs:
             return self._undamped(np.inf)
         else:
             basis = first_basis(self.mass, self.stiffness, self.rigid, count)
@@ -345,7 +355,7 @@ class DynamicSystem:
     def first_modes(self, count: int) -> ModalBasis:
         """Return modes of the system with all its attachments, `count` elastic ones or more, or all."""
         system = self.folded() if self.attachments else self
-        return system.base_modes(system._first(count).frequency_max / 2)
+        return system.base_modes(system._first(count).frequency_max / EIGENSOLUTION.band_margin)
 
     def modes(self, frequency_max: float = 0.0) -> ModalBasis:
         """Return modes of the system with all its attachments; see `base_modes` for how many."""
@@ -357,8 +367,10 @@ class DynamicSystem:
 
         Damping between modes is left out: several times faster, and near enough for widths.
         """
-        if len(self.dofs) < SMALL and only_loads(self.attachments):
+        if len(self.dofs) < EIGENSOLUTION.dense_dofs and only_loads(self.attachments):
             basis = loaded_modes(self._undamped(np.inf), self.attachments)
             return half_power(basis, self.damping, self.viscous, self._hung)
         whole = self.folded() if self.attachments or self.modal else self
-        return half_power(whole._undamped(2 * frequency_max).elastic(), whole.damping, whole.viscous)
+        return half_power(
+            whole._undamped(EIGENSOLUTION.band_margin * frequency_max).elastic(), whole.damping, whole.viscous
+        )

@@ -9,10 +9,10 @@ from scipy.sparse import csc_array
 
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.fe.losses import Losses
+from modallab.fe.settings import RECEPTANCE
 
 # Modes above start at twice the highest frequency asked for, so each term is a quarter of the one
 # before at most: what is left out is below 1 % of what these modes add.
-TERMS = 4
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,10 +39,10 @@ class ModalTruncation:
         # lambda (1 + i b) + i a - omega^2 = (1 + i b) (lambda - square)
         factor = np.asarray(1 + 1j * by_stiffness)[..., None]
         square = ((omega**2 - 1j * by_mass) / (1 + 1j * by_stiffness))[:, None]
-        powers = (square + self.shift) ** np.arange(TERMS) / factor
+        powers = (square + self.shift) ** np.arange(RECEPTANCE.truncation_terms) / factor
         columns = self.static(right)
         terms = [left.T @ columns]
-        for _ in range(TERMS - 1):
+        for _ in range(RECEPTANCE.truncation_terms - 1):
             columns = self.static(self.mass @ columns)
             terms.append(left.T @ columns)
         return np.asarray(np.tensordot(powers, np.array(terms), 1), complex)

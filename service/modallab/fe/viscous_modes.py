@@ -3,12 +3,9 @@
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.core.numerics import SOLUTION_ROUNDING
 from modallab.fe.cache import cached
-
-CLOSE = 0.1  # coupling over a mode's own dynamic stiffness above which modes are solved for together
-EXACT = 1e-11  # of the modal force, that a solution leaves of it
-ROUNDS = 40  # of corrections at most
-ASKED = 8  # modal forces whose answers are kept
+from modallab.fe.settings import CACHE, DAMPED_MODES
 
 
 class CoupledModes:
@@ -31,7 +28,7 @@ class CoupledModes:
     def __init__(self, direct: ComplexArray, coupling: FloatArray | ComplexArray, omega: FloatArray) -> None:
         self._direct, self._coupling, self._omega = direct, coupling, omega
         share = omega[:, None] * np.abs(coupling).sum(axis=1) / np.abs(direct)
-        self._near = np.flatnonzero((share > CLOSE).any(axis=0))
+        self._near = np.flatnonzero((share > DAMPED_MODES.near_coupling).any(axis=0))
         self._inverse = np.linalg.inv(self._together(self._near))
         self._apart = coupling.copy()  # between modes that are not solved for together
         self._apart[np.ix_(self._near, self._near)] = 0.0
@@ -55,14 +52,14 @@ class CoupledModes:
     def _known_answer(self, force: FloatArray | ComplexArray) -> ComplexArray:
         """Return the modal answers (m, n_freq) to modal forces (m,)."""
         key = (force.dtype.char, force.tobytes())
-        return cached(self._kept, "answers", key, lambda: self._answer(force), ASKED)
+        return cached(self._kept, "answers", key, lambda: self._answer(force), CACHE.modal_forces)
 
     def _answer(self, force: FloatArray | ComplexArray) -> ComplexArray:
         """Return the modal answers (m, n_freq) to modal forces (m,)."""
         left: ComplexArray = np.repeat(force[:, None], len(self._omega), axis=1).astype(complex)
         answer = np.zeros_like(left)
-        enough = EXACT * float(np.abs(force).max(initial=0.0))
-        for _ in range(ROUNDS):
+        enough = SOLUTION_ROUNDING * float(np.abs(force).max(initial=0.0))
+        for _ in range(DAMPED_MODES.max_iterations):
             step = left * self._alone
             step[self._near] = (self._inverse @ left[self._near].T[..., None])[..., 0].T
             answer += step

@@ -8,7 +8,7 @@ from scipy.io import mminfo, mmread
 from scipy.sparse import coo_array, csc_array
 
 from modallab.core.errors import InvalidInputError
-from modallab.fe.imported_elements import MOST
+from modallab.fe.settings import INPUT
 
 
 def matrix(content: bytes, path: str, n: int) -> csc_array:
@@ -27,7 +27,7 @@ def matrix(content: bytes, path: str, n: int) -> csc_array:
     try:
         # A header may claim any size, and all of it would be made room for.
         rows, columns, _, form, *_ = mminfo(io.BytesIO(content))
-        fits = (rows, columns) == (n, n) and (form != "array" or n**2 <= MOST)
+        fits = (rows, columns) == (n, n) and (form != "array" or n**2 <= INPUT.max_element_values)
         found: Any = mmread(io.BytesIO(content), spmatrix=False) if fits else np.zeros((0, 0))
     # Any: its parser raises ValueError, OverflowError and others at hostile bytes.
     except Exception as error:

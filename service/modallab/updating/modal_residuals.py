@@ -11,8 +11,8 @@ from modallab.correlation.mac import mac, pair_modes
 from modallab.fe.assembly import Assembly
 from modallab.fe.damping import StructuralDamping
 from modallab.fe.modes import ModalBasis, modal_basis
+from modallab.fe.settings import EIGENSOLUTION
 from modallab.fe.structure import Structure
-from modallab.fe.system import SMALL
 from modallab.updating.corrected_model import CorrectedModel
 from modallab.updating.parameterisation import Parameterisation, refuse_loss_factors
 from modallab.updating.sensitivity import derivatives
@@ -211,7 +211,7 @@ class ModalResiduals:
 
     def _modes(self, values: FloatArray) -> ModalBasis:
         system = self.model.system(values)
-        all_modes = len(system.dofs) < SMALL
+        all_modes = len(system.dofs) < EIGENSOLUTION.dense_dofs
         reach = DAMPED_REACH if self.target.damped else REACH
         limit = np.inf if all_modes else reach * float(self.target.frequencies.max())
         damping = system.damping if self.target.damped else None

@@ -6,7 +6,8 @@ import pytest
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfKind, FrfSet
-from modallab.correlation.responses import SHOWN, compare_responses
+from modallab.correlation.responses import compare_responses
+from modallab.correlation.settings import RESPONSES
 from modallab.fe.assembly import assemble
 from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.changes import MemberChange, MemberProperty, change
@@ -31,7 +32,7 @@ def test_the_models_own_frfs_agree_at_every_point_and_line() -> None:
     np.testing.assert_allclose(found.frac, 1.0, rtol=1e-9)
     np.testing.assert_allclose(np.diag(found.fdac[0]), 1.0, rtol=1e-9)
     assert (found.outputs, found.inputs) == (SENSORS, (DRIVE,))
-    assert len(found.freq) == SHOWN
+    assert len(found.freq) == RESPONSES.plotted_lines
     assert found.freq[0] > 0
     assert found.frequency_scale == pytest.approx(1.0, abs=5e-4)  # lines 0.65 % apart, a tenth of that
     assert found.notes == ()
@@ -87,7 +88,7 @@ def test_every_input_has_lines_of_its_own() -> None:
     )
     found = compare_responses(both, SYSTEM)
     assert found.inputs == (DRIVE, Dof(5, "Y"))
-    assert found.fdac.shape == (2, SHOWN, SHOWN)
+    assert found.fdac.shape == (2, RESPONSES.plotted_lines, RESPONSES.plotted_lines)
     np.testing.assert_allclose(found.frac, 1.0, rtol=1e-9)
     np.testing.assert_allclose(found.fdac[1], compare_responses(other, SYSTEM).fdac[0], rtol=1e-9)
 

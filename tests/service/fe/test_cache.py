@@ -1,6 +1,7 @@
 """What is kept of what was worked out before."""
 
-from modallab.fe.cache import KEPT, cached
+from modallab.fe.cache import cached
+from modallab.fe.settings import CACHE
 
 
 def test_the_latest_few_are_kept() -> None:
@@ -14,13 +15,13 @@ def test_the_latest_few_are_kept() -> None:
 
         return cached(shared, "numbers", key, make)
 
-    for key in range(KEPT):
+    for key in range(CACHE.variants):
         assert ask(key) == key
-    for key in range(KEPT):
+    for key in range(CACHE.variants):
         ask(key)
-    assert made == list(range(KEPT))  # none twice
-    ask(0), ask(KEPT)  # 1 is now what was not asked for longest
+    assert made == list(range(CACHE.variants))  # none twice
+    ask(0), ask(CACHE.variants)  # 1 is now what was not asked for longest
     ask(0)
-    assert made == list(range(KEPT + 1))
+    assert made == list(range(CACHE.variants + 1))
     ask(1)
     assert made[-1] == 1

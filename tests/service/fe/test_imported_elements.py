@@ -17,6 +17,7 @@ from modallab.fe.changes import MemberChange, MemberProperty, change
 from modallab.fe.damping import StructuralDamping
 from modallab.fe.imported_elements import Element, GroupMatrices, of_elements, of_groups
 from modallab.fe.plate import plate
+from modallab.fe.settings import INPUT
 from modallab.fe.structure import Material, Structure
 from modallab.fe.synthetic_modes import exact_modes, lowest_modes
 from modallab.store.plain import from_plain, to_plain
@@ -59,7 +60,7 @@ def test_matrices_of_a_structure_have_its_modes_and_rigid_bodies(own: Structure)
 
 
 def test_a_large_model_cut_into_pairs_of_nodes_is_the_same_model(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(imported, "WHOLE", 1000)
+    monkeypatch.setattr(imported, "INPUT", replace(INPUT, max_whole_group_values=1000))
     cut = of_groups(in_two(PLATE), PLATE.dofs)
     assert len(cut.others) > 300
     assert set(cut.groups) == {"first", "second"}

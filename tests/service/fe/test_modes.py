@@ -14,8 +14,8 @@ from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.damping import Damping, ModalDamping, StructuralDamping, ViscousDamping
 from modallab.fe.modes import modal_basis
 from modallab.fe.receptance import direct_receptance, receptance
+from modallab.fe.settings import EIGENSOLUTION
 from modallab.fe.structure import GroundSpringElement, Material, Section, Structure, Support
-from modallab.fe.system import SMALL
 from tests.strategies import frames
 
 HOLDS: dict[str, tuple[tuple[Support, ...], int]] = {
@@ -86,7 +86,7 @@ LAWS: tuple[Damping, ...] = (StructuralDamping(0.01, 50.0), ViscousDamping(1e-6,
 def long_beam(supports: tuple[Support, ...], damping: Damping) -> Structure:
     return beam(
         length=1.5,
-        n_elements=SMALL // 2 + 10,
+        n_elements=EIGENSOLUTION.dense_dofs // 2 + 10,
         section=Section(5e-4, 4.1667e-9),
         material=Material(2.09e11, 7800.0),
         damping=damping,
@@ -97,7 +97,7 @@ def long_beam(supports: tuple[Support, ...], damping: Damping) -> Structure:
 @pytest.mark.parametrize("supports", [(), (Support(1, ("Y", "RZ")),)], ids=["free", "clamped"])
 def test_the_sparse_solution_is_the_dense_one(supports: tuple[Support, ...]) -> None:
     system = assemble(long_beam(supports, LAWS[0]))
-    assert len(system.dofs) >= SMALL
+    assert len(system.dofs) >= EIGENSOLUTION.dense_dofs
     sparse = system.modes(800.0)
     matrices = (system.mass, system.stiffness, system.damping, None, system.rigid)
     dense = modal_basis(*matrices)

@@ -12,8 +12,8 @@ from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.changes import GroundStiffness, MemberChange, MemberProperty, change
 from modallab.fe.damping import ModalDamping, StructuralDamping
 from modallab.fe.receptance import direct_receptance, receptance
+from modallab.fe.settings import EIGENSOLUTION
 from modallab.fe.structure import Material, Section, Structure
-from modallab.fe.system import SMALL
 
 FREQ = np.array([5.0, 33.0, 155.0, 390.0, 800.0])
 
@@ -22,7 +22,7 @@ def long_beam() -> Structure:
     """So many DoFs that it is solved for up to a frequency."""
     return beam(
         length=1.5,
-        n_elements=SMALL // 2 + 10,
+        n_elements=EIGENSOLUTION.dense_dofs // 2 + 10,
         section=Section(5e-4, 4.1667e-9),
         material=Material(2.09e11, 7800.0),
         damping=StructuralDamping(0.01, 50.0),

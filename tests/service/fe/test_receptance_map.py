@@ -8,6 +8,7 @@ from modallab.core.dof import Dof
 from modallab.fe.assembly import assemble
 from modallab.fe.receptance import receptance
 from modallab.fe.receptance_map import ReceptanceMap
+from modallab.fe.settings import CACHE
 from modallab.fe.system import DynamicSystem
 from tests.diagnosing import model
 
@@ -24,7 +25,7 @@ def loaded() -> list[DynamicSystem]:
 def test_receptances_to_any_columns_are_those_of_each_loaded_structure(
     room: int, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(module, "ROOM", room)
+    monkeypatch.setattr(module, "CACHE", replace(CACHE, receptance_map_values=room))
     systems = loaded()
     lefts = [
         system.selection((Dof(1, "Y"), Dof(n, "Y"))) for system, n in zip(systems, (3, 5, 9), strict=True)

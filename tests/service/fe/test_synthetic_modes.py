@@ -8,9 +8,9 @@ from modallab.core.errors import InvalidInputError, UnknownDofError
 from modallab.fe.assembly import assemble
 from modallab.fe.beam import beam
 from modallab.fe.catalogued import STRUCTURES
+from modallab.fe.settings import EIGENSOLUTION
 from modallab.fe.structure import Material, Section
 from modallab.fe.synthetic_modes import Distribution, ModeNoise, lowest_modes, synthetic_modes
-from modallab.fe.system import SMALL
 
 BAY = STRUCTURES["bay"]()
 DOFS = (Dof(1, "X"), Dof(5, "Y", -1), Dof(13, "X"))
@@ -51,7 +51,7 @@ def test_the_same_seed_is_the_same_test() -> None:
 def test_a_large_structure_is_solved_until_there_are_enough_modes() -> None:
     fine = beam(
         length=1.5,
-        n_elements=SMALL,
+        n_elements=EIGENSOLUTION.dense_dofs,
         section=Section(5e-4, 4.1667e-9),
         material=Material(2.09e11, 7800.0),
     )

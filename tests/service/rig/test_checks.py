@@ -8,8 +8,8 @@ import pytest
 from modallab.core.dof import Dof
 from modallab.core.errors import UnknownDofError
 from modallab.core.place import EffectSpec
+from modallab.fe.settings import EIGENSOLUTION
 from modallab.fe.structure import Support
-from modallab.fe.system import SMALL
 from modallab.rig.checks import suspension_check
 from modallab.rig.suspension import Suspension
 from tests.rigs import dofs, rig, steel_beam
@@ -46,7 +46,7 @@ def test_a_band_told_as_an_effect_counts_as_one_of_the_hardware() -> None:
 
 
 def test_a_large_structure_is_checked_as_a_small_one() -> None:
-    fine = SMALL // 2 + 10
+    fine = EIGENSOLUTION.dense_dofs // 2 + 10
     coarse = suspension_check(steel_beam(), rig(1, suspension=Suspension(ENDS, 100.0)))
     found = suspension_check(
         steel_beam(n_elements=fine), rig(1, suspension=Suspension(dofs(1, fine + 1), 100.0))

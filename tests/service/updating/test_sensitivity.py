@@ -13,8 +13,8 @@ from modallab.fe.assembly import Assembly, coefficients_of
 from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.modes import ModalBasis, modal_basis
 from modallab.fe.plate import plate
+from modallab.fe.settings import EIGENSOLUTION
 from modallab.fe.structure import Material, Structure
-from modallab.fe.system import SMALL
 from modallab.updating.parameterisation import Parameterisation, Part, parameterise
 from modallab.updating.sensitivity import PartMatrices, derivatives, part_matrices, subspace_derivatives
 from modallab.updating.truncation import HigherModes
@@ -201,7 +201,7 @@ def test_coefficients_that_members_carry_scale_their_derivatives() -> None:
 @pytest.mark.parametrize("name", LARGE)
 def test_derivatives_from_some_modes_are_exact_where_asked_for(name: str) -> None:
     case = LARGE[name]
-    assert len(case.structure.dofs) >= SMALL
+    assert len(case.structure.dofs) >= EIGENSOLUTION.dense_dofs
     basis = case.basis
     modes = basis.n_rigid_body + np.array([0, 1, 4])
     ours = derivatives(basis, modes, case.sensors, case.parts, above=HigherModes.EXACT)
@@ -280,7 +280,7 @@ def test_modes_close_to_one_another_have_exact_derivatives_each(width: float) ->
 
 def test_close_modes_of_a_large_model_move_as_a_subspace_of_some_modes() -> None:
     structure = plate_of(0.4, 0.4, (9, 9))
-    assert len(structure.dofs) >= SMALL
+    assert len(structure.dofs) >= EIGENSOLUTION.dense_dofs
     case = Case(structure, parameterise([(1, 2), (30,)]), PLATE_DOFS, 800.0)
     basis, modes = paired(case)
     squares = basis.eigenvalues.real[modes]

@@ -22,7 +22,7 @@ from modallab.diagnosis.residuals.random_error import (
 )
 from modallab.estimation.coherence import coherence
 from modallab.estimation.estimators.h1 import h1
-from modallab.estimation.force_noise import FAINT
+from modallab.estimation.settings import FORCE_NOISE
 from modallab.estimation.spectra import CrossSpectra
 from modallab.estimation.windows import WINDOWS
 from modallab.rig.measurement import Measurement
@@ -201,7 +201,7 @@ def observe(measurement: Measurement, held_out: Sequence[Dof], *, fraction: floa
     # H1, whatever the estimator was: H2 = H1 / g2 and Hv = H1 / g.
     power = {"h1": 0.0, "h2": 1.0, "hv": 0.5}[analyser.estimator]
     h = frf.values[:, :, 0] * g2**power
-    usable = (g2 > FAINT) & (frf.freq > 0)[:, None] & (np.abs(h) > 0)
+    usable = (g2 > FORCE_NOISE.min_coherence) & (frf.freq > 0)[:, None] & (np.abs(h) > 0)
     error = np.sqrt(chance + (stated * weaker(h)) ** 2 + NUMERICAL**2)
     least = 4 * (stated**2 + NUMERICAL**2)  # power has twice the relative error of amplitude
     incoherent, spread = incoherent_spectrum(measurement, least)
@@ -240,7 +240,7 @@ def _check_something_is_left(observed: Observed) -> None:
             "no line shows a response",
             field="coherence",
             value=float(observed.coherence.max()),
-            allowed=f"> {FAINT:g}",
+            allowed=f"> {FORCE_NOISE.min_coherence:g}",
         )
     if not observed.fitted.any():
         held = [str(dof) for dof, out in zip(observed.outputs, observed.held_out, strict=True) if out]

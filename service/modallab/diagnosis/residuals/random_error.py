@@ -7,7 +7,8 @@ from scipy.special import digamma, polygamma
 
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.errors import InvalidInputError
-from modallab.estimation.force_noise import FAINT, ForceChannelNoise
+from modallab.estimation.force_noise import ForceChannelNoise
+from modallab.estimation.settings import FORCE_NOISE
 from modallab.rig.excitation import EXCITATIONS
 from modallab.rig.measurement import Measurement
 
@@ -57,7 +58,7 @@ def known_coherence(measurement: Measurement) -> tuple[FloatArray, FloatArray]:
     if g2 is None or n <= 2:
         nothing = np.zeros(measurement.frf.values.shape[:2])
         return nothing + 1, nothing
-    return g2, (1 - g2) / (2 * np.maximum(g2, FAINT) * (n - 2))
+    return g2, (1 - g2) / (2 * np.maximum(g2, FORCE_NOISE.min_coherence) * (n - 2))
 
 
 def weaker(h: ComplexArray) -> FloatArray:

@@ -5,7 +5,6 @@ import numpy as np
 from modallab.core.arrays import FloatArray
 from modallab.fe.facet import (
     FACETS,
-    SHEARED,
     FacetParts,
     Facets,
     bending_strains,
@@ -15,6 +14,7 @@ from modallab.fe.facet import (
     natural_shear,
     symmetric,
 )
+from modallab.fe.settings import ELEMENT
 
 XI, ETA = np.array([-1.0, 1.0, 1.0, -1.0]), np.array([-1.0, -1.0, 1.0, 1.0])  # of the corners
 GAUSS = [(a / np.sqrt(3), b / np.sqrt(3)) for a in (-1, 1) for b in (-1, 1)]  # of weight 1 each
@@ -46,7 +46,7 @@ def quadrilateral(facets: Facets) -> FacetParts:
     Numerical Methods in Engineering 21 (1985) 367-383 (MITC4). Bilinear membrane in plane stress.
     """
     n, corners, thickness = len(facets.corners), facets.corners, facets.thickness
-    law, sheared = facets.plane_stress, SHEARED * facets.shear_modulus * thickness
+    law, sheared = facets.plane_stress, ELEMENT.shear_coefficient * facets.shear_modulus * thickness
     overlap, membrane = np.zeros((n, 4, 4)), np.zeros((n, 8, 8))
     bending, drilling = np.zeros((2, n, 12, 12))
     eye = np.eye(2)[None]

@@ -8,13 +8,9 @@ import numpy as np
 from modallab.core.arrays import FloatArray
 from modallab.core.errors import InvalidInputError, UnderdeterminedError
 from modallab.core.parameters import parameter
-from modallab.fe.partition import UNSEEN, Partition
+from modallab.fe.partition import Partition
 from modallab.fe.reduction import REDUCTIONS, Reduction
-
-APART = 10.0  # condition up to which masters tell modes apart well enough to be taken unasked
-BEYOND = 1.1  # times the highest frequency that is to be covered: a model may have it too low
-HARDLY = 1e6  # condition at which six digits of a shape are lost
-MOST = 100  # elastic modes that are solved for unasked
+from modallab.fe.settings import REDUCTION
 
 
 @REDUCTIONS.register("serep")
@@ -57,11 +53,11 @@ class Serep(Reduction):
 
         Modes far above what was measured would only follow its errors.
         """
-        return self if self.modes else replace(self, highest=BEYOND * frequency)
+        return self if self.modes else replace(self, highest=REDUCTION.serep_band_margin * frequency)
 
     def _candidates(self, split: Partition) -> tuple[FloatArray, int]:
         """Return rigid-body modes that the masters show and elastic ones, and how many are rigid."""
-        count = int(self.modes) or min(len(split.rows), MOST)
+        count = int(self.modes) or min(len(split.rows), REDUCTION.serep_max_modes)
         basis = split.lowest(count, np.inf if self.modes else self.highest)
         n_rigid_body = basis.n_rigid_body
         rigid = basis.shapes[:, :n_rigid_body].real
@@ -71,7 +67,7 @@ class Serep(Reduction):
         elastic = basis.shapes[:, n_rigid_body : n_rigid_body + count].real
         # A motion that no master takes part in, such as along a beam that is watched across, stays out.
         _, size, turn = np.linalg.svd(rigid[split.rows], full_matrices=True)
-        shown = size > UNSEEN * np.abs(rigid).max(initial=0.0)
+        shown = size > REDUCTION.min_master_motion * np.abs(rigid).max(initial=0.0)
         rigid = rigid @ turn[: len(size)][shown].T
         return np.hstack([rigid, elastic]), rigid.shape[1]
 
@@ -86,11 +82,14 @@ class Serep(Reduction):
                     value=int(self.modes),
                     allowed=f"up to {n_masters - n_rigid_body}",
                 )
-            if not _condition(seen) < HARDLY:
+            if not _condition(seen) < REDUCTION.serep_max_condition:
                 raise self._alike(n_modes - n_rigid_body, n_masters)
             return int(n_modes)
         kept = 0
-        while kept < min(n_modes, n_masters) and _condition(seen[:, : kept + 1]) < APART:
+        while (
+            kept < min(n_modes, n_masters)
+            and _condition(seen[:, : kept + 1]) < REDUCTION.serep_distinct_condition
+        ):
             kept += 1
         if kept <= n_rigid_body:
             raise self._alike(1, n_masters)

@@ -10,8 +10,8 @@ from modallab.core.dof import DIRECTIONS, Dof
 from modallab.core.errors import InvalidInputError
 from modallab.fe.damping import Damping
 from modallab.fe.imported_elements import Element, Places, of_elements
+from modallab.fe.settings import INPUT
 from modallab.fe.spatial import (
-    WARPED,
     SpatialBars,
     SpatialPlates,
     bar_axes,
@@ -107,7 +107,10 @@ def _shells(cells: Sequence[SpaceCell], corners: FloatArray) -> Matrices:
     made = [cell.made for cell in cells if isinstance(cell.made, PlateMade)]
     _refuse(cells, convex(corners), "a folded, hollow or flat cell", "corners round a convex shape")
     _refuse(
-        cells, warp(corners) <= WARPED, "a warped cell", f"corners in one plane, to {WARPED:g} of its size"
+        cells,
+        warp(corners) <= INPUT.max_warp,
+        "a warped cell",
+        f"corners in one plane, to {INPUT.max_warp:g} of its size",
     )
     plates = SpatialPlates(
         corners=corners,

@@ -8,8 +8,8 @@ import numpy as np
 from modallab.core.arrays import FloatArray
 from modallab.core.errors import InvalidInputError
 from modallab.fe.imported_elements import Element
+from modallab.fe.settings import INPUT
 from modallab.fe.spatial import (
-    WARPED,
     SpatialBars,
     SpatialPlates,
     bar_axes,
@@ -213,8 +213,8 @@ def _check_flat(cards: Sequence[Card], corners: FloatArray) -> None:
         if not fits:
             raise card.wrong(3, "corners round a convex shape, one way or the other")
     for card, off in zip(cards, warp(corners), strict=True):
-        if off > WARPED:
-            raise card.wrong(3, f"corners in one plane, to {WARPED:g} of its size")
+        if off > INPUT.max_warp:
+            raise card.wrong(3, f"corners in one plane, to {INPUT.max_warp:g} of its size")
 
 
 def _mass(card: Card, known: Given) -> Element:

@@ -10,7 +10,8 @@ from modallab.core.arrays import ComplexArray, FloatArray, IntArray
 from modallab.core.errors import InvalidInputError
 from modallab.fe.damping import ModalDamping, StructuralDamping, ViscousDamping
 from modallab.fe.lowest_modes import factorised
-from modallab.fe.system import SMALL, DynamicSystem
+from modallab.fe.settings import EIGENSOLUTION
+from modallab.fe.system import DynamicSystem
 from modallab.updating.corrected_model import CorrectedModel
 from modallab.updating.parameterisation import Part
 from modallab.updating.responses.target import TargetResponses
@@ -111,7 +112,7 @@ class ResponseModel:
         """Yield the motions at `values` (n_params,), of no more lines at once than memory is for."""
         system, parts = self.model.system(values), self.model.parts(values, damped=True)
         n, wide = self._outputs.shape[0], self._outputs.shape[1] + self._inputs.shape[1]
-        step = max(1, AT_ONCE // (n * (n if n < SMALL else wide)))
+        step = max(1, AT_ONCE // (n * (n if n < EIGENSOLUTION.dense_dofs else wide)))
         n_lines = len(self.target.freq)
         for lines in np.split(np.arange(n_lines), range(step, n_lines, step)):
             yield self._at(lines, system, parts)
@@ -144,7 +145,7 @@ def solver(system: DynamicSystem, omega: FloatArray) -> Solve:
     """Return what solves Z at every line: by inverses of all at once, of large models by factors of each."""
     empty = csc_array(system.stiffness.shape)
     damping, viscous = (empty if one is None else one for one in (system.damping, system.viscous))
-    if len(system.dofs) < SMALL:
+    if len(system.dofs) < EIGENSOLUTION.dense_dofs:
         mass, stiffness, lost, slow = (
             one.toarray() for one in (system.mass, system.stiffness, damping, viscous)
         )

@@ -9,7 +9,7 @@ from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.estimation.coherence import frf_error
-from modallab.estimation.force_noise import MOST_COMMON
+from modallab.estimation.settings import FORCE_NOISE
 
 NUMERICAL = 1e-6  # relative error of the model's own responses: a floor under every random error
 FAINT = 1e-6  # coherence below which there is no response at all
@@ -100,7 +100,7 @@ def weighed(
     errors = _errors(size, known, averages, noise_floor)
     shared = np.zeros(size.shape) if common is None else common[lines]
     # What coherence tells of a line is a matter of chance; what is common is of all outputs alike.
-    errors = np.maximum(errors, np.sqrt(shared / MOST_COMMON))
+    errors = np.maximum(errors, np.sqrt(shared / FORCE_NOISE.max_common_fraction))
     used = (size > TINY) & (errors < VAGUE)
     if not used.any():
         raise InvalidInputError(

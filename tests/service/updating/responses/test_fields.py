@@ -11,6 +11,7 @@ from modallab.core.errors import InvalidInputError, UnknownDofError
 from modallab.fe.assembly import Assembly, assemble
 from modallab.fe.damping import Damping, ModalDamping, StructuralDamping, ViscousDamping
 from modallab.fe.plate import plate
+from modallab.fe.settings import EIGENSOLUTION
 from modallab.fe.structure import Material, Structure
 from modallab.updating.corrected_model import CorrectedModel
 from modallab.updating.parameterisation import Parameterisation, parameterise
@@ -106,7 +107,7 @@ def test_large_models_are_solved_by_factors_and_lines_in_turn(monkeypatch: pytes
     model = model_of(BEAM, parameters)
     values = np.array([1.1, 0.9, 1.2, 0.8])
     (dense,) = model.fields(values)
-    monkeypatch.setattr(fields, "SMALL", 10)
+    monkeypatch.setattr(fields, "EIGENSOLUTION", replace(EIGENSOLUTION, dense_dofs=10))
     monkeypatch.setattr(fields, "AT_ONCE", 1)
     sparse = list(model.fields(values))
     assert len(sparse) == len(LINES)
@@ -146,7 +147,8 @@ def test_plates_are_solved_by_pivots_on_the_diagonal_as_well_as_by_inverses(
     omega = 2 * np.pi * np.array([17.0, 0.999 * resonance, 901.0])
     forces = np.random.default_rng(0).standard_normal((3, len(system.dofs), 2)).astype(complex)
     by_factors = fields.solver(system, omega)(forces)
-    monkeypatch.setattr(fields, "SMALL", len(system.dofs) + 1)
+    dense = replace(EIGENSOLUTION, dense_dofs=len(system.dofs) + 1)
+    monkeypatch.setattr(fields, "EIGENSOLUTION", dense)
     # rounding, enlarged by the condition of a thin plate, 1e8
     np.testing.assert_allclose(
         by_factors, fields.solver(system, omega)(forces), atol=1e-7 * np.abs(by_factors).max()

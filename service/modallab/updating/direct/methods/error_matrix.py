@@ -4,7 +4,7 @@ import numpy as np
 
 from modallab.core.arrays import FloatArray
 from modallab.core.errors import UnderdeterminedError
-from modallab.correlation.mac import FLOOR
+from modallab.correlation.settings import PAIRING
 from modallab.updating.direct.method import (
     DIRECT_METHODS,
     DirectProblem,
@@ -53,12 +53,12 @@ def _check_pairs(problem: DirectProblem, own: FloatArray) -> None:
     sizes = np.einsum("ir,ir->r", problem.shapes, carried)
     share = ((own.T @ carried) ** 2).sum(axis=0) / sizes
     worst = int(share.argmin())
-    if share[worst] < FLOOR:
+    if share[worst] < PAIRING.min_mac:
         raise UnderdeterminedError(
             f"measured mode {worst + 1} pairs with no mode of the model",
             field="modes",
             value=worst + 1,
-            allowed=f"{FLOOR:.0%} or more of its motion in modes of the model",
+            allowed=f"{PAIRING.min_mac:.0%} or more of its motion in modes of the model",
         )
 
 

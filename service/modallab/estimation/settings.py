@@ -1,0 +1,96 @@
+"""Settings of the estimation of spectra and frequency response functions."""
+
+from dataclasses import dataclass
+
+from modallab.core.settings import Settings, setting
+
+
+@dataclass(frozen=True)
+class SpectrumSettings(Settings):
+    """Averaging, windows and the input matrix."""
+
+    batch_samples: int = setting(
+        2**17,
+        unit="samples",
+        doc="samples of one batch of Fourier transforms",
+        derived="the processor's cache: larger batches run at the speed of memory",
+    )
+    window_samples: int = setting(
+        4096,
+        unit="samples",
+        doc="samples of a window for its mean square and its overlap with itself",
+        derived="exact for sums of cosines at this length",
+    )
+    force_taper: float = setting(
+        0.1,
+        doc="fraction of a force window over which it falls to zero",
+        derived="a smooth end, short beside the open part",
+    )
+    max_input_condition: float = setting(
+        1e12,
+        doc="condition number of the input matrix beyond which forces count as dependent",
+        derived="H1 is then rounding",
+    )
+
+
+SPECTRUM = SpectrumSettings()
+
+
+@dataclass(frozen=True)
+class ClippingSettings(Settings):
+    """Spectra of clipped Gaussian signals."""
+
+    hermite_orders: tuple[int, ...] = setting(
+        (3, 5, 7, 9, 11),
+        doc="Hermite orders of the distortion that are computed; the remainder goes with the next one",
+        tuned="simulated tests of the suite",
+    )
+    max_level: float = setting(
+        30.0,
+        unit="standard deviations",
+        doc="clipping level beyond which nothing is clipped",
+        derived="no Gaussian sample in double precision is as large",
+    )
+
+
+CLIPPING = ClippingSettings()
+
+
+@dataclass(frozen=True)
+class ForceNoiseSettings(Settings):
+    """Separation of the noise of the force channel from that of the responses."""
+
+    min_coherence: float = setting(
+        1e-6, doc="coherence below which there is no response at all", derived="a floor of divisions"
+    )
+    relative_rounding: float = setting(
+        1e-6,
+        doc="amplitude of noise over that of the force that counts as rounding",
+        derived="noise 120 dB below the force is that of the arithmetic",
+    )
+    outlier_ratio: float = setting(
+        2.0,
+        doc="incoherent power over both fitted noises above which a line is left out of the fit",
+        tuned="simulated tests of the suite",
+    )
+    iterations: int = setting(
+        50, unit="iterations", doc="alternating least-squares steps", tuned="simulated tests of the suite"
+    )
+    initial_quantile: float = setting(
+        0.1,
+        doc="quantile of the lines' incoherent power from which the fit starts",
+        tuned="simulated tests of the suite",
+    )
+    max_common_fraction: float = setting(
+        0.95,
+        doc="largest fraction of a variance that is attributed to the common noise",
+        derived="the fraction is an estimate, and the independent remainder must count",
+    )
+    min_signal_to_noise: float = setting(
+        0.1,
+        doc="least power of the force signal over its noise",
+        derived="keeps a force positive where noise seems to be all of it",
+    )
+
+
+FORCE_NOISE = ForceNoiseSettings()
