@@ -15,7 +15,7 @@ import numpy as np
 from modallab.core.dof import Dof
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.residuals.observed import observe
-from modallab.diagnosis.residuals.residual import scatters
+from modallab.diagnosis.residuals.residual import gap_errors
 from modallab.fe.beam import beam
 from modallab.fe.damping import StructuralDamping
 from modallab.fe.structure import Material, Section
@@ -69,7 +69,7 @@ def gaps(kind: str, window: str, seeds: int) -> Iterator[tuple[str, float, float
         observed = observe(test, (), fraction=0.0)
         left = Predictor(BEAM, setup, observed).residual(())
         found.append(left.gaps(observed.usable))
-        stated.append(scatters(observed, left, observed.usable))
+        stated.append(gap_errors(observed, left, observed.usable))
     for part in found[0]:
         each = [one[part] for one in found]
         yield part, float(np.mean(each)), float(np.std(each)), float(np.mean([one[part] for one in stated]))

@@ -14,7 +14,7 @@ from benchmarks.trial.scoring import score
 from benchmarks.trial.tolerated import tolerances
 from modallab.core.errors import ModalLabError
 from modallab.diagnosis import diagnose as door
-from modallab.diagnosis.optimisation.tolerances import NONE, Tolerances
+from modallab.diagnosis.optimisation.tolerances import NO_TOLERANCES, Tolerances
 from modallab.diagnosis.predicting.joint_prediction import FollowUp
 from modallab.diagnosis.result import Diagnosis
 from modallab.fe.structure import Structure
@@ -56,7 +56,7 @@ class Question:
     def of(cls, case: Case) -> "Question":
         """Return what is asked of a case once it has been measured."""
         kept = pickle.dumps(sealed(case))
-        tolerated = tolerances(case.bench) if case.tolerances else NONE
+        tolerated = tolerances(case.bench) if case.tolerances else NO_TOLERANCES
         return cls(case.bench.structure, pickle.loads(kept), case.suspects, tolerated)
 
 

@@ -8,7 +8,12 @@ import numpy as np
 from benchmarks.trial.hidden import Gauge, spectra_of
 from benchmarks.trial.rigs import Bench
 from modallab.diagnosis.fitting.fit import fit
-from modallab.diagnosis.optimisation.tolerances import Nuisances, Tolerances, drawn, nuisances
+from modallab.diagnosis.optimisation.tolerances import (
+    Nuisances,
+    Tolerances,
+    draw_positions,
+    nuisance_parameters,
+)
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.residuals.observed import observe
 from modallab.fe.assembly import assemble
@@ -36,7 +41,9 @@ class Tolerated:
     def __init__(self, bench: Bench, *, tolerant: bool = True) -> None:
         self._bench = bench
         system = assemble(bench.structure)
-        self.numbers = nuisances(tolerances(bench), system, bench.setup) if tolerant else Nuisances()
+        self.numbers = (
+            nuisance_parameters(tolerances(bench), system, bench.setup) if tolerant else Nuisances()
+        )
 
     @cached_property
     def gauge(self) -> Gauge:
@@ -46,7 +53,7 @@ class Tolerated:
 
     def deviations(self, rng: np.random.Generator) -> tuple[Effect, ...]:
         """Return how one test differs from what its model and log book say."""
-        return self.numbers.effects(drawn(len(self.numbers), rng))
+        return self.numbers.effects(draw_positions(len(self.numbers), rng))
 
     def unexplained(self, acting: Sequence[Effect]) -> float:
         """Return the gap that is left in expectation where all numbers lie as well as their limits let them.
@@ -58,6 +65,6 @@ class Tolerated:
             return self.gauge.opened(acting)
         measured = measurement_of(spectra_of(self._bench, acting), self._bench.setup)
         observed = observe(measured, (), fraction=0.0)
-        predictor = Predictor(self._bench.structure, self._bench.setup, observed).allowing(self.numbers)
-        named = self.numbers.effects(fit(predictor, ()).tolerated)
+        predictor = Predictor(self._bench.structure, self._bench.setup, observed).with_nuisances(self.numbers)
+        named = self.numbers.effects(fit(predictor, ()).nuisance_position)
         return Gauge(self._bench).opened(acting, named=named)

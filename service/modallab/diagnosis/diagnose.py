@@ -9,14 +9,14 @@ from modallab.core.progress import Progress, Pulse, part, silent
 from modallab.diagnosis.fitting.fit import fit
 from modallab.diagnosis.localisation.evidence import collect_evidence
 from modallab.diagnosis.localisation.locate import locate
-from modallab.diagnosis.optimisation.tolerances import NONE, Tolerances, nuisances
-from modallab.diagnosis.predicting.held_out import held_out, standing_out
+from modallab.diagnosis.optimisation.tolerances import NO_TOLERANCES, Tolerances, nuisance_parameters
+from modallab.diagnosis.predicting.held_out import outlying_responses, select_held_out
 from modallab.diagnosis.predicting.joint_prediction import FollowUp, FollowUpPredictor, JointPredictor
 from modallab.diagnosis.predicting.limitations import limitations
 from modallab.diagnosis.predicting.prediction_budget import ENOUGH, PredictionBudget
 from modallab.diagnosis.predicting.predictor import Predictor, check_comparable
 from modallab.diagnosis.residuals.observed import observe
-from modallab.diagnosis.residuals.residual import scatter
+from modallab.diagnosis.residuals.residual import gap_error
 from modallab.diagnosis.result import Diagnosis, Step, Verdict
 from modallab.diagnosis.result_builder import curves, extended, rivals, step, tolerated
 from modallab.diagnosis.searching.acceptance import is_noise_only
@@ -38,7 +38,7 @@ def diagnose(
     suspects: Sequence[str] | None = None,
     hold_out_fraction: float = 0.25,
     hold_out: Sequence[Dof] = (),
-    tolerances: Tolerances = NONE,
+    tolerances: Tolerances = NO_TOLERANCES,
     follow_ups: Sequence[FollowUp] = (),
     max_effects: int = 4,
     seed: int = 0,
@@ -72,19 +72,19 @@ def diagnose(
     UnknownDofError
         If the model lacks a measured DoF.
     """
-    further = [one.taken_after(measurement) for one in follow_ups]
+    further = [one.with_consistent_log_book(measurement) for one in follow_ups]
     for test in (measurement, *further):
         check_comparable(structure, test)
-    held, unmeasured = held_out(structure, measurement, hold_out_fraction, hold_out, seed)
+    held, unmeasured = select_held_out(structure, measurement, hold_out_fraction, hold_out, seed)
     pulse = Pulse(progress)
     pulse(0.0, "predicting what the model and the log book say")
     tests = [measurement, *further]
     predictor = _predicting(structure, tests, held, hold_out_fraction, tolerances, pulse)
     start = fit(predictor, ())
     # What is tolerated of every channel hides until now that something is wrong with one.
-    spared = standing_out(predictor.observed, start.residual) if tolerances != NONE else ()
+    spared = outlying_responses(predictor.observed, start.residual) if tolerances != NO_TOLERANCES else ()
     if {dof.point for dof in spared} & ({dof.point for dof in held} - {dof.point for dof in hold_out}):
-        held, _ = held_out(structure, measurement, hold_out_fraction, hold_out, seed, spared=spared)
+        held, _ = select_held_out(structure, measurement, hold_out_fraction, hold_out, seed, spared=spared)
         predictor = _predicting(structure, tests, held, hold_out_fraction, tolerances, pulse)
         start = fit(predictor, ())
     observed = predictor.observed
@@ -102,12 +102,12 @@ def diagnose(
         located=locate(predictor, evidence),
         steps=steps,
         remaining_gap=left.gap(observed.usable),
-        remaining_scatter=scatter(observed, left, observed.usable),
+        remaining_scatter=gap_error(observed, left, observed.usable),
         gaps={"before": start.residual.gaps(observed.usable), "after": left.gaps(observed.usable)},
         structure=model,
         setup=log_book,
         curves=curves(predictor, measurement, path.fit, unmeasured),
-        candidates=rivals(predictor, path.steps[0].tried) if path.steps else (),
+        candidates=rivals(predictor, path.steps[0].round_fits) if path.steps else (),
         next_test=next_test(predictor, path, [one.change for one in follow_ups], part(pulse, 0.94, 1.0)),
         tolerated=tolerated(predictor, path.fit),
         follow_ups=tuple(one.change.plain for one in follow_ups),
@@ -117,7 +117,7 @@ def diagnose(
 
 
 def _cut_short(predictor: Predictor, explained: bool) -> tuple[str, ...]:
-    if explained or not predictor.effort.over:
+    if explained or not predictor.budget.exhausted:
         return ()
     return ("the search for what is left was given up: no few effects of the catalogue came near it",)
 
@@ -133,9 +133,9 @@ def _predicting(
     """Return what predicts all tests, with the numbers of model and rig free within tolerances."""
     seen = [observe(test, held, fraction=fraction) for test in tests]
     first = Predictor(structure, tests[0].setup, seen[0])
-    first.alive, first.effort = pulse.beat, PredictionBudget(ENOUGH * len(tests))
+    first.heartbeat, first.budget = pulse.beat, PredictionBudget(ENOUGH * len(tests))
     everywhere = _wherever_heard([test.setup for test in tests])
-    first = first.allowing(nuisances(tolerances, first.system, everywhere))
+    first = first.with_nuisances(nuisance_parameters(tolerances, first.system, everywhere))
     rest = [FollowUpPredictor(first, test.setup, one) for test, one in zip(tests[1:], seen[1:], strict=True)]
     return JointPredictor([first, *rest]) if rest else first
 

@@ -10,7 +10,7 @@ from modallab.core.dof import Dof
 from modallab.diagnosis.fitting.fit import Fit
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.residuals.observed import Observed
-from modallab.diagnosis.residuals.residual import scatter
+from modallab.diagnosis.residuals.residual import gap_error
 from modallab.diagnosis.result import (
     EquivalentEffect,
     FittedEffect,
@@ -20,7 +20,7 @@ from modallab.diagnosis.result import (
     ToleratedParameter,
 )
 from modallab.diagnosis.result_curves import Curves, Spectra
-from modallab.diagnosis.searching.acceptance import probabilities
+from modallab.diagnosis.searching.acceptance import model_probabilities
 from modallab.diagnosis.searching.search_path import AcceptedEffect
 from modallab.diagnosis.test_design.proposal import alike, named
 from modallab.fe.structure import Structure
@@ -45,15 +45,15 @@ def _fitted(fit: Fit, i: int) -> FittedEffect:
 
 def tolerated(predictor: Predictor, best: Fit) -> tuple[ToleratedParameter, ...]:
     """Return what may differ a little, as it was fitted."""
-    each = zip(predictor.nuisances.numbers, best.tolerated, best.tolerated_errors, strict=True)
+    each = zip(predictor.nuisances.parameters, best.nuisance_position, best.nuisance_errors, strict=True)
     return tuple(
         ToleratedParameter(
             name=one.name,
             at=one.at,
             mode=one.mode,
             value=one.value(float(position)),
-            standard_error=one.spread * float(error),
-            tolerance=one.spread,
+            standard_error=one.standard_deviation * float(error),
+            tolerance=one.standard_deviation,
             unit=one.unit,
         )
         for one, position, error in each
@@ -63,7 +63,7 @@ def tolerated(predictor: Predictor, best: Fit) -> tuple[ToleratedParameter, ...]
 def rivals(predictor: Predictor, tried: Sequence[Fit], but: Fit | None = None) -> tuple[Rival, ...]:
     """Return the fits of a round as rivals, best first, without the one named."""
     where = predictor.observed.fitted
-    shares = probabilities(predictor, tried)
+    shares = model_probabilities(predictor, tried)
     return tuple(
         Rival(f.effects[-1].kind, f.effects[-1].at, share, f.residual.gap(where))
         for f, share in zip(tried, shares, strict=True)
@@ -81,20 +81,20 @@ def step(predictor: Predictor, accepted: AcceptedEffect, final: Fit, *, explaine
     explained
         Whether only noise is left of it. If not, what is missing may be none of the rivals.
     """
-    observed, tried = predictor.observed, accepted.tried
+    observed, tried = predictor.observed, accepted.round_fits
     chosen = named(accepted)
     near = alike(predictor, accepted, chosen)
-    shares = dict(zip(map(id, tried), probabilities(predictor, tried), strict=True))
+    shares = dict(zip(map(id, tried), model_probabilities(predictor, tried), strict=True))
     # Sizes from the last fit: what was missing beside an effect still distorts its own round's.
     position = [(e.kind, str(e.at)) for e in final.effects].index(accepted.kind_and_place)
     return Step(
         effect=_fitted(final, position),
         probability=shares[id(chosen)] * (1.0 if explained else INCOMPLETE),
-        gap_before=accepted.before.residual.gap(observed.fitted),
-        gap_after=accepted.after.residual.gap(observed.fitted),
-        held_out_gap_before=accepted.before.residual.gap(observed.kept),
-        held_out_gap_after=accepted.after.residual.gap(observed.kept),
-        held_out_scatter=scatter(observed, accepted.after.residual, observed.kept),
+        gap_before=accepted.previous_fit.residual.gap(observed.fitted),
+        gap_after=accepted.fit.residual.gap(observed.fitted),
+        held_out_gap_before=accepted.previous_fit.residual.gap(observed.held_out_mask),
+        held_out_gap_after=accepted.fit.residual.gap(observed.held_out_mask),
+        held_out_scatter=gap_error(observed, accepted.fit.residual, observed.held_out_mask),
         rivals=rivals(predictor, tried, chosen),
         rivals_alike=tuple(EquivalentEffect(f.effects[-1].kind, f.effects[-1].at) for f in near[:MOST_ALIKE]),
     )
@@ -114,8 +114,8 @@ def curves(predictor: Predictor, measurement: Measurement, best: Fit, unmeasured
     """Return the curves of the first test, with responses that were not measured predicted."""
     predictor = predictor.tests[0]
     observed: Observed = predictor.observed
-    fitted = predictor.tolerating(best.tolerated)
-    predicted = fitted.unmeasured(best.effects, unmeasured) if unmeasured else None
+    fitted = predictor.with_nuisances_at(best.nuisance_position)
+    predicted = fitted.unmeasured_inertance(best.effects, unmeasured) if unmeasured else None
     before, after = predictor.predict(()), fitted.predict(best.effects)
     return Curves(
         freq=observed.freq,

@@ -110,7 +110,7 @@ def test_a_blow_is_explained_together_with_a_shaker() -> None:
     setup, gauge = small(), ForceTransducerMass(mass=0.02)
     struck = taken(setup, Change(exciter="hammer"), [gauge])
     first = Predictor(model(), setup, observe(drawn(setup, [gauge]), (), fraction=0.0))
-    further = struck.taken_after(drawn(setup, [gauge]))
+    further = struck.with_consistent_log_book(drawn(setup, [gauge]))
     joint = JointPredictor(
         [first, FollowUpPredictor(first, further.setup, observe(further, (), fraction=0.0))]
     )

@@ -8,7 +8,7 @@ import pytest
 from modallab.core.dof import Dof
 from modallab.core.progress import silent
 from modallab.diagnosis.diagnose import RULED_OUT, diagnose
-from modallab.diagnosis.fitting.covariance import Errors
+from modallab.diagnosis.fitting.covariance import ParameterErrors
 from modallab.diagnosis.fitting.fit import fit
 from modallab.diagnosis.localisation.evidence import collect_evidence
 from modallab.diagnosis.predicting.predictor import Predictor
@@ -55,7 +55,7 @@ def test_a_candidate_of_any_size_is_predicted_though_a_measurement_would_be_refu
     predictor, _ = predicting(drawn(setup))
     for predicted in (
         predictor.predict([CubicStiffness(Dof(4, "Y"), size)]),
-        predictor.near([]).predict([CubicStiffness(Dof(4, "Y"), size)]),
+        predictor.coarse_prediction([]).predict([CubicStiffness(Dof(4, "Y"), size)]),
     ):
         assert np.isfinite(predicted.h).all()
         assert (predicted.incoherent[1:] > 0).all()
@@ -90,7 +90,7 @@ def test_wider_errors_pay_for_what_they_forgive() -> None:
     """Minus twice the logarithm of a Gaussian likelihood: squares, and logarithms of variances."""
     predictor, observed = predicting(drawn(rig(roving=False), [CUBIC]))
     fixed = fit(predictor, [], fixed=[CUBIC])
-    wide = predictor.weighed([CUBIC]).observed
+    wide = predictor.with_intermittent_errors([CUBIC]).observed
     assert wide.incoherent_variance is not None
     assert observed.incoherent_variance is not None
     assert observed.force is not None
@@ -106,7 +106,7 @@ def test_wider_errors_pay_for_what_they_forgive() -> None:
 
 def test_errors_are_as_they_were_where_nothing_comes_in_bursts() -> None:
     predictor, observed = predicting(drawn(rig()))
-    assert predictor.weighed([]).observed is observed
+    assert predictor.with_intermittent_errors([]).observed is observed
 
 
 def test_a_force_whose_size_is_known_to_a_factor_only_is_accepted_all_the_same() -> None:
@@ -115,5 +115,5 @@ def test_a_force_whose_size_is_known_to_a_factor_only_is_accepted_all_the_same()
     measured = drawn(rig(roving=False), [strong])
     predictor = Predictor(model(), measured.setup, observe(measured, (), fraction=0.2))
     after = fit(predictor, [strong])
-    vague = Errors(({"stiffness": strong.stiffness},), np.zeros(0))
+    vague = ParameterErrors(({"stiffness": strong.stiffness},), np.zeros(0))
     assert is_significant(predictor, fit(predictor, []), replace(after, spread=lambda: vague))

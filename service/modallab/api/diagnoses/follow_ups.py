@@ -83,6 +83,6 @@ def check_follow_ups(
         )
     for one in follow_ups:
         further = FollowUp(store.measurements.get(one.measurement_id), one.changed.to_domain())
-        setup = further.taken_after(first).setup
+        setup = further.with_consistent_log_book(first).setup
         for dof in (*setup.drives, *setup.responses):
             structure.index(dof)

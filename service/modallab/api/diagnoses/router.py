@@ -15,7 +15,7 @@ from modallab.api.jobs import JobOut
 from modallab.api.shelves import add_routes
 from modallab.diagnosis.predicting.predictor import check_comparable
 from modallab.diagnosis.reporting.report import report
-from modallab.diagnosis.residuals.random_error import check_weighable
+from modallab.diagnosis.residuals.random_error import check_random_error_known
 
 # The page holds all it shows: it may load nothing and run nothing.
 _STATIC = {"Content-Security-Policy": "default-src 'none'; style-src 'unsafe-inline'; img-src data:"}
@@ -40,7 +40,7 @@ def start_diagnosis(
     measurement = store.measurements.get(body.measurement_id)
     structure = store.structures.get(body.structure_id)
     check_comparable(structure, measurement)
-    check_weighable(replace(measurement, noise_floor=body.noise_floor))
+    check_random_error_known(replace(measurement, noise_floor=body.noise_floor))
     arguments = body.to_arguments(structure)
     check_follow_ups(store, structure, body.measurement_id, body.follow_ups, act=body.act)
     return JobOut.of(jobs.submit("diagnose_and_store", arguments, owner=owner))

@@ -11,7 +11,7 @@ from modallab.diagnosis.optimisation.fit_parameters import ParameterVector
 from modallab.diagnosis.optimisation.tolerances import LIMIT
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.residuals.line_correlation import LineCorrelation
-from modallab.diagnosis.residuals.observed import Factors, Observed, Predicted
+from modallab.diagnosis.residuals.observed import Observed, Predicted, VarianceRatios
 from modallab.diagnosis.residuals.residual import Residual, residual
 from modallab.rig.effect import Effect
 
@@ -20,11 +20,11 @@ ON_BOUND = 0.01  # standard errors from a bound within which a number lies on it
 
 
 @dataclass(frozen=True, eq=False)
-class Errors:
+class ParameterErrors:
     """Standard errors of the numbers of each effect, and of what is tolerated."""
 
     effects: tuple[dict[str, float], ...]
-    tolerated: FloatArray  # (n,) standard deviations
+    nuisance_position: FloatArray  # (n,) standard deviations
 
 
 class _Together(Protocol):
@@ -44,7 +44,7 @@ class _Weighing:
 
 def standard_errors(
     predictor: Predictor, fixed: Sequence[Effect], effects: Sequence[Effect], left: Residual
-) -> Errors:
+) -> ParameterErrors:
     """Return the standard errors of fitted numbers, each on its own scale.
 
     A number on a bound is known no better than the data say, and takes no part in the errors of the
@@ -60,17 +60,17 @@ def standard_errors(
     panel, nuisances, observed = ParameterVector(effects), predictor.nuisances, predictor.observed
     n = len(panel)
     if n + len(nuisances) == 0:
-        return Errors(tuple({} for _ in effects), np.zeros(0))
+        return ParameterErrors(tuple({} for _ in effects), np.zeros(0))
     chosen, own = nuisances.split(observed.outputs, observed.held_out)
     slopes, n_fitted = _slopes(predictor, fixed, panel, with_kept=len(own) > 0)
-    room = [knob.room(value) for knob, value in zip(panel.knobs, panel.values(), strict=True)]
+    room = [knob.room(value) for knob, value in zip(panel.parameters, panel.values(), strict=True)]
     rooms = np.array([*room, *(LIMIT - np.abs(predictor.position))])
     weighing, lines = _weighed(observed, left, predictor.simulate_variance([*fixed, *effects]))
     common = np.concatenate([np.arange(n), n + chosen])
     covariance = _covariance(slopes[:n_fitted, common], rooms[common], len(chosen), weighing, lines)
     spread = np.sqrt(np.diag(covariance))
     errors: list[dict[str, float]] = [{} for _ in effects]
-    for knob, one in zip(panel.knobs, spread, strict=False):
+    for knob, one in zip(panel.parameters, spread, strict=False):
         errors[knob.effect][knob.name] = float(min(one, knob.spec.upper - knob.spec.lower))
     tolerated = np.zeros(len(nuisances))
     tolerated[chosen] = spread[n:]
@@ -81,7 +81,7 @@ def standard_errors(
         # They make up for what all others are off.
         carried = np.linalg.pinv(mine.T @ mine + weighing.prior * np.eye(len(own))) @ mine.T @ rest
         tolerated[own] = np.sqrt(np.diag(alone + carried @ covariance @ carried.T))
-    return Errors(tuple(errors), tolerated)
+    return ParameterErrors(tuple(errors), tolerated)
 
 
 def _slopes(
@@ -96,30 +96,34 @@ def _slopes(
 
     def vector(predicted: Predicted) -> FloatArray:
         left = residual(observed, predicted)
-        return np.concatenate([left.vector(observed.fitted)] + [left.vector(observed.kept)] * with_kept)
+        return np.concatenate(
+            [left.vector(observed.fitted)] + [left.vector(observed.held_out_mask)] * with_kept
+        )
 
     base = sketch(whole)
     here = vector(base)
-    own = panel.own_slopes(lambda effects: vector(sketch([*fixed, *effects])), here)
+    own = panel.physical_derivatives(lambda effects: vector(sketch([*fixed, *effects])), here)
     every = np.arange(len(predictor.nuisances))
-    also = predictor.nuisances.slopes(lambda more: sketch([*more, *whole]), vector, base, observed, every)
+    also = predictor.nuisances.derivatives(
+        lambda more: sketch([*more, *whole]), vector, base, observed, every
+    )
     n_fitted = len(residual(observed, base).vector(observed.fitted))
     return np.hstack([own, also]), n_fitted
 
 
 def _weighed(
-    observed: Observed, left: Residual, gone_through: Factors | None
+    observed: Observed, left: Residual, gone_through: VarianceRatios | None
 ) -> "tuple[_Weighing, _Together | None]":
     """Return how a fit weighed, and how its lines go together if they do."""
     vector = left.vector(observed.fitted)
     tests = None if gone_through is None else _rehearsed(observed, left, gone_through)
-    weighing = _Weighing(max(1.0, float(vector @ vector) / len(vector)), observed.correlation)
-    mixed = left.lines_correlated or observed.correlation > 1
+    weighing = _Weighing(max(1.0, float(vector @ vector) / len(vector)), observed.correlation_length)
+    mixed = left.lines_correlated or observed.correlation_length > 1
     lines = LineCorrelation(left, observed.fitted) if mixed else None
     return weighing, lines if tests is None else _Bursts(lines, tests)
 
 
-def _rehearsed(observed: Observed, left: Residual, factors: Factors) -> FloatArray | None:
+def _rehearsed(observed: Observed, left: Residual, factors: VarianceRatios) -> FloatArray | None:
     """Return residuals (n_tests, n_data) of tests that were gone through with distortion in bursts."""
     if factors.tests is None:
         return None

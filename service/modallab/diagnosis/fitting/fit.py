@@ -10,7 +10,7 @@ from functools import cached_property, partial
 import numpy as np
 
 from modallab.core.arrays import FloatArray
-from modallab.diagnosis.fitting.covariance import Errors, standard_errors
+from modallab.diagnosis.fitting.covariance import ParameterErrors, standard_errors
 from modallab.diagnosis.fitting.held_out_nuisances import fit_held_out_nuisances
 from modallab.diagnosis.optimisation.fit_parameters import ParameterVector
 from modallab.diagnosis.optimisation.least_squares import Descent
@@ -18,7 +18,7 @@ from modallab.diagnosis.optimisation.tolerances import LIMIT
 from modallab.diagnosis.predicting.coarse_prediction import CoarsePrediction
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.residuals.observed import Predicted
-from modallab.diagnosis.residuals.residual import Residual, error_ratio, residual, softened
+from modallab.diagnosis.residuals.residual import Residual, error_ratio, inflation_weights, residual
 from modallab.rig.effect import Effect
 
 NEAR, THERE = 1e-2, 1e-4  # squared standard errors that a fit is off its goal by at most
@@ -37,14 +37,14 @@ class Fit:
     chi_square: float  # over the fitted lines and channels, and of what is tolerated
     n_parameters: int  # of the effects; what is tolerated is free in every fit alike
     n_data: int
-    correlation: float  # how many data one independent datum stands for
-    spread: Callable[[], Errors]
-    tolerated: FloatArray = field(default_factory=lambda: np.zeros(0))  # position, see `Nuisances`
+    correlation_length: float  # how many data one independent datum stands for
+    spread: Callable[[], ParameterErrors]
+    nuisance_position: FloatArray = field(default_factory=lambda: np.zeros(0))  # position, see `Nuisances`
     # The same to look further from: as far as the fit is not right, drawn back to what is declared.
-    outlook: FloatArray = field(default_factory=lambda: np.zeros(0))
+    starting_position: FloatArray = field(default_factory=lambda: np.zeros(0))
 
     @cached_property
-    def _spread(self) -> Errors:
+    def _spread(self) -> ParameterErrors:
         return self.spread()
 
     @property
@@ -53,18 +53,18 @@ class Fit:
         return self._spread.effects
 
     @property
-    def tolerated_errors(self) -> FloatArray:
-        """(n,) standard errors, beside `tolerated`."""
-        return self._spread.tolerated
+    def nuisance_errors(self) -> FloatArray:
+        """(n,) standard errors, beside `nuisance_position`."""
+        return self._spread.nuisance_position
 
     @property
     def bic(self) -> float:
         """Bayesian information criterion, times the correlation of the data; lower is better."""
-        independent = max(self.n_data / self.correlation, 2)
-        return self.chi_square + self.n_parameters * self.correlation * float(np.log(independent))
+        independent = max(self.n_data / self.correlation_length, 2)
+        return self.chi_square + self.n_parameters * self.correlation_length * float(np.log(independent))
 
 
-def approach(
+def coarse_fit(
     glimpses: CoarsePrediction, fixed: Sequence[Effect], effect: Effect, widening: float
 ) -> tuple[Effect, float]:
     """Return an effect brought near its best value on first looks, and the cost it has there.
@@ -78,19 +78,19 @@ def approach(
     widening
         How blurred to begin.
     """
-    panel, thin, free = ParameterVector([effect]), glimpses.observed, glimpses.freedom
-    n, also, here, prior = len(panel), free.slopes, free.position, np.sqrt(free.precision)
+    panel, thin, free = ParameterVector([effect]), glimpses.observed, glimpses.nuisances
+    n, also, here, prior = len(panel), free.derivatives, free.position, np.sqrt(free.precision)
 
     def looked(effects: Sequence[Effect]) -> FloatArray:
         return residual(thin, glimpses.predict([*fixed, *effects])).vector(thin.fitted)
 
     def vector(u: FloatArray) -> FloatArray:
-        left = looked(panel.turned(u[:n]))
+        left = looked(panel.with_values(u[:n]))
         return left if not len(here) else np.concatenate([left + also @ (u[n:] - here), prior * u[n:]])
 
     def slopes(u: FloatArray, there: FloatArray) -> FloatArray:
         total = there[: len(also)] - also @ (u[n:] - here) if len(here) else there
-        return _beside(panel.slopes(u[:n], looked, total), also, prior)
+        return _beside(panel.derivatives(u[:n], looked, total), also, prior)
 
     start = np.concatenate([panel.start, here])
     low, high = np.concatenate([panel.low, free.low]), np.concatenate([panel.high, free.high])
@@ -99,11 +99,11 @@ def approach(
         return effect, float(left @ left)
 
     def weights(widen: float) -> FloatArray | None:
-        own = softened(thin, thin.fitted, widen) if widen else None
+        own = inflation_weights(thin, thin.fitted, widen) if widen else None
         return None if own is None else np.concatenate([own, np.ones(len(here))])
 
     stages = (*(w for w in NOISE_INFLATION_SCHEDULE if w <= widening), 0.0)
-    how = np.concatenate([[knob.spec.absent is None for knob in panel.knobs], np.zeros(len(here), bool)])
+    how = np.concatenate([[knob.spec.absent is None for knob in panel.parameters], np.zeros(len(here), bool)])
     if how.any() and not how[:n].all():
         # How much before how: while the amount is wrong it draws the rest to where nothing tells it any more.
         amounts = Descent(vector, slopes, start, (np.where(how, start, low), np.where(how, start, high)))
@@ -112,7 +112,7 @@ def approach(
     descent = Descent(vector, slopes, start, (low, high))
     for widen in stages:
         descent.go(evaluations=4, enough=NEAR, weights=weights(widen))
-    return panel.turned(descent.position[:n])[0], float(descent.vector @ descent.vector)
+    return panel.with_values(descent.position[:n])[0], float(descent.vector @ descent.vector)
 
 
 def _sides(panel: ParameterVector) -> tuple[tuple[FloatArray, float], tuple[FloatArray, float]]:
@@ -138,12 +138,12 @@ def fit(predictor: Predictor, effects: Sequence[Effect], *, fixed: Sequence[Effe
     fixed
         Effects that act but are not fitted.
     """
-    plain, predictor = predictor, predictor.weighed([*fixed, *effects])
+    plain, predictor = predictor, predictor.with_intermittent_errors([*fixed, *effects])
     task = _Task(predictor, fixed, ParameterVector(effects))
     start = np.concatenate([task.panel.start, predictor.position[task.free]])
     if len(start):
         low, high = (np.concatenate([s, np.full(len(task.free), end)]) for s, end in _sides(task.panel))
-        descent = Descent(task.vector, task.slopes, start, (low, high))
+        descent = Descent(task.vector, task.derivatives, start, (low, high))
         descent.go(evaluations=PATIENCE, enough=NEAR)
         if float(descent.vector @ descent.vector) < NEARLY * len(descent.vector):
             descent.go(evaluations=PATIENCE, enough=THERE)
@@ -153,30 +153,30 @@ def fit(predictor: Predictor, effects: Sequence[Effect], *, fixed: Sequence[Effe
         slopes = np.zeros((1, 0))
     left, final, position = task.seen[start.tobytes()], *task.at(start)
     best = left.vector(predictor.observed.fitted)
-    chi_square = float(best @ best) + predictor.observed.correlation * float(position @ position)
+    chi_square = float(best @ best) + predictor.observed.correlation_length * float(position @ position)
     # Where the fit is not yet right the residuals' own size says more than the random error does.
-    scale = predictor.observed.correlation * max(1.0, float(best @ best) / len(best))
+    scale = predictor.observed.correlation_length * max(1.0, float(best @ best) / len(best))
     outlook = position.copy()
     # What a missing effect leaves is of a few resonances, not of as many random numbers as there are lines.
-    few = scale + predictor.observed.correlation * max(0.0, float(best @ best) - len(best)) / WORTH
+    few = scale + predictor.observed.correlation_length * max(0.0, float(best @ best) - len(best)) / WORTH
     outlook[task.free] += _drawn_back(slopes / np.sqrt(few), position[task.free])
-    predictor = predictor.tolerating(position)
+    predictor = predictor.with_nuisances_at(position)
     if len(task.own):
         position = fit_held_out_nuisances(predictor, [*fixed, *final], left, task.own)
-        predictor = predictor.tolerating(position)
+        predictor = predictor.with_nuisances_at(position)
         left = predictor.residual([*fixed, *final])
     spread = partial(standard_errors, predictor, tuple(fixed), tuple(final), left)
     if predictor.observed is not plain.observed:
         # As large as it is likely: wider errors have to pay for what they forgive.
         chi_square -= 2 * float(np.log(error_ratio(plain.observed, predictor.observed)).sum())
-        left = plain.tolerating(position).residual([*fixed, *final])
+        left = plain.with_nuisances_at(position).residual([*fixed, *final])
     return Fit(
         tuple(final),
         left,
         chi_square,
         len(task.panel),
         len(best),
-        plain.observed.correlation,
+        plain.observed.correlation_length,
         spread,
         position,
         outlook,
@@ -207,28 +207,28 @@ class _Task:
         self.free, self.own = predictor.nuisances.split(observed.outputs, observed.held_out)
         self.seen: dict[bytes, Residual] = {}
         self._known: dict[bytes, Predicted] = {}
-        self._prior = np.full(len(self.free), np.sqrt(observed.correlation))
+        self._prior = np.full(len(self.free), np.sqrt(observed.correlation_length))
 
     def at(self, u: FloatArray) -> tuple[list[Effect], FloatArray]:
         """Return the effects, and all that is tolerated."""
         position = self.predictor.position.copy()
         position[self.free] = u[len(self.panel) :]
-        return self.panel.turned(u[: len(self.panel)]), position
+        return self.panel.with_values(u[: len(self.panel)]), position
 
     def vector(self, u: FloatArray) -> FloatArray:
         """Return the residuals at the fitted lines and channels, then those of the prior."""
         effects, position = self.at(u)
-        predicted = self.predictor.tolerating(position).predict([*self.fixed, *effects])
+        predicted = self.predictor.with_nuisances_at(position).predict([*self.fixed, *effects])
         left = residual(self.predictor.observed, predicted)
         self.seen[u.tobytes()], self._known[u.tobytes()] = left, predicted
         data = left.vector(self.predictor.observed.fitted)
         return np.concatenate([data, self._prior * u[len(self.panel) :]])
 
-    def slopes(self, u: FloatArray, _here: FloatArray) -> FloatArray:
+    def derivatives(self, u: FloatArray, _here: FloatArray) -> FloatArray:
         """Return the derivatives of residuals that were seen, (n_data, n)."""
         effects, position = self.at(u)
         observed = self.predictor.observed
-        sketch = self.predictor.tolerating(position).linearisation_at([*self.fixed, *effects])
+        sketch = self.predictor.with_nuisances_at(position).linearisation_at([*self.fixed, *effects])
 
         def near(others: Sequence[Effect]) -> Predicted:
             return sketch([*self.fixed, *others])
@@ -237,11 +237,13 @@ class _Task:
             return residual(observed, predicted).vector(observed.fitted)
 
         known = self._known[u.tobytes()]
-        base = known if known.excess is None else near(effects)  # where nothing leaks a sketch is all
+        base = (
+            known if known.excess_variance is None else near(effects)
+        )  # where nothing leaks a sketch is all
         here = vector(base)
-        own = self.panel.slopes(u[: len(self.panel)], lambda others: vector(near(others)), here)
+        own = self.panel.derivatives(u[: len(self.panel)], lambda others: vector(near(others)), here)
         numbers = self.predictor.nuisances
-        also = numbers.slopes(
+        also = numbers.derivatives(
             lambda more: sketch([*more, *self.fixed, *effects]), vector, base, observed, self.free
         )
         return _beside(own, also, self._prior)

@@ -29,16 +29,16 @@ def fit_held_out_nuisances(
         Which of all belong to channels held out.
     """
     observed, position = predictor.observed, predictor.position.copy()
-    where = observed.kept
+    where = observed.held_out_mask
     sketch = predictor.linearisation_at(effects)
 
     def vector(predicted: Predicted) -> FloatArray:
         return residual(observed, predicted).vector(where)
 
-    slopes = predictor.nuisances.slopes(
+    slopes = predictor.nuisances.derivatives(
         lambda more: sketch([*more, *effects]), vector, sketch(effects), observed, own
     )
-    prior = np.sqrt(observed.correlation) * np.eye(len(own))
+    prior = np.sqrt(observed.correlation_length) * np.eye(len(own))
     rows = np.vstack([slopes, prior])
     target = -np.concatenate([left.vector(where), prior @ position[own]])
     bounds = (-LIMIT - 1e-9 - position[own], LIMIT + 1e-9 - position[own])

@@ -13,7 +13,7 @@ from modallab.diagnosis.localisation.response_misfits import response_misfits
 from modallab.diagnosis.localisation.settings import LOCALISATION
 from modallab.diagnosis.localisation.text import GapDistribution, span, with_statements
 from modallab.diagnosis.predicting.predictor import Predictor
-from modallab.diagnosis.residuals.residual import scatters
+from modallab.diagnosis.residuals.residual import gap_errors
 from modallab.diagnosis.result import GapPattern, Localisation
 
 
@@ -35,7 +35,7 @@ def locate(predictor: Predictor, evidence: Evidence) -> Localisation:
     first = predictor.tests[0]
     predicted, residual = first.predict(()), first.residual(())
     usable = first.observed.usable
-    gaps, errors = residual.gaps(usable), scatters(first.observed, residual, usable)
+    gaps, errors = residual.gaps(usable), gap_errors(first.observed, residual, usable)
     parts = {part for part, gap in gaps.items() if gap > 1 + LOCALISATION.part_significance * errors[part]}
     level = _level_dependence(predictor)
     carrier = _carrier(gaps, parts)

@@ -8,7 +8,7 @@ import numpy as np
 
 from modallab.core.arrays import FloatArray
 from modallab.core.parameters import ParameterSpec
-from modallab.diagnosis.optimisation.least_squares import slope
+from modallab.diagnosis.optimisation.least_squares import finite_difference
 from modallab.rig.effect import Effect
 
 STEP = 3e-6  # of a logarithm: far above rounding; at 1e-4 sharp resonances show their curvature
@@ -57,7 +57,7 @@ class FitParameter:
         """
         if self.spec.absent is not None:
             return np.asarray((moved(step) - here) / step)
-        return slope(moved, here, step, FARTHEST * scale)
+        return finite_difference(moved, here, step, FARTHEST * scale)
 
     def room(self, value: float) -> float:
         """Return how far a value lies from the nearer bound."""
@@ -69,26 +69,26 @@ class ParameterVector:
 
     def __init__(self, effects: Sequence[Effect]) -> None:
         self.effects = tuple(effects)
-        self.knobs = [
+        self.parameters = [
             FitParameter(i, name, spec, abs(type(effect)().parameters[name]) or 1.0)
             for i, effect in enumerate(effects)
             for name, spec in effect.specs().items()
         ]
-        self.low, self.high = np.array([k.bounds for k in self.knobs]).reshape(-1, 2).T
-        start = np.array([k.position(effects[k.effect].parameters[k.name]) for k in self.knobs])
+        self.low, self.high = np.array([k.bounds for k in self.parameters]).reshape(-1, 2).T
+        start = np.array([k.position(effects[k.effect].parameters[k.name]) for k in self.parameters])
         self.start = start.clip(self.low, self.high)
 
     def __len__(self) -> int:
-        return len(self.knobs)
+        return len(self.parameters)
 
-    def turned(self, u: FloatArray) -> list[Effect]:
+    def with_values(self, u: FloatArray) -> list[Effect]:
         """Return the effects at a position (n_knobs,)."""
         out = list(self.effects)
-        for knob, position in zip(self.knobs, u, strict=True):
+        for knob, position in zip(self.parameters, u, strict=True):
             out[knob.effect] = out[knob.effect].with_parameters({knob.name: knob.value(float(position))})
         return out
 
-    def slopes(self, u: FloatArray, vector: Residuals, here: FloatArray) -> FloatArray:
+    def derivatives(self, u: FloatArray, vector: Residuals, here: FloatArray) -> FloatArray:
         """Return the derivatives (n_data, n_knobs) of residuals at a position (n_knobs,).
 
         Parameters
@@ -99,30 +99,30 @@ class ParameterVector:
             Those at the position.
         """
         out = np.zeros((len(here), len(u)))
-        for i, (knob, step) in enumerate(zip(self.knobs, self._aside(u), strict=True)):
+        for i, (knob, step) in enumerate(zip(self.parameters, self._aside(u), strict=True)):
             out[:, i] = knob.slope(partial(self._moved, vector, u, i), here, step, 1.0)
         return out
 
-    def own_slopes(self, vector: Residuals, here: FloatArray) -> FloatArray:
+    def physical_derivatives(self, vector: Residuals, here: FloatArray) -> FloatArray:
         """Return the derivatives (n_data, n_knobs) of residuals by each number on its own scale."""
         out = np.zeros((len(here), len(self)))
-        for i, (knob, value) in enumerate(zip(self.knobs, self.values(), strict=True)):
+        for i, (knob, value) in enumerate(zip(self.parameters, self.values(), strict=True)):
             step = knob.aside(value)
             out[:, i] = knob.slope(partial(self._changed, vector, i), here, step, abs(step) / STEP)
         return out
 
     def perturbed(self, u: FloatArray) -> list[tuple[list[Effect], float]]:
         """Return the effects with each knob in turn a little aside of a position, and by how much."""
-        return [(self.turned(_shifted(u, i, step)), step) for i, step in enumerate(self._aside(u))]
+        return [(self.with_values(_shifted(u, i, step)), step) for i, step in enumerate(self._aside(u))]
 
     def _aside(self, u: FloatArray) -> list[float]:
         return [STEP if one + STEP < high else -STEP for one, high in zip(u, self.high, strict=True)]
 
     def _moved(self, vector: Residuals, u: FloatArray, which: int, step: float) -> FloatArray:
-        return vector(self.turned(_shifted(u, which, step)))
+        return vector(self.with_values(_shifted(u, which, step)))
 
     def _changed(self, vector: Residuals, which: int, step: float) -> FloatArray:
-        knob, effects = self.knobs[which], list(self.effects)
+        knob, effects = self.parameters[which], list(self.effects)
         value = self.values()[which] + step
         effects[knob.effect] = effects[knob.effect].with_parameters(
             {knob.name: float(np.clip(value, knob.spec.lower, knob.spec.upper))}
@@ -131,7 +131,7 @@ class ParameterVector:
 
     def values(self) -> list[float]:
         """Return the numbers as they are."""
-        return [self.effects[k.effect].parameters[k.name] for k in self.knobs]
+        return [self.effects[k.effect].parameters[k.name] for k in self.parameters]
 
 
 def _shifted(u: FloatArray, which: int, step: float) -> FloatArray:

@@ -99,20 +99,22 @@ class Descent:
         if weights is not None:
             both *= weights[:, None]
         triangle = np.asarray(np.linalg.qr(both, mode="r"))
-        slope, left = triangle[:, :-1], triangle[:, -1]
+        finite_difference, left = triangle[:, :-1], triangle[:, -1]
         low = np.maximum(self._low - self.position, -reach)
         high = np.minimum(self._high - self.position, reach)
         # A number on its bound still needs a box that is not empty.
-        step = lsq_linear(slope, -left, (low, np.maximum(high, low + 1e-12)), method="bvls").x
+        step = lsq_linear(finite_difference, -left, (low, np.maximum(high, low + 1e-12)), method="bvls").x
         step = np.asarray(step.clip(low, high))
-        return step, float(left @ left - np.sum((left + slope @ step) ** 2))
+        return step, float(left @ left - np.sum((left + finite_difference @ step) ** 2))
 
     @staticmethod
     def _cost(vector: FloatArray, weights: FloatArray | None) -> float:
         return float(vector @ vector) if weights is None else float(np.sum((weights * vector) ** 2))
 
 
-def slope(moved: Callable[[float], FloatArray], here: FloatArray, step: float, most: float) -> FloatArray:
+def finite_difference(
+    moved: Callable[[float], FloatArray], here: FloatArray, step: float, most: float
+) -> FloatArray:
     """Return how residuals change with one number, (n_data,) a unit.
 
     The difference over a small step; but where residuals are flat and curved, which shows one standard
@@ -183,13 +185,13 @@ class Curvature:
         """
         best, least, alone = np.zeros_like(step), np.zeros(len(step)), np.eye(step.shape[1])
         for _ in range(ROUNDS):
-            slope = pull + step @ self._curvature
-            value = np.sum(step * (pull + slope), axis=-1)
+            finite_difference = pull + step @ self._curvature
+            value = np.sum(step * (pull + finite_difference), axis=-1)
             better = value < least
             best[better], least[better] = step[better], value[better]
-            free = ~(((step <= low) & (slope > 0)) | ((step >= high) & (slope < 0)))
+            free = ~(((step <= low) & (finite_difference > 0)) | ((step >= high) & (finite_difference < 0)))
             both = free[:, :, None] & free[:, None, :]
-            rest = np.where(free, slope, 0.0)[..., None]
+            rest = np.where(free, finite_difference, 0.0)[..., None]
             newton = np.linalg.solve(np.where(both, self._curvature, alone), rest)[..., 0]
             step = (step - newton).clip(low, high)
         return best

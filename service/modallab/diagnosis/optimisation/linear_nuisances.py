@@ -14,7 +14,7 @@ REACH = 1.0  # that a number of an accepted effect moves by at most, on its own 
 class LinearNuisances:
     """What residuals owe to numbers a little off, in straight lines, and how far these may go."""
 
-    slopes: FloatArray  # (n_residuals, n)
+    derivatives: FloatArray  # (n_residuals, n)
     position: FloatArray  # (n,) where they are
     precision: FloatArray  # (n,) of their prior, which is about 0
     low: FloatArray  # (n,) bounds of their position
@@ -23,7 +23,7 @@ class LinearNuisances:
     def __len__(self) -> int:
         return len(self.position)
 
-    def weighed(self, weights: FloatArray) -> "NuisanceProjection":
+    def weighted(self, weights: FloatArray) -> "NuisanceProjection":
         """Return what clears residuals that were multiplied by weights (n_residuals,)."""
         return NuisanceProjection(self, weights)
 
@@ -34,7 +34,7 @@ class NuisanceProjection:
     def __init__(self, freedom: LinearNuisances, weights: FloatArray) -> None:
         self._freedom = freedom
         if len(freedom):
-            self._slopes = weights[:, None] * freedom.slopes
+            self._slopes = weights[:, None] * freedom.derivatives
             self._curvature = Curvature(self._slopes.T @ self._slopes + np.diag(freedom.precision))
 
     def __call__(self, vectors: FloatArray) -> FloatArray:

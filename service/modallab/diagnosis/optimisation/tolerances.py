@@ -66,7 +66,7 @@ class Tolerances:
         return cls(**{name: float(value) for name, value in values.items()})
 
 
-NONE = Tolerances()
+NO_TOLERANCES = Tolerances()
 
 
 @dataclass(frozen=True)
@@ -130,7 +130,7 @@ class Nuisance:
     """One number that may differ a little."""
 
     name: str  # as `Tolerances` has it
-    spread: float  # one standard deviation
+    standard_deviation: float  # one standard deviation
     absent: float
     unit: str
     at: Place = None  # a channel of its own
@@ -138,9 +138,9 @@ class Nuisance:
 
     def value(self, position: float) -> float:
         """Return the number so many standard deviations from what is declared."""
-        return self.absent + self.spread * position
+        return self.absent + self.standard_deviation * position
 
-    def shown(self, predicted: Predicted, observed: Observed) -> Predicted | None:
+    def channel_prediction(self, predicted: Predicted, observed: Observed) -> Predicted | None:
         """Return what a channel a little off makes of a prediction; None of a number of the structure.
 
         What an analyser takes out of the force by an acceleration is not followed: it is small.
@@ -149,7 +149,7 @@ class Nuisance:
             return None
         own = {dof.point for dof in self.at.dofs} if isinstance(self.at, Channels) else None
         acts = np.array([own is None or dof.point in own for dof in observed.outputs])
-        off = self.spread * NUDGE * acts
+        off = self.standard_deviation * NUDGE * acts
         if self.name == "delay":
             return replace(predicted, h=predicted.h * np.exp(-2j * np.pi * observed.freq[:, None] * off))
         return replace(predicted, h=predicted.h * (1 + off), incoherent=predicted.incoherent * (1 + off) ** 2)
@@ -166,20 +166,20 @@ class Nuisances:
     standard error holds the tolerance; without it the tolerance ends on its limit and a gap is left.
     """
 
-    numbers: tuple[Nuisance, ...] = ()
+    parameters: tuple[Nuisance, ...] = ()
     mass: float = 0.0  # kg, of an accelerometer as declared
     loss_factors: tuple[float, ...] = ()  # of the model's elastic modes in the band
 
     def __len__(self) -> int:
-        return len(self.numbers)
+        return len(self.parameters)
 
     def split(self, outputs: Sequence[Dof], held_out: BoolArray) -> tuple[IntArray, IntArray]:
         """Return which numbers fitted channels tell of, and which belong to a held-out channel alone."""
         held = {dof.point for dof, out in zip(outputs, held_out, strict=True) if out}
-        own = [isinstance(n.at, Channels) and {d.point for d in n.at.dofs} <= held for n in self.numbers]
+        own = [isinstance(n.at, Channels) and {d.point for d in n.at.dofs} <= held for n in self.parameters]
         return np.flatnonzero(~np.array(own, bool)), np.flatnonzero(np.array(own, bool))
 
-    def slopes(
+    def derivatives(
         self,
         near: Callable[[Sequence[Effect]], Predicted],
         vector: Callable[[Predicted], FloatArray],
@@ -203,7 +203,7 @@ class Nuisances:
         here = vector(base)
         columns = np.zeros((len(here), len(chosen)))
         for i, which in enumerate(chosen):
-            shown = self.numbers[which].shown(base, observed)
+            shown = self.parameters[which].channel_prediction(base, observed)
             if shown is None:
                 shown = near(self.effects(NUDGE * (np.arange(len(self)) == which)))
             columns[:, i] = (vector(shown) - here) / NUDGE
@@ -213,7 +213,7 @@ class Nuisances:
         """Return what does to a test what these numbers do; nothing for those that are as declared."""
         out: list[Effect] = []
         more = np.zeros(len(self.loss_factors))
-        for one, shift in zip(self.numbers, position, strict=True):
+        for one, shift in zip(self.parameters, position, strict=True):
             value = one.value(float(shift))
             if value == one.absent:
                 continue
@@ -231,7 +231,7 @@ class Nuisances:
         return cls(at=one.at).with_parameters({amount: value})
 
 
-def on_the_model(effects: Sequence[Effect]) -> tuple[list[Effect], list[Effect]]:
+def split_by_scope(effects: Sequence[Effect]) -> tuple[list[Effect], list[Effect]]:
     """Return what acts on a structure as a whole, alike in every run, and all else."""
     whole = [one.structural and one.tolerance is not None for one in effects]
     return (
@@ -240,7 +240,7 @@ def on_the_model(effects: Sequence[Effect]) -> tuple[list[Effect], list[Effect]]
     )
 
 
-def nuisances(tolerances: Tolerances, system: DynamicSystem, setup: RigSetup) -> Nuisances:
+def nuisance_parameters(tolerances: Tolerances, system: DynamicSystem, setup: RigSetup) -> Nuisances:
     """Return the numbers of a test that may differ a little.
 
     One accelerometer that roves has one sensitivity and one delay; of several each has its own.
@@ -276,7 +276,7 @@ def _loss_factors(system: DynamicSystem, top: float) -> tuple[float, ...]:
     return tuple(basis.loss_factors[basis.frequencies <= top].tolist())
 
 
-def drawn(numbers: int, rng: np.random.Generator) -> FloatArray:
+def draw_positions(numbers: int, rng: np.random.Generator) -> FloatArray:
     """Return where so many numbers truly are, each drawn within its tolerance: positions (n,).
 
     Normal, but for what lies beyond `LIMIT` standard deviations, which is drawn again.

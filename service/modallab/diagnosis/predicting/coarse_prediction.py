@@ -13,7 +13,7 @@ from modallab.diagnosis.optimisation.fit_parameters import ParameterVector
 from modallab.diagnosis.optimisation.linear_nuisances import REACH, LinearNuisances, NuisanceProjection
 from modallab.diagnosis.optimisation.tolerances import LIMIT
 from modallab.diagnosis.residuals.observed import Predicted
-from modallab.diagnosis.residuals.residual import residual, softened
+from modallab.diagnosis.residuals.residual import inflation_weights, residual
 from modallab.rig.effect import Effect
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ class CoarsePrediction:
 
     def __init__(self, predictor: "Predictor", base: Sequence[Effect]) -> None:
         self.predictor, self.base = predictor, base
-        self.observed = predictor.observed.thinned(predictor.step)
+        self.observed = predictor.observed.decimated(predictor.step)
         exact, coarse = predictor.predict(base), predictor.coarse(base)
         every = slice(None, None, predictor.step)
         self._h = exact.h[every] / coarse.h
@@ -46,20 +46,20 @@ class CoarsePrediction:
             coarse.incoherent * self._incoherent,
         )
 
-    def sampled(self, every: int) -> "CoarsePrediction":
+    def subsampled(self, every: int) -> "CoarsePrediction":
         """Return the same at one of so many lines in each channel, other lines in the next channel."""
         if every < 2:
             return self
         line, channel = np.indices(self.observed.usable.shape)
         other = copy(self)
-        for name in ("slopes", "freedom", "_blurred"):
+        for name in ("derivatives", "nuisances", "_blurred"):
             other.__dict__.pop(name, None)
         usable = self.observed.usable & ((line + channel) % every == 0)
         other.observed = replace(self.observed, usable=usable)
         return other
 
     @cached_property
-    def slopes(self) -> FloatArray:
+    def derivatives(self) -> FloatArray:
         """(n_residuals, n): how residuals change with what is tolerated, by standard deviations of it."""
         observed, numbers = self.observed, self.predictor.nuisances
 
@@ -71,18 +71,18 @@ class CoarsePrediction:
 
         if not len(numbers):
             return np.zeros((0, 0))
-        return numbers.slopes(near, vector, near(()), observed, np.arange(len(numbers)))
+        return numbers.derivatives(near, vector, near(()), observed, np.arange(len(numbers)))
 
     @cached_property
-    def freedom(self) -> LinearNuisances:
+    def nuisances(self) -> LinearNuisances:
         """What moves along with a suspect: the numbers of the base, and what is tolerated."""
         observed, panel, also = self.observed, ParameterVector(self.base), self.predictor.position
 
         def vector(effects: Sequence[Effect]) -> FloatArray:
             return residual(observed, self.predict(effects)).vector(observed.fitted)
 
-        n, prior = len(panel), observed.correlation * np.ones(len(also))
-        blocks = [self.slopes] if len(also) else []
+        n, prior = len(panel), observed.correlation_length * np.ones(len(also))
+        blocks = [self.derivatives] if len(also) else []
         if n:
             here = vector(self.base)
             columns = [(vector(near) - here) / step for near, step in panel.perturbed(panel.start)]
@@ -97,10 +97,10 @@ class CoarsePrediction:
         )
 
     def project_out(self, vectors: FloatArray, widening: float) -> FloatArray:
-        """Return residuals (..., n_residuals), blurred so much, less what `freedom` explains."""
+        """Return residuals (..., n_residuals), blurred so much, less what `nuisances` explains."""
         if widening not in self._blurred:
-            weights = softened(self.observed, self.observed.fitted, widening)
-            self._blurred[widening] = self.freedom.weighed(weights)
+            weights = inflation_weights(self.observed, self.observed.fitted, widening)
+            self._blurred[widening] = self.nuisances.weighted(weights)
         return self._blurred[widening](vectors)
 
     @cached_property

@@ -16,7 +16,7 @@ FEW = 4  # FRFs below which lines are held out instead of FRFs
 STANDS_OUT = 3.0  # times the median gap of a test's channels: something is wrong with this one alone
 
 
-def held_out(
+def select_held_out(
     structure: Structure,
     measurement: Measurement,
     fraction: float,
@@ -62,7 +62,7 @@ def held_out(
     if len(outputs) >= FEW and wanted > 0:
         observed = observe(measurement, (), fraction=0.0)
         left = Predictor(structure, measurement.setup, observed).residual(())
-        alone = {dof.point for dof in (*standing_out(observed, left), *spared)}
+        alone = {dof.point for dof in (*outlying_responses(observed, left), *spared)}
         free = [d for d in outputs.values() if d not in held and d.point != measurement.setup.drive.point]
         free = [d for d in free if d.point not in alone] or free
         drawn = np.random.default_rng(seed).choice(len(free), size=min(wanted, len(free)), replace=False)
@@ -70,7 +70,7 @@ def held_out(
     return held, unmeasured
 
 
-def standing_out(observed: Observed, left: Residual) -> tuple[Dof, ...]:
+def outlying_responses(observed: Observed, left: Residual) -> tuple[Dof, ...]:
     """Return the responses that disagree with a prediction far more than the others do."""
     parts = [part for name, part in left.rescaled.items() if name != "force"]
     squares = [(np.abs(part) ** 2 * observed.usable).sum(axis=0) for part in parts]

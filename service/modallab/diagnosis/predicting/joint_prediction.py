@@ -14,7 +14,7 @@ from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.diagnosis.predicting.coarse_prediction import CoarsePrediction
 from modallab.diagnosis.predicting.predictor import GLIMPSED, Predictor
-from modallab.diagnosis.residuals.observed import Factors, Observed, Predicted, Tests
+from modallab.diagnosis.residuals.observed import Observed, Predicted, SimulatedDeviations, VarianceRatios
 from modallab.fe.modes import ModalBasis
 from modallab.rig.chain import Chain
 from modallab.rig.change import Change
@@ -32,7 +32,7 @@ class FollowUp:
     measurement: Measurement
     change: Change = field(default_factory=Change)
 
-    def taken_after(self, first: Measurement) -> Measurement:
+    def with_consistent_log_book(self, first: Measurement) -> Measurement:
         """Return the measurement with its log book as it must have been.
 
         Raises
@@ -104,11 +104,11 @@ class JointPredictor(Predictor):
         """The predictors of the single tests."""
         return self._tests
 
-    def tolerating(self, position: FloatArray) -> "JointPredictor":
+    def with_nuisances_at(self, position: FloatArray) -> "JointPredictor":
         """Return the same with what may differ a little so many standard deviations (n,) off."""
         other = copy(self)
         other.position = position
-        other._tests = tuple(test.tolerating(position) for test in self._tests)
+        other._tests = tuple(test.with_nuisances_at(position) for test in self._tests)
         return other
 
     def folded_into_matrices(self, effects: Sequence[Effect]) -> "JointPredictor":
@@ -134,11 +134,11 @@ class JointPredictor(Predictor):
         """Return a first look at all tests."""
         return self.stacked([test.coarse(effects) for test in self._tests])
 
-    def weighed(self, effects: Sequence[Effect]) -> "Predictor":
-        """Return the same with errors as large as bursts make them, see `Predictor.weighed`."""
-        return JointPredictor([test.weighed(effects) for test in self._tests])
+    def with_intermittent_errors(self, effects: Sequence[Effect]) -> "Predictor":
+        """Return the same with errors as large as bursts make them, see `Predictor`."""
+        return JointPredictor([test.with_intermittent_errors(effects) for test in self._tests])
 
-    def simulate_variance(self, effects: Sequence[Effect]) -> Factors | None:
+    def simulate_variance(self, effects: Sequence[Effect]) -> VarianceRatios | None:
         """Return what all tests are like, see `Predictor.simulate_variance`; None if one has no bursts."""
         each = [found for test in self._tests if (found := test.simulate_variance(effects)) is not None]
         return self._factors(each) if len(each) == len(self._tests) else None
@@ -147,7 +147,7 @@ class JointPredictor(Predictor):
         """Return the same with one of so many lines of each test held out of its fits as well."""
         return JointPredictor([test.without_lines(every) for test in self._tests])
 
-    def near(self, effects: Sequence[Effect]) -> CoarsePrediction:
+    def coarse_prediction(self, effects: Sequence[Effect]) -> CoarsePrediction:
         """Return first looks at what is added to some effects."""
         return _JointGlimpses(self, effects)
 
@@ -155,12 +155,12 @@ class JointPredictor(Predictor):
         """Return the elastic modes of the first test."""
         return self._tests[0].modes()
 
-    def unmeasured(self, effects: Sequence[Effect], dofs: tuple[Dof, ...]) -> ComplexArray:
+    def unmeasured_inertance(self, effects: Sequence[Effect], dofs: tuple[Dof, ...]) -> ComplexArray:
         """Return the inertance at DoFs where nothing was measured, in the first test."""
-        return self._tests[0].unmeasured(effects, dofs)
+        return self._tests[0].unmeasured_inertance(effects, dofs)
 
-    def placed(self, parts: Sequence[NDArray[Any]], absent: complex) -> NDArray[Any]:
-        """Return (.., n_freq of all, n_outputs of all), see `Predictor.placed`."""
+    def stack_channels(self, parts: Sequence[NDArray[Any]], absent: complex) -> NDArray[Any]:
+        """Return (.., n_freq of all, n_outputs of all), see `Predictor.stack_channels`."""
         whole = []
         for test, part in zip(self._tests, parts, strict=True):
             own = [self._outputs.index(dof) for dof in test.observed.outputs]
@@ -172,39 +172,48 @@ class JointPredictor(Predictor):
     def _of_runs(self, parts: Sequence[NDArray[Any]]) -> NDArray[Any]:
         """Return the same of what every run has once: a roving sensor's runs are its outputs."""
         if self.setup.accelerometers.roving:
-            return self.placed(parts, 1.0)
+            return self.stack_channels(parts, 1.0)
         return np.concatenate(parts, axis=-2)
 
     def stacked(self, parts: Sequence[Predicted]) -> Predicted:
         """Return the predictions of all tests, one below the other."""
         return Predicted(
-            h=self.placed([part.h for part in parts], 1.0),
-            coherence=self.placed([part.coherence for part in parts], 1.0),
+            h=self.stack_channels([part.h for part in parts], 1.0),
+            coherence=self.stack_channels([part.coherence for part in parts], 1.0),
             force=self._of_runs([part.force for part in parts]),
-            incoherent=self.placed([part.incoherent for part in parts], 1.0),
-            excess=partial(self._excess, parts) if any(part.excess for part in parts) else None,
-            steady=partial(self._steady, parts) if any(part.steady for part in parts) else None,
+            incoherent=self.stack_channels([part.incoherent for part in parts], 1.0),
+            excess_variance=partial(self._excess, parts)
+            if any(part.excess_variance for part in parts)
+            else None,
+            variance_ratios=partial(self._steady, parts)
+            if any(part.variance_ratios for part in parts)
+            else None,
             lines_correlated=any(part.lines_correlated for part in parts),
         )
 
     def _excess(self, parts: Sequence[Predicted]) -> FloatArray:
-        each = [np.ones(part.incoherent.shape) if part.excess is None else part.excess() for part in parts]
-        return self.placed(each, 1.0)
+        each = [
+            np.ones(part.incoherent.shape) if part.excess_variance is None else part.excess_variance()
+            for part in parts
+        ]
+        return self.stack_channels(each, 1.0)
 
-    def _steady(self, parts: Sequence[Predicted]) -> Factors:
-        return self._factors([_anew(part) if part.steady is None else part.steady() for part in parts])
+    def _steady(self, parts: Sequence[Predicted]) -> VarianceRatios:
+        return self._factors(
+            [_anew(part) if part.variance_ratios is None else part.variance_ratios() for part in parts]
+        )
 
-    def _factors(self, each: Sequence[Factors]) -> Factors:
+    def _factors(self, each: Sequence[VarianceRatios]) -> VarianceRatios:
         # They multiply the variance of as many averages as `observed` says, the fewest of all tests.
         shares = [self.observed.averages / test.observed.averages for test in self._tests]
-        return Factors(
+        return VarianceRatios(
             self._of_runs([one.force * share for one, share in zip(each, shares, strict=True)]),
-            self.placed([one.frf for one in each], 1.0),
-            self.placed([one.response for one in each], 1.0),
+            self.stack_channels([one.frf for one in each], 1.0),
+            self.stack_channels([one.response for one in each], 1.0),
             self._together([one.tests for one in each]),
         )
 
-    def _together(self, each: Sequence[Tests | None]) -> Tests | None:
+    def _together(self, each: Sequence[SimulatedDeviations | None]) -> SimulatedDeviations | None:
         """Return what tests lie off, those of each further one another draw: one seed drew them all."""
         drawn = [
             [np.roll(part, i, axis=0) for part in tests] for i, tests in enumerate(each) if tests is not None
@@ -212,7 +221,7 @@ class JointPredictor(Predictor):
         if len(drawn) < len(each):
             return None
         force, frf, response = zip(*drawn, strict=True)
-        return self._of_runs(force), self.placed(frf, 0.0), self.placed(response, 0.0)
+        return self._of_runs(force), self.stack_channels(frf, 0.0), self.stack_channels(response, 0.0)
 
     def _seen(self, parts: Sequence[Observed]) -> Observed:
         """Return the measurements of all tests, one below the other."""
@@ -221,8 +230,8 @@ class JointPredictor(Predictor):
             freq=np.concatenate([part.freq for part in parts]),
             outputs=self._outputs,
             held_out=np.array([dof.point in held for dof in self._outputs]),
-            held_lines=np.concatenate([part.held_lines for part in parts]),
-            correlation=max(part.correlation for part in parts),
+            held_out_lines=np.concatenate([part.held_out_lines for part in parts]),
+            correlation_length=max(part.correlation_length for part in parts),
             averages=min(part.averages for part in parts),
             floor=max(part.floor for part in parts),
             **self._spectra(parts),
@@ -231,12 +240,12 @@ class JointPredictor(Predictor):
     def _spectra(self, parts: Sequence[Observed]) -> Mapping[str, Any]:
         """Return what a test has by line and output; of auto spectra those that all tests have."""
         every: dict[str, Any] = {
-            "h": self.placed([part.h for part in parts], 1.0),
-            "error": self.placed([part.error for part in parts], 1.0),
-            "bias": self.placed([np.broadcast_to(part.bias, part.h.shape) for part in parts], 0.0),
-            "coherence": self.placed([part.coherence for part in parts], 0.0),
-            "usable": self.placed([part.usable for part in parts], False),
-            "common": self.placed([_in_common(part) for part in parts], 0.0),
+            "h": self.stack_channels([part.h for part in parts], 1.0),
+            "error": self.stack_channels([part.error for part in parts], 1.0),
+            "bias": self.stack_channels([np.broadcast_to(part.bias, part.h.shape) for part in parts], 0.0),
+            "coherence": self.stack_channels([part.coherence for part in parts], 0.0),
+            "usable": self.stack_channels([part.usable for part in parts], False),
+            "shared_noise": self.stack_channels([_in_common(part) for part in parts], 0.0),
             "force": None,
             "force_variance": 1.0,
             "incoherent": None,
@@ -252,18 +261,18 @@ class JointPredictor(Predictor):
             every["force_variance"] = self._of_runs(each)
         for name in ("incoherent", "incoherent_variance"):
             known = [one for part in parts if (one := getattr(part, name)) is not None]
-            every[name] = self.placed(known, 1.0) if len(known) == len(parts) else None
+            every[name] = self.stack_channels(known, 1.0) if len(known) == len(parts) else None
         return every
 
 
 def _in_common(part: Observed) -> FloatArray:
-    return np.zeros(part.h.shape) if part.common is None else part.common
+    return np.zeros(part.h.shape) if part.shared_noise is None else part.shared_noise
 
 
-def _anew(part: Predicted) -> Factors:
+def _anew(part: Predicted) -> VarianceRatios:
     """Return the factors of records that are drawn anew."""
     nothing = np.ones(part.h.shape)
-    return Factors(np.ones(part.force.shape), nothing, nothing)
+    return VarianceRatios(np.ones(part.force.shape), nothing, nothing)
 
 
 class _JointGlimpses(CoarsePrediction):
@@ -272,7 +281,7 @@ class _JointGlimpses(CoarsePrediction):
     def __init__(self, predictor: JointPredictor, base: Sequence[Effect]) -> None:
         self.predictor: JointPredictor = predictor
         self.base = base
-        self._each = [test.near(base) for test in predictor.tests]
+        self._each = [test.coarse_prediction(base) for test in predictor.tests]
         self.observed = predictor._seen([one.observed for one in self._each])
 
     def predict(self, effects: Sequence[Effect]) -> Predicted:

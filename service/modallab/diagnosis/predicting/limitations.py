@@ -60,5 +60,5 @@ def _of_lines(observed: Observed) -> Iterator[str]:
     unseen = float((~observed.usable[above]).mean())
     if unseen > MANY:
         yield f"{100 * unseen:.0f} % of all lines show no response and are left out"
-    if observed.held_lines.any():
+    if observed.held_out_lines.any():
         yield "too few FRFs to hold some out of the fit: lines are held out instead"

@@ -17,6 +17,6 @@ class PredictionBudget:
         self.spent += predictions
 
     @property
-    def over(self) -> bool:
+    def exhausted(self) -> bool:
         """Whether nothing new is worth beginning."""
         return self.spent >= self._most

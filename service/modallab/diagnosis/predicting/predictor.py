@@ -12,10 +12,10 @@ from numpy.typing import NDArray
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
-from modallab.diagnosis.optimisation.tolerances import Nuisances, on_the_model
+from modallab.diagnosis.optimisation.tolerances import Nuisances, split_by_scope
 from modallab.diagnosis.predicting.coarse_prediction import CoarsePrediction
 from modallab.diagnosis.predicting.prediction_budget import PredictionBudget
-from modallab.diagnosis.residuals.observed import Factors, Observed, Predicted
+from modallab.diagnosis.residuals.observed import Observed, Predicted, VarianceRatios
 from modallab.diagnosis.residuals.residual import Residual, residual
 from modallab.estimation.spectra import CrossSpectra
 from modallab.fe.assembly import assemble
@@ -50,8 +50,8 @@ class Predictor:
 
     def __init__(self, structure: Structure, setup: RigSetup, observed: Observed) -> None:
         self.setup, self.observed = setup, observed
-        self.alive: Callable[[], None] = _unheard  # called before every prediction
-        self.effort = PredictionBudget()
+        self.heartbeat: Callable[[], None] = _unheard  # called before every prediction
+        self.budget = PredictionBudget()
         self.system = self._loose = assemble(structure)
         self._own = [build(spec) for spec in structure.effects]
         self.step = max(1, setup.analyser.n_lines // GLIMPSED)
@@ -74,25 +74,25 @@ class Predictor:
         near
             What they take (n_run, r) in a chain that differs by next to nothing, if that is known.
         """
-        self.alive()
-        self.effort.spend()
+        self.heartbeat()
+        self.budget.spend()
         return chain(self._loose, self.setup, self._with(effects), alike=alike, near=near)
 
     def _with(self, effects: Sequence[Effect]) -> list[Effect]:
         return [*self._own, *self._rest, *effects]
 
-    def allowing(self, numbers: Nuisances) -> "Predictor":
+    def with_nuisances(self, numbers: Nuisances) -> "Predictor":
         """Return the same with numbers that may differ a little, all as declared."""
         other = copy(self)
         other.nuisances = numbers
-        return other.tolerating(np.zeros(len(numbers)))
+        return other.with_nuisances_at(np.zeros(len(numbers)))
 
-    def tolerating(self, position: FloatArray) -> "Predictor":
+    def with_nuisances_at(self, position: FloatArray) -> "Predictor":
         """Return the same with what may differ a little so many standard deviations (n,) off."""
         other = copy(self)
         other.position, other.tolerated = position, self.nuisances.effects(position)
         # What is alike in every run is done to the model once.
-        whole, other._rest = on_the_model(other.tolerated)
+        whole, other._rest = split_by_scope(other.tolerated)
         other._loose = self.system
         for effect in whole:
             other._loose = effect.on_system(other._loose, self.setup.shots[0])
@@ -127,31 +127,31 @@ class Predictor:
             lines_correlated=leaking or bursts or excitation.transient is not None,
         )
 
-    def weighed(self, effects: Sequence[Effect]) -> "Predictor":
+    def with_intermittent_errors(self, effects: Sequence[Effect]) -> "Predictor":
         """Return the same with random errors as large as distortion that comes in bursts makes them."""
         if not is_intermittent(effects, self.setup):
             return self
         predicted = self.predict(effects)
-        assert predicted.steady is not None
+        assert predicted.variance_ratios is not None
         other = copy(self)
-        other.observed = self.observed.widened(predicted.steady())
+        other.observed = self.observed.with_variance_ratios(predicted.variance_ratios())
         return other
 
-    def simulate_variance(self, effects: Sequence[Effect]) -> Factors | None:
+    def simulate_variance(self, effects: Sequence[Effect]) -> VarianceRatios | None:
         """Return what tests are like in which distortion comes in bursts, as many as errors ask for."""
         if not is_intermittent(effects, self.setup):
             return None
         whole = self.chain(effects)
         spectra = expected_spectra(whole)
         found = self._rehearsed(whole, spectra, effects, REPEATS)
-        return None if found is None else Factors.of(found, spectra)
+        return None if found is None else VarianceRatios.of(found, spectra)
 
     def _rehearsed(
         self, whole: Chain, spectra: CrossSpectra, effects: Sequence[Effect], repeats: int | None = None
     ) -> VarianceFactors | None:
         before = self._rehearsals.made
         found = self._rehearsals.factors(whole, spectra, effects, repeats=repeats)
-        self.effort.spend(STEPPED * len(whole.runs[0].local) * (self._rehearsals.made - before))
+        self.budget.spend(STEPPED * len(whole.runs[0].local) * (self._rehearsals.made - before))
         return found
 
     def linearisation_at(self, effects: Sequence[Effect]) -> Callable[[Sequence[Effect]], Predicted]:
@@ -185,10 +185,10 @@ class Predictor:
         """
         lines = np.arange(len(self.observed.freq)) * GOLDEN % 1 < 1 / every
         other = copy(self)
-        other.observed = replace(self.observed, held_lines=self.observed.held_lines | lines)
+        other.observed = replace(self.observed, held_out_lines=self.observed.held_out_lines | lines)
         return other
 
-    def placed(self, parts: Sequence[NDArray[Any]], absent: complex) -> NDArray[Any]:
+    def stack_channels(self, parts: Sequence[NDArray[Any]], absent: complex) -> NDArray[Any]:
         """Return what the tests have by line and output (.., n_freq, n_out), one below the other.
 
         Parameters
@@ -199,7 +199,7 @@ class Predictor:
         (own,) = parts
         return own
 
-    def near(self, effects: Sequence[Effect]) -> CoarsePrediction:
+    def coarse_prediction(self, effects: Sequence[Effect]) -> CoarsePrediction:
         """Return first looks at what is added to some effects."""
         return CoarsePrediction(self, effects)
 
@@ -210,7 +210,7 @@ class Predictor:
         basis = first.modes(top).elastic()
         return basis.elastic(max(1, int((basis.frequencies <= top).sum())))
 
-    def unmeasured(self, effects: Sequence[Effect], dofs: tuple[Dof, ...]) -> ComplexArray:
+    def unmeasured_inertance(self, effects: Sequence[Effect], dofs: tuple[Dof, ...]) -> ComplexArray:
         """Return the inertance (n_freq, n_dof, 1) at DoFs where nothing was measured.
 
         A roving accelerometer is thought to visit them; fixed ones stay where they are.

@@ -12,13 +12,13 @@ from modallab.core.frf import FrfKind
 from modallab.diagnosis.residuals.random_error import (
     INCOHERENT,
     NUMERICAL,
-    Numbers,
+    RealOrComplex,
+    coherence_and_variance,
     force_spectrum,
     incoherent_spectrum,
-    known_coherence,
-    nowhere_zero,
-    shared_noise_fraction,
-    weaker,
+    replace_zeros,
+    shared_noise,
+    weak_line_factor,
 )
 from modallab.estimation.coherence import coherence
 from modallab.estimation.estimators.h1 import h1
@@ -29,27 +29,27 @@ from modallab.rig.measurement import Measurement
 from modallab.rig.periodic_variance import VarianceFactors
 
 
-def _side_by_side(runs: Numbers) -> Numbers:
+def _side_by_side(runs: RealOrComplex) -> RealOrComplex:
     """Return the channels (n_run, n_freq, n_out) of all runs as (n_freq, n_run n_out)."""
-    out: Numbers = runs.swapaxes(0, 1).reshape(runs.shape[1], -1)
+    out: RealOrComplex = runs.swapaxes(0, 1).reshape(runs.shape[1], -1)
     return out
 
 
-Tests = tuple[FloatArray, ComplexArray, FloatArray]  # of the three below, by test
+SimulatedDeviations = tuple[FloatArray, ComplexArray, FloatArray]  # of the three below, by test
 
 
 @dataclass(frozen=True, eq=False)
-class Factors:
+class VarianceRatios:
     """Variances over those of averages of Gaussian records drawn anew, by line and channel."""
 
     force: FloatArray  # (n_freq, n_run) of ln G_ff
     frf: FloatArray  # (n_freq, n_out) of H1
     response: FloatArray  # (n_freq, n_out) of ln of the incoherent spectrum
     # How far off their expectation the three lie in some tests, (n_tests, ..), see `VarianceFactors`.
-    tests: Tests | None = None
+    tests: SimulatedDeviations | None = None
 
     @classmethod
-    def of(cls, runs: VarianceFactors | None, spectra: CrossSpectra) -> "Factors":
+    def of(cls, runs: VarianceFactors | None, spectra: CrossSpectra) -> "VarianceRatios":
         """Return the factors of all runs side by side; 1 where all is drawn anew."""
         if runs is None:
             nothing = np.ones(spectra.xx.shape)
@@ -72,9 +72,9 @@ class Predicted:
     incoherent: FloatArray  # (n_freq, n_out) G_xx (1 - coherence), floored at rounding
     # Where power leaks: by how much more the incoherent spectrum scatters than from independent records,
     # (n_freq, n_out), worked out when a gap is judged, as it costs more than the prediction itself.
-    excess: Callable[[], FloatArray] | None = None
+    excess_variance: Callable[[], FloatArray] | None = None
     # Where signals come back in every average: how much less the spectra scatter; worked out as late.
-    steady: Callable[[], Factors] | None = None
+    variance_ratios: Callable[[], VarianceRatios] | None = None
     lines_correlated: bool = False  # whether lines share random numbers beyond what a window mixes
 
     @classmethod
@@ -86,7 +86,7 @@ class Predicted:
         *,
         lines_correlated: bool = False,
     ) -> "Predicted":
-        """Return the channels of all runs side by side; `excess` gives (n_run, n_freq, n_out)."""
+        """Return the channels of all runs side by side; `excess_variance` gives (n_run, n_freq, n_out)."""
         g2 = coherence(spectra)
         loose = spectra.xx * (1 - g2 + INCOHERENT)
         h: ComplexArray = h1(spectra)[..., 0].swapaxes(0, 1).reshape(len(spectra.freq), -1)
@@ -96,7 +96,7 @@ class Predicted:
             spectra.ff[:, :, 0, 0].real.T,
             _side_by_side(loose),
             None if excess is None else lambda: _side_by_side(excess()),
-            None if steady is None else lambda: Factors.of(steady(), spectra),
+            None if steady is None else lambda: VarianceRatios.of(steady(), spectra),
             lines_correlated,
         )
 
@@ -121,25 +121,25 @@ class Observed:
     incoherent_variance: FloatArray | None
     usable: BoolArray  # (n_freq, n_out)
     held_out: BoolArray  # (n_out,)
-    held_lines: BoolArray  # (n_freq,)
-    correlation: float  # how many lines one independent line stands for
+    held_out_lines: BoolArray  # (n_freq,)
+    correlation_length: float  # how many lines one independent line stands for
     bias: FloatArray | float = 0.0  # (n_freq, n_out) of ln |H|, weighed by its error
     averages: float = np.inf
     floor: float = NUMERICAL**2  # variance that the logarithm of an auto spectrum has in any case
     # (n_freq, n_out): share of an FRF's random variance that is the force's noise, the same in all channels.
-    common: FloatArray | None = None
+    shared_noise: FloatArray | None = None
 
     @property
     def fitted(self) -> BoolArray:
         """(n_freq, n_out): what the fit may see."""
-        return np.asarray(self.usable & ~self.held_out & ~self.held_lines[:, None])
+        return np.asarray(self.usable & ~self.held_out & ~self.held_out_lines[:, None])
 
     @property
-    def kept(self) -> BoolArray:
+    def held_out_mask(self) -> BoolArray:
         """(n_freq, n_out): what is held out."""
         return np.asarray(self.usable & ~self.fitted)
 
-    def widened(self, factors: Factors) -> "Observed":
+    def with_variance_ratios(self, factors: VarianceRatios) -> "Observed":
         """Return the same with variances that are so many times as large."""
         incoherent = self.incoherent_variance
         return replace(
@@ -149,7 +149,7 @@ class Observed:
             incoherent_variance=None if incoherent is None else incoherent * factors.response,
         )
 
-    def thinned(self, step: int) -> "Observed":
+    def decimated(self, step: int) -> "Observed":
         """Return every `step`-th line."""
         every = slice(None, None, step)
         return replace(
@@ -164,8 +164,8 @@ class Observed:
             incoherent=None if self.incoherent is None else self.incoherent[every],
             incoherent_variance=None if self.incoherent_variance is None else self.incoherent_variance[every],
             usable=self.usable[every],
-            held_lines=self.held_lines[every],
-            common=None if self.common is None else self.common[every],
+            held_out_lines=self.held_out_lines[every],
+            shared_noise=None if self.shared_noise is None else self.shared_noise[every],
         )
 
 
@@ -194,7 +194,7 @@ def observe(measurement: Measurement, held_out: Sequence[Dof], *, fraction: floa
         If no random error is known, see `check_weighable`; or if no line is left to fit.
     """
     measurement = _on_the_axis(measurement.to(FrfKind.INERTANCE))
-    g2, chance = known_coherence(measurement)
+    g2, chance = coherence_and_variance(measurement)
     stated = measurement.noise_floor or 0.0
     analyser = measurement.setup.analyser
     frf, n = measurement.frf, measurement.averages
@@ -202,7 +202,7 @@ def observe(measurement: Measurement, held_out: Sequence[Dof], *, fraction: floa
     power = {"h1": 0.0, "h2": 1.0, "hv": 0.5}[analyser.estimator]
     h = frf.values[:, :, 0] * g2**power
     usable = (g2 > FORCE_NOISE.min_coherence) & (frf.freq > 0)[:, None] & (np.abs(h) > 0)
-    error = np.sqrt(chance + (stated * weaker(h)) ** 2 + NUMERICAL**2)
+    error = np.sqrt(chance + (stated * weak_line_factor(h)) ** 2 + NUMERICAL**2)
     least = 4 * (stated**2 + NUMERICAL**2)  # power has twice the relative error of amplitude
     incoherent, spread = incoherent_spectrum(measurement, least)
     force, force_variance = force_spectrum(measurement, least)
@@ -214,7 +214,7 @@ def observe(measurement: Measurement, held_out: Sequence[Dof], *, fraction: floa
     observed = Observed(
         freq=frf.freq,
         outputs=frf.outputs,
-        h=nowhere_zero(h),
+        h=replace_zeros(h),
         error=error,
         coherence=g2,
         force=force,
@@ -223,12 +223,12 @@ def observe(measurement: Measurement, held_out: Sequence[Dof], *, fraction: floa
         incoherent_variance=spread,
         usable=usable,
         held_out=out,
-        held_lines=lines,
-        correlation=float((window**2).mean() / window.mean() ** 2),
+        held_out_lines=lines,
+        correlation_length=float((window**2).mean() / window.mean() ** 2),
         bias=2 * chance**2 / error**2,
         averages=n,
         floor=least,
-        common=shared_noise_fraction(measurement),
+        shared_noise=shared_noise(measurement),
     )
     _check_something_is_left(observed)
     return observed

@@ -17,15 +17,15 @@ INCOHERENT = 1e-8  # share of a response below which what is not coherent counts
 SMOOTHED = 7  # lines that an estimate of noise is averaged over
 LEAST = 0.1  # share of the lines from whose noise that of the force is estimated
 
-Numbers = TypeVar("Numbers", FloatArray, ComplexArray)
+RealOrComplex = TypeVar("RealOrComplex", FloatArray, ComplexArray)
 
 
-def nowhere_zero(array: Numbers) -> Numbers:
+def replace_zeros(array: RealOrComplex) -> RealOrComplex:
     """Return an array whose logarithm is a number at lines that nothing was seen at and none looks at."""
     return np.where(array != 0, array, np.ones_like(array))
 
 
-def check_weighable(measurement: Measurement) -> None:
+def check_random_error_known(measurement: Measurement) -> None:
     """Raise unless the random error of every line is known: from coherence and averages, or as stated.
 
     Raises
@@ -51,9 +51,9 @@ def check_weighable(measurement: Measurement) -> None:
         )
 
 
-def known_coherence(measurement: Measurement) -> tuple[FloatArray, FloatArray]:
+def coherence_and_variance(measurement: Measurement) -> tuple[FloatArray, FloatArray]:
     """Return coherence, 1 where it is not known, and the squared random error of |H| that it tells."""
-    check_weighable(measurement)
+    check_random_error_known(measurement)
     g2, n = measurement.coherence, measurement.averages
     if g2 is None or n <= 2:
         nothing = np.zeros(measurement.frf.values.shape[:2])
@@ -61,7 +61,7 @@ def known_coherence(measurement: Measurement) -> tuple[FloatArray, FloatArray]:
     return g2, (1 - g2) / (2 * np.maximum(g2, FORCE_NOISE.min_coherence) * (n - 2))
 
 
-def weaker(h: ComplexArray) -> FloatArray:
+def weak_line_factor(h: ComplexArray) -> FloatArray:
     """Return by how much each line (n_freq, n_out) is below the median of its FRF, at least 1.
 
     Noise is not smaller where a structure hardly moves: a stated error is of the median there.
@@ -87,7 +87,7 @@ def incoherent_spectrum(
     # Where rounding is the larger part, the logarithm says nothing: its error is of order one.
     rounding = floor / (loose + floor + 1e-300)
     spread = polygamma(1, n - 1) * (1 - rounding) ** 2 + rounding**2 + least
-    return nowhere_zero(loose * np.exp(np.log(n) - digamma(n - 1)) + floor), np.asarray(spread)
+    return replace_zeros(loose * np.exp(np.log(n) - digamma(n - 1)) + floor), np.asarray(spread)
 
 
 def force_spectrum(measurement: Measurement, least: float) -> tuple[FloatArray | None, FloatArray | float]:
@@ -99,7 +99,7 @@ def force_spectrum(measurement: Measurement, least: float) -> tuple[FloatArray |
     runs = slice(None) if measurement.setup.accelerometers.roving else slice(0, 1)
     if measurement.force_spectrum is None:
         return None, 1.0
-    force = nowhere_zero(measurement.force_spectrum[:, runs, 0])
+    force = replace_zeros(measurement.force_spectrum[:, runs, 0])
     excitation = EXCITATIONS[measurement.setup.analyser.excitation.kind]
     known = excitation.comes_back and measurement.coherence is not None
     share = _noise_of_force(measurement) / force if known else np.ones_like(force)
@@ -111,7 +111,7 @@ def force_spectrum(measurement: Measurement, least: float) -> tuple[FloatArray |
     return force * np.exp(np.log(worth) - digamma(worth)), np.asarray(variance + least)
 
 
-def shared_noise_fraction(measurement: Measurement) -> FloatArray | None:
+def shared_noise(measurement: Measurement) -> FloatArray | None:
     """Return the share of each FRF's random variance that is the force's noise, (n_freq, n_out).
 
     All channels of a run have that noise in common; None where each has a run of its own, or nothing
@@ -125,7 +125,7 @@ def shared_noise_fraction(measurement: Measurement) -> FloatArray | None:
     if response is None:
         return None
     above = measurement.frf.freq > 0
-    noise = ForceChannelNoise.of(above, g2, nowhere_zero(force[:, :1, 0]), response * g2)
+    noise = ForceChannelNoise.of(above, g2, replace_zeros(force[:, :1, 0]), response * g2)
     return None if noise is None else noise.share
 
 

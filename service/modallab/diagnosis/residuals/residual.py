@@ -8,7 +8,7 @@ import numpy as np
 from scipy.special import polygamma
 
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, logarithm
-from modallab.diagnosis.residuals.observed import Factors, Observed, Predicted
+from modallab.diagnosis.residuals.observed import Observed, Predicted, VarianceRatios
 from modallab.diagnosis.residuals.random_error import NUMERICAL
 from modallab.estimation.force_noise import parted
 
@@ -22,13 +22,13 @@ class Residual:
     frf: ComplexArray  # (n_freq, n_out)
     force: FloatArray | None  # (n_freq, n_run)
     response: FloatArray | None  # (n_freq, n_out)
-    excess: Callable[[], FloatArray] | None = None  # of the response's variance, where power leaks
-    steady: Callable[[], Factors] | None = None  # of all variances, where signals come back
+    excess_variance: Callable[[], FloatArray] | None = None  # of the response's variance, where power leaks
+    variance_ratios: Callable[[], VarianceRatios] | None = None  # of all variances, where signals come back
     force_variance: FloatArray | float = 1.0  # that `force` is over
     averages: float = np.inf
     floor: float = NUMERICAL**2  # variance that a force has in any case
     lines_correlated: bool = False  # whether lines share random numbers beyond what a window mixes
-    common: FloatArray | None = None  # see `Observed.common`
+    shared_noise: FloatArray | None = None  # see `Observed.shared_noise`
 
     @property
     def parts(self) -> dict[str, ComplexArray | FloatArray]:
@@ -40,9 +40,9 @@ class Residual:
         """Return all residuals at the lines and channels of `where` (n_freq, n_out), independent and of
         unit variance each: what channels have in common through the force is taken once."""
         frf, response = self.frf, self.response
-        if self.common is not None:
-            frf = parted(frf, self.common, where)
-            response = None if response is None else parted(response, self.common**2, where)
+        if self.shared_noise is not None:
+            frf = parted(frf, self.shared_noise, where)
+            response = None if response is None else parted(response, self.shared_noise**2, where)
         frf = frf[where]
         parts = [np.sqrt(2) * frf.real, np.sqrt(2) * frf.imag]
         if self.force is not None:
@@ -58,11 +58,11 @@ class Residual:
         A fit goes without: its weights would depend on its parameters.
         """
         parts = self.parts
-        if self.response is not None and self.excess is not None:
-            parts["response"] = self.response / np.sqrt(self.excess())
-        if self.steady is None:
+        if self.response is not None and self.excess_variance is not None:
+            parts["response"] = self.response / np.sqrt(self.excess_variance())
+        if self.variance_ratios is None:
             return parts
-        factors = self.steady()
+        factors = self.variance_ratios()
         parts["frf"] = self.frf / np.sqrt(factors.frf)
         if self.response is not None:
             parts["response"] = parts["response"] / np.sqrt(factors.response)
@@ -108,13 +108,13 @@ def residual(observed: Observed, predicted: Predicted, *, widen: float = 0.0) ->
         frf,
         force,
         response,
-        predicted.excess,
-        predicted.steady,
+        predicted.excess_variance,
+        predicted.variance_ratios,
         variance,
         observed.averages,
         observed.floor,
         predicted.lines_correlated,
-        observed.common,
+        observed.shared_noise,
     )
 
 
@@ -138,17 +138,17 @@ def normalised_difference(observed: Observed, h: ComplexArray) -> ComplexArray:
     (n_freq, n_out), 0 where nothing is known.
     """
     ratio = observed.h / np.where(observed.usable, h, 1.0)
-    share = log_share(observed.error)
+    share = logarithm_weight(observed.error)
     of_ratio = logarithm(ratio) - observed.bias
     return np.where(observed.usable, share * of_ratio + (1 - share) * (1 - 1 / ratio), 0.0)
 
 
-def log_share(error: FloatArray) -> FloatArray:
+def logarithm_weight(error: FloatArray) -> FloatArray:
     """Return the share of the logarithm in `normalised_difference`, by the random error of |H|."""
     return np.asarray(1 / (1 + (2 * error**2 / COARSE) ** 2))
 
 
-def softened(observed: Observed, where: BoolArray, widen: float) -> FloatArray:
+def inflation_weights(observed: Observed, where: BoolArray, widen: float) -> FloatArray:
     """Return what `widen` multiplies each entry of a residual's vector over `where` by."""
     frf = observed.error / np.sqrt(observed.error**2 + widen**2)
     force = response = None
@@ -171,7 +171,7 @@ def error_ratio(narrow: Observed, wide: Observed) -> FloatArray:
     return both.vector(narrow.fitted)
 
 
-def correlations(observed: Observed, left: Residual, *, reach: int | None = None) -> dict[str, float]:
+def correlation_lengths(observed: Observed, left: Residual, *, reach: int | None = None) -> dict[str, float]:
     """Return for each part how many lines one independent line stands for.
 
     Of a window alone it is known; leakage spreads the same few random numbers of a resonance over
@@ -184,19 +184,19 @@ def correlations(observed: Observed, left: Residual, *, reach: int | None = None
         what is missing and changes slowly from line to line looks like leakage too.
     """
     if not left.lines_correlated:
-        return dict.fromkeys(left.parts, observed.correlation)
+        return dict.fromkeys(left.parts, observed.correlation_length)
     return {
         name: _correlation(np.where(_of_runs(observed.usable, part.shape[1]), part, 0.0), reach)
         for name, part in left.rescaled.items()
     }
 
 
-def scatters(
+def gap_errors(
     observed: Observed, left: Residual, where: BoolArray, *, reach: int | None = None
 ) -> dict[str, float]:
     """Return the random error of each part's gap over `where` if nothing is missing; `reach` as above."""
     errors: dict[str, float] = {}
-    for name, correlation in correlations(observed, left, reach=reach).items():
+    for name, correlation in correlation_lengths(observed, left, reach=reach).items():
         part = left.parts[name]
         # A complex residual has two numbers in it, so its mean square scatters less.
         # It is weighed by a coherence that was measured: its square over that is an F-distributed one.
@@ -209,9 +209,9 @@ def scatters(
     return errors
 
 
-def scatter(observed: Observed, left: Residual, where: BoolArray) -> float:
+def gap_error(observed: Observed, left: Residual, where: BoolArray) -> float:
     """Return the random error of the whole gap over `where` if nothing is missing."""
-    errors = np.array(list(scatters(observed, left, where).values()))
+    errors = np.array(list(gap_errors(observed, left, where).values()))
     return float(np.sqrt((errors**2).sum()) / len(errors))
 
 

@@ -10,7 +10,12 @@ from modallab.core.place import Channels
 from modallab.diagnosis.fitting.fit import Fit, fit
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.residuals.observed import Observed
-from modallab.diagnosis.residuals.residual import Residual, correlations, scatter, scatters
+from modallab.diagnosis.residuals.residual import (
+    Residual,
+    correlation_lengths,
+    gap_error,
+    gap_errors,
+)
 from modallab.rig.effect import Effect
 
 BEYOND_DOUBT = 50.0  # difference in BIC that needs no witness, where there can be none
@@ -31,19 +36,19 @@ def is_noise_only(predictor: Predictor, left: Residual, *, reach: int | None = N
     Parameters
     ----------
     reach
-        As `correlations`. Leakage may go together over all lines, but so does what is missing, above all
-        a level of noise: so a search takes lines for independent beyond a few, and goes on where a gap is
-        not small. None asks for a large one: what a verdict has to be sure of.
+        As `correlation_lengths`. Leakage correlates all lines, but so does a missing effect, above all an
+        unknown noise level: a search takes lines more than a few apart for independent and continues where
+        a gap is not small. None asks for a large gap: a verdict has to be sure.
     """
     observed = predictor.observed
-    for where in (observed.fitted, observed.kept):
-        errors = scatters(observed, left, where, reach=reach)
-        if any(gap > highest_by_chance(errors[part]) for part, gap in left.gaps(where).items()):
+    for where in (observed.fitted, observed.held_out_mask):
+        errors = gap_errors(observed, left, where, reach=reach)
+        if any(gap > largest_gap_by_chance(errors[part]) for part, gap in left.gaps(where).items()):
             return False
     return True
 
 
-def highest_by_chance(error: float) -> float:
+def largest_gap_by_chance(error: float) -> float:
     """Return the largest gap that counts as 1, of a gap's random error if nothing is missing.
 
     A mean of squares is chi-square with 2 / error^2 degrees of freedom: with few of them, as leakage
@@ -53,7 +58,7 @@ def highest_by_chance(error: float) -> float:
     return float(chi2.isf(CHANCE, freedom) / freedom)
 
 
-def best_first(fits: Sequence[Fit]) -> list[Fit]:
+def ranked_by_bic(fits: Sequence[Fit]) -> list[Fit]:
     """Return fits by BIC; of those that differ by rounding alone what belongs to the rig comes first.
 
     A rig is changed from test to test, a model is not: the likelier place for what was forgotten.
@@ -84,7 +89,7 @@ def _least(one: Fit, fits: Sequence[Fit]) -> float | None:
     away = {name: abs(values[name]) / error if error > 0 else np.inf for name, error in errors.items()}
     if any(far < CLEAR for name, far in away.items() if name != more):
         return None  # only a product of its numbers may be told, of which the error of one knows nothing
-    told = one.correlation * away[more] ** 2
+    told = one.correlation_length * away[more] ** 2
     penalty = (one.bic - one.chi_square) - (plain.bic - plain.chi_square)
     # Far from nothing a standard error tells that there is something, and not how much worse nothing is.
     return float(plain.bic + penalty - told) if told < penalty + CONVINCING else None
@@ -102,24 +107,24 @@ def is_significant(predictor: Predictor, before: Fit, after: Fit) -> bool:
         return False
     effect = after.effects[-1]
     # Of distortion in bursts the size may be known to a factor only: likelihood alone tells that it is there.
-    if not effect.intermittent and not clear_of_nothing(effect, after.errors[-1]):
+    if not effect.intermittent and not is_nonzero(effect, after.errors[-1]):
         return False
-    where = observed.kept
+    where = observed.held_out_mask
     alone = _known_to_no_other(observed, effect)
     if alone is None and observed.held_out.any() and not _tells(observed, before, after, where):
         alone = np.ones(len(observed.outputs), bool)
     if alone is not None:
         # No other FRF can bear it out: it has to predict lines of its own that it was not fitted to.
-        predictor = predictor.without_lines(LINES_APART).tolerating(after.tolerated)
-        where = observed.usable & predictor.observed.held_lines[:, None] & alone
+        predictor = predictor.without_lines(LINES_APART).with_nuisances_at(after.nuisance_position)
+        where = observed.usable & predictor.observed.held_out_lines[:, None] & alone
         after = fit(predictor, after.effects)
         if likelier > BEYOND_DOUBT and not _tells(observed, before, after, where):
             return True  # as hum that is in one line or two
     held_before, held_after = (f.residual.gap(where) for f in (before, after))
-    return held_after < held_before - scatter(observed, after.residual, where)
+    return held_after < held_before - gap_error(observed, after.residual, where)
 
 
-def clear_of_nothing(effect: Effect, errors: Mapping[str, float]) -> bool:
+def is_nonzero(effect: Effect, errors: Mapping[str, float]) -> bool:
     """Return whether the amount of an effect is told from none by its standard error.
 
     Where another of its own numbers is not told at all, as an angle by motions along one axis alone, the
@@ -146,17 +151,17 @@ def _known_to_no_other(observed: Observed, effect: Effect) -> BoolArray | None:
 def _tells(observed: Observed, before: Fit, after: Fit, where: BoolArray) -> bool:
     """Return whether what was held out tells if an effect is there: it would show in it."""
     change = before.residual.vector(where) - after.residual.vector(where)
-    return float(change @ change) > TOLD * scatter(observed, after.residual, where) * len(change)
+    return float(change @ change) > TOLD * gap_error(observed, after.residual, where) * len(change)
 
 
 def variance_inflation(predictor: Predictor, best: Fit) -> float:
     """Return by how much chi-square overstates a difference: correlated lines, or an incomplete model."""
     observed = predictor.observed
-    lines = max(correlations(observed, best.residual).values())
+    lines = max(correlation_lengths(observed, best.residual).values())
     return lines * max(1.0, best.chi_square / best.n_data)
 
 
-def probabilities(predictor: Predictor, fits: Sequence[Fit]) -> list[float]:
+def model_probabilities(predictor: Predictor, fits: Sequence[Fit]) -> list[float]:
     """Return the share of belief of each fit among all, by BIC."""
     scale = variance_inflation(predictor, fits[0])
     bic = np.array(_criteria(fits))

@@ -7,13 +7,13 @@ from functools import partial
 import numpy as np
 from scipy.special import expit
 
-from modallab.diagnosis.fitting.covariance import Errors
+from modallab.diagnosis.fitting.covariance import ParameterErrors
 from modallab.diagnosis.fitting.fit import Fit, fit
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.searching.acceptance import variance_inflation
 
 
-def weighed_up(predictor: Predictor, found: Fit) -> Fit:
+def resolve_equivalents(predictor: Predictor, found: Fit) -> Fit:
     """Return a fit with each effect as itself or as its lookalike, whichever explains more.
 
     Its standard errors reach as far as the other one does, by how likely that one is.
@@ -22,7 +22,7 @@ def weighed_up(predictor: Predictor, found: Fit) -> Fit:
         other = effect.equivalent(predictor.setup)
         if other is not None:
             effects = [*found.effects[:i], other, *found.effects[i + 1 :]]
-            rival = fit(predictor.tolerating(found.tolerated), effects)
+            rival = fit(predictor.with_nuisances_at(found.nuisance_position), effects)
             best, second = (found, rival) if found.chi_square <= rival.chi_square else (rival, found)
             apart = (second.chi_square - best.chi_square) / variance_inflation(predictor, best)
             share = float(expit(-apart / 2))
@@ -30,7 +30,9 @@ def weighed_up(predictor: Predictor, found: Fit) -> Fit:
     return found
 
 
-def _reaching(own: Callable[[], Errors], best: Fit, second: Fit, which: int, share: float) -> Errors:
+def _reaching(
+    own: Callable[[], ParameterErrors], best: Fit, second: Fit, which: int, share: float
+) -> ParameterErrors:
     """Return the root mean square distance of both fits' laws from the best of both."""
     errors, other = own(), second.errors[which]
     here, there = best.effects[which].parameters, second.effects[which].parameters

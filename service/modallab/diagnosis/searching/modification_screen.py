@@ -10,7 +10,7 @@ from modallab.core.arrays import ComplexArray, FloatArray, IntArray, logarithm
 from modallab.diagnosis.predicting.coarse_prediction import CoarsePrediction
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.residuals.observed import Observed
-from modallab.diagnosis.residuals.residual import log_share, residual
+from modallab.diagnosis.residuals.residual import logarithm_weight, residual
 from modallab.diagnosis.searching.attached_stiffness import AttachedStiffness
 from modallab.fe.attachment import Attachment
 from modallab.fe.receptance import attached, solved
@@ -34,7 +34,7 @@ class ModificationScreen:
 
     def __init__(self, glimpses: CoarsePrediction, accepted: Sequence[Effect]) -> None:
         self._tests = [_Test(test, accepted) for test in glimpses.predictor.tests]
-        self._observed, self._placed = glimpses.observed, glimpses.predictor.placed
+        self._observed, self._placed = glimpses.observed, glimpses.predictor.stack_channels
         self._base = glimpses.predict(accepted)
         self._left = residual(glimpses.observed, self._base)
         self._frf = _Whitened(glimpses.observed, self._base.h)
@@ -52,7 +52,7 @@ class ModificationScreen:
         return [(own, number[own] - low) for own, low in zip(mine, ends, strict=False)]
 
     @cached_property
-    def nothing(self) -> FloatArray:
+    def unmodified(self) -> FloatArray:
         """The whitened residuals (n_residuals,) without any effect; see `vectors`."""
         return self._left.vector(self._observed.fitted)
 
@@ -90,12 +90,12 @@ class ModificationScreen:
         (n_variants, n_residuals), in the order of `Residual.vector`.
         """
         frf, n = self._frf.of(ratios), ratios.shape[1]
-        vectors = np.empty((len(frf), len(self.nothing)))
+        vectors = np.empty((len(frf), len(self.unmodified)))
         vectors[:, :n], vectors[:, n : 2 * n] = frf.real, frf.imag
-        vectors[:, 2 * n :] = self.nothing[2 * n :]  # of force and incoherent responses
+        vectors[:, 2 * n :] = self.unmodified[2 * n :]  # of force and incoherent responses
         return vectors
 
-    def slopes(self, exchanged: Sequence[Exchange]) -> FloatArray:
+    def derivatives(self, exchanged: Sequence[Exchange]) -> FloatArray:
         """Return how the whitened residuals change with a share of each exchange on the model.
 
         alpha'/alpha = 1 - s alpha_oB Z alpha_Bd / alpha_od to first order in the share s.
@@ -109,10 +109,10 @@ class ModificationScreen:
         -------
         (n_residuals, n_exchanged), in the order of `Residual.vector`.
         """
-        each = [test.slopes(exchanged) for test in self._tests]
+        each = [test.derivatives(exchanged) for test in self._tests]
         ratios = np.asarray(self._placed([1 + SLIGHT * change for change in each], 1.0))
         fitted = ratios.reshape(len(ratios), -1)[:, self._frf.place]
-        return np.asarray((self.vectors(fitted) - self.nothing).T / SLIGHT)
+        return np.asarray((self.vectors(fitted) - self.unmodified).T / SLIGHT)
 
 
 class _Whitened:
@@ -123,10 +123,10 @@ class _Whitened:
         self.place = np.flatnonzero(where)
         self._ratio = (observed.h / np.where(observed.usable, h, 1.0))[where]
         error = observed.error[where]
-        self._logarithm = log_share(observed.error)[where]
+        self._logarithm = logarithm_weight(observed.error)[where]
         self._differing = np.flatnonzero(1 - self._logarithm > FAINT)
         self._bias = np.broadcast_to(observed.bias, where.shape)[where]
-        common = np.zeros_like(error) if observed.common is None else observed.common[where]
+        common = np.zeros_like(error) if observed.shared_noise is None else observed.shared_noise[where]
         rest = np.sqrt(1 - common)
         self._error, self._along = error * rest, np.sqrt(common) / rest
         # What channels of a line have in common is taken once, see `Residual.vector`.
@@ -194,7 +194,7 @@ class _Test:
         change = sum(there[:, i] * carried[..., i][:, run, line] for i in range(z.shape[-1]))
         return np.asarray(1 - change / direct)
 
-    def slopes(self, exchanged: Sequence[Exchange]) -> ComplexArray:
+    def derivatives(self, exchanged: Sequence[Exchange]) -> ComplexArray:
         """Return the relative changes (n_exchanged, n_lines, n_out), each for a whole exchange."""
         heard, driven, direct = self._everywhere()
         change = np.zeros((len(exchanged), *direct.shape), complex)

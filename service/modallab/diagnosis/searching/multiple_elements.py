@@ -7,12 +7,12 @@ from modallab.diagnosis.fitting.fit import Fit, fit
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.searching.acceptance import (
     CONVINCING,
-    clear_of_nothing,
     is_noise_only,
+    is_nonzero,
     variance_inflation,
 )
-from modallab.diagnosis.searching.search_path import AcceptedEffect, SearchPath, name_of
-from modallab.diagnosis.searching.search_round import Suspects, trials
+from modallab.diagnosis.searching.search_path import AcceptedEffect, SearchPath, kind_and_place
+from modallab.diagnosis.searching.search_round import Suspects, fit_candidates
 from modallab.diagnosis.searching.wrong_elements import wrong_elements
 from modallab.rig.effect import Effect
 
@@ -30,12 +30,12 @@ def multiple_elements(
     best
         What a single effect explains best: they have to be worth their number beside it.
     """
-    found = wrong_elements(predictor.tolerating(best.outlook), suspects.effects, progress)
+    found = wrong_elements(predictor.with_nuisances_at(best.starting_position), suspects.effects, progress)
     if not 0 < len(found) <= max_effects or (len(found) > PAIR and min(map(_change, found)) < FEIGNED):
         return None
-    fitted = fit(predictor.tolerating(best.outlook), found)
+    fitted = fit(predictor.with_nuisances_at(best.starting_position), found)
     worth = best.bic - fitted.bic > CONVINCING * variance_inflation(predictor, fitted)
-    clear = all(map(clear_of_nothing, fitted.effects, fitted.errors))
+    clear = all(map(is_nonzero, fitted.effects, fitted.errors))
     return fitted if worth and clear and is_noise_only(predictor, fitted.residual) else None
 
 
@@ -51,16 +51,16 @@ def verify(
     That is looked for with the others in the matrices, where they cost nothing, among what has no more
     numbers: anything else is the worse explanation at best.
     """
-    predictor = predictor.tolerating(found.tolerated)
+    predictor = predictor.with_nuisances_at(found.nuisance_position)
     simple = replace(suspects, effects=[e for e in suspects.effects if len(e.specs()) <= 1])
-    names = [name_of(effect) for effect in found.effects]
+    names = [kind_and_place(effect) for effect in found.effects]
     steps: list[AcceptedEffect] = []
     for i, effect in enumerate(found.effects):
         round_ = part(progress, i / len(names), (i + 1) / len(names))
         others = tuple(e for j, e in enumerate(found.effects) if j != i)
         beside = predictor.folded_into_matrices(others)
-        rivals = trials(beside, fit(beside, ()), simple, progress=round_)
+        rivals = fit_candidates(beside, fit(beside, ()), simple, progress=round_)
         own = fit(predictor, (*others, effect))
-        tried = (own, *(one for one in rivals if name_of(one.effects[-1]) not in names))
+        tried = (own, *(one for one in rivals if kind_and_place(one.effects[-1]) not in names))
         steps.append(AcceptedEffect(names[i], start, own, tried))
     return SearchPath(start, tuple(steps))

@@ -4,7 +4,7 @@ import numpy as np
 
 from modallab.core.arrays import FloatArray
 from modallab.diagnosis.predicting.coarse_prediction import CoarsePrediction
-from modallab.diagnosis.residuals.residual import softened
+from modallab.diagnosis.residuals.residual import inflation_weights
 
 NOISE_INFLATIONS = (0.0, 0.03, 0.3)  # from residuals of the size of noise to modes that sit elsewhere
 TOGETHER = 4  # numbers whose logarithms are taken as one of their product, which does not overflow yet
@@ -20,7 +20,7 @@ class Costs:
     def __init__(self, glimpses: CoarsePrediction) -> None:
         observed = glimpses.observed
         self._cleared = glimpses.project_out
-        self._weights = [softened(observed, observed.fitted, widen) for widen in NOISE_INFLATIONS]
+        self._weights = [inflation_weights(observed, observed.fitted, widen) for widen in NOISE_INFLATIONS]
 
     def project_out(self, vectors: FloatArray) -> FloatArray:
         """Return residuals of unit variance without nuisances; see `CoarsePrediction.project_out`."""

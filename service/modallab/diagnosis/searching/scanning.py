@@ -11,7 +11,7 @@ from modallab.diagnosis.predicting.coarse_prediction import CoarsePrediction
 from modallab.diagnosis.residuals.residual import residual
 from modallab.diagnosis.searching.robust_cost import NOISE_INFLATIONS, Costs, line_minimum_fraction
 from modallab.diagnosis.searching.shortlist import shortlist
-from modallab.diagnosis.searching.starting_values import least, local_minima, shrunk
+from modallab.diagnosis.searching.starting_values import local_minima, smallest_amounts, with_amount_scaled
 from modallab.rig.effect import Effect
 
 KEPT = 5  # starts that each widening sends on
@@ -83,9 +83,9 @@ def _tried(
     """
     tried = list(sizes)
     found = [_vector(glimpses, [*accepted, effect]) for effect in tried]
-    for i in least(tried):
+    for i in smallest_amounts(tried):
         # Where residuals are no larger than noise the best size is smaller than any that is tried.
         if share := line_minimum_fraction(start, glimpses.project_out(found[i], 0.0)):
-            tried.append(shrunk(tried[i], share))
+            tried.append(with_amount_scaled(tried[i], share))
             found.append(_vector(glimpses, [*accepted, tried[-1]]))
     return tried, np.array(found)

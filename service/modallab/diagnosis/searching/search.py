@@ -14,8 +14,8 @@ from modallab.diagnosis.searching.acceptance import (
     variance_inflation,
 )
 from modallab.diagnosis.searching.multiple_elements import PAIR, multiple_elements, verify
-from modallab.diagnosis.searching.search_path import AcceptedEffect, SearchPath, backward_elimination, name_of
-from modallab.diagnosis.searching.search_round import Suspects, trials
+from modallab.diagnosis.searching.search_path import AcceptedEffect, SearchPath, kind_and_place, refine_path
+from modallab.diagnosis.searching.search_round import Suspects, fit_candidates
 
 BRANCHES = 3  # first effects, of as many kinds, that are followed up by a second one
 MUCH = 0.5  # of what was above 1 that an effect leaves at most where a third one is worth looking for
@@ -38,29 +38,27 @@ def search(
     if is_noise_only(predictor, start.residual):
         return SearchPath(start)
     progress(0.05, f"gap {start.residual.gap(predictor.observed.fitted):.3g}")
-    first = trials(predictor, start, suspects, progress=part(progress, 0.05, 0.25))
+    first = fit_candidates(predictor, start, suspects, progress=part(progress, 0.05, 0.25))
     elements = None
     if first and not is_noise_only(predictor, first[0].residual):
         looking = part(progress, 0.25, 0.3)
         elements = multiple_elements(predictor, first[0], suspects, max_effects=max_effects, progress=looking)
     if elements and len(elements.effects) <= PAIR:
-        return backward_elimination(
-            predictor, verify(predictor, start, elements, suspects, part(progress, 0.3, 0.95))
-        )
+        return refine_path(predictor, verify(predictor, start, elements, suspects, part(progress, 0.3, 0.95)))
     paths: list[SearchPath] = []
-    for i, (candidate, tried) in enumerate(islice(convincing(predictor, start, first), BRANCHES)):
-        name = name_of(candidate.effects[-1])
+    for i, (candidate, tried) in enumerate(islice(significant_fits(predictor, start, first), BRANCHES)):
+        name = kind_and_place(candidate.effects[-1])
         if any(name == step.kind_and_place for path in paths for step in path.steps):
             continue
         single = SearchPath(start, (AcceptedEffect(name, start, candidate, tried),))
         whole = part(progress, 0.3 + 0.15 * i, 0.45 + 0.15 * i)
         paths.append(_longer(predictor, single, suspects, min(PAIR, max_effects), whole))
         if max_effects == 1 or is_noise_only(predictor, paths[-1].fit.residual):
-            return backward_elimination(predictor, paths[-1])
-        if predictor.effort.over:
+            return refine_path(predictor, paths[-1])
+        if predictor.budget.exhausted:
             break
     if elements:  # no pair explains it, so they are worth their number
-        return backward_elimination(
+        return refine_path(
             predictor, verify(predictor, start, elements, suspects, part(progress, 0.75, 0.95))
         )
     if not paths:
@@ -70,10 +68,10 @@ def search(
         if path.fit.bic < best.fit.bic - CONVINCING * variance_inflation(predictor, best.fit):
             best = path
     best = _longer(predictor, best, suspects, max_effects, part(progress, 0.75, 0.95))
-    return backward_elimination(predictor, best)
+    return refine_path(predictor, best)
 
 
-def convincing(
+def significant_fits(
     predictor: Predictor, before: Fit, fits: Sequence[Fit]
 ) -> Iterator[tuple[Fit, tuple[Fit, ...]]]:
     """Yield the best fit of each kind that is convincing, in order, with what else its round leaves open.
@@ -99,19 +97,23 @@ def _longer(
     Beyond a second one as long as the last closed much of the gap: what a catalogue lacks can be feigned
     little by little by many effects, none of which is there.
     """
-    while len(path.steps) < max_effects and not (path.ended or is_noise_only(predictor, path.fit.residual)):
-        if predictor.effort.over or (len(path.steps) > 1 and not _closes_much(predictor, path.steps[-1])):
+    while len(path.steps) < max_effects and not (
+        path.exhausted or is_noise_only(predictor, path.fit.residual)
+    ):
+        if predictor.budget.exhausted or (
+            len(path.steps) > 1 and not _closes_much(predictor, path.steps[-1])
+        ):
             break
-        found = trials(predictor, path.fit, suspects, progress=progress)
-        best = next(convincing(predictor, path.fit, found), None)
+        found = fit_candidates(predictor, path.fit, suspects, progress=progress)
+        best = next(significant_fits(predictor, path.fit, found), None)
         if best is None:
-            return replace(path, ended=True)
-        step = AcceptedEffect(name_of(best[0].effects[-1]), path.fit, *best)
+            return replace(path, exhausted=True)
+        step = AcceptedEffect(kind_and_place(best[0].effects[-1]), path.fit, *best)
         path = SearchPath(path.start, (*path.steps, step))
     return path
 
 
 def _closes_much(predictor: Predictor, step: AcceptedEffect) -> bool:
     where = predictor.observed.fitted
-    before, after = (one.residual.gap(where) - 1 for one in (step.before, step.after))
+    before, after = (one.residual.gap(where) - 1 for one in (step.previous_fit, step.fit))
     return after < MUCH * before

@@ -10,12 +10,12 @@ from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.place import Members
 from modallab.core.progress import Progress, part
-from modallab.diagnosis.fitting.fit import NEARLY, Fit, approach, fit
+from modallab.diagnosis.fitting.fit import NEARLY, Fit, coarse_fit, fit
 from modallab.diagnosis.localisation.evidence import collect_evidence
 from modallab.diagnosis.predicting.predictor import Predictor
-from modallab.diagnosis.searching.acceptance import best_first, is_noise_only
+from modallab.diagnosis.searching.acceptance import is_noise_only, ranked_by_bic
 from modallab.diagnosis.searching.scanning import scan
-from modallab.diagnosis.searching.search_path import name_of
+from modallab.diagnosis.searching.search_path import kind_and_place
 from modallab.fe.system import DynamicSystem
 from modallab.rig.effect import Effect
 
@@ -39,18 +39,18 @@ class Suspects:
         every = [collect_evidence(test, accepted) for test in predictor.tests]
         kinds = {type(effect) for effect in self.effects}
         likely = {cls: max(cls.signature(evidence) for evidence in every) for cls in kinds}
-        taken = {name_of(effect) for effect in accepted}
+        taken = {kind_and_place(effect) for effect in accepted}
         left = [
             effect
             for effect in self.effects
-            if likely[type(effect)] >= self.least and name_of(effect) not in taken
+            if likely[type(effect)] >= self.least and kind_and_place(effect) not in taken
         ]
         return sorted(left, key=lambda effect: -likely[type(effect)])
 
 
-def trials(predictor: Predictor, base: Fit, suspects: Suspects, *, progress: Progress) -> list[Fit]:
+def fit_candidates(predictor: Predictor, base: Fit, suspects: Suspects, *, progress: Progress) -> list[Fit]:
     """Return fits of the accepted effects with one suspect more, best first, one a kind and place."""
-    predictor = predictor.tolerating(base.outlook)
+    predictor = predictor.with_nuisances_at(base.starting_position)
     likely = suspects.of(predictor, base.effects)
     linear = [effect for effect in likely if effect.on_motion() is None]
     costly = [effect for effect in likely if effect.on_motion() is not None]
@@ -60,8 +60,8 @@ def trials(predictor: Predictor, base: Fit, suspects: Suspects, *, progress: Pro
     if tried.explained is not None:
         costly = [effect for effect in costly if _feigned(effect, tried.explained, predictor.system)]
     tried.look(costly, part(progress, share, 1.0))
-    tried.look_simpler({name_of(effect) for effect in suspects.effects})
-    return best_first(tried.fits)
+    tried.look_simpler({kind_and_place(effect) for effect in suspects.effects})
+    return ranked_by_bic(tried.fits)
 
 
 class _Round:
@@ -69,7 +69,7 @@ class _Round:
 
     def __init__(self, predictor: Predictor, accepted: tuple[Effect, ...]) -> None:
         self._predictor, self._accepted = predictor, accepted
-        self._glimpses = predictor.near(accepted)
+        self._glimpses = predictor.coarse_prediction(accepted)
         self._near: dict[tuple[str, str], tuple[float, Effect]] = {}
         self._fitted: set[tuple[str, str]] = set()
         self._hopeless = np.inf  # cost on a first look
@@ -84,8 +84,8 @@ class _Round:
         for i, start in enumerate(starts):
             progress(0.5 + 0.25 * i / len(starts), f"approaching {start.effect.kind}")
             with suppress(InvalidInputError):  # what cannot be predicted cannot be what was measured
-                effect, cost = approach(self._glimpses, self._accepted, start.effect, start.widening)
-                name = name_of(effect)
+                effect, cost = coarse_fit(self._glimpses, self._accepted, start.effect, start.widening)
+                name = kind_and_place(effect)
                 if name not in self._near or cost < self._near[name][0]:
                     self._near[name] = (cost, effect)
         best = _worth_fitting(self._near.values())
@@ -97,16 +97,16 @@ class _Round:
         """Fit what the best would be without its one number more, which may not have been among the best."""
         best = min(self.fits, key=lambda one: one.bic, default=None)
         simpler = None if best is None else best.effects[-1].reduced_model()
-        if simpler is not None and name_of(simpler[0]) in suspected - self._fitted:
+        if simpler is not None and kind_and_place(simpler[0]) in suspected - self._fitted:
             with suppress(InvalidInputError):
                 self.fits.append(fit(self._predictor, (*self._accepted, simpler[0])))
 
     def _fit(self, cost: float, effect: Effect) -> None:
         hopeless = cost > self._hopeless and (len(self.fits) >= SHOWN or effect.intermittent)
-        given_up = self._predictor.effort.over and len(self.fits) > 0
-        if hopeless or given_up or name_of(effect) in self._fitted:
+        given_up = self._predictor.budget.exhausted and len(self.fits) > 0
+        if hopeless or given_up or kind_and_place(effect) in self._fitted:
             return
-        self._fitted.add(name_of(effect))
+        self._fitted.add(kind_and_place(effect))
         with suppress(InvalidInputError):
             found = fit(self._predictor, (*self._accepted, effect))
             self.fits.append(found)

@@ -18,7 +18,7 @@ from modallab.diagnosis.searching.robust_cost import (
     Costs,
     line_minimum_fraction,
 )
-from modallab.diagnosis.searching.starting_values import least, shrunk, variants
+from modallab.diagnosis.searching.starting_values import scan_sizes, smallest_amounts, with_amount_scaled
 from modallab.rig.effect import Effect
 
 PLACES = 4  # of a kind that go on, for each widening
@@ -53,9 +53,9 @@ def shortlist(
         One effect for every kind and place.
     """
     predictor = glimpses.predictor
-    sample = glimpses.sampled(round(glimpses.observed.fitted.sum() / ENOUGH))
+    sample = glimpses.subsampled(round(glimpses.observed.fitted.sum() / ENOUGH))
     foreseen, costs = ModificationScreen(sample, accepted), Costs(sample)
-    start = costs.project_out(foreseen.nothing)
+    start = costs.project_out(foreseen.unmodified)
     worst = _worst_channels(glimpses, accepted)
     chosen: list[list[Effect]] = []
     looks: dict[str, list[_Look]] = {}
@@ -64,7 +64,7 @@ def shortlist(
         progress(i / len(suspects), f"places of {suspect.kind}")
         if isinstance(suspect.at, Channels) and not any(suspect.acts_on(dof) for dof in worst):
             continue
-        sizes = variants(suspect, suspect.scan_values(predictor.system, predictor.setup))
+        sizes = scan_sizes(suspect, suspect.scan_values(predictor.system, predictor.setup))
         look = _foreseen(foreseen, sizes, costs, start) if isinstance(suspect.at, Dof | Members) else None
         if look is not None:
             looks.setdefault(suspect.kind, []).append(look)
@@ -92,14 +92,14 @@ def _foreseen(
     ratios = foreseen.ratios(sizes)
     if ratios is None:
         return None
-    vectors, nothing = foreseen.vectors(ratios), foreseen.nothing
+    vectors, nothing = foreseen.vectors(ratios), foreseen.unmodified
     # Where residuals are no larger than noise the best size is smaller than any that is tried.
-    smallest = least(sizes)
+    smallest = smallest_amounts(sizes)
     moved = costs.project_out(vectors[smallest])
     shares = [line_minimum_fraction(start, one) for one in moved]
     between = {i: share for i, share in zip(smallest, shares, strict=True) if share}
     along = [nothing + share * (vectors[i] - nothing) for i, share in between.items()]
-    smaller = [shrunk(sizes[i], share) for i, share in between.items()]
+    smaller = [with_amount_scaled(sizes[i], share) for i, share in between.items()]
     return _Look([*sizes, *smaller], costs.of(np.vstack([vectors, *along])))
 
 

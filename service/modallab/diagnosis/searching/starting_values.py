@@ -15,7 +15,7 @@ VALLEYS = 3  # sizes of an effect at a place that are looked at further
 COMPARABLE = 3.0  # times the cost of the best size that the others may have
 
 
-def grid(spec: ParameterSpec, default: float) -> FloatArray:
+def scan_grid(spec: ParameterSpec, default: float) -> FloatArray:
     """Return values to try: on both sides of `absent`, or quarter decades round a believable one.
 
     Of a number that only says how an effect acts: what it declares worth a look, or the believable one.
@@ -32,7 +32,7 @@ def grid(spec: ParameterSpec, default: float) -> FloatArray:
     return np.asarray(values[(values > spec.lower) & (values <= spec.upper)])
 
 
-def variants(suspect: Effect, looks: Mapping[str, Sequence[float]]) -> list[Effect]:
+def scan_sizes(suspect: Effect, looks: Mapping[str, Sequence[float]]) -> list[Effect]:
     """Return a suspect with every combination of values worth a first look; itself if it has no number.
 
     Parameters
@@ -42,13 +42,13 @@ def variants(suspect: Effect, looks: Mapping[str, Sequence[float]]) -> list[Effe
     """
     own = suspect.parameters
     choices = [
-        [(name, v) for v in looks.get(name, ()) or grid(spec, own[name])]
+        [(name, v) for v in looks.get(name, ()) or scan_grid(spec, own[name])]
         for name, spec in suspect.specs().items()
     ]
     return [suspect.with_parameters({n: float(v) for n, v in chosen}) for chosen in product(*choices)]
 
 
-def least(tried: Sequence[Effect]) -> list[int]:
+def smallest_amounts(tried: Sequence[Effect]) -> list[int]:
     """Return which of some sizes of an effect have the smallest amount, on either side of `absent`."""
     name, spec = next(iter(tried[0].specs().items()), ("", None))
     if spec is None or spec.absent is None:
@@ -77,7 +77,7 @@ def local_minima(tried: Sequence[Effect], costs: FloatArray) -> list[int]:
     return [i for i in near if costs[i] <= COMPARABLE * costs[near[0]]]
 
 
-def shrunk(effect: Effect, share: float) -> Effect:
+def with_amount_scaled(effect: Effect, share: float) -> Effect:
     """Return an effect whose amount is a share of what it is, within its bounds."""
     name, spec = next(iter(effect.specs().items()))
     absent = 0.0 if spec.absent is None else spec.absent

@@ -14,7 +14,7 @@ from modallab.core.place import Members
 from modallab.core.progress import Progress
 from modallab.diagnosis.fitting.fit import NOISE_INFLATION_SCHEDULE
 from modallab.diagnosis.predicting.predictor import Predictor
-from modallab.diagnosis.residuals.residual import softened
+from modallab.diagnosis.residuals.residual import inflation_weights
 from modallab.diagnosis.searching.backward_elimination import Group, backward_elimination
 from modallab.diagnosis.searching.modification_screen import Exchange, ModificationScreen
 from modallab.rig.effect import Effect
@@ -88,9 +88,9 @@ class _Look:
 
     def __init__(self, predictor: Predictor, position: FloatArray, doubled: Sequence[Exchange]) -> None:
         self.position = position
-        self._glimpses = predictor.near(())
+        self._glimpses = predictor.coarse_prediction(())
         foreseen = ModificationScreen(self._glimpses, ())
-        self._left, self._slopes = foreseen.nothing, foreseen.slopes(doubled)
+        self._left, self._slopes = foreseen.unmodified, foreseen.derivatives(doubled)
 
     def cost(self, widen: float) -> float:
         """Return the mean square of what tolerances do not explain, all random errors widened."""
@@ -99,7 +99,7 @@ class _Look:
 
     def _weights(self, widen: float) -> FloatArray:
         observed = self._glimpses.observed
-        return softened(observed, observed.fitted, widen) if widen else np.ones(len(self._left))
+        return inflation_weights(observed, observed.fitted, widen) if widen else np.ones(len(self._left))
 
     def step(self, widen: float) -> FloatArray:
         """Return the step (n,) to the best factors, those near 1 drawn to it."""
@@ -119,11 +119,11 @@ class _Look:
         weights = self._weights(widen)
         slopes = weights[:, None] * self._slopes
         target = slopes @ self.position - weights * self._left
-        free = self._glimpses.freedom
+        free = self._glimpses.nuisances
         if not len(free):
             return slopes, target
         prior = stiff * np.sqrt(free.precision)
-        basis = np.linalg.qr(np.vstack([weights[:, None] * free.slopes, np.diag(prior)]))[0]
+        basis = np.linalg.qr(np.vstack([weights[:, None] * free.derivatives, np.diag(prior)]))[0]
         both = np.vstack([slopes, np.zeros((len(free), len(self.position)))])
         held = np.concatenate([target, -prior * free.position])
         return both - basis @ (basis.T @ both), held - basis @ (basis.T @ held)

@@ -38,7 +38,7 @@ class Explanation:
 
     def told_to(self, predictor: Predictor) -> Predictor:
         """Return a predictor with what is tolerated where the fit has it."""
-        return predictor if self.position is None else predictor.tolerating(self.position)
+        return predictor if self.position is None else predictor.with_nuisances_at(self.position)
 
     @cached_property
     def perturbed(self) -> list[tuple[list[Effect], float]]:
@@ -53,7 +53,7 @@ class Explanation:
                 moved.append(([*self.effects[:i], other, *self.effects[i + 1 :]], by))
         return moved
 
-    def slopes(self, look: Look, base: FloatArray) -> FloatArray:
+    def derivatives(self, look: Look, base: FloatArray) -> FloatArray:
         """Return how residuals change with the parameters, (n_data, n_parameters).
 
         Parameters
@@ -174,10 +174,10 @@ class _Foreseen:
         look = self._look(seen, other)
         begin = look(other.effects)
         difference = begin - self._look(seen, true)(true.effects)
-        slopes = other.slopes(look, begin)
+        slopes = other.derivatives(look, begin)
         if tolerating:
             slopes = np.hstack([slopes, self._tolerated(seen, other)])
-        weight = np.sqrt(self._predictor.step / seen.correlation)
+        weight = np.sqrt(self._predictor.step / seen.correlation_length)
         rows = np.vstack([weight * slopes, held])
         wanted = np.concatenate([weight * difference, np.zeros(len(held))])
         size = np.linalg.norm(rows, axis=0) + 1e-300  # parameters differ by many powers of ten
@@ -187,7 +187,7 @@ class _Foreseen:
     def _tolerated(self, seen: Observed, explanation: Explanation) -> FloatArray:
         """Return how residuals change with what is tolerated, (n_data, n)."""
         predictor = explanation.told_to(self._predictor)
-        return predictor.nuisances.slopes(
+        return predictor.nuisances.derivatives(
             lambda more: predictor.coarse([*more, *explanation.effects]),
             lambda predicted: residual(seen, predicted).vector(seen.usable),
             predictor.coarse(explanation.effects),
@@ -204,8 +204,8 @@ class _Known:
 
     def __init__(self, predictor: Predictor, explanation: Explanation) -> None:
         predictor = explanation.told_to(predictor)
-        self._explanation, self._glimpses = explanation, predictor.near(explanation.effects)
-        self._weight = np.sqrt(predictor.step / self._glimpses.observed.correlation)
+        self._explanation, self._glimpses = explanation, predictor.coarse_prediction(explanation.effects)
+        self._weight = np.sqrt(predictor.step / self._glimpses.observed.correlation_length)
 
     @cached_property
     def _own(self) -> FloatArray:
@@ -214,7 +214,7 @@ class _Known:
         def look(effects: Sequence[Effect]) -> FloatArray:
             return residual(observed, glimpses.predict(effects)).vector(observed.fitted)
 
-        return np.asarray(self._weight * self._explanation.slopes(look, look(self._explanation.effects)))
+        return np.asarray(self._weight * self._explanation.derivatives(look, look(self._explanation.effects)))
 
     @cached_property
     def held(self) -> FloatArray:
@@ -224,6 +224,6 @@ class _Known:
     @cached_property
     def all_held(self) -> FloatArray:
         """(n, n_parameters + n), of what is tolerated too, which its prior holds as well."""
-        also = self._weight * self._glimpses.slopes
+        also = self._weight * self._glimpses.derivatives
         prior = np.hstack([np.zeros((also.shape[1], self._own.shape[1])), np.eye(also.shape[1])])
         return np.asarray(np.linalg.qr(np.vstack([np.hstack([self._own, also]), prior]), mode="r"))

@@ -6,7 +6,7 @@ from modallab.core.progress import Progress, part
 from modallab.diagnosis.fitting.fit import Fit, fit
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.result import NextTest
-from modallab.diagnosis.searching.acceptance import ALIKE, probabilities, variance_inflation
+from modallab.diagnosis.searching.acceptance import ALIKE, model_probabilities, variance_inflation
 from modallab.diagnosis.searching.search_path import AcceptedEffect, SearchPath
 from modallab.diagnosis.test_design.next_test import Explanation, propose
 from modallab.rig.change import Change
@@ -31,7 +31,7 @@ def next_test(
         return None
     effects = path.fit.effects
     _, position, _ = rivals[0]
-    best = Explanation(effects, effects[position].kind, path.fit.tolerated)
+    best = Explanation(effects, effects[position].kind, path.fit.nuisance_position)
     others = []
     for i, (_, place, rival) in enumerate(rivals):
         kind = rival.effects[-1].kind
@@ -39,7 +39,7 @@ def next_test(
         exchanged = (*effects[:place], rival.effects[-1], *effects[place + 1 :])
         # Beside one effect alone it was fitted already.
         fitted = rival if len(effects) == 1 else fit(predictor, exchanged)
-        others.append(Explanation(fitted.effects, kind, fitted.tolerated))
+        others.append(Explanation(fitted.effects, kind, fitted.nuisance_position))
     return propose(predictor, best, others, done=done, progress=part(progress, 0.2, 1.0))
 
 
@@ -54,7 +54,7 @@ def _rivals(predictor: Predictor, path: SearchPath) -> Iterator[tuple[float, int
 
 def named(step: AcceptedEffect) -> Fit:
     """Return the fit of a step's round that has the effect it accepted."""
-    last = ((one, one.effects[-1]) for one in step.tried)
+    last = ((one, one.effects[-1]) for one in step.round_fits)
     return next(one for one, effect in last if (effect.kind, str(effect.at)) == step.kind_and_place)
 
 
@@ -65,8 +65,8 @@ def alike(predictor: Predictor, step: AcceptedEffect, chosen: Fit) -> list[Fit]:
     above the band. But a simple model does not clear the rig: a stinger's bending has a number more than
     the rotational spring that it is to the structure.
     """
-    near = ALIKE * variance_inflation(predictor, step.tried[0])
-    pool = [one for one in step.tried if abs(one.chi_square - chosen.chi_square) < near]
+    near = ALIKE * variance_inflation(predictor, step.round_fits[0])
+    pool = [one for one in step.round_fits if abs(one.chi_square - chosen.chi_square) < near]
     fewest = {
         side: min(n for n, own in map(_counted, pool) if own == side) for _, side in map(_counted, pool)
     }
@@ -80,8 +80,8 @@ def _counted(one: Fit) -> tuple[int, bool]:
 
 def possible(predictor: Predictor, step: AcceptedEffect, chosen: Fit) -> list[Fit]:
     """Return the rivals that are left: those alike, and, unless the one chosen is sure, the probable ones."""
-    shares = probabilities(predictor, step.tried)
-    by_fit = list(zip(step.tried, shares, strict=True))
+    shares = model_probabilities(predictor, step.round_fits)
+    by_fit = list(zip(step.round_fits, shares, strict=True))
     sure = any(one is chosen and share >= SURE for one, share in by_fit)
     near = alike(predictor, step, chosen)
     probable = [one for one, share in by_fit if not sure and one is not chosen and share >= POSSIBLE]

@@ -174,7 +174,7 @@ def _at_level(level: float, effects: list[Effect], seed: int) -> Measurement:
 def test_tests_at_two_levels_tell_whether_frfs_depend_on_it(effects: list[Effect], dependent: bool) -> None:
     first = _at_level(1.0, [], 1)
     # a mass that is there at the higher level only stands for what changes with it
-    second = FollowUp(_at_level(3.0, effects, 2), Change(level_factor=3.0)).taken_after(first)
+    second = FollowUp(_at_level(3.0, effects, 2), Change(level_factor=3.0)).with_consistent_log_book(first)
     one, _ = predicting(first)
     other = FollowUpPredictor(one, second.setup, observe(second, (), fraction=0.0))
     found = locate(JointPredictor([one, other]), collect_evidence(one, []))

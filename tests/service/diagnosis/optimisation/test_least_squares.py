@@ -4,7 +4,7 @@ from scipy.optimize import lsq_linear
 
 from modallab.core.arrays import FloatArray
 from modallab.core.errors import InvalidInputError
-from modallab.diagnosis.optimisation.least_squares import Curvature, Descent, Slopes, slope
+from modallab.diagnosis.optimisation.least_squares import Curvature, Descent, Slopes, finite_difference
 
 TIME = np.linspace(0.0, 4.0, 50)
 FREE = (np.full(3, -10.0), np.full(3, 10.0))
@@ -26,7 +26,7 @@ class Counted:
         return 1e3 * (self.model(u) - self.measured)  # random error 1e-3
 
     @property
-    def slopes(self) -> Slopes:
+    def derivatives(self) -> Slopes:
         step = 1e-6 * np.eye(3)
         return lambda u, here: np.array([(self.residual(u + one) - here) / 1e-6 for one in step]).T
 
@@ -34,7 +34,7 @@ class Counted:
 def test_a_nonlinear_fit_comes_home_in_few_evaluations() -> None:
     true = np.array([0.1, 0.2, 0.3])
     problem = Counted(true)
-    descent = Descent(problem.residual, problem.slopes, np.array([0.2, 0.0, 0.25]), FREE)
+    descent = Descent(problem.residual, problem.derivatives, np.array([0.2, 0.0, 0.25]), FREE)
     descent.go(evaluations=20, enough=1e-4)
     # Stops when a step promises 1e-4 of a squared error: within a hundredth of a standard error, 1e-3.
     np.testing.assert_allclose(descent.position, true, atol=1e-4)
@@ -46,11 +46,11 @@ def test_a_number_comes_to_lie_on_its_bound_and_the_others_make_the_best_of_it()
     true = np.array([0.1, 0.2, 0.3])
     bounds = (FREE[0], np.array([10.0, 0.1, 10.0]))
     problem = Counted(true)
-    descent = Descent(problem.residual, problem.slopes, np.array([0.2, 0.0, 0.25]), bounds)
+    descent = Descent(problem.residual, problem.derivatives, np.array([0.2, 0.0, 0.25]), bounds)
     descent.go(evaluations=20, enough=1e-6)
     assert descent.position[1] == 0.1
     # What is free has no slope left: a residual of 1e3 times what is missed is orthogonal to it.
-    jacobian = problem.slopes(descent.position, descent.vector)[:, [0, 2]]
+    jacobian = problem.derivatives(descent.position, descent.vector)[:, [0, 2]]
     left = jacobian.T @ descent.vector / np.linalg.norm(jacobian, axis=0)
     assert np.abs(left).max() < 0.1  # in standard errors
 
@@ -68,7 +68,7 @@ def test_where_nothing_can_be_predicted_a_step_is_cut_short() -> None:
         return problem.residual(u)
 
     start = np.array([-0.8, 0.2, 0.3])  # from where the first step goes too far: amplitudes are exponents
-    descent = Descent(residual, problem.slopes, start, FREE)
+    descent = Descent(residual, problem.derivatives, start, FREE)
     descent.go(evaluations=20, enough=1e-4)
     assert max(asked) > 0.15
     # As where all can be predicted: within a hundredth of a standard error, 1e-3.
@@ -79,7 +79,7 @@ def test_weights_say_whose_errors_count() -> None:
     problem = Counted(np.array([0.1, 0.2, 0.3]))
     early = (TIME < 2.0).astype(float)
     problem.measured = problem.measured + (1 - early)  # nonsense where nothing counts
-    descent = Descent(problem.residual, problem.slopes, np.array([0.2, 0.0, 0.25]), FREE)
+    descent = Descent(problem.residual, problem.derivatives, np.array([0.2, 0.0, 0.25]), FREE)
     descent.go(evaluations=20, enough=1e-4, weights=early)
     np.testing.assert_allclose(descent.position, [0.1, 0.2, 0.3], atol=1e-3)  # half as many lines
 
@@ -120,17 +120,17 @@ def test_one_step_that_no_bound_cuts_is_newtons() -> None:
 
 def test_a_slope_is_the_derivative_where_a_number_acts_in_a_straight_line() -> None:
     direction = np.array([3.0, -4.0])
-    found = slope(lambda step: direction * step, np.zeros(2), 1e-6, 0.1)
+    found = finite_difference(lambda step: direction * step, np.zeros(2), 1e-6, 0.1)
     np.testing.assert_allclose(found, direction)  # rounding
 
 
 def test_where_residuals_are_flat_and_curved_a_slope_is_taken_over_what_can_be_seen() -> None:
     curved = np.array([3e6, 4e6])  # seen at one standard error from sqrt(1 / 5e6) on
-    found = slope(lambda step: curved * step**2, np.zeros(2), 3e-6, 0.1)
+    found = finite_difference(lambda step: curved * step**2, np.zeros(2), 3e-6, 0.1)
     # Over the step that changes the residuals by one: sqrt(5e6) a unit. By a factor of two it may be off.
     assert 0.5 < np.linalg.norm(found) / np.sqrt(5e6) < 2.0
     np.testing.assert_allclose(found[1] / found[0], 4 / 3)  # rounding
 
 
 def test_a_number_that_nothing_depends_on_has_no_slope() -> None:
-    assert (slope(lambda _: np.ones(2), np.ones(2), 3e-6, 0.1) == 0).all()
+    assert (finite_difference(lambda _: np.ones(2), np.ones(2), 3e-6, 0.1) == 0).all()

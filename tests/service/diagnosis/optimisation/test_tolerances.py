@@ -6,8 +6,14 @@ import pytest
 from modallab.core.arrays import FloatArray
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
-from modallab.diagnosis.fitting.fit import Fit, approach, fit
-from modallab.diagnosis.optimisation.tolerances import LIMIT, Nuisances, Tolerances, drawn, nuisances
+from modallab.diagnosis.fitting.fit import Fit, coarse_fit, fit
+from modallab.diagnosis.optimisation.tolerances import (
+    LIMIT,
+    Nuisances,
+    Tolerances,
+    draw_positions,
+    nuisance_parameters,
+)
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.residuals.residual import residual
 from modallab.diagnosis.searching.acceptance import is_noise_only
@@ -37,15 +43,15 @@ def allowing(
     setup: RigSetup, true: FloatArray, hidden: tuple[Effect, ...] = (), *, seed: int = 0
 ) -> tuple[Predictor, Nuisances]:
     """Return the predictor of a measurement of a test so far off what is declared, tolerating it."""
-    numbers = nuisances(ALL, assemble(model()), setup)
+    numbers = nuisance_parameters(ALL, assemble(model()), setup)
     predictor, _ = predicting(measured(setup, [*numbers.effects(true[: len(numbers)]), *hidden], seed=seed))
-    return predictor.allowing(numbers), numbers
+    return predictor.with_nuisances(numbers), numbers
 
 
 def varied(tolerances: Tolerances, setup: RigSetup, seed: int) -> tuple[Effect, ...]:
     """Return what a true test has that is not quite as declared."""
-    numbers = nuisances(tolerances, assemble(model()), setup)
-    return numbers.effects(drawn(len(numbers), np.random.default_rng(seed)))
+    numbers = nuisance_parameters(tolerances, assemble(model()), setup)
+    return numbers.effects(draw_positions(len(numbers), np.random.default_rng(seed)))
 
 
 def off(seed: int) -> FloatArray:
@@ -58,27 +64,30 @@ def test_a_mass_is_found_beside_all_that_is_a_little_off(kind: str, roving: bool
     predictor, numbers = allowing(setup, true := off(1), (MASS,))
     alone = fit(predictor, ())
     assert not is_noise_only(predictor, alone.residual)  # no tolerance explains 100 g
-    near, _ = approach(
-        predictor.tolerating(alone.outlook).near(()), (), MASS.with_parameters({"mass": 0.03}), 0.3
+    near, _ = coarse_fit(
+        predictor.with_nuisances_at(alone.starting_position).coarse_prediction(()),
+        (),
+        MASS.with_parameters({"mass": 0.03}),
+        0.3,
     )
-    found = fit(predictor.tolerating(alone.outlook), [near])
+    found = fit(predictor.with_nuisances_at(alone.starting_position), [near])
     assert is_noise_only(predictor, found.residual)
     error = found.errors[0]["mass"]
     assert abs(found.effects[0].parameters["mass"] - 0.1) < 4 * error  # four standard errors
-    apart = (found.tolerated - true[: len(numbers)]) / found.tolerated_errors
+    apart = (found.nuisance_position - true[: len(numbers)]) / found.nuisance_errors
     assert np.abs(apart).max() < 4.5  # the largest of nineteen
 
 
 def test_stated_errors_of_what_is_tolerated_are_its_scatter() -> None:
     setup = rig(noise=1e-3)
-    numbers = nuisances(ALL, assemble(model()), setup)
+    numbers = nuisance_parameters(ALL, assemble(model()), setup)
     rng = np.random.default_rng(0)
     scores = []
     for seed in range(14):
         true = rng.standard_normal(len(numbers)).clip(-2, 2)
         predictor, _ = allowing(setup, true, seed=seed)
         found = fit(predictor, ())
-        scores.append((found.tolerated - true) / found.tolerated_errors)
+        scores.append((found.nuisance_position - true) / found.nuisance_errors)
     squares = np.mean(np.square(scores))
     # 126 squares, of a few correlated numbers: known to 15 %, three of them. Truth is drawn from the prior.
     assert 0.55 < squares < 1.45
@@ -104,10 +113,10 @@ def test_an_effect_that_changes_what_a_tolerance_does_is_fitted_with_it_from_any
 def test_limits_hold_against_any_amount_of_data() -> None:
     predictor, numbers = allowing(rig(), np.zeros(40), (StiffnessError(factor=1.05),))
     found = fit(predictor, ())
-    assert np.abs(found.tolerated).max() == LIMIT
+    assert np.abs(found.nuisance_position).max() == LIMIT
     assert not is_noise_only(predictor, found.residual)
-    assert numbers.numbers[0].name == "modulus"
-    assert found.tolerated[0] == LIMIT
+    assert numbers.parameters[0].name == "modulus"
+    assert found.nuisance_position[0] == LIMIT
 
 
 def test_an_effect_like_what_is_tolerated_is_the_whole_departure_and_carries_the_tolerance() -> None:
@@ -118,7 +127,7 @@ def test_an_effect_like_what_is_tolerated_is_the_whole_departure_and_carries_the
     # What the log book leaves open: the modulus, and some of the density that looks like it; noise is 1e-5.
     assert 0.003 * 1.05 < error < np.hypot(0.003, 0.002) * 1.05
     assert abs(found.effects[0].parameters["factor"] - 1.05) < 0.5 * error  # drawn back to what is declared
-    assert abs(found.tolerated[0]) < 0.5
+    assert abs(found.nuisance_position[0]) < 0.5
 
 
 @pytest.mark.parametrize("seed", range(3))
@@ -130,7 +139,7 @@ def test_a_test_within_tolerances_misses_nothing(roving: bool, seed: int) -> Non
     measurement = measure(model(), setup, true, route=Route.SAMPLED, rng=rng)
     predictor, _ = predicting(measurement)
     assert not is_noise_only(predictor, fit(predictor, ()).residual)  # without tolerances much is
-    predictor = predictor.allowing(nuisances(ALL, assemble(model()), setup))
+    predictor = predictor.with_nuisances(nuisance_parameters(ALL, assemble(model()), setup))
     assert is_noise_only(predictor, fit(predictor, ()).residual)
 
 
@@ -142,15 +151,15 @@ def test_what_belongs_to_a_held_out_channel_is_read_off_that_channel() -> None:
     predictor.observed = replace(predictor.observed, held_out=held)
     found = fit(predictor, ())
     assert is_noise_only(predictor, found.residual)  # held out ones included
-    own = [i for i, one in enumerate(numbers.numbers) if str(one.at) == "channels 4:+Y"]
-    assert [numbers.numbers[i].name for i in own] == ["sensitivity", "delay"]
-    apart = (found.tolerated - true[: len(numbers)])[own] / found.tolerated_errors[own]
+    own = [i for i, one in enumerate(numbers.parameters) if str(one.at) == "channels 4:+Y"]
+    assert [numbers.parameters[i].name for i in own] == ["sensitivity", "delay"]
+    apart = (found.nuisance_position - true[: len(numbers)])[own] / found.nuisance_errors[own]
     assert np.abs(apart).max() < 4  # in standard errors
 
 
 def test_residuals_are_cleared_of_what_is_tolerated_and_of_nothing_else() -> None:
     predictor, numbers = allowing(rig(), true := 0.3 * off(3))
-    glimpses = predictor.near(())
+    glimpses = predictor.coarse_prediction(())
 
     def left(*effects: Effect) -> FloatArray:
         observed = glimpses.observed
@@ -161,15 +170,15 @@ def test_residuals_are_cleared_of_what_is_tolerated_and_of_nothing_else() -> Non
     # To the second order of a third of a standard deviation: 0.06^2 of a loss factor is many random errors.
     assert cleared[0] @ cleared[0] - right @ right < 0.01 * (nothing @ nothing - right @ right)
     assert cleared[1] @ cleared[1] > 0.3 * wrong @ wrong  # 100 g are beyond all limits
-    assert predictor.near(()).project_out(nothing, 0.3).shape == (len(nothing) + len(numbers),)
+    assert predictor.coarse_prediction(()).project_out(nothing, 0.3).shape == (len(nothing) + len(numbers),)
 
 
 def test_without_tolerances_fits_and_looks_are_as_they_were() -> None:
     predictor, _ = predicting(measured(rig(), [MASS]))
     found: Fit = fit(predictor, [MASS])
-    assert found.tolerated.shape == found.tolerated_errors.shape == (0,)
-    vector = predictor.near(()).observed.freq
-    assert predictor.near(()).project_out(vector, 0.0) is vector
+    assert found.nuisance_position.shape == found.nuisance_errors.shape == (0,)
+    vector = predictor.coarse_prediction(()).observed.freq
+    assert predictor.coarse_prediction(()).project_out(vector, 0.0) is vector
 
 
 def test_truths_lie_within_limits_and_follow_from_the_seed() -> None:
@@ -183,10 +192,10 @@ def test_truths_lie_within_limits_and_follow_from_the_seed() -> None:
 
 
 def test_one_accelerometer_that_roves_has_one_sensitivity_and_one_delay() -> None:
-    names = [n.name for n in nuisances(ALL, assemble(model()), rig(roving=True)).numbers]
+    names = [n.name for n in nuisance_parameters(ALL, assemble(model()), rig(roving=True)).parameters]
     assert names.count("sensitivity") == names.count("delay") == 1
     assert names.count("modal_loss_factor") == 4  # elastic modes below 400 Hz: 29, 81, 159, 262 Hz
-    apart = [n.name for n in nuisances(ALL, assemble(model()), rig(roving=False)).numbers]
+    apart = [n.name for n in nuisance_parameters(ALL, assemble(model()), rig(roving=False)).parameters]
     assert apart.count("sensitivity") == apart.count("delay") == 6
 
 

@@ -5,7 +5,7 @@ from modallab.core.errors import InvalidInputError, UnknownDofError
 from modallab.core.place import Channels
 from modallab.diagnosis.diagnose import diagnose
 from modallab.diagnosis.optimisation.tolerances import Tolerances
-from modallab.diagnosis.predicting.held_out import held_out
+from modallab.diagnosis.predicting.held_out import select_held_out
 from modallab.effects.extra_mass import ExtraMass
 from modallab.effects.gain_error import GainError
 from modallab.effects.mains_hum import MainsHum
@@ -21,7 +21,7 @@ SEEDS = range(12)  # two of five channels each: without a rule all spare one wit
 def test_a_channel_that_disagrees_alone_is_left_to_the_fit(fault: Effect) -> None:
     test = drawn(rig(), [fault])
     for seed in SEEDS:
-        held, _ = held_out(model(), test, 0.34, (), seed)
+        held, _ = select_held_out(model(), test, 0.34, (), seed)
         assert len(held) == 2
         assert FAULTY not in held
 
@@ -38,7 +38,7 @@ def test_a_fault_that_tolerated_errors_drown_is_left_to_the_fit_all_the_same() -
     # A modulus one standard deviation off moves every resonance by 0.15 %: far more than 4 % of one gain.
     hidden = [StiffnessError(None, 1.003), GainError(Channels((FAULTY,)), 1.04)]
     test, allowed = drawn(rig(), hidden), Tolerances(modulus=0.003, sensitivity=0.005)
-    drawing = [seed for seed in SEEDS if FAULTY in held_out(model(), test, 0.34, (), seed)[0]][:2]
+    drawing = [seed for seed in SEEDS if FAULTY in select_held_out(model(), test, 0.34, (), seed)[0]][:2]
     assert drawing, "it does not stand out at first"
     for seed in drawing:
         found = diagnose(
@@ -55,20 +55,20 @@ def test_a_fault_that_tolerated_errors_drown_is_left_to_the_fit_all_the_same() -
 
 def test_what_is_wrong_with_the_structure_leaves_the_draw_as_it_is() -> None:
     right, wrong = drawn(rig()), drawn(rig(), [ExtraMass(Dof(4, "Y"), 0.05)])
-    draws = [held_out(model(), test, 0.34, (), seed)[0] for seed in SEEDS for test in (right, wrong)]
+    draws = [select_held_out(model(), test, 0.34, (), seed)[0] for seed in SEEDS for test in (right, wrong)]
     assert draws[::2] == draws[1::2]
     assert len({dof for draw in draws for dof in draw}) == 5, "every channel but the drive point has its turn"
 
 
 def test_what_is_named_is_held_out_even_if_it_disagrees() -> None:
     test = drawn(rig(), [GainError(Channels((FAULTY,)), 1.5)])
-    held, unmeasured = held_out(model(), test, 0.34, (FAULTY, Dof(3, "Y")), 0)
+    held, unmeasured = select_held_out(model(), test, 0.34, (FAULTY, Dof(3, "Y")), 0)
     assert FAULTY in held
     assert unmeasured == (Dof(3, "Y"),)
 
 
 def test_a_share_out_of_bounds_and_an_unknown_response_are_refused() -> None:
     with pytest.raises(InvalidInputError, match="half"):
-        held_out(model(), drawn(rig()), 0.6, (), 0)
+        select_held_out(model(), drawn(rig()), 0.6, (), 0)
     with pytest.raises(UnknownDofError):
-        held_out(model(), drawn(rig()), 0.25, (Dof(99, "Y"),), 0)
+        select_held_out(model(), drawn(rig()), 0.25, (Dof(99, "Y"),), 0)

@@ -11,7 +11,7 @@ from modallab.core.errors import InvalidInputError
 from modallab.diagnosis.fitting.fit import fit
 from modallab.diagnosis.predicting.joint_prediction import FollowUp, FollowUpPredictor, JointPredictor
 from modallab.diagnosis.predicting.predictor import Predictor
-from modallab.diagnosis.residuals.observed import Tests, observe
+from modallab.diagnosis.residuals.observed import SimulatedDeviations, observe
 from modallab.effects.extra_mass import ExtraMass
 from modallab.effects.force_transducer_mass import ForceTransducerMass
 from modallab.effects.overload import Overload
@@ -91,16 +91,16 @@ def test_what_is_held_out_is_held_out_of_all_tests() -> None:
 
 def test_first_looks_at_several_tests_are_those_at_each() -> None:
     joint = both(rig(kind="random", window="hann"), MOVED)
-    glimpses = joint.near([])
+    glimpses = joint.coarse_prediction([])
     looked = glimpses.predict([MASS])
-    each = [test.near([]).predict([MASS]).h for test in joint.tests]
+    each = [test.coarse_prediction([]).predict([MASS]).h for test in joint.tests]
     np.testing.assert_allclose(looked.h, np.concatenate(each), rtol=1e-12)
     assert glimpses.observed.h.shape == looked.h.shape
 
 
 def test_lines_are_held_out_of_each_test_alike() -> None:
     joint = both(rig(), MOVED)
-    lines = joint.without_lines(4).observed.held_lines
+    lines = joint.without_lines(4).observed.held_out_lines
     half = len(lines) // 2
     np.testing.assert_array_equal(lines[:half], lines[half:])
     assert lines.sum() == pytest.approx(len(lines) / 4, abs=2)
@@ -110,27 +110,27 @@ def test_a_further_test_whose_log_book_was_not_rewritten_is_read_with_its_change
     first = drawn(rig())
     louder = Change(level_factor=3.0)
     uploaded = replace(drawn(louder.applied(rig())), setup=rig())
-    taken = FollowUp(uploaded, louder).taken_after(first)
+    taken = FollowUp(uploaded, louder).with_consistent_log_book(first)
     assert taken.setup == louder.applied(rig())
 
 
 def test_a_further_test_of_other_responses_than_it_says_is_refused() -> None:
     first = drawn(rig())
     with pytest.raises(InvalidInputError) as refused:
-        FollowUp(first, Change(responses=(Dof(1, "Y"), Dof(3, "Y")))).taken_after(first)
+        FollowUp(first, Change(responses=(Dof(1, "Y"), Dof(3, "Y")))).with_consistent_log_book(first)
     assert refused.value.context["field"] == "follow_ups.changed.responses"
 
 
 def test_fixed_and_roving_accelerometers_are_not_put_together() -> None:
     with pytest.raises(InvalidInputError, match="roving"):
-        FollowUp(drawn(rig(roving=False))).taken_after(drawn(rig()))
+        FollowUp(drawn(rig(roving=False))).with_consistent_log_book(drawn(rig()))
 
 
 def test_bursts_of_several_tests_are_draws_of_their_own() -> None:
     clipped = Overload(level=1.5)
     joint = both(rig(kind="random", window="hann"), Change(level_factor=2.0), (clipped,))
 
-    def bursts(of: Predictor) -> Tests:
+    def bursts(of: Predictor) -> SimulatedDeviations:
         found = of.simulate_variance((clipped,))
         assert found is not None
         assert found.tests is not None

@@ -12,7 +12,7 @@ from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.residuals.observed import observe
 from modallab.diagnosis.result import Verdict
 from modallab.diagnosis.searching.search import search
-from modallab.diagnosis.searching.search_path import name_of
+from modallab.diagnosis.searching.search_path import kind_and_place
 from modallab.diagnosis.searching.search_round import Suspects
 from modallab.effects.cubic_stiffness import CubicStiffness
 from modallab.effects.extra_mass import ExtraMass
@@ -31,8 +31,8 @@ def predicting() -> Predictor:
 def test_every_prediction_counts_whichever_copy_makes_it() -> None:
     predictor = predicting()
     predictor.predict(())
-    predictor.allowing(predictor.nuisances).coarse((MASS,))
-    assert predictor.effort.spent == 2
+    predictor.with_nuisances(predictor.nuisances).coarse((MASS,))
+    assert predictor.budget.spent == 2
 
 
 def test_a_search_that_was_given_up_follows_its_best_lead_only(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -44,11 +44,11 @@ def test_a_search_that_was_given_up_follows_its_best_lead_only(monkeypatch: pyte
         return [] if base.effects else [mass, spring]
 
     monkeypatch.setattr(module, "trials", trials)
-    monkeypatch.setattr(module, "only_noise_left", lambda *_: False)  # whatever is found is not enough
-    predictor.effort = PredictionBudget(0)
+    monkeypatch.setattr(module, "is_noise_only", lambda *_: False)  # whatever is found is not enough
+    predictor.budget = PredictionBudget(0)
     path = search(predictor, start, Suspects([]), max_effects=4, progress=silent)
     assert looked == [0], "no second effect is looked for"
-    assert [step.kind_and_place for step in path.steps] == [name_of(MASS)]
+    assert [step.kind_and_place for step in path.steps] == [kind_and_place(MASS)]
 
 
 def test_a_diagnosis_that_was_given_up_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
@@ -68,11 +68,11 @@ def test_forces_that_are_stepped_through_count_as_long_as_they_take() -> None:
     test = drawn(rig(kind="random", window="hann"), [MASS], seed=3)
     predictor = Predictor(model(), test.setup, observe(test, (), fraction=0.25))
     hardening, other = (CubicStiffness(at=at, stiffness=1e9) for at in (MASS.at, Dof(3, "Y")))
-    predictor.weighed((hardening,))
-    once = predictor.effort.spent
+    predictor.with_intermittent_errors((hardening,))
+    once = predictor.budget.spent
     assert once > 50
-    predictor.weighed((hardening,))
-    assert predictor.effort.spent == once + 1, "what is known is not gone through again"
-    predictor.effort = PredictionBudget()
-    predictor.weighed((hardening, other))
-    assert predictor.effort.spent - 1 == 2 * (once - 1), "two forces are stepped through, of one prediction"
+    predictor.with_intermittent_errors((hardening,))
+    assert predictor.budget.spent == once + 1, "what is known is not gone through again"
+    predictor.budget = PredictionBudget()
+    predictor.with_intermittent_errors((hardening, other))
+    assert predictor.budget.spent - 1 == 2 * (once - 1), "two forces are stepped through, of one prediction"

@@ -16,13 +16,13 @@ STIFFER = StiffnessError(at=Members((3,)), factor=1.05)
 
 def test_a_first_look_at_periodic_data_is_exact_at_its_lines() -> None:
     predictor, _ = predicting(exact(rig()))
-    look, whole = predictor.near(()).predict([STIFFER]), predictor.predict([STIFFER])
+    look, whole = predictor.coarse_prediction(()).predict([STIFFER]), predictor.predict([STIFFER])
     np.testing.assert_allclose(look.h, whole.h[:: predictor.step], rtol=1e-9)  # the same sums, rounding
 
 
 def test_a_first_look_at_leaking_data_is_right_to_some_per_cent() -> None:
     predictor, _ = predicting(exact(rig(kind="random", window="hann")))
-    look, whole = predictor.near(()).predict([STIFFER]), predictor.predict([STIFFER])
+    look, whole = predictor.coarse_prediction(()).predict([STIFFER]), predictor.predict([STIFFER])
     apart = np.abs(look.h / whole.h[:: predictor.step] - 1)
     # Six points a line against resonances of 0.5 lines: the typical line is right to a per cent.
     assert np.median(apart) < 0.01
@@ -45,7 +45,7 @@ def test_an_unmeasured_response_is_what_the_roving_accelerometer_would_have_seen
     predictor, observed = predicting(exact(rig(noise=0.0)))
     there = Dof.parse("6:+Y")
     seen = exact(replace(rig(noise=0.0), responses=(there,))).frf.values
-    predicted = predictor.unmeasured((), (there,))
+    predicted = predictor.unmeasured_inertance((), (there,))
     lines = observed.freq > 0
     np.testing.assert_allclose(predicted[lines], seen[lines], rtol=1e-9)  # the same sums, rounding
 

@@ -65,14 +65,14 @@ def test_what_is_held_out_is_not_fitted() -> None:
     held = measurement.frf.outputs[2:4]
     observed = observe(measurement, held, fraction=0.25)
     assert not observed.fitted[:, 2:4].any()
-    assert observed.kept[:, 2:4].any()
-    assert not (observed.fitted & observed.kept).any()
-    assert ((observed.fitted | observed.kept) == observed.usable).all()
+    assert observed.held_out_mask[:, 2:4].any()
+    assert not (observed.fitted & observed.held_out_mask).any()
+    assert ((observed.fitted | observed.held_out_mask) == observed.usable).all()
 
 
 def test_lines_are_held_out_where_no_response_is() -> None:
     observed = observe(drawn(rig()), (), fraction=0.25)
-    assert 0.2 < observed.kept.sum() / observed.usable.sum() < 0.3
+    assert 0.2 < observed.held_out_mask.sum() / observed.usable.sum() < 0.3
 
 
 def test_a_noise_free_measurement_has_a_finite_gap() -> None:

@@ -10,8 +10,8 @@ from modallab.diagnosis.diagnose import diagnose
 from modallab.diagnosis.predicting.limitations import limitations
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.residuals.observed import observe
-from modallab.diagnosis.residuals.random_error import shared_noise_fraction
-from modallab.diagnosis.residuals.residual import scatters
+from modallab.diagnosis.residuals.random_error import shared_noise
+from modallab.diagnosis.residuals.residual import gap_errors
 from modallab.effects.force_noise import ForceNoise
 from modallab.effects.stiffness_error import StiffnessError
 from modallab.rig.measure import Route, measure
@@ -44,7 +44,7 @@ def test_a_stated_error_weighs_frfs_without_coherence() -> None:
     assert set(left.parts) == {"frf"}
     # 160 lines of 6 channels: 3 % of complex squares; four of these
     assert left.gap(observed.usable) == pytest.approx(1.0, abs=0.13)
-    assert scatters(observed, left, observed.usable)["frf"] == pytest.approx(1 / np.sqrt(960), rel=0.1)
+    assert gap_errors(observed, left, observed.usable)["frf"] == pytest.approx(1 / np.sqrt(960), rel=0.1)
 
 
 def test_an_effect_is_found_by_a_stated_error() -> None:
@@ -101,7 +101,7 @@ def test_lines_of_low_coherence_are_counted() -> None:
     assert any("coherence below 0.3" in note for note in limitations(measurement, observed))
     # and are weighed: with nothing missing the gap is 1
     left = Predictor(model(), measurement.setup, observed).residual(())
-    error = scatters(observed, left, observed.usable)["frf"]
+    error = gap_errors(observed, left, observed.usable)["frf"]
     assert (
         abs(left.gaps(observed.usable)["frf"] - 1) < 4 * error + 0.01
     )  # where logarithm and difference meet
@@ -113,7 +113,7 @@ def test_the_share_of_the_force_is_a_number_with_any_noise_or_none(noise: float,
     window = "hann" if kind == "random" else "rectangular"
     setup = rig(roving=False, noise=noise, kind=kind, window=window)
     test = measure(model(), setup, [], route=Route.SAMPLED, rng=np.random.default_rng(0))
-    share = shared_noise_fraction(test)
+    share = shared_noise(test)
     if noise == 0 and kind == "periodic_random":
         assert share is None
     elif noise == 1e-4:
@@ -131,7 +131,7 @@ def test_a_line_that_came_out_large_by_chance_weighs_no_more() -> None:
     )  # neither all noise nor next to none
     louder = test.coherence.copy()
     louder[line] = 1 - 1.3 * (1 - louder[line])  # three random errors of 100 averages
-    plain, loud = (shared_noise_fraction(replace(test, coherence=own)) for own in (test.coherence, louder))
+    plain, loud = (shared_noise(replace(test, coherence=own)) for own in (test.coherence, louder))
     assert plain is not None
     assert loud is not None
     # both noises are estimated from all 160 lines, of which one is 30 % louder

@@ -9,7 +9,7 @@ from scipy.optimize import minimize_scalar
 from modallab.core.dof import Dof
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.diagnosis.residuals.observed import Observed, observe
-from modallab.diagnosis.residuals.residual import Residual, normalised_difference, scatters
+from modallab.diagnosis.residuals.residual import Residual, gap_errors, normalised_difference
 from modallab.diagnosis.searching.acceptance import is_noise_only
 from modallab.effects.exciter_armature import ExciterArmature
 from modallab.rig.analyser import Analyser
@@ -31,8 +31,8 @@ def test_with_nothing_missing_the_gap_of_leaking_records_is_one_within_its_scatt
         predictor, observed = predicting(measurement)
         left = predictor.residual(())
         gaps.append(left.gaps(observed.usable)["response"])
-        stated.append(scatters(observed, left, observed.usable)["response"])
-        plain.append(replace(left, excess=None).gaps(observed.usable)["response"])
+        stated.append(gap_errors(observed, left, observed.usable)["response"])
+        plain.append(replace(left, excess_variance=None).gaps(observed.usable)["response"])
         assert is_noise_only(predictor, left)
     allowed = 4 * np.mean(stated) / np.sqrt(SEEDS)  # four standard errors of the mean
     assert abs(np.mean(gaps) - 1) < allowed
@@ -45,7 +45,7 @@ def test_with_nothing_missing_the_gap_of_leaking_records_is_one_within_its_scatt
 def test_signals_that_repeat_with_the_record_need_no_factor() -> None:
     predictor, _ = predicting(drawn(rig()))
     left: Residual = predictor.residual(())
-    assert left.excess is None
+    assert left.excess_variance is None
     assert left.rescaled["response"] is left.response
 
 
@@ -74,7 +74,7 @@ def test_forces_that_come_back_are_judged_by_their_noise_alone(setup: RigSetup, 
         for part, gap in left.gaps(observed.usable).items():
             gaps.setdefault(part, []).append(gap)
         assert is_noise_only(predictor, left)
-        plain = replace(left, steady=None)
+        plain = replace(left, variance_ratios=None)
         weighed.append(plain.gaps(observed.usable)["force"])
         anew = replace(plain, force=left.force * np.sqrt(left.force_variance * n))
         gaussian.append(anew.gaps(observed.usable)["force"])

@@ -9,16 +9,16 @@ from benchmarks.trial.rigs import bench
 from modallab.core.dof import Dof
 from modallab.core.place import Channels
 from modallab.diagnosis.diagnose import diagnose
-from modallab.diagnosis.fitting.covariance import Errors
+from modallab.diagnosis.fitting.covariance import ParameterErrors
 from modallab.diagnosis.fitting.fit import Fit, fit
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.residuals.observed import observe
 from modallab.diagnosis.result import Verdict
 from modallab.diagnosis.searching.acceptance import (
-    best_first,
-    clear_of_nothing,
+    is_nonzero,
     is_significant,
-    probabilities,
+    model_probabilities,
+    ranked_by_bic,
 )
 from modallab.effects.extra_mass import ExtraMass
 from modallab.effects.gain_error import GainError
@@ -34,17 +34,17 @@ HERE = Channels((Dof(5, "Y"),))
 
 
 def test_an_amount_within_two_standard_errors_of_none_is_no_effect() -> None:
-    assert clear_of_nothing(GainError(HERE, 1.05), {"factor": 0.02})
-    assert not clear_of_nothing(GainError(HERE, 1.05), {"factor": 0.03})
-    assert not clear_of_nothing(MainsHum(HERE, 0.01, 50.0), {"ratio": 0.006, "frequency": 0.02})
+    assert is_nonzero(GainError(HERE, 1.05), {"factor": 0.02})
+    assert not is_nonzero(GainError(HERE, 1.05), {"factor": 0.03})
+    assert not is_nonzero(MainsHum(HERE, 0.01, 50.0), {"ratio": 0.006, "frequency": 0.02})
 
 
 def test_an_amount_whose_direction_nothing_tells_is_left_to_the_likelihood() -> None:
     # Of a plane frame only sensitivity x cos(angle) counts: near 0 the angle may be anything, and with it
     # the sensitivity has any error, however well their product is known.
     tilted = TransverseSensitivity(HERE, -0.104, 0.009)
-    assert clear_of_nothing(tilted, {"sensitivity": 0.47, "angle": np.pi})
-    assert not clear_of_nothing(tilted, {"sensitivity": 0.47, "angle": 0.01})
+    assert is_nonzero(tilted, {"sensitivity": 0.47, "angle": np.pi})
+    assert not is_nonzero(tilted, {"sensitivity": 0.47, "angle": 0.01})
 
 
 def test_what_the_held_out_frfs_could_not_tell_is_borne_out_by_lines_that_were_held_out() -> None:
@@ -101,7 +101,7 @@ def springs() -> tuple[Fit, Fit]:
 
 def with_error_of_loss(band: Fit, errors_away: float) -> Fit:
     error = band.effects[-1].parameters["loss_factor"] / errors_away
-    found = Errors(({"stiffness": 10.0, "loss_factor": error},), np.zeros(0))
+    found = ParameterErrors(({"stiffness": 10.0, "loss_factor": error},), np.zeros(0))
     return replace(band, spread=lambda: found)
 
 
@@ -110,16 +110,16 @@ def test_a_number_more_has_to_be_told_from_nothing_by_its_own_standard_error(
 ) -> None:
     plain, band = springs
     unsure, sure = (with_error_of_loss(band, away) for away in (1.8, 6.0))
-    assert best_first([unsure, plain])[0] is plain, "chi-square alone counts lines that leakage ties"
-    assert best_first([sure, plain])[0] is sure
-    assert best_first([unsure])[0] is unsure
+    assert ranked_by_bic([unsure, plain])[0] is plain, "chi-square alone counts lines that leakage ties"
+    assert ranked_by_bic([sure, plain])[0] is sure
+    assert ranked_by_bic([unsure])[0] is unsure
 
 
 def test_shares_of_belief_follow_the_order(springs: tuple[Fit, Fit]) -> None:
     plain, band = springs
     test = drawn(rig(), seed=3)
     predictor = Predictor(model(), test.setup, observe(test, (), fraction=0.25))
-    first, second = probabilities(predictor, [plain, with_error_of_loss(band, 1.8)])
+    first, second = model_probabilities(predictor, [plain, with_error_of_loss(band, 1.8)])
     assert first > 0.8 > 0.2 > second > 0.01, "three units of BIC or so: a loss is not ruled out either"
 
 
@@ -130,7 +130,7 @@ def test_what_is_surely_more_is_as_good_as_it_fits_however_bad_the_plainer_one_i
     sure = with_error_of_loss(band, 6.0)
     other = replace(plain, effects=(ExtraMass(Dof(4, "Y"), 0.01),), chi_square=plain.chi_square + 1e3)
     far = replace(plain, chi_square=plain.chi_square + 1e6)
-    assert best_first([other, far, sure])[0] is sure
+    assert ranked_by_bic([other, far, sure])[0] is sure
 
 
 def test_numbers_of_which_only_their_product_is_told_are_judged_by_how_well_they_fit(
@@ -138,6 +138,8 @@ def test_numbers_of_which_only_their_product_is_told_are_judged_by_how_well_they
 ) -> None:
     # So are mass and drag of a cable whose loss alone shows: each has any error, their product has little
     plain, band = springs
-    found = Errors(({name: 10 * value for name, value in band.effects[-1].parameters.items()},), np.zeros(0))
+    found = ParameterErrors(
+        ({name: 10 * value for name, value in band.effects[-1].parameters.items()},), np.zeros(0)
+    )
     together = replace(band, spread=lambda: found)
-    assert best_first([together, plain])[0] is together
+    assert ranked_by_bic([together, plain])[0] is together

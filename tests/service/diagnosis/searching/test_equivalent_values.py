@@ -7,7 +7,7 @@ import pytest
 from modallab.core.dof import Dof
 from modallab.core.place import Channels
 from modallab.diagnosis.fitting.fit import Fit, fit
-from modallab.diagnosis.searching.equivalent_values import weighed_up
+from modallab.diagnosis.searching.equivalent_values import resolve_equivalents
 from modallab.effects.extra_mass import ExtraMass
 from modallab.effects.mains_hum import MainsHum
 from tests.diagnosing import drawn, predicting, rig
@@ -24,7 +24,7 @@ def fitted(true: MainsHum, started: MainsHum) -> tuple[Fit, Fit]:
     """Return the fit from a start, and what becomes of it."""
     predictor, _ = predicting(drawn(rig(noise=1e-3), [true], seed=1))
     found = fit(predictor, (started,))
-    return found, weighed_up(predictor, found)
+    return found, resolve_equivalents(predictor, found)
 
 
 @pytest.mark.parametrize("started", [-0.02, 0.02])
@@ -51,7 +51,7 @@ def test_a_side_that_the_neighbouring_lines_tell_is_taken() -> None:
 def test_what_has_no_lookalike_is_left_as_it_is() -> None:
     predictor, _ = predicting(drawn(rig(), [ExtraMass(Dof(4, "Y"), 0.02)]))
     found = fit(predictor, (ExtraMass(Dof(4, "Y"), 0.02),))
-    assert weighed_up(predictor, found) is found
+    assert resolve_equivalents(predictor, found) is found
 
 
 def test_hum_below_the_lowest_mains_has_no_lookalike() -> None:

@@ -51,9 +51,9 @@ def test_what_hangs_on_a_structure_is_foreseen_exactly(
 ) -> None:
     predictor = quiet(roving=roving)
     sizes = [effect, effect.with_parameters(larger)]
-    ratios = ModificationScreen(predictor.near([]), []).ratios(sizes)
+    ratios = ModificationScreen(predictor.coarse_prediction([]), []).ratios(sizes)
     assert ratios is not None
-    fitted, step = predictor.near([]).observed.fitted, predictor.step
+    fitted, step = predictor.coarse_prediction([]).observed.fitted, predictor.step
     without = predictor.predict([]).h[::step]
     for size, ratio in zip(sizes, ratios, strict=True):
         predicted = predictor.predict([size]).h[::step] / without
@@ -63,7 +63,7 @@ def test_what_hangs_on_a_structure_is_foreseen_exactly(
 
 def test_sizes_at_one_place_after_the_other_are_those_at_a_place_alone() -> None:
     predictor = quiet()
-    one_after_the_other = ModificationScreen(predictor.near([]), [])
+    one_after_the_other = ModificationScreen(predictor.coarse_prediction([]), [])
     kinds: list[Sequence[Effect]] = [
         [AttachedOscillator(None, mass, 120.0, 0.05) for mass in (0.0, 0.02, 0.3)],
         [ExtraMass(None, mass) for mass in (0.01, 0.1, 1.0)],
@@ -79,7 +79,7 @@ def test_sizes_at_one_place_after_the_other_are_those_at_a_place_alone() -> None
     for sizes, where in zip(kinds, places, strict=True):
         for at in where:
             here = [replace(size, at=at) for size in sizes]
-            alone = ModificationScreen(predictor.near([]), []).ratios(here)
+            alone = ModificationScreen(predictor.coarse_prediction([]), []).ratios(here)
             found = one_after_the_other.ratios(here)
             assert alone is not None
             assert found is not None
@@ -90,11 +90,13 @@ def test_sizes_at_one_place_after_the_other_are_those_at_a_place_alone() -> None
 def test_it_is_foreseen_beside_what_was_accepted_at_the_same_member() -> None:
     predictor = quiet()
     accepted, more = StiffnessError(Members((3,)), 0.8), GroundSpring(Dof(3, "Y"), 1e4)
-    ratios = ModificationScreen(predictor.near([accepted]), [accepted]).ratios([more])
+    ratios = ModificationScreen(predictor.coarse_prediction([accepted]), [accepted]).ratios([more])
     assert ratios is not None
     step = predictor.step
     predicted = predictor.predict([accepted, more]).h[::step] / predictor.predict([accepted]).h[::step]
-    np.testing.assert_allclose(ratios[0], predicted[predictor.near([]).observed.fitted], rtol=1e-4)
+    np.testing.assert_allclose(
+        ratios[0], predicted[predictor.coarse_prediction([]).observed.fitted], rtol=1e-4
+    )
 
 
 def test_it_is_foreseen_where_a_channel_hears_two_motions() -> None:
@@ -102,15 +104,15 @@ def test_it_is_foreseen_where_a_channel_hears_two_motions() -> None:
     beside, more = MisplacedAccelerometer(Channels((Dof(5, "Y"),)), 0.02), GroundSpring(Dof(3, "Y"), 1e4)
     swapped = SwappedChannels(Channels((Dof(4, "Y"), Dof(5, "Y"))))
     for accepted in (beside, swapped):
-        ratios = ModificationScreen(predictor.near([accepted]), [accepted]).ratios([more])
+        ratios = ModificationScreen(predictor.coarse_prediction([accepted]), [accepted]).ratios([more])
         assert ratios is not None
         both, alone = (predictor.predict(e).h[:: predictor.step] for e in ([accepted, more], [accepted]))
-        fitted = predictor.near([]).observed.fitted
+        fitted = predictor.coarse_prediction([]).observed.fitted
         np.testing.assert_allclose(ratios[0], (both / alone)[fitted], rtol=1e-4)
 
 
 def test_what_is_not_hung_on_the_structure_is_not_foreseen() -> None:
-    foreseen = ModificationScreen(quiet().near([]), [])
+    foreseen = ModificationScreen(quiet().coarse_prediction([]), [])
     assert foreseen.ratios([GainError(Channels((Dof(5, "Y"),)), 1.1)]) is None
     assert foreseen.ratios([StiffnessError(None, 1.1)]) is None
 
@@ -118,13 +120,13 @@ def test_what_is_not_hung_on_the_structure_is_not_foreseen() -> None:
 def test_a_member_that_is_altered_already_is_left_to_a_prediction() -> None:
     predictor = quiet()
     accepted = StiffnessError(Members((3,)), 0.8)
-    foreseen = ModificationScreen(predictor.near([accepted]), [accepted])
+    foreseen = ModificationScreen(predictor.coarse_prediction([accepted]), [accepted])
     assert foreseen.ratios([DensityError(Members((3,)), 1.1)]) is None
 
 
 def test_residuals_of_a_ratio_are_those_of_the_prediction() -> None:
     predictor, _ = predicting(drawn(rig(noise=QUIET), [ExtraMass(Dof(4, "Y"), 0.01)]))
-    glimpses = predictor.near([])
+    glimpses = predictor.coarse_prediction([])
     foreseen = ModificationScreen(glimpses, [])
     same = foreseen.vectors(np.ones((1, int(glimpses.observed.fitted.sum())), complex))
-    np.testing.assert_allclose(same[0], foreseen.nothing, atol=1e-12)
+    np.testing.assert_allclose(same[0], foreseen.unmodified, atol=1e-12)

@@ -9,8 +9,8 @@ from modallab.core.progress import silent
 from modallab.diagnosis.fitting.fit import Fit, fit
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.residuals.observed import observe
-from modallab.diagnosis.searching.search import convincing, search
-from modallab.diagnosis.searching.search_path import name_of
+from modallab.diagnosis.searching.search import search, significant_fits
+from modallab.diagnosis.searching.search_path import kind_and_place
 from modallab.diagnosis.searching.search_round import Suspects
 from modallab.effects.extra_mass import ExtraMass
 from modallab.effects.polarity import Polarity
@@ -33,7 +33,7 @@ def found(predictor: Predictor) -> list[Fit]:
 
 
 def test_what_is_not_convincing_hides_nothing_behind_it(predictor: Predictor, found: list[Fit]) -> None:
-    ((best, left),) = convincing(predictor, fit(predictor, ()), found)
+    ((best, left),) = significant_fits(predictor, fit(predictor, ()), found)
     assert best is found[1]
     assert left == (found[1],), "what was turned down is no rival"
 
@@ -43,7 +43,7 @@ def test_a_search_goes_on_past_what_is_not_convincing(
 ) -> None:
     monkeypatch.setattr(module, "trials", lambda *_, **__: found)
     path = search(predictor, fit(predictor, ()), Suspects([]), max_effects=1, progress=silent)
-    assert [step.kind_and_place for step in path.steps] == [name_of(MASS)]
+    assert [step.kind_and_place for step in path.steps] == [kind_and_place(MASS)]
 
 
 def test_where_nothing_can_be_added_is_not_looked_again(
@@ -56,7 +56,7 @@ def test_where_nothing_can_be_added_is_not_looked_again(
         return [] if base.effects else found
 
     monkeypatch.setattr(module, "trials", trials)
-    monkeypatch.setattr(module, "only_noise_left", lambda *_: False)  # so that it is looked for a second one
+    monkeypatch.setattr(module, "is_noise_only", lambda *_: False)  # so that it is looked for a second one
     path = search(predictor, fit(predictor, ()), Suspects([]), max_effects=4, progress=silent)
     assert len(path.steps) == 1
     assert looked == [0, 1]
@@ -69,4 +69,4 @@ def test_noise_beside_something_larger_is_no_leakage() -> None:
     predictor = Predictor(model(), test.setup, observe(test, (Dof(7, "Y"),), fraction=0.25))
     suspects = Suspects([ExtraMass(MASS.at), ResponseNoise()])
     path = search(predictor, fit(predictor, ()), suspects, max_effects=3, progress=silent)
-    assert {step.kind_and_place for step in path.steps} == {name_of(one) for one in hidden}
+    assert {step.kind_and_place for step in path.steps} == {kind_and_place(one) for one in hidden}

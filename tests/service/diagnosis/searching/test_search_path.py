@@ -7,8 +7,8 @@ from modallab.core.place import Channels, Members
 from modallab.core.progress import silent
 from modallab.diagnosis.fitting.fit import fit
 from modallab.diagnosis.predicting.predictor import Predictor
-from modallab.diagnosis.searching.search_path import AcceptedEffect, SearchPath, backward_elimination, name_of
-from modallab.diagnosis.searching.search_round import Suspects, trials
+from modallab.diagnosis.searching.search_path import AcceptedEffect, SearchPath, kind_and_place, refine_path
+from modallab.diagnosis.searching.search_round import Suspects, fit_candidates
 from modallab.effects.extra_mass import ExtraMass
 from modallab.effects.gain_error import GainError
 from modallab.effects.local_damping import LocalDamping
@@ -30,43 +30,46 @@ def accepted(predictor: Predictor, first: Effect, others: tuple[Effect, ...], *l
     start = fit(predictor, ())
     alone = fit(predictor, (first,))
     tried = (alone, *(fit(predictor, (other,)) for other in others))
-    steps = [AcceptedEffect(name_of(first), start, alone, tried)]
+    steps = [AcceptedEffect(kind_and_place(first), start, alone, tried)]
     for effect in later:
-        before = steps[-1].after
+        before = steps[-1].fit
         after = fit(predictor, (*before.effects, effect))
-        steps.append(AcceptedEffect(name_of(effect), before, after, (after,)))
+        steps.append(AcceptedEffect(kind_and_place(effect), before, after, (after,)))
     return SearchPath(start, tuple(steps))
 
 
 def names(path: SearchPath) -> set[tuple[str, str]]:
-    assert {step.kind_and_place for step in path.steps} == {name_of(e) for e in path.fit.effects}
-    return {name_of(effect) for effect in path.fit.effects}
+    assert {step.kind_and_place for step in path.steps} == {kind_and_place(e) for e in path.fit.effects}
+    return {kind_and_place(effect) for effect in path.fit.effects}
 
 
 def test_a_first_effect_that_a_rival_beats_beside_the_second_gives_way(predictor: Predictor) -> None:
-    path = backward_elimination(predictor, accepted(predictor, WRONG, (MASS,), GAIN))
-    assert names(path) == {name_of(MASS), name_of(GAIN)}
-    rivals = next(step.tried for step in path.steps if step.kind_and_place == name_of(MASS))
-    assert name_of(rivals[0].effects[-1]) == name_of(MASS), "the best of its round comes first"
-    assert {name_of(one.effects[-1]) for one in rivals} == {name_of(MASS), name_of(WRONG)}
+    path = refine_path(predictor, accepted(predictor, WRONG, (MASS,), GAIN))
+    assert names(path) == {kind_and_place(MASS), kind_and_place(GAIN)}
+    rivals = next(step.round_fits for step in path.steps if step.kind_and_place == kind_and_place(MASS))
+    assert kind_and_place(rivals[0].effects[-1]) == kind_and_place(MASS), "the best of its round comes first"
+    assert {kind_and_place(one.effects[-1]) for one in rivals} == {
+        kind_and_place(MASS),
+        kind_and_place(WRONG),
+    }
     assert all(len(one.effects) == 2 for one in rivals), "each beside the effect that stays"
 
 
 def test_a_needless_effect_is_taken_out(predictor: Predictor) -> None:
-    path = backward_elimination(predictor, accepted(predictor, WRONG, (), MASS, GAIN))
-    assert names(path) == {name_of(MASS), name_of(GAIN)}
+    path = refine_path(predictor, accepted(predictor, WRONG, (), MASS, GAIN))
+    assert names(path) == {kind_and_place(MASS), kind_and_place(GAIN)}
 
 
 def test_the_effect_that_explains_most_comes_first(predictor: Predictor) -> None:
     for first, second in ((MASS, GAIN), (GAIN, MASS)):
-        path = backward_elimination(predictor, accepted(predictor, first, (), second))
-        assert path.steps[0].kind_and_place == name_of(MASS)
-        assert path.steps[0].before is path.start
+        path = refine_path(predictor, accepted(predictor, first, (), second))
+        assert path.steps[0].kind_and_place == kind_and_place(MASS)
+        assert path.steps[0].previous_fit is path.start
 
 
 def test_what_is_accepted_is_not_suspected_again_at_its_place(predictor: Predictor) -> None:
     elsewhere = LocalDamping(Dof(7, "Y"), 1.0)
     suspects = Suspects([MASS, ExtraMass(Dof(7, "Y")), elsewhere])
     assert MASS not in suspects.of(predictor, [MASS.with_parameters({"mass": 0.03})])
-    found = trials(predictor, fit(predictor, (MASS,)), suspects, progress=silent)
-    assert name_of(MASS) not in {name_of(one.effects[-1]) for one in found}
+    found = fit_candidates(predictor, fit(predictor, (MASS,)), suspects, progress=silent)
+    assert kind_and_place(MASS) not in {kind_and_place(one.effects[-1]) for one in found}

@@ -22,7 +22,7 @@ NODES = range(1, 10)
 
 def looking_for(hidden: Effect, *, roving: bool = False) -> CoarsePrediction:
     predictor, _ = predicting(drawn(rig(roving=roving), [hidden]))
-    return predictor.near([])
+    return predictor.coarse_prediction([])
 
 
 def places_of(found: Sequence[Sequence[Effect]], kind: str) -> list[object]:
@@ -42,7 +42,7 @@ def test_places_are_told_apart_by_a_sample_of_lines_as_well(
 
 def test_a_sample_has_every_line_and_every_channel() -> None:
     glimpses = looking_for(ExtraMass(Dof(6, "Y"), 0.1))
-    whole, sample = glimpses.observed.fitted, glimpses.sampled(3).observed.fitted
+    whole, sample = glimpses.observed.fitted, glimpses.subsampled(3).observed.fitted
     assert not (sample & ~whole).any()
     assert (sample.any(axis=0) == whole.any(axis=0)).all()
     assert (sample.any(axis=1) == whole.any(axis=1)).all()
@@ -54,10 +54,10 @@ def test_a_sample_has_every_line_and_every_channel() -> None:
 def test_foreseen_residuals_of_nothing_are_those_of_the_prediction(every: int, noise: float) -> None:
     # Noise that the channels of a run share is taken once, and large errors go without a logarithm.
     predictor, _ = predicting(drawn(rig(roving=False, noise=noise)))
-    sample = predictor.near([]).sampled(every)
+    sample = predictor.coarse_prediction([]).subsampled(every)
     foreseen = ModificationScreen(sample, [])
     nothing = np.ones((1, int(sample.observed.fitted.sum())), complex)
-    np.testing.assert_allclose(foreseen.vectors(nothing)[0], foreseen.nothing, rtol=1e-9, atol=1e-9)
+    np.testing.assert_allclose(foreseen.vectors(nothing)[0], foreseen.unmodified, rtol=1e-9, atol=1e-9)
 
 
 def test_a_nonlinear_force_is_looked_for_at_few_places_the_right_one_among_them(
@@ -82,4 +82,4 @@ def test_a_nonlinear_force_of_any_strength_is_looked_for_where_it_is(node: int, 
     whole = max(bare.scan_values(predictor.system, setup)["stiffness"])
     suspects = [CubicStiffness(Dof(n, "Y")) for n in (1, 2, 4, 5, 7, 9)]
     predictor, _ = predicting(drawn(setup, [replace(bare, stiffness=share * whole)]))
-    assert bare.at in places_of(shortlist(predictor.near([]), [], suspects, silent), bare.kind)
+    assert bare.at in places_of(shortlist(predictor.coarse_prediction([]), [], suspects, silent), bare.kind)

@@ -6,7 +6,7 @@ from modallab.core.place import Members
 from modallab.core.progress import silent
 from modallab.diagnosis.diagnose import diagnose, suspected
 from modallab.diagnosis.fitting.fit import fit
-from modallab.diagnosis.optimisation.tolerances import Tolerances, nuisances
+from modallab.diagnosis.optimisation.tolerances import Tolerances, nuisance_parameters
 from modallab.diagnosis.result import Verdict
 from modallab.diagnosis.searching import wrong_elements as elements
 from modallab.diagnosis.searching.backward_elimination import Group
@@ -65,7 +65,7 @@ def test_wrong_elements_are_found_beside_what_may_differ_a_little() -> None:
     few = Tolerances(accelerometer_mass=0.03, delay=1e-6)
     heavier = AccelerometerMass(mass=0.0006)  # 3 % of the 20 g declared
     predictor, _ = predicting(drawn(rig(), [heavier, *FOUR]))
-    predictor = predictor.allowing(nuisances(few, predictor.system, predictor.setup))
+    predictor = predictor.with_nuisances(nuisance_parameters(few, predictor.system, predictor.setup))
     found = wrong_elements(predictor, suspected(predictor, None), silent)
     assert named(list(found)) == named(FOUR)
 

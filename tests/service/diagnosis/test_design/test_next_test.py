@@ -6,7 +6,7 @@ import pytest
 from modallab.core.dof import Dof
 from modallab.core.progress import silent
 from modallab.diagnosis.fitting.fit import Fit, fit
-from modallab.diagnosis.optimisation.tolerances import Tolerances, nuisances
+from modallab.diagnosis.optimisation.tolerances import Tolerances, nuisance_parameters
 from modallab.diagnosis.predicting.joint_prediction import FollowUpPredictor, JointPredictor
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.residuals.observed import observe
@@ -102,7 +102,9 @@ def test_no_test_is_proposed_for_what_is_tolerated() -> None:
     setup = rig()
     stiff = StiffnessError(factor=1.001)
     predictor, _ = predicting(drawn(setup, [stiff]))
-    allowed = predictor.allowing(nuisances(Tolerances(modulus=0.003), predictor.system, setup))
+    allowed = predictor.with_nuisances(
+        nuisance_parameters(Tolerances(modulus=0.003), predictor.system, setup)
+    )
     strict, lax = (
         propose(one, _explaining(fit(one, [stiff])), [_explaining(fit(one, []))], progress=silent)
         for one in (predictor, allowed)
@@ -114,7 +116,7 @@ def test_no_test_is_proposed_for_what_is_tolerated() -> None:
 
 def _explaining(found: Fit) -> Explanation:
     kind = found.effects[0].kind if found.effects else "nothing"
-    return Explanation(found.effects, kind, found.tolerated)
+    return Explanation(found.effects, kind, found.nuisance_position)
 
 
 def test_what_is_tolerated_makes_no_separation_larger() -> None:
@@ -122,7 +124,7 @@ def test_what_is_tolerated_makes_no_separation_larger() -> None:
     predictor, _ = predicting(drawn(setup, [MASS]))
     best, other = (Explanation(f.effects, f.effects[0].kind) for f in explained(predictor, MASS, GAUGE))
     tolerances = Tolerances(modulus=0.003, sensitivity=0.005, modal_loss_factor=0.2)
-    allowed = predictor.allowing(nuisances(tolerances, predictor.system, setup))
+    allowed = predictor.with_nuisances(nuisance_parameters(tolerances, predictor.system, setup))
     tests = [propose(one, best, [other], progress=silent) for one in (predictor, allowed)]
     sharp, blunt = (test.expected_separation for test in tests if test is not None)
     assert SURE < blunt < sharp

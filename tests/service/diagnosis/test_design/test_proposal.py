@@ -47,22 +47,22 @@ def test_an_oscillator_tuned_far_above_the_band_is_no_rival_of_the_mass_that_it_
     far = AttachedOscillator(at=DRIVE, mass=0.02, frequency=5e4, loss_factor=0.05)
     step = accepted(MASS, far, GAUGE)
     # The oscillator explains as much: it has more numbers than the mass, which is on its side.
-    assert step.tried[1].chi_square == pytest.approx(step.tried[0].chi_square, abs=9.0)
-    assert kinds(alike(predictor, step, step.tried[0])) == ["force_transducer_mass"]
+    assert step.round_fits[1].chi_square == pytest.approx(step.round_fits[0].chi_square, abs=9.0)
+    assert kinds(alike(predictor, step, step.round_fits[0])) == ["force_transducer_mass"]
 
 
 def test_a_simpler_model_does_not_clear_the_rig() -> None:
     stinger = StingerBending(stiffness=20.0, length=0.5)
     predictor, accepted = prepared(stinger)
     step = accepted(RotationalGroundSpring(at=Dof(1, "RZ"), stiffness=20.0), stinger)
-    assert kinds(alike(predictor, step, step.tried[0])) == ["stinger_bending"]
+    assert kinds(alike(predictor, step, step.round_fits[0])) == ["stinger_bending"]
 
 
 def test_what_explains_far_less_is_not_possible() -> None:
     predictor, accepted = prepared(MASS)
     step = accepted(MASS, GroundSpring(at=DRIVE, stiffness=1e3))
-    assert possible(predictor, step, step.tried[0]) == []
-    path = SearchPath(step.before, (step,))
+    assert possible(predictor, step, step.round_fits[0]) == []
+    path = SearchPath(step.previous_fit, (step,))
     assert next_test(predictor, path, (), silent) is None
 
 
@@ -70,8 +70,8 @@ def test_a_rival_is_fitted_anew_beside_the_other_effects() -> None:
     stiff = StiffnessError(at=Members((4,)), factor=1.2)
     predictor, accepted = prepared(MASS, stiff)
     first = accepted(stiff)
-    second = accepted(MASS, GAUGE, beside=first.after.effects)
-    test = next_test(predictor, SearchPath(first.before, (first, second)), (), silent)
+    second = accepted(MASS, GAUGE, beside=first.fit.effects)
+    test = next_test(predictor, SearchPath(first.previous_fit, (first, second)), (), silent)
     assert test is not None
     assert test.separates == ("extra_mass", "force_transducer_mass")
     assert "drive" in test.change
@@ -82,6 +82,8 @@ def test_progress_is_told_while_tests_are_looked_for() -> None:
     predictor, accepted = prepared(MASS)
     step = accepted(MASS, GAUGE)
     told: list[float] = []
-    next_test(predictor, SearchPath(step.before, (step,)), (), lambda fraction, _: told.append(fraction))
+    next_test(
+        predictor, SearchPath(step.previous_fit, (step,)), (), lambda fraction, _: told.append(fraction)
+    )
     assert told == sorted(told)
     assert 0 <= told[0] <= told[-1] <= 1
