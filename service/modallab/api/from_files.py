@@ -10,7 +10,8 @@ from typing import Any, TypeVar
 
 from pydantic import TypeAdapter, ValidationError
 
-from modallab.api.diagnoses.schemas import DiagnosisOut, DiagnosisStart
+from modallab.api.diagnoses.replies import diagnosis_reply
+from modallab.api.diagnoses.schemas import DiagnosisStart
 from modallab.api.faults import faults
 from modallab.api.rigs.schemas import RigIn
 from modallab.api.settings import Settings
@@ -53,7 +54,7 @@ class Found:
 
     def json(self) -> str:
         """Return what the service would answer; in place of stored ids what is to be added to the files."""
-        fields = DiagnosisOut.of(self.diagnosis, self.entry).model_dump(mode="json")
+        fields = diagnosis_reply(self.diagnosis, self.entry).model_dump(mode="json")
         kept = {name: value for name, value in fields.items() if name not in _PASSING}
         added: dict[str, list[Any]] = {"model": [], "rig": []}
         for effect in (step.effect for step in self.diagnosis.steps):

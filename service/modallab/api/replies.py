@@ -80,6 +80,11 @@ def reply_of(domain: type) -> type[Reply]:
     return reply(domain, domain.__name__)
 
 
+def replies_of(domain: type) -> Any:
+    """Return the type of a list of replies."""
+    return list[reply_of(domain)]  # type: ignore[misc]
+
+
 def reply(domain: type, name: str, **added: tuple[Any, str]) -> type[Reply]:
     """Return a reply model with further fields, as `name=(type, description)`."""
     definitions = _definitions(domain)

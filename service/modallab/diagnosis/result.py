@@ -3,9 +3,11 @@
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 from enum import StrEnum
+from typing import Annotated
 
 from modallab.core.dof import Dof
 from modallab.core.place import Place
+from modallab.core.reply import NanFloat, NotInReply
 from modallab.diagnosis.result_curves import Curves
 from modallab.fe.structure import Structure
 from modallab.rig.setup import RigSetup
@@ -26,7 +28,7 @@ class FittedParameter:
 
     value: float
     """In `unit`, the estimate."""
-    standard_error: float
+    standard_error: NanFloat
     """In `unit`, random error of the estimate; nan where it cannot be stated."""
     unit: str
     """SI unit of value and standard error; `1` for a ratio."""
@@ -52,7 +54,7 @@ class ToleratedParameter:
     """Name as in `tolerances.Tolerances`."""
     value: float
     """Ratio true over declared; of a delay, s."""
-    standard_error: float
+    standard_error: NanFloat
     """In `unit`, random error of the value."""
     tolerance: float
     """In `unit`, prior standard deviation."""
@@ -72,9 +74,9 @@ class Rival:
     """Kind of effect."""
     at: Place
     """Place of the effect."""
-    probability: float
+    probability: NanFloat
     """Posterior probability among the explanations of its round, 0 to 1."""
-    gap_after: float
+    gap_after: NanFloat
     """Gap (mean squared residual) that remains with this effect on the fitted FRFs."""
 
 
@@ -94,17 +96,17 @@ class Step:
 
     effect: FittedEffect
     """The added effect, with parameters from the fit of all effects together."""
-    probability: float
+    probability: NanFloat
     """Posterior probability among the explanations of its round, 0 to 1."""
-    gap_before: float
+    gap_before: NanFloat
     """Gap (mean squared residual) over the fitted FRFs before the effect was added."""
-    gap_after: float
+    gap_after: NanFloat
     """Gap over the fitted FRFs with the effect."""
-    held_out_gap_before: float
+    held_out_gap_before: NanFloat
     """Gap over the held-out FRFs before the effect was added."""
-    held_out_gap_after: float
+    held_out_gap_after: NanFloat
     """Gap over the held-out FRFs with the effect."""
-    held_out_scatter: float
+    held_out_scatter: NanFloat
     """Standard deviation of `held_out_gap_after` if no other effect is missing."""
     rivals: tuple[Rival, ...] = ()
     """Competing explanations of the round, best first, without the named one."""
@@ -132,13 +134,13 @@ class ModeShift:
     """Number of the elastic mode of the model, counted from 1."""
     frequency: float
     """Hz, natural frequency of the model."""
-    frequency_shift: float
+    frequency_shift: NanFloat
     """Natural frequency, measured over model, minus 1."""
-    frequency_error: float
+    frequency_error: NanFloat
     """Standard error of `frequency_shift`."""
-    loss_factor_shift: float
+    loss_factor_shift: NanFloat
     """Loss factor, measured over model, minus 1."""
-    loss_factor_error: float
+    loss_factor_error: NanFloat
     """Standard error of `loss_factor_shift`."""
 
 
@@ -157,19 +159,19 @@ class ResponseMisfit:
 
     dof: Dof
     """Measured DoF of the response."""
-    gap: float
+    gap: NanFloat
     """Mean squared residual of the response."""
-    amplitude: float
+    amplitude: NanFloat
     """Amplitude ratio, measured over predicted."""
-    amplitude_error: float
+    amplitude_error: NanFloat
     """Standard error of `amplitude`."""
-    phase: float
+    phase: NanFloat
     """rad, phase, measured minus predicted."""
-    phase_error: float
+    phase_error: NanFloat
     """rad, standard error of `phase`."""
-    delay: float
+    delay: NanFloat
     """s, delay of the measured response behind the predicted one."""
-    delay_error: float
+    delay_error: NanFloat
     """s, standard error of `delay`."""
     course: ChannelError | None = None
     """Channel error that accounts for nearly all of the gap; None: no single one does."""
@@ -207,7 +209,7 @@ class NextTest:
     """Changes against the first test, as `rig.change.Change.read` reads them."""
     separates: tuple[str, ...]
     """Kinds of effects that the test distinguishes."""
-    expected_separation: float = float("nan")
+    expected_separation: NanFloat = float("nan")
     """Standard deviations, expected difference of the two closest explanations."""
 
 
@@ -221,17 +223,17 @@ class Diagnosis:
     """Location of the disagreement without added effects."""
     steps: tuple[Step, ...]
     """Added effects, the one that explains most first."""
-    remaining_gap: float
+    remaining_gap: NanFloat
     """Gap (mean squared residual) over all usable FRFs with all added effects; 1: random error alone."""
-    remaining_scatter: float
+    remaining_scatter: NanFloat
     """Standard deviation of `remaining_gap` if no effect is missing."""
-    gaps: Mapping[str, Mapping[str, float]]
+    gaps: Mapping[str, Mapping[str, NanFloat]]
     """Gap of each part (FRFs, force spectra, response spectra) under `before` and `after`."""
-    structure: Structure
+    structure: Annotated[Structure, NotInReply("stored under `structure_id`")]
     """Model with the added effects."""
-    setup: RigSetup
+    setup: Annotated[RigSetup, NotInReply("stored under `rig_id`")]
     """Log book with the added effects."""
-    curves: Curves
+    curves: Annotated[Curves, NotInReply("told in `/arrays`")]
     """Measured and predicted FRFs and spectra."""
     candidates: tuple[Rival, ...] = ()
     """All effects fitted in the first round, best first."""
@@ -241,7 +243,7 @@ class Diagnosis:
     """Nuisance parameters that were free within their tolerances."""
     follow_ups: tuple[Mapping[str, object], ...] = ()
     """Changes of each further test against the first."""
-    seed: int | None = None
+    seed: Annotated[int | None, NotInReply("told by the entry")] = None
     """Seed from which the held-out FRFs were drawn."""
     request_options: Mapping[str, object] = field(default_factory=dict)
     """Options of the request, to repeat it."""

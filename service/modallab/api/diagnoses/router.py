@@ -1,7 +1,7 @@
 """Diagnoses: what a model lacks, found from a measurement and its log book."""
 
 from dataclasses import replace
-from typing import Annotated
+from typing import Annotated, Any
 
 from fastapi import APIRouter, status
 from starlette.responses import HTMLResponse, Response
@@ -9,7 +9,8 @@ from starlette.responses import HTMLResponse, Response
 from modallab.api.arrays import NPZ, Precision, npz_reply
 from modallab.api.deps import IdPath, JobsDep, OwnerDep, StoreDep
 from modallab.api.diagnoses.follow_ups import check_follow_ups
-from modallab.api.diagnoses.schemas import DiagnosisOut, DiagnosisStart
+from modallab.api.diagnoses.replies import DiagnosisReply, diagnosis_reply
+from modallab.api.diagnoses.schemas import DiagnosisStart
 from modallab.api.examples import example
 from modallab.api.jobs import JobOut
 from modallab.api.shelves import add_routes
@@ -46,9 +47,9 @@ def start_diagnosis(
     return JobOut.of(jobs.submit("diagnose_and_store", arguments, owner=owner))
 
 
-@router.get("/{id}", summary="What was found")
-def get_diagnosis(id: IdPath, store: StoreDep) -> DiagnosisOut:
-    return DiagnosisOut.of(store.diagnoses.get(id), store.diagnoses.entry(id))
+@router.get("/{id}", summary="What was found", response_model=DiagnosisReply)
+def get_diagnosis(id: IdPath, store: StoreDep) -> Any:
+    return diagnosis_reply(store.diagnoses.get(id), store.diagnoses.entry(id))
 
 
 @router.get("/{id}/arrays", response_class=Response, responses=NPZ, summary="Measured, predicted FRFs: npz")

@@ -1,31 +1,16 @@
 """Wire types of diagnoses."""
 
-import math
-from collections.abc import Mapping
-from typing import Annotated, Any, Literal, Self
+from typing import Annotated, Any, Literal
 
 from pydantic import Field
 
 from modallab.api.deps import Id
 from modallab.api.diagnoses.follow_ups import FollowUpIn
-from modallab.api.diagnoses.located import located_out
-from modallab.api.diagnoses.tolerated import TolerancesIn, tolerated_out
-from modallab.api.wire import (
-    NO_CONVERSION,
-    DofText,
-    EntryOut,
-    NoiseFloor,
-    Number,
-    Seed,
-    Text,
-    Wire,
-    place_out,
-)
+from modallab.api.diagnoses.tolerated import TolerancesIn
+from modallab.api.wire import NO_CONVERSION, DofText, NoiseFloor, Number, Seed, Text, Wire
 from modallab.core.dof import Dof
-from modallab.diagnosis.result import Diagnosis, EquivalentEffect, FittedEffect, NextTest, Rival, Step
 from modallab.fe.structure import Structure
 from modallab.rig.effect import EFFECTS
-from modallab.store.base import Entry
 
 MOST_FOLLOW_UPS = 8  # each takes as long as the first
 Kinds = Annotated[list[Text], Field(min_length=1, max_length=100)]
@@ -84,87 +69,3 @@ class DiagnosisStart(Wire):
             "act": self.act,
             "noise_floor": self.noise_floor,
         }
-
-
-class DiagnosisOut(EntryOut):
-    """Where model and measurement part, what was missing, how sure, what is left."""
-
-    verdict: str
-    located: dict[str, Any]
-    steps: list[dict[str, Any]]
-    remaining_gap: float | None
-    remaining_scatter: float | None
-    gaps: dict[str, dict[str, float | None]]
-    tolerated: list[dict[str, Any]]
-    next_test: dict[str, Any] | None
-    follow_ups: list[dict[str, Any]]
-    notes: list[str]
-    structure_id: str
-    rig_id: str
-
-    @classmethod
-    def of(cls, found: Diagnosis, entry: Entry) -> Self:
-        """Return what the contract shows of a diagnosis."""
-        return cls(
-            **cls.fields(entry),
-            verdict=found.verdict.value,
-            located=located_out(found.located),
-            steps=[_step(step) for step in found.steps],
-            remaining_gap=_number(found.remaining_gap),
-            remaining_scatter=_number(found.remaining_scatter),
-            gaps={when: _numbers(parts) for when, parts in found.gaps.items()},
-            tolerated=[tolerated_out(one) for one in found.tolerated],
-            next_test=None if found.next_test is None else _next_test(found.next_test),
-            follow_ups=[
-                {"measurement_id": entry.inputs[f"follow_up_{i}"], "changed": dict(changed)}
-                for i, changed in enumerate(found.follow_ups, 1)
-            ],
-            notes=list(found.notes),
-            structure_id=entry.inputs["extended_structure_id"],
-            rig_id=entry.inputs["extended_rig_id"],
-        )
-
-
-def _number(value: float) -> float | None:
-    return value if math.isfinite(value) else None
-
-
-def _numbers(values: Mapping[str, float]) -> dict[str, float | None]:
-    return {name: _number(value) for name, value in values.items()}
-
-
-def _step(step: Step) -> dict[str, Any]:
-    gaps = ("gap_before", "gap_after", "held_out_gap_before", "held_out_gap_after", "held_out_scatter")
-    return {
-        "effect": _effect(step.effect),
-        "probability": _number(step.probability),
-        **{name: _number(getattr(step, name)) for name in gaps},
-        "rivals": [_rival(rival) for rival in step.rivals],
-        "rivals_alike": [_alias(alias) for alias in step.rivals_alike],
-    }
-
-
-def _effect(effect: FittedEffect) -> dict[str, Any]:
-    parameters = {
-        name: {"value": one.value, "standard_error": _number(one.standard_error), "unit": one.unit}
-        for name, one in effect.parameters.items()
-    }
-    return {"kind": effect.kind, "at": place_out(effect.at), "parameters": parameters}
-
-
-def _alias(alias: EquivalentEffect | Rival) -> dict[str, Any]:
-    return {"kind": alias.kind, "at": place_out(alias.at)}
-
-
-def _rival(rival: Rival) -> dict[str, Any]:
-    numbers = {"probability": _number(rival.probability), "gap_after": _number(rival.gap_after)}
-    return _alias(rival) | numbers
-
-
-def _next_test(test: NextTest) -> dict[str, Any]:
-    return {
-        "why": test.why,
-        "change": dict(test.change),
-        "separates": list(test.separates),
-        "expected_separation": _number(test.expected_separation),
-    }

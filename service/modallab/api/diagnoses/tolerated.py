@@ -1,13 +1,11 @@
 """Wire types of what may differ a little and is no missing effect."""
 
-import math
-from typing import Annotated, Any
+from typing import Annotated
 
 from pydantic import Field
 
-from modallab.api.wire import NO_CONVERSION, Wire, place_out
+from modallab.api.wire import NO_CONVERSION, Wire
 from modallab.diagnosis.optimisation.tolerances import LATEST, WIDEST
-from modallab.diagnosis.result import ToleratedParameter
 
 Relative = Annotated[
     float,
@@ -30,17 +28,3 @@ class TolerancesIn(Wire):
     def to_arguments(self) -> dict[str, float]:
         """Return the tolerances that were given."""
         return self.model_dump(exclude_defaults=True)
-
-
-def tolerated_out(one: ToleratedParameter) -> dict[str, Any]:
-    """Return a number that may differ a little, as it was fitted."""
-    error = one.standard_error
-    return {
-        "name": one.name,
-        "at": place_out(one.at),
-        "mode": one.mode,
-        "value": one.value,
-        "standard_error": error if math.isfinite(error) else None,
-        "tolerance": one.tolerance,
-        "unit": one.unit,
-    }

@@ -1,0 +1,42 @@
+"""Replies of diagnoses."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from modallab.api.replies import replies_of, stored_reply
+from modallab.diagnosis.result import Diagnosis
+from modallab.store.base import Entry
+
+
+@dataclass(frozen=True)
+class FollowUpUsed:
+    """Further test of the same structure that the diagnosis explained together with the first."""
+
+    measurement_id: str
+    """Measurement of the further test."""
+    changed: Mapping[str, object]
+    """Changes against the first test."""
+
+
+DiagnosisReply = stored_reply(
+    Diagnosis,
+    "Diagnosis",
+    follow_ups=(replies_of(FollowUpUsed), "Further tests that were explained together with the first."),
+    structure_id=(str, "Model with the added effects."),
+    rig_id=(str, "Log book with the added effects."),
+)
+
+
+def diagnosis_reply(diagnosis: Diagnosis, entry: Entry) -> Any:
+    """Return the reply of a stored diagnosis."""
+    return DiagnosisReply.of(
+        diagnosis,
+        entry,
+        follow_ups=[
+            FollowUpUsed(entry.inputs[f"follow_up_{i}"], changes)
+            for i, changes in enumerate(diagnosis.follow_ups, 1)
+        ],
+        structure_id=entry.inputs["extended_structure_id"],
+        rig_id=entry.inputs["extended_rig_id"],
+    )
