@@ -26,7 +26,7 @@ from modallab.rig.setup import RigSetup
 from modallab.updating.method import UpdateResult
 from modallab.updating.parameterisation import Parameterisation, parameterise
 from modallab.updating.responses.method import RESPONSE_UPDATERS
-from modallab.updating.responses.target import TargetResponses, weighed
+from modallab.updating.responses.target import TargetResponses, target_responses
 
 PATTERNS, SEEDS, MORE_SEEDS = 50, 20, 50
 LOSS = 0.01
@@ -57,7 +57,7 @@ def responses(
 
 def exact(frf: FrfSet) -> TargetResponses:
     """Return responses that have no random error."""
-    return weighed(frf, np.ones(frf.values.shape[:2]), AVERAGES)
+    return target_responses(frf, np.ones(frf.values.shape[:2]), AVERAGES)
 
 
 def noisy(frf: FrfSet, seed: int, coherence: float = COHERENCE) -> TargetResponses:
@@ -68,7 +68,7 @@ def noisy(frf: FrfSet, seed: int, coherence: float = COHERENCE) -> TargetRespons
     values = frf.values * (1 + noise[0] + 1j * noise[1])
     left = loose * rng.standard_gamma(AVERAGES - 1, values.shape) / AVERAGES * np.abs(frf.values) ** 2
     seen = np.abs(values) ** 2 / (np.abs(values) ** 2 + left)
-    return weighed(replace(frf, values=values), seen, AVERAGES)
+    return target_responses(replace(frf, values=values), seen, AVERAGES)
 
 
 def wrong_beam(seed: int) -> tuple[Structure, dict[tuple[str, int], float]]:
@@ -131,7 +131,7 @@ def of_force_noise(case: str, seed: int) -> Found:
     setup = RigSetup(drives=DRIVE, responses=dofs, noise=NOISE, analyser=analyser)
     test = measure(truth, setup, route=Route.DRAWN, rng=np.random.default_rng(seed))
     frf, common = without_noise_bias(test)
-    target = weighed(frf, test.coherence, test.averages, common=common)
+    target = target_responses(frf, test.coherence, test.averages, common=common)
     model, parameters = (damped(BAY), EACH) if case == "bay" else (BEAM, BEAM_EACH)
     return _held(found(model, parameters, target), wrong)
 

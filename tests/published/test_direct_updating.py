@@ -95,7 +95,10 @@ def test_the_next_ten_modes_are_no_better_than_before(method: str, name: str) ->
 
 
 def test_a_wrong_mass_leaves_the_free_bay_held() -> None:
-    held, free = direct("berman_nagy", "table_3_1").others, direct("berman_nagy", "table_2_1").others
+    held, free = (
+        direct("berman_nagy", "table_3_1").other_modes,
+        direct("berman_nagy", "table_2_1").other_modes,
+    )
     assert held is not None
     assert held.rigid_body == pytest.approx(92, abs=1)
     assert free is not None

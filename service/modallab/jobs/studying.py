@@ -12,7 +12,7 @@ from modallab.rig.exact import as_modelled, with_effects
 from modallab.store.base import Store
 from modallab.store.plain import from_plain, to_plain
 from modallab.updating.studies.plan import StudyPlan
-from modallab.updating.studies.run import StudyUpdate, failed, run_once
+from modallab.updating.studies.run import StudyUpdate, failed_run, run_once
 from modallab.updating.studies.study import Study
 from modallab.updating.studies.truth import Values, true_coefficients
 
@@ -71,7 +71,7 @@ def _gathered(plan: StudyPlan, true: Values, shares: Sequence[Json]) -> Study:
     rows: list[FloatArray] = []
     for index, share in enumerate(shares):
         if share is None:
-            runs.append(failed(plan, index, _FAULT))
+            runs.append(failed_run(plan, index, _FAULT))
             continue
         run, coefficients = share
         runs.append(from_plain(StudyUpdate, run, {}))

@@ -19,7 +19,7 @@ from modallab.updating.error_location.run import LocationOptions, locate
 from modallab.updating.method import UPDATERS, UpdateOptions, UpdateResult
 from modallab.updating.parameterisation import Parameterisation
 from modallab.updating.responses.method import RESPONSE_UPDATERS
-from modallab.updating.responses.target import TargetResponses, weighed
+from modallab.updating.responses.target import TargetResponses, target_responses
 
 Json = Any
 
@@ -61,7 +61,7 @@ def update_and_store(
 def measured_responses(measurement: Measurement, noise_floor: float | None) -> TargetResponses:
     """Return measured FRFs with their random errors; `InvalidInputError` if these are not known."""
     frf, common = without_noise_bias(measurement)
-    return weighed(frf, measurement.coherence, measurement.averages, noise_floor, common)
+    return target_responses(frf, measurement.coherence, measurement.averages, noise_floor, common)
 
 
 def _found(

@@ -6,7 +6,7 @@ import numpy as np
 
 from modallab.core.arrays import FloatArray
 from modallab.updating.identifiability import Identifiability, identify
-from modallab.updating.modal_residuals import ModalResiduals, State
+from modallab.updating.modal_residuals import ModalResiduals, ModelState
 from modallab.updating.solve import balanced_step
 
 
@@ -19,7 +19,7 @@ class CoefficientCovariance:
 
 
 def coefficient_covariance(
-    fit: ModalResiduals, state: State, *, jump: float, within: float
+    fit: ModalResiduals, state: ModelState, *, jump: float, within: float
 ) -> CoefficientCovariance:
     """Return standard errors of the coefficients at a state, and what data identify.
 
@@ -29,21 +29,21 @@ def coefficient_covariance(
     beyond the rank are not in them: there the measurement says nothing at all.
     """
     step = balanced_step(fit.sensitivity(state), state.difference, state.size, jump=jump)
-    rows = _errors(fit, state, step.rank)
-    told = identify(
-        fit.parameterisation, state.values, step, state.difference / state.size, rows, within=within
+    row_errors = _row_errors(fit, state, step.rank)
+    identifiability = identify(
+        fit.parameterisation, state.values, step, state.difference / state.size, row_errors, within=within
     )
-    errors = None if rows is None else np.asarray(np.sqrt(step.inverse**2 @ rows**2))
-    return CoefficientCovariance(errors, told)
+    errors = None if row_errors is None else np.asarray(np.sqrt(step.inverse**2 @ row_errors**2))
+    return CoefficientCovariance(errors, identifiability)
 
 
-def _errors(fit: ModalResiduals, state: State, rank: int) -> FloatArray | None:
+def _row_errors(fit: ModalResiduals, state: ModelState, rank: int) -> FloatArray | None:
     """Return the standard errors of balanced rows (n_rows,)."""
     stated = fit.errors(state)
     if stated is not None:
         return stated
-    spare = len(state.difference) - rank
-    if spare == 0:
+    degrees_of_freedom = len(state.difference) - rank
+    if degrees_of_freedom == 0:
         return None
-    scatter = np.sqrt(((state.difference / state.size) ** 2).sum() / spare)
+    scatter = np.sqrt(((state.difference / state.size) ** 2).sum() / degrees_of_freedom)
     return np.full(len(state.difference), scatter)

@@ -28,64 +28,70 @@ def graph_parts(graph: csr_array, count: int) -> list[IntArray]:
         At most n.
     """
     pieces = _components(graph, np.arange(graph.shape[0]))
-    shares = _shares(np.array([len(piece) for piece in pieces]), max(count, len(pieces)))
-    waiting = list(zip(pieces, shares.tolist(), strict=True))
-    done: list[IntArray] = []
-    while waiting:
-        piece, wanted = waiting.pop()
-        if wanted == 1:
-            done.append(np.sort(piece))
+    part_counts = _part_counts(np.array([len(piece) for piece in pieces]), max(count, len(pieces)))
+    queue = list(zip(pieces, part_counts.tolist(), strict=True))
+    parts: list[IntArray] = []
+    while queue:
+        piece, n_parts = queue.pop()
+        if n_parts == 1:
+            parts.append(np.sort(piece))
             continue
-        halves = _halves(graph, piece, (wanted // 2) / wanted)
-        waiting += zip(halves, _shares(np.array([len(half) for half in halves]), wanted), strict=True)
-    return sorted(done, key=lambda part: int(part[0]))
+        halves = _bisection(graph, piece, (n_parts // 2) / n_parts)
+        queue += zip(halves, _part_counts(np.array([len(half) for half in halves]), n_parts), strict=True)
+    return sorted(parts, key=lambda part: int(part[0]))
 
 
-def _shares(sizes: IntArray, count: int) -> IntArray:
+def _part_counts(sizes: IntArray, count: int) -> IntArray:
     """Return how many parts each piece is cut into, (n,), in proportion to its size: one or more."""
-    shares = np.ones(len(sizes), int)
+    part_counts = np.ones(len(sizes), int)
     for _ in range(count - len(sizes)):
         # the piece of the largest parts is cut once more; one of single vertices cannot be
-        shares[np.argmax(np.where(shares < sizes, sizes / shares, 0.0))] += 1
-    return shares
+        part_counts[np.argmax(np.where(part_counts < sizes, sizes / part_counts, 0.0))] += 1
+    return part_counts
 
 
-def _components(graph: csr_array, of: IntArray) -> list[IntArray]:
+def _components(graph: csr_array, vertices: IntArray) -> list[IntArray]:
     """Return the connected components of some vertices, the largest first."""
-    n, label = connected_components(graph[of][:, of], directed=False)
-    found = [of[label == i] for i in range(n)]
-    return sorted(found, key=len, reverse=True)
+    n, label = connected_components(graph[vertices][:, vertices], directed=False)
+    components = [vertices[label == i] for i in range(n)]
+    return sorted(components, key=len, reverse=True)
 
 
-def _halves(graph: csr_array, piece: IntArray, share: float) -> tuple[IntArray, IntArray]:
+def _bisection(graph: csr_array, piece: IntArray, share: float) -> tuple[IntArray, IntArray]:
     """Return a connected piece in two connected halves, the first of about so large a share of it."""
-    inner = graph[piece][:, piece]
-    along = _fiedler(inner)
-    order = np.argsort(np.round(along / np.abs(along).max(), ROUNDING), kind="stable")
-    cut = _cut(inner, order, share)
+    subgraph = graph[piece][:, piece]
+    fiedler_vector = _fiedler(subgraph)
+    order = np.argsort(np.round(fiedler_vector / np.abs(fiedler_vector).max(), ROUNDING), kind="stable")
+    cut = _cut_position(subgraph, order, share)
     # What falls off one half hangs together with the other: the piece is connected.
-    first, *loose = _components(graph, piece[order[:cut]])
-    second, *back = _components(graph, np.concatenate([piece[order[cut:]], *loose]))
-    return np.concatenate([first, *back]), second
+    first, *fragments = _components(graph, piece[order[:cut]])
+    second, *second_fragments = _components(graph, np.concatenate([piece[order[cut:]], *fragments]))
+    return np.concatenate([first, *second_fragments]), second
 
 
-def _cut(graph: csr_array, order: IntArray, share: float) -> int:
+def _cut_position(graph: csr_array, order: IntArray, share: float) -> int:
     """Return how many vertices of an order come first: about a share of them, where few edges are cut."""
     n = len(order)
-    place = np.empty(n, int)
-    place[order] = np.arange(n)
+    position = np.empty(n, int)
+    position[order] = np.arange(n)
     edges = graph.tocoo()
-    ends = place[edges.row], place[edges.col]
+    ends = position[edges.row], position[edges.col]
     # An edge is cut wherever the cut is behind its one end and before its other: each stands there twice.
-    cut = np.cumsum(
+    cut_weight = np.cumsum(
         np.bincount(np.minimum(*ends) + 1, edges.data, n + 1)
         - np.bincount(np.maximum(*ends) + 1, edges.data, n + 1)
     )
-    wanted = share * n
-    places = np.arange(1, n)
-    near = places[np.abs(places - wanted) <= max(SLACK * min(wanted, n - wanted), 1.0)]
+    target = share * n
+    positions = np.arange(1, n)
+    candidates = positions[np.abs(positions - target) <= max(SLACK * min(target, n - target), 1.0)]
     # of equal ones that which is nearest, the smaller of two
-    return int(near[np.lexsort((np.abs(near - wanted), np.round(cut[near] / cut.max(), ROUNDING)))[0]])
+    return int(
+        candidates[
+            np.lexsort(
+                (np.abs(candidates - target), np.round(cut_weight[candidates] / cut_weight.max(), ROUNDING))
+            )[0]
+        ]
+    )
 
 
 def _fiedler(graph: csr_array) -> FloatArray:

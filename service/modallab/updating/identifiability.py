@@ -7,7 +7,7 @@ from itertools import pairwise
 import numpy as np
 
 from modallab.core.arrays import FloatArray, frozen
-from modallab.updating.log_coefficients import slopes
+from modallab.updating.log_coefficients import log_derivatives
 from modallab.updating.parameterisation import MacroElement, Parameterisation, Part
 from modallab.updating.solve import ParameterStep
 
@@ -56,8 +56,8 @@ class Identifiability:
         """Return the intervals by part and member number."""
         table: dict[str, dict[int, tuple[float, float]]] = {}
         for macro, (low, high) in zip(self.macros, self.intervals, strict=True):
-            own = table.setdefault(macro.part.value, {})
-            own.update(dict.fromkeys(macro.members, (float(low), float(high))))
+            intervals = table.setdefault(macro.part.value, {})
+            intervals.update(dict.fromkeys(macro.members, (float(low), float(high))))
         return table
 
 
@@ -87,99 +87,107 @@ def identify(
     remaining, errors
         (n_rows,) what the updated model misses, and the standard error of each row.
     """
-    rates = slopes(parameterisation, values)
-    seen, beyond = _split(step, rates)
-    hidden = (beyond**2).sum(axis=1) > HIDDEN
-    relative = np.zeros((len(values), len(values)))
+    rates = log_derivatives(parameterisation, values)
+    identifiable, null_space = _range_and_null_space(step, rates)
+    is_hidden = (null_space**2).sum(axis=1) > HIDDEN
+    covariance = np.zeros((len(values), len(values)))
     if errors is not None:
-        carried = step.inverse / rates[:, None] * errors
-        relative = carried @ carried.T
-    spread = np.where(hidden, np.inf, np.sqrt(np.diag(relative)))
-    wide = spread if errors is not None else np.full(len(values), np.inf)
-    weak = _weak(seen, relative, within)
-    pairs = [*_told(parameterisation, beyond, None), *_told(parameterisation, weak, relative)]
-    vague = np.flatnonzero(spread > within)
+        error_map = step.inverse / rates[:, None] * errors
+        covariance = error_map @ error_map.T
+    relative_errors = np.where(is_hidden, np.inf, np.sqrt(np.diag(covariance)))
+    interval_errors = relative_errors if errors is not None else np.full(len(values), np.inf)
+    weak_directions = _weak_directions(identifiable, covariance, within)
+    directions = [
+        *_directions(parameterisation, null_space, None),
+        *_directions(parameterisation, weak_directions, covariance),
+    ]
+    unidentified = np.flatnonzero(relative_errors > within)
     return Identifiability(
         macros=parameterisation.macros,
         singular_values=step.singular_values,
         rank=step.rank,
         condition_number=step.condition_number,
-        covariance=None if errors is None else relative * np.outer(rates, rates),
-        intervals=_intervals(parameterisation, values, step.inverse @ remaining / rates, wide),
-        unidentified=tuple(parameterisation.macros[i] for i in vague),
-        directions=tuple(pairs),
+        covariance=None if errors is None else covariance * np.outer(rates, rates),
+        intervals=_intervals(parameterisation, values, step.inverse @ remaining / rates, interval_errors),
+        unidentified=tuple(parameterisation.macros[i] for i in unidentified),
+        directions=tuple(directions),
     )
 
 
-def _split(step: ParameterStep, rates: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _range_and_null_space(step: ParameterStep, rates: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return orthonormal relative changes within and beyond the rank, (n_params, n_params) in all."""
     n_params, n_rows = step.inverse.shape
     basis = np.linalg.svd(step.inverse, full_matrices=n_rows < n_params)[0]
-    beyond = np.linalg.qr(basis[:, step.rank :] / rates[:, None])[0]
-    both = np.linalg.svd(beyond, full_matrices=True)[0] if beyond.size else np.eye(n_params)
-    return both[:, beyond.shape[1] :], beyond
+    null_space = np.linalg.qr(basis[:, step.rank :] / rates[:, None])[0]
+    full_basis = np.linalg.svd(null_space, full_matrices=True)[0] if null_space.size else np.eye(n_params)
+    return full_basis[:, null_space.shape[1] :], null_space
 
 
 def _intervals(
-    parameterisation: Parameterisation, values: FloatArray, shift: FloatArray, spread: FloatArray
+    parameterisation: Parameterisation, values: FloatArray, shift: FloatArray, relative_errors: FloatArray
 ) -> FloatArray:
     """Return (n_params, 2); beyond its bounds nothing is held likely of a coefficient."""
     lower, upper = parameterisation.bounds
-    away = shift[:, None] + np.outer(spread, [-NORMAL_95, NORMAL_95])
+    offsets = shift[:, None] + np.outer(relative_errors, [-NORMAL_95, NORMAL_95])
     with np.errstate(over="ignore"):
         ends = np.where(
-            parameterisation.damping[:, None], values[:, None] + away, values[:, None] * np.exp(away)
+            parameterisation.damping[:, None], values[:, None] + offsets, values[:, None] * np.exp(offsets)
         )
     return np.clip(ends, lower[:, None], upper[:, None])
 
 
-def _weak(seen: FloatArray, relative: FloatArray, within: float) -> FloatArray:
+def _weak_directions(identifiable: FloatArray, covariance: FloatArray, within: float) -> FloatArray:
     """Return (n_params, k) directions within the rank along which the standard error is too large."""
-    variances, turn = np.linalg.eigh(seen.T @ relative @ seen)
-    return np.asarray((seen @ turn)[:, variances > within**2])
+    variances, eigenvectors = np.linalg.eigh(identifiable.T @ covariance @ identifiable)
+    return np.asarray((identifiable @ eigenvectors)[:, variances > within**2])
 
 
-def _told(
-    parameterisation: Parameterisation, directions: FloatArray, relative: FloatArray | None
+def _directions(
+    parameterisation: Parameterisation, basis: FloatArray, covariance: FloatArray | None
 ) -> list[Direction]:
-    told = []
-    for shares in _turned_to_few(directions).T:
-        named = np.flatnonzero(np.abs(shares) >= NAMED * np.abs(shares).max())
-        named = named[np.argsort(-np.abs(shares[named]), kind="stable")]
-        macros = tuple(parameterisation.macros[i] for i in named)
-        error = None if relative is None else float(np.sqrt(shares @ relative @ shares))
-        words = in_words(macros, unseen=error is None)
-        told.append(Direction(macros, shares[named] * np.sign(shares[named[0]]), error, words))
-    return sorted(told, key=lambda one: -np.inf if one.standard_error is None else -one.standard_error)
+    directions = []
+    for shares in _varimax(basis).T:
+        indices = np.flatnonzero(np.abs(shares) >= NAMED * np.abs(shares).max())
+        indices = indices[np.argsort(-np.abs(shares[indices]), kind="stable")]
+        macros = tuple(parameterisation.macros[i] for i in indices)
+        error = None if covariance is None else float(np.sqrt(shares @ covariance @ shares))
+        words = describe_ambiguity(macros, is_null=error is None)
+        directions.append(Direction(macros, shares[indices] * np.sign(shares[indices[0]]), error, words))
+    return sorted(
+        directions,
+        key=lambda direction: -np.inf if direction.standard_error is None else -direction.standard_error,
+    )
 
 
-def _turned_to_few(directions: FloatArray) -> FloatArray:
+def _varimax(directions: FloatArray) -> FloatArray:
     """Return orthonormal directions (n_params, k) of the same space, each with few large shares: varimax."""
     n, k = directions.shape
     if k < 2:
         return directions
-    turn = np.eye(k)
+    rotation = np.eye(k)
     for _ in range(TURNS):
-        now = directions @ turn
-        u, _, vh = np.linalg.svd(directions.T @ (now**3 - now * (now**2).sum(axis=0) / n))
-        after = u @ vh
-        if np.abs(after - turn).max() < HIDDEN:
+        rotated = directions @ rotation
+        u, _, vh = np.linalg.svd(directions.T @ (rotated**3 - rotated * (rotated**2).sum(axis=0) / n))
+        next_rotation = u @ vh
+        if np.abs(next_rotation - rotation).max() < HIDDEN:
             break
-        turn = after
-    return np.asarray(directions @ turn)
+        rotation = next_rotation
+    return np.asarray(directions @ rotation)
 
 
-def in_words(macros: Iterable[MacroElement], *, unseen: bool) -> str:
+def describe_ambiguity(macros: Iterable[MacroElement], *, is_null: bool) -> str:
     """Return what data cannot say about these coefficients, as a sentence without its full stop."""
-    named = tuple(macros)
+    listed_macros = tuple(macros)
     places: dict[str, list[str]] = {}
     for part in Part:
-        if numbers := [number for macro in named if macro.part is part for number in macro.members]:
-            places.setdefault("node " * part.at_node + _numbers(numbers), []).append(part.words)
-    what = " and ".join(f"{' and '.join(parts)} of {where}" for where, parts in places.items())
-    if len(named) == 1:
-        return f"{what} does not show in these data" if unseen else f"{what} hardly shows in these data"
-    return f"{what} {'cannot' if unseen else 'can hardly'} be told apart by these data"
+        if numbers := [number for macro in listed_macros if macro.part is part for number in macro.members]:
+            places.setdefault("node " * part.is_nodal + _numbers(numbers), []).append(part.label)
+    subject = " and ".join(f"{' and '.join(parts)} of {place}" for place, parts in places.items())
+    if len(listed_macros) == 1:
+        return (
+            f"{subject} does not show in these data" if is_null else f"{subject} hardly shows in these data"
+        )
+    return f"{subject} {'cannot' if is_null else 'can hardly'} be told apart by these data"
 
 
 def _numbers(numbers: Iterable[int]) -> str:

@@ -8,7 +8,7 @@ import numpy as np
 from modallab.core.arrays import FloatArray, frozen
 from modallab.core.errors import DivergedError, UnderdeterminedError
 from modallab.core.progress import Progress, silent
-from modallab.updating.modal_residuals import ModalResiduals, State
+from modallab.updating.modal_residuals import ModalResiduals, ModelState
 from modallab.updating.parameterisation import MacroElement, Parameterisation
 from modallab.updating.solve import ParameterStep, at_bounds, bounded_step
 
@@ -50,7 +50,7 @@ class StopRule:
     jump: float  # of singular values, where the rank ends
 
 
-class Ending(StrEnum):
+class StopReason(StrEnum):
     """How a stage ends."""
 
     CONVERGED = "no coefficient moved any more"
@@ -63,18 +63,18 @@ class IterationPath:
     """How a stage went."""
 
     history: tuple[Iteration, ...]
-    final: State
-    ending: Ending
-    why: str  # in words
+    final: ModelState
+    stop_reason: StopReason
+    explanation: str  # in words
 
     @property
     def converged(self) -> bool:
         """True if the coefficients came to rest."""
-        return self.ending is Ending.CONVERGED
+        return self.stop_reason is StopReason.CONVERGED
 
 
 def iterate(
-    fit: ModalResiduals, start: FloatArray, rule: StopRule, *, stage: str, progress: Progress = silent
+    residuals: ModalResiduals, start: FloatArray, rule: StopRule, *, stage: str, progress: Progress = silent
 ) -> IterationPath:
     """Return the path from `start` (n_params,) to where no coefficient moves by the tolerance.
 
@@ -87,19 +87,21 @@ def iterate(
         If a measured mode pairs with nothing at the start already, or no measured number moves with
         any coefficient.
     """
-    state = fit.state(start)
-    begun = state.distance
+    state = residuals.state(start)
+    initial_distance = state.distance
     history: list[Iteration] = []
     for count in range(rule.max_iterations):
-        step = _step(fit, state, rule)
+        step = _linear_step(residuals, state, rule)
         try:
-            state = _moved(fit, state, step, begun)
+            state = _next_state(residuals, state, step, initial_distance)
         except DivergedError as error:
-            return IterationPath(tuple(history), state, Ending.DIVERGED, f"{Ending.DIVERGED}: {error}")
+            return IterationPath(
+                tuple(history), state, StopReason.DIVERGED, f"{StopReason.DIVERGED}: {error}"
+            )
         history.append(
             Iteration(
                 stage,
-                fit.parameterisation.macros,
+                residuals.parameterisation.macros,
                 step.parameters,
                 step.rank,
                 step.singular_values,
@@ -111,38 +113,44 @@ def iterate(
         )
         largest = history[-1].max_change
         progress((count + 1) / rule.max_iterations, f"{stage} {count + 1}: largest change {largest:.2g}")
-        if largest < rule.tolerance and step.share == 1.0:
-            return _ended(fit, history, state, Ending.CONVERGED)
-    return _ended(fit, history, state, Ending.STILL_MOVING)
+        if largest < rule.tolerance and step.fraction == 1.0:
+            return _finished_path(residuals, history, state, StopReason.CONVERGED)
+    return _finished_path(residuals, history, state, StopReason.STILL_MOVING)
 
 
-def _ended(fit: ModalResiduals, history: list[Iteration], state: State, ending: Ending) -> IterationPath:
-    return IterationPath(tuple(history), state, ending, ending + resting(fit.parameterisation, state.values))
+def _finished_path(
+    residuals: ModalResiduals, history: list[Iteration], state: ModelState, stop_reason: StopReason
+) -> IterationPath:
+    return IterationPath(
+        tuple(history), state, stop_reason, stop_reason + bound_note(residuals.parameterisation, state.values)
+    )
 
 
-def _step(fit: ModalResiduals, state: State, rule: StopRule) -> ParameterStep:
-    sensitivity = fit.sensitivity(state)
+def _linear_step(residuals: ModalResiduals, state: ModelState, rule: StopRule) -> ParameterStep:
+    sensitivity = residuals.sensitivity(state)
     check_sensitivity(sensitivity)
     return bounded_step(
         sensitivity,
         state.difference,
         state.size,
         state.values,
-        fit.parameterisation.bounds,
+        residuals.parameterisation.bounds,
         max_step=rule.max_step,
         jump=rule.jump,
     )
 
 
-def _moved(fit: ModalResiduals, state: State, step: ParameterStep, begun: float) -> State:
+def _next_state(
+    residuals: ModalResiduals, state: ModelState, step: ParameterStep, initial_distance: float
+) -> ModelState:
     try:
-        to = np.clip(state.values + step.parameters, *fit.parameterisation.bounds)
-        after = fit.state(to)
+        coefficients = np.clip(state.values + step.parameters, *residuals.parameterisation.bounds)
+        next_state = residuals.state(coefficients)
     except (UnderdeterminedError, np.linalg.LinAlgError) as error:
         raise DivergedError(str(error)) from error
-    if not after.distance < ASTRAY * max(begun, ROUNDING):
+    if not next_state.distance < ASTRAY * max(initial_distance, ROUNDING):
         raise DivergedError("the model moved away from the measurement")
-    return after
+    return next_state
 
 
 def check_sensitivity(rows: FloatArray) -> None:
@@ -156,7 +164,7 @@ def check_sensitivity(rows: FloatArray) -> None:
         )
 
 
-def resting(parameterisation: Parameterisation, values: FloatArray) -> str:
+def bound_note(parameterisation: Parameterisation, values: FloatArray) -> str:
     """Return how many coefficients (n_params,) rest on a bound, as words to add; nothing if none does."""
-    n = int(np.logical_or(*at_bounds(values, parameterisation.bounds)).sum())
-    return f"; {n} of {len(values)} coefficients rest on a bound" if n else ""
+    n_at_bound = int(np.logical_or(*at_bounds(values, parameterisation.bounds)).sum())
+    return f"; {n_at_bound} of {len(values)} coefficients rest on a bound" if n_at_bound else ""

@@ -23,7 +23,7 @@ class Suspicion:
         object.__setattr__(self, "start", frozen(self.start, float, shape, name="start"))
 
 
-def suspicion(
+def suspect_members(
     parameterisation: Parameterisation, values: FloatArray, threshold: float, damping_threshold: float = 0.008
 ) -> Suspicion | None:
     """Return the members of every macro element whose coefficient moved beyond the threshold, if any.
@@ -38,25 +38,25 @@ def suspicion(
     values
         (n_macros,) where stage one ended.
     """
-    moved = np.abs(values - parameterisation.unchanged)
+    change = np.abs(values - parameterisation.nominal)
     damping = parameterisation.damping
-    enough = np.where(
+    thresholds = np.where(
         damping,
-        _enough(moved[damping], damping_threshold, NOTICEABLE_LOSS),
-        _enough(moved[~damping], threshold, NOTICEABLE),
+        _effective_threshold(change[damping], damping_threshold, NOTICEABLE_LOSS),
+        _effective_threshold(change[~damping], threshold, NOTICEABLE),
     )
     macros: list[MacroElement] = []
     start: list[float] = []
-    for macro, value, far in zip(parameterisation.macros, values, moved > enough, strict=True):
-        if far:
+    for macro, value, is_suspect in zip(parameterisation.macros, values, change > thresholds, strict=True):
+        if is_suspect:
             macros += [MacroElement((number,), macro.part) for number in macro.members]
             start += [float(value)] * len(macro.members)
     if not macros:
         return None
-    inside = Parameterisation(tuple(macros), parameterisation.lower, parameterisation.upper)
-    return Suspicion(inside, np.array(start))
+    refined = Parameterisation(tuple(macros), parameterisation.lower, parameterisation.upper)
+    return Suspicion(refined, np.array(start))
 
 
-def _enough(moved: FloatArray, threshold: float, noticeable: float) -> float:
-    farthest = float(moved.max(initial=0.0))
-    return threshold if farthest > threshold else max(farthest / 2, noticeable)
+def _effective_threshold(change: FloatArray, threshold: float, noticeable: float) -> float:
+    largest = float(change.max(initial=0.0))
+    return threshold if largest > threshold else max(largest / 2, noticeable)

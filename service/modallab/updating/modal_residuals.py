@@ -14,7 +14,7 @@ from modallab.fe.modes import ModalBasis, modal_basis
 from modallab.fe.settings import EIGENSOLUTION
 from modallab.fe.structure import Structure
 from modallab.updating.corrected_model import CorrectedModel
-from modallab.updating.parameterisation import Parameterisation, refuse_loss_factors
+from modallab.updating.parameterisation import Parameterisation, check_no_loss_factors
 from modallab.updating.sensitivity import derivatives
 from modallab.updating.target import TargetModes
 
@@ -35,7 +35,7 @@ class Balance(StrEnum):
 
 
 @dataclass(frozen=True, eq=False)
-class State:
+class ModelState:
     """The model at some coefficients, its modes paired with the measured ones."""
 
     values: FloatArray  # (n_params,)
@@ -43,7 +43,7 @@ class State:
     modes: IntArray  # (n_modes,) column of the basis that pairs with each measured mode
     mac: FloatArray  # (n_modes,)
     # (n_modes, n_modes) orthogonal: modes at one measured frequency are turned to the shapes measured there
-    turn: FloatArray
+    rotation: FloatArray
     # (n_rows,) measured minus model: eigenvalues, then shapes DoF by DoF; of damped modes the real parts
     # of all and then the imaginary ones
     difference: FloatArray
@@ -88,14 +88,14 @@ class ModalResiduals:
         self.parameterisation, self.target, self.min_mac = parameterisation, target, min_mac
         self.model = CorrectedModel(assembly, parameterisation)
         structure = assembly.structure
-        self._planes = () if target.damped else target.at_one_frequency
-        self._held, self._balance = target.held, balance
+        self._planes = () if target.damped else target.repeated_modes
+        self._row_mask, self._balance = target.row_mask, balance
         self._mass_loss = 0.0
         self._latest: FloatArray | None = None  # modes of the last model: the next one's are much like them
         if target.damped:
             self._mass_loss = _mass_loss(structure)
         else:
-            refuse_loss_factors(parameterisation)
+            check_no_loss_factors(parameterisation)
         self._sensors = np.zeros((self.model.size, len(target.dofs)))
         rows = [structure.index(dof) for dof in target.dofs]
         self._sensors[rows, np.arange(len(rows))] = [dof.sign for dof in target.dofs]
@@ -108,24 +108,24 @@ class ModalResiduals:
                 allowed=f"<= {n_rows}",
             )
 
-    def errors(self, state: State) -> FloatArray | None:
+    def errors(self, state: ModelState) -> FloatArray | None:
         """Return standard errors of balanced rows (n_rows,), None where the modes state none."""
         target = self.target
         if target.errors is None:
             return None
-        eigenvalues = np.arange(len(self._held)) % (len(target.squares) * (1 + len(target.dofs)))
-        relative = (eigenvalues < len(target.squares))[self._held]
-        return target.errors[self._held] / np.where(relative, 1.0, state.size)
+        eigenvalues = np.arange(len(self._row_mask)) % (len(target.squares) * (1 + len(target.dofs)))
+        is_eigenvalue = (eigenvalues < len(target.squares))[self._row_mask]
+        return target.errors[self._row_mask] / np.where(is_eigenvalue, 1.0, state.size)
 
     def structure(self, values: FloatArray) -> Structure:
         """Return the structure with its members corrected to `values` (n_params,)."""
         return self.model.structure(values)
 
-    def losses_below_zero(self, values: FloatArray, tolerance: float) -> int:
+    def count_negative_loss_factors(self, values: FloatArray, tolerance: float) -> int:
         """Return how many members have a loss factor below zero at `values` (n_params,)."""
-        return self.model.losses_below_zero(values, tolerance)
+        return self.model.count_negative_loss_factors(values, tolerance)
 
-    def state(self, values: FloatArray) -> State:
+    def state(self, values: FloatArray) -> ModelState:
         """Return the model at `values` (n_params,).
 
         Raises
@@ -139,50 +139,56 @@ class ModalResiduals:
         candidates = candidates[candidates >= basis.n_rigid_body]
         shapes = self._sensors.T @ basis.shapes
         table = self._mac(shapes[:, candidates])
-        away = np.abs(np.log(basis.frequencies[candidates] / target.frequencies[:, None]))
-        partner = dict(pair_modes(table - NEARER * away, self.min_mac))
-        alone = [r for r in range(len(target.squares)) if r not in partner]
-        if alone:
+        log_frequency_ratio = np.abs(np.log(basis.frequencies[candidates] / target.frequencies[:, None]))
+        partner = dict(pair_modes(table - NEARER * log_frequency_ratio, self.min_mac))
+        unpaired = [r for r in range(len(target.squares)) if r not in partner]
+        if unpaired:
             raise UnderdeterminedError(
-                f"measured mode {alone[0] + 1} pairs with no mode of the model",
+                f"measured mode {unpaired[0] + 1} pairs with no mode of the model",
                 field="modes",
-                value=alone[0] + 1,
+                value=unpaired[0] + 1,
                 allowed=f"a MAC of {self.min_mac} with a mode of the model",
             )
-        chosen = np.array([partner[r] for r in range(len(target.squares))])
-        modes = candidates[chosen]
-        turn = self._turn(shapes[:, modes])
-        own = shapes[:, modes] @ turn
-        shape_difference = self._like(own) - own
-        eigenvalues = (turn**2).T @ basis.eigenvalues[modes]  # the diagonal of turn^T Lambda turn
+        columns = np.array([partner[r] for r in range(len(target.squares))])
+        modes = candidates[columns]
+        rotation = self._rotation(shapes[:, modes])
+        paired_shapes = shapes[:, modes] @ rotation
+        shape_difference = self._scaled_to(paired_shapes) - paired_shapes
+        eigenvalues = (rotation**2).T @ basis.eigenvalues[modes]  # the diagonal of turn^T Lambda turn
         squares = eigenvalues.real
-        norms = np.ones(len(squares)) if self._balance is Balance.EIGENVALUES else np.linalg.norm(own, axis=0)
-        size = np.concatenate([squares, np.tile(norms, len(own))])
-        misses = target.squares - (eigenvalues if target.damped else squares)
-        return State(
+        norms = (
+            np.ones(len(squares))
+            if self._balance is Balance.EIGENVALUES
+            else np.linalg.norm(paired_shapes, axis=0)
+        )
+        size = np.concatenate([squares, np.tile(norms, len(paired_shapes))])
+        eigenvalue_difference = target.squares - (eigenvalues if target.damped else squares)
+        return ModelState(
             values=values,
             basis=basis,
             modes=modes,
-            mac=np.diag(mac(target.shapes, own)),
-            turn=turn,
-            difference=self._rows(np.concatenate([misses, shape_difference.ravel()])),
-            size=(np.tile(size, 2) if target.damped else size)[self._held],
+            mac=np.diag(mac(target.shapes, paired_shapes)),
+            rotation=rotation,
+            difference=self._rows(np.concatenate([eigenvalue_difference, shape_difference.ravel()])),
+            size=(np.tile(size, 2) if target.damped else size)[self._row_mask],
         )
 
-    def sensitivity(self, state: State) -> FloatArray:
+    def sensitivity(self, state: ModelState) -> FloatArray:
         """Return the derivatives of the model's rows, (n_rows, n_params)."""
         parts = self.model.parts(state.values, damped=self.target.damped)
-        moved = derivatives(
+        derivative = derivatives(
             state.basis,
             state.modes,
             self._sensors,
             parts,
             self._mass_loss,
             planes=self._planes,
-            turn=state.turn if self._planes else None,
+            rotation=state.rotation if self._planes else None,
         )
         return self._rows(
-            np.concatenate([moved.eigenvalues, moved.shapes.reshape(-1, moved.shapes.shape[2])])
+            np.concatenate(
+                [derivative.eigenvalues, derivative.shapes.reshape(-1, derivative.shapes.shape[2])]
+            )
         )
 
     def _mac(self, shapes: FloatArray | ComplexArray) -> FloatArray:
@@ -190,24 +196,24 @@ class ModalResiduals:
         measured = self.target.shapes
         table = mac(measured, shapes)
         for group in self._planes:
-            inside = np.linalg.qr(measured[:, group])[0].T @ shapes
-            table[group] = (np.abs(inside) ** 2).sum(axis=0) / (np.abs(shapes) ** 2).sum(axis=0)
+            projection = np.linalg.qr(measured[:, group])[0].T @ shapes
+            table[group] = (np.abs(projection) ** 2).sum(axis=0) / (np.abs(shapes) ** 2).sum(axis=0)
         return table
 
-    def _turn(self, own: FloatArray | ComplexArray) -> FloatArray:
+    def _rotation(self, shapes: FloatArray | ComplexArray) -> FloatArray:
         """Return the orthogonal matrix (n_modes, n_modes) that takes modes at one frequency, where shapes
         are any of their plane, to the measured ones: Schoenemann (1966), Psychometrika 31, 1-10."""
-        turn = np.eye(own.shape[1])
+        rotation = np.eye(shapes.shape[1])
         for group in self._planes:
-            u, _, vh = np.linalg.svd(own[:, group].T @ self.target.shapes[:, group])
-            turn[np.ix_(group, group)] = u @ vh
-        return turn
+            u, _, vh = np.linalg.svd(shapes[:, group].T @ self.target.shapes[:, group])
+            rotation[np.ix_(group, group)] = u @ vh
+        return rotation
 
     def _rows(self, values: FloatArray | ComplexArray) -> FloatArray:
         """Return numbers of modes as rows of the equations: coefficients are real, so that both parts of
         a damped mode's are equations of their own."""
         rows = np.concatenate([values.real, values.imag]) if self.target.damped else values.real
-        return rows if self._held.all() else rows[self._held]
+        return rows if self._row_mask.all() else rows[self._row_mask]
 
     def _modes(self, values: FloatArray) -> ModalBasis:
         system = self.model.system(values)
@@ -228,16 +234,16 @@ class ModalResiduals:
             self._latest = basis.remainder.shapes[:, basis.n_rigid_body :]
         return basis
 
-    def _like(self, own: FloatArray | ComplexArray) -> FloatArray | ComplexArray:
+    def _scaled_to(self, shapes: FloatArray | ComplexArray) -> FloatArray | ComplexArray:
         """Return the measured shapes in the sense of the model's, in its scale if they have none.
 
         phi^T M phi = 1 leaves only the sign open; a scale of nobody's choice also turns a complex shape.
         """
         measured = self.target.shapes
-        along = (measured.conj() * own).sum(axis=0)
+        projection = (measured.conj() * shapes).sum(axis=0)
         if self.target.mass_normalised:
-            return measured * np.where(along.real < 0, -1.0, 1.0)
-        return np.asarray(measured * along / (np.abs(measured) ** 2).sum(axis=0))
+            return measured * np.where(projection.real < 0, -1.0, 1.0)
+        return np.asarray(measured * projection / (np.abs(measured) ** 2).sum(axis=0))
 
 
 def _mass_loss(structure: Structure) -> float:

@@ -11,7 +11,7 @@ from modallab.fe.structure import Structure
 from modallab.updating.part import Part
 
 
-def carried(structure: Structure, part: Part) -> dict[int, float]:
+def nodal_values(structure: Structure, part: Part) -> dict[int, float]:
     """Return what nodes carry: masses, kg, springs to ground in a direction, N/m or N m/rad, or joints."""
     if part is Part.JOINT_STIFFNESS:
         return {joint.node: joint.stiffness for joint in structure.joints}
@@ -20,44 +20,45 @@ def carried(structure: Structure, part: Part) -> dict[int, float]:
     else:
         springs = [spring for spring in structure.springs if spring.dof.direction == part.spring]
         pairs = [(spring.dof.node, spring.stiffness) for spring in springs]
-    found: dict[int, float] = {}
+    total: dict[int, float] = {}
     for node, value in pairs:
-        found[node] = found.get(node, 0.0) + value
-    return {node: value for node, value in found.items() if value > 0}
+        total[node] = total.get(node, 0.0) + value
+    return {node: value for node, value in total.items() if value > 0}
 
 
-def refuse_absent(structure: Structure, part: Part, nodes: Iterable[int]) -> None:
+def check_nodal_values(structure: Structure, part: Part, nodes: Iterable[int]) -> None:
     """Raise `InvalidInputError` unless every node carries what a coefficient is to multiply."""
-    known = carried(structure, part)
+    values = nodal_values(structure, part)
     for node in nodes:
-        if node not in known:
+        if node not in values:
             raise InvalidInputError(
-                f"node {node} carries no {part.words} that a coefficient could multiply",
+                f"node {node} carries no {part.label} that a coefficient could multiply",
                 field="attached",
                 value=node,
-                allowed=", ".join(map(str, known)) or f"none: the structure has no {part.words}",
+                allowed=", ".join(map(str, values)) or f"none: the structure has no {part.label}",
             )
 
 
-def multiplied(structure: Structure, part: Part, nodes: Iterable[int], factor: float) -> Structure:
+def with_scaled_nodes(structure: Structure, part: Part, nodes: Iterable[int], factor: float) -> Structure:
     """Return the structure with so many times what some nodes carry."""
-    chosen = set(nodes)
+    numbers = set(nodes)
     if part is Part.POINT_MASS:
         masses = (
-            replace(one, mass=factor * one.mass) if one.node in chosen else one for one in structure.masses
+            replace(point, mass=factor * point.mass) if point.node in numbers else point
+            for point in structure.masses
         )
         return replace(structure, masses=tuple(masses))
     if part is Part.JOINT_STIFFNESS:
         joints = (
-            replace(one, stiffness=factor * one.stiffness) if one.node in chosen else one
-            for one in structure.joints
+            replace(joint, stiffness=factor * joint.stiffness) if joint.node in numbers else joint
+            for joint in structure.joints
         )
         return replace(structure, joints=tuple(joints))
     springs = (
-        replace(one, stiffness=factor * one.stiffness)
-        if one.dof.node in chosen and one.dof.direction == part.spring
-        else one
-        for one in structure.springs
+        replace(spring, stiffness=factor * spring.stiffness)
+        if spring.dof.node in numbers and spring.dof.direction == part.spring
+        else spring
+        for spring in structure.springs
     )
     return replace(structure, springs=tuple(springs))
 
@@ -67,14 +68,14 @@ def node_matrices(structure: Structure, part: Part, nodes: Iterable[int]) -> tup
 
     A mass moves with every translation of its node; a spring is alone in its direction.
     """
-    known = carried(structure, part)
-    wanted = tuple(nodes)
-    rows = np.full((len(wanted), 3), -1)
-    place = {node: i for i, node in enumerate(wanted)}
+    values_by_node = nodal_values(structure, part)
+    numbers = tuple(nodes)
+    rows = np.full((len(numbers), 3), -1)
+    place = {node: i for i, node in enumerate(numbers)}
     for row, dof in enumerate(structure.dofs):
-        own = dof.translational if part is Part.POINT_MASS else dof.direction == part.spring
-        if own and dof.node in place:
+        is_matching = dof.translational if part is Part.POINT_MASS else dof.direction == part.spring
+        if is_matching and dof.node in place:
             slots = rows[place[dof.node]]
             slots[np.flatnonzero(slots < 0)[0]] = row
-    values = np.array([known[node] for node in wanted])
+    values = np.array([values_by_node[node] for node in numbers])
     return values[:, None, None] * np.eye(3), rows

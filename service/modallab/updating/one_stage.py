@@ -7,10 +7,10 @@ from modallab.core.progress import Progress, part
 from modallab.fe.assembly import Assembly
 from modallab.fe.structure import Structure
 from modallab.updating.identifiability import Identifiability, identify
-from modallab.updating.iteration import Ending, IterationPath
+from modallab.updating.iteration import IterationPath, StopReason
 from modallab.updating.method import REGULARISED, Stages, UpdateOptions, UpdateResult
 from modallab.updating.modal_residuals import ModalResiduals
-from modallab.updating.one_stage_path import OneStagePath, Rule, correct, unweighted
+from modallab.updating.one_stage_path import OneStagePath, OneStageRule, correct, least_squares_step
 from modallab.updating.parameterisation import Parameterisation, by_member
 from modallab.updating.quantities import quantities
 from modallab.updating.sampling import sample
@@ -36,39 +36,44 @@ def update_in_one_stage(
         0.0,
         regularised=options.underdetermined == REGULARISED,
     )
-    rule = Rule(Prior(options.prior), options.tolerance, options.max_iterations, options.rank_jump)
+    rule = OneStageRule(Prior(options.prior), options.tolerance, options.max_iterations, options.rank_jump)
     # Draws take much longer than the path to where they begin.
-    corrected_by = 0.1 if options.samples else 1.0
-    whole = _paired(correct(fit, rule, part(progress, 0.0, corrected_by)), options.min_mac)
-    before, path, final = whole.before, whole.path, whole.path.final
-    told = _identified(fit, whole, options)
-    made_sense = path.ending is not Ending.DIVERGED
-    errors_known = made_sense and _judged(fit, told.rank)
+    path_fraction = 0.1 if options.samples else 1.0
+    stage_path = _with_pairing_check(correct(fit, rule, part(progress, 0.0, path_fraction)), options.min_mac)
+    initial, path, final = stage_path.initial, stage_path.iterations, stage_path.iterations.final
+    identifiability = _identifiability(fit, stage_path, options)
+    is_valid = path.stop_reason is not StopReason.DIVERGED
+    has_errors = is_valid and _has_row_errors(fit, identifiability.rank)
     posterior = None
-    if options.samples and made_sense:
-        posterior = sample(fit, whole, options.samples, options.seed, part(progress, corrected_by, 1.0))
+    if options.samples and is_valid:
+        posterior = sample(fit, stage_path, options.samples, options.seed, part(progress, path_fraction, 1.0))
     corrected, parts = fit.structure(final.values), parameterisation.parts
     numbers = [member.number for member in corrected.all_members]
     return UpdateResult(
         structure=corrected,
         coefficients=by_member(parameterisation, final.values, parts=parts, members=numbers),
-        standard_errors=standard_errors(parameterisation, final.values, whole.belief) if errors_known else {},
-        suspected=suspected(parameterisation, final.values, whole.belief),
-        frequencies=Stages(before.frequencies, before.frequencies, final.frequencies, measured.frequencies),
-        mac=Stages(before.mac, before.mac, final.mac),
+        standard_errors=standard_errors(parameterisation, final.values, stage_path.posterior)
+        if has_errors
+        else {},
+        suspected=suspected(parameterisation, final.values, stage_path.posterior),
+        frequencies=Stages(initial.frequencies, initial.frequencies, final.frequencies, measured.frequencies),
+        mac=Stages(initial.mac, initial.mac, final.mac),
         history=path.history,
         converged=path.converged,
-        stopped_because=path.why + whole.weights.missed(whole.belief.scales),
-        rank=told.rank,
-        condition_number=told.condition_number,
-        intervals=told.by_member() if made_sense else {},
-        identifiability=told if made_sense else None,
-        quantities=quantities(structure, parameterisation, final.values, told if made_sense else None),
+        stopped_because=path.explanation
+        + stage_path.weights.misfit_note(stage_path.posterior.block_variances),
+        rank=identifiability.rank,
+        condition_number=identifiability.condition_number,
+        intervals=identifiability.by_member() if is_valid else {},
+        identifiability=identifiability if is_valid else None,
+        quantities=quantities(
+            structure, parameterisation, final.values, identifiability if is_valid else None
+        ),
         posterior=posterior,
     )
 
 
-def _paired(whole: OneStagePath, min_mac: float) -> OneStagePath:
+def _with_pairing_check(stage_path: OneStagePath, min_mac: float) -> OneStagePath:
     """Return the path, diverged if it lost a mode.
 
     Raises
@@ -76,32 +81,43 @@ def _paired(whole: OneStagePath, min_mac: float) -> OneStagePath:
     UnderdeterminedError
         If a measured mode looks like none of the model, before and after.
     """
-    lost = np.flatnonzero(whole.path.final.mac < min_mac)
-    if not lost.size:
-        return whole
-    why = f"measured mode {lost[0] + 1} pairs with no mode of the model"
-    never = np.flatnonzero((whole.path.final.mac < min_mac) & (whole.before.mac < min_mac))
-    if never.size:
+    unpaired = np.flatnonzero(stage_path.iterations.final.mac < min_mac)
+    if not unpaired.size:
+        return stage_path
+    explanation = f"measured mode {unpaired[0] + 1} pairs with no mode of the model"
+    never_paired = np.flatnonzero(
+        (stage_path.iterations.final.mac < min_mac) & (stage_path.initial.mac < min_mac)
+    )
+    if never_paired.size:
         raise UnderdeterminedError(
-            f"measured mode {never[0] + 1} pairs with no mode of the model",
+            f"measured mode {never_paired[0] + 1} pairs with no mode of the model",
             field="modes",
-            value=int(never[0]) + 1,
+            value=int(never_paired[0]) + 1,
             allowed=f"a MAC of {min_mac} with a mode of the model",
         )
-    path = IterationPath(whole.path.history, whole.path.final, Ending.DIVERGED, f"{Ending.DIVERGED}: {why}")
-    return OneStagePath(whole.before, path, whole.belief, whole.weights)
+    path = IterationPath(
+        stage_path.iterations.history,
+        stage_path.iterations.final,
+        StopReason.DIVERGED,
+        f"{StopReason.DIVERGED}: {explanation}",
+    )
+    return OneStagePath(stage_path.initial, path, stage_path.posterior, stage_path.weights)
 
 
-def _identified(fit: ModalResiduals, whole: OneStagePath, options: UpdateOptions) -> Identifiability:
+def _identifiability(
+    fit: ModalResiduals, stage_path: OneStagePath, options: UpdateOptions
+) -> Identifiability:
     """Return what the data say without the prior, each block as uncertain as it turned out to be."""
-    state, belief = whole.path.final, whole.belief
-    errors = np.sqrt(belief.scales[whole.weights.block])
-    rows, missed = (linear.T / errors for linear in whole.weights.rows(fit, state))
-    step = unweighted(rows.T, missed, options.rank_jump)
-    known = np.ones(len(missed)) if _judged(fit, step.rank) else None
-    return identify(fit.parameterisation, state.values, step, missed, known, within=options.identified_within)
+    state, posterior = stage_path.iterations.final, stage_path.posterior
+    errors = np.sqrt(posterior.block_variances[stage_path.weights.block])
+    rows, residual = (linear.T / errors for linear in stage_path.weights.rows(fit, state))
+    step = least_squares_step(rows.T, residual, options.rank_jump)
+    row_errors = np.ones(len(residual)) if _has_row_errors(fit, step.rank) else None
+    return identify(
+        fit.parameterisation, state.values, step, residual, row_errors, within=options.identified_within
+    )
 
 
-def _judged(fit: ModalResiduals, rank: int) -> bool:
+def _has_row_errors(fit: ModalResiduals, rank: int) -> bool:
     """Return whether errors are stated, or more rows than the coefficients meet show how large they are."""
     return fit.target.errors is not None or fit.target.n_rows > rank

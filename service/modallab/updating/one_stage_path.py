@@ -10,14 +10,14 @@ from modallab.core.progress import Progress, silent
 from modallab.updating.iteration import (
     ASTRAY,
     ROUNDING,
-    Ending,
     Iteration,
     IterationPath,
+    StopReason,
+    bound_note,
     check_sensitivity,
-    resting,
 )
-from modallab.updating.log_coefficients import changed, changes, slopes
-from modallab.updating.modal_residuals import ModalResiduals, State
+from modallab.updating.log_coefficients import from_log_changes, log_changes, log_derivatives
+from modallab.updating.modal_residuals import ModalResiduals, ModelState
 from modallab.updating.parameterisation import Parameterisation
 from modallab.updating.solve import ParameterStep, balanced_step
 from modallab.updating.sparse_bayes import Equations, Posterior, Prior, sparse_bayes
@@ -30,7 +30,7 @@ BOUNDS_APART = 4.0  # standard deviations of a prior between the bounds of a coe
 
 
 @dataclass(frozen=True)
-class Rule:
+class OneStageRule:
     """What is held likely before, and when the path ends."""
 
     prior: Prior
@@ -43,13 +43,13 @@ class Rule:
 class OneStagePath:
     """How all coefficients went at once, and what was believed of them at the end."""
 
-    before: State
-    path: IterationPath
-    belief: Posterior  # of their changes, `relative.changes`
+    initial: ModelState
+    iterations: IterationPath
+    posterior: Posterior  # of their changes, `relative.log_changes`
     weights: Weights
 
 
-def correct(fit: ModalResiduals, rule: Rule, progress: Progress = silent) -> OneStagePath:
+def correct(model: ModalResiduals, rule: OneStageRule, progress: Progress = silent) -> OneStagePath:
     """Return the path from no change to where no coefficient moves by the tolerance.
 
     At every step the measured modes are made linear in the logarithms of the coefficients, and the
@@ -63,41 +63,45 @@ def correct(fit: ModalResiduals, rule: Rule, progress: Progress = silent) -> One
     UnderdeterminedError
         If no measured number moves with any coefficient.
     """
-    weights = Weights.of(fit.target)
-    start = state = fit.state(fit.parameterisation.unchanged)
-    begun, history = start.distance, list[Iteration]()
-    may_move = fit.parameterisation
-    belief = opened(may_move, weights.floors, rule.prior)
-    ending, why = Ending.STILL_MOVING, str(Ending.STILL_MOVING)
+    weights = Weights.of(model.target)
+    start = state = model.state(model.parameterisation.nominal)
+    initial_distance, history = start.distance, list[Iteration]()
+    parameterisation = model.parameterisation
+    posterior = initial_posterior(parameterisation, weights.floors, rule.prior)
+    stop_reason, explanation = StopReason.STILL_MOVING, str(StopReason.STILL_MOVING)
     for count in range(rule.max_iterations):
-        rows, missed = weights.rows(fit, state)
+        rows, residual = weights.rows(model, state)
         check_sensitivity(rows)
-        linear = Equations(rows, missed, weights.block, weights.floors)
-        belief = believed(may_move, state.values, linear, rule.prior, belief.widths)
-        wanted = within_bounds(may_move, belief)
+        linear = Equations(rows, residual, weights.block, weights.floors)
+        posterior = linearised_posterior(
+            parameterisation, state.values, linear, rule.prior, posterior.prior_variances
+        )
+        target_changes = bounded_mean(parameterisation, posterior)
         try:
-            after, whole = _walked(fit, state, wanted, begun)
+            next_state, is_full_step = _damped_step(model, state, target_changes, initial_distance)
         except DivergedError as error:
-            ending, why = Ending.DIVERGED, f"{Ending.DIVERGED}: {error}"
+            stop_reason, explanation = StopReason.DIVERGED, f"{StopReason.DIVERGED}: {error}"
             break
-        far = float(np.abs(wanted - changes(fit.parameterisation, state.values)).max())
-        history.append(_record(fit, state, after, unweighted(rows, missed, rule.jump)))
-        state = after
-        progress((count + 1) / rule.max_iterations, f"iteration {count + 1}: largest change {far:.2g}")
-        if far < rule.tolerance and whole:
-            ending, why = Ending.CONVERGED, str(Ending.CONVERGED)
+        largest = float(np.abs(target_changes - log_changes(model.parameterisation, state.values)).max())
+        history.append(_record(model, state, next_state, least_squares_step(rows, residual, rule.jump)))
+        state = next_state
+        progress((count + 1) / rule.max_iterations, f"iteration {count + 1}: largest change {largest:.2g}")
+        if largest < rule.tolerance and is_full_step:
+            stop_reason, explanation = StopReason.CONVERGED, str(StopReason.CONVERGED)
             break
-    if ending is not Ending.DIVERGED:
-        why += resting(may_move, state.values)
-    return OneStagePath(start, IterationPath(tuple(history), state, ending, why), belief, weights)
+    if stop_reason is not StopReason.DIVERGED:
+        explanation += bound_note(parameterisation, state.values)
+    return OneStagePath(
+        start, IterationPath(tuple(history), state, stop_reason, explanation), posterior, weights
+    )
 
 
-def unweighted(rows: FloatArray, missed: FloatArray, jump: float) -> ParameterStep:
+def least_squares_step(rows: FloatArray, residual: FloatArray, jump: float) -> ParameterStep:
     """Return the step that solves rows (n_rows, n_params), in their units already, without any prior."""
-    return balanced_step(rows, missed, np.ones(len(missed)), jump=jump)
+    return balanced_step(rows, residual, np.ones(len(residual)), jump=jump)
 
 
-def opened(parameterisation: Parameterisation, floors: FloatArray, prior: Prior) -> Posterior:
+def initial_posterior(parameterisation: Parameterisation, floors: FloatArray, prior: Prior) -> Posterior:
     """Return what is held likely of changes before the first step.
 
     Parameters
@@ -106,74 +110,82 @@ def opened(parameterisation: Parameterisation, floors: FloatArray, prior: Prior)
         (n_blocks,) least standard deviation of the rows of each block.
     """
     n = len(parameterisation.macros)
-    widths = np.full(n, START)
+    prior_variances = np.full(n, START)
     if prior is Prior.RANGE:
-        lower, upper = (changes(parameterisation, bound) for bound in parameterisation.bounds)
-        widths = ((upper - lower) / BOUNDS_APART) ** 2
-    return Posterior(np.zeros(n), np.diag(widths), widths, floors**2)
+        lower, upper = (log_changes(parameterisation, bound) for bound in parameterisation.bounds)
+        prior_variances = ((upper - lower) / BOUNDS_APART) ** 2
+    return Posterior(np.zeros(n), np.diag(prior_variances), prior_variances, floors**2)
 
 
-def believed(
+def linearised_posterior(
     parameterisation: Parameterisation,
     values: FloatArray,
     linear: Equations,
     prior: Prior,
-    widths: FloatArray,
+    prior_variances: FloatArray,
 ) -> Posterior:
     """Return what data made linear at `values`, and the prior, say of all changes from the start.
 
     Parameters
     ----------
-    values, widths
+    values, prior_variances
         (n_params,) where the coefficients are, and what the prior's variances are looked for from.
     linear
         Derivatives by the coefficients, and what the model misses.
     """
-    rows = linear.matrix * slopes(parameterisation, values)
-    wanted = linear.values + rows @ changes(parameterisation, values)
-    equations = Equations(rows, wanted, linear.block, linear.floors)
-    return sparse_bayes(equations, prior, widths, linear.sizes)
+    rows = linear.matrix * log_derivatives(parameterisation, values)
+    residual = linear.values + rows @ log_changes(parameterisation, values)
+    equations = Equations(rows, residual, linear.block, linear.floors)
+    return sparse_bayes(equations, prior, prior_variances, linear.mean_squares)
 
 
-def within_bounds(parameterisation: Parameterisation, belief: Posterior) -> FloatArray:
+def bounded_mean(parameterisation: Parameterisation, posterior: Posterior) -> FloatArray:
     """Return the changes most likely within their bounds: those beyond stay there, the others given that."""
-    lower, upper = (changes(parameterisation, bound) for bound in parameterisation.bounds)
-    wanted, held = belief.mean, np.zeros(len(belief.mean), bool)
-    while (out := ~held & ((wanted < lower) | (wanted > upper))).any():
-        held |= out
-        ends = np.clip(belief.mean, lower, upper)[held] - belief.mean[held]
+    lower, upper = (log_changes(parameterisation, bound) for bound in parameterisation.bounds)
+    mean, at_bound = posterior.mean, np.zeros(len(posterior.mean), bool)
+    while (is_outside := ~at_bound & ((mean < lower) | (mean > upper))).any():
+        at_bound |= is_outside
+        excess = np.clip(posterior.mean, lower, upper)[at_bound] - posterior.mean[at_bound]
         # least squares: coefficients that only show together have a singular covariance
-        given = np.linalg.lstsq(belief.covariance[np.ix_(held, held)], ends, rcond=None)[0]
-        wanted = belief.mean + belief.covariance[:, held] @ given
-    return np.asarray(np.clip(wanted, lower, upper))
+        multipliers = np.linalg.lstsq(posterior.covariance[np.ix_(at_bound, at_bound)], excess, rcond=None)[0]
+        mean = posterior.mean + posterior.covariance[:, at_bound] @ multipliers
+    return np.asarray(np.clip(mean, lower, upper))
 
 
-def _walked(fit: ModalResiduals, state: State, wanted: FloatArray, begun: float) -> tuple[State, bool]:
+def _damped_step(
+    model: ModalResiduals, state: ModelState, target_changes: FloatArray, initial_distance: float
+) -> tuple[ModelState, bool]:
     """Return the model a step nearer to what is wanted, and whether it is there."""
-    now = changes(fit.parameterisation, state.values)
-    share = min(1.0, DOUBLED / max(float(np.abs(wanted - now).max()), DOUBLED))
-    why = "the model moved away from the measurement"
+    current_changes = log_changes(model.parameterisation, state.values)
+    fraction = min(1.0, DOUBLED / max(float(np.abs(target_changes - current_changes).max()), DOUBLED))
+    explanation = "the model moved away from the measurement"
     for _ in range(TRIES):
-        to = wanted if share == 1.0 else now + share * (wanted - now)
+        step_changes = (
+            target_changes
+            if fraction == 1.0
+            else current_changes + fraction * (target_changes - current_changes)
+        )
         try:
-            after = fit.state(changed(fit.parameterisation, to))
-            if after.distance < ASTRAY * max(begun, ROUNDING):
-                return after, share == 1.0
+            next_state = model.state(from_log_changes(model.parameterisation, step_changes))
+            if next_state.distance < ASTRAY * max(initial_distance, ROUNDING):
+                return next_state, fraction == 1.0
         except (UnderdeterminedError, np.linalg.LinAlgError) as error:
-            why = str(error)
-        share *= SHORTER
-    raise DivergedError(why)
+            explanation = str(error)
+        fraction *= SHORTER
+    raise DivergedError(explanation)
 
 
-def _record(fit: ModalResiduals, before: State, after: State, solved: ParameterStep) -> Iteration:
+def _record(
+    model: ModalResiduals, previous_state: ModelState, next_state: ModelState, step: ParameterStep
+) -> Iteration:
     return Iteration(
         "updating",
-        fit.parameterisation.macros,
-        after.values - before.values,
-        solved.rank,
-        solved.singular_values,
-        solved.condition_number,
-        after.values,
-        after.frequencies,
-        after.mac,
+        model.parameterisation.macros,
+        next_state.values - previous_state.values,
+        step.rank,
+        step.singular_values,
+        step.condition_number,
+        next_state.values,
+        next_state.frequencies,
+        next_state.mac,
     )

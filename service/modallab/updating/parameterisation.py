@@ -10,9 +10,9 @@ from modallab.core.errors import InvalidInputError
 from modallab.fe.assembly import Coefficients
 from modallab.fe.section_size import size
 from modallab.fe.structure import Structure
-from modallab.updating.nodal_elements import carried, refuse_absent
+from modallab.updating.nodal_elements import check_nodal_values, nodal_values
 from modallab.updating.part import Part as Part
-from modallab.updating.part import refuse_clash
+from modallab.updating.part import check_part_overlap
 
 # Loss factors that may be added: on the way to a solution some pass below zero, and none is far above 1.
 LOSS_FACTORS = (-1.0, 2.0)
@@ -29,7 +29,7 @@ class MacroElement:
     part: Part
 
     def __str__(self) -> str:
-        return f"{self.part} of {'node ' * self.part.at_node}{', '.join(map(str, self.members))}"
+        return f"{self.part} of {'node ' * self.part.is_nodal}{', '.join(map(str, self.members))}"
 
 
 @dataclass(frozen=True)
@@ -61,13 +61,13 @@ class Parameterisation:
                 value=self.lower if not 0 < self.lower < 1 else self.upper,
                 allowed="0 < lower < 1 < upper",
             )
-        seen: dict[int, list[Part]] = {}
+        parts_of_member: dict[int, list[Part]] = {}
         for macro in self.macros:
             for number in macro.members:
-                others = seen.setdefault(number, [])
-                for other in others:
-                    refuse_clash(number, macro.part, other)
-                others.append(macro.part)
+                parts = parts_of_member.setdefault(number, [])
+                for part in parts:
+                    check_part_overlap(number, macro.part, part)
+                parts.append(macro.part)
 
     @property
     def parts(self) -> tuple[Part, ...]:
@@ -80,9 +80,9 @@ class Parameterisation:
         return np.array([macro.part is Part.DAMPING for macro in self.macros])
 
     @property
-    def unchanged(self) -> FloatArray:
+    def nominal(self) -> FloatArray:
         """(n_macros,) coefficients that leave the model as it is."""
-        return np.array([macro.part.unchanged for macro in self.macros])
+        return np.array([macro.part.nominal for macro in self.macros])
 
     @property
     def bounds(self) -> tuple[FloatArray, FloatArray]:
@@ -102,13 +102,13 @@ class Parameterisation:
         place = {member.number: i for i, member in enumerate(structure.all_members)}
         table = np.zeros((len(self.macros), len(place)))
         for row, macro in enumerate(self.macros):
-            if macro.part.at_node:
-                refuse_absent(structure, macro.part, macro.members)
+            if macro.part.is_nodal:
+                check_nodal_values(structure, macro.part, macro.members)
                 continue
             for number in macro.members:
                 member = structure.member(number)
-                if macro.part.shape:
-                    size(member, macro.part.shape, field="parts")
+                if macro.part.section_size:
+                    size(member, macro.part.section_size, field="parts")
                 table[row, place[member.number]] = 1.0
         return table
 
@@ -119,7 +119,7 @@ def parameterise(
     *,
     lower: float = 0.05,
     upper: float = 10.0,
-    also: tuple[MacroElement, ...] = (),
+    nodal: tuple[MacroElement, ...] = (),
 ) -> Parameterisation:
     """Return one macro element for every group of members and every part, and what else there is.
 
@@ -128,21 +128,21 @@ def parameterise(
     InvalidInputError
         If a part is unknown, or a group holds nothing or the same member twice.
     """
-    known = [part for part in Part if not part.at_node]
+    element_parts = [part for part in Part if not part.is_nodal]
     for part in parts:
-        if part not in known:
+        if part not in element_parts:
             raise InvalidInputError(
-                f"elements have no part {part!r}", field="parts", value=part, allowed=", ".join(known)
+                f"elements have no part {part!r}", field="parts", value=part, allowed=", ".join(element_parts)
             )
     members = [tuple(int(number) for number in group) for group in groups]
     if not all(members):
         raise InvalidInputError("a macro element has no member", field="macros", value="[]", allowed=">= 1")
     macros = tuple(MacroElement(group, Part(part)) for part in parts for group in members)
-    return Parameterisation((*macros, *also), lower, upper)
+    return Parameterisation((*macros, *nodal), lower, upper)
 
 
 def at_nodes(
-    structure: Structure, chosen: Mapping[str, Iterable[Sequence[int]] | None]
+    structure: Structure, groups_by_part: Mapping[str, Iterable[Sequence[int]] | None]
 ) -> tuple[MacroElement, ...]:
     """Return macro elements of what nodes carry, by part: groups of nodes, or None for each node by itself.
 
@@ -151,27 +151,27 @@ def at_nodes(
     InvalidInputError
         If nodes carry no such thing.
     """
-    known = {part.value: part for part in Part if part.at_node}
-    found = []
-    for name, groups in chosen.items():
-        if name not in known:
+    nodal_parts = {part.value: part for part in Part if part.is_nodal}
+    macros = []
+    for name, groups in groups_by_part.items():
+        if name not in nodal_parts:
             raise InvalidInputError(
-                f"nodes carry no {name!r}", field="attached", value=name, allowed=", ".join(known)
+                f"nodes carry no {name!r}", field="attached", value=name, allowed=", ".join(nodal_parts)
             )
-        part = known[name]
-        each = [(node,) for node in carried(structure, part)] if groups is None else list(groups)
-        if not each or not all(each):
+        part = nodal_parts[name]
+        node_groups = [(node,) for node in nodal_values(structure, part)] if groups is None else list(groups)
+        if not node_groups or not all(node_groups):
             raise InvalidInputError(
-                f"no node carries a {part.words}" if groups is None else f"{name} is of no node",
+                f"no node carries a {part.label}" if groups is None else f"{name} is of no node",
                 field="attached",
                 value=name,
-                allowed="nodes: " + (", ".join(map(str, carried(structure, part))) or "none"),
+                allowed="nodes: " + (", ".join(map(str, nodal_values(structure, part))) or "none"),
             )
-        found += [MacroElement(tuple(int(node) for node in group), part) for group in each]
-    return tuple(found)
+        macros += [MacroElement(tuple(int(node) for node in group), part) for group in node_groups]
+    return tuple(macros)
 
 
-def refuse_loss_factors(parameterisation: Parameterisation) -> None:
+def check_no_loss_factors(parameterisation: Parameterisation) -> None:
     """Raise `InvalidInputError` if real modes are to say what a loss factor is."""
     if parameterisation.damping.any():
         raise InvalidInputError(
@@ -182,7 +182,7 @@ def refuse_loss_factors(parameterisation: Parameterisation) -> None:
         )
 
 
-def spread_over_members(
+def member_coefficients(
     parameterisation: Parameterisation, groups: FloatArray, values: FloatArray, base: Coefficients
 ) -> Coefficients:
     """Return what multiplies each member's parts: the structure's own factors times the coefficients.
@@ -204,7 +204,7 @@ def spread_over_members(
     for macro, row, value in zip(parameterisation.macros, groups, values, strict=True):
         if macro.part is Part.DAMPING:
             added[row > 0] += value
-        elif macro.part.shape is None and not macro.part.at_node:
+        elif macro.part.section_size is None and not macro.part.is_nodal:
             for name in macro.part.matrices:
                 factors[name][row > 0] *= value
     return Coefficients(
@@ -227,7 +227,7 @@ def by_member(
     What nodes carry is by their numbers.
     """
     numbers = tuple(members)
-    table = {part.value: dict.fromkeys(() if part.at_node else numbers, part.unchanged) for part in parts}
+    table = {part.value: dict.fromkeys(() if part.is_nodal else numbers, part.nominal) for part in parts}
     for macro, value in zip(parameterisation.macros, values, strict=True):
         table[macro.part.value].update(dict.fromkeys(macro.members, float(value)))
     return table

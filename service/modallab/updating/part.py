@@ -34,12 +34,12 @@ class Part(StrEnum):
     JOINT_STIFFNESS = "joint_stiffness"  # of a joint at a node
 
     @property
-    def words(self) -> str:
+    def label(self) -> str:
         """Its name as words."""
         return f"ground spring {self.spring}" if self.spring else self.value.replace("_", " ")
 
     @property
-    def at_node(self) -> bool:
+    def is_nodal(self) -> bool:
         """True of what nodes carry, False of what belongs to members."""
         return self in (Part.POINT_MASS, Part.JOINT_STIFFNESS) or self.spring is not None
 
@@ -50,27 +50,27 @@ class Part(StrEnum):
         return direction.upper() if prefix == "ground_spring" else None
 
     @property
-    def physical(self) -> bool:
+    def is_property(self) -> bool:
         """True of a property of the member, False of what multiplies or joins its matrices."""
-        return self in (Part.DENSITY, Part.MODULUS) or self.shape is not None
+        return self in (Part.DENSITY, Part.MODULUS) or self.section_size is not None
 
     @property
-    def shape(self) -> SectionSize | None:
+    def section_size(self) -> SectionSize | None:
         """The size of the member that it is, None of what leaves section and thickness as they are."""
         return SectionSize(self.value) if self.value in tuple(SectionSize) else None
 
     @property
     def matrices(self) -> tuple[str, ...]:
         """Matrices of an element that move with it."""
-        return _MOVES.get(self, (self.value,))
+        return _MATRICES_BY_PART.get(self, (self.value,))
 
     @property
-    def unchanged(self) -> float:
+    def nominal(self) -> float:
         """Coefficient that leaves the model as it is."""
         return 0.0 if self is Part.DAMPING else 1.0
 
 
-_MOVES = {
+_MATRICES_BY_PART = {
     Part.STIFFNESS: ("axial", "bending"),
     Part.DENSITY: ("mass",),
     Part.MODULUS: ("axial", "bending"),
@@ -80,19 +80,22 @@ _MOVES = {
 }
 
 
-def refuse_clash(number: int, part: Part, other: Part) -> None:
+def check_part_overlap(number: int, part: Part, other_part: Part) -> None:
     """Raise `InvalidInputError` if a member cannot have coefficients of both parts.
 
     Properties may share a matrix: which of them is wrong, other matrices or nothing may tell.
     """
-    shared = next((matrix for matrix in part.matrices if matrix in other.matrices), None)
-    if shared is None or (part is not other and part.physical and other.physical):
+    common_matrix = next((matrix for matrix in part.matrices if matrix in other_part.matrices), None)
+    if common_matrix is None or (part is not other_part and part.is_property and other_part.is_property):
         return
-    has = f"two coefficients of its {part.words}"
-    if part is not other:
-        has = f"coefficients of {other.words} and of {part.words}, which both move its {shared} matrix"
+    clash = f"two coefficients of its {part.label}"
+    if part is not other_part:
+        clash = (
+            f"coefficients of {other_part.label} and of {part.label}, "
+            f"which both move its {common_matrix} matrix"
+        )
     raise InvalidInputError(
-        f"{'node' if part.at_node else 'member'} {number} has {has}",
+        f"{'node' if part.is_nodal else 'member'} {number} has {clash}",
         field="macros",
         value=number,
         allowed="each member once for a part, and either its matrices or properties that move these",

@@ -27,19 +27,19 @@ def automatic_groups(structure: Structure) -> Groups:
     be. Seven make 4 + 3, as the thesis divides its bars. Where these would be more than 60, connected
     parts as of `partitioned` take their place.
     """
-    named, unnamed = tuple(structure.groups.values()), _runs(structure)
-    if len(unnamed) > MOST_RUNS:
-        unnamed = _parts([m for m in structure.all_members if not m.group], MOST_RUNS)
-    return (*named, *unnamed)
+    named_members, runs = tuple(structure.groups.values()), _runs(structure)
+    if len(runs) > MOST_RUNS:
+        runs = _connected_parts([m for m in structure.all_members if not m.group], MOST_RUNS)
+    return (*named_members, *runs)
 
 
 def property_groups(structure: Structure) -> Groups:
     """Return macro elements by what members are: one a name of a group, and of others one a section or
     thickness with its material."""
-    found: dict[object, list[int]] = {}
+    numbers_by_property: dict[object, list[int]] = {}
     for member in structure.all_members:
-        found.setdefault(member.group or _made_of(member), []).append(member.number)
-    return tuple(tuple(numbers) for numbers in found.values())
+        numbers_by_property.setdefault(member.group or _property_key(member), []).append(member.number)
+    return tuple(tuple(numbers) for numbers in numbers_by_property.values())
 
 
 def partitioned(structure: Structure, count: int | None = None) -> Groups:
@@ -67,10 +67,10 @@ def partitioned(structure: Structure, count: int | None = None) -> Groups:
             value=count,
             allowed=f"1 to {len(members)}",
         )
-    return _parts(members, count)
+    return _connected_parts(members, count)
 
 
-def named_groups(structure: Structure, chosen: Iterable[str | Sequence[int]]) -> list[Sequence[int]]:
+def named_groups(structure: Structure, groups: Iterable[str | Sequence[int]]) -> list[Sequence[int]]:
     """Return groups of members by number, some of which were chosen by their names in the structure.
 
     Raises
@@ -78,25 +78,26 @@ def named_groups(structure: Structure, chosen: Iterable[str | Sequence[int]]) ->
     InvalidInputError
         If the structure has no group of a name.
     """
-    known = structure.groups
-    for one in chosen:
-        if isinstance(one, str) and one not in known:
+    groups_by_name = structure.groups
+    for group in groups:
+        if isinstance(group, str) and group not in groups_by_name:
             raise InvalidInputError(
-                f"the structure has no group {one!r}",
+                f"the structure has no group {group!r}",
                 field="macros",
-                value=one,
-                allowed=", ".join(list(known)[:50]) or "members by number: this structure has no groups",
+                value=group,
+                allowed=", ".join(list(groups_by_name)[:50])
+                or "members by number: this structure has no groups",
             )
-    return [known[one] if isinstance(one, str) else one for one in chosen]
+    return [groups_by_name[group] if isinstance(group, str) else group for group in groups]
 
 
-def _parts(members: Sequence[AnyMember], count: int) -> Groups:
+def _connected_parts(members: Sequence[AnyMember], count: int) -> Groups:
     numbers = np.array([member.number for member in members])
-    parts = graph_parts(_graph(members), count)
+    parts = graph_parts(_member_graph(members), count)
     return tuple(tuple(numbers[part].tolist()) for part in parts)
 
 
-def _graph(members: Sequence[AnyMember]) -> csr_array:
+def _member_graph(members: Sequence[AnyMember]) -> csr_array:
     """Return the weights (n, n) that join members: the square of how many nodes they share.
 
     So plates along a side hold together more than those that meet at a corner.
@@ -105,16 +106,20 @@ def _graph(members: Sequence[AnyMember]) -> csr_array:
     row, node = np.array(ends).T
     _, column = np.unique(node, return_inverse=True)
     at_nodes = csr_array((np.ones(len(row)), (row, column)))
-    shared = (at_nodes @ at_nodes.T).tocoo()
+    common_nodes = (at_nodes @ at_nodes.T).tocoo()
     kinds: dict[object, int] = {}
-    kind = np.array([kinds.setdefault(member.group or _made_of(member), len(kinds)) for member in members])
-    alike = np.where(kind[shared.row] == kind[shared.col], 1.0, UNLIKE)
-    apart = shared.row != shared.col
-    weights = (shared.data**2 * alike)[apart]
-    return csr_array((weights, (shared.row[apart], shared.col[apart])), shape=shared.shape)
+    kind = np.array(
+        [kinds.setdefault(member.group or _property_key(member), len(kinds)) for member in members]
+    )
+    similarity = np.where(kind[common_nodes.row] == kind[common_nodes.col], 1.0, UNLIKE)
+    off_diagonal = common_nodes.row != common_nodes.col
+    weights = (common_nodes.data**2 * similarity)[off_diagonal]
+    return csr_array(
+        (weights, (common_nodes.row[off_diagonal], common_nodes.col[off_diagonal])), shape=common_nodes.shape
+    )
 
 
-def _made_of(member: AnyMember) -> object:
+def _property_key(member: AnyMember) -> object:
     if isinstance(member, MatrixElement):
         return MatrixElement
     size = (member.section, member.element) if isinstance(member, Member) else member.thickness
@@ -128,31 +133,40 @@ def _runs(structure: Structure) -> Groups:
         for node in member.nodes:
             at_node[node] = at_node.get(node, 0) + 1
 
-    def continues(one: AnyMember, other: AnyMember) -> bool:
-        shared = set(one.nodes) & set(other.nodes)
-        if not isinstance(one, Member) or not isinstance(other, Member):
-            return type(one) is type(other) and len(shared) > 1
-        alike = (one.section, one.material, one.element) == (other.section, other.material, other.element)
-        return len(shared) == 1 and at_node[shared.pop()] == 2 and alike and _aligned(structure, one, other)
+    def continues(previous: AnyMember, member: AnyMember) -> bool:
+        common_nodes = set(previous.nodes) & set(member.nodes)
+        if not isinstance(previous, Member) or not isinstance(member, Member):
+            return type(previous) is type(member) and len(common_nodes) > 1
+        same_property = (previous.section, previous.material, previous.element) == (
+            member.section,
+            member.material,
+            member.element,
+        )
+        return (
+            len(common_nodes) == 1
+            and at_node[common_nodes.pop()] == 2
+            and same_property
+            and _aligned(structure, previous, member)
+        )
 
     runs: list[list[AnyMember]] = []
-    last: AnyMember | None = None
+    previous_member: AnyMember | None = None
     for member in structure.all_members:
         if member.group:
-            last = None
+            previous_member = None
             continue
-        if last is not None and continues(last, member):
+        if previous_member is not None and continues(previous_member, member):
             runs[-1].append(member)
         else:
             runs.append([member])
-        last = member
+        previous_member = member
     pieces = (np.array_split([m.number for m in run], -(-len(run) // RUN_LENGTH)) for run in runs)
     return tuple(tuple(int(number) for number in piece) for run in pieces for piece in run)
 
 
-def _aligned(structure: Structure, one: Member, other: Member) -> bool:
+def _aligned(structure: Structure, first: Member, second: Member) -> bool:
     def direction(member: Member) -> FloatArray:
         start, end = (np.array(structure.nodes[n]) for n in member.nodes)
         return np.asarray((end - start) / structure.length(member))
 
-    return bool(abs(abs(direction(one) @ direction(other)) - 1.0) < 1e-9)
+    return bool(abs(abs(direction(first) @ direction(second)) - 1.0) < 1e-9)

@@ -16,19 +16,21 @@ class PosteriorSample:
     draws: FloatArray  # (n_draws, n_free) coefficients
     log_density: FloatArray  # (n_draws,) of the posterior of their changes, up to a constant
     acceptance: float  # share of steps that were taken
-    correlation: FloatArray  # (n_free,) draws of a chain that count as one, integrated autocorrelation
+    autocorrelation_time: (
+        FloatArray  # (n_free,) draws of a chain that count as one, integrated autocorrelation
+    )
     n_chains: int
 
     def __post_init__(self) -> None:
         n = len(self.macros)
         object.__setattr__(self, "draws", frozen(self.draws, float, (None, n), name="draws"))
-        for name, shape in (("log_density", (len(self.draws),)), ("correlation", (n,))):
+        for name, shape in (("log_density", (len(self.draws),)), ("autocorrelation_time", (n,))):
             object.__setattr__(self, name, frozen(getattr(self, name), float, shape, name=name))
 
     @property
     def effective(self) -> FloatArray:
         """(n_free,) how many independent draws these are worth."""
-        return np.asarray(len(self.draws) / np.maximum(self.correlation, 1.0))
+        return np.asarray(len(self.draws) / np.maximum(self.autocorrelation_time, 1.0))
 
     @property
     def intervals(self) -> FloatArray:

@@ -7,7 +7,7 @@ from modallab.fe.members import AnyMember, MatrixElement
 from modallab.fe.section_size import size
 from modallab.fe.structure import Structure
 from modallab.updating.identifiability import Identifiability
-from modallab.updating.nodal_elements import carried
+from modallab.updating.nodal_elements import nodal_values
 from modallab.updating.parameterisation import Parameterisation, Part
 
 UNITS = {
@@ -44,7 +44,7 @@ def quantities(
     structure: Structure,
     parameterisation: Parameterisation,
     values: FloatArray,
-    told: Identifiability | None = None,
+    identifiability: Identifiability | None = None,
 ) -> tuple[Quantity, ...]:
     """Return what the coefficients of properties make of these; those that members do not share are left out.
 
@@ -54,44 +54,52 @@ def quantities(
         The model before.
     values
         (n_params,) coefficients.
-    told
+    identifiability
         What the data say of them, if that is known.
     """
-    found = []
+    converted = []
     for i, macro in enumerate(parameterisation.macros):
-        known = macro.part.physical or macro.part.at_node
-        before = _shared(structure, macro.members, macro.part) if known else None
-        if before is not None:
+        has_unit = macro.part.is_property or macro.part.is_nodal
+        initial_value = _common_value(structure, macro.members, macro.part) if has_unit else None
+        if initial_value is not None:
             interval = None
-            if told is not None:
-                low, high = before * told.intervals[i]
+            if identifiability is not None:
+                low, high = initial_value * identifiability.intervals[i]
                 interval = (float(low), float(high))
-            after = before * float(values[i])
-            found.append(Quantity(macro.part, macro.members, UNITS[macro.part], before, after, interval))
-    return tuple(found)
+            updated_value = initial_value * float(values[i])
+            converted.append(
+                Quantity(macro.part, macro.members, UNITS[macro.part], initial_value, updated_value, interval)
+            )
+    return tuple(converted)
 
 
-def _shared(structure: Structure, members: tuple[int, ...], part: Part) -> float | None:
+def _common_value(structure: Structure, members: tuple[int, ...], part: Part) -> float | None:
     """Return the value that all members have, None if there is none."""
-    own: list[float | None]
-    if part.at_node:
-        at_nodes = carried(structure, part)
-        own = [at_nodes[node] for node in members]
+    values: list[float | None]
+    if part.is_nodal:
+        values_by_node = nodal_values(structure, part)
+        values = [values_by_node[node] for node in members]
     else:
-        own = [_value(structure.member(number), part) for number in members]
-    known = [value for value in own if value is not None]
-    if len(known) < len(own) or max(known) - min(known) > ALIKE * max(known):
+        values = [_property_value(structure.member(number), part) for number in members]
+    finite_values = [value for value in values if value is not None]
+    if len(finite_values) < len(values) or max(finite_values) - min(finite_values) > ALIKE * max(
+        finite_values
+    ):
         return None
-    return known[0]
+    return finite_values[0]
 
 
-def _value(member: AnyMember, part: Part) -> float | None:
+def _property_value(member: AnyMember, part: Part) -> float | None:
     """Return a member's property with the factors that it carries; None of one given by its matrices."""
-    if part.shape is not None:
-        return size(member, part.shape)
+    if part.section_size is not None:
+        return size(member, part.section_size)
     if isinstance(member, MatrixElement):
         return None
     if part is Part.DENSITY:
         return member.mass_factor * member.material.density
-    one, other = member.axial_factor, member.bending_factor
-    return member.material.modulus * one if abs(one - other) <= ALIKE * one else None
+    axial_factor, bending_factor = member.axial_factor, member.bending_factor
+    return (
+        member.material.modulus * axial_factor
+        if abs(axial_factor - bending_factor) <= ALIKE * axial_factor
+        else None
+    )

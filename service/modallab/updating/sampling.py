@@ -8,7 +8,7 @@ import numpy as np
 from modallab.core.arrays import FloatArray, IntArray
 from modallab.core.errors import MissingExtraError, UnderdeterminedError
 from modallab.core.progress import Progress, silent
-from modallab.updating.log_coefficients import changed, changes
+from modallab.updating.log_coefficients import from_log_changes, log_changes
 from modallab.updating.modal_residuals import ModalResiduals
 from modallab.updating.one_stage_path import OneStagePath
 from modallab.updating.posterior import PosteriorSample
@@ -39,7 +39,7 @@ def require_sampler() -> Any:
 
 
 def sample(
-    fit: ModalResiduals, whole: OneStagePath, n_draws: int, seed: int, progress: Progress = silent
+    fit: ModalResiduals, stage_path: OneStagePath, n_draws: int, seed: int, progress: Progress = silent
 ) -> PosteriorSample:
     """Return draws from the posterior of an update's coefficients by the model itself, not made linear.
 
@@ -63,7 +63,7 @@ def sample(
         If the prior leaves no coefficient free.
     """
     emcee = require_sampler()
-    free = np.flatnonzero(whole.belief.kept)
+    free = np.flatnonzero(stage_path.posterior.is_active)
     if not free.size:
         raise UnderdeterminedError(
             "the prior leaves no coefficient free: there is nothing to sample",
@@ -71,81 +71,89 @@ def sample(
             value=n_draws,
             allowed="the prior `common` or `range`",
         )
-    density = _density(fit, whole, free)
+    log_density = _log_posterior(fit, stage_path, free)
     rng = np.random.default_rng(seed)
     n_chains = 2 * -(-max(FEWEST_WALKERS, int(WALKERS * len(free))) // 2)
-    begin = _start(fit, whole, free, n_chains, rng)
-    mixed = [(emcee.moves.DEMove(), 0.8), (emcee.moves.DESnookerMove(), 0.2)]
-    sampler = emcee.EnsembleSampler(n_chains, len(free), density, moves=mixed)
-    state = emcee.State(begin, random_state=np.random.RandomState(rng.integers(2**32)).get_state())
-    kept = -(-n_draws // n_chains)
-    settling = int(SETTLING * kept) + 1
-    for i, _ in enumerate(sampler.sample(state, iterations=settling + kept, skip_initial_state_check=True)):
-        progress((i + 1) / (settling + kept), f"draw {(i + 1) * n_chains}")
-    drawn = sampler.get_chain(discard=settling, flat=True)
+    initial_chains = _initial_chains(fit, stage_path, free, n_chains, rng)
+    moves = [(emcee.moves.DEMove(), 0.8), (emcee.moves.DESnookerMove(), 0.2)]
+    sampler = emcee.EnsembleSampler(n_chains, len(free), log_density, moves=moves)
+    state = emcee.State(initial_chains, random_state=np.random.RandomState(rng.integers(2**32)).get_state())
+    n_steps = -(-n_draws // n_chains)
+    n_burn_in = int(SETTLING * n_steps) + 1
+    for i, _ in enumerate(
+        sampler.sample(state, iterations=n_burn_in + n_steps, skip_initial_state_check=True)
+    ):
+        progress((i + 1) / (n_burn_in + n_steps), f"draw {(i + 1) * n_chains}")
+    chain = sampler.get_chain(discard=n_burn_in, flat=True)
     return PosteriorSample(
         macros=tuple(fit.parameterisation.macros[i] for i in free),
-        draws=np.array([_coefficients(fit, free, one)[free] for one in drawn]),
-        log_density=sampler.get_log_prob(discard=settling, flat=True),
+        draws=np.array([_coefficients(fit, free, point)[free] for point in chain]),
+        log_density=sampler.get_log_prob(discard=n_burn_in, flat=True),
         acceptance=float(np.mean(sampler.acceptance_fraction)),
-        correlation=_correlation(sampler.get_chain(discard=settling), emcee.autocorr.integrated_time),
+        autocorrelation_time=_autocorrelation_time(
+            sampler.get_chain(discard=n_burn_in), emcee.autocorr.integrated_time
+        ),
         n_chains=n_chains,
     )
 
 
-def _coefficients(fit: ModalResiduals, free: IntArray, own: FloatArray) -> FloatArray:
+def _coefficients(fit: ModalResiduals, free: IntArray, free_changes: FloatArray) -> FloatArray:
     """Return coefficients (n_params,) from the changes (n_free,) of those that are free."""
-    every = np.zeros(len(fit.parameterisation.macros))
-    every[free] = own
-    return changed(fit.parameterisation, every)
+    all_changes = np.zeros(len(fit.parameterisation.macros))
+    all_changes[free] = free_changes
+    return from_log_changes(fit.parameterisation, all_changes)
 
 
-def _limits(fit: ModalResiduals, free: IntArray) -> tuple[FloatArray, FloatArray]:
-    lower, upper = (changes(fit.parameterisation, bound)[free] for bound in fit.parameterisation.bounds)
+def _change_bounds(fit: ModalResiduals, free: IntArray) -> tuple[FloatArray, FloatArray]:
+    lower, upper = (log_changes(fit.parameterisation, bound)[free] for bound in fit.parameterisation.bounds)
     return lower, upper
 
 
-def _density(fit: ModalResiduals, whole: OneStagePath, free: IntArray) -> Callable[[FloatArray], float]:
+def _log_posterior(
+    fit: ModalResiduals, stage_path: OneStagePath, free: IntArray
+) -> Callable[[FloatArray], float]:
     """Return the logarithm of the posterior of changes (n_free,), up to a constant."""
-    belief, weights, final = whole.belief, whole.weights, whole.path.final
+    posterior, weights, final = stage_path.posterior, stage_path.weights, stage_path.iterations.final
     # Errors are those of the data: what the model's own eigenvalues balance them by stays where it ended.
-    unit = final.size * weights.units * np.sqrt(belief.scales[weights.block])
-    widths = belief.widths[free]
-    lower, upper = _limits(fit, free)
+    unit = final.size * weights.units * np.sqrt(posterior.block_variances[weights.block])
+    prior_variances = posterior.prior_variances[free]
+    lower, upper = _change_bounds(fit, free)
 
-    def density(own: FloatArray) -> float:
-        if ((own < lower) | (own > upper)).any():
+    def density(point: FloatArray) -> float:
+        if ((point < lower) | (point > upper)).any():
             return -np.inf
         try:
-            state = fit.state(_coefficients(fit, free, own))
+            state = fit.state(_coefficients(fit, free, point))
         except (UnderdeterminedError, np.linalg.LinAlgError):
             return -np.inf
-        misfit = float(((state.difference / unit) ** 2).sum() + (own**2 / widths).sum())
+        misfit = float(((state.difference / unit) ** 2).sum() + (point**2 / prior_variances).sum())
         return -misfit / 2 if np.isfinite(misfit) else -np.inf
 
     return density
 
 
-def _start(
-    fit: ModalResiduals, whole: OneStagePath, free: IntArray, n_chains: int, rng: np.random.Generator
+def _initial_chains(
+    fit: ModalResiduals, stage_path: OneStagePath, free: IntArray, n_chains: int, rng: np.random.Generator
 ) -> FloatArray:
     """Return where chains begin, (n_chains, n_free): draws of the linearised posterior within the bounds."""
-    belief, final = whole.belief, whole.path.final
-    values, turn = np.linalg.eigh(belief.covariance[np.ix_(free, free)])
-    drawn = rng.standard_normal((n_chains, len(free))) * np.sqrt(np.maximum(values, 0.0)) @ turn.T
-    begin = belief.mean[free] + drawn
-    lower, upper = _limits(fit, free)
+    posterior, final = stage_path.posterior, stage_path.iterations.final
+    values, eigenvectors = np.linalg.eigh(posterior.covariance[np.ix_(free, free)])
+    deviations = (
+        rng.standard_normal((n_chains, len(free))) * np.sqrt(np.maximum(values, 0.0)) @ eigenvectors.T
+    )
+    points = posterior.mean[free] + deviations
+    lower, upper = _change_bounds(fit, free)
     # Chains that begin at one place of a bound could not move by their differences.
-    middle = changes(fit.parameterisation, final.values)[free]
-    inside = middle + (np.clip(begin, lower, upper) - middle) * rng.random(begin.shape)
-    return np.asarray(np.where((begin < lower) | (begin > upper), inside, begin))
+    final_changes = log_changes(fit.parameterisation, final.values)[free]
+    inner_points = final_changes + (np.clip(points, lower, upper) - final_changes) * rng.random(points.shape)
+    return np.asarray(np.where((points < lower) | (points > upper), inner_points, points))
 
 
-def _correlation(chains: FloatArray, times: Any) -> FloatArray:
+def _autocorrelation_time(chains: FloatArray, times: Any) -> FloatArray:
     """Return draws that count as one, (n_free,), of chains (n_steps, n_chains, n_free).
 
     Of chains some of which never moved it is not known: then each counts as one draw.
     """
     with np.errstate(invalid="ignore", divide="ignore"):
-        found = np.asarray(times(chains, tol=0))
-    return np.asarray(np.where(np.isfinite(found), found, float(len(chains))))
+        autocorrelation_times = np.asarray(times(chains, tol=0))
+    return np.asarray(np.where(np.isfinite(autocorrelation_times), autocorrelation_times, float(len(chains))))

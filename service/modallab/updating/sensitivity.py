@@ -10,7 +10,7 @@ from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from modallab.fe.assembly import Assembly, Coefficients
 from modallab.fe.modes import ModalBasis
 from modallab.updating.parameterisation import Parameterisation, Part
-from modallab.updating.truncation import HigherModes, higher_modes_at, left_out
+from modallab.updating.truncation import HigherModes, higher_modes_at, truncation_bound
 
 REPEATED = 1e-9  # relative distance of eigenvalues below which their shapes have no derivative
 
@@ -23,7 +23,7 @@ class Derivatives:
     shapes: FloatArray | ComplexArray  # (n_dof, n_modes, n_params) 1/sqrt(kg), at the sensors
     # (n_modes,) by which shapes may be off, as a share of what modes above the basis can add: their static
     # flexibility G at a sensor s and under the load f of a coefficient, sqrt(s^T G s f^T G f)
-    left_out: FloatArray
+    truncation_bound: FloatArray
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +35,7 @@ class SubspaceDerivatives:
 
     eigenvalues: FloatArray | ComplexArray  # (n_modes, n_modes, n_params) of Lambda, rad^2/s^2, symmetric
     shapes: FloatArray | ComplexArray  # (n_dof, n_modes, n_params) 1/sqrt(kg), at the sensors
-    left_out: FloatArray  # (n_modes,) as of `Derivatives`
+    truncation_bound: FloatArray  # (n_modes,) as of `Derivatives`
 
 
 @dataclass(frozen=True, eq=False)
@@ -56,19 +56,19 @@ class PartMatrices:
     lossless: bool = False  # what nodes carry: no law of damping acts on it
 
     def between(
-        self, left: FloatArray | ComplexArray, right: FloatArray | ComplexArray
+        self, left_vectors: FloatArray | ComplexArray, right_vectors: FloatArray | ComplexArray
     ) -> FloatArray | ComplexArray:
         """Return left^T A right of every coefficient's matrix A, (n_own, k, m), for (n, k) and (n, m)."""
-        loads = self.matrices @ _local(self.rows, right)
-        facing = _local(self.rows, left)
+        loads = self.matrices @ _local(self.rows, right_vectors)
+        local_left = _local(self.rows, left_vectors)
         if len(self.params) == len(self.rows):
-            return facing.swapaxes(1, 2) @ loads
+            return local_left.swapaxes(1, 2) @ loads
         # Elements of a coefficient one below the other: a product of matrices adds them up as well.
-        k, m = left.shape[1], right.shape[1]
-        kind = complex if np.iscomplexobj(facing) or np.iscomplexobj(loads) else float
+        k, m = left_vectors.shape[1], right_vectors.shape[1]
+        kind = complex if np.iscomplexobj(local_left) or np.iscomplexobj(loads) else float
         out: FloatArray | ComplexArray = np.empty((len(self.params), k, m), kind)
         for i, (start, stop) in enumerate(pairwise(self.starts)):
-            np.matmul(facing[start:stop].reshape(-1, k).T, loads[start:stop].reshape(-1, m), out=out[i])
+            np.matmul(local_left[start:stop].reshape(-1, k).T, loads[start:stop].reshape(-1, m), out=out[i])
         return out
 
 
@@ -90,13 +90,13 @@ def part_matrices(
         Where a damped model stands: its stiffness has 1 + i eta as a factor, and its loss factors
         the stiffness corrected so far. 1992 thesis, eq. [6.1], [6.16].
     """
-    stretch: FloatArray | ComplexArray = base.axial
-    bend: FloatArray | ComplexArray = base.bending
+    axial_factor: FloatArray | ComplexArray = base.axial
+    bending_factor: FloatArray | ComplexArray = base.bending
     if damped is not None:
-        lost = np.asarray(1 + 1j * damped.loss_factor, complex)
-        stretch, bend = lost * base.axial, lost * base.bending
-    axial = stretch[:, None, None] * assembly.axial
-    bending = bend[:, None, None] * assembly.bending
+        complex_factor = np.asarray(1 + 1j * damped.loss_factor, complex)
+        axial_factor, bending_factor = complex_factor * base.axial, complex_factor * base.bending
+    axial = axial_factor[:, None, None] * assembly.axial
+    bending = bending_factor[:, None, None] * assembly.bending
     matrices: dict[Part, FloatArray | ComplexArray] = {
         Part.MASS: base.mass[:, None, None] * assembly.mass,
         Part.STIFFNESS: axial + bending,
@@ -113,13 +113,13 @@ def part_matrices(
     groups = parameterisation.groups(assembly.structure)
     out = []
     for part in parameterisation.parts:
-        if not part.physical and not part.at_node:
-            used, starts, params = moved_by(parameterisation, part, groups)
+        if not part.is_property and not part.is_nodal:
+            used, starts, params = elements_of_part(parameterisation, part, groups)
             out.append(PartMatrices(part, matrices[part][used], assembly.rows[used], starts, params))
     return tuple(out)
 
 
-def moved_by(
+def elements_of_part(
     parameterisation: Parameterisation, part: Part, groups: FloatArray
 ) -> tuple[IntArray, IntArray, IntArray]:
     """Return places of the members of a part's coefficients, where each one's begin, and which these are.
@@ -130,8 +130,8 @@ def moved_by(
         (n_macros, n_members), from `Parameterisation.groups`.
     """
     params = np.flatnonzero([macro.part is part for macro in parameterisation.macros])
-    own = [np.flatnonzero(row) for row in groups[params]]
-    return np.concatenate(own), np.cumsum([0, *map(len, own)]), params
+    members = [np.flatnonzero(row) for row in groups[params]]
+    return np.concatenate(members), np.cumsum([0, *map(len, members)]), params
 
 
 def derivatives(
@@ -141,9 +141,9 @@ def derivatives(
     parts: tuple[PartMatrices, ...],
     mass_loss: float = 0.0,
     *,
-    above: HigherModes = HigherModes.STATIC,
+    higher_modes: HigherModes = HigherModes.STATIC,
     planes: Sequence[IntArray] = (),
-    turn: FloatArray | None = None,
+    rotation: FloatArray | None = None,
 ) -> Derivatives:
     """Return the derivatives of modes, all elements in one contraction.
 
@@ -166,11 +166,11 @@ def derivatives(
         (n, n_dof) columns that pick the DoFs where shapes are wanted.
     mass_loss
         a of D = a M + ..., rad^2/s^2: damping that moves with the mass.
-    above
+    higher_modes
         How modes above the basis count.
-    planes, turn
+    planes, rotation
         Modes, by place among `modes`, that are looked at as one subspace, in the basis that the orthogonal
-        `turn` (n_modes, n_modes) makes of them: none turns towards another, and of Lambda in that basis,
+        `rotation` (n_modes, n_modes) makes of them: none turns towards another, and of Lambda in that basis,
         turn^T Lambda turn, the diagonal counts.
 
     Raises
@@ -179,16 +179,18 @@ def derivatives(
         If they are to count exactly in a basis of damped modes.
     """
     squares = basis.eigenvalues
-    own = squares[modes]
-    alike = np.abs(own - squares[:, None]) <= REPEATED * np.abs(own)
+    eigenvalues = squares[modes]
+    is_same_subspace = np.abs(eigenvalues - squares[:, None]) <= REPEATED * np.abs(eigenvalues)
     for plane in planes:
-        alike[np.ix_(modes[plane], plane)] = True
-    found = _moved(basis, modes, sensors, parts, alike, mass_loss, above)
-    if turn is None:
-        each = np.arange(len(modes))
-        return Derivatives(found.eigenvalues[each, each], found.shapes, found.left_out)
-    turned = np.einsum("ijp,ik,jk->kp", found.eigenvalues, turn, turn, optimize=True)
-    return Derivatives(turned, turn.T @ found.shapes, found.left_out)
+        is_same_subspace[np.ix_(modes[plane], plane)] = True
+    subspace = _subspace_derivatives(basis, modes, sensors, parts, is_same_subspace, mass_loss, higher_modes)
+    if rotation is None:
+        diagonal = np.arange(len(modes))
+        return Derivatives(
+            subspace.eigenvalues[diagonal, diagonal], subspace.shapes, subspace.truncation_bound
+        )
+    rotated = np.einsum("ijp,ik,jk->kp", subspace.eigenvalues, rotation, rotation, optimize=True)
+    return Derivatives(rotated, rotation.T @ subspace.shapes, subspace.truncation_bound)
 
 
 def subspace_derivatives(
@@ -198,7 +200,7 @@ def subspace_derivatives(
     parts: tuple[PartMatrices, ...],
     mass_loss: float = 0.0,
     *,
-    above: HigherModes = HigherModes.STATIC,
+    higher_modes: HigherModes = HigherModes.STATIC,
 ) -> SubspaceDerivatives:
     """Return the derivatives of modes that are the same or nearly so in frequency, as one subspace.
 
@@ -209,54 +211,61 @@ def subspace_derivatives(
 
     Parameters
     ----------
-    basis, sensors, mass_loss, above
+    basis, sensors, mass_loss, higher_modes
         As of `derivatives`.
     modes
         (n_modes,) columns of the basis that span the subspace.
     """
-    alike = np.zeros((len(basis.eigenvalues), len(modes)), bool)
-    alike[modes] = True
-    return _moved(basis, modes, sensors, parts, alike, mass_loss, above)
+    is_same_subspace = np.zeros((len(basis.eigenvalues), len(modes)), bool)
+    is_same_subspace[modes] = True
+    return _subspace_derivatives(basis, modes, sensors, parts, is_same_subspace, mass_loss, higher_modes)
 
 
-def _moved(
+def _subspace_derivatives(
     basis: ModalBasis,
     modes: IntArray,
     sensors: FloatArray,
     parts: tuple[PartMatrices, ...],
-    alike: BoolArray,
+    is_same_subspace: BoolArray,
     mass_loss: float,
-    above: HigherModes,
+    higher_modes: HigherModes,
 ) -> SubspaceDerivatives:
-    """Return derivatives of modes that do not turn towards those `alike`, (m, n_modes) True."""
+    """Return derivatives of modes that do not turn towards those `is_same_subspace`, (m, n_modes) True."""
     damped = bool(basis.eigenvalues.imag.any())
     squares = basis.eigenvalues if damped else basis.eigenvalues.real
-    own = squares[modes]
-    weight = np.divide(1.0, own - squares[:, None], out=np.zeros(alike.shape, squares.dtype), where=~alike)
+    eigenvalues = squares[modes]
+    weight = np.divide(
+        1.0,
+        eigenvalues - squares[:, None],
+        out=np.zeros(is_same_subspace.shape, squares.dtype),
+        where=~is_same_subspace,
+    )
     n_params, n_modes = 1 + max(int(part.params.max()) for part in parts), len(squares)
     dtype = np.result_type(squares, basis.shapes, *(part.matrices for part in parts))
     d_squares = np.zeros((n_params, len(modes), len(modes)), dtype)
     d_shapes = np.zeros((n_params, sensors.shape[1], len(modes)), dtype)
-    at_sensors, moving = sensors.T @ basis.shapes, basis.shapes[:, modes]
-    answers = higher_modes_at(basis, modes, sensors, above)
-    columns, factor = next(answers, (np.zeros((len(sensors), 0)), np.ones(len(modes))))
-    facing: FloatArray | ComplexArray = np.concatenate([basis.shapes, columns], axis=1)
+    at_sensors, mode_shapes = sensors.T @ basis.shapes, basis.shapes[:, modes]
+    higher_mode_terms = higher_modes_at(basis, modes, sensors, higher_modes)
+    columns, factor = next(higher_mode_terms, (np.zeros((len(sensors), 0)), np.ones(len(modes))))
+    left_vectors: FloatArray | ComplexArray = np.concatenate([basis.shapes, columns], axis=1)
     for part in parts:
-        massive, scale = part.part is Part.MASS, _scale(part, own, mass_loss if damped else 0.0)
-        sums = part.between(facing, moving)  # (n_own, m + n_dof, n_modes)
+        is_mass, scale = part.part is Part.MASS, _scale(part, eigenvalues, mass_loss if damped else 0.0)
+        sums = part.between(left_vectors, mode_shapes)  # (n_own, m + n_dof, n_modes)
         modal = sums[:, :n_modes]
-        both = (scale + scale[:, None]) / 2
-        d_squares[part.params] += both * modal[:, modes]
-        share = modal * (scale * weight - 0.5 * alike if massive else weight)
+        mean_scale = (scale + scale[:, None]) / 2
+        d_squares[part.params] += mean_scale * modal[:, modes]
+        share = modal * (scale * weight - 0.5 * is_same_subspace if is_mass else weight)
         d_shapes[part.params] += at_sensors @ share
         if columns.size:
             d_shapes[part.params] -= scale * factor * sums[:, n_modes:]
-    for columns, factor in answers:
+    for columns, factor in higher_mode_terms:
         for part in parts:
-            scale = _scale(part, own, mass_loss if damped else 0.0)
-            d_shapes[part.params] -= scale * factor * part.between(columns, moving)
+            scale = _scale(part, eigenvalues, mass_loss if damped else 0.0)
+            d_shapes[part.params] -= scale * factor * part.between(columns, mode_shapes)
     return SubspaceDerivatives(
-        d_squares.transpose(1, 2, 0), d_shapes.transpose(1, 2, 0), left_out(basis, modes, above)
+        d_squares.transpose(1, 2, 0),
+        d_shapes.transpose(1, 2, 0),
+        truncation_bound(basis, modes, higher_modes),
     )
 
 
@@ -271,5 +280,5 @@ def _scale(
 
 def _local(rows: IntArray, columns: FloatArray | ComplexArray) -> FloatArray | ComplexArray:
     """Return columns (n, k) at the DoFs of each element, (n_used, w, k), 0 where they are held."""
-    held = np.zeros((1, columns.shape[1]), columns.dtype)
-    return np.asarray(np.concatenate([columns, held])[rows])
+    zero_row = np.zeros((1, columns.shape[1]), columns.dtype)
+    return np.asarray(np.concatenate([columns, zero_row])[rows])

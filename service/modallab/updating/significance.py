@@ -4,7 +4,7 @@ import numpy as np
 
 from modallab.core.arrays import BoolArray, FloatArray
 from modallab.updating.location import NOTICEABLE, NOTICEABLE_LOSS
-from modallab.updating.log_coefficients import changes, slopes
+from modallab.updating.log_coefficients import log_changes, log_derivatives
 from modallab.updating.parameterisation import Parameterisation, by_member
 from modallab.updating.sparse_bayes import Posterior
 
@@ -12,29 +12,33 @@ CLEAR = 3.0  # standard errors from no change at which a coefficient is suspecte
 
 
 def standard_errors(
-    parameterisation: Parameterisation, values: FloatArray, belief: Posterior
+    parameterisation: Parameterisation, values: FloatArray, posterior: Posterior
 ) -> dict[str, dict[int, float]]:
     """Return those of the coefficients (n_params,) that the prior left free to move, by part and member."""
-    kept = np.flatnonzero(belief.kept)
-    if not kept.size:
+    active = np.flatnonzero(posterior.is_active)
+    if not active.size:
         return {}
-    errors = belief.errors * slopes(parameterisation, values)
+    errors = posterior.errors * log_derivatives(parameterisation, values)
     free = Parameterisation(
-        tuple(parameterisation.macros[i] for i in kept), parameterisation.lower, parameterisation.upper
+        tuple(parameterisation.macros[i] for i in active), parameterisation.lower, parameterisation.upper
     )
-    return by_member(free, errors[kept], parts=parameterisation.parts)
+    return by_member(free, errors[active], parts=parameterisation.parts)
 
 
 def suspected(
-    parameterisation: Parameterisation, values: FloatArray, belief: Posterior
+    parameterisation: Parameterisation, values: FloatArray, posterior: Posterior
 ) -> dict[str, tuple[int, ...]]:
     """Return members by part whose coefficients (n_params,) moved noticeably, and by more than chance."""
-    away = np.abs(values - parameterisation.unchanged)
-    noticeable: BoolArray = away > np.where(parameterisation.damping, NOTICEABLE_LOSS, NOTICEABLE)
-    far = np.abs(changes(parameterisation, values))
-    clear = noticeable & (far > CLEAR * belief.errors)
-    wrong = [macro for macro, one in zip(parameterisation.macros, clear, strict=True) if one]
+    distance = np.abs(values - parameterisation.nominal)
+    is_noticeable: BoolArray = distance > np.where(parameterisation.damping, NOTICEABLE_LOSS, NOTICEABLE)
+    log_change = np.abs(log_changes(parameterisation, values))
+    is_significant = is_noticeable & (log_change > CLEAR * posterior.errors)
+    suspects = [
+        macro
+        for macro, significant in zip(parameterisation.macros, is_significant, strict=True)
+        if significant
+    ]
     return {
-        part.value: tuple(sorted(n for macro in wrong if macro.part is part for n in macro.members))
+        part.value: tuple(sorted(n for macro in suspects if macro.part is part for n in macro.members))
         for part in parameterisation.parts
     }

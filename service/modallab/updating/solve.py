@@ -17,7 +17,7 @@ class ParameterStep:
     singular_values: FloatArray  # (min(n_rows, n_params),) of the balanced matrix, falling
     rank: int
     inverse: FloatArray  # (n_params, n_rows): maps balanced differences to parameters
-    share: float = 1.0  # of the step that solves the equations, shortened to keep within bounds
+    fraction: float = 1.0  # of the step that solves the equations, shortened to keep within bounds
 
     @property
     def condition_number(self) -> float:
@@ -48,8 +48,8 @@ def balanced_step(
     """
     u, values, vh = np.linalg.svd(sensitivity / size[:, None], full_matrices=False)
     floor = np.finfo(float).eps * max(sensitivity.shape) * (values[0] if len(values) else 0.0)
-    cliffs = np.flatnonzero(values[:-1] > jump * values[1:])
-    rank = min(int(cliffs[0]) + 1 if cliffs.size else len(values), int((values > floor).sum()))
+    rank_gaps = np.flatnonzero(values[:-1] > jump * values[1:])
+    rank = min(int(rank_gaps[0]) + 1 if rank_gaps.size else len(values), int((values > floor).sum()))
     inverse = (vh[:rank].T / values[:rank]) @ u[:, :rank].T
     return ParameterStep(inverse @ (difference / size), values, rank, inverse)
 
@@ -82,16 +82,18 @@ def bounded_step(
     free = np.ones(len(values), bool)
     while True:
         step = balanced_step(sensitivity * free, difference, size, jump=jump)
-        moved = step.parameters * free  # a held one would move by a rounding error
+        correction = step.parameters * free  # a held one would move by a rounding error
         low, high = at_bounds(values, bounds)
-        out = (low & (moved < 0)) | (high & (moved > 0))
-        leaving = free & out
-        if not leaving.any():
+        is_outward = (low & (correction < 0)) | (high & (correction > 0))
+        is_leaving = free & is_outward
+        if not is_leaving.any():
             break
-        free &= ~leaving
-    room = np.minimum(np.where(moved > 0, upper - values, values - lower), max_step)
-    share = np.divide(room, np.abs(moved), out=np.ones_like(moved), where=moved != 0).min(initial=1.0)
-    return replace(step, parameters=moved * share, share=float(share))
+        free &= ~is_leaving
+    allowance = np.minimum(np.where(correction > 0, upper - values, values - lower), max_step)
+    fraction = np.divide(
+        allowance, np.abs(correction), out=np.ones_like(correction), where=correction != 0
+    ).min(initial=1.0)
+    return replace(step, parameters=correction * fraction, fraction=float(fraction))
 
 
 def at_bounds(

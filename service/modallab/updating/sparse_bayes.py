@@ -35,7 +35,7 @@ class Equations:
     floors: FloatArray  # (n_blocks,) least standard deviation of each block's rows
 
     @property
-    def sizes(self) -> FloatArray:
+    def mean_squares(self) -> FloatArray:
         """(n_blocks,) mean square of each block's values, no less than the floors'."""
         n = len(self.floors)
         square = np.bincount(self.block, self.values**2, n) / np.bincount(self.block, minlength=n)
@@ -48,8 +48,8 @@ class Posterior:
 
     mean: FloatArray  # (n_params,)
     covariance: FloatArray  # (n_params, n_params)
-    widths: FloatArray  # (n_params,) prior variance of each; 0 of those left out
-    scales: FloatArray  # (n_blocks,) variance of each block's rows
+    prior_variances: FloatArray  # (n_params,) prior variance of each; 0 of those left out
+    block_variances: FloatArray  # (n_blocks,) variance of each block's rows
 
     @property
     def errors(self) -> FloatArray:
@@ -57,12 +57,14 @@ class Posterior:
         return np.asarray(np.sqrt(np.maximum(np.diag(self.covariance), 0.0)))
 
     @property
-    def kept(self) -> BoolArray:
+    def is_active(self) -> BoolArray:
         """(n_params,) False of coefficients for which the data ask no width at all."""
-        return self.widths > 0
+        return self.prior_variances > 0
 
 
-def sparse_bayes(equations: Equations, prior: Prior, widths: FloatArray, scales: FloatArray) -> Posterior:
+def sparse_bayes(
+    equations: Equations, prior: Prior, prior_variances: FloatArray, block_variances: FloatArray
+) -> Posterior:
     """Return the posterior of unknowns about zero, with the widths and scales of most evidence.
 
     Widths of the prior and variances of the blocks are those that make the data most likely with
@@ -73,91 +75,126 @@ def sparse_bayes(equations: Equations, prior: Prior, widths: FloatArray, scales:
 
     Parameters
     ----------
-    widths, scales
+    prior_variances, block_variances
         (n_params,) and (n_blocks,) variances to start from.
     """
-    least = equations.floors**2
-    widths, scales = np.maximum(widths, REVIVED), np.maximum(scales, least)
+    least_variances = equations.floors**2
+    prior_variances, block_variances = (
+        np.maximum(prior_variances, REVIVED),
+        np.maximum(block_variances, least_variances),
+    )
     for _ in range(ROUNDS):
-        solved = _solved(equations, widths, scales)
-        before = np.concatenate([widths, scales])
-        scales = np.maximum(_scales(equations, solved), least)
-        widths = _widths(prior, widths, solved)
-        after = np.concatenate([widths, scales])
-        if (np.abs(after - before) <= SETTLED * before).all():
+        estimate = _posterior_mean(equations, prior_variances, block_variances)
+        previous = np.concatenate([prior_variances, block_variances])
+        block_variances = np.maximum(_block_variances(equations, estimate), least_variances)
+        prior_variances = _prior_variances(prior, prior_variances, estimate)
+        current = np.concatenate([prior_variances, block_variances])
+        if (np.abs(current - previous) <= SETTLED * previous).all():
             break
-    mean = _solved(equations, widths, scales).mean
-    return Posterior(mean, _covariance(equations, widths, scales), widths, scales)
+    mean = _posterior_mean(equations, prior_variances, block_variances).mean
+    return Posterior(
+        mean,
+        _posterior_covariance(equations, prior_variances, block_variances),
+        prior_variances,
+        block_variances,
+    )
 
 
 @dataclass(frozen=True, eq=False)
-class _Solved:
+class _PosteriorMean:
     mean: FloatArray  # (n_params,)
-    told: FloatArray  # (n_params,) share of each unknown that the data determine, the rest being the prior's
-    used: FloatArray  # (n_rows,) share of each row that fitting used up
+    determination: (
+        FloatArray  # (n_params,) share of each unknown that the data determine, the rest being the prior's
+    )
+    leverage: FloatArray  # (n_rows,) share of each row that fitting used up
 
 
-def _in_units(equations: Equations, widths: FloatArray, scales: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _whitened(
+    equations: Equations, prior_variances: FloatArray, block_variances: FloatArray
+) -> tuple[FloatArray, FloatArray]:
     """Return rows of the unknowns kept, and right-hand sides, in units of their errors and of the prior."""
-    error = np.sqrt(scales[equations.block])
-    kept = widths > 0
-    return equations.matrix[:, kept] * np.sqrt(widths[kept]) / error[:, None], equations.values / error
+    error = np.sqrt(block_variances[equations.block])
+    active = prior_variances > 0
+    return equations.matrix[:, active] * np.sqrt(prior_variances[active]) / error[
+        :, None
+    ], equations.values / error
 
 
-def _solved(equations: Equations, widths: FloatArray, scales: FloatArray) -> _Solved:
+def _posterior_mean(
+    equations: Equations, prior_variances: FloatArray, block_variances: FloatArray
+) -> _PosteriorMean:
     """Return the posterior mean and how it is determined, by the smaller of two square matrices.
 
     In units of the prior each is 1 + something positive, by whose eigenvalues no rounding turns a
     variance negative however exact the rows are.
     """
-    rows, values = _in_units(equations, widths, scales)
-    mean, told, kept = np.zeros(len(widths)), np.zeros(len(widths)), widths > 0
+    rows, values = _whitened(equations, prior_variances, block_variances)
+    mean, determination, active = (
+        np.zeros(len(prior_variances)),
+        np.zeros(len(prior_variances)),
+        prior_variances > 0,
+    )
     if rows.shape[0] < rows.shape[1]:
-        data, turn = _eigen(rows @ rows.T)
-        across = turn.T @ rows
-        mean[kept] = across.T @ ((turn.T @ values) / (1 + data))
-        told[kept], used = (across**2).T @ (1 / (1 + data)), turn**2 @ (data / (1 + data))
+        eigenvalues, eigenvectors = _nonnegative_eigh(rows @ rows.T)
+        row_projection = eigenvectors.T @ rows
+        mean[active] = row_projection.T @ ((eigenvectors.T @ values) / (1 + eigenvalues))
+        determination[active], leverage = (
+            (row_projection**2).T @ (1 / (1 + eigenvalues)),
+            eigenvectors**2 @ (eigenvalues / (1 + eigenvalues)),
+        )
     else:
-        data, turn = _eigen(rows.T @ rows)
-        along = rows @ turn
-        mean[kept] = turn @ ((along.T @ values) / (1 + data))
-        told[kept], used = turn**2 @ (data / (1 + data)), along**2 @ (1 / (1 + data))
-    return _Solved(mean * np.sqrt(widths), told, used)
+        eigenvalues, eigenvectors = _nonnegative_eigh(rows.T @ rows)
+        projected_rows = rows @ eigenvectors
+        mean[active] = eigenvectors @ ((projected_rows.T @ values) / (1 + eigenvalues))
+        determination[active], leverage = (
+            eigenvectors**2 @ (eigenvalues / (1 + eigenvalues)),
+            projected_rows**2 @ (1 / (1 + eigenvalues)),
+        )
+    return _PosteriorMean(mean * np.sqrt(prior_variances), determination, leverage)
 
 
-def _eigen(square: FloatArray) -> tuple[FloatArray, FloatArray]:
-    values, turn = np.linalg.eigh(square)
-    return np.maximum(values, 0.0), turn
+def _nonnegative_eigh(square: FloatArray) -> tuple[FloatArray, FloatArray]:
+    values, eigenvectors = np.linalg.eigh(square)
+    return np.maximum(values, 0.0), eigenvectors
 
 
-def _covariance(equations: Equations, widths: FloatArray, scales: FloatArray) -> FloatArray:
-    rows, _ = _in_units(equations, widths, scales)
-    kept, spread = np.flatnonzero(widths), np.sqrt(widths[widths > 0])
+def _posterior_covariance(
+    equations: Equations, prior_variances: FloatArray, block_variances: FloatArray
+) -> FloatArray:
+    rows, _ = _whitened(equations, prior_variances, block_variances)
+    active, prior_deviation = np.flatnonzero(prior_variances), np.sqrt(prior_variances[prior_variances > 0])
     if rows.shape[0] < rows.shape[1]:
-        data, turn = _eigen(rows @ rows.T)
-        across = turn.T @ rows
-        inside = np.eye(len(kept)) - (across.T / (1 + data)) @ across
+        eigenvalues, eigenvectors = _nonnegative_eigh(rows @ rows.T)
+        row_projection = eigenvectors.T @ rows
+        active_covariance = np.eye(len(active)) - (row_projection.T / (1 + eigenvalues)) @ row_projection
     else:
-        data, turn = _eigen(rows.T @ rows)
-        inside = (turn / (1 + data)) @ turn.T
-    covariance = np.zeros((len(widths), len(widths)))
-    covariance[np.ix_(kept, kept)] = spread[:, None] * inside * spread
+        eigenvalues, eigenvectors = _nonnegative_eigh(rows.T @ rows)
+        active_covariance = (eigenvectors / (1 + eigenvalues)) @ eigenvectors.T
+    covariance = np.zeros((len(prior_variances), len(prior_variances)))
+    covariance[np.ix_(active, active)] = prior_deviation[:, None] * active_covariance * prior_deviation
     return covariance
 
 
-def _scales(equations: Equations, solved: _Solved) -> FloatArray:
+def _block_variances(equations: Equations, estimate: _PosteriorMean) -> FloatArray:
     """Return the mean square that is left of each block, over the rows that fitting did not use up."""
     n = len(equations.floors)
-    left = (equations.values - equations.matrix @ solved.mean) ** 2
-    count, spent = np.bincount(equations.block, minlength=n), np.bincount(equations.block, solved.used, n)
-    return np.asarray(np.bincount(equations.block, left, n) / np.maximum(count - spent, FEWEST * count))
+    squared_residual = (equations.values - equations.matrix @ estimate.mean) ** 2
+    count, degrees_used = (
+        np.bincount(equations.block, minlength=n),
+        np.bincount(equations.block, estimate.leverage, n),
+    )
+    return np.asarray(
+        np.bincount(equations.block, squared_residual, n) / np.maximum(count - degrees_used, FEWEST * count)
+    )
 
 
-def _widths(prior: Prior, widths: FloatArray, solved: _Solved) -> FloatArray:
+def _prior_variances(prior: Prior, prior_variances: FloatArray, estimate: _PosteriorMean) -> FloatArray:
     if prior is Prior.RANGE:
-        return widths
-    mean, told = solved.mean, solved.told
+        return prior_variances
+    mean, determination = estimate.mean, estimate.determination
     if prior is Prior.COMMON:
-        common = (mean**2).sum() / max(float(told.sum()), GONE)
-        return np.full(len(told), max(common, REVIVED))
-    return np.asarray(np.divide(mean**2, told, out=np.zeros_like(told), where=told > GONE))
+        common = (mean**2).sum() / max(float(determination.sum()), GONE)
+        return np.full(len(determination), max(common, REVIVED))
+    return np.asarray(
+        np.divide(mean**2, determination, out=np.zeros_like(determination), where=determination > GONE)
+    )

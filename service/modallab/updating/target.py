@@ -33,7 +33,7 @@ class TargetModes:
         object.__setattr__(self, "squares", frozen(self.squares, kind, (None,), name="frequencies"))
         object.__setattr__(self, "shapes", frozen(self.shapes, kind, (len(self.dofs), n), name="shapes"))
         if self.errors is not None:
-            errors = frozen(self.errors, float, (len(self.held),), name="standard_errors")
+            errors = frozen(self.errors, float, (len(self.row_mask),), name="standard_errors")
             object.__setattr__(self, "errors", errors)
 
     @property
@@ -42,17 +42,19 @@ class TargetModes:
         return np.iscomplexobj(self.squares)
 
     @property
-    def held(self) -> BoolArray:
+    def row_mask(self) -> BoolArray:
         """(n_all_rows,) True of the rows that are held against the model's."""
         n = len(self.squares)
-        counted = np.argsort(np.argsort(self.squares.real)) < (n if self.n_shapes is None else self.n_shapes)
-        rows = np.concatenate([np.ones(n, bool), np.tile(counted, len(self.dofs))])
+        has_shape = np.argsort(np.argsort(self.squares.real)) < (
+            n if self.n_shapes is None else self.n_shapes
+        )
+        rows = np.concatenate([np.ones(n, bool), np.tile(has_shape, len(self.dofs))])
         return np.tile(rows, 2) if self.damped else rows
 
     @property
     def n_rows(self) -> int:
         """How many real numbers are held against the model's."""
-        return int(self.held.sum())
+        return int(self.row_mask.sum())
 
     @property
     def frequencies(self) -> FloatArray:
@@ -60,24 +62,24 @@ class TargetModes:
         return np.asarray(np.sqrt(self.squares.real) / (2 * np.pi))
 
     @property
-    def at_one_frequency(self) -> tuple[IntArray, ...]:
+    def repeated_modes(self) -> tuple[IntArray, ...]:
         """Modes, two and more, that no measured number tells apart: their shapes are any of one plane."""
         order = np.argsort(self.squares.real)
-        squares, away = self.squares.real[order], np.full(len(order), 2 * ONE)
+        squares, tolerance = self.squares.real[order], np.full(len(order), 2 * ONE)
         if self.errors is not None:
-            away = np.hypot(away, 2 * self.errors[: len(order)][order])  # relative too
-        ends = np.flatnonzero(np.diff(squares) > np.maximum(away[1:], away[:-1]) * squares[1:]) + 1
+            tolerance = np.hypot(tolerance, 2 * self.errors[: len(order)][order])  # relative too
+        ends = np.flatnonzero(np.diff(squares) > np.maximum(tolerance[1:], tolerance[:-1]) * squares[1:]) + 1
         return tuple(np.sort(group) for group in np.split(order, ends) if len(group) > 1)
 
 
-def _turned(shapes: ComplexArray) -> ComplexArray:
+def _phase_aligned(shapes: ComplexArray) -> ComplexArray:
     """Return shapes (n_dof, n_modes), each turned to be as real as it can be."""
     return np.asarray(shapes * np.exp(-0.5j * np.angle((shapes**2).sum(axis=0))))
 
 
 def as_real(shapes: ComplexArray) -> FloatArray:
     """Return the real part of shapes (n_dof, n_modes), each turned first to be as real as it can be."""
-    return np.asarray(_turned(shapes).real)
+    return np.asarray(_phase_aligned(shapes).real)
 
 
 def real_modes(target: ModalModel) -> TargetModes:
@@ -90,10 +92,12 @@ def real_modes(target: ModalModel) -> TargetModes:
     """
     _check(target)
     shapes = as_real(target.shapes)
-    still = np.flatnonzero(~shapes.any(axis=0))
-    if still.size:
-        raise InvalidInputError("a shape is zero", field="shapes", value=int(still[0]) + 1, allowed="motion")
-    share = _out_of_phase(target)
+    zero_shapes = np.flatnonzero(~shapes.any(axis=0))
+    if zero_shapes.size:
+        raise InvalidInputError(
+            "a shape is zero", field="shapes", value=int(zero_shapes[0]) + 1, allowed="motion"
+        )
+    share = _imaginary_share(target)
     if (share > COMPLEX).any():
         worst = int(share.argmax())
         raise InvalidInputError(
@@ -121,9 +125,11 @@ def complex_modes(target: ModalModel) -> TargetModes:
         of an undamped structure.
     """
     _check(target)
-    still = np.flatnonzero(~target.shapes.any(axis=0))
-    if still.size:
-        raise InvalidInputError("a shape is zero", field="shapes", value=int(still[0]) + 1, allowed="motion")
+    zero_shapes = np.flatnonzero(~target.shapes.any(axis=0))
+    if zero_shapes.size:
+        raise InvalidInputError(
+            "a shape is zero", field="shapes", value=int(zero_shapes[0]) + 1, allowed="motion"
+        )
     if not target.loss_factors.any() and not target.shapes.imag.any():
         raise InvalidInputError(
             "the modes are real, without a loss factor or a phase: nothing tells of damping",
@@ -150,12 +156,12 @@ def _check(target: ModalModel) -> None:
         )
 
 
-def _out_of_phase(target: ModalModel) -> FloatArray:
+def _imaginary_share(target: ModalModel) -> FloatArray:
     """Return the share of each shape that stays imaginary however it is turned, its own errors taken off."""
-    turned = _turned(target.shapes)
+    aligned = _phase_aligned(target.shapes)
     errors = [0.0 if mode.shape_errors is None else (mode.shape_errors**2).sum() for mode in target.modes]
-    aside = np.maximum((turned.imag**2).sum(axis=0) - np.array(errors), 0.0)
-    return np.asarray(np.sqrt(aside) / np.linalg.norm(turned, axis=0))
+    imaginary_power = np.maximum((aligned.imag**2).sum(axis=0) - np.array(errors), 0.0)
+    return np.asarray(np.sqrt(imaginary_power) / np.linalg.norm(aligned, axis=0))
 
 
 def _errors(target: ModalModel) -> FloatArray | None:

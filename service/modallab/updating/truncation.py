@@ -15,13 +15,13 @@ ROUNDING = 1e-14  # of what modes above add, that an exact series leaves out
 class HigherModes(StrEnum):
     """How modes above a basis count; of a basis that holds all there are none."""
 
-    LEFT_OUT = "left_out"  # the sum ends with the basis
+    OMITTED = "truncation_bound"  # the sum ends with the basis
     STATIC = "static"  # as if they answered at once: one solve a sensor
     EXACT = "exact"  # by a series of solves that converges as fast as the modes above are far: undamped ones
 
 
 def higher_modes_at(
-    basis: ModalBasis, modes: IntArray, sensors: FloatArray, above: HigherModes
+    basis: ModalBasis, modes: IntArray, sensors: FloatArray, higher_modes: HigherModes
 ) -> Iterator[tuple[FloatArray, FloatArray]]:
     """Yield columns X (n, n_dof) and factors c (n_modes,): modes above answer a load f with sum of c_r X^T f.
 
@@ -36,53 +36,55 @@ def higher_modes_at(
         If the series is asked for a basis of damped modes, whose matrices are others.
     """
     remainder = basis.remainder
-    if remainder is None or above is HigherModes.LEFT_OUT:
+    if remainder is None or higher_modes is HigherModes.OMITTED:
         return
     columns = remainder.static(sensors)
-    if above is HigherModes.STATIC:
+    if higher_modes is HigherModes.STATIC:
         yield columns, np.ones(len(modes))
         return
     if basis.eigenvalues.imag.any():
         raise InvalidInputError(
             "modes above a basis of damped modes count statically",
             field="above",
-            value=above.value,
-            allowed=f"{HigherModes.LEFT_OUT}, {HigherModes.STATIC}",
+            value=higher_modes.value,
+            allowed=f"{HigherModes.OMITTED}, {HigherModes.STATIC}",
         )
-    near = _nearness(basis, modes)
-    centre = 2 / near - 1
+    eigenvalue_ratio = _eigenvalue_ratio(basis, modes)
+    centre = 2 / eigenvalue_ratio - 1
     width = np.sqrt(centre**2 - 1)
-    ratio, factor = centre - width, 2 / (near * width)
+    decay, factor = centre - width, 2 / (eigenvalue_ratio * width)
     yield columns, factor
-    before, scale = columns, _highest(basis) + remainder.shift
+    previous, scale = columns, _highest_eigenvalue(basis) + remainder.shift
     columns = 2 * scale * remainder.static(remainder.mass @ columns) - columns
-    terms = int(np.ceil(np.log(ROUNDING) / np.log(ratio.max())))
+    terms = int(np.ceil(np.log(ROUNDING) / np.log(decay.max())))
     for _ in range(terms):
-        factor = factor * ratio
+        factor = factor * decay
         yield columns, 2 * factor
-        after = 4 * scale * remainder.static(remainder.mass @ columns) - 2 * columns - before
-        before, columns = columns, after
+        following = 4 * scale * remainder.static(remainder.mass @ columns) - 2 * columns - previous
+        previous, columns = columns, following
 
 
-def left_out(basis: ModalBasis, modes: IntArray, above: HigherModes) -> FloatArray:
+def truncation_bound(basis: ModalBasis, modes: IntArray, higher_modes: HigherModes) -> FloatArray:
     """Return the share of what modes above can add statically that derivatives may be off by, (n_modes,).
 
     Of modes above, 1 / (lambda - lambda_r) is no more than 1 / (1 - rho_r) of 1 / (lambda + sigma), with
     rho_r = (lambda_r + sigma) / (highest + sigma).
     """
-    if basis.remainder is None or above is HigherModes.EXACT:
-        whole = basis.remainder is not None or np.isinf(basis.frequency_max)
-        return np.full(len(modes), 0.0 if whole else np.inf)
-    near = _nearness(basis, modes)
-    return np.asarray((near if above is HigherModes.STATIC else 1.0) / (1 - near))
+    if basis.remainder is None or higher_modes is HigherModes.EXACT:
+        is_complete = basis.remainder is not None or np.isinf(basis.frequency_max)
+        return np.full(len(modes), 0.0 if is_complete else np.inf)
+    eigenvalue_ratio = _eigenvalue_ratio(basis, modes)
+    return np.asarray(
+        (eigenvalue_ratio if higher_modes is HigherModes.STATIC else 1.0) / (1 - eigenvalue_ratio)
+    )
 
 
-def _nearness(basis: ModalBasis, modes: IntArray) -> FloatArray:
+def _eigenvalue_ratio(basis: ModalBasis, modes: IntArray) -> FloatArray:
     """Return (lambda_r + sigma) / (highest + sigma), below 1, (n_modes,)."""
     assert basis.remainder is not None
     shift = basis.remainder.shift
-    return np.asarray((basis.eigenvalues.real[modes] + shift) / (_highest(basis) + shift))
+    return np.asarray((basis.eigenvalues.real[modes] + shift) / (_highest_eigenvalue(basis) + shift))
 
 
-def _highest(basis: ModalBasis) -> float:
+def _highest_eigenvalue(basis: ModalBasis) -> float:
     return float((2 * np.pi * basis.frequency_max) ** 2)

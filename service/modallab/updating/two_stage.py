@@ -8,10 +8,10 @@ from modallab.core.progress import Progress, part
 from modallab.fe.assembly import Assembly
 from modallab.fe.structure import Structure
 from modallab.updating.covariance import coefficient_covariance
-from modallab.updating.iteration import Ending, IterationPath, StopRule, iterate
-from modallab.updating.location import Suspicion, suspicion
+from modallab.updating.iteration import IterationPath, StopReason, StopRule, iterate
+from modallab.updating.location import Suspicion, suspect_members
 from modallab.updating.method import Stages, UpdateOptions, UpdateResult
-from modallab.updating.modal_residuals import Balance, ModalResiduals, State
+from modallab.updating.modal_residuals import Balance, ModalResiduals, ModelState
 from modallab.updating.parameterisation import Parameterisation, Part, by_member
 from modallab.updating.quantities import quantities
 from modallab.updating.target import TargetModes
@@ -32,66 +32,78 @@ def update_in_two_stages(
     """
     assembly, measured = Assembly(structure, jumps=True), replace(measured, n_shapes=options.n_shapes)
     balance = Balance(options.balance)
-    whole = ModalResiduals(assembly, parameterisation, measured, options.min_mac, balance=balance)
-    start = parameterisation.unchanged
-    before = whole.state(start)
+    macro_residuals = ModalResiduals(assembly, parameterisation, measured, options.min_mac, balance=balance)
+    start = parameterisation.nominal
+    initial = macro_residuals.state(start)
     rule = StopRule(options.location_tolerance, np.inf, options.max_iterations, options.rank_jump)
-    located = iterate(whole, start, rule, stage="location", progress=part(progress, 0.0, 0.5))
-    suspected = suspicion(
-        parameterisation, located.final.values, options.suspect_threshold, options.damping_threshold
+    location_path = iterate(macro_residuals, start, rule, stage="location", progress=part(progress, 0.0, 0.5))
+    suspicion = suspect_members(
+        parameterisation, location_path.final.values, options.suspect_threshold, options.damping_threshold
     )
-    if located.ending is Ending.DIVERGED:
-        fit, path = whole, IterationPath((), located.final, located.ending, located.why)
-    elif suspected is None:
+    if location_path.stop_reason is StopReason.DIVERGED:
         fit, path = (
-            whole,
-            IterationPath((), before, located.ending, f"{located.why}; no macro element is suspected"),
+            macro_residuals,
+            IterationPath((), location_path.final, location_path.stop_reason, location_path.explanation),
+        )
+    elif suspicion is None:
+        fit, path = (
+            macro_residuals,
+            IterationPath(
+                (),
+                initial,
+                location_path.stop_reason,
+                f"{location_path.explanation}; no macro element is suspected",
+            ),
         )
     else:
-        fit = ModalResiduals(assembly, suspected.parameterisation, measured, options.min_mac, balance=balance)
+        fit = ModalResiduals(assembly, suspicion.parameterisation, measured, options.min_mac, balance=balance)
         rule = StopRule(options.tolerance, options.max_step, options.max_iterations, options.rank_jump)
-        path = iterate(fit, suspected.start, rule, stage="updating", progress=part(progress, 0.5, 1.0))
-    return _result(before, located, suspected, fit, path, parameterisation.parts, options)
+        path = iterate(fit, suspicion.start, rule, stage="updating", progress=part(progress, 0.5, 1.0))
+    return _result(initial, location_path, suspicion, fit, path, parameterisation.parts, options)
 
 
 def _result(
-    before: State,
-    located: IterationPath,
-    suspected: Suspicion | None,
+    initial: ModelState,
+    location_path: IterationPath,
+    suspicion: Suspicion | None,
     fit: ModalResiduals,
     path: IterationPath,
     parts: tuple[Part, ...],
     options: UpdateOptions,
 ) -> UpdateResult:
-    final, moved = path.final, fit.parameterisation
-    sure = coefficient_covariance(fit, final, jump=options.rank_jump, within=options.identified_within)
-    told = sure.identifiability
-    corrected_any = path.ending is not Ending.DIVERGED and suspected is not None
-    errors = sure.standard_errors if corrected_any else None
+    final, parameterisation = path.final, fit.parameterisation
+    covariance = coefficient_covariance(fit, final, jump=options.rank_jump, within=options.identified_within)
+    identifiability = covariance.identifiability
+    has_correction = path.stop_reason is not StopReason.DIVERGED and suspicion is not None
+    errors = covariance.standard_errors if has_correction else None
     corrected = fit.structure(final.values)
-    below = fit.losses_below_zero(final.values, options.tolerance)
-    note = f"; {below} loss factors came out below zero and are zero in the structure" if below else ""
+    n_negative = fit.count_negative_loss_factors(final.values, options.tolerance)
+    note = (
+        f"; {n_negative} loss factors came out below zero and are zero in the structure" if n_negative else ""
+    )
     numbers = [member.number for member in corrected.all_members]
     return UpdateResult(
         structure=corrected,
-        coefficients=by_member(moved, final.values, parts=parts, members=numbers),
-        standard_errors={} if errors is None else by_member(moved, errors, parts=parts),
-        suspected=_members(suspected, parts),
+        coefficients=by_member(parameterisation, final.values, parts=parts, members=numbers),
+        standard_errors={} if errors is None else by_member(parameterisation, errors, parts=parts),
+        suspected=_suspected_members(suspicion, parts),
         frequencies=Stages(
-            before.frequencies, located.final.frequencies, final.frequencies, fit.target.frequencies
+            initial.frequencies, location_path.final.frequencies, final.frequencies, fit.target.frequencies
         ),
-        mac=Stages(before.mac, located.final.mac, final.mac),
-        history=located.history + path.history,
+        mac=Stages(initial.mac, location_path.final.mac, final.mac),
+        history=location_path.history + path.history,
         converged=path.converged,
-        stopped_because=path.why + note,
-        rank=told.rank,
-        condition_number=told.condition_number,
-        intervals=told.by_member() if corrected_any else {},
-        identifiability=told if corrected_any else None,
-        quantities=quantities(fit.model.initial, moved, final.values, told if corrected_any else None),
+        stopped_because=path.explanation + note,
+        rank=identifiability.rank,
+        condition_number=identifiability.condition_number,
+        intervals=identifiability.by_member() if has_correction else {},
+        identifiability=identifiability if has_correction else None,
+        quantities=quantities(
+            fit.model.initial, parameterisation, final.values, identifiability if has_correction else None
+        ),
     )
 
 
-def _members(suspected: Suspicion | None, parts: tuple[Part, ...]) -> dict[str, tuple[int, ...]]:
-    macros = () if suspected is None else suspected.parameterisation.macros
+def _suspected_members(suspicion: Suspicion | None, parts: tuple[Part, ...]) -> dict[str, tuple[int, ...]]:
+    macros = () if suspicion is None else suspicion.parameterisation.macros
     return {part.value: tuple(sorted(m.members[0] for m in macros if m.part is part)) for part in parts}

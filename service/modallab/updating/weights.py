@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from modallab.core.arrays import FloatArray, IntArray
-from modallab.updating.modal_residuals import ModalResiduals, State
+from modallab.updating.modal_residuals import ModalResiduals, ModelState
 from modallab.updating.target import TargetModes
 
 EXACT = 1e-7  # of a row's size: what eigenvalues of a good model scatter by, however well they were measured
@@ -32,28 +32,30 @@ class Weights:
         n_dofs, n_modes = target.shapes.shape
         size = np.sqrt((np.abs(target.shapes) ** 2).mean(axis=0))
         sizes = np.concatenate([np.ones(n_modes), np.tile(size, n_dofs)])
-        block, kinds = np.tile(np.arange(n_modes), 1 + n_dofs), 2 if target.damped else 1
-        usual = np.where(np.arange(len(sizes)) < n_modes, 1.0, SHAPES_WORSE) * sizes
-        sizes, usual, block = (np.tile(one, kinds) for one in (sizes, usual, block))
+        block, n_components = np.tile(np.arange(n_modes), 1 + n_dofs), 2 if target.damped else 1
+        default_units = np.where(np.arange(len(sizes)) < n_modes, 1.0, SHAPES_WORSE) * sizes
+        sizes, default_units, block = (
+            np.tile(array, n_components) for array in (sizes, default_units, block)
+        )
         if target.errors is None:
-            return cls(usual, block, np.full(n_modes, EXACT), False)
+            return cls(default_units, block, np.full(n_modes, EXACT), False)
         return cls(np.maximum(target.errors, EXACT * sizes), block, np.ones(n_modes), True)
 
-    def rows(self, fit: ModalResiduals, state: State) -> tuple[FloatArray, FloatArray]:
+    def rows(self, fit: ModalResiduals, state: ModelState) -> tuple[FloatArray, FloatArray]:
         """Return derivatives (n_rows, n_params) and what the model misses (n_rows,), in these units."""
         unit = state.size * self.units
         return fit.sensitivity(state) / unit[:, None], state.difference / unit
 
-    def missed(self, scales: FloatArray) -> str:
+    def misfit_note(self, block_variances: FloatArray) -> str:
         """Return which modes the model misses by more than errors explain, as words to add; nothing if none.
 
         Parameters
         ----------
-        scales
+        block_variances
             (n_blocks,) mean square of their rows.
         """
-        far = np.flatnonzero(np.sqrt(scales) > (MISSED if self.stated else MISSED_UNSTATED))
-        if not far.size:
+        outliers = np.flatnonzero(np.sqrt(block_variances) > (MISSED if self.stated else MISSED_UNSTATED))
+        if not outliers.size:
             return ""
-        modes = ", ".join(str(mode + 1) for mode in far)
-        return f"; measured mode{'s' * (far.size > 1)} {modes} missed by more than errors explain"
+        modes = ", ".join(str(mode + 1) for mode in outliers)
+        return f"; measured mode{'s' * (outliers.size > 1)} {modes} missed by more than errors explain"

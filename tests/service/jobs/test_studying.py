@@ -79,7 +79,7 @@ def test_a_fault_of_ours_costs_one_run_and_not_the_study(
     assert "secret" in fault
     assert perform(place, job.id, [*shares, made]) is None
     study = open_store(place).studies.get(job.result_id)
-    assert [run.made for run in study.runs] == [True, True, True, False]
+    assert [run.succeeded for run in study.runs] == [True, True, True, False]
     assert study.runs[3].stopped_because == "the service failed at this run; its log says why"
     assert study.cells[1].n_failed == 1
 

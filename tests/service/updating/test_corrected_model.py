@@ -46,7 +46,7 @@ MOUNTED = replace(
 MOUNTS = parameterise(
     [(1, 2, 3)],
     ("density",),
-    also=at_nodes(MOUNTED, {"point_mass": [(7, 15)], "ground_spring_y": None, "ground_spring_rz": [(1,)]}),
+    nodal=at_nodes(MOUNTED, {"point_mass": [(7, 15)], "ground_spring_y": None, "ground_spring_rz": [(1,)]}),
 )
 STEP = 0.05
 

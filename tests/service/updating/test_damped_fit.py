@@ -58,7 +58,7 @@ def by_differences(fit: ModalResiduals, at: FloatArray) -> FloatArray:
 @pytest.mark.parametrize("where", ["as the model stands", "away from it"])
 def test_derivatives_of_damped_modes_are_their_differences(case: str, where: str) -> None:
     fit = fit_of(*CASES[case])
-    at = fit.parameterisation.unchanged
+    at = fit.parameterisation.nominal
     if where == "away from it":  # every coefficient has its effect on every other there
         at = at + np.random.default_rng(0).uniform(0.02, 0.2, len(at))
     state = fit.state(at)
@@ -83,8 +83,8 @@ def test_a_loss_factor_below_zero_is_zero_in_the_structure_and_counted() -> None
     fit = fit_of(BAY, parameterise([(1, 2), (11,)], ("damping",)))
     values = np.array([-0.01, 0.1])
     assert [fit.structure(values).members[i].loss_factor for i in (0, 1, 10)] == [0.0, 0.0, 0.1]
-    assert fit.losses_below_zero(values, 1e-4) == 2
-    assert fit.losses_below_zero(values, 0.02) == 0
+    assert fit.count_negative_loss_factors(values, 1e-4) == 2
+    assert fit.count_negative_loss_factors(values, 0.02) == 0
 
 
 def test_rows_are_those_of_real_modes_with_imaginary_parts_behind_them() -> None:
@@ -107,7 +107,7 @@ def test_a_complex_scale_of_a_shape_drops_out() -> None:
     turned = [replace(m, shape=m.shape * (0.3 - 2j) ** (r - 2)) for r, m in enumerate(target.modes)]
     unscaled = [replace(target, modes=tuple(m), normalisation="none") for m in (target.modes, turned)]
     plain, scaled = (ModalResiduals(Assembly(JOINT), parameters, complex_modes(m), 0.3) for m in unscaled)
-    at = parameters.unchanged
+    at = parameters.nominal
     # rounding of shapes whose scales lie up to 34 times apart
     np.testing.assert_allclose(scaled.state(at).difference, plain.state(at).difference, atol=1e-9)
 
@@ -142,9 +142,9 @@ def test_a_large_structure_is_corrected_without_all_its_modes() -> None:
     modes = map(Mode, exact.frequencies, exact.loss_factors, shapes.T)
     parameters = parameterise(groups, ("stiffness", "damping"))
     fit = ModalResiduals(Assembly(long), parameters, complex_modes(ModalModel(tuple(modes), dofs)), 0.3)
-    path = iterate(fit, parameters.unchanged, StopRule(1e-6, 0.3, 20, 1e6), stage="updating")
+    path = iterate(fit, parameters.nominal, StopRule(1e-6, 0.3, 20, 1e6), stage="updating")
     assert path.converged
-    expected = parameters.unchanged
+    expected = parameters.nominal
     expected[[4, 11]] = 1.5, 0.05
     # what modes above eight times the measured range add to the coupling: 1.5e-4 here
     np.testing.assert_allclose(path.final.values, expected, atol=3e-4)

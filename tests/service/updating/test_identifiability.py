@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from modallab.core.arrays import FloatArray
-from modallab.updating.identifiability import Identifiability, identify, in_words
+from modallab.updating.identifiability import Identifiability, describe_ambiguity, identify
 from modallab.updating.parameterisation import MacroElement, Parameterisation, Part, parameterise
 from modallab.updating.solve import balanced_step
 
@@ -19,7 +19,7 @@ def told(
 ) -> Identifiability:
     n = len(matrix)
     step = balanced_step(matrix, np.zeros(n), np.ones(n))
-    at = parameters.unchanged if values is None else values
+    at = parameters.nominal if values is None else values
     rows = None if errors is None else np.full(n, errors)
     return identify(parameters, at, step, np.zeros(n), rows, within=0.3)
 
@@ -95,7 +95,10 @@ def test_loss_factors_are_judged_by_what_is_added() -> None:
 def test_words_gather_members_and_parts() -> None:
     mass, stiffness = Part.MASS, Part.STIFFNESS
     several = [MacroElement((n,), part) for part in (mass, stiffness) for n in (10, 11, 12)]
-    assert in_words(several, unseen=True) == "mass and stiffness of 10-12 cannot be told apart by these data"
+    assert (
+        describe_ambiguity(several, is_null=True)
+        == "mass and stiffness of 10-12 cannot be told apart by these data"
+    )
     mixed = [MacroElement((7, 8), mass), MacroElement((3,), stiffness)]
     expected = "mass of 7, 8 and stiffness of 3 can hardly be told apart by these data"
-    assert in_words(mixed, unseen=False) == expected
+    assert describe_ambiguity(mixed, is_null=False) == expected

@@ -80,9 +80,9 @@ def test_derivatives_are_those_of_the_matrices(part: str, damped: bool) -> None:
     lossy = replace(MODEL, damping=StructuralDamping(0.02))
     also = at_nodes(lossy, {"joint_stiffness": None})
     members = () if part == "joint_stiffness" else ((5,), (6, 7), (13,))
-    parameters = parameterise(members, () if not members else (part,), also=also)
+    parameters = parameterise(members, () if not members else (part,), nodal=also)
     model = CorrectedModel(Assembly(lossy, jumps=True), parameters)
-    at = parameters.unchanged + np.linspace(0.1, 0.3, len(parameters.macros))
+    at = parameters.nominal + np.linspace(0.1, 0.3, len(parameters.macros))
     found = {Part.MASS: np.zeros((len(at), model.size, model.size), complex)}
     found[Part.STIFFNESS] = found[Part.MASS].copy()
     for one in model.parts(at, damped=damped):
@@ -111,7 +111,7 @@ def test_derivatives_are_those_of_the_matrices(part: str, damped: bool) -> None:
 @pytest.mark.parametrize("groups", [[], GROUPS], ids=["alone", "with mass and stiffness of members"])
 @pytest.mark.parametrize("method", [name for name in UPDATERS if not name.startswith("complex")])
 def test_a_joint_is_found_in_its_unit(method: str, groups: Sequence[tuple[int, ...]]) -> None:
-    parameters = parameterise(groups, also=at_nodes(MODEL, {"joint_stiffness": None}))
+    parameters = parameterise(groups, nodal=at_nodes(MODEL, {"joint_stiffness": None}))
     options = UpdateOptions(tolerance=1e-9)
     result = UPDATERS[method](MODEL, parameters, modes_of(TRUTH, 8, BEAM_DOFS), options=options)
     assert result.coefficients["joint_stiffness"][6] == pytest.approx(0.6, abs=EXACT)
@@ -128,7 +128,7 @@ def test_a_joint_is_found_from_damped_modes_with_what_members_lose(method: str) 
     members = tuple(replace(m, loss_factor=0.08) if m.number == 5 else m for m in BEAM.members)
     truth = replace(TRUTH, damping=model.damping, members=members)
     also = at_nodes(model, {"joint_stiffness": None})
-    parameters = parameterise([(4,), (5,), (6,)], ("damping",), also=also)
+    parameters = parameterise([(4,), (5,), (6,)], ("damping",), nodal=also)
     options = UpdateOptions(tolerance=1e-9)
     result = UPDATERS[method](model, parameters, modes_of(truth, 8, BEAM_DOFS), options=options)
     assert result.coefficients["joint_stiffness"][6] == pytest.approx(0.6, abs=EXACT)
@@ -140,7 +140,7 @@ def test_a_joint_is_found_on_responses() -> None:
     freq, rows = np.linspace(10.0, 800.0, 80), [truth.index(dof) for dof in BEAM_DOFS]
     values = receptance(assemble(truth), freq)[:, rows, :1]  # driven at 1:+Y
     target = exact(FrfSet(freq, values, BEAM_DOFS, BEAM_DOFS[:1], FrfKind.RECEPTANCE))
-    parameters = parameterise(GROUPS, ("stiffness",), also=at_nodes(model, {"joint_stiffness": None}))
+    parameters = parameterise(GROUPS, ("stiffness",), nodal=at_nodes(model, {"joint_stiffness": None}))
     result = RESPONSE_UPDATERS["frf_residual"](model, parameters, target)
     assert result.coefficients["joint_stiffness"] == pytest.approx({6: 0.6, 14: 1.0}, abs=EXACT)
 
@@ -150,7 +150,7 @@ def test_joints_of_a_frame_are_found_among_its_members() -> None:
         BAY, joints=(JointSpring(1, 4e8), JointSpring(2, 4e8), JointSpring(5, 2e8), JointSpring(13, 4e8))
     )
     also = at_nodes(BAY, {"joint_stiffness": None})
-    parameters = parameterise([(m.number,) for m in BAY.members], ("bending",), also=also)
+    parameters = parameterise([(m.number,) for m in BAY.members], ("bending",), nodal=also)
     target = modes_of(truth, 10, BAY_DOFS)
     result = UPDATERS["one_shot"](BAY, parameters, target, options=UpdateOptions(tolerance=1e-9))
     assert result.suspected["joint_stiffness"] == (5,)
@@ -179,4 +179,4 @@ def test_a_joint_is_where_two_bars_meet_and_once(joints: tuple[JointSpring, ...]
 
 def test_a_node_without_a_joint_has_no_coefficient() -> None:
     with pytest.raises(InvalidInputError, match="node 7 carries no joint stiffness"):
-        parameterise([], also=at_nodes(MODEL, {"joint_stiffness": [(7,)]})).groups(MODEL)
+        parameterise([], nodal=at_nodes(MODEL, {"joint_stiffness": [(7,)]})).groups(MODEL)

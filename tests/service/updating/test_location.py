@@ -2,7 +2,7 @@ import numpy as np
 import pytest
 
 from modallab.fe.changes import MemberChange, MemberProperty, change
-from modallab.updating.location import suspicion
+from modallab.updating.location import suspect_members
 from modallab.updating.method import UPDATERS
 from modallab.updating.parameterisation import (
     MacroElement,
@@ -17,22 +17,22 @@ PAIR = Parameterisation((MacroElement((1, 2), Part.MASS), MacroElement((3, 4), P
 
 
 def test_macro_elements_beyond_the_threshold_are_suspected() -> None:
-    found = suspicion(PAIR, np.array([1.05, 0.8]), 0.08)
+    found = suspect_members(PAIR, np.array([1.05, 0.8]), 0.08)
     assert found is not None
     assert [macro.members for macro in found.parameterisation.macros] == [(3,), (4,)]
     np.testing.assert_array_equal(found.start, [0.8, 0.8])
 
 
 def test_below_the_threshold_the_farthest_is_suspected_if_it_moved_at_all() -> None:
-    found = suspicion(PAIR, np.array([1.01, 1.05]), 0.08)
+    found = suspect_members(PAIR, np.array([1.01, 1.05]), 0.08)
     assert found is not None
     assert [macro.members for macro in found.parameterisation.macros] == [(3,), (4,)]
-    assert suspicion(PAIR, np.array([1.005, 0.99]), 0.08) is None
+    assert suspect_members(PAIR, np.array([1.005, 0.99]), 0.08) is None
 
 
 def test_loss_factors_are_judged_among_themselves() -> None:
     both = parameterise([(1, 2), (3, 4)], ("stiffness", "damping"))
-    found = suspicion(both, np.array([1.5, 1.0, 0.02, 0.009]), 0.08, 0.008)
+    found = suspect_members(both, np.array([1.5, 1.0, 0.02, 0.009]), 0.08, 0.008)
     assert found is not None
     assert [str(macro) for macro in found.parameterisation.macros] == [
         *("stiffness of 1", "stiffness of 2"),
@@ -40,12 +40,12 @@ def test_loss_factors_are_judged_among_themselves() -> None:
     ]
     np.testing.assert_array_equal(found.start, [1.5, 1.5, 0.02, 0.02, 0.009, 0.009])
     # below both thresholds: what moved farthest, in either kind, if at all
-    slight = suspicion(both, np.array([1.0, 1.01, 0.003, -0.004]), 0.08, 0.008)
+    slight = suspect_members(both, np.array([1.0, 1.01, 0.003, -0.004]), 0.08, 0.008)
     assert slight is not None
     assert [str(macro) for macro in slight.parameterisation.macros] == [
         *("damping of 1", "damping of 2", "damping of 3", "damping of 4")
     ]
-    assert suspicion(both, np.array([1.0, 1.01, 0.001, 0.0]), 0.08, 0.008) is None
+    assert suspect_members(both, np.array([1.0, 1.01, 0.001, 0.0]), 0.08, 0.008) is None
 
 
 def test_one_wrong_element_of_a_macro_element_of_four_is_found() -> None:

@@ -12,7 +12,7 @@ from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.damping import StructuralDamping
 from modallab.fe.structure import GroundSpringElement, PointMass, Structure
 from modallab.updating.method import UPDATERS, UpdateOptions
-from modallab.updating.nodal_elements import carried, multiplied, node_matrices
+from modallab.updating.nodal_elements import nodal_values, node_matrices, with_scaled_nodes
 from modallab.updating.parameterisation import MacroElement, Part, at_nodes, parameterise
 from modallab.updating.studies.truth import true_coefficients
 from tests.service.updating.cases import BEAM_DOFS, modes_of
@@ -44,7 +44,7 @@ EXACT = 1e-6  # noise-free modes: rounding, times the condition of the equations
 @pytest.mark.parametrize("groups", [[], GROUPS], ids=["alone", "with mass and stiffness of members"])
 @pytest.mark.parametrize("method", [name for name in UPDATERS if not name.startswith("complex")])
 def test_what_nodes_carry_is_found_in_its_unit(method: str, groups: Sequence[tuple[int, ...]]) -> None:
-    parameters = parameterise(groups, also=ALL)
+    parameters = parameterise(groups, nodal=ALL)
     options = UpdateOptions(tolerance=1e-9)
     result = UPDATERS[method](MODEL, parameters, modes_of(TRUTH, 6, BEAM_DOFS), options=options)
     assert result.coefficients["point_mass"][7] == pytest.approx(1.6, abs=EXACT)
@@ -62,7 +62,7 @@ def test_what_nodes_carry_is_found_in_its_unit(method: str, groups: Sequence[tup
 @pytest.mark.parametrize("method", ["complex_inverse_eigensensitivity", "complex_one_shot"])
 def test_what_nodes_carry_is_found_from_damped_modes(method: str) -> None:
     model, truth = (replace(one, damping=StructuralDamping(0.05)) for one in (MODEL, TRUTH))
-    parameters = parameterise([], also=ALL)
+    parameters = parameterise([], nodal=ALL)
     options = UpdateOptions(tolerance=1e-9)
     result = UPDATERS[method](model, parameters, modes_of(truth, 6, BEAM_DOFS), options=options)
     for part, node, factor in (("point_mass", 7, 1.6), ("ground_spring_rz", 1, 0.6)):
@@ -70,11 +70,11 @@ def test_what_nodes_carry_is_found_from_damped_modes(method: str) -> None:
 
 
 def test_nodes_and_members_of_one_number_are_told_apart_in_words() -> None:
-    parameters = parameterise([(7,)], ("density",), also=at_nodes(MODEL, {"point_mass": [(7,)]}))
+    parameters = parameterise([(7,)], ("density",), nodal=at_nodes(MODEL, {"point_mass": [(7,)]}))
     assert [str(macro) for macro in parameters.macros] == ["density of 7", "point_mass of node 7"]
     clamped = STRUCTURES["cantilever"]()
     carrying = replace(clamped, masses=(PointMass(2, 0.1), PointMass(11, 0.05)))
-    heavy = parameterise([], also=at_nodes(carrying, {"point_mass": None}))
+    heavy = parameterise([], nodal=at_nodes(carrying, {"point_mass": None}))
     result = UPDATERS["one_shot"](carrying, heavy, modes_of(carrying, 2, (Dof(6, "Y"), Dof(11, "Y"))))
     assert result.identifiability is not None
     words = [one.words for one in result.identifiability.directions]
@@ -84,12 +84,12 @@ def test_nodes_and_members_of_one_number_are_told_apart_in_words() -> None:
 
 def test_masses_at_one_node_and_springs_in_one_direction_are_one() -> None:
     twice = replace(MODEL, masses=(*MODEL.masses, PointMass(7, 0.01)))
-    assert carried(twice, Part.POINT_MASS) == {7: pytest.approx(0.06), 15: 0.1}
-    assert carried(twice, Part.GROUND_SPRING_Y) == {1: 1e5, 21: 2e4}
-    assert carried(twice, Part.GROUND_SPRING_X) == {}
-    heavier = multiplied(twice, Part.POINT_MASS, (7,), 2.0)
+    assert nodal_values(twice, Part.POINT_MASS) == {7: pytest.approx(0.06), 15: 0.1}
+    assert nodal_values(twice, Part.GROUND_SPRING_Y) == {1: 1e5, 21: 2e4}
+    assert nodal_values(twice, Part.GROUND_SPRING_X) == {}
+    heavier = with_scaled_nodes(twice, Part.POINT_MASS, (7,), 2.0)
     assert [one.mass for one in heavier.masses] == [0.1, 0.1, 0.02]
-    stiffer = multiplied(twice, Part.GROUND_SPRING_Y, (1,), 2.0)
+    stiffer = with_scaled_nodes(twice, Part.GROUND_SPRING_Y, (1,), 2.0)
     assert [one.stiffness for one in stiffer.springs] == [2e5, 100.0, 2e4]
 
 
@@ -122,13 +122,13 @@ def test_what_nodes_do_not_carry_is_refused(
     part: str, groups: list[tuple[int, ...]] | None, words: str
 ) -> None:
     with pytest.raises(InvalidInputError, match=words) as caught:
-        parameterise([], also=at_nodes(MODEL, {part: groups})).groups(MODEL)
+        parameterise([], nodal=at_nodes(MODEL, {part: groups})).groups(MODEL)
     assert caught.value.context["field"] == "attached"
     assert caught.value.context["allowed"]
 
 
 def test_a_node_has_one_coefficient_of_a_mass_and_no_member_has_any() -> None:
     with pytest.raises(InvalidInputError, match="two coefficients of its point mass"):
-        parameterise([], also=(MacroElement((7, 15), Part.POINT_MASS), MacroElement((7,), Part.POINT_MASS)))
+        parameterise([], nodal=(MacroElement((7, 15), Part.POINT_MASS), MacroElement((7,), Part.POINT_MASS)))
     with pytest.raises(InvalidInputError, match="elements have no part 'point_mass'"):
         parameterise([(1,)], ("point_mass",))

@@ -14,8 +14,8 @@ from modallab.updating.parameterisation import (
     Parameterisation,
     Part,
     by_member,
+    member_coefficients,
     parameterise,
-    spread_over_members,
 )
 
 BEAM = STRUCTURES["chapter-5-beam"]()
@@ -31,7 +31,7 @@ def test_every_part_of_every_group_has_a_coefficient() -> None:
 def test_a_coefficient_multiplies_what_its_members_carry() -> None:
     parameters = parameterise([(1, 2), (3,)])
     heavier = replace(BEAM, members=(replace(BEAM.members[0], mass_factor=3.0), *BEAM.members[1:]))
-    spread = spread_over_members(
+    spread = member_coefficients(
         parameters, parameters.groups(heavier), np.array([2.0, 1.0, 1.0, 5.0]), coefficients_of(heavier)
     )
     assert spread.mass[:3].tolist() == [6.0, 2.0, 1.0]
@@ -47,11 +47,11 @@ def test_values_by_member_are_1_where_no_coefficient_is() -> None:
 def test_a_coefficient_of_damping_is_added_to_the_loss_factor() -> None:
     parameters = parameterise([(1, 2), (3,)], ("stiffness", "damping"), lower=0.5, upper=4.0)
     values = np.array([2.0, 1.0, 0.1, -0.002])
-    spread = spread_over_members(parameters, parameters.groups(BEAM), values, coefficients_of(BEAM))
+    spread = member_coefficients(parameters, parameters.groups(BEAM), values, coefficients_of(BEAM))
     own = coefficients_of(BEAM).loss_factor[0]
     np.testing.assert_allclose(spread.loss_factor[:4], own + np.array([0.1, 0.1, -0.002, 0.0]))
     assert spread.axial[:3].tolist() == [2.0, 2.0, 1.0]
-    assert parameters.unchanged.tolist() == [1.0, 1.0, 0.0, 0.0]
+    assert parameters.nominal.tolist() == [1.0, 1.0, 0.0, 0.0]
     assert [bound.tolist() for bound in parameters.bounds] == [[0.5, 0.5, -1.0, -1.0], [4.0, 4.0, 2.0, 2.0]]
     table = by_member(parameters, values, parts=parameters.parts, members=(1, 4))
     assert table["damping"] == {1: 0.1, 2: 0.1, 3: -0.002, 4: 0.0}

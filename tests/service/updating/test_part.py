@@ -32,9 +32,9 @@ def test_a_property_and_a_matrix_that_it_moves_have_no_coefficient_both(
         parameterise([(1, 2), (3,)], parts)
 
 
-@pytest.mark.parametrize("part", [part for part in Part if not part.at_node])
+@pytest.mark.parametrize("part", [part for part in Part if not part.is_nodal])
 def test_a_member_has_one_coefficient_of_a_part(part: Part) -> None:
-    with pytest.raises(InvalidInputError, match=f"member 2 has two coefficients of its {part.words}"):
+    with pytest.raises(InvalidInputError, match=f"member 2 has two coefficients of its {part.label}"):
         parameterise([(1, 2), (2, 3)], (part,))
 
 

@@ -13,10 +13,10 @@ from modallab.fe.beam import beam
 from modallab.fe.changes import MemberChange, MemberProperty, change
 from modallab.fe.structure import Material, Section
 from modallab.fe.synthetic_modes import ModeNoise
-from modallab.updating.log_coefficients import changed, changes
+from modallab.updating.log_coefficients import from_log_changes, log_changes
 from modallab.updating.method import UPDATERS, UpdateOptions
 from modallab.updating.modal_residuals import ModalResiduals
-from modallab.updating.one_stage_path import OneStagePath, Rule, correct
+from modallab.updating.one_stage_path import OneStagePath, OneStageRule, correct
 from modallab.updating.parameterisation import Parameterisation, parameterise
 from modallab.updating.posterior import PosteriorSample
 from modallab.updating.sampling import sample
@@ -37,7 +37,7 @@ def path(
 ) -> tuple[ModalResiduals, OneStagePath]:
     target = real_modes(modes_of(TRUTH, 5, DOFS, noise, seed=4))
     fit = ModalResiduals(Assembly(MODEL), parameters, target, 0.0)
-    return fit, correct(fit, Rule(prior, 1e-8, 30, 1e3))
+    return fit, correct(fit, OneStageRule(prior, 1e-8, 30, 1e3))
 
 
 def drawn(fit: ModalResiduals, whole: OneStagePath, n: int = 4000, seed: int = 1) -> PosteriorSample:
@@ -49,15 +49,18 @@ def test_draws_of_one_coefficient_are_those_of_its_density_by_quadrature() -> No
     parameters = parameterise([(3,)], ("stiffness",))
     target = real_modes(modes_of(TRUTH, 1, DOFS[:2], ModeNoise(eigenvalue=0.02), seed=4))
     fit = ModalResiduals(Assembly(MODEL), parameters, target, 0.0)
-    whole = correct(fit, Rule(Prior.RANGE, 1e-8, 30, 1e3))
+    whole = correct(fit, OneStageRule(Prior.RANGE, 1e-8, 30, 1e3))
     found = drawn(fit, whole, 1600)
     grid = np.linspace(np.log(0.05), np.log(10.0), 301)
-    belief, final = whole.belief, whole.path.final
-    unit = final.size * whole.weights.units * np.sqrt(belief.scales[whole.weights.block])
+    belief, final = whole.posterior, whole.iterations.final
+    unit = final.size * whole.weights.units * np.sqrt(belief.block_variances[whole.weights.block])
     misfit = np.array(
-        [((fit.state(changed(parameters, np.array([x]))).difference / unit) ** 2).sum() for x in grid]
+        [
+            ((fit.state(from_log_changes(parameters, np.array([x]))).difference / unit) ** 2).sum()
+            for x in grid
+        ]
     )
-    density = np.exp(-0.5 * (misfit - misfit.min() + grid**2 / belief.widths[0]))
+    density = np.exp(-0.5 * (misfit - misfit.min() + grid**2 / belief.prior_variances[0]))
     density /= density.sum()
     mean = (density * grid).sum()
     deviation = np.sqrt((density * (grid - mean) ** 2).sum())
@@ -75,12 +78,12 @@ def test_where_errors_are_small_draws_are_those_of_the_straight_line() -> None:
     parameters = parameterise(THIRDS)
     fit, whole = path(parameters, ModeNoise(eigenvalue=1e-4, eigenvector=1e-3))
     found = drawn(fit, whole, 2400)
-    own = np.array([changes(parameters, one) for one in found.draws])
-    errors, n = whole.belief.errors, found.effective
+    own = np.array([log_changes(parameters, one) for one in found.draws])
+    errors, n = whole.posterior.errors, found.effective
     assert (n > 100).all()
-    assert (np.abs(own.mean(axis=0) - whole.belief.mean) < 4.5 * errors / np.sqrt(n)).all()
+    assert (np.abs(own.mean(axis=0) - whole.posterior.mean) < 4.5 * errors / np.sqrt(n)).all()
     np.testing.assert_allclose(own.std(axis=0), errors, rtol=float(4.5 / np.sqrt(2 * n.min())))
-    correlations = whole.belief.covariance / np.outer(errors, errors)
+    correlations = whole.posterior.covariance / np.outer(errors, errors)
     # 4.5 standard errors of a correlation, at most
     assert np.abs(np.corrcoef(own.T) - correlations).max() < 4.5 / np.sqrt(n.min())
     assert 0.1 < found.acceptance < 0.9
@@ -106,7 +109,7 @@ def test_what_a_sparse_prior_left_out_has_no_draws() -> None:
     parameters = parameterise(THIRDS)
     fit, whole = path(parameters, SOME, Prior.SPARSE)
     found = drawn(fit, whole, 400)
-    kept = [macro for macro, free in zip(parameters.macros, whole.belief.kept, strict=True) if free]
+    kept = [macro for macro, free in zip(parameters.macros, whole.posterior.is_active, strict=True) if free]
     assert list(found.macros) == kept
     assert 1 <= len(kept) < 6
 
@@ -151,7 +154,7 @@ def test_a_prior_that_leaves_nothing_free_has_nothing_to_draw() -> None:
     parameters = parameterise(THIRDS[1:2])
     target = real_modes(modes_of(MODEL, 5, DOFS, seed=4))
     fit = ModalResiduals(Assembly(MODEL), parameters, target, 0.0)
-    whole = correct(fit, Rule(Prior.SPARSE, 1e-8, 30, 1e3))
-    nothing = replace(whole, belief=replace(whole.belief, widths=np.zeros(2)))
+    whole = correct(fit, OneStageRule(Prior.SPARSE, 1e-8, 30, 1e3))
+    nothing = replace(whole, posterior=replace(whole.posterior, prior_variances=np.zeros(2)))
     with pytest.raises(UnderdeterminedError, match="nothing to sample"):
         drawn(fit, nothing)

@@ -18,7 +18,7 @@ def equations(truth: FloatArray, noise: float) -> Equations:
 def test_no_block_of_values_is_smaller_than_its_floor() -> None:
     values = np.array([3.0, 4.0, 0.0, 0.1])
     linear = Equations(np.ones((4, 1)), values, np.array([0, 0, 1, 1]), np.ones(2))
-    np.testing.assert_allclose(linear.sizes, [12.5, 1.0])
+    np.testing.assert_allclose(linear.mean_squares, [12.5, 1.0])
 
 
 def test_a_sparse_prior_keeps_the_few_that_are_not_zero() -> None:
@@ -27,7 +27,7 @@ def test_a_sparse_prior_keeps_the_few_that_are_not_zero() -> None:
     found = sparse_bayes(equations(truth, 0.05), Prior.SPARSE, np.full(40, 0.1), np.ones(1))
     free = np.linalg.lstsq(ROWS, equations(truth, 0.05).values, rcond=None)[0]
     assert set(np.flatnonzero(np.abs(found.mean) > 0.02)) == {3, 17}
-    assert (found.mean[~found.kept] == 0.0).all()
+    assert (found.mean[~found.is_active] == 0.0).all()
     assert np.linalg.norm(found.mean - truth) < np.linalg.norm(free - truth)
 
 
@@ -39,7 +39,7 @@ def test_the_scatter_of_rows_is_found_from_what_is_left() -> None:
         Equations(rows, values, block, np.full(2, 1e-9)), Prior.SPARSE, np.full(5, 0.1), np.ones(2)
     )
     # a standard deviation from 100 rows is known to 1/sqrt(200) = 7 %: three of these
-    np.testing.assert_allclose(np.sqrt(found.scales), [0.05, 0.5], rtol=0.21)
+    np.testing.assert_allclose(np.sqrt(found.block_variances), [0.05, 0.5], rtol=0.21)
     assert found.mean[2] == pytest.approx(1.0, abs=0.02)  # three standard errors of the good half
 
 
@@ -47,8 +47,8 @@ def test_a_common_prior_finds_the_width_that_unknowns_were_drawn_with() -> None:
     truth = 0.3 * np.random.default_rng(2).standard_normal(40)
     found = sparse_bayes(equations(truth, 0.1), Prior.COMMON, np.full(40, 0.1), np.ones(1))
     # 40 draws know their width to 1/sqrt(80) = 11 %: three of these
-    assert np.sqrt(found.widths[0]) == pytest.approx(0.3, rel=0.34)
-    assert (found.widths == found.widths[0]).all()
+    assert np.sqrt(found.prior_variances[0]) == pytest.approx(0.3, rel=0.34)
+    assert (found.prior_variances == found.prior_variances[0]).all()
 
 
 def test_a_given_width_is_left_and_the_posterior_is_that_of_ridge_regression() -> None:
@@ -73,5 +73,5 @@ def test_more_unknowns_than_rows_have_a_finite_answer() -> None:
 def test_equations_of_nothing_leave_everything_out() -> None:
     nothing = Equations(np.zeros((5, 3)), np.zeros(5), np.zeros(5, int), np.full(1, 1e-6))
     found = sparse_bayes(nothing, Prior.SPARSE, np.full(3, 0.1), np.ones(1))
-    assert not found.kept.any()
+    assert not found.is_active.any()
     assert (found.mean == 0.0).all()

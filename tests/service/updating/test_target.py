@@ -110,8 +110,8 @@ def test_rows_of_the_lowest_shapes_alone_are_held_dof_by_dof() -> None:
     high, low = (replace(MODEL.modes[0], frequency=f) for f in (30.0, 20.0))
     measured = replace(real_modes(replace(MODEL, modes=(high, low))), n_shapes=1)
     # two eigenvalues, then at each of three DoFs the higher mode and the lower one
-    assert measured.held.tolist() == [True, True, *[False, True] * 3]
+    assert measured.row_mask.tolist() == [True, True, *[False, True] * 3]
     assert measured.n_rows == 5
     complex_ones = replace(complex_modes(replace(MODEL, modes=(high, low))), n_shapes=0)
-    assert complex_ones.held.tolist() == [True, True, *[False] * 6] * 2
+    assert complex_ones.row_mask.tolist() == [True, True, *[False] * 6] * 2
     assert real_modes(MODEL).n_rows == 4

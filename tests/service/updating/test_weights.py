@@ -48,8 +48,9 @@ def test_an_eigenvalue_is_in_one_block_with_its_shape() -> None:
 
 def test_modes_that_the_model_misses_are_named() -> None:
     weights = Weights.of(real_modes(modes_of(BEAM, 3, BEAM_DOFS, NOISE, 1)))
-    assert weights.missed(np.array([1.0, 4.0, 8.9])) == ""
+    assert weights.misfit_note(np.array([1.0, 4.0, 8.9])) == ""
     assert (
-        weights.missed(np.array([1.0, 25.0, 1.0])) == "; measured mode 2 missed by more than errors explain"
+        weights.misfit_note(np.array([1.0, 25.0, 1.0]))
+        == "; measured mode 2 missed by more than errors explain"
     )
-    assert "modes 1, 3 missed" in weights.missed(np.array([16.0, 1.0, 16.0]))
+    assert "modes 1, 3 missed" in weights.misfit_note(np.array([16.0, 1.0, 16.0]))

@@ -18,7 +18,7 @@ from modallab.rig.exact import as_modelled
 from modallab.store.base import Entry
 from modallab.store.plain import to_plain
 from modallab.updating.method import SAMPLING
-from modallab.updating.studies.plan import MOST_RUNS, NOISE_LEVELS, Division, Level, StudyPlan, known_method
+from modallab.updating.studies.plan import MOST_RUNS, NOISE_LEVELS, Division, Level, StudyPlan, check_method
 from modallab.updating.studies.run import StudyUpdate
 from modallab.updating.studies.study import Study, StudyCell
 from modallab.updating.studies.truth import true_coefficients
@@ -78,7 +78,7 @@ class StudyStart(Wire):
             If method, level, division, member, part, option or DoF is unknown or out of bounds, a name or a
             seed comes twice, there are too many runs, or the true structure is no changed copy of the model.
         """
-        known_method(self.method)
+        check_method(self.method)
         refuse({name for name in SAMPLING if getattr(self.options, name) is not None}, "a study")
         plan = StudyPlan(
             method=self.method,
@@ -202,7 +202,7 @@ class StudyOut(EntryOut):
 def study_arrays(study: Study) -> dict[str, NDArray[Any]]:
     """Return coefficients (n_runs, n_coefficients), NaN of runs that were not made, and what they are of."""
     coefficients = np.full((len(study.runs), study.coefficients.shape[1]), np.nan)
-    coefficients[[run.made for run in study.runs]] = study.coefficients
+    coefficients[[run.succeeded for run in study.runs]] = study.coefficients
     keys = [(part, number, value) for part, table in study.true.items() for number, value in table.items()]
     parts, members, true = zip(*keys, strict=True)
     return {

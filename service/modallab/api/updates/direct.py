@@ -69,7 +69,7 @@ class DirectOut(BaseModel):
             n_modes=result.modes.n_used,
             reproduced=result.reproduced,
             connectivity_loss=dict(result.connectivity_loss),
-            other_modes=None if result.others is None else OtherModesOut.of(result.others),
+            other_modes=None if result.other_modes is None else OtherModesOut.of(result.other_modes),
             dof_errors={matrix: _ranked(result, matrix) for matrix in result.dof_errors},
             notes=list(result.notes),
         )

@@ -11,8 +11,8 @@ from modallab.updating.parameterisation import (
     Parameterisation,
     Part,
     at_nodes,
+    check_no_loss_factors,
     parameterise,
-    refuse_loss_factors,
 )
 from modallab.updating.partitioning import (
     Groups,
@@ -100,8 +100,8 @@ class ParameterisationIn(Wire):
         parts = usual if self.parts is None else self.parts
         nodes = {name: None if given == "each" else given for name, given in self.attached.items()}
         also = at_nodes(structure, nodes)
-        chosen = parameterise(groups, parts, lower=self.lower, upper=self.upper, also=also)
+        chosen = parameterise(groups, parts, lower=self.lower, upper=self.upper, nodal=also)
         chosen.groups(structure)
         if Part.DAMPING not in usual:
-            refuse_loss_factors(chosen)
+            check_no_loss_factors(chosen)
         return chosen

@@ -21,7 +21,7 @@ RIGID = 1e-4
 
 
 @dataclass(frozen=True, eq=False)
-class Completed:
+class CompletedModel:
     """A model's matrices, and all measured modes at their degrees of freedom."""
 
     mass: FloatArray  # (n, n) kg
@@ -30,7 +30,7 @@ class Completed:
     dofs: tuple[Dof, ...]
     shapes: FloatArray  # (n, n_measured) mass-normalised, 1/sqrt(kg)
     squares: FloatArray  # (n_measured,) rad^2/s^2
-    how: str  # shapes and DoFs came to fit, in words
+    description: str  # shapes and DoFs came to fit, in words
     notes: tuple[str, ...]
     elements: Elements | None = None
 
@@ -42,11 +42,11 @@ class Completed:
         UnderdeterminedError
             If the model has fewer modes than are to pair with its own.
         """
-        own_squares, own = pencil_modes(self.mass, self.stiffness)
+        model_squares, model_shapes = pencil_modes(self.mass, self.stiffness)
         squares, shapes = self.squares[:n_modes], self.shapes[:, :n_modes]
-        n_rigid_body = int((own_squares <= RIGID * squares.min()).sum())
-        candidates = np.arange(n_rigid_body, len(own_squares))
-        table = mac(shapes, own[:, candidates])
+        n_rigid_body = int((model_squares <= RIGID * squares.min()).sum())
+        candidates = np.arange(n_rigid_body, len(model_squares))
+        table = mac(shapes, model_shapes[:, candidates])
         partner = dict(pair_modes(table, 0.0))
         if len(partner) < n_modes:
             raise UnderdeterminedError(
@@ -55,23 +55,23 @@ class Completed:
                 value=n_modes,
                 allowed=f"<= {len(partner)}",
             )
-        chosen = np.array([partner[r] for r in range(n_modes)])
+        columns = np.array([partner[r] for r in range(n_modes)])
         return DirectProblem(
             mass=self.mass,
             stiffness=self.stiffness,
             dofs=self.dofs,
             shapes=shapes,
             squares=squares,
-            model_shapes=own,
-            model_squares=own_squares,
-            partners=candidates[chosen],
-            mac=table[np.arange(n_modes), chosen],
+            model_shapes=model_shapes,
+            model_squares=model_squares,
+            partners=candidates[columns],
+            mac=table[np.arange(n_modes), columns],
             n_rigid_body=n_rigid_body,
             elements=self.elements,
         )
 
 
-def complete(system: DynamicSystem, target: ModalModel, options: DirectOptions) -> Completed:
+def complete(system: DynamicSystem, target: ModalModel, options: DirectOptions) -> CompletedModel:
     """Return model and measurement at the same DoFs: shapes expanded to the model's, or it reduced to theirs.
 
     Where every DoF was measured neither is done. Shapes without a scale are given that of the model's mass.
@@ -84,20 +84,20 @@ def complete(system: DynamicSystem, target: ModalModel, options: DirectOptions) 
         If a mode is complex, a DoF was measured twice, the reduction does not hold with these DoFs, or the
         matrices are too large.
     """
-    measured = _ordered(system, target)
+    measured = _in_model_order(system, target)
     if len(measured.dofs) == len(system.dofs):
-        found = _as_measured(system, measured)
+        completed = _as_measured(system, measured)
     elif options.completion == EXPANSION:
-        found = _expanded(system, measured, options)
+        completed = _expanded(system, measured, options)
     else:
-        found = _reduced(system, measured, options)
-    if found.pattern is not None:
-        found = replace(found, elements=_elements(system))
+        completed = _reduced(system, measured, options)
+    if completed.pattern is not None:
+        completed = replace(completed, elements=_elements(system))
     if target.normalisation == "mass":
-        return found
-    sizes = np.sqrt(np.einsum("ir,ij,jr->r", found.shapes, found.mass, found.shapes))
+        return completed
+    sizes = np.sqrt(np.einsum("ir,ij,jr->r", completed.shapes, completed.mass, completed.shapes))
     note = "measured shapes had no scale: they were given that of the model's mass"
-    return replace(found, shapes=found.shapes / sizes, notes=(*found.notes, note))
+    return replace(completed, shapes=completed.shapes / sizes, notes=(*completed.notes, note))
 
 
 def _elements(system: DynamicSystem) -> Elements | None:
@@ -107,7 +107,7 @@ def _elements(system: DynamicSystem) -> Elements | None:
     return Elements(table.numbers, table.rows, table.mass, table.axial + table.bending)
 
 
-def _ordered(system: DynamicSystem, target: ModalModel) -> ModalModel:
+def _in_model_order(system: DynamicSystem, target: ModalModel) -> ModalModel:
     """Return measured modes as real ones, at DoFs in their positive sense and the order of the model.
 
     Raises
@@ -118,9 +118,9 @@ def _ordered(system: DynamicSystem, target: ModalModel) -> ModalModel:
     modes = real_modes(target)
     rows = np.array([system.index(dof) for dof in target.dofs])
     if len(set(rows.tolist())) < len(rows):
-        twice = next(dof for i, dof in enumerate(target.dofs) if rows[i] in rows[:i])
+        duplicate = next(dof for i, dof in enumerate(target.dofs) if rows[i] in rows[:i])
         raise InvalidInputError(
-            f"{twice} was measured twice", field="dofs", value=str(twice), allowed="each DoF once"
+            f"{duplicate} was measured twice", field="dofs", value=str(duplicate), allowed="each DoF once"
         )
     order, by_frequency = np.argsort(rows), np.argsort(target.frequencies, kind="stable")
     signs = np.array([dof.sign for dof in target.dofs])[:, None]
@@ -132,10 +132,10 @@ def _ordered(system: DynamicSystem, target: ModalModel) -> ModalModel:
     )
 
 
-def _full(system: DynamicSystem) -> tuple[FloatArray, FloatArray, BoolArray]:
+def _full_matrices(system: DynamicSystem) -> tuple[FloatArray, FloatArray, BoolArray]:
     """Return mass, stiffness and where either connects DoFs, (n, n) each, all that is attached included."""
-    whole, n = system.folded(), len(system.dofs)
-    if whole.mass.shape[0] > n:
+    folded, n = system.folded(), len(system.dofs)
+    if folded.mass.shape[0] > n:
         raise InvalidInputError(
             "what is attached to the structure has degrees of freedom that no shape is known at",
             field="completion",
@@ -150,35 +150,35 @@ def _full(system: DynamicSystem) -> tuple[FloatArray, FloatArray, BoolArray]:
             allowed=f"<= {MOST}; reduce the model to measured ones: {', '.join(REDUCTIONS)}",
         )
     pattern = np.zeros((n, n), bool)
-    for matrix in (whole.mass, whole.stiffness):
+    for matrix in (folded.mass, folded.stiffness):
         entries = matrix.tocoo()
         pattern[entries.row, entries.col] = True
-    return whole.mass.toarray(), whole.stiffness.toarray(), pattern
+    return folded.mass.toarray(), folded.stiffness.toarray(), pattern
 
 
-def _as_measured(system: DynamicSystem, measured: ModalModel) -> Completed:
+def _as_measured(system: DynamicSystem, measured: ModalModel) -> CompletedModel:
     squares = (2 * np.pi * measured.frequencies) ** 2
     how = "every degree of freedom was measured"
-    return Completed(*_full(system), system.dofs, measured.shapes.real, squares, how, ())
+    return CompletedModel(*_full_matrices(system), system.dofs, measured.shapes.real, squares, how, ())
 
 
-def _expanded(system: DynamicSystem, measured: ModalModel, options: DirectOptions) -> Completed:
-    matrices = _full(system)
-    found = expand(system, measured, reduction_of(options.reduction, options.reduction_parameters))
-    doubtful = [str(r) for r, mode in enumerate(found.model.modes, 1) if FLAG in mode.flags]
+def _expanded(system: DynamicSystem, measured: ModalModel, options: DirectOptions) -> CompletedModel:
+    matrices = _full_matrices(system)
+    expansion = expand(system, measured, reduction_of(options.reduction, options.reduction_parameters))
+    doubtful = [str(r) for r, mode in enumerate(expansion.model.modes, 1) if FLAG in mode.flags]
     note = f"the model would not move as expanded in modes {', '.join(doubtful)}"
     squares = (2 * np.pi * measured.frequencies) ** 2
-    return Completed(
+    return CompletedModel(
         *matrices,
         system.dofs,
-        found.model.shapes.real,
+        expansion.model.shapes.real,
         squares,
-        f"expanded: {found.model.choices[EXPANSION]}",
+        f"expanded: {expansion.model.choices[EXPANSION]}",
         (note,) if doubtful else (),
     )
 
 
-def _reduced(system: DynamicSystem, measured: ModalModel, options: DirectOptions) -> Completed:
+def _reduced(system: DynamicSystem, measured: ModalModel, options: DirectOptions) -> CompletedModel:
     highest = float(measured.frequencies.max())
     reduction = reduction_of(options.reduction, options.reduction_parameters).reaching(highest)
     # One frequency for all modes, where it takes one and has none: in their midst.
@@ -186,7 +186,7 @@ def _reduced(system: DynamicSystem, measured: ModalModel, options: DirectOptions
     squares = (2 * np.pi * measured.frequencies) ** 2
     numbers = ", ".join(f"{name} {value:g}" for name, value in small.reduction.parameters.items() if value)
     how = f"reduced to {len(measured.dofs)} degrees of freedom: {small.reduction.kind}"
-    return Completed(
+    return CompletedModel(
         small.mass,
         small.stiffness,
         None,

@@ -56,11 +56,11 @@ def mass_orthonormal(shapes: FloatArray, mass: FloatArray) -> FloatArray:
     Targoff, W. P. (1976), AIAA Journal 14(2), 164; Baruch, M. and Bar Itzhack, I. Y. (1978), AIAA Journal
     16(4), 346-351.
     """
-    values, turn = np.linalg.eigh(modal_mass(shapes, mass))
-    return np.asarray(shapes @ (turn / np.sqrt(values)) @ turn.T)
+    values, eigenvectors = np.linalg.eigh(modal_mass(shapes, mass))
+    return np.asarray(shapes @ (eigenvectors / np.sqrt(values)) @ eigenvectors.T)
 
 
-def with_measured_modes(
+def constrained_stiffness(
     stiffness: FloatArray, mass: FloatArray, shapes: FloatArray, squares: FloatArray
 ) -> FloatArray:
     """Return the stiffness nearest to a given one that has these modes, (n, n), N/m [2.7].
@@ -77,8 +77,8 @@ def with_measured_modes(
     squares
         (m,) rad^2/s^2.
     """
-    carried = mass @ shapes
-    pushed = stiffness @ shapes
-    own = shapes.T @ pushed + np.diag(squares)
-    half = 0.5 * carried @ own @ carried.T - pushed @ carried.T
+    inertia_shapes = mass @ shapes
+    elastic_forces = stiffness @ shapes
+    modal_stiffness = shapes.T @ elastic_forces + np.diag(squares)
+    half = 0.5 * inertia_shapes @ modal_stiffness @ inertia_shapes.T - elastic_forces @ inertia_shapes.T
     return np.asarray(stiffness + half + half.T)

@@ -134,7 +134,7 @@ class DirectOptions:
         return self.expansion if self.completion == EXPANSION else self.completion
 
 
-def row_shares(change: FloatArray, reference: FloatArray, scale: FloatArray) -> FloatArray:
+def relative_row_norms(change: FloatArray, reference: FloatArray, scale: FloatArray) -> FloatArray:
     """Return the size of each row of `change` over that of `reference`, (n,); 0 where both are zero.
 
     Parameters
@@ -144,14 +144,18 @@ def row_shares(change: FloatArray, reference: FloatArray, scale: FloatArray) -> 
     scale
         (k,) what makes the columns of one unit.
     """
-    sizes = np.linalg.norm(reference * scale, axis=1)
+    reference_norms = np.linalg.norm(reference * scale, axis=1)
     # A row that the reference leaves empty is held against the whole of it.
-    floor = np.finfo(float).eps * float(sizes.max(initial=0.0))
-    moved = np.linalg.norm(change * scale, axis=1)
-    return np.asarray(np.divide(moved, np.maximum(sizes, floor), out=np.zeros_like(moved), where=moved > 0))
+    floor = np.finfo(float).eps * float(reference_norms.max(initial=0.0))
+    row_norms = np.linalg.norm(change * scale, axis=1)
+    return np.asarray(
+        np.divide(
+            row_norms, np.maximum(reference_norms, floor), out=np.zeros_like(row_norms), where=row_norms > 0
+        )
+    )
 
 
-def of_one_unit(matrix: FloatArray) -> FloatArray:
+def diagonal_scaling(matrix: FloatArray) -> FloatArray:
     """Return 1 over the root of each diagonal entry, (n,): what takes the units of DoFs out of a matrix."""
     diagonal = np.diag(matrix)
     return np.asarray(

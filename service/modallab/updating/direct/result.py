@@ -59,7 +59,7 @@ class DirectResult:
     # by matrix: norm of the correction where the structure connects nothing over its whole norm
     connectivity_loss: Mapping[str, float]
     modes: MeasuredModes
-    others: OtherModes | None  # None where nothing was corrected
+    other_modes: OtherModes | None  # None where nothing was corrected
     reproduced: float | None  # largest relative error of a used frequency, or 1 - MAC
     notes: tuple[str, ...] = field(default=())
     # by part and member, 1 = no change; of methods that keep the members

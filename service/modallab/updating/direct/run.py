@@ -11,15 +11,15 @@ from modallab.core.progress import Progress, silent
 from modallab.correlation.mac import mac
 from modallab.fe.reduction import pencil_modes
 from modallab.fe.system import DynamicSystem
-from modallab.updating.direct.completion import Completed, complete
+from modallab.updating.direct.completion import CompletedModel, complete
 from modallab.updating.direct.method import (
     DIRECT_METHODS,
     Correction,
     DirectOptions,
     DirectProblem,
     ErrorLocation,
-    of_one_unit,
-    row_shares,
+    diagonal_scaling,
+    relative_row_norms,
 )
 from modallab.updating.direct.result import DirectResult, MeasuredModes, OtherModes
 
@@ -48,20 +48,20 @@ def update_directly(
     InvalidInputError, UnknownDofError, UnderdeterminedError
         If method and options do not fit, or measurement and structure do not.
     """
-    find = DIRECT_METHODS[method]
+    solve = DIRECT_METHODS[method]
     progress(0.1, "model and shapes are brought to the same degrees of freedom")
-    ready = complete(system, target, options)
-    count = _used(options, len(ready.squares))
-    problem = ready.problem(count)
+    completed = complete(system, target, options)
+    count = _n_used_modes(options, len(completed.squares))
+    problem = completed.problem(count)
     progress(0.4, f"{method} with {count} modes")
-    found = find(problem)
+    solution = solve(problem)
     progress(0.7, "modes of the result are compared")
-    if isinstance(found, ErrorLocation):
-        return _located(method, ready, problem, found)
-    return _corrected(method, ready, problem, found)
+    if isinstance(solution, ErrorLocation):
+        return _location_result(method, completed, problem, solution)
+    return _correction_result(method, completed, problem, solution)
 
 
-def _used(options: DirectOptions, n_measured: int) -> int:
+def _n_used_modes(options: DirectOptions, n_measured: int) -> int:
     count = n_measured if options.n_modes is None else options.n_modes
     if not 1 <= count <= n_measured:
         raise InvalidInputError(
@@ -73,108 +73,137 @@ def _used(options: DirectOptions, n_measured: int) -> int:
     return count
 
 
-def _located(method: str, ready: Completed, problem: DirectProblem, found: ErrorLocation) -> DirectResult:
-    before, mac_before = _beside(ready, problem.mass, problem.model_squares, problem.model_shapes)
+def _location_result(
+    method: str, completed: CompletedModel, problem: DirectProblem, location: ErrorLocation
+) -> DirectResult:
+    model_frequencies, model_mac = _nearest_modes(
+        completed, problem.mass, problem.model_squares, problem.model_shapes
+    )
     return DirectResult(
         method=method,
-        dofs=ready.dofs,
-        completion=ready.how,
+        dofs=completed.dofs,
+        completion=completed.description,
         mass=None,
         stiffness=None,
-        errors=found.matrices,
-        dof_errors=found.dof_errors,
+        errors=location.matrices,
+        dof_errors=location.dof_errors,
         connectivity_loss={},
         modes=MeasuredModes(
-            len(problem.squares), _hertz(ready.squares), before, mac_before, after=None, mac_after=None
+            len(problem.squares),
+            _hertz(completed.squares),
+            model_frequencies,
+            model_mac,
+            after=None,
+            mac_after=None,
         ),
-        others=None,
+        other_modes=None,
         reproduced=None,
-        notes=ready.notes,
+        notes=completed.notes,
     )
 
 
-def _corrected(method: str, ready: Completed, problem: DirectProblem, found: Correction) -> DirectResult:
-    own = {"mass": problem.mass, "stiffness": problem.stiffness}
-    errors = {name: getattr(found, name) - own[name] for name in found.changed}
-    squares, shapes = pencil_modes(found.mass, found.stiffness)
-    before, mac_before = _beside(ready, problem.mass, problem.model_squares, problem.model_shapes)
-    after, mac_after = _beside(ready, found.mass, squares, shapes)
+def _correction_result(
+    method: str, completed: CompletedModel, problem: DirectProblem, correction: Correction
+) -> DirectResult:
+    model_matrices = {"mass": problem.mass, "stiffness": problem.stiffness}
+    errors = {name: getattr(correction, name) - model_matrices[name] for name in correction.changed}
+    squares, shapes = pencil_modes(correction.mass, correction.stiffness)
+    model_frequencies, model_mac = _nearest_modes(
+        completed, problem.mass, problem.model_squares, problem.model_shapes
+    )
+    updated_frequencies, updated_mac = _nearest_modes(completed, correction.mass, squares, shapes)
     n = len(problem.squares)
-    modes = MeasuredModes(n, _hertz(ready.squares), before, mac_before, after, mac_after)
-    off = np.abs(after / modes.measured - 1)[:n].max()
+    modes = MeasuredModes(
+        n, _hertz(completed.squares), model_frequencies, model_mac, updated_frequencies, updated_mac
+    )
+    frequency_error = np.abs(updated_frequencies / modes.measured - 1)[:n].max()
     return DirectResult(
         method=method,
-        dofs=ready.dofs,
-        completion=ready.how,
-        mass=found.mass,
-        stiffness=found.stiffness,
+        dofs=completed.dofs,
+        completion=completed.description,
+        mass=correction.mass,
+        stiffness=correction.stiffness,
         errors=errors,
         dof_errors={
-            name: row_shares(error, own[name], of_one_unit(own[name])) for name, error in errors.items()
+            name: relative_row_norms(error, model_matrices[name], diagonal_scaling(model_matrices[name]))
+            for name, error in errors.items()
         },
-        connectivity_loss=_lost(ready, own, errors),
+        connectivity_loss=_connectivity_loss(completed, model_matrices, errors),
         modes=modes,
-        others=_others(problem, found, squares, shapes),
-        reproduced=float(max(off, 1 - mac_after[:n].min())),
-        notes=ready.notes,
-        coefficients=found.coefficients,
+        other_modes=_other_modes(problem, correction, squares, shapes),
+        reproduced=float(max(frequency_error, 1 - updated_mac[:n].min())),
+        notes=completed.notes,
+        coefficients=correction.coefficients,
     )
 
 
-def _lost(ready: Completed, own: dict[str, FloatArray], errors: dict[str, FloatArray]) -> dict[str, float]:
+def _connectivity_loss(
+    completed: CompletedModel, model_matrices: dict[str, FloatArray], errors: dict[str, FloatArray]
+) -> dict[str, float]:
     """Return by matrix the norm of a correction outside the structure's connections over its whole norm.
 
     Each entry counts in units of its DoFs, sqrt(A_ii A_jj). Of a reduced model nothing is said: it has no
     connections of the structure left.
     """
-    if ready.pattern is None:
+    if completed.pattern is None:
         return {}
-    lost = {}
+    losses = {}
     for name, error in errors.items():
-        scale = of_one_unit(own[name])
-        even = scale[:, None] * error * scale
-        whole = float(np.linalg.norm(even))
-        lost[name] = float(np.linalg.norm(even[~ready.pattern])) / whole if whole else 0.0
-    return lost
+        scale = diagonal_scaling(model_matrices[name])
+        scaled_error = scale[:, None] * error * scale
+        total_norm = float(np.linalg.norm(scaled_error))
+        losses[name] = (
+            float(np.linalg.norm(scaled_error[~completed.pattern])) / total_norm if total_norm else 0.0
+        )
+    return losses
 
 
-def _beside(
-    ready: Completed, mass: FloatArray, squares: FloatArray, shapes: FloatArray
+def _nearest_modes(
+    completed: CompletedModel, mass: FloatArray, squares: FloatArray, shapes: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
     """Return frequency, Hz, and MAC of the mode nearest to each measured one, (n_measured,) each.
 
     Nearest in the mass, where modes are orthonormal: a MAC lets stiff DoFs that hardly move decide.
     """
-    likeness = (ready.shapes.T @ mass @ shapes) ** 2
-    chosen = _assigned(likeness)
-    table = mac(ready.shapes, shapes[:, chosen])
-    return _hertz(squares[chosen]), np.diag(table)
+    overlap = (completed.shapes.T @ mass @ shapes) ** 2
+    columns = _assignment(overlap)
+    table = mac(completed.shapes, shapes[:, columns])
+    return _hertz(squares[columns]), np.diag(table)
 
 
-def _others(problem: DirectProblem, found: Correction, squares: FloatArray, shapes: FloatArray) -> OtherModes:
+def _other_modes(
+    problem: DirectProblem, correction: Correction, squares: FloatArray, shapes: FloatArray
+) -> OtherModes:
     """Return the model's modes that no measured one pairs with, beside what became of them.
 
     Rigid-body motions are held against the corrected matrices as a whole: which of them is first is chance.
     """
     n_rigid_body = problem.n_rigid_body
-    kept = np.setdiff1d(np.arange(n_rigid_body, len(problem.model_squares)), problem.partners)
-    likeness = (problem.model_shapes.T @ problem.mass @ shapes) ** 2
-    partner = _assigned(likeness)[kept]
-    alike = mac(problem.model_shapes[:, kept], shapes[:, partner])
-    held = None
+    unpaired = np.setdiff1d(np.arange(n_rigid_body, len(problem.model_squares)), problem.partners)
+    overlap = (problem.model_shapes.T @ problem.mass @ shapes) ** 2
+    partner = _assignment(overlap)[unpaired]
+    mac_table = mac(problem.model_shapes[:, unpaired], shapes[:, partner])
+    rigid_body_frequency = None
     if n_rigid_body:
-        bodies = problem.model_shapes[:, :n_rigid_body]
-        stiffness, mass = (bodies.T @ matrix @ bodies for matrix in (found.stiffness, found.mass))
-        held = float(_hertz(eigvalsh(stiffness, mass)[-1:])[0])
-    return OtherModes(_hertz(problem.model_squares[kept]), _hertz(squares[partner]), np.diag(alike), held)
+        rigid_shapes = problem.model_shapes[:, :n_rigid_body]
+        stiffness, mass = (
+            rigid_shapes.T @ matrix @ rigid_shapes for matrix in (correction.stiffness, correction.mass)
+        )
+        rigid_body_frequency = float(_hertz(eigvalsh(stiffness, mass)[-1:])[0])
+    return OtherModes(
+        _hertz(problem.model_squares[unpaired]),
+        _hertz(squares[partner]),
+        np.diag(mac_table),
+        rigid_body_frequency,
+    )
 
 
-def _assigned(likeness: FloatArray) -> IntArray:
+def _assignment(overlap: FloatArray) -> IntArray:
     """Return the column of each row, each used once while they last, so that likeness adds up to most."""
-    rows, columns = linear_sum_assignment(likeness, maximize=True)
-    chosen = likeness.argmax(axis=1)
-    chosen[rows] = columns
-    return np.asarray(chosen)
+    rows, columns = linear_sum_assignment(overlap, maximize=True)
+    columns_of_rows = overlap.argmax(axis=1)
+    columns_of_rows[rows] = columns
+    return np.asarray(columns_of_rows)
 
 
 def _hertz(squares: FloatArray) -> FloatArray:

@@ -80,6 +80,6 @@ class LocationResult:
     def coefficients(self) -> dict[str, dict[int, float]]:
         """What members' matrices would be multiplied by, to first order."""
         return {
-            part: {member: Part(part).unchanged + change for member, change in table.items()}
+            part: {member: Part(part).nominal + change for member, change in table.items()}
             for part, table in self.changes.items()
         }

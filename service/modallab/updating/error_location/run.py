@@ -11,7 +11,7 @@ from modallab.fe.assembly import Assembly
 from modallab.fe.structure import Structure
 from modallab.updating.error_location.method import LOCATORS, LinearLocation, LinearProblem, LocationResult
 from modallab.updating.iteration import check_sensitivity
-from modallab.updating.modal_residuals import ModalResiduals, State
+from modallab.updating.modal_residuals import ModalResiduals, ModelState
 from modallab.updating.parameterisation import Parameterisation, by_member
 from modallab.updating.target import real_modes
 
@@ -60,32 +60,36 @@ def locate(
     UnknownDofError
         If the structure lacks a measured DoF.
     """
-    find, measured = LOCATORS[method], real_modes(target)
-    fit = ModalResiduals(Assembly(structure, jumps=True), parameterisation, measured, options.min_mac)
+    locator, measured = LOCATORS[method], real_modes(target)
+    residuals = ModalResiduals(Assembly(structure, jumps=True), parameterisation, measured, options.min_mac)
     progress(0.1, "the model is held against the measured modes")
-    state = fit.state(np.ones(len(parameterisation.macros)))
-    sensitivity = fit.sensitivity(state) / state.size[:, None]
+    state = residuals.state(np.ones(len(parameterisation.macros)))
+    sensitivity = residuals.sensitivity(state) / state.size[:, None]
     check_sensitivity(sensitivity)
     progress(0.6, f"{method} over {len(parameterisation.macros)} coefficients")
     problem = LinearProblem(sensitivity, state.difference / state.size)
-    found = find(problem, threshold=options.suspect_threshold, jump=options.rank_jump)
-    return _result(method, parameterisation, found, fit, state)
+    location = locator(problem, threshold=options.suspect_threshold, jump=options.rank_jump)
+    return _result(method, parameterisation, location, residuals, state)
 
 
 def _result(
-    method: str, parameterisation: Parameterisation, found: LinearLocation, fit: ModalResiduals, state: State
+    method: str,
+    parameterisation: Parameterisation,
+    location: LinearLocation,
+    residuals: ModalResiduals,
+    state: ModelState,
 ) -> LocationResult:
     parts = parameterisation.parts
-    marked = by_member(parameterisation, found.suspected.astype(float), parts=parts)
+    marked = by_member(parameterisation, location.suspected.astype(float), parts=parts)
     return LocationResult(
         locator=method,
-        changes=by_member(parameterisation, found.change, parts=parts),
-        weights=by_member(parameterisation, found.weight, parts=parts),
+        changes=by_member(parameterisation, location.change, parts=parts),
+        weights=by_member(parameterisation, location.weight, parts=parts),
         suspected={part: tuple(sorted(n for n, x in table.items() if x)) for part, table in marked.items()},
-        remaining=found.remaining,
-        measured=fit.target.frequencies,
+        remaining=location.remaining,
+        measured=residuals.target.frequencies,
         frequencies=state.frequencies,
         mac=state.mac,
-        rank=found.rank,
-        condition_number=found.condition_number,
+        rank=location.rank,
+        condition_number=location.condition_number,
     )

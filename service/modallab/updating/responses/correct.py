@@ -6,20 +6,27 @@ import numpy as np
 
 from modallab.core.arrays import FloatArray
 from modallab.core.progress import Progress, part, silent
-from modallab.updating.iteration import Ending, Iteration, check_sensitivity, resting
-from modallab.updating.log_coefficients import changed, changes
+from modallab.updating.iteration import Iteration, StopReason, bound_note, check_sensitivity
+from modallab.updating.log_coefficients import from_log_changes, log_changes
 from modallab.updating.one_stage_path import (
     DOUBLED,
     SHORTER,
     TRIES,
-    Rule,
-    believed,
-    opened,
-    unweighted,
-    within_bounds,
+    OneStageRule,
+    bounded_mean,
+    initial_posterior,
+    least_squares_step,
+    linearised_posterior,
 )
 from modallab.updating.responses.fields import ResponseModel
-from modallab.updating.responses.rows import Rows, doubt, log_ratios, log_rows, mean_square, tolerant_rows
+from modallab.updating.responses.rows import (
+    Rows,
+    log_ratios,
+    log_rows,
+    mean_square,
+    model_error_share,
+    reconstruction_rows,
+)
 from modallab.updating.sparse_bayes import Equations, Posterior
 
 # Times the share that a model must be wrong by to miss what it does, that it is taken to be wrong by, and
@@ -40,27 +47,27 @@ class ResponsePath:
 
     values: FloatArray  # (n_params,)
     history: tuple[Iteration, ...]
-    ending: Ending
-    why: str
-    belief: Posterior  # of their changes, `relative.changes`
+    stop_reason: StopReason
+    explanation: str
+    posterior: Posterior  # of their changes, `relative.log_changes`
     linear: Equations  # at the values, by the coefficients, in units of their errors
-    before: float  # mean square of log ratios over their random error
-    after: float
+    initial_mean_square: float  # mean square of log ratios over their random error
+    final_mean_square: float
 
 
 def correct(
-    model: ResponseModel, beginning: ResponseModel, rule: Rule, progress: Progress = silent
+    model: ResponseModel, coarse_model: ResponseModel, rule: OneStageRule, progress: Progress = silent
 ) -> ResponsePath:
     """Return the path from no change to where no coefficient moves by the tolerance.
 
-    Log ratios have a valley for every way in which resonances of the model can meet measured ones. The
-    path begins with a model that is taken to be wrong everywhere (`tolerant_rows`), by less and less, and
-    ends with log ratios alone. Where these then miss the measurement a second path takes smaller steps,
-    and the better one counts.
+    Log ratios have a local minimum for every way in which resonances of the model can meet measured ones.
+    The path therefore begins with equations of a model with a stiffness error everywhere
+    (`reconstruction_rows`), whose assumed size falls from step to step, and ends with log ratios alone.
+    Where these miss the measurement, a second path with smaller steps follows; the better of both counts.
 
     Parameters
     ----------
-    beginning
+    coarse_model
         The same model at fewer lines, for the first part of the path.
 
     Raises
@@ -69,109 +76,121 @@ def correct(
         If no response moves with any coefficient.
     """
     best: ResponsePath | None = None
-    for i, (care, steps) in enumerate(PATHS):
-        told = part(progress, i / len(PATHS), (i + 1) / len(PATHS))
-        path = _Walk(model, rule, told).along(beginning, care, steps)
-        best = path if best is None or path.after < best.after else best
-        if best.after < EXPLAINED:
+    for i, (error_factor, max_steps) in enumerate(PATHS):
+        path_progress = part(progress, i / len(PATHS), (i + 1) / len(PATHS))
+        path = _ResponsePathSolver(model, rule, path_progress).run(coarse_model, error_factor, max_steps)
+        best = path if best is None or path.final_mean_square < best.final_mean_square else best
+        if best.final_mean_square < EXPLAINED:
             break
     assert best is not None
     return best
 
 
-class _Walk:
+class _ResponsePathSolver:
     """One path, step by step."""
 
-    def __init__(self, model: ResponseModel, rule: Rule, progress: Progress) -> None:
+    def __init__(self, model: ResponseModel, rule: OneStageRule, progress: Progress) -> None:
         self._model, self._rule, self._progress = model, rule, progress
-        self._may_move = model.parameterisation
-        self._values = self._may_move.unchanged
-        self._belief = opened(self._may_move, np.ones(1), rule.prior)
+        self._parameterisation = model.parameterisation
+        self._values = self._parameterisation.nominal
+        self._posterior = initial_posterior(self._parameterisation, np.ones(1), rule.prior)
         self._history: list[Iteration] = []
 
-    def along(self, beginning: ResponseModel, care: float, steps: int) -> ResponsePath:
-        """Return the path whose first part has so many steps at most, each of `care`."""
-        before = self._missed(self._values)
-        for _ in range(steps):
-            wrong = care * doubt(beginning, self._values)
-            if wrong < RIGHT:
+    def run(self, coarse_model: ResponseModel, error_factor: float, max_steps: int) -> ResponsePath:
+        """Return the path whose first part has so many steps at most, each of `error_factor`."""
+        initial_mean_square = self._mean_square(self._values)
+        for _ in range(max_steps):
+            model_error = error_factor * model_error_share(coarse_model, self._values)
+            if model_error < RIGHT:
                 break
-            rows = tolerant_rows(beginning, self._values, wrong)
-            to = self._wanted(rows, _blocks(rows, FEW_ROWS))
-            self._moved(rows, self._shortened(to, 1.0))
-        ending, why = self._finished()
+            rows = reconstruction_rows(coarse_model, self._values, model_error)
+            coefficients = self._target_changes(rows, _equations(rows, FEW_ROWS))
+            self._record(rows, self._coefficients_after(coefficients, 1.0))
+        stop_reason, explanation = self._iterate_log_ratios()
         rows = log_rows(self._model, self._values)
         return ResponsePath(
             self._values,
             tuple(self._history),
-            ending,
-            why + resting(self._may_move, self._values),
-            self._belief,
-            _blocks(rows, MANY_ROWS),
-            before,
-            self._missed(self._values),
+            stop_reason,
+            explanation + bound_note(self._parameterisation, self._values),
+            self._posterior,
+            _equations(rows, MANY_ROWS),
+            initial_mean_square,
+            self._mean_square(self._values),
         )
 
-    def _finished(self) -> tuple[Ending, str]:
+    def _iterate_log_ratios(self) -> tuple[StopReason, str]:
         """Walk on by log ratios alone, no step to where they miss much more than before."""
-        missed = self._missed(self._values)
+        mean_square_error = self._mean_square(self._values)
         for _ in range(self._rule.max_iterations):
             rows = log_rows(self._model, self._values)
-            wanted = self._wanted(rows, _blocks(rows, MANY_ROWS))
-            share, now = 1.0, changes(self._may_move, self._values)
+            target_changes = self._target_changes(rows, _equations(rows, MANY_ROWS))
+            fraction, current_changes = 1.0, log_changes(self._parameterisation, self._values)
             for _ in range(TRIES):
-                to = self._shortened(wanted, share)
-                after = self._missed(to)
-                if after < max(WORSE * missed, WELL):
+                coefficients = self._coefficients_after(target_changes, fraction)
+                next_mean_square = self._mean_square(coefficients)
+                if next_mean_square < max(WORSE * mean_square_error, WELL):
                     break
-                share *= SHORTER
+                fraction *= SHORTER
             else:
-                return Ending.DIVERGED, f"{Ending.DIVERGED}: the model moved away from the measurement"
-            missed = after
-            self._moved(rows, to)
-            far = float(np.abs(wanted - now).max())
-            if far < self._rule.tolerance and share == 1.0:
-                return Ending.CONVERGED, str(Ending.CONVERGED)
-        return Ending.STILL_MOVING, str(Ending.STILL_MOVING)
+                return (
+                    StopReason.DIVERGED,
+                    f"{StopReason.DIVERGED}: the model moved away from the measurement",
+                )
+            mean_square_error = next_mean_square
+            self._record(rows, coefficients)
+            largest = float(np.abs(target_changes - current_changes).max())
+            if largest < self._rule.tolerance and fraction == 1.0:
+                return StopReason.CONVERGED, str(StopReason.CONVERGED)
+        return StopReason.STILL_MOVING, str(StopReason.STILL_MOVING)
 
-    def _wanted(self, rows: Rows, linear: Equations) -> FloatArray:
+    def _target_changes(self, rows: Rows, linear: Equations) -> FloatArray:
         check_sensitivity(rows.matrix)
-        widths = self._belief.widths
-        self._belief = believed(self._may_move, self._values, linear, self._rule.prior, widths)
-        return within_bounds(self._may_move, self._belief)
+        prior_variances = self._posterior.prior_variances
+        self._posterior = linearised_posterior(
+            self._parameterisation, self._values, linear, self._rule.prior, prior_variances
+        )
+        return bounded_mean(self._parameterisation, self._posterior)
 
-    def _shortened(self, wanted: FloatArray, share: float) -> FloatArray:
+    def _coefficients_after(self, target_changes: FloatArray, fraction: float) -> FloatArray:
         """Return the coefficients a share of the way to what is wanted, none doubled or halved."""
-        now = changes(self._may_move, self._values)
-        share = min(share, DOUBLED / max(float(np.abs(wanted - now).max()), DOUBLED))
-        return changed(self._may_move, wanted if share == 1.0 else now + share * (wanted - now))
+        current_changes = log_changes(self._parameterisation, self._values)
+        fraction = min(
+            fraction, DOUBLED / max(float(np.abs(target_changes - current_changes).max()), DOUBLED)
+        )
+        return from_log_changes(
+            self._parameterisation,
+            target_changes
+            if fraction == 1.0
+            else current_changes + fraction * (target_changes - current_changes),
+        )
 
-    def _moved(self, rows: Rows, to: FloatArray) -> None:
-        solved = unweighted(rows.matrix, rows.missed, self._rule.jump)
-        nothing = np.zeros(0)
+    def _record(self, rows: Rows, coefficients: FloatArray) -> None:
+        step = least_squares_step(rows.matrix, rows.residual, self._rule.jump)
+        no_modes = np.zeros(0)
         self._history.append(
             Iteration(
                 "updating",
-                self._may_move.macros,
-                to - self._values,
-                solved.rank,
-                solved.singular_values,
-                solved.condition_number,
-                to,
-                nothing,
-                nothing,
+                self._parameterisation.macros,
+                coefficients - self._values,
+                step.rank,
+                step.singular_values,
+                step.condition_number,
+                coefficients,
+                no_modes,
+                no_modes,
             )
         )
-        self._values = to
+        self._values = coefficients
         largest = self._history[-1].max_change
         count = len(self._history)
         self._progress(1 - 0.9**count, f"iteration {count}: largest change {largest:.2g}")
 
-    def _missed(self, values: FloatArray) -> float:
+    def _mean_square(self, values: FloatArray) -> float:
         target = self._model.target
         return float(mean_square(log_ratios(target, self._model.receptance(values)), target))
 
 
-def _blocks(rows: Rows, numbers: int) -> Equations:
+def _equations(rows: Rows, numbers: int) -> Equations:
     block = rows.blocks(numbers)
-    return Equations(rows.matrix, rows.missed, block, np.full(int(block.max()) + 1, 1.0))
+    return Equations(rows.matrix, rows.residual, block, np.full(int(block.max()) + 1, 1.0))

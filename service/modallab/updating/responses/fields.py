@@ -45,7 +45,7 @@ class Fields:
     parts: tuple[PartMatrices, ...]
     law: FieldDamping
 
-    def moved(self, motion: ComplexArray) -> ComplexArray:
+    def derivatives(self, motion: ComplexArray) -> ComplexArray:
         """Return -S^T Z^-1 (dZ/dp) motion of every coefficient, (n_lines, n_out, n_in, n_params).
 
         Of the model's own motion these are the derivatives of its receptances, exactly.
@@ -56,19 +56,19 @@ class Fields:
             (n_lines, n, n_in) m/N.
         """
         n_params = 1 + max(int(part.params.max()) for part in self.parts)
-        out = np.zeros((*self.receptance.shape, n_params), complex)
-        along = 1j * self.omega[:, None, None, None]
+        derivative = np.zeros((*self.receptance.shape, n_params), complex)
+        i_omega = 1j * self.omega[:, None, None, None]
         for part in self.parts:
-            facing, own = (_local(part.rows, field) for field in (self.to_outputs, motion))
-            loads = part.matrices @ own
+            output_fields, motions = (_local(part.rows, field) for field in (self.to_outputs, motion))
+            loads = part.matrices @ motions
             if part.part is Part.MASS:
-                lost = 0.0 if part.lossless else 1j * self.law.mass + along * self.law.viscous_mass
-                loads = loads * (along**2 + lost)
+                mass_damping = 0.0 if part.lossless else 1j * self.law.mass + i_omega * self.law.viscous_mass
+                loads = loads * (i_omega**2 + mass_damping)
             elif self.law.viscous_stiffness and not part.lossless:
-                loads = loads + along * self.law.viscous_stiffness * (part.matrices.real @ own)
-            sums = np.add.reduceat(facing.swapaxes(2, 3) @ loads, part.starts[:-1], axis=1)
-            out[..., part.params] -= np.moveaxis(sums, 1, 3)
-        return out
+                loads = loads + i_omega * self.law.viscous_stiffness * (part.matrices.real @ motions)
+            sums = np.add.reduceat(output_fields.swapaxes(2, 3) @ loads, part.starts[:-1], axis=1)
+            derivative[..., part.params] -= np.moveaxis(sums, 1, 3)
+        return derivative
 
 
 class ResponseModel:
@@ -103,7 +103,7 @@ class ResponseModel:
             for dofs in (target.outputs, target.inputs)
         )
         translations = np.array([dof.translational for dof in structure.dofs])
-        diagonal = np.abs(model.system(self.parameterisation.unchanged).stiffness.diagonal())
+        diagonal = np.abs(model.system(self.parameterisation.nominal).stiffness.diagonal())
         self.stiffness = float(
             np.median(diagonal[: len(translations)][translations])
         )  # N/m, of a translation
@@ -111,8 +111,8 @@ class ResponseModel:
     def fields(self, values: FloatArray) -> Iterator[Fields]:
         """Yield the motions at `values` (n_params,), of no more lines at once than memory is for."""
         system, parts = self.model.system(values), self.model.parts(values, damped=True)
-        n, wide = self._outputs.shape[0], self._outputs.shape[1] + self._inputs.shape[1]
-        step = max(1, AT_ONCE // (n * (n if n < EIGENSOLUTION.dense_dofs else wide)))
+        n, n_columns = self._outputs.shape[0], self._outputs.shape[1] + self._inputs.shape[1]
+        step = max(1, AT_ONCE // (n * (n if n < EIGENSOLUTION.dense_dofs else n_columns)))
         n_lines = len(self.target.freq)
         for lines in np.split(np.arange(n_lines), range(step, n_lines, step)):
             yield self._at(lines, system, parts)
@@ -125,13 +125,13 @@ class ResponseModel:
         omega = 2 * np.pi * self.target.freq[lines]
         solve = solver(system, omega)
         forces = np.concatenate([self._outputs, self._inputs], axis=1)
-        both = solve(np.broadcast_to(forces, (len(omega), *forces.shape)))
+        motions = solve(np.broadcast_to(forces, (len(omega), *forces.shape)))
         n_out = self._outputs.shape[1]
-        driven = both[:, :, n_out:]
+        driven = motions[:, :, n_out:]
         return Fields(
             lines=lines,
             omega=omega,
-            to_outputs=both[:, :, :n_out],
+            to_outputs=motions[:, :, :n_out],
             driven=driven,
             receptance=np.asarray(self._outputs.T @ driven),
             load=np.abs(system.stiffness.diagonal()) + omega[:, None] ** 2 * system.mass.diagonal(),
@@ -144,13 +144,13 @@ class ResponseModel:
 def solver(system: DynamicSystem, omega: FloatArray) -> Solve:
     """Return what solves Z at every line: by inverses of all at once, of large models by factors of each."""
     empty = csc_array(system.stiffness.shape)
-    damping, viscous = (empty if one is None else one for one in (system.damping, system.viscous))
+    damping, viscous = (empty if matrix is None else matrix for matrix in (system.damping, system.viscous))
     if len(system.dofs) < EIGENSOLUTION.dense_dofs:
-        mass, stiffness, lost, slow = (
-            one.toarray() for one in (system.mass, system.stiffness, damping, viscous)
+        mass, stiffness, hysteretic_matrix, viscous_matrix = (
+            matrix.toarray() for matrix in (system.mass, system.stiffness, damping, viscous)
         )
         w = omega[:, None, None]
-        inverse = np.linalg.inv(stiffness + 1j * lost + 1j * w * slow - w**2 * mass)
+        inverse = np.linalg.inv(stiffness + 1j * hysteretic_matrix + 1j * w * viscous_matrix - w**2 * mass)
         return lambda forces: np.asarray(inverse @ forces)
     factors = [
         factorised(csc_array(system.stiffness + 1j * damping + 1j * w * viscous - w**2 * system.mass))
@@ -172,5 +172,5 @@ def _columns(rows: list[int], signs: list[int], n: int) -> ComplexArray:
 
 def _local(rows: IntArray, field: ComplexArray) -> ComplexArray:
     """Return a field (n_lines, n, k) at the DoFs of each element, (n_lines, n_used, w, k), 0 where held."""
-    held = np.zeros((len(field), 1, field.shape[2]), complex)
-    return np.concatenate([field, held], axis=1)[:, rows]
+    zero_row = np.zeros((len(field), 1, field.shape[2]), complex)
+    return np.concatenate([field, zero_row], axis=1)[:, rows]

@@ -24,7 +24,7 @@ class Rows:
     """Linear equations of a model, line by line: real and imaginary parts are rows of their own."""
 
     matrix: FloatArray  # (n_rows, n_params)
-    missed: FloatArray  # (n_rows,)
+    residual: FloatArray  # (n_rows,)
     line: IntArray  # (n_rows,) place of the line that a row is of
 
     def blocks(self, numbers: int) -> IntArray:
@@ -62,12 +62,12 @@ def log_rows(model: ResponseModel, values: FloatArray) -> Rows:
         weight = np.divide(
             1.0, fields.receptance * target.errors, out=np.zeros(counts.shape, complex), where=counts
         )
-        rows = fields.moved(fields.driven) * weight[..., None]
+        rows = fields.derivatives(fields.driven) * weight[..., None]
         rows = parted(rows, target.common[..., None], target.used[..., None])
-        missed = log_ratios(target, fields.receptance)
-        return rows.reshape(n_lines, -1, rows.shape[-1]), missed.reshape(n_lines, -1)
+        residual = log_ratios(target, fields.receptance)
+        return rows.reshape(n_lines, -1, rows.shape[-1]), residual.reshape(n_lines, -1)
 
-    return _gathered(model, values, linear)
+    return _stacked_rows(model, values, linear)
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,10 +79,10 @@ class Misfit:
     measured then scatters about the model by C = S (I + w^2 V diag(g) V^H) S, S the random errors.
     """
 
-    missed: ComplexArray  # (n_lines, n_in, n_out) V^H S^-1 (H_measured - H_model)
-    share: FloatArray  # (n_lines, n_in, n_out) g
-    turn: ComplexArray  # (n_lines, n_in, n_out, n_out) V^H S^-1
-    size: FloatArray  # (n_lines, n_in) k |H|^2, N m
+    residual: ComplexArray  # (n_lines, n_in, n_out) V^H S^-1 (H_measured - H_model)
+    eigenvalues: FloatArray  # (n_lines, n_in, n_out) g
+    projection: ComplexArray  # (n_lines, n_in, n_out, n_out) V^H S^-1
+    scale: FloatArray  # (n_lines, n_in) k |H|^2, N m
 
     @classmethod
     def of(cls, model: ResponseModel, fields: Fields, target: TargetResponses) -> "Misfit":
@@ -91,31 +91,31 @@ class Misfit:
         least = LEAST * target.sizes[..., None] * target.errors.swapaxes(1, 2)
         error = np.hypot(np.abs(measured) * target.errors.swapaxes(1, 2), least)
         weight = np.divide(1.0, error, out=np.zeros(error.shape), where=used)
-        missed = weight * (measured - fields.receptance.swapaxes(1, 2))
+        residual = weight * (measured - fields.receptance.swapaxes(1, 2))
         flexible = fields.to_outputs.swapaxes(1, 2)
         scatter = (flexible * fields.load[:, None]) @ flexible.conj().swapaxes(1, 2)
-        size = model.stiffness * target.sizes**2
-        spread = size[..., None, None] * scatter[:, None] * weight[..., None] * weight[..., None, :]
+        scale = model.stiffness * target.sizes**2
+        spread = scale[..., None, None] * scatter[:, None] * weight[..., None] * weight[..., None, :]
         # Responses that are not used have a direction each, far from those of all others: to be left out.
-        whole = np.trace(spread, axis1=2, axis2=3)[..., None].real
+        trace = np.trace(spread, axis1=2, axis2=3)[..., None].real
         diagonal = np.arange(spread.shape[-1])
-        spread[..., diagonal, diagonal] -= np.where(used, 0.0, 1 + whole)
-        share, along = np.linalg.eigh(spread)
-        counts = share > -whole / 2 - 0.5
-        turn = np.where(counts[..., None], along.conj().swapaxes(2, 3), 0.0)
-        turned = (turn @ missed[..., None])[..., 0]
-        return cls(turned, np.maximum(share, 0.0), turn * weight[..., None, :], size)
+        spread[..., diagonal, diagonal] -= np.where(used, 0.0, 1 + trace)
+        eigenvalues, eigenvectors = np.linalg.eigh(spread)
+        is_used_direction = eigenvalues > -trace / 2 - 0.5
+        projection = np.where(is_used_direction[..., None], eigenvectors.conj().swapaxes(2, 3), 0.0)
+        projected = (projection @ residual[..., None])[..., 0]
+        return cls(projected, np.maximum(eigenvalues, 0.0), projection * weight[..., None, :], scale)
 
 
-def doubt(model: ResponseModel, values: FloatArray) -> float:
+def model_error_share(model: ResponseModel, values: FloatArray) -> float:
     """Return the share of its stiffness that a model is wrong by if it misses nothing but that, 0 if none."""
-    found = [Misfit.of(model, one, model.target.at(one.lines)) for one in model.fields(values)]
-    square = np.concatenate([np.abs(one.missed).ravel() ** 2 for one in found])
-    share = np.concatenate([one.share.ravel() for one in found])
+    misfits = [Misfit.of(model, fields, model.target.at(fields.lines)) for fields in model.fields(values)]
+    square = np.concatenate([np.abs(fields.residual).ravel() ** 2 for fields in misfits])
+    eigenvalues = np.concatenate([fields.eigenvalues.ravel() for fields in misfits])
     numbers = model.target.n_numbers
 
     def excess(log: float) -> float:
-        return float((square / (1 + np.exp(2 * log) * share)).sum() - numbers)
+        return float((square / (1 + np.exp(2 * log) * eigenvalues)).sum() - numbers)
 
     low, high = (float(np.log(end)) for end in (LEAST_DOUBT, MOST_DOUBT))
     if excess(low) <= 0:
@@ -123,7 +123,7 @@ def doubt(model: ResponseModel, values: FloatArray) -> float:
     return MOST_DOUBT if excess(high) >= 0 else float(np.exp(brentq(excess, low, high)))
 
 
-def tolerant_rows(model: ResponseModel, values: FloatArray, wrong: float) -> Rows:
+def reconstruction_rows(model: ResponseModel, values: FloatArray, model_error: float) -> Rows:
     """Return equations at `values` (n_params,) of a model taken to be wrong by a share of its stiffness.
 
     With C of `Misfit` the motion most likely is u = u_model + Z^-1 q, q the forces left unbalanced, and
@@ -133,30 +133,32 @@ def tolerant_rows(model: ResponseModel, values: FloatArray, wrong: float) -> Row
     """
 
     def linear(fields: Fields, target: TargetResponses) -> Linear:
-        own = Misfit.of(model, fields, target)
-        spread = 1 + wrong**2 * own.share
-        back = (own.turn.conj().swapaxes(2, 3) @ (own.missed / spread)[..., None])[..., 0]
-        forces = fields.to_outputs.conj() @ (own.size[..., None] * back).swapaxes(1, 2)
-        motion = fields.driven + fields.solve(wrong**2 * fields.load[..., None] * forces)
-        moved = own.turn @ fields.moved(motion).swapaxes(1, 2)
-        rows, n_lines = moved / np.sqrt(spread)[..., None], len(fields.lines)
-        missed = own.missed / np.sqrt(spread)
-        return rows.reshape(n_lines, -1, rows.shape[-1]), missed.reshape(n_lines, -1)
+        misfit = Misfit.of(model, fields, target)
+        spread = 1 + model_error**2 * misfit.eigenvalues
+        weighted_residual = (misfit.projection.conj().swapaxes(2, 3) @ (misfit.residual / spread)[..., None])[
+            ..., 0
+        ]
+        forces = fields.to_outputs.conj() @ (misfit.scale[..., None] * weighted_residual).swapaxes(1, 2)
+        motion = fields.driven + fields.solve(model_error**2 * fields.load[..., None] * forces)
+        derivative = misfit.projection @ fields.derivatives(motion).swapaxes(1, 2)
+        rows, n_lines = derivative / np.sqrt(spread)[..., None], len(fields.lines)
+        residual = misfit.residual / np.sqrt(spread)
+        return rows.reshape(n_lines, -1, rows.shape[-1]), residual.reshape(n_lines, -1)
 
-    return _gathered(model, values, linear)
+    return _stacked_rows(model, values, linear)
 
 
-def _gathered(
+def _stacked_rows(
     model: ResponseModel, values: FloatArray, linear: Callable[[Fields, TargetResponses], Linear]
 ) -> Rows:
     """Return the rows of all lines, line by line: the real parts of each, then the imaginary ones."""
-    matrices, misses = [], []
+    matrices, residuals = [], []
     for fields in model.fields(values):
-        rows, missed = linear(fields, model.target.at(fields.lines))
+        rows, residual = linear(fields, model.target.at(fields.lines))
         matrices.append(np.concatenate([rows.real, rows.imag], axis=1))
-        misses.append(np.concatenate([missed.real, missed.imag], axis=1))
-    matrix, missed = np.concatenate(matrices), np.concatenate(misses)
-    line = np.repeat(np.arange(len(missed)), missed.shape[1])
-    matrix, missed = matrix.reshape(-1, matrix.shape[-1]), missed.ravel()
-    kept = (missed != 0) | matrix.any(axis=1)  # numbers that are not used are rows of zeros
-    return Rows(matrix[kept], missed[kept], line[kept])
+        residuals.append(np.concatenate([residual.real, residual.imag], axis=1))
+    matrix, residual = np.concatenate(matrices), np.concatenate(residuals)
+    line = np.repeat(np.arange(len(residual)), residual.shape[1])
+    matrix, residual = matrix.reshape(-1, matrix.shape[-1]), residual.ravel()
+    is_nonzero = (residual != 0) | matrix.any(axis=1)  # numbers that are not used are rows of zeros
+    return Rows(matrix[is_nonzero], residual[is_nonzero], line[is_nonzero])

@@ -9,9 +9,9 @@ from modallab.fe.assembly import Assembly
 from modallab.fe.structure import Structure
 from modallab.updating.corrected_model import CorrectedModel
 from modallab.updating.identifiability import Identifiability, identify
-from modallab.updating.iteration import Ending
+from modallab.updating.iteration import StopReason
 from modallab.updating.method import REGULARISED, Stages, UpdateOptions, UpdateResult
-from modallab.updating.one_stage_path import Rule, unweighted
+from modallab.updating.one_stage_path import OneStageRule, least_squares_step
 from modallab.updating.parameterisation import Parameterisation, by_member
 from modallab.updating.quantities import quantities
 from modallab.updating.responses.correct import BEGINNING, EXPLAINED, ResponsePath, correct
@@ -34,38 +34,40 @@ def update_on_responses(
 ) -> UpdateResult:
     """Return the model corrected to the responses, and how it was found."""
     model = CorrectedModel(Assembly(structure, jumps=True), parameterisation)
-    whole = ResponseModel(model, target)
-    chosen = target.at(target.evenly(MOST))
-    refuse_few(chosen, len(parameterisation.macros), options)
-    fitted = ResponseModel(model, chosen)
-    beginning = ResponseModel(model, chosen.at(chosen.evenly(BEGINNING)))
-    rule = Rule(Prior(options.prior), options.tolerance, options.max_iterations, options.rank_jump)
-    path = correct(fitted, beginning, rule, progress)
-    told = _identified(parameterisation, path, options)
-    made_sense = path.ending is not Ending.DIVERGED
+    full_model = ResponseModel(model, target)
+    fitted_target = target.at(target.evenly_spaced(MOST))
+    check_determined(fitted_target, len(parameterisation.macros), options)
+    fitted_model = ResponseModel(model, fitted_target)
+    coarse_model = ResponseModel(model, fitted_target.at(fitted_target.evenly_spaced(BEGINNING)))
+    rule = OneStageRule(Prior(options.prior), options.tolerance, options.max_iterations, options.rank_jump)
+    path = correct(fitted_model, coarse_model, rule, progress)
+    identifiability = _identifiability(parameterisation, path, options)
+    is_valid = path.stop_reason is not StopReason.DIVERGED
     corrected, parts = model.structure(path.values), parameterisation.parts
     numbers = [member.number for member in corrected.all_members]
-    frequencies, none = _frequencies(model, path.values, float(target.freq.max())), np.zeros(0)
+    frequencies, no_modes = _frequencies(model, path.values, float(target.freq.max())), np.zeros(0)
     return UpdateResult(
         structure=corrected,
         coefficients=by_member(parameterisation, path.values, parts=parts, members=numbers),
-        standard_errors=standard_errors(parameterisation, path.values, path.belief) if made_sense else {},
-        suspected=suspected(parameterisation, path.values, path.belief),
+        standard_errors=standard_errors(parameterisation, path.values, path.posterior) if is_valid else {},
+        suspected=suspected(parameterisation, path.values, path.posterior),
         frequencies=frequencies,
-        mac=Stages(none, none, none),
+        mac=Stages(no_modes, no_modes, no_modes),
         history=path.history,
-        converged=path.ending is Ending.CONVERGED,
-        stopped_because=path.why + _unexplained(path),
-        rank=told.rank,
-        condition_number=told.condition_number,
-        intervals=told.by_member() if made_sense else {},
-        identifiability=told if made_sense else None,
-        quantities=quantities(structure, parameterisation, path.values, told if made_sense else None),
-        responses=_fit(whole, chosen, path),
+        converged=path.stop_reason is StopReason.CONVERGED,
+        stopped_because=path.explanation + _misfit_note(path),
+        rank=identifiability.rank,
+        condition_number=identifiability.condition_number,
+        intervals=identifiability.by_member() if is_valid else {},
+        identifiability=identifiability if is_valid else None,
+        quantities=quantities(
+            structure, parameterisation, path.values, identifiability if is_valid else None
+        ),
+        responses=_response_fit(full_model, fitted_target, path),
     )
 
 
-def refuse_few(target: TargetResponses, n_params: int, options: UpdateOptions) -> None:
+def check_determined(target: TargetResponses, n_params: int, options: UpdateOptions) -> None:
     """Raise `UnderdeterminedError` if there are too few measured numbers, unless the prior is to decide."""
     if target.n_numbers < n_params and options.underdetermined != REGULARISED:
         raise UnderdeterminedError(
@@ -76,57 +78,62 @@ def refuse_few(target: TargetResponses, n_params: int, options: UpdateOptions) -
         )
 
 
-def _unexplained(path: ResponsePath) -> str:
+def _misfit_note(path: ResponsePath) -> str:
     """Return by how much responses are missed, as words to add; nothing if errors explain it."""
-    if path.after < EXPLAINED:
+    if path.final_mean_square < EXPLAINED:
         return ""
-    return f"; responses are missed by {np.sqrt(path.after):.2g} times their random errors"
+    return f"; responses are missed by {np.sqrt(path.final_mean_square):.2g} times their random errors"
 
 
-def _identified(
+def _identifiability(
     parameterisation: Parameterisation, path: ResponsePath, options: UpdateOptions
 ) -> Identifiability:
     """Return what the data say without the prior, each band as uncertain as it turned out to be."""
     linear = path.linear
-    scales = np.maximum(path.belief.scales, linear.floors**2)[linear.block]
-    missed = linear.values / np.sqrt(scales)
-    step = unweighted(linear.matrix / np.sqrt(scales)[:, None], missed, options.rank_jump)
-    known = np.ones(len(missed))
-    return identify(parameterisation, path.values, step, missed, known, within=options.identified_within)
+    scales = np.maximum(path.posterior.block_variances, linear.floors**2)[linear.block]
+    residual = linear.values / np.sqrt(scales)
+    step = least_squares_step(linear.matrix / np.sqrt(scales)[:, None], residual, options.rank_jump)
+    row_errors = np.ones(len(residual))
+    return identify(
+        parameterisation, path.values, step, residual, row_errors, within=options.identified_within
+    )
 
 
 def _frequencies(model: CorrectedModel, values: FloatArray, top: float) -> Stages:
     """Return the elastic modes of the model, before and after, as many as it had in the band at first."""
-    before, after = (
-        model.system(at).modes(top).elastic().frequencies for at in (model.parameterisation.unchanged, values)
+    initial, updated = (
+        model.system(at).modes(top).elastic().frequencies for at in (model.parameterisation.nominal, values)
     )
-    count = int((before <= top).sum())
-    return Stages(before[:count], before[:count], after[:count])
+    count = int((initial <= top).sum())
+    return Stages(initial[:count], initial[:count], updated[:count])
 
 
-def _fit(whole: ResponseModel, chosen: TargetResponses, path: ResponsePath) -> ResponseFit:
+def _response_fit(
+    full_model: ResponseModel, fitted_target: TargetResponses, path: ResponsePath
+) -> ResponseFit:
     """Return how well the model's responses are the measured ones, at lines used and held out."""
-    target = whole.target
-    used = np.isin(target.freq, chosen.freq)
-    left = [
-        log_ratios(target, whole.receptance(values))
-        for values in (whole.parameterisation.unchanged, path.values)
+    target = full_model.target
+    is_fitted = np.isin(target.freq, fitted_target.freq)
+    residuals = [
+        log_ratios(target, full_model.receptance(values))
+        for values in (full_model.parameterisation.nominal, path.values)
     ]
-    before, after = (
-        [mean_square(one[part], target.at(np.flatnonzero(part))) for part in (used, ~used)] for one in left
+    initial, updated = (
+        [mean_square(residual[part], target.at(np.flatnonzero(part))) for part in (is_fitted, ~is_fitted)]
+        for residual in residuals
     )
-    by_frf = [mean_square(one[used], chosen, axis=(0,)) for one in left]
-    held = int((~used).sum())
+    by_frf = [mean_square(residual[is_fitted], fitted_target, axis=(0,)) for residual in residuals]
+    n_held_out = int((~is_fitted).sum())
     return ResponseFit(
-        freq=chosen.freq,
+        freq=fitted_target.freq,
         outputs=target.outputs,
         inputs=target.inputs,
-        before=float(before[0]),
-        after=float(after[0]),
-        scatter=float(np.sqrt(2 / chosen.n_numbers)),
+        before=float(initial[0]),
+        after=float(updated[0]),
+        scatter=float(np.sqrt(2 / fitted_target.n_numbers)),
         by_frf_before=by_frf[0],
         by_frf_after=by_frf[1],
-        n_held_out=held,
-        held_out_before=float(before[1]) if held else None,
-        held_out_after=float(after[1]) if held else None,
+        n_held_out=n_held_out,
+        held_out_before=float(initial[1]) if n_held_out else None,
+        held_out_after=float(updated[1]) if n_held_out else None,
     )

@@ -51,17 +51,17 @@ class TargetResponses:
 
     def at(self, lines: IntArray) -> "TargetResponses":
         """Return the same responses at some of the lines."""
-        here = {name: getattr(self, name)[lines] for name in ("freq", "values", "errors", "used", "common")}
-        return replace(self, **here)
+        arrays = {name: getattr(self, name)[lines] for name in ("freq", "values", "errors", "used", "common")}
+        return replace(self, **arrays)
 
-    def evenly(self, numbers: int) -> IntArray:
+    def evenly_spaced(self, numbers: int) -> IntArray:
         """Return lines over the whole band that hold no more than so many real numbers, or one line."""
         n = len(self.freq)
         most = max(1, min(n, numbers // max(1, 2 * self.values[0].size)))
         return np.unique(np.linspace(0, n - 1, most).round().astype(int))
 
 
-def weighed(
+def target_responses(
     frf: FrfSet,
     coherence: FloatArray | None,
     averages: float,
@@ -90,17 +90,17 @@ def weighed(
         If neither coherence with more than two averages nor a noise floor is given, or no line says
         anything.
     """
-    _refuse_unknown(coherence, averages, noise_floor)
+    _check_errors_known(coherence, averages, noise_floor)
     lines = frf.freq > 0
     if not lines.any():
         raise InvalidInputError("there is no line above 0 Hz", field="freq", value=0.0, allowed="above 0 Hz")
     receptance = frf.between(0.0, np.inf).to(FrfKind.RECEPTANCE)
     size = np.abs(receptance.values)
-    known = None if coherence is None or averages <= UNSTATED else coherence[lines]
-    errors = _errors(size, known, averages, noise_floor)
-    shared = np.zeros(size.shape) if common is None else common[lines]
+    line_coherence = None if coherence is None or averages <= UNSTATED else coherence[lines]
+    errors = _errors(size, line_coherence, averages, noise_floor)
+    common_variance = np.zeros(size.shape) if common is None else common[lines]
     # What coherence tells of a line is a matter of chance; what is common is of all outputs alike.
-    errors = np.maximum(errors, np.sqrt(shared / FORCE_NOISE.max_common_fraction))
+    errors = np.maximum(errors, np.sqrt(common_variance / FORCE_NOISE.max_common_fraction))
     used = (size > TINY) & (errors < VAGUE)
     if not used.any():
         raise InvalidInputError(
@@ -111,10 +111,10 @@ def weighed(
         )
     return TargetResponses(
         receptance.freq,
-        receptance.values * np.exp(-_bias(size, known, averages, errors**2, shared)),
+        receptance.values * np.exp(-_bias(size, line_coherence, averages, errors**2, common_variance)),
         errors,
         used,
-        shared / errors**2,
+        common_variance / errors**2,
         receptance.outputs,
         receptance.inputs,
     )
@@ -126,14 +126,14 @@ def _errors(
     """Return the standard errors of the logarithms of sizes, (n_lines, n_out, n_in) both."""
     errors = np.full(size.shape, NUMERICAL)
     if coherence is not None:
-        errors = np.hypot(errors, _chance(size, coherence, averages))
+        errors = np.hypot(errors, _random_error(size, coherence, averages))
     if noise_floor is not None:
-        weaker = np.median(size, axis=0) / np.where(size > 0, size, np.inf)
-        errors = np.hypot(errors, noise_floor * np.maximum(weaker, 1.0))
+        relative_size = np.median(size, axis=0) / np.where(size > 0, size, np.inf)
+        errors = np.hypot(errors, noise_floor * np.maximum(relative_size, 1.0))
     return np.asarray(errors)
 
 
-def _chance(size: FloatArray, coherence: FloatArray, averages: float) -> FloatArray:
+def _random_error(size: FloatArray, coherence: FloatArray, averages: float) -> FloatArray:
     g2 = np.maximum(coherence.reshape(*size.shape[:2], -1), FAINT)
     return np.broadcast_to(frf_error(g2, averages - UNSTATED), size.shape)
 
@@ -148,12 +148,14 @@ def _bias(
     """
     if coherence is None:
         return np.zeros(size.shape)
-    own = variance - common
-    chance = np.clip(_chance(size, coherence, averages) ** 2 - common, 0.0, own)
-    return np.asarray(2 * chance**2 / own)
+    individual_variance = variance - common
+    random_variance = np.clip(
+        _random_error(size, coherence, averages) ** 2 - common, 0.0, individual_variance
+    )
+    return np.asarray(2 * random_variance**2 / individual_variance)
 
 
-def _refuse_unknown(coherence: FloatArray | None, averages: float, noise_floor: float | None) -> None:
+def _check_errors_known(coherence: FloatArray | None, averages: float, noise_floor: float | None) -> None:
     """Raise `InvalidInputError` if nothing tells how large random errors are."""
     if noise_floor is not None or (coherence is not None and averages > UNSTATED):
         return

@@ -59,10 +59,10 @@ class StudyPlan:
     options: UpdateOptions | LocationOptions
 
     def __post_init__(self) -> None:
-        known_method(self.method)
-        _refuse_twice("levels", [level.name for level in self.levels])
-        _refuse_twice("divisions", [division.name for division in self.divisions])
-        _refuse_twice("seeds", self.seeds)
+        check_method(self.method)
+        _check_unique("levels", [level.name for level in self.levels])
+        _check_unique("divisions", [division.name for division in self.divisions])
+        _check_unique("seeds", self.seeds)
         if not 1 <= self.n_runs <= MOST_RUNS:
             raise InvalidInputError(
                 "a study is levels x divisions x seeds of updates",
@@ -90,12 +90,12 @@ class StudyPlan:
 
     def run(self, index: int) -> tuple[Level, Division, int]:
         """Return level, division and seed of a run; seeds change fastest."""
-        rest, seed = divmod(index, len(self.seeds))
-        level, division = divmod(rest, len(self.divisions))
+        level_and_division, seed = divmod(index, len(self.seeds))
+        level, division = divmod(level_and_division, len(self.divisions))
         return self.levels[level], self.divisions[division], self.seeds[seed]
 
 
-def known_method(name: str) -> None:
+def check_method(name: str) -> None:
     """Raise `InvalidInputError` unless a method of that name corrects coefficients or locates by them."""
     if name not in UPDATERS and name not in LOCATORS:
         raise InvalidInputError(
@@ -106,9 +106,9 @@ def known_method(name: str) -> None:
         )
 
 
-def _refuse_twice(field: str, given: Sequence[str | int]) -> None:
-    twice = [one for i, one in enumerate(given) if one in given[:i]]
-    if twice:
+def _check_unique(field: str, values: Sequence[str | int]) -> None:
+    duplicates = [value for i, value in enumerate(values) if value in values[:i]]
+    if duplicates:
         raise InvalidInputError(
-            f"{twice[0]} comes twice in {field}", field=field, value=twice[0], allowed="each once"
+            f"{duplicates[0]} comes twice in {field}", field=field, value=duplicates[0], allowed="each once"
         )

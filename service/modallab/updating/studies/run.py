@@ -17,7 +17,7 @@ from modallab.updating.error_location.run import LocationOptions, locate
 from modallab.updating.method import UPDATERS, UpdateResult
 from modallab.updating.parameterisation import Part
 from modallab.updating.studies.plan import Division, StudyPlan
-from modallab.updating.studies.truth import Values, wrong_of
+from modallab.updating.studies.truth import Values, erroneous_coefficients
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class StudyUpdate:
     coverage: float | None = None  # share of 95 % intervals that hold the truth; None without intervals
 
     @property
-    def made(self) -> bool:
+    def succeeded(self) -> bool:
         """True if the method came to an end."""
         return self.coefficient_error is not None
 
@@ -71,55 +71,55 @@ def run_once(
     rng = np.random.default_rng(seed)
     try:
         target = synthetic_modes(truth, plan.count, plan.dofs, noise=level.noise, rng=rng)
-        result = _tried(plan, division, model, target, progress)
+        result = _run_method(plan, division, model, target, progress)
     except CancelledError:
         raise
     except (ModalLabError, np.linalg.LinAlgError) as error:
-        return failed(plan, index, str(error)), None
+        return failed_run(plan, index, str(error)), None
     frequencies = np.sort(lowest_modes(truth, plan.count)[0].frequencies)
-    return _judged(result, (level.name, division.name, seed), true, frequencies)
+    return _compared_with_truth(result, (level.name, division.name, seed), true, frequencies)
 
 
-def failed(plan: StudyPlan, index: int, why: str) -> StudyUpdate:
+def failed_run(plan: StudyPlan, index: int, why: str) -> StudyUpdate:
     """Return a run that could not be made."""
     level, division, seed = plan.run(index)
     return StudyUpdate(level.name, division.name, seed, False, why, {}, all_suspected=False, n_unfounded=0)
 
 
-def _tried(
+def _run_method(
     plan: StudyPlan, division: Division, model: Structure, target: ModalModel, progress: Progress
 ) -> UpdateResult | LocationResult:
-    moved = division.parameterisation
+    parameterisation = division.parameterisation
     if isinstance(plan.options, LocationOptions):
-        return locate(model, moved, plan.method, target, options=plan.options, progress=progress)
-    return UPDATERS[plan.method](model, moved, target, options=plan.options, progress=progress)
+        return locate(model, parameterisation, plan.method, target, options=plan.options, progress=progress)
+    return UPDATERS[plan.method](model, parameterisation, target, options=plan.options, progress=progress)
 
 
-def _judged(
+def _compared_with_truth(
     result: UpdateResult | LocationResult,
     key: tuple[str, str, int],
     true: Values,
     frequencies: FloatArray,
 ) -> tuple[StudyUpdate, FloatArray]:
-    has = result.coefficients
-    found = np.array(
-        [has.get(part, {}).get(n, Part(part).unchanged) for part, table in true.items() for n in table]
+    coefficients = result.coefficients
+    estimates = np.array(
+        [coefficients.get(part, {}).get(n, Part(part).nominal) for part, table in true.items() for n in table]
     )
-    actual = np.array([value for table in true.values() for value in table.values()])
-    wrong = {(part, n) for part, table in wrong_of(true).items() for n in table}
+    true_values = np.array([value for table in true.values() for value in table.values()])
+    erroneous = {(part, n) for part, table in erroneous_coefficients(true).items() for n in table}
     suspects = {(part, n) for part, members in result.suspected.items() for n in members}
     run = StudyUpdate(
         *key,
         converged=False,
         stopped_because=LOCATED,
         suspected=dict(result.suspected),
-        all_suspected=wrong <= suspects,
-        n_unfounded=len(suspects - wrong),
-        coefficient_error=float(np.abs(found - actual).max()),
+        all_suspected=erroneous <= suspects,
+        n_unfounded=len(suspects - erroneous),
+        coefficient_error=float(np.abs(estimates - true_values).max()),
     )
     if isinstance(result, LocationResult):
-        return run, found
-    inside = [
+        return run, estimates
+    is_covered = [
         low <= true[part][n] <= high
         for part, table in result.intervals.items()
         for n, (low, high) in table.items()
@@ -129,6 +129,6 @@ def _judged(
         converged=result.converged,
         stopped_because=result.stopped_because,
         frequency_error=float(np.abs(np.sort(result.frequencies.after) / frequencies - 1).max()),
-        coverage=float(np.mean(inside)) if inside else None,
+        coverage=float(np.mean(is_covered)) if is_covered else None,
     )
-    return updated, found
+    return updated, estimates

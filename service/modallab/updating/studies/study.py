@@ -8,7 +8,7 @@ import numpy as np
 from modallab.core.arrays import FloatArray, frozen
 from modallab.updating.studies.plan import StudyPlan
 from modallab.updating.studies.run import StudyUpdate
-from modallab.updating.studies.truth import Values, wrong_of
+from modallab.updating.studies.truth import Values, erroneous_coefficients
 
 
 @dataclass(frozen=True)
@@ -37,14 +37,14 @@ class Study:
     coefficients: FloatArray  # (n_made, n_coefficients) of the runs that were made, in the order of `true`
 
     def __post_init__(self) -> None:
-        shape = (sum(run.made for run in self.runs), sum(map(len, self.true.values())))
+        shape = (sum(run.succeeded for run in self.runs), sum(map(len, self.true.values())))
         table = frozen(self.coefficients, float, shape, name="coefficients")
         object.__setattr__(self, "coefficients", table)
 
     @property
     def wrong(self) -> dict[str, dict[int, float]]:
         """The coefficients that are to be found."""
-        return wrong_of(self.true)
+        return erroneous_coefficients(self.true)
 
     @property
     def cells(self) -> tuple[StudyCell, ...]:
@@ -54,19 +54,19 @@ class Study:
 
 
 def _cell(runs: Sequence[StudyUpdate]) -> StudyCell:
-    made = [run for run in runs if run.made]
-    covered = [run.coverage for run in made if run.coverage is not None]
+    completed_runs = [run for run in runs if run.succeeded]
+    coverages = [run.coverage for run in completed_runs if run.coverage is not None]
     return StudyCell(
         level=runs[0].level,
         division=runs[0].division,
         n_runs=len(runs),
-        n_failed=len(runs) - len(made),
-        n_converged=sum(run.converged for run in made),
+        n_failed=len(runs) - len(completed_runs),
+        n_converged=sum(run.converged for run in completed_runs),
         suspected=float(np.mean([run.all_suspected for run in runs])),
-        unfounded=float(np.mean([run.n_unfounded for run in made])) if made else 0.0,
-        coefficient_error=_quantiles([run.coefficient_error for run in made]),
-        frequency_error=_quantiles([run.frequency_error for run in made]),
-        coverage=float(np.mean(covered)) if covered else None,
+        unfounded=float(np.mean([run.n_unfounded for run in completed_runs])) if completed_runs else 0.0,
+        coefficient_error=_quantiles([run.coefficient_error for run in completed_runs]),
+        frequency_error=_quantiles([run.frequency_error for run in completed_runs]),
+        coverage=float(np.mean(coverages)) if coverages else None,
     )
 
 

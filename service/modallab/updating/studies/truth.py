@@ -9,7 +9,7 @@ from modallab.core.errors import InvalidInputError
 from modallab.fe.assembly import coefficients_of
 from modallab.fe.section_size import SectionSize, size
 from modallab.fe.structure import Structure
-from modallab.updating.nodal_elements import carried, refuse_absent
+from modallab.updating.nodal_elements import check_nodal_values, nodal_values
 from modallab.updating.parameterisation import Part
 
 Values = Mapping[str, Mapping[int, float]]  # by part and member
@@ -17,10 +17,10 @@ Values = Mapping[str, Mapping[int, float]]  # by part and member
 SLIGHT = 1e-9  # of a coefficient: below, two models are the same but for rounding
 
 
-def wrong_of(true: Values) -> dict[str, dict[int, float]]:
+def erroneous_coefficients(true: Values) -> dict[str, dict[int, float]]:
     """Return the coefficients that are not those of no change."""
     return {
-        part: {n: value for n, value in table.items() if abs(value - Part(part).unchanged) > SLIGHT}
+        part: {n: value for n, value in table.items() if abs(value - Part(part).nominal) > SLIGHT}
         for part, table in true.items()
     }
 
@@ -45,39 +45,43 @@ def true_coefficients(model: Structure, truth: Structure, parts: tuple[Part, ...
             value=len(truth.all_members),
             allowed="a changed copy of the model",
         )
-    has, shall = coefficients_of(model), coefficients_of(truth)
-    axial, bending = shall.axial / has.axial, shall.bending / has.bending
-    whole = {Part.STIFFNESS, Part.MODULUS} & set(parts)
-    if whole and not np.allclose(axial, bending, rtol=SLIGHT, atol=0.0):
+    model_factors, true_factors = coefficients_of(model), coefficients_of(truth)
+    axial, bending = true_factors.axial / model_factors.axial, true_factors.bending / model_factors.bending
+    uniform_parts = {Part.STIFFNESS, Part.MODULUS} & set(parts)
+    if uniform_parts and not np.allclose(axial, bending, rtol=SLIGHT, atol=0.0):
         raise InvalidInputError(
             "the true structure differs otherwise in bending than in extension",
             field="parts",
-            value=min(whole).value,
+            value=min(uniform_parts).value,
             allowed=f"{Part.AXIAL}, {Part.BENDING}",
         )
     ratios = {
-        Part.DENSITY: shall.mass / has.mass,
+        Part.DENSITY: true_factors.mass / model_factors.mass,
         Part.MODULUS: axial,
-        Part.MASS: shall.mass / has.mass,
+        Part.MASS: true_factors.mass / model_factors.mass,
         Part.STIFFNESS: axial,
         Part.AXIAL: axial,
         Part.BENDING: bending,
-        Part.DAMPING: shall.loss_factor - has.loss_factor,
+        Part.DAMPING: true_factors.loss_factor - model_factors.loss_factor,
     }
-    ratios |= {part: _sizes(truth, part.shape) / _sizes(model, part.shape) for part in parts if part.shape}
+    ratios |= {
+        part: _section_sizes(truth, part.section_size) / _section_sizes(model, part.section_size)
+        for part in parts
+        if part.section_size
+    }
     return {
-        part.value: _carried(model, truth, part)
-        if part.at_node
+        part.value: _nodal_ratios(model, truth, part)
+        if part.is_nodal
         else dict(zip(members, map(float, ratios[part]), strict=True))
         for part in parts
     }
 
 
-def _carried(model: Structure, truth: Structure, part: Part) -> dict[int, float]:
-    has, shall = carried(model, part), carried(truth, part)
-    refuse_absent(truth, part, has)
-    return {node: shall[node] / value for node, value in has.items()}
+def _nodal_ratios(model: Structure, truth: Structure, part: Part) -> dict[int, float]:
+    model_values, true_values = nodal_values(model, part), nodal_values(truth, part)
+    check_nodal_values(truth, part, model_values)
+    return {node: true_values[node] / value for node, value in model_values.items()}
 
 
-def _sizes(structure: Structure, shape: SectionSize) -> FloatArray:
+def _section_sizes(structure: Structure, shape: SectionSize) -> FloatArray:
     return np.array([size(member, shape, field="parts") for member in structure.all_members])

@@ -34,7 +34,7 @@ def test_modes_measured_everywhere_are_taken_as_they_are(completion: str) -> Non
 
 def test_shapes_are_expanded_to_all_dofs() -> None:
     found = complete(SYSTEM, AT_SENSORS, DirectOptions())
-    assert found.how.startswith("expanded: dynamic")
+    assert found.description.startswith("expanded: dynamic")
     # the model's own modes, so that the expansion at their frequencies is exact but for rounding
     np.testing.assert_allclose(found.shapes, EXACT.shapes.real, atol=1e-6 * np.abs(EXACT.shapes).max())
     assert found.notes == ()
@@ -43,7 +43,7 @@ def test_shapes_are_expanded_to_all_dofs() -> None:
 @pytest.mark.parametrize("kind", REDUCTIONS)
 def test_or_the_model_is_reduced_to_measured_dofs(kind: str) -> None:
     found = complete(SYSTEM, AT_SENSORS, DirectOptions(kind))
-    assert kind in found.how
+    assert kind in found.description
     assert found.mass.shape == (len(SENSORS), len(SENSORS))
     assert found.pattern is None
     rows = [SYSTEM.index(dof) for dof in found.dofs]

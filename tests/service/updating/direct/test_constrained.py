@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from modallab.core.errors import UnderdeterminedError
-from modallab.updating.direct.constrained import mass_orthonormal, modal_mass, with_measured_modes
+from modallab.updating.direct.constrained import constrained_stiffness, mass_orthonormal, modal_mass
 
 
 def positive(n: int, rng: np.random.Generator) -> np.ndarray:
@@ -40,7 +40,7 @@ def test_orthonormal_shapes_stay_as_they_are() -> None:
 def test_the_stiffness_has_the_modes_and_is_the_nearest_that_has() -> None:
     mass, stiffness, shapes = case()
     shapes, squares = mass_orthonormal(shapes, mass), np.array([1.0, 4.0, 9.0])
-    found = with_measured_modes(stiffness, mass, shapes, squares)
+    found = constrained_stiffness(stiffness, mass, shapes, squares)
     np.testing.assert_allclose(found, found.T, atol=1e-12)
     np.testing.assert_allclose(found @ shapes, mass @ shapes * squares, atol=1e-11)
     # What else has the modes differs by what acts beside the shapes only: the correction has no such part.

@@ -51,7 +51,7 @@ def test_connections_that_the_structure_lacks_are_counted(method: str) -> None:
 
 @pytest.mark.parametrize("method", CORRECTING)
 def test_modes_beyond_those_measured_are_told_before_and_after(method: str) -> None:
-    others = run(method).others
+    others = run(method).other_modes
     assert others is not None
     assert len(others.before) == len(SYSTEM.dofs) - 4
     assert others.rigid_body is None  # a cantilever has none
@@ -65,7 +65,7 @@ def test_a_wrong_mass_holds_rigid_bodies_that_were_free(method: str) -> None:
     heavier = change(free, [MemberChange((1, 2), MemberProperty.DENSITY, factor=2.0)])
     stiffer = change(free, [MemberChange((11, 12), MemberProperty.MODULUS, factor=2.0)])
     held = [
-        update_directly(assemble(free), method, exact_modes(assemble(truth), 4)).others
+        update_directly(assemble(free), method, exact_modes(assemble(truth), 4)).other_modes
         for truth in (heavier, stiffer)
     ]
     assert held[0] is not None
@@ -81,7 +81,7 @@ def test_methods_that_locate_leave_the_model_alone(method: str) -> None:
     found = run(method)
     assert not found.corrects
     assert found.mass is None
-    assert found.others is None
+    assert found.other_modes is None
     assert found.reproduced is None
     for matrix in found.errors:
         ranked = found.ranked(matrix)

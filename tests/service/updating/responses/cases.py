@@ -13,7 +13,7 @@ from modallab.fe.damping import StructuralDamping
 from modallab.fe.receptance import direct_receptance
 from modallab.fe.structure import Structure
 from modallab.updating.parameterisation import parameterise
-from modallab.updating.responses.target import TargetResponses, weighed
+from modallab.updating.responses.target import TargetResponses, target_responses
 
 BEAM = STRUCTURES["chapter-5-beam"]()
 BAY = replace(STRUCTURES["bay"](), damping=StructuralDamping(stiffness_coefficient=0.01))
@@ -39,7 +39,7 @@ def measured(
 
 def exact(frf: FrfSet) -> TargetResponses:
     """Return responses without random errors."""
-    return weighed(frf, np.ones(frf.values.shape[:2]), AVERAGES)
+    return target_responses(frf, np.ones(frf.values.shape[:2]), AVERAGES)
 
 
 def noisy(frf: FrfSet, coherence: float, seed: int) -> TargetResponses:
@@ -49,4 +49,4 @@ def noisy(frf: FrfSet, coherence: float, seed: int) -> TargetResponses:
     values = frf.values * (1 + real + 1j * imaginary)
     left = loose * rng.standard_gamma(AVERAGES - 1, values.shape) / AVERAGES * np.abs(frf.values) ** 2
     seen = np.abs(values) ** 2 / (np.abs(values) ** 2 + left)
-    return weighed(replace(frf, values=values), seen, AVERAGES)
+    return target_responses(replace(frf, values=values), seen, AVERAGES)

@@ -7,8 +7,8 @@ from modallab.core.arrays import FloatArray
 from modallab.fe.assembly import Assembly
 from modallab.fe.changes import MemberChange, MemberProperty, change
 from modallab.updating.corrected_model import CorrectedModel
-from modallab.updating.iteration import Ending
-from modallab.updating.one_stage_path import Rule
+from modallab.updating.iteration import StopReason
+from modallab.updating.one_stage_path import OneStageRule
 from modallab.updating.responses import correct as module
 from modallab.updating.responses.correct import ResponsePath, correct
 from modallab.updating.responses.fields import ResponseModel
@@ -31,11 +31,11 @@ SOFT = change(BEAM, [MemberChange((8, 9, 10), MemberProperty.MODULUS, factor=0.5
 TRUTH = np.concatenate([np.ones(20), np.where(np.isin(np.arange(1, 21), (8, 9, 10)), 0.5, 1.0)])
 
 
-def path(rule: Rule, upper: float = 10.0, lower: float = 0.05) -> tuple[ResponsePath, list[float]]:
+def path(rule: OneStageRule, upper: float = 10.0, lower: float = 0.05) -> tuple[ResponsePath, list[float]]:
     target = exact(measured(SOFT, BEAM_LINES[::4], BEAM_SENSORS))
     parameters = type(BEAM_EACH)(BEAM_EACH.macros, lower, upper)
     model = CorrectedModel(Assembly(BEAM), parameters)
-    few = target.at(target.evenly(module.BEGINNING))
+    few = target.at(target.evenly_spaced(module.BEGINNING))
     told: list[float] = []
     found = correct(
         ResponseModel(model, target),
@@ -50,14 +50,14 @@ def off(values: FloatArray) -> float:
     return float(np.abs(values - TRUTH).max())
 
 
-RULE = Rule(Prior.SPARSE, 1e-4, 30, 1e3)
+RULE = OneStageRule(Prior.SPARSE, 1e-4, 30, 1e3)
 
 
 def test_the_path_ends_at_the_truth_and_tells_of_its_progress() -> None:
     found, told = path(RULE)
-    assert found.ending is Ending.CONVERGED
+    assert found.stop_reason is StopReason.CONVERGED
     assert off(found.values) < 1e-6
-    assert found.after < 1 < found.before
+    assert found.final_mean_square < 1 < found.initial_mean_square
     assert told == sorted(told)
     assert len(told) == len(found.history)
 
@@ -68,13 +68,13 @@ def test_log_ratios_from_the_start_lose_their_way(monkeypatch: pytest.MonkeyPatc
     wrong += [MemberChange((7, 12), MemberProperty.MODULUS, factor=0.4)]
     target = exact(measured(change(BAY, wrong), BAY_LINES[::2], BAY_SENSORS))
     model = ResponseModel(CorrectedModel(Assembly(BAY), BAY_EACH), target)
-    rule = Rule(Prior.SPARSE, 1e-4, 12, 1e3)
+    rule = OneStageRule(Prior.SPARSE, 1e-4, 12, 1e3)
     led = correct(model, model, rule)
     monkeypatch.setattr(module, "PATHS", ((1.0, 0),))
     lost = correct(model, model, rule)
-    assert led.ending is Ending.CONVERGED
-    assert led.after < 1
-    assert lost.after > 1e3
+    assert led.stop_reason is StopReason.CONVERGED
+    assert led.final_mean_square < 1
+    assert lost.final_mean_square > 1e3
 
 
 def test_no_coefficient_more_than_halves_in_a_step() -> None:
@@ -85,18 +85,18 @@ def test_no_coefficient_more_than_halves_in_a_step() -> None:
 
 
 def test_coefficients_stay_within_their_bounds_and_say_so() -> None:
-    found, _ = path(Rule(Prior.SPARSE, 1e-4, 5, 1e3), lower=0.7)
+    found, _ = path(OneStageRule(Prior.SPARSE, 1e-4, 5, 1e3), lower=0.7)
     assert found.values.min() >= 0.7 - 1e-12
-    assert "rest on a bound" in found.why
+    assert "rest on a bound" in found.explanation
 
 
 def test_a_path_that_is_cut_short_says_so() -> None:
-    found, _ = path(Rule(Prior.SPARSE, 1e-12, 1, 1e3))
-    assert found.ending is Ending.STILL_MOVING
+    found, _ = path(OneStageRule(Prior.SPARSE, 1e-12, 1, 1e3))
+    assert found.stop_reason is StopReason.STILL_MOVING
 
 
 def test_progress_goes_on_where_a_second_path_begins() -> None:
-    found, told = path(Rule(Prior.SPARSE, 1e-12, 1, 1e3), lower=0.7)  # the truth is beyond the bound
-    assert found.after > module.EXPLAINED
+    found, told = path(OneStageRule(Prior.SPARSE, 1e-12, 1, 1e3), lower=0.7)  # the truth is beyond the bound
+    assert found.final_mean_square > module.EXPLAINED
     assert len(told) > len(found.history), "both paths tell of theirs"
     assert told == sorted(told)

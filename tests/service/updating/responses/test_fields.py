@@ -79,11 +79,11 @@ def test_derivatives_are_those_of_the_complex_step(law: Damping) -> None:
     beam = replace(BEAM, damping=law)
     parameters = parameterise([(1, 2, 3), (9,), (14, 20)], PARTS)
     rng = np.random.default_rng(3)
-    values = parameters.unchanged + 0.2 * rng.uniform(-1, 1, len(parameters.macros)) * ~parameters.damping
+    values = parameters.nominal + 0.2 * rng.uniform(-1, 1, len(parameters.macros)) * ~parameters.damping
     values = values + 0.05 * parameters.damping
     model = model_of(beam, parameters)
     (found,) = model.fields(values)
-    derivatives = found.moved(found.driven)
+    derivatives = found.derivatives(found.driven)
     for k in range(len(values)):
         step = values.astype(complex)
         step[k] += 1e-30j
@@ -113,7 +113,7 @@ def test_large_models_are_solved_by_factors_and_lines_in_turn(monkeypatch: pytes
     assert len(sparse) == len(LINES)
     for k, one in enumerate(sparse):
         np.testing.assert_allclose(one.receptance[0], dense.receptance[k], rtol=1e-7)
-        moved, known = one.moved(one.driven)[0], dense.moved(dense.driven)[k]
+        moved, known = one.derivatives(one.driven)[0], dense.derivatives(dense.driven)[k]
         np.testing.assert_allclose(moved, known, atol=1e-7 * np.abs(known).max())
 
 

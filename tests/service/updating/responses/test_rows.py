@@ -9,7 +9,14 @@ from modallab.fe.assembly import Assembly
 from modallab.fe.changes import MemberChange, MemberProperty, change
 from modallab.updating.corrected_model import CorrectedModel
 from modallab.updating.responses.fields import ResponseModel
-from modallab.updating.responses.rows import Rows, doubt, log_ratios, log_rows, mean_square, tolerant_rows
+from modallab.updating.responses.rows import (
+    Rows,
+    log_ratios,
+    log_rows,
+    mean_square,
+    model_error_share,
+    reconstruction_rows,
+)
 from modallab.updating.responses.target import TargetResponses
 from tests.service.updating.responses.cases import (
     BEAM,
@@ -42,39 +49,39 @@ def test_log_rows_say_how_log_ratios_move() -> None:
     model, small = model_of(target), 1e-6
     rows = log_rows(model, ONES)
     step = small * np.random.default_rng(1).standard_normal(len(ONES))
-    after, before = (log_rows(model, ONES + sign * step).missed for sign in (1, -1))
+    after, before = (log_rows(model, ONES + sign * step).residual for sign in (1, -1))
     moved = rows.matrix @ step
     # central differences: rounding of a log ratio, 1e-10 over its error of 1e-6, and what is of third order
     np.testing.assert_allclose((before - after) / 2, moved, atol=1e-4 * np.abs(moved).max())
 
 
 def test_a_model_that_misses_nothing_is_not_doubted() -> None:
-    assert doubt(model_of(noisy(measured(BEAM, LINES, BEAM_SENSORS), 0.9, 4)), ONES) < 1e-3
-    assert doubt(model_of(exact(measured(BEAM, LINES, BEAM_SENSORS))), ONES) == 0.0
+    assert model_error_share(model_of(noisy(measured(BEAM, LINES, BEAM_SENSORS), 0.9, 4)), ONES) < 1e-3
+    assert model_error_share(model_of(exact(measured(BEAM, LINES, BEAM_SENSORS))), ONES) == 0.0
 
 
 def test_a_wrong_model_is_doubted_until_what_it_misses_is_explained() -> None:
     model = model_of(noisy(measured(STIFFER, LINES, BEAM_SENSORS), 0.99, 4))
-    wrong = doubt(model, ONES)
+    wrong = model_error_share(model, ONES)
     assert wrong > 1e-4
-    rows = tolerant_rows(model, ONES, wrong)
+    rows = reconstruction_rows(model, ONES, wrong)
     # the share is the one at which the mean square is 1: the root is found to 1e-12
-    assert abs(np.mean(rows.missed**2) - 1) < 1e-6
+    assert abs(np.mean(rows.residual**2) - 1) < 1e-6
 
 
 def test_a_model_taken_for_right_has_the_rows_of_plain_differences() -> None:
     model = model_of(exact(measured(STIFFER, LINES, BEAM_SENSORS)))
-    rows = tolerant_rows(model, ONES, 0.0)
+    rows = reconstruction_rows(model, ONES, 0.0)
     (fields,) = model.fields(ONES)
     target = model.target
     least = 1e-3 * target.errors * target.sizes[:, None]
     error = np.hypot(np.abs(target.values) * target.errors, least)
     missed = (target.values - fields.receptance) / error
-    plain = fields.moved(fields.driven) / error[..., None]
+    plain = fields.derivatives(fields.driven) / error[..., None]
     # the same sums of squares and products in other directions: what a least squares solution hangs on
     gram = np.tensordot(plain.conj(), plain, ([0, 1, 2], [0, 1, 2])).real
     np.testing.assert_allclose(rows.matrix.T @ rows.matrix, gram, rtol=1e-6, atol=1e-9 * np.abs(gram).max())
-    assert np.isclose((rows.missed**2).sum(), (np.abs(missed) ** 2).sum(), rtol=1e-9)
+    assert np.isclose((rows.residual**2).sum(), (np.abs(missed) ** 2).sum(), rtol=1e-9)
 
 
 def test_what_is_not_used_has_no_rows() -> None:
@@ -82,8 +89,8 @@ def test_what_is_not_used_has_no_rows() -> None:
     used = target.used.copy()
     used[:, 3] = False
     less = replace(target, used=used)
-    for rows in (tolerant_rows(model_of(less), ONES, 1e-2), log_rows(model_of(less), ONES)):
-        assert len(rows.missed) == less.n_numbers
+    for rows in (reconstruction_rows(model_of(less), ONES, 1e-2), log_rows(model_of(less), ONES)):
+        assert len(rows.residual) == less.n_numbers
     picked = [i for i in range(len(BEAM_SENSORS)) if i != 3]
     without = replace(
         target,
@@ -94,9 +101,9 @@ def test_what_is_not_used_has_no_rows() -> None:
         outputs=tuple(BEAM_SENSORS[i] for i in picked),
     )
     for wrong in (1e-3, 1e-1):
-        left, alone = (tolerant_rows(model_of(one), ONES, wrong) for one in (less, without))
-        gram = alone.matrix.T @ alone.missed
-        np.testing.assert_allclose(left.matrix.T @ left.missed, gram, atol=1e-6 * np.abs(gram).max())
+        left, alone = (reconstruction_rows(model_of(one), ONES, wrong) for one in (less, without))
+        gram = alone.matrix.T @ alone.residual
+        np.testing.assert_allclose(left.matrix.T @ left.residual, gram, atol=1e-6 * np.abs(gram).max())
 
 
 def _blocks(line: IntArray, numbers: int) -> list[int]:

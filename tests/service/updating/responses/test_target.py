@@ -7,7 +7,7 @@ import pytest
 
 from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfKind
-from modallab.updating.responses.target import NUMERICAL, weighed
+from modallab.updating.responses.target import NUMERICAL, target_responses
 from tests.service.updating.responses.cases import AVERAGES, BEAM, BEAM_LINES, BEAM_SENSORS, measured
 
 FRF = measured(BEAM, BEAM_LINES[:20], BEAM_SENSORS)
@@ -15,17 +15,17 @@ FULL = np.ones(FRF.values.shape[:2])
 
 
 def test_coherence_says_how_large_random_errors_are() -> None:
-    target = weighed(FRF, 0.9 * FULL, AVERAGES)
+    target = target_responses(FRF, 0.9 * FULL, AVERAGES)
     np.testing.assert_allclose(target.errors, np.sqrt(0.1 / (2 * 0.9 * 98)), rtol=1e-6)
     assert target.n_numbers == 2 * FRF.values.size
 
 
 def test_a_full_coherence_leaves_the_error_of_the_model_itself() -> None:
-    np.testing.assert_allclose(weighed(FRF, FULL, AVERAGES).errors, NUMERICAL)
+    np.testing.assert_allclose(target_responses(FRF, FULL, AVERAGES).errors, NUMERICAL)
 
 
 def test_a_stated_error_is_of_the_median_where_a_structure_hardly_moves() -> None:
-    target = weighed(FRF, None, 1.0, 0.01)
+    target = target_responses(FRF, None, 1.0, 0.01)
     size = np.abs(FRF.values)
     strong = size >= np.median(size, axis=0)
     np.testing.assert_allclose(target.errors[strong], 0.01, rtol=1e-6)
@@ -39,7 +39,7 @@ def test_inertance_becomes_receptance_and_the_line_at_zero_goes() -> None:
     lines = np.concatenate([[0.0], FRF.freq])
     values = np.concatenate([FRF.values[:1], FRF.to(FrfKind.INERTANCE).values])
     other = replace(FRF, freq=lines, values=values, kind=FrfKind.INERTANCE)
-    target = weighed(other, np.ones(values.shape[:2]), AVERAGES)
+    target = target_responses(other, np.ones(values.shape[:2]), AVERAGES)
     np.testing.assert_array_equal(target.freq, FRF.freq)
     np.testing.assert_allclose(target.values, FRF.values, rtol=1e-12)
 
@@ -49,7 +49,7 @@ def test_dead_channels_and_vague_lines_say_nothing() -> None:
     values[:, 2] = 0.0
     values[:, 3] = 1e-200  # its square is none
     coherence[5, :] = 0.001
-    used = weighed(replace(FRF, values=values), coherence, AVERAGES).used
+    used = target_responses(replace(FRF, values=values), coherence, AVERAGES).used
     assert not used[:, 2:4].any()
     assert not used[5].any()
     assert used.sum() == (len(FRF.freq) - 1) * (len(BEAM_SENSORS) - 2)
@@ -58,16 +58,16 @@ def test_dead_channels_and_vague_lines_say_nothing() -> None:
 @pytest.mark.parametrize(("coherence", "averages"), [(None, AVERAGES), (FULL, 2.0)])
 def test_without_coherence_or_averages_an_error_must_be_stated(coherence: object, averages: float) -> None:
     with pytest.raises(InvalidInputError, match="noise floor"):
-        weighed(FRF, coherence, averages)  # type: ignore[arg-type]
+        target_responses(FRF, coherence, averages)  # type: ignore[arg-type]
 
 
 def test_what_is_common_to_all_outputs_is_known_apart_from_chance() -> None:
     common = np.full(FRF.values.shape, 1e-4)
-    target = weighed(FRF, 0.9 * FULL, AVERAGES, 0.01, common)
+    target = target_responses(FRF, 0.9 * FULL, AVERAGES, 0.01, common)
     assert (target.errors > np.sqrt(0.1 / (2 * 0.9 * 98))).all()
     np.testing.assert_allclose(target.common * target.errors**2, 1e-4)
     # by chance coherence may tell less than that: what each has of its own must count
-    target = weighed(FRF, FULL, AVERAGES, None, common)
+    target = target_responses(FRF, FULL, AVERAGES, None, common)
     np.testing.assert_allclose(target.errors**2 * 0.95, 1e-4)
 
 
@@ -80,7 +80,7 @@ def test_sizes_weighted_by_what_coherence_tells_have_no_bias() -> None:
     frf = replace(
         FRF, freq=np.arange(1.0, n_tests + 1), values=(fx / ff)[:, None, None], outputs=FRF.outputs[:1]
     )
-    target = weighed(frf, (np.abs(fx) ** 2 / (ff * xx))[:, None], n)
+    target = target_responses(frf, (np.abs(fx) ** 2 / (ff * xx))[:, None], n)
     sizes, raw = (np.log(np.abs(one[:, 0, 0])) for one in (target.values, frf.values))
     weight = target.errors[:, 0, 0] ** -2
     error = float(np.sqrt(noise / (2 * n)) / np.sqrt(n_tests))
@@ -91,11 +91,11 @@ def test_sizes_weighted_by_what_coherence_tells_have_no_bias() -> None:
 
 def test_responses_of_nothing_are_refused() -> None:
     with pytest.raises(InvalidInputError, match="no response says anything"):
-        weighed(FRF, 0.0 * FULL, AVERAGES)
+        target_responses(FRF, 0.0 * FULL, AVERAGES)
 
 
 def test_chosen_lines_span_the_band_and_hold_no_more_than_asked() -> None:
-    target = weighed(FRF, FULL, AVERAGES)
-    lines = target.evenly(5 * 2 * len(BEAM_SENSORS))
+    target = target_responses(FRF, FULL, AVERAGES)
+    lines = target.evenly_spaced(5 * 2 * len(BEAM_SENSORS))
     assert (lines[0], lines[-1], len(lines)) == (0, 19, 5)
     assert target.at(lines).n_numbers == 5 * 2 * len(BEAM_SENSORS)

@@ -195,7 +195,7 @@ def test_plans_that_mean_nothing_are_refused_by_field(changed: dict[str, object]
 def test_a_method_that_only_locates_is_judged_by_its_suspects_and_its_one_step(method: str) -> None:
     study = made(replace(PLAN, method=method, options=LocationOptions(), levels=LEVELS[:1], seeds=(3,)))
     for run, row, division in zip(study.runs, study.coefficients, (EACH, RUNS), strict=True):
-        assert run.made
+        assert run.succeeded
         assert not run.converged
         assert (run.frequency_error, run.coverage) == (None, None)
         alone = locate(BEAM, division.parameterisation, method, modes_of(WRONG_BEAM, 8, BEAM_DOFS))

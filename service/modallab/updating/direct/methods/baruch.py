@@ -1,6 +1,6 @@
 """Stiffness corrected on the model's own mass."""
 
-from modallab.updating.direct.constrained import mass_orthonormal, with_measured_modes
+from modallab.updating.direct.constrained import constrained_stiffness, mass_orthonormal
 from modallab.updating.direct.method import DIRECT_METHODS, Correction, DirectProblem
 
 
@@ -19,5 +19,5 @@ def baruch(problem: DirectProblem) -> Correction:
         If the measured shapes are not independent of one another.
     """
     shapes = mass_orthonormal(problem.shapes, problem.mass)
-    stiffness = with_measured_modes(problem.stiffness, problem.mass, shapes, problem.squares)
+    stiffness = constrained_stiffness(problem.stiffness, problem.mass, shapes, problem.squares)
     return Correction(problem.mass, stiffness, changed=("stiffness",))

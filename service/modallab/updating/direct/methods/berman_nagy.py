@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from modallab.updating.direct.constrained import modal_mass, with_measured_modes
+from modallab.updating.direct.constrained import constrained_stiffness, modal_mass
 from modallab.updating.direct.method import DIRECT_METHODS, Correction, DirectProblem
 
 
@@ -23,4 +23,4 @@ def berman_nagy(problem: DirectProblem) -> Correction:
     lifted = np.linalg.solve(small, problem.shapes.T @ problem.mass)  # m^-1 Phi^T M
     mass = problem.mass + lifted.T @ (np.eye(len(small)) - small) @ lifted
     mass = (mass + mass.T) / 2  # symmetric but for rounding
-    return Correction(mass, with_measured_modes(problem.stiffness, mass, problem.shapes, problem.squares))
+    return Correction(mass, constrained_stiffness(problem.stiffness, mass, problem.shapes, problem.squares))

@@ -11,7 +11,7 @@ from modallab.updating.direct.method import (
     Correction,
     DirectProblem,
     Elements,
-    of_one_unit,
+    diagonal_scaling,
 )
 
 
@@ -48,8 +48,8 @@ def eigendynamic_constraint(problem: DirectProblem) -> Correction:
     mass = problem.mass + elements.sum(added[:n_members] * elements.mass, n)
     stiffness = problem.stiffness + elements.sum(added[n_members:] * elements.stiffness, n)
     coefficients = {
-        part: dict(zip(elements.numbers, (1 + moved).tolist(), strict=True))
-        for part, moved in zip(("mass", "stiffness"), np.split(change, 2), strict=True)
+        part: dict(zip(elements.numbers, (1 + part_change).tolist(), strict=True))
+        for part, part_change in zip(("mass", "stiffness"), np.split(change, 2), strict=True)
     }
     _check_mass(mass, coefficients["mass"])
     return Correction(mass, stiffness, coefficients=coefficients)
@@ -72,15 +72,15 @@ def _equations(problem: DirectProblem, elements: Elements) -> tuple[FloatArray, 
     Forces are in units of their DoFs and of the mode, sqrt(K_ii) omega_r: every row is a plain number.
     """
     phi, squares = problem.shapes, problem.squares
-    unit = of_one_unit(problem.stiffness)[:, None] / np.sqrt(squares)
+    unit = diagonal_scaling(problem.stiffness)[:, None] / np.sqrt(squares)
     inertia, strain = elements.times(elements.mass, phi), elements.times(elements.stiffness, phi)
     forces = np.concatenate([-inertia * squares, strain]) * unit
     own_mass = np.einsum("ir,eir->er", phi, inertia)
     sizes = np.concatenate([own_mass, np.zeros_like(own_mass)])
-    left = (problem.stiffness @ phi - problem.mass @ phi * squares) * unit
-    short = 1 - np.einsum("ir,ir->r", phi, problem.mass @ phi)
+    force_imbalance = (problem.stiffness @ phi - problem.mass @ phi * squares) * unit
+    modal_mass_deficit = 1 - np.einsum("ir,ir->r", phi, problem.mass @ phi)
     equations = np.hstack([forces.reshape(len(forces), -1), sizes]).T
-    return equations, np.concatenate([-left.ravel(), short])
+    return equations, np.concatenate([-force_imbalance.ravel(), modal_mass_deficit])
 
 
 def _check_mass(mass: FloatArray, coefficients: dict[int, float]) -> None:

@@ -9,8 +9,8 @@ from modallab.updating.direct.method import (
     DIRECT_METHODS,
     DirectProblem,
     ErrorLocation,
-    of_one_unit,
-    row_shares,
+    diagonal_scaling,
+    relative_row_norms,
 )
 
 
@@ -29,29 +29,32 @@ def error_matrix(problem: DirectProblem) -> ErrorLocation:
     UnderdeterminedError
         If a measured mode pairs with none of the model.
     """
-    own, own_squares = problem.model_shapes[:, problem.partners], problem.model_squares[problem.partners]
-    _check_pairs(problem, own)
-    stiffness, seen_stiffness = _error(
-        problem.stiffness, own / np.sqrt(own_squares), problem.shapes / np.sqrt(problem.squares)
+    model_shapes, model_squares = (
+        problem.model_shapes[:, problem.partners],
+        problem.model_squares[problem.partners],
     )
-    mass, seen_mass = _error(problem.mass, own, problem.shapes)
+    _check_pairs(problem, model_shapes)
+    stiffness, model_stiffness = _error(
+        problem.stiffness, model_shapes / np.sqrt(model_squares), problem.shapes / np.sqrt(problem.squares)
+    )
+    mass, model_mass = _error(problem.mass, model_shapes, problem.shapes)
     return ErrorLocation(
         {"mass": mass, "stiffness": stiffness},
         {
-            "mass": row_shares(mass, seen_mass, of_one_unit(problem.mass)),
-            "stiffness": row_shares(stiffness, seen_stiffness, of_one_unit(problem.stiffness)),
+            "mass": relative_row_norms(mass, model_mass, diagonal_scaling(problem.mass)),
+            "stiffness": relative_row_norms(stiffness, model_stiffness, diagonal_scaling(problem.stiffness)),
         },
     )
 
 
-def _check_pairs(problem: DirectProblem, own: FloatArray) -> None:
+def _check_pairs(problem: DirectProblem, model_shapes: FloatArray) -> None:
     """Raise `UnderdeterminedError` if a measured mode has little of the model's modes it is held against.
 
     Of all together, for only their sum counts: close modes may have turned into one another.
     """
-    carried = problem.mass @ problem.shapes
-    sizes = np.einsum("ir,ir->r", problem.shapes, carried)
-    share = ((own.T @ carried) ** 2).sum(axis=0) / sizes
+    inertia_shapes = problem.mass @ problem.shapes
+    sizes = np.einsum("ir,ir->r", problem.shapes, inertia_shapes)
+    share = ((model_shapes.T @ inertia_shapes) ** 2).sum(axis=0) / sizes
     worst = int(share.argmin())
     if share[worst] < PAIRING.min_mac:
         raise UnderdeterminedError(
@@ -62,8 +65,10 @@ def _check_pairs(problem: DirectProblem, own: FloatArray) -> None:
         )
 
 
-def _error(matrix: FloatArray, own: FloatArray, measured: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _error(
+    matrix: FloatArray, model_shapes: FloatArray, measured: FloatArray
+) -> tuple[FloatArray, FloatArray]:
     """Return A (F_a F_a^T - F_x F_x^T) A, and what the model's modes alone make of A, (n, n) each."""
-    ours, theirs = matrix @ own, matrix @ measured
-    seen = ours @ ours.T
-    return seen - theirs @ theirs.T, seen
+    model_part, measured_part = matrix @ model_shapes, matrix @ measured
+    model_matrix = model_part @ model_part.T
+    return model_matrix - measured_part @ measured_part.T, model_matrix

@@ -18,10 +18,12 @@ def modified_error_matrix(problem: DirectProblem) -> ErrorLocation:
     """
     inertia = problem.mass @ problem.shapes * problem.squares
     elastic = problem.stiffness @ problem.shapes
-    left = inertia - elastic
+    imbalance = inertia - elastic
     # Forces of a mode grow with omega^2, its energy does not.
-    even = 1 / np.sqrt(problem.squares)
-    sizes = [np.linalg.norm(force * even, axis=1) for force in (left, inertia, elastic)]
-    whole = sizes[1] + sizes[2]
-    share = np.divide(sizes[0], whole, out=np.zeros_like(whole), where=whole > 0)
-    return ErrorLocation({"force_balance": left @ problem.shapes.T}, {"force_balance": np.asarray(share)})
+    mode_scale = 1 / np.sqrt(problem.squares)
+    sizes = [np.linalg.norm(force * mode_scale, axis=1) for force in (imbalance, inertia, elastic)]
+    force_sum = sizes[1] + sizes[2]
+    share = np.divide(sizes[0], force_sum, out=np.zeros_like(force_sum), where=force_sum > 0)
+    return ErrorLocation(
+        {"force_balance": imbalance @ problem.shapes.T}, {"force_balance": np.asarray(share)}
+    )

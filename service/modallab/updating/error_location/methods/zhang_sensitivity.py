@@ -18,7 +18,7 @@ def zhang_sensitivity(problem: LinearProblem, *, threshold: float, jump: float) 
     method, as the 1992 thesis, section 2.3.3, gives it.
     """
     step = balanced_step(problem.sensitivity, problem.difference, np.ones(len(problem.difference)), jump=jump)
-    whole = float(np.linalg.norm(problem.difference))
-    weight = np.linalg.norm(problem.sensitivity * step.parameters, axis=0) / (whole or 1.0)
+    total_norm = float(np.linalg.norm(problem.difference))
+    weight = np.linalg.norm(problem.sensitivity * step.parameters, axis=0) / (total_norm or 1.0)
     suspected = (np.abs(step.parameters) > threshold) & (weight > WEIGHTY * weight.max(initial=0.0))
     return LinearLocation(step.parameters, weight, suspected, np.zeros(0), step.rank, step.condition_number)

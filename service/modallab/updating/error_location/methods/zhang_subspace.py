@@ -20,31 +20,33 @@ def zhang_subspace(problem: LinearProblem, *, threshold: float, jump: float) -> 
     gives it; the search is orthogonal least squares: Chen, S., Billings, S. A. and Luo, W. (1989),
     International Journal of Control 50(5), 1873-1896.
     """
-    sensitivity, left = problem.sensitivity.copy(), problem.difference.copy()
+    sensitivity, residual = problem.sensitivity.copy(), problem.difference.copy()
     sizes = np.linalg.norm(sensitivity, axis=0)
-    whole = float(np.linalg.norm(left))
-    chosen: list[int] = []
+    total_norm = float(np.linalg.norm(residual))
+    subset: list[int] = []
     remaining: list[float] = []
-    rest = whole
-    while rest > NOTHING * np.sqrt(len(left)) and len(chosen) < min(sensitivity.shape):
-        own = np.linalg.norm(sensitivity, axis=0)
-        new = (own > ALIKE * sizes) & ~np.isin(np.arange(len(own)), chosen)
-        gain = np.divide(np.abs(left @ sensitivity), own, out=np.zeros_like(own), where=new)
+    residual_norm = total_norm
+    while residual_norm > NOTHING * np.sqrt(len(residual)) and len(subset) < min(sensitivity.shape):
+        column_norms = np.linalg.norm(sensitivity, axis=0)
+        is_candidate = (column_norms > ALIKE * sizes) & ~np.isin(np.arange(len(column_norms)), subset)
+        gain = np.divide(
+            np.abs(residual @ sensitivity), column_norms, out=np.zeros_like(column_norms), where=is_candidate
+        )
         best = int(gain.argmax())
-        after = float(np.sqrt(max(rest**2 - gain[best] ** 2, 0.0)))
-        if after > (1 - WORTH) * rest:
+        next_norm = float(np.sqrt(max(residual_norm**2 - gain[best] ** 2, 0.0)))
+        if next_norm > (1 - WORTH) * residual_norm:
             break
-        axis = sensitivity[:, best] / own[best]
-        left = left - axis * (axis @ left)
+        axis = sensitivity[:, best] / column_norms[best]
+        residual = residual - axis * (axis @ residual)
         sensitivity = sensitivity - np.outer(axis, axis @ sensitivity)
-        chosen.append(best)
-        remaining.append(after / whole)
-        rest = after
-    picked = problem.sensitivity[:, chosen]
-    step = balanced_step(picked, problem.difference, np.ones(len(left)), jump=jump)
+        subset.append(best)
+        remaining.append(next_norm / total_norm)
+        residual_norm = next_norm
+    subset_sensitivity = problem.sensitivity[:, subset]
+    step = balanced_step(subset_sensitivity, problem.difference, np.ones(len(residual)), jump=jump)
     change, weight = np.zeros(len(sizes)), np.zeros(len(sizes))
-    change[chosen] = step.parameters
-    weight[chosen] = np.linalg.norm(picked * step.parameters, axis=0) / (whole or 1.0)
+    change[subset] = step.parameters
+    weight[subset] = np.linalg.norm(subset_sensitivity * step.parameters, axis=0) / (total_norm or 1.0)
     return LinearLocation(
         change, weight, np.abs(change) > threshold, np.array(remaining), step.rank, step.condition_number
     )

@@ -51,10 +51,10 @@ def test_connections_are_kept_and_measured_modes_reproduced() -> None:
     assert result.reproduced < 1e-8
     # only what rounding makes of sums over other entries lies outside of them, and it is none
     assert result.connectivity_loss == {"mass": 0.0, "stiffness": 0.0}
-    assert result.others is not None
+    assert result.other_modes is not None
     exact = measured(WRONG_BAY, 20).frequencies[4:]
     # modes that were not used are those of the true structure too: the model is it, member by member
-    np.testing.assert_allclose(np.sort(result.others.after)[:16], exact, rtol=1e-6)
+    np.testing.assert_allclose(np.sort(result.other_modes.after)[:16], exact, rtol=1e-6)
     assert result.coefficients["stiffness"][12] == pytest.approx(2.0, abs=1e-7)
 
 

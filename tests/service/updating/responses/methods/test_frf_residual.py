@@ -22,7 +22,7 @@ from modallab.updating.method import UpdateOptions, UpdateResult
 from modallab.updating.parameterisation import Parameterisation, parameterise
 from modallab.updating.responses import run
 from modallab.updating.responses.methods.frf_residual import frf_residual
-from modallab.updating.responses.target import TargetResponses, weighed
+from modallab.updating.responses.target import TargetResponses, target_responses
 from tests.service.updating.responses.cases import (
     AVERAGES,
     BAY,
@@ -95,7 +95,7 @@ def test_what_was_missed_before_and_after_is_told() -> None:
 
 def test_elements_of_a_beam_are_found_from_inertance_too() -> None:
     frf = measured(TRUE_BEAM, BEAM_LINES, BEAM_SENSORS).to(FrfKind.INERTANCE)
-    target = weighed(frf, np.ones(frf.values.shape[:2]), AVERAGES)
+    target = target_responses(frf, np.ones(frf.values.shape[:2]), AVERAGES)
     assert worst(frf_residual(BEAM, BEAM_EACH, target), BEAM_WRONG) < 1e-6
 
 
@@ -147,7 +147,9 @@ def test_noise_that_all_responses_share_counts_once() -> None:
     for seed in range(24):
         test = measure(BEAM, setup, route=Route.DRAWN, rng=np.random.default_rng(seed))
         frf, common = without_noise_bias(test)
-        result = frf_residual(BEAM, whole, weighed(frf, test.coherence, test.averages, common=common))
+        result = frf_residual(
+            BEAM, whole, target_responses(frf, test.coherence, test.averages, common=common)
+        )
         inside += [table[1][0] <= 1 <= table[1][1] for table in result.intervals.values()]
     # mass and stiffness are off together, so that these are 24 draws: 95 % less two errors of 4.4 %
     assert np.mean(inside) > 0.86
