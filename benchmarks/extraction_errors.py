@@ -58,7 +58,7 @@ def coverages(
     frequency, loss_factor, constant = _truth()
     size, shown = np.abs(constant), np.abs(constant) > 0.05 * np.abs(constant).max(axis=1)[:, None]
     inside: dict[str, list[FloatArray]] = {"frequency": [], "loss factor": [], "|A|": []}
-    leakage = None if window is None else WindowLeakage.of(WINDOWS[window].samples(1024), estimator)
+    leakage = None if window is None else WindowLeakage.from_window(WINDOWS[window].samples(1024), estimator)
     for measurement in _tests(n_tests, estimator, window):
         model = extract(
             measurement.frf,

@@ -151,7 +151,7 @@ def _scores(measurement: Measurement, method: str, estimator: str, true: Truth) 
             coherence=measurement.coherence,
             averages=measurement.averages,
             method=method,
-            leakage=WindowLeakage.of(WINDOWS["hann"].samples(1024), estimator),
+            leakage=WindowLeakage.from_window(WINDOWS["hann"].samples(1024), estimator),
             estimator=estimator,
         )
     except NoModeInBandError:

@@ -38,13 +38,15 @@ def clean(mode: ModeFit, _rng: np.random.Generator) -> Lines:
 def hann_h1(mode: ModeFit, _rng: np.random.Generator) -> Lines:
     """Return the expected H1 of white force through a Hann window, not averaging."""
     ff, fx, xx = _leaked(mode)
-    return Lines(fx / ff, np.abs(fx) ** 2 / (ff * xx), WindowLeakage.of(HANN, "h1"))
+    return Lines(fx / ff, np.abs(fx) ** 2 / (ff * xx), WindowLeakage.from_window(HANN, "h1"))
 
 
 def hann_h2(mode: ModeFit, _rng: np.random.Generator) -> Lines:
     """Return the expected H2 of the same."""
     ff, fx, xx = _leaked(mode)
-    return Lines(np.asarray(xx / fx.conj()), np.abs(fx) ** 2 / (ff * xx), WindowLeakage.of(HANN, "h2"))
+    return Lines(
+        np.asarray(xx / fx.conj()), np.abs(fx) ** 2 / (ff * xx), WindowLeakage.from_window(HANN, "h2")
+    )
 
 
 def noisy(mode: ModeFit, rng: np.random.Generator) -> Lines:
@@ -62,13 +64,15 @@ def on_a_floor(mode: ModeFit, rng: np.random.Generator) -> Lines:
 def drawn_h1(mode: ModeFit, rng: np.random.Generator) -> Lines:
     """Return H1 of a finite number of averages through a Hann window."""
     ff, fx, xx = _drawn(mode, rng)
-    return Lines(fx / ff, np.abs(fx) ** 2 / (ff * xx), WindowLeakage.of(HANN, "h1"))
+    return Lines(fx / ff, np.abs(fx) ** 2 / (ff * xx), WindowLeakage.from_window(HANN, "h1"))
 
 
 def drawn_h2(mode: ModeFit, rng: np.random.Generator) -> Lines:
     """Return H2 of the same."""
     ff, fx, xx = _drawn(mode, rng)
-    return Lines(np.asarray(xx / fx.conj()), np.abs(fx) ** 2 / (ff * xx), WindowLeakage.of(HANN, "h2"))
+    return Lines(
+        np.asarray(xx / fx.conj()), np.abs(fx) ** 2 / (ff * xx), WindowLeakage.from_window(HANN, "h2")
+    )
 
 
 def _drawn(mode: ModeFit, rng: np.random.Generator) -> tuple[FloatArray, ComplexArray, FloatArray]:

@@ -18,8 +18,8 @@ from modallab.extraction.options import Damping, ExtractionOptions
 from modallab.extraction.preprocessing.leakage import WindowLeakage, noise_bias_of
 from modallab.extraction.preprocessing.low_coherence import low_coherence_notes
 from modallab.extraction.preprocessing.noise_bias import (
-    force_noise_of_leaked,
-    noise_shares,
+    leaked_force_noise,
+    noise_to_signal,
     without_noise_bias,
 )
 from modallab.extraction.preprocessing.responses import Responses, responses_of
@@ -146,8 +146,8 @@ def responses_read(
     if leakage is not None and len(responses.references) > 1:
         return responses, 0.0
     if leakage is not None:  # a scale of all lines alike: how well it is known is no matter of weights
-        shares = force_noise_of_leaked(responses, leakage)
+        shares = leaked_force_noise(responses, leakage)
         return without_noise_bias(responses, shares, leakage.estimator)[0], 0.0
     # of several references only that is known which bias may be left: noise of one force is in all FRFs
     kind = None if estimator is None or len(responses.references) > 1 else noise_bias_of(estimator)
-    return without_noise_bias(responses, noise_shares(responses, kind), kind)
+    return without_noise_bias(responses, noise_to_signal(responses, kind), kind)

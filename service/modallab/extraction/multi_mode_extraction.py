@@ -24,7 +24,7 @@ from modallab.extraction.multi_mode.refinement import BandData
 from modallab.extraction.options import Damping, ExtractionOptions
 from modallab.extraction.preprocessing.bands import Band, mode_indicator
 from modallab.extraction.preprocessing.leakage import WindowLeakage
-from modallab.extraction.preprocessing.line_noise import knows_noise, line_weights
+from modallab.extraction.preprocessing.line_noise import has_coherence, line_weights
 from modallab.extraction.preprocessing.responses import Responses
 from modallab.extraction.single_mode.method import EXTRACTION_METHODS, TRAITS
 from modallab.extraction.single_mode.plan import law_of
@@ -135,7 +135,7 @@ def _fits(
 ) -> list[GlobalFit]:
     """Return the modes of each range that has some; raise where one that was given holds none."""
     fits: list[GlobalFit] = []
-    known, n_ref = knows_noise(responses), len(responses.references)
+    known, n_ref = has_coherence(responses), len(responses.references)
     for number, chart in enumerate(charts):
         here = part(progress, number / len(charts), (number + 1) / len(charts))
         freq, lines = responses.freq[chart.lines], chart.lines

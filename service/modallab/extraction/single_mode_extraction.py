@@ -15,11 +15,11 @@ from modallab.extraction.averaging.misfit_flags import flag_further_peaks, flag_
 from modallab.extraction.averaging.resynthesis import with_resynthesis
 from modallab.extraction.averaging.shared_noise import shared_noise_fraction
 from modallab.extraction.options import ExtractionOptions
-from modallab.extraction.preprocessing.bands import Band, given_bands, mode_indicator
+from modallab.extraction.preprocessing.bands import Band, mode_indicator, requested_bands
 from modallab.extraction.preprocessing.common_peaks import CommonPeaks, find_common
 from modallab.extraction.preprocessing.fit_windows import place_windows
 from modallab.extraction.preprocessing.leakage import WindowLeakage
-from modallab.extraction.preprocessing.line_noise import knows_noise
+from modallab.extraction.preprocessing.line_noise import has_coherence
 from modallab.extraction.preprocessing.responses import Responses
 from modallab.extraction.single_mode.damping_models import DAMPING_MODELS
 from modallab.extraction.single_mode.fitting import Table, fit_all, gather
@@ -51,7 +51,7 @@ def extract_mode_by_mode(
     peaks = (
         find_common(responses, indicator, n_modes)
         if bands is None
-        else CommonPeaks(given_bands(freq, indicator, bands))
+        else CommonPeaks(requested_bands(freq, indicator, bands))
     )
     found = peaks.bands
     windows = place_windows(
@@ -66,10 +66,10 @@ def extract_mode_by_mode(
     data = gather(freq, responses.receptance, responses.variance, windows, leakage, responses.drive_row)
     settled = fit_all(fit, DAMPING_MODELS[options.law], data, progress=part(progress, 0.2, 0.9))
     if leakage is not None:
-        known = line_spectra(responses, windows.index) if knows_noise(responses) else None
+        known = line_spectra(responses, windows.index) if has_coherence(responses) else None
         settled = allowing_for_leakage(fit, DAMPING_MODELS[options.law], data, leakage, settled, known)
     table = replace(settled.table, lines=windows.ends)
-    notes = [*peaks.left_out, *_missing(table, freq, found, given=bands is not None)]
+    notes = [*peaks.notes, *_missing(table, freq, found, given=bands is not None)]
     if not TRAITS[method].exact:
         notes.append(f"{method} is biased: by up to half a line in frequency, and towards too much damping")
     left_out = np.diff(windows.ends, axis=2)[:, :, 0] + 1 - windows.used.sum(axis=2)

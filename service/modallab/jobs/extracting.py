@@ -38,7 +38,7 @@ def leakage_of(setup: RigSetup) -> WindowLeakage | None:
     if EXCITATIONS[analyser.excitation.kind].continuous == _PERIODIC:
         return None
     window = WINDOWS[analyser.window].samples(_WINDOW_SAMPLES)
-    return WindowLeakage.of(window, analyser.estimator, source_mass=setup.exciter.armature_mass)
+    return WindowLeakage.from_window(window, analyser.estimator, source_mass=setup.exciter.armature_mass)
 
 
 def extract_and_store(

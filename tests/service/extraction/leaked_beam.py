@@ -42,7 +42,7 @@ def read(measurement: Measurement, estimator: str, method: str) -> ModalModel:
         coherence=measurement.coherence,
         averages=measurement.averages,
         method=method,
-        leakage=WindowLeakage.of(WINDOWS["hann"].samples(1024), estimator),
+        leakage=WindowLeakage.from_window(WINDOWS["hann"].samples(1024), estimator),
         estimator=estimator,
     )
 

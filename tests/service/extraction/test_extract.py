@@ -261,7 +261,9 @@ def test_whatever_comes_in_there_is_an_answer_or_a_named_error(seed: int) -> Non
     for values in (noise, spike, np.cumsum(noise, axis=0), np.round(noise), undamped, 1e200 * noise):
         dofs = tuple(Dof(node, "Y") for node in range(1, n_out + 1))
         frf = FrfSet(freq, np.asarray(values, complex)[:, :, None], dofs, dofs[:1], FrfKind.INERTANCE)
-        leakage = WindowLeakage.of(np.hanning(513)[:512], "h1", source_mass=1.0) if seed % 2 else None
+        leakage = (
+            WindowLeakage.from_window(np.hanning(513)[:512], "h1", source_mass=1.0) if seed % 2 else None
+        )
         for kind in KINDS:
             try:
                 model = extract(frf, coherence=coherence, averages=10, method=kind, leakage=leakage)

@@ -148,7 +148,7 @@ def test_a_fit_of_one_frf_alone_is_the_one_among_all(kind: str, plain_beam: Beam
 @pytest.mark.parametrize("estimator", ["h1", "h2"])
 def test_a_leaked_fit_of_one_frf_is_the_one_among_all(estimator: str) -> None:
     measurement = taken(estimator)[0]
-    leakage = WindowLeakage.of(WINDOWS["hann"].samples(1024), estimator)
+    leakage = WindowLeakage.from_window(WINDOWS["hann"].samples(1024), estimator)
     model = read_leaked(measurement, estimator, "dobson")
     responses, _ = responses_read(
         measurement.frf,
@@ -177,7 +177,7 @@ def test_leakage_is_undone_in_the_cleaned_lines_only() -> None:
     mode = ModeFit(100.3, 0.02, 1 + 0.1j, 3e-7)
     freq = np.arange(85.0, 117.0)
     hann = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(1024) / 1024)
-    leakage = WindowLeakage.of(hann, "h2")
+    leakage = WindowLeakage.from_window(hann, "h2")
     x = (np.arange(-40 * 200, 40 * 200) + 0.5) / 200
     share = 2 / 3 * (np.sinc(x) / (1 - x**2)) ** 2 / 200
     fine = freq[:, None] + x

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 from modallab.core.modal_model import ModalModel, Mode
 from modallab.extraction.options import Damping, ExtractionOptions
-from modallab.extraction.preprocessing.line_noise import knows_noise
+from modallab.extraction.preprocessing.line_noise import has_coherence
 from modallab.extraction.preprocessing.responses import Responses
 
 PART = 1 / 3  # of a standard error: intervals that leave out so much still hold 94 % instead of 95 %
@@ -25,7 +25,7 @@ def with_damping_model_flags(
     model
         Fitted under the law of `options`.
     """
-    if options.law is Damping.VISCOUS or not knows_noise(responses):
+    if options.law is Damping.VISCOUS or not has_coherence(responses):
         return model
     return replace(model, modes=tuple(_flagged(mode) for mode in model.modes))
 

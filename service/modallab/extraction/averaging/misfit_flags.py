@@ -8,9 +8,10 @@ import scipy.signal
 
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray
 from modallab.core.modal_model import ModalModel, Mode
-from modallab.extraction.preprocessing.bands import PROMINENCE, Band
+from modallab.extraction.preprocessing.bands import Band
 from modallab.extraction.preprocessing.fit_windows import without_nearest
 from modallab.extraction.preprocessing.responses import Responses
+from modallab.extraction.preprocessing.settings import BANDS
 from modallab.extraction.single_mode.damping_models import DampingModel
 
 MUCH = 0.1  # of a mode's own response: noise of 5 % leaves half of it, two modes in a bandwidth leave more
@@ -65,7 +66,7 @@ def flag_further_peaks(
 
 def _further(freq: FloatArray, indicator: FloatArray, band: Band) -> str:
     level = np.log10(indicator[band.first : band.last + 1])
-    peaks = band.first + scipy.signal.find_peaks(level, prominence=PROMINENCE)[0]
+    peaks = band.first + scipy.signal.find_peaks(level, prominence=BANDS.prominence)[0]
     others = [f"{freq[peak]:g}" for peak in peaks if peak != band.peak]
     return f"further peak: at {', '.join(others)} Hz in the same band" if others else ""
 

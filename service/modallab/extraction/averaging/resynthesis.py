@@ -13,7 +13,7 @@ from modallab.core.modal_model import ModalModel
 from modallab.extraction.averaging.out_of_band_residuals import fit_out_of_band, out_of_band_columns
 from modallab.extraction.options import Damping
 from modallab.extraction.preprocessing.bands import Band
-from modallab.extraction.preprocessing.line_noise import knows_noise
+from modallab.extraction.preprocessing.line_noise import has_coherence
 from modallab.extraction.preprocessing.responses import Responses
 from modallab.extraction.single_mode.damping_models import DAMPING_MODELS
 from modallab.extraction.single_mode.plan import taken
@@ -115,7 +115,7 @@ def with_resynthesis(
         beyond_eigenvalue=beyond,
         beyond_constant=None if beyond is None else residuals[2:],
         resynthesis_error=misfit,
-        notes=(*model.notes, *_left(misfit, random, model.frfs, told=knows_noise(responses))),
+        notes=(*model.notes, *_left(misfit, random, model.frfs, told=has_coherence(responses))),
     )
 
 

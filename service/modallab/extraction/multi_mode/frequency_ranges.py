@@ -9,7 +9,7 @@ import numpy as np
 from modallab.core.arrays import FloatArray, IntArray
 from modallab.core.errors import NoModeInBandError
 from modallab.extraction.options import MOST_ORDER, ExtractionOptions
-from modallab.extraction.preprocessing.bands import Band, find_bands, given_bands
+from modallab.extraction.preprocessing.bands import Band, find_bands, requested_bands
 from modallab.extraction.preprocessing.common_peaks import CommonPeaks, find_common
 from modallab.extraction.preprocessing.responses import Responses
 
@@ -58,10 +58,10 @@ def find_frequency_ranges(
         than noise to the last, or where only peaks tell noise, the bands of those that are none.
     """
     if bands is not None:
-        return FrequencyRanges(_joined(given_bands(responses.freq, indicator, bands)), "as asked")
+        return FrequencyRanges(_joined(requested_bands(responses.freq, indicator, bands)), "as asked")
     peaks = _common(responses, indicator)
-    if peaks.left_out:
-        return FrequencyRanges(_joined(peaks.bands), "peaks that FRFs have in common", peaks.left_out)
+    if peaks.notes:
+        return FrequencyRanges(_joined(peaks.bands), "peaks that FRFs have in common", peaks.notes)
     heard = np.flatnonzero(responses.coherent)
     return FrequencyRanges((slice(int(heard[0]), int(heard[-1]) + 1),), "all lines that are more than noise")
 

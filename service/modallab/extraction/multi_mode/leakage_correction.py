@@ -10,7 +10,7 @@ from modallab.extraction.multi_mode.fit_result import ModalFit
 from modallab.extraction.multi_mode.modal_fit import fitted_receptance
 from modallab.extraction.multi_mode.refinement import BandData, StartingPoles
 from modallab.extraction.options import Damping
-from modallab.extraction.preprocessing.leakage import OnePole, WindowLeakage
+from modallab.extraction.preprocessing.leakage import SinglePole, WindowLeakage
 
 LEAKED = 0.02  # relative error that a line at a resonance has left, once corrected; on the flanks far less
 FLANKS = 0.1  # of that error is left anywhere
@@ -69,7 +69,7 @@ def cleaned(stretch: BandData, leaked: LeakageCorrection, damping: Damping) -> B
     """Return the lines with their leakage undone, and weights that know what may be left.
 
     A leaked resonance has the shape of the window, to which a pole finder fits several poles. The closed
-    form of `WindowLeakage.undone` is that of one mode and a smooth rest: here the mode is the nearest to
+    form of `WindowLeakage.correction` is that of one mode and a smooth rest: here the mode is the nearest to
     each line, the rest all others. At antiresonances, where all is leakage, that fails: a line is trusted no
     further than it agrees with the modes that cleaned it.
     """
@@ -135,10 +135,10 @@ def _undo(fit: ModalFit, stretch: BandData, leaked: LeakageCorrection, damping: 
         driven, beside_drive = np.zeros_like(constant[:, :1]), np.zeros_like(beside[:, :1])
     else:
         driven, beside_drive = constant[:, drive, None], beside[:, drive, None]
-    undone = leaked.leakage.undone(
+    undone = leaked.leakage.correction(
         stretch.freq[:, None, None],
         float(np.median(np.diff(stretch.freq))),
-        OnePole(eigenvalue, -eigenvalue * constant, beside[..., None]),
-        OnePole(eigenvalue, -eigenvalue * driven, beside_drive[..., None]),
+        SinglePole(eigenvalue, -eigenvalue * constant, beside[..., None]),
+        SinglePole(eigenvalue, -eigenvalue * driven, beside_drive[..., None]),
     )
     return np.asarray(undone[..., 0])

@@ -10,8 +10,13 @@ from modallab.extraction.multi_mode.leakage_correction import LeakageCorrection,
 from modallab.extraction.multi_mode.modal_fit import fitted_receptance
 from modallab.extraction.multi_mode.refinement import BandData, RefinedModes
 from modallab.extraction.options import Damping
-from modallab.extraction.preprocessing.leakage import OnePole
-from modallab.extraction.preprocessing.leaked_lines import LeakedLines, LineErrors, leaked_lines, white_errors
+from modallab.extraction.preprocessing.leakage import SinglePole
+from modallab.extraction.preprocessing.leaked_lines import (
+    LeakedLines,
+    LineErrors,
+    leaked_lines,
+    white_error_correlation,
+)
 
 REACH, WIDTHS = 12, 3.0  # lines to either side that tell of a mode, or half-power bandwidths
 MOST, FEWEST = 32, 4  # lines to either side, and in all
@@ -118,8 +123,8 @@ class _Mode:
             forms = self._own[..., None, None] * tied.form + self._along[:, None, None, None] * form
             constant = constant + share * np.array(_sums(LeakedLines(forms, tied.moments)))
             every = self._pole.sum(axis=0)
-            whole[0] += _size(every, noise.together)
-            constant[0] += _size(self._own + self._along[:, None] * every, noise.together)
+            whole[0] += _size(every, noise.white_correlation)
+            constant[0] += _size(self._own + self._along[:, None] * every, noise.white_correlation)
         circular, turned = whole[0].real, whole[1]
         eigenvalue = np.array([[circular + turned.real, turned.imag], [turned.imag, circular - turned.real]])
         return _Errors(eigenvalue / 2, np.sqrt(np.maximum(constant.sum(axis=0).real / 2, 0.0)))
@@ -147,7 +152,7 @@ def _sums(lines: LeakedLines) -> tuple[ComplexArray, ComplexArray]:
 @dataclass(frozen=True, eq=False)
 class _Noise:
     alone: FloatArray  # (n_frf, n_lines, n_lines) covariance of what each FRF has for itself
-    together: FloatArray  # (n_lines, n_lines) of what all have in common
+    white_correlation: FloatArray  # (n_lines, n_lines) of what all have in common
 
 
 def _noise(
@@ -163,7 +168,7 @@ def _noise(
     own = np.diagonal(tied.errors.covariance, axis1=-2, axis2=-1).real / leaked.averages
     more = np.maximum(known - own, 0.0)
     shared = common * np.median(more, axis=0)
-    alike = white_errors(leaked.leakage, freq, spacing)
+    alike = white_error_correlation(leaked.leakage, freq, spacing)
 
     def tied_by_window(variance: FloatArray) -> FloatArray:
         size = np.sqrt(variance)
@@ -185,8 +190,8 @@ def _tied(
         leaked.leakage,
         freq,
         spacing,
-        OnePole(one, -pole * constant, beside),
-        OnePole(one, -pole * drive, beside_drive),
+        SinglePole(one, -pole * constant, beside),
+        SinglePole(one, -pole * drive, beside_drive),
     )
 
 

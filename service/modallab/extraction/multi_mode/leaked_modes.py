@@ -43,7 +43,7 @@ def allowing_for_leakage(
         Law of the modes.
     """
     told = stretch.known and stretch.n_ref == 1 and np.isfinite(leaked.averages)
-    refined = replace(refined, fit=_lines_alike(refined.fit, leaked.leakage.alike))
+    refined = replace(refined, fit=_lines_alike(refined.fit, leaked.leakage.error_correlation))
     if told:
         refined = replace(refined, fit=with_leaked_errors(refined, stretch, leaked, damping))
     fit, spacing = refined.fit, float(np.median(np.diff(stretch.freq)))

@@ -1,1 +1,1 @@
-"""What the lines tell before any fit: responses with their errors, bands, windows, leakage."""
+"""Preprocessing before any fit: FRFs with their random errors, bands, windows of lines, leakage."""

@@ -1,4 +1,4 @@
-"""Which lines each fit takes: a window that follows every FRF's own peak inside the band."""
+"""Windows of lines for single-mode fits: each follows the FRF's own peak inside the band."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -6,20 +6,22 @@ from dataclasses import dataclass
 import numpy as np
 
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray
+from modallab.core.numerics import SQUARE_ROUNDING
 from modallab.extraction.options import MIN_LINES
 from modallab.extraction.preprocessing.bands import Band
-
-MOST_LINES = 96  # unless more are asked for: beyond, Dobson's pairs cost more than the lines add
-REACH = 0.01  # an FRF's own peak is looked for where the indicator is above this part of its peak
+from modallab.extraction.preprocessing.settings import FIT_WINDOWS
 
 
 @dataclass(frozen=True, eq=False)
 class Windows:
-    """Lines of every fit, (n_modes, n_frf, n_lines); `used` is False where a row is padded."""
+    """Lines of every fit, (n_modes, n_frf, n_lines)."""
 
     index: IntArray
+    """(n_modes, n_frf, n_lines) index on the frequency axis."""
     used: BoolArray
-    ends: IntArray  # (n_modes, n_frf, 2) first and last line, whatever is left out between them
+    """(n_modes, n_frf, n_lines) False where a row is padded or a line is left out."""
+    ends: IntArray
+    """(n_modes, n_frf, 2) first and last line, including lines left out between them."""
 
 
 def place_windows(
@@ -31,90 +33,102 @@ def place_windows(
     widths: float = 0.0,
     leave_out: int = 0,
 ) -> Windows:
-    """Return the lines nearest each FRF's own peak, kept inside the band.
+    """Return the lines nearest to each FRF's own peak, inside the band.
 
     Parameters
     ----------
     mobility
-        (n_freq, n_frf).
+        (n_freq, n_frf) m/(s N).
     indicator
-        (n_freq,).
+        (n_freq,) from `mode_indicator`.
     bands
-        One a mode.
+        One for each mode.
     base
-        Number of lines for a mode that is not wider.
+        Number of lines of a mode whose bandwidth does not require more.
     widths
-        Half-power bandwidths that the lines span at least.
+        Least width of the window in half-power bandwidths.
     leave_out
-        How many of the lines, those nearest the peak, are not used; fewer where too few would be left.
+        Number of lines nearest to the peak that are not used; fewer where less than four would remain.
     """
-    size = np.abs(mobility)
+    magnitude = np.abs(mobility)
     first, last, count = (np.empty(len(bands), int) for _ in range(3))
-    own = np.empty((len(bands), size.shape[1]), int)
+    frf_peak = np.empty((len(bands), magnitude.shape[1]), int)
     for m, band in enumerate(bands):
         first[m], last[m] = band.first, band.last
-        wide = _around(indicator, band, 0.5)
-        least = max(base, min(int(widths * (wide[1] - wide[0])), MOST_LINES))
-        count[m] = min(least, band.last - band.first + 1)
-        own[m] = _own_peaks(size, band, _around(indicator, band, REACH))
-    columns = np.arange(size.shape[1])
-    above, below = np.minimum(own + 1, len(size) - 1), np.maximum(own - 1, 0)
-    # an even window leans to the side where the resonance is
-    lean = size[above, columns] > size[below, columns]
-    start = own - count[:, None] // 2 + (lean & (count % 2 == 0)[:, None])
+        half_power = _interval_above(indicator, band, 0.5)
+        n_lines = max(base, min(int(widths * (half_power[1] - half_power[0])), FIT_WINDOWS.largest_window))
+        count[m] = min(n_lines, band.last - band.first + 1)
+        frf_peak[m] = _frf_peaks(
+            magnitude, band, _interval_above(indicator, band, FIT_WINDOWS.peak_search_level)
+        )
+    columns = np.arange(magnitude.shape[1])
+    next_line, previous_line = np.minimum(frf_peak + 1, len(magnitude) - 1), np.maximum(frf_peak - 1, 0)
+    # a window with an even number of lines has one more on the side of the resonance
+    leans_upwards = magnitude[next_line, columns] > magnitude[previous_line, columns]
+    start = frf_peak - count[:, None] // 2 + (leans_upwards & (count % 2 == 0)[:, None])
     start = np.clip(start, first[:, None], last[:, None] - count[:, None] + 1)
     offset = np.arange(count.max())
-    used = np.broadcast_to(offset < count[:, None, None], (*own.shape, len(offset)))
-    index = np.minimum(start[:, :, None] + offset, len(size) - 1)
+    used = np.broadcast_to(offset < count[:, None, None], (*frf_peak.shape, len(offset)))
+    index = np.minimum(start[:, :, None] + offset, len(magnitude) - 1)
     if leave_out:
-        used = without_nearest(size[index, columns[None, :, None]], used, leave_out)
+        used = without_nearest(magnitude[index, columns[None, :, None]], used, leave_out)
     ends = np.stack([start, start + count[:, None] - 1], axis=2)
     return Windows(index, used, ends)
 
 
-def without_nearest(size: FloatArray, used: BoolArray, leave_out: int) -> BoolArray:
-    """Return `used` without the lines nearest the highest, all (..., n_lines); at least four stay."""
-    high = np.where(used, size, -1.0)
+def without_nearest(magnitude: FloatArray, used: BoolArray, leave_out: int) -> BoolArray:
+    """Return `used` without the lines nearest to the highest one, (..., n_lines); at least four remain."""
+    high = np.where(used, magnitude, -1.0)
     peak = np.argmax(high, axis=-1)[..., None]
-    last = size.shape[-1] - 1
-    above, below = np.minimum(peak + 1, last), np.maximum(peak - 1, 0)
-    higher_above = np.take_along_axis(high, above, -1) > np.take_along_axis(high, below, -1)
-    # a quarter of a line to the side where the resonance is, so that no two lines are as near
-    away = np.abs(np.arange(last + 1) - peak - np.where(higher_above, 0.25, -0.25))
-    rank = np.argsort(np.argsort(np.where(used, away, np.inf), axis=-1), axis=-1)
+    last = magnitude.shape[-1] - 1
+    next_line, previous_line = np.minimum(peak + 1, last), np.maximum(peak - 1, 0)
+    leans_upwards = np.take_along_axis(high, next_line, -1) > np.take_along_axis(high, previous_line, -1)
+    # the peak is shifted to the side of the resonance, so that no two lines have the same distance
+    distance = np.abs(
+        np.arange(last + 1) - peak - np.where(leans_upwards, FIT_WINDOWS.tie_offset, -FIT_WINDOWS.tie_offset)
+    )
+    rank = np.argsort(np.argsort(np.where(used, distance, np.inf), axis=-1), axis=-1)
     spare = np.clip(used.sum(axis=-1, keepdims=True) - MIN_LINES, 0, leave_out)
     return np.asarray(used & (rank >= spare))
 
 
-def _around(indicator: FloatArray, band: Band, part: float) -> tuple[int, int]:
-    """Return the lines that bound the run in which the indicator holds `part` of its peak."""
-    low = indicator < part * indicator[band.peak]
-    below = np.flatnonzero(low[band.first : band.peak])
-    above = np.flatnonzero(low[band.peak : band.last + 1])
-    start = band.first + int(below[-1]) if len(below) else band.first
-    stop = band.peak + int(above[0]) if len(above) else band.last
+def _interval_above(indicator: FloatArray, band: Band, level: float) -> tuple[int, int]:
+    """Return the lines that bound the interval about the peak where the indicator exceeds `level` of it."""
+    low = indicator < level * indicator[band.peak]
+    low_before = np.flatnonzero(low[band.first : band.peak])
+    low_after = np.flatnonzero(low[band.peak : band.last + 1])
+    start = band.first + int(low_before[-1]) if len(low_before) else band.first
+    stop = band.peak + int(low_after[0]) if len(low_after) else band.last
     return start, stop
 
 
-def _own_peaks(size: FloatArray, band: Band, reach: tuple[int, int]) -> IntArray:
-    """Return each FRF's highest line within reach, or the band's peak where the FRF has none there."""
-    start, stop = reach
-    inside = size[start : stop + 1]
+def _frf_peaks(magnitude: FloatArray, band: Band, interval: tuple[int, int]) -> IntArray:
+    """Return the line of each FRF's maximum in the interval, (n_frf,); the band's peak if it is at an end."""
+    start, stop = interval
+    inside = magnitude[start : stop + 1]
     highest = np.argmax(inside, axis=0)
     peaked = (highest > 0) & (highest < len(inside) - 1)
-    own: IntArray = np.where(peaked, start + highest, band.peak)
-    return own
+    peaks: IntArray = np.where(peaked, start + highest, band.peak)
+    return peaks
 
 
 def line_variance(values: ComplexArray, coherence: FloatArray, averages: float) -> FloatArray:
-    """Return E|error|^2 of FRF lines from coherence and averages; infinite where nothing is coherent.
+    """Return the variance E|error|^2 of FRF lines from coherence; infinite where nothing is coherent.
 
-    `e[|H|] = sqrt((1 - g2)/(2 n_d g2))` [5.16], and as much for the phase, so that a complex line has
-    twice its square. Floored at the rounding of the transform, which no coherence shows.
+    The normalised random error `e[|H|] = sqrt((1 - g2)/(2 n_d g2))` [5.16] holds for the magnitude and, in
+    radians, for the phase, so that a complex line has twice its square. The result is not smaller than the
+    rounding error of the Fourier transform, which coherence does not show.
+
+    Parameters
+    ----------
+    values, coherence
+        FRF of any kind and its coherence, of equal shape.
+    averages
+        Effective number of averages.
     """
-    size = np.abs(values) ** 2
-    some = coherence > 0
-    relative = np.where(some, (1 - coherence) / (averages * np.where(some, coherence, 1.0)), np.inf)
-    relative = np.maximum(relative, 1e-16)
-    usable = some & (size > 0)
-    return np.where(usable, size, 1.0) * np.where(usable, relative, np.inf)
+    power = np.abs(values) ** 2
+    coherent = coherence > 0
+    relative = np.where(coherent, (1 - coherence) / (averages * np.where(coherent, coherence, 1.0)), np.inf)
+    relative = np.maximum(relative, SQUARE_ROUNDING)
+    usable = coherent & (power > 0)
+    return np.where(usable, power, 1.0) * np.where(usable, relative, np.inf)

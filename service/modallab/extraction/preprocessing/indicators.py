@@ -1,4 +1,4 @@
-"""Where modes are, from all FRFs at once: the mode indicator function and the complex one."""
+"""Mode indicator function and complex mode indicator function of a set of FRFs."""
 
 import numpy as np
 
@@ -7,13 +7,13 @@ from modallab.core.frf import FrfKind, FrfSet
 
 
 def real_part_indicator(frf: FrfSet) -> FloatArray:
-    """Return the mode indicator function (MIF), (n_freq, n_in): 0 at resonances, towards 1 between.
+    """Return the mode indicator function (MIF), (n_freq, n_in): 0 at resonances, near 1 between them.
 
-    `sum_j |Re H_j| |H_j| / sum_j |H_j|^2` over the responses to each force: at a resonance with real modes
-    receptance and inertance are imaginary (and mobility, of which the imaginary part is taken instead,
-    real) in all FRFs, so that modes are dips of like depth, large or small, as long as they stand out of
-    the others' tails. Close modes share a dip, unless forces at different points tell them apart. Lines at
-    which nothing moves show nothing: 1.
+    `sum_j |Re H_j| |H_j| / sum_j |H_j|^2` over the responses to each force. At a resonance of a real mode,
+    receptance and inertance are imaginary in all FRFs; mobility is real, so that its imaginary part replaces
+    the real part. Large and small modes are minima of similar depth if they exceed the contributions of the
+    other modes. Close modes share a minimum unless forces at different points separate them. Lines without
+    any response have the value 1.
 
     Parameters
     ----------
@@ -34,14 +34,14 @@ def real_part_indicator(frf: FrfSet) -> FloatArray:
 def complex_mode_indicator(frf: FrfSet) -> FloatArray:
     """Return the complex mode indicator function (CMIF), (n_freq, min(n_out, n_in)), unit of the FRFs.
 
-    The singular values of every line's matrix of FRFs, the largest first: peaks of the first are modes,
-    and two modes at one frequency, which no single force tells apart, are peaks of the first and the
-    second. With one force, or one response, it is the root of the summed power.
+    It consists of the singular values of the FRF matrix of each line, in descending order. Peaks of the first
+    are modes; two modes at one frequency are peaks of the first and the second. With one force or one
+    response it is the root of the summed power.
 
     Parameters
     ----------
     frf
-        Of any kind; mobility shows low and high modes at like height.
+        Of any kind; mobility gives low and high modes similar heights.
 
     References
     ----------
@@ -52,7 +52,7 @@ def complex_mode_indicator(frf: FrfSet) -> FloatArray:
 
 
 def _scaled(values: ComplexArray) -> tuple[ComplexArray, FloatArray]:
-    """Return the values of every line and force with the largest 1, and their moduli."""
+    """Return the values normalised by the largest modulus of each line and force, and their moduli."""
     largest = np.abs(values).max(axis=1, keepdims=True)
     scaled = values / np.where(largest > 0, largest, 1.0)
     return scaled, np.asarray(np.abs(scaled))

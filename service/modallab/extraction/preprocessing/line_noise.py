@@ -1,72 +1,82 @@
-"""How much random error each line of the responses has, as a fit of many modes at once weighs it."""
+"""Variance of the random error of each line, as the weights of multi-mode fits."""
 
 import numpy as np
 import scipy.ndimage
 
 from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.core.numerics import SQUARE_ROUNDING
 from modallab.extraction.preprocessing.responses import Responses
+from modallab.extraction.preprocessing.settings import LINE_NOISE
 
-NEIGHBOURS = 33  # lines that residuals are averaged over, where nothing else tells their variance
-ROUGH = np.array([1.0, -4.0, 6.0, -4.0, 1.0]) / np.sqrt(70.0)  # leaves noise as it is, and no cubic
-QUIET = 0.25  # of the lines: so many at least are rough by noise alone
-ROUNDING = 1e-16  # of |H|^2: what a transform leaves in any case
+# The binomial coefficients' squares sum to 70: white noise keeps its variance, a cubic becomes zero.
+FOURTH_DIFFERENCE = np.array([1.0, -4.0, 6.0, -4.0, 1.0]) / np.sqrt(70.0)
 
 
-def knows_noise(responses: Responses) -> bool:
-    """Return whether coherence tells the random error; it does not where it is 1 throughout."""
+def has_coherence(responses: Responses) -> bool:
+    """Return whether a coherence was measured, so that it gives the random error: it is not 1 everywhere."""
     return bool((responses.coherence < 1).any())
 
 
-def line_weights(responses: Responses, bias: FloatArray | float = 0.0) -> FloatArray:
-    """Return one over E|error|^2 of receptance, (n_freq, n_frf); 0 where nothing is coherent.
+def coherence_correction(averages: float) -> float:
+    """Return the ratio of the error variance to the mean of its estimate from coherence, `n/(n - 2)`.
 
-    A coherence estimated from n averages says on average (n - 2)/n of the error there is. Where none was
-    measured, the error is taken for the same at all lines of an FRF's mobility, and to be what makes
-    its quieter lines rough.
+    The coherence of n averages is biased upwards: on average it shows (n - 2)/n of the variance.
+    """
+    return averages / (averages - 2) if averages > LINE_NOISE.minimum_averages else 1.0
+
+
+def line_weights(responses: Responses, bias: FloatArray | float = 0.0) -> FloatArray:
+    """Return the weights 1/E|error|^2 of receptance, (n_freq, n_frf), (N/m)^2; 0 where nothing is coherent.
+
+    Without a measured coherence the error variance is taken as constant over the lines of each FRF's
+    mobility, and is estimated from the fourth differences of its quieter lines.
 
     Parameters
     ----------
+    responses
+        From `responses_of`.
     bias
-        (n_freq, n_frf), relative, that lines may have beside their random error. It does not fall with
-        averages, so that lines of low coherence, as at antiresonances, could mislead a fit of all lines.
+        (n_freq, n_frf) relative bias of the lines in addition to their random error. It does not fall with
+        the number of averages, so that lines of low coherence, as at antiresonances, could mislead a fit.
     """
-    if not knows_noise(responses):
+    if not has_coherence(responses):
         omega = 2 * np.pi * responses.freq[:, None]
-        noise = _roughness(omega * responses.receptance)
+        noise = _noise_from_differences(omega * responses.receptance)
         return np.asarray(omega**2 * np.where(noise > 0, 1 / np.where(noise > 0, noise, 1.0), 0.0))
-    n = responses.averages
-    low = n / (n - 2) if n > 3 else 1.0
-    variance = responses.variance * low + (bias * np.abs(responses.receptance)) ** 2
+    correction = coherence_correction(responses.averages)
+    variance = responses.variance * correction + (bias * np.abs(responses.receptance)) ** 2
     usable = np.isfinite(variance) & (variance > 0)
     return np.where(usable, 1 / np.where(usable, variance, 1.0), 0.0)
 
 
-def _roughness(values: ComplexArray) -> FloatArray:
-    """Return E|error|^2 of each FRF (n_frf,), from differences of its lines.
+def _noise_from_differences(values: ComplexArray) -> FloatArray:
+    """Return E|error|^2 of each FRF from fourth differences of its lines, (n_frf,).
 
-    Of one that is zero it is that of the least exact other: a dead channel must not count as exact.
+    An FRF of zeros has the largest variance of the others: a dead channel must not count as exact.
     """
-    rough = scipy.ndimage.convolve1d(values, ROUGH, axis=0, mode="nearest")
-    power = np.quantile(np.abs(rough) ** 2, QUIET, axis=0) / -np.log1p(-QUIET)  # of an exponential law
-    noise = power + ROUNDING * (np.abs(values) ** 2).mean(axis=0)
+    differences = scipy.ndimage.convolve1d(values, FOURTH_DIFFERENCE, axis=0, mode="nearest")
+    power = np.quantile(np.abs(differences) ** 2, LINE_NOISE.quiet_fraction, axis=0) / -np.log1p(
+        -LINE_NOISE.quiet_fraction
+    )  # quantile of an exponential distribution
+    noise = power + SQUARE_ROUNDING * (np.abs(values) ** 2).mean(axis=0)
     return np.asarray(np.where(noise > 0, noise, noise.max(initial=0.0)))
 
 
 def weights_from_residuals(receptance: ComplexArray, fitted: ComplexArray, weight: FloatArray) -> FloatArray:
-    """Return one over E|error|^2 as the residuals of a fit near each line have it.
+    """Return the weights 1/E|error|^2 from the squared residuals of a fit near each line, (n_lines, n_frf).
 
     Parameters
     ----------
     receptance, fitted, weight
-        (n_lines, n_frf); lines of weight 0 stay so and do not count.
+        (n_lines, n_frf) measured and fitted receptance, m/N, and present weights; weights of 0 remain 0.
     """
     used = (weight > 0).astype(float)
     power = np.abs(receptance - fitted) ** 2 * used
-    width = min(NEIGHBOURS, len(power))
-    near, count = (
+    width = min(LINE_NOISE.neighbours, len(power))
+    local_power, count = (
         scipy.ndimage.uniform_filter1d(values, width, axis=0, mode="nearest") for values in (power, used)
     )
     largest = np.abs(fitted).max(axis=1, keepdims=True, initial=0.0)
-    variance = near / np.maximum(count, 1 / width) + ROUNDING * largest**2
+    variance = local_power / np.maximum(count, 1 / width) + SQUARE_ROUNDING * largest**2
     usable = (used > 0) & (variance > 0)
     return np.where(usable, 1 / np.where(usable, variance, 1.0), 0.0)

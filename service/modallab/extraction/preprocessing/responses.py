@@ -1,4 +1,4 @@
-"""Measured responses as extraction reads them: receptance above 0 Hz, with the random error of each line."""
+"""FRFs in the form that extraction uses: receptance above 0 Hz, with the random error of each line."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -10,31 +10,37 @@ from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.core.modal_model import frf_names
+from modallab.core.numerics import COMPARISON_ROUNDING
 from modallab.extraction.options import MIN_LINES
 from modallab.extraction.preprocessing.bands import coherent_lines
 from modallab.extraction.preprocessing.fit_windows import line_variance
-from modallab.extraction.preprocessing.multiple_coherence import of_each_force
-
-LARGEST = 1e60  # m/N
+from modallab.extraction.preprocessing.multiple_coherence import coherence_per_force
+from modallab.extraction.preprocessing.settings import RESPONSES
 
 
 @dataclass(frozen=True, eq=False)
 class Responses:
-    """FRFs between many points and a few, the references: drive points, or responses while the drive roves.
+    """FRFs between many DoFs and a few references: drive points, or responses if the hammer roves.
 
-    FRFs are counted DoF by DoF, at each of them reference by reference.
+    FRFs are ordered by DoF and, for each DoF, by reference.
     """
 
-    freq: FloatArray  # (n_freq,) Hz, above 0
-    receptance: ComplexArray  # (n_freq, n_frf) m/N
-    coherence: FloatArray  # (n_freq, n_frf), 1 where it was not measured
+    freq: FloatArray
+    """(n_freq,) Hz, above 0."""
+    receptance: ComplexArray
+    """(n_freq, n_frf) m/N."""
+    coherence: FloatArray
+    """(n_freq, n_frf), 1 where it was not measured."""
     averages: float
-    dofs: tuple[Dof, ...]  # (n_dof,)
-    references: tuple[Dof, ...]  # (n_ref,)
+    """Effective number of averages."""
+    dofs: tuple[Dof, ...]
+    """(n_dof,) measured degrees of freedom."""
+    references: tuple[Dof, ...]
+    """(n_ref,) reference degrees of freedom."""
 
     @property
     def mobility(self) -> ComplexArray:
-        """(n_freq, n_frf) m/(s N), the coherent part: times the root of the coherence."""
+        """(n_freq, n_frf) m/(s N), coherent part: multiplied by the root of the coherence."""
         return np.asarray(2j * np.pi * self.freq[:, None] * self.receptance * np.sqrt(self.coherence))
 
     @property
@@ -49,77 +55,82 @@ class Responses:
 
     @property
     def drive_row(self) -> int | None:
-        """Which of the FRFs is that of the drive point; None if none is, or of several references."""
+        """Index of the drive-point FRF; None if there is none, or if there are several references."""
         row = int(self.driving[0])
         return row if len(self.references) == 1 and row >= 0 else None
 
     @property
     def driving(self) -> IntArray:
-        """(n_ref,) which of the DoFs is at the point of each reference, -1 if none is."""
+        """(n_ref,) index of the DoF at the point of each reference, -1 if there is none."""
         return driving_rows(self.dofs, self.references)
 
     @property
     def senses(self) -> IntArray:
-        """(n_ref,) -1 where that DoF and the reference point opposite ways, else 1."""
+        """(n_ref,) -1 where that DoF and the reference have opposite directions, else 1."""
         pairs = zip(self.driving.tolist(), self.references, strict=True)
         return np.array([self.dofs[i].sign * r.sign if i >= 0 else 1 for i, r in pairs], np.int64)
 
     @property
     def frfs(self) -> tuple[str, ...]:
-        """(n_frf,) their names."""
+        """(n_frf,) names of the FRFs."""
         return frf_names(self.dofs, self.references)
 
 
 def driving_rows(dofs: Sequence[Dof], references: Sequence[Dof]) -> IntArray:
-    """Return which of the DoFs is at the point of each reference, (n_ref,), -1 if none is."""
+    """Return the index of the DoF at the point of each reference, (n_ref,), -1 if there is none."""
     points = [dof.point for dof in dofs]
     return np.array([points.index(r.point) if r.point in points else -1 for r in references], int)
 
 
 def responses_of(frf: FrfSet, coherence: FloatArray | None, averages: float) -> Responses:
-    """Return what extraction reads from a set of FRFs.
+    """Return a set of FRFs in the form that extraction uses.
 
     Parameters
     ----------
     frf
         Of any kind. The fewer of its inputs and outputs are the references.
     coherence
-        (n_freq, n_out), multiple if there are several inputs, or (n_freq, n_out, n_in), ordinary; None where
-        it was not measured.
+        (n_freq, n_out), multiple if there are several inputs, or (n_freq, n_out, n_in), ordinary; None if it
+        was not measured.
     averages
-        Effective number of averages behind the coherence.
+        Effective number of averages of the coherence.
 
     Raises
     ------
     InvalidInputError
-        If the inputs do not fit together.
+        If shapes, number of averages or size of the FRFs are not admissible.
     """
     if not averages > 0:
         raise InvalidInputError(
             "averages must be above zero", field="averages", value=averages, allowed="> 0"
         )
-    trust = _coherence(frf, coherence)
-    above = frf.freq > 0
+    frf_coherence = _coherence(frf, coherence)
+    positive = frf.freq > 0
     usable = frf.between(0.0, np.inf).to(FrfKind.RECEPTANCE)
-    roved = len(frf.outputs) < len(frf.inputs)  # by the force: few listen to many
-    dofs, references = (frf.inputs, frf.outputs) if roved else (frf.outputs, frf.inputs)
-    order = (0, 2, 1) if roved else (0, 1, 2)
+    force_roves = len(frf.outputs) < len(frf.inputs)  # few responses to many force points
+    dofs, references = (frf.inputs, frf.outputs) if force_roves else (frf.outputs, frf.inputs)
+    order = (0, 2, 1) if force_roves else (0, 1, 2)
     values = usable.values.transpose(order).reshape(len(usable.freq), -1)
-    size = float(np.abs(values).max(initial=0.0))
-    if size and not 1 / LARGEST < size < LARGEST:  # their squares must still be numbers
+    largest = float(np.abs(values).max(initial=0.0))
+    if (
+        largest and not 1 / RESPONSES.largest_receptance < largest < RESPONSES.largest_receptance
+    ):  # their squares must still be numbers
         raise InvalidInputError(
-            "the FRFs are of no physical size", field="values", value=size, allowed=f"below {LARGEST:g} m/N"
+            "the FRFs are of no physical size",
+            field="values",
+            value=largest,
+            allowed=f"below {RESPONSES.largest_receptance:g} m/N",
         )
     if len(usable.freq) < MIN_LINES:
         raise InvalidInputError(
             "too few lines", field="freq", value=len(usable.freq), allowed=f"at least {MIN_LINES} above 0 Hz"
         )
-    trust = trust[above].transpose(order).reshape(values.shape)
-    return Responses(usable.freq, values, trust, averages, dofs, references)
+    frf_coherence = frf_coherence[positive].transpose(order).reshape(values.shape)
+    return Responses(usable.freq, values, frf_coherence, averages, dofs, references)
 
 
 def _coherence(frf: FrfSet, coherence: FloatArray | None) -> FloatArray:
-    """Return the coherence of each FRF, shaped as they are, checked; 1 where it is not known."""
+    """Return the coherence of each FRF, validated and at most 1; 1 where it was not measured."""
     n_freq, n_out, n_in = frf.values.shape
     if coherence is None:
         return np.ones(frf.values.shape)
@@ -130,13 +141,13 @@ def _coherence(frf: FrfSet, coherence: FloatArray | None) -> FloatArray:
             value=str(coherence.shape),
             allowed=str((n_freq, n_out, n_in)),
         )
-    bad = ~((coherence >= 0) & (coherence <= 1 + 1e-9))
-    if bad.any():
+    invalid = ~((coherence >= 0) & (coherence <= 1 + COMPARISON_ROUNDING))
+    if invalid.any():
         raise InvalidInputError(
             "coherence must lie from 0 to 1",
             field="coherence",
-            value=float(coherence[bad][0]),
+            value=float(coherence[invalid][0]),
             allowed="0 to 1",
         )
-    known = np.minimum(coherence, 1.0)
-    return known if known.ndim == 3 else of_each_force(frf.values, known)
+    bounded = np.minimum(coherence, 1.0)
+    return bounded if bounded.ndim == 3 else coherence_per_force(frf.values, bounded)

@@ -1,4 +1,4 @@
-"""A word of warning where leakage of several forces is undone as if they were white."""
+"""Note on the leakage correction with several references."""
 
 from collections.abc import Iterator
 
@@ -7,10 +7,10 @@ from modallab.extraction.preprocessing.responses import Responses
 
 
 def white_forces_notes(responses: Responses, leakage: WindowLeakage | None) -> Iterator[str]:
-    """Yield a note where records leak and there are several references.
+    """Yield a note if records leak and there are several references.
 
-    What an exciter's mass takes of one force is known from the FRF of its drive point: see
-    `WindowLeakage.undone`. Of several forces each follows all drive points and all other forces.
+    The effect of an exciter's armature on a single force follows from the drive-point FRF: see
+    `WindowLeakage.correction`. Each of several forces depends on all drive points and all other forces.
     """
     n = len(responses.references)
     if leakage is not None and n > 1:

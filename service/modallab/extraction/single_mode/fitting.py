@@ -7,7 +7,7 @@ import numpy as np
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from modallab.core.progress import Progress, silent
 from modallab.extraction.preprocessing.fit_windows import Windows
-from modallab.extraction.preprocessing.leakage import OnePole, WindowLeakage
+from modallab.extraction.preprocessing.leakage import SinglePole, WindowLeakage
 from modallab.extraction.single_mode.damping_models import DampingModel
 from modallab.extraction.single_mode.method import ExtractionMethod, ModeFits
 from modallab.extraction.single_mode.screening import Screening, screen
@@ -231,12 +231,15 @@ def undoing(
     """Return what to multiply the measured lines by, as `data`; `rest` is the receptance beside each mode."""
     # a mode at a time, as each line has a hundred nodes of quadrature
     each = [
-        leakage.undone(data.freq[m], data.spacing, *one) for m, one in enumerate(poles(law, data, now, rest))
+        leakage.correction(data.freq[m], data.spacing, *one)
+        for m, one in enumerate(poles(law, data, now, rest))
     ]
     return np.stack(each)
 
 
-def poles(law: DampingModel, data: Data, now: Round, rest: ComplexArray) -> list[tuple[OnePole, OnePole]]:
+def poles(
+    law: DampingModel, data: Data, now: Round, rest: ComplexArray
+) -> list[tuple[SinglePole, SinglePole]]:
     """Return each mode as a pole in inertance, in all FRFs and at the drive point; else as `undoing`."""
     squared, constant = law.pole(now.eigenvalue, now.table.modal_constant)
     mode = law.response(data.freq, now.eigenvalue[:, :, None], now.table.modal_constant[:, :, None])
@@ -253,8 +256,8 @@ def poles(law: DampingModel, data: Data, now: Round, rest: ComplexArray) -> list
         beside = np.broadcast_to(mean[:, None, None], rest.shape)
     return [
         (
-            OnePole(squared[m], -squared[m] * constant[m], inertance[m]),
-            OnePole(squared[m], -squared[m] * drive[m], beside[m]),
+            SinglePole(squared[m], -squared[m] * constant[m], inertance[m]),
+            SinglePole(squared[m], -squared[m] * drive[m], beside[m]),
         )
         for m in range(len(squared))
     ]

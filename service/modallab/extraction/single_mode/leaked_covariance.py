@@ -5,8 +5,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray
-from modallab.extraction.preprocessing.leakage import OnePole, WindowLeakage
-from modallab.extraction.preprocessing.leaked_lines import LineErrors, leaked_lines, white_errors
+from modallab.extraction.preprocessing.leakage import SinglePole, WindowLeakage
+from modallab.extraction.preprocessing.leaked_lines import LineErrors, leaked_lines, white_error_correlation
+from modallab.extraction.preprocessing.line_noise import coherence_correction
 from modallab.extraction.preprocessing.responses import Responses
 from modallab.extraction.single_mode.damping_models import DampingModel
 from modallab.extraction.single_mode.fitting import Data, Round, poles
@@ -38,8 +39,9 @@ def line_spectra(responses: Responses, index: IntArray) -> LineSpectra:
     size = np.abs(responses.receptance[index, column]) ** 2
     variance = responses.variance[index, column]
     known = np.isfinite(variance) & (size > 0)
-    low = n / (n - 2) if n > 3 else 1.0
-    return LineSpectra(low * np.where(known, variance, 0.0) / np.where(known, size, 1.0), n)
+    return LineSpectra(
+        coherence_correction(n) * np.where(known, variance, 0.0) / np.where(known, size, 1.0), n
+    )
 
 
 def leaked_covariance(
@@ -80,7 +82,7 @@ def leaked_covariance(
             else:
                 errors = _errors(leakage, data, m, frfs, (response, drive), known)
             follow = influence(method, law, data, now, m, frfs) * whole[m, frfs, None]
-            out[m, frfs] = errors.through(follow)
+            out[m, frfs] = errors.propagate(follow)
     return out
 
 
@@ -92,13 +94,18 @@ def _independent(weight: FloatArray, whole: ComplexArray) -> LineErrors:
 
 
 def _errors(
-    leakage: WindowLeakage, data: Data, m: int, frfs: slice, near: tuple[OnePole, OnePole], known: LineSpectra
+    leakage: WindowLeakage,
+    data: Data,
+    m: int,
+    frfs: slice,
+    near: tuple[SinglePole, SinglePole],
+    known: LineSpectra,
 ) -> LineErrors:
     freq = data.freq[m, frfs]
-    some = (OnePole(pole.eigenvalue[frfs], pole.constant[frfs], pole.rest[frfs]) for pole in near)
+    some = (SinglePole(pole.eigenvalue[frfs], pole.constant[frfs], pole.residual[frfs]) for pole in near)
     leaked = leaked_lines(leakage, freq, data.spacing, *some).errors
     covariance, relation = leaked.covariance / known.averages, leaked.relation / known.averages
     own = np.diagonal(covariance, axis1=-2, axis2=-1).real
     more = np.sqrt(np.maximum(known.variance[m, frfs] - own, 0.0))
-    noise = more[..., :, None] * more[..., None, :] * white_errors(leakage, freq, data.spacing)
+    noise = more[..., :, None] * more[..., None, :] * white_error_correlation(leakage, freq, data.spacing)
     return LineErrors(covariance + noise, relation)

@@ -5,7 +5,8 @@ from dataclasses import replace
 import numpy as np
 
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray
-from modallab.extraction.preprocessing.leakage import LEFT, WindowLeakage
+from modallab.extraction.preprocessing.leakage import WindowLeakage
+from modallab.extraction.preprocessing.settings import LEAKAGE
 from modallab.extraction.single_mode.damping_models import DampingModel
 from modallab.extraction.single_mode.fitting import Data, Settled, Table, fit_once, undoing
 from modallab.extraction.single_mode.leakage_feedback import LeakageFeedback, feedback
@@ -111,7 +112,7 @@ def _left_over(table: Table, back: LeakageFeedback, moved: FloatArray) -> FloatA
     frequency, loss_factor = table.frequency, table.loss_factor
     found = frequency > 0
     adrift = (found & (back.strength >= UNSETTLED)).sum(axis=1) > found.sum(axis=1) / 2
-    left = np.maximum(LEFT * (back.strength - 1), adrift[:, None])[:, :, None] * moved
+    left = np.maximum(LEAKAGE.remaining_fraction * (back.strength - 1), adrift[:, None])[:, :, None] * moved
     relative = np.where(found, table.loss_factor_error / np.where(found, loss_factor, 1.0), 0.0)
     curved = (relative**2)[:, :, None] * np.stack([loss_factor * frequency / 2, loss_factor], axis=2)
     stiffness = (2 * np.pi * np.where(found, frequency, 1.0)) ** 2

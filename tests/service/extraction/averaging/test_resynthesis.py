@@ -168,7 +168,9 @@ def test_lines_that_a_window_holds_down_are_not_asked_of_the_modes() -> None:
     setup = rig(*range(1, 22, 4), excitation="random", analyser={"window": "hann", "estimator": "h1"})
     leaked = measure(steel_beam(), setup, (), route=Route.EXPECTED, rng=np.random.default_rng(0))
     window = WINDOWS["hann"].samples(1024)
-    model = extract(leaked.frf, coherence=None, averages=CLEAN, leakage=WindowLeakage.of(window, "h1"))
+    model = extract(
+        leaked.frf, coherence=None, averages=CLEAN, leakage=WindowLeakage.from_window(window, "h1")
+    )
     responses = responses_of(leaked.frf, None, CLEAN)
     bands = find_bands(mode_indicator(responses.mobility, responses.coherent))
     all_lines = with_resynthesis(model, responses, bands)

@@ -28,7 +28,7 @@ def leaked(estimator: str, route: Route, noise: Noise, *, n_lines: int = 401) ->
         coherence=measurement.coherence,
         averages=measurement.averages,
         method="lscf",
-        leakage=WindowLeakage.of(WINDOWS["hann"].samples(1024), estimator),
+        leakage=WindowLeakage.from_window(WINDOWS["hann"].samples(1024), estimator),
         estimator=estimator,
     )
 

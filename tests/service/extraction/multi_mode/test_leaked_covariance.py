@@ -24,7 +24,7 @@ def stated(n_frf: int, common: float, *, noise: float = 1e-9, averages: float = 
     exact = (1 / (EIGENVALUE - (2 * np.pi * FREQ[:, None]) ** 2)) @ np.ones((2, n_frf))
     weight = 1 / (np.sqrt(noise) * np.abs(exact)) ** 2
     fit = replace(fit_modes(FREQ, exact, weight, EIGENVALUE), common=common)
-    leakage = WindowLeakage.of(WINDOWS["hann"].samples(1024), "h1")
+    leakage = WindowLeakage.from_window(WINDOWS["hann"].samples(1024), "h1")
     leaked = LeakageCorrection(leakage, None, np.zeros((0, 2)), 0, averages)
     refined = RefinedModes(fit, weight, ())
     return with_leaked_errors(refined, BandData(FREQ, exact, weight, known=True), leaked, Damping.STRUCTURAL)

@@ -92,7 +92,7 @@ def vaguer(fit: ModalFit, by: float) -> ModalFit:
 def test_modes_share_errors_and_bias_of_those_that_cleaned_their_lines() -> None:
     refined, stretch = fitted()
     bias = np.array([[0.02, 0.0005], [0.01, 0.0002]])
-    leaked = LeakageCorrection(WindowLeakage.of(HANN, "h1"), vaguer(refined.fit, 5.0), bias, drive=0)
+    leaked = LeakageCorrection(WindowLeakage.from_window(HANN, "h1"), vaguer(refined.fit, 5.0), bias, drive=0)
     surer = replace(leaked, modes=vaguer(refined.fit, 1e-6), bias=0 * bias)
     alone, out = (allowing_for_leakage(refined, stretch, by, Damping.STRUCTURAL) for by in (surer, leaked))
     # a Hann window makes errors of lines alike: (35/128)/(3/8)^2 times the variance
@@ -116,7 +116,7 @@ def test_a_cleaner_too_vague_to_follow_hands_on_its_own_error_and_bias() -> None
     refined, stretch = fitted()
     fit, bias = refined.fit, np.array([[0.2, 0.01], [0.1, 0.02]])
     known = vaguer(fit, 0.5 / float((fit.loss_factor_error / fit.loss_factor).min()))
-    leaked = LeakageCorrection(WindowLeakage.of(HANN, "h1"), known, bias, drive=0)
+    leaked = LeakageCorrection(WindowLeakage.from_window(HANN, "h1"), known, bias, drive=0)
     out = allowing_for_leakage(refined, stretch, leaked, Damping.STRUCTURAL)
     assert (out.fit.frequency_error >= known.frequency_error).all()
     assert (out.fit.loss_factor_error >= known.loss_factor_error).all()
@@ -138,7 +138,7 @@ def test_a_mode_whose_lines_no_mode_has_cleaned_may_be_off_by_all_its_leakage(no
         fit.misfit,
     )
     leaked = LeakageCorrection(
-        WindowLeakage.of(HANN, "h1"), None if none else first, np.zeros((1 - none, 2)), drive=0
+        WindowLeakage.from_window(HANN, "h1"), None if none else first, np.zeros((1 - none, 2)), drive=0
     )
     bias = allowing_for_leakage(refined, stretch, leaked, Damping.STRUCTURAL).leakage_bias
     assert bias is not None

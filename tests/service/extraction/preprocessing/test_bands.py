@@ -5,7 +5,12 @@ import pytest
 
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.errors import InvalidInputError, NoModeInBandError
-from modallab.extraction.preprocessing.bands import coherent_lines, find_bands, given_bands, mode_indicator
+from modallab.extraction.preprocessing.bands import (
+    coherent_lines,
+    find_bands,
+    mode_indicator,
+    requested_bands,
+)
 from modallab.extraction.single_mode.method import ModeFit
 from tests.service.extraction.conftest import Beam
 
@@ -68,10 +73,10 @@ def test_nothing_to_see_is_said() -> None:
 def test_given_bands_take_their_highest_peak_and_not_a_flank() -> None:
     freq = np.arange(10.0, 100.0)
     indicator = mode_indicator(mobility(freq, 30.0) + 0.1 * mobility(freq, 45.0), np.ones(90, bool))
-    bands = given_bands(freq, indicator, [(32, 50), (25, 31)])
+    bands = requested_bands(freq, indicator, [(32, 50), (25, 31)])
     assert [freq[band.peak] for band in bands] == [30, 45]
 
 
 def test_a_band_upside_down_is_named() -> None:
     with pytest.raises(InvalidInputError, match="30 to 20 Hz"):
-        given_bands(np.arange(100.0), np.ones(100), [(30, 20)])
+        requested_bands(np.arange(100.0), np.ones(100), [(30, 20)])

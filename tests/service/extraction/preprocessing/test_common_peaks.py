@@ -35,8 +35,8 @@ def test_peaks_that_every_frf_has_elsewhere_are_noise_and_named(seed: int, n_frf
     away = np.abs(peaks[:, None] - HAMMERED)
     assert away.min(axis=1).max() < 0.6, "no peak is kept that is none"
     assert (away[:, : len(BELOW)].min(axis=0) < 0.3).all(), "no mode is lost where the force is"
-    assert len(found.left_out) == 1
-    assert "taken for noise" in found.left_out[0]
+    assert len(found.notes) == 1
+    assert "taken for noise" in found.notes[0]
 
 
 def test_of_the_common_peaks_the_most_prominent_are_kept() -> None:
@@ -56,7 +56,7 @@ def test_peaks_at_frequencies_that_move_with_the_frf_are_modes_all_the_same() ->
     frf = FrfSet(freq, inertance[:, :, None], dofs, (Dof(30, "X"),), FrfKind.INERTANCE)
     responses = responses_of(frf, None, 100.0)
     assert len(find_bands(indicator(responses))) >= 12
-    assert not common(responses).left_out
+    assert not common(responses).notes
 
 
 def test_where_coherence_tells_noise_or_there_is_one_frf_all_peaks_stay() -> None:

@@ -9,7 +9,7 @@ from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.extraction.extract import CHOSEN, extract
 from modallab.extraction.options import ExtractionOptions
-from modallab.extraction.preprocessing.leakage import OnePole, WindowLeakage
+from modallab.extraction.preprocessing.leakage import SinglePole, WindowLeakage
 from modallab.extraction.single_mode.method import EXTRACTION_METHODS, TRAITS, ModeFit
 
 EXACT = [kind for kind in sorted(EXTRACTION_METHODS) if TRAITS[kind].exact]
@@ -53,7 +53,7 @@ def fitted(
     options: ExtractionOptions = CHOSEN,
 ) -> tuple[float, complex]:
     frf = FrfSet(FREQ, inertance[:, None, None], (Dof(1, "Y"),), (Dof(1, "Y"),), FrfKind.INERTANCE)
-    leakage = WindowLeakage.of(HANN, estimator, source_mass=armature)
+    leakage = WindowLeakage.from_window(HANN, estimator, source_mass=armature)
     bands = [(95.0, 106.0)]
     model = extract(
         frf, coherence=None, averages=100, method=method, options=options, bands=bands, leakage=leakage
@@ -109,23 +109,23 @@ def test_the_closed_form_is_the_convolution(armature: float) -> None:
     omega2 = (2 * np.pi * FREQ) ** 2
     pole = inertance_of(mode)
     for estimator, values in leaked(mode, armature).items():
-        leakage = WindowLeakage.of(HANN, estimator, source_mass=armature)
-        undone = values * leakage.undone(FREQ, 1.0, pole, pole)
+        leakage = WindowLeakage.from_window(HANN, estimator, source_mass=armature)
+        undone = values * leakage.correction(FREQ, 1.0, pole, pole)
         # the mirror pole, 200 lines away, and the residual bend by 1e-4 of themselves over a window
         np.testing.assert_allclose(undone, -omega2 * mode.response(FREQ), rtol=3e-3)
 
 
-def inertance_of(mode: ModeFit) -> OnePole:
+def inertance_of(mode: ModeFit) -> SinglePole:
     eigenvalue = np.array((2 * np.pi * mode.frequency) ** 2 * (1 + 1j * mode.loss_factor))
     rest = np.asarray(mode.modal_constant - (2 * np.pi * FREQ) ** 2 * mode.residual)
-    return OnePole(eigenvalue, np.asarray(-eigenvalue * mode.modal_constant), rest)
+    return SinglePole(eigenvalue, np.asarray(-eigenvalue * mode.modal_constant), rest)
 
 
 def test_a_rectangular_window_leaks_more_than_a_hann_window_far_off() -> None:
     eigenvalue = np.array((2 * np.pi * 100.3) ** 2 * (1 + 0.01j))
-    pole = OnePole(eigenvalue, -eigenvalue, np.zeros(1, complex))
+    pole = SinglePole(eigenvalue, -eigenvalue, np.zeros(1, complex))
     off = [
-        abs(WindowLeakage.of(window, "h2").undone(np.array([130.0]), 1.0, pole, pole)[0] - 1)
+        abs(WindowLeakage.from_window(window, "h2").correction(np.array([130.0]), 1.0, pole, pole)[0] - 1)
         for window in (np.ones(1024), HANN)
     ]
     assert off[0] > 10 * off[1]  # sidelobes fall as 1/x^2 and as 1/x^6
@@ -134,9 +134,9 @@ def test_a_rectangular_window_leaks_more_than_a_hann_window_far_off() -> None:
 @pytest.mark.parametrize("window", [np.ones(10), np.zeros(512), np.ones((2, 512))])
 def test_a_window_that_is_none_is_refused(window: FloatArray) -> None:
     with pytest.raises(InvalidInputError, match="window"):
-        WindowLeakage.of(window, "h1")
+        WindowLeakage.from_window(window, "h1")
 
 
 def test_only_estimators_whose_leakage_is_known_are_taken() -> None:
     with pytest.raises(InvalidInputError, match="h3"):
-        WindowLeakage.of(HANN, "h3")
+        WindowLeakage.from_window(HANN, "h3")

@@ -7,8 +7,13 @@ import pytest
 
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.estimation.windows import WINDOWS
-from modallab.extraction.preprocessing.leakage import OnePole, WindowLeakage
-from modallab.extraction.preprocessing.leaked_lines import LeakedLines, LineErrors, leaked_lines, white_errors
+from modallab.extraction.preprocessing.leakage import SinglePole, WindowLeakage
+from modallab.extraction.preprocessing.leaked_lines import (
+    LeakedLines,
+    LineErrors,
+    leaked_lines,
+    white_error_correlation,
+)
 
 FREQ = np.arange(95.0, 106.0)  # lines of 1 Hz, so that records last 1 s
 EIGENVALUE = np.array((2 * np.pi * 100.3) ** 2 * (1 + 0.012j))  # 1.2 lines wide
@@ -19,17 +24,17 @@ REACH = 12  # lines beyond these: a Hann window has fallen to 1e-4 there
 HANN = WINDOWS["hann"].samples(1024)
 
 
-def poles() -> tuple[OnePole, OnePole]:
+def poles() -> tuple[SinglePole, SinglePole]:
     rest: ComplexArray = np.full(len(FREQ), 0.4 + 0.2j)
     beside: ComplexArray = 0.5 * rest
     return (
-        OnePole(EIGENVALUE, -EIGENVALUE * CONSTANT, rest),
-        OnePole(EIGENVALUE, -EIGENVALUE * 0.5 * CONSTANT, beside),
+        SinglePole(EIGENVALUE, -EIGENVALUE * CONSTANT, rest),
+        SinglePole(EIGENVALUE, -EIGENVALUE * 0.5 * CONSTANT, beside),
     )
 
 
-def inertance(pole: OnePole, nu: FloatArray) -> ComplexArray:
-    return np.asarray(pole.constant / (pole.eigenvalue - (2 * np.pi * nu) ** 2) + pole.rest[0])
+def inertance(pole: SinglePole, nu: FloatArray) -> ComplexArray:
+    return np.asarray(pole.constant / (pole.eigenvalue - (2 * np.pi * nu) ** 2) + pole.residual[0])
 
 
 @cache
@@ -61,7 +66,7 @@ def found(force: ComplexArray, motion: ComplexArray, estimator: str) -> ComplexA
 @pytest.mark.parametrize("source_mass", [0.0, MASS])
 @pytest.mark.parametrize("estimator", ["h1", "h2", "hv"])
 def test_moments_of_line_errors_are_those_of_many_records(estimator: str, source_mass: float) -> None:
-    leakage = WindowLeakage.of(HANN, estimator, source_mass=source_mass)
+    leakage = WindowLeakage.from_window(HANN, estimator, source_mass=source_mass)
     errors = leaked_lines(leakage, FREQ, 1.0, *poles()).errors
     each = found(*recorded(source_mass), estimator)
     covariance = each.T @ each.conj() / RECORDS
@@ -75,7 +80,7 @@ def test_moments_of_line_errors_are_those_of_many_records(estimator: str, source
 
 @pytest.mark.parametrize("estimator", ["h1", "h2"])
 def test_leaked_lines_are_neither_independent_nor_circular(estimator: str) -> None:
-    errors = leaked_lines(WindowLeakage.of(HANN, estimator), FREQ, 1.0, *poles()).errors
+    errors = leaked_lines(WindowLeakage.from_window(HANN, estimator), FREQ, 1.0, *poles()).errors
     own = np.sqrt(np.diagonal(errors.covariance).real)
     apart = ~np.eye(len(own), dtype=bool)
     assert np.abs(errors.covariance / np.outer(own, own))[apart].max() > 0.2
@@ -84,16 +89,16 @@ def test_leaked_lines_are_neither_independent_nor_circular(estimator: str) -> No
 
 def test_white_noise_ties_lines_as_the_window_overlaps_itself() -> None:
     # the transform of a Hann window squared: 1, -2/3 and 1/6 of neighbours, then nothing
-    row = white_errors(WindowLeakage.of(HANN, "h1"), FREQ, 1.0)[0]
+    row = white_error_correlation(WindowLeakage.from_window(HANN, "h1"), FREQ, 1.0)[0]
     np.testing.assert_allclose(row, [1, 4 / 9, 1 / 36, *np.zeros(8)], atol=1e-9)  # rounding
 
 
 def test_a_sum_of_forms_errs_as_the_sum_of_its_lines() -> None:
-    lines = leaked_lines(WindowLeakage.of(HANN, "h2"), FREQ, 1.0, *poles())
+    lines = leaked_lines(WindowLeakage.from_window(HANN, "h2"), FREQ, 1.0, *poles())
     weight = np.linspace(1.0, 2.0, len(FREQ)) * np.exp(1j * np.arange(len(FREQ)))
     summed = LeakedLines(weight[:, None, None] * lines.form, lines.moments).errors
     along = np.stack([weight, -1j * weight])  # real and imaginary part of the sum
-    by_lines = lines.errors.through(along)
+    by_lines = lines.errors.propagate(along)
     circular, turned = summed.covariance.sum().real, summed.relation.sum()
     by_forms = np.array([[circular + turned.real, turned.imag], [turned.imag, circular - turned.real]])
     np.testing.assert_allclose(by_lines, by_forms / 2, rtol=1e-9)
@@ -101,4 +106,4 @@ def test_a_sum_of_forms_errs_as_the_sum_of_its_lines() -> None:
 
 def test_independent_circular_errors_share_their_square_between_both_parts() -> None:
     errors = LineErrors(np.diag([1.0, 4.0]) + 0j, np.zeros((2, 2), complex))
-    np.testing.assert_allclose(errors.through(np.array([[1, 1j]])), [[2.5]])
+    np.testing.assert_allclose(errors.propagate(np.array([[1, 1j]])), [[2.5]])

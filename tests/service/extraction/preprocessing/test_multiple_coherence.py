@@ -3,22 +3,24 @@ import pytest
 
 from modallab.core.dof import Dof
 from modallab.core.frf import FrfKind, FrfSet
-from modallab.extraction.preprocessing.multiple_coherence import of_each_force
+from modallab.extraction.preprocessing.multiple_coherence import coherence_per_force
 from modallab.extraction.preprocessing.responses import responses_of
 
 
 def test_of_one_force_it_is_the_coherence_itself() -> None:
     coherence = np.linspace(0, 1, 5)[:, None]
-    np.testing.assert_array_equal(of_each_force(np.ones((5, 1, 1), complex), coherence)[:, :, 0], coherence)
+    np.testing.assert_array_equal(
+        coherence_per_force(np.ones((5, 1, 1), complex), coherence)[:, :, 0], coherence
+    )
 
 
 def test_noise_counts_against_the_part_of_each_force() -> None:
     values = np.array([[[3.0, 4.0j]]])
-    each = of_each_force(values, np.array([[0.9]]))[0, 0]
+    each = coherence_per_force(values, np.array([[0.9]]))[0, 0]
     # noise is a ninth of 25: against 9, and against 16
     np.testing.assert_allclose((1 - each) / each, [25 / 9 / 9, 25 / 9 / 16])
-    np.testing.assert_allclose(of_each_force(values, np.ones((1, 1))), 1.0, rtol=1e-15)  # rounding
-    np.testing.assert_array_equal(of_each_force(0 * values, np.array([[0.5]])), 0.0)
+    np.testing.assert_allclose(coherence_per_force(values, np.ones((1, 1))), 1.0, rtol=1e-15)  # rounding
+    np.testing.assert_array_equal(coherence_per_force(0 * values, np.array([[0.5]])), 0.0)
 
 
 def test_random_errors_from_it_are_those_of_drawn_spectra() -> None:

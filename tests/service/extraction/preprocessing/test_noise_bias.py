@@ -5,7 +5,7 @@ import pytest
 
 from modallab.estimation.windows import WINDOWS
 from modallab.extraction.preprocessing.leakage import WindowLeakage
-from modallab.extraction.preprocessing.noise_bias import force_noise_of_leaked
+from modallab.extraction.preprocessing.noise_bias import leaked_force_noise
 from modallab.extraction.preprocessing.responses import responses_of
 from tests.service.extraction.leaked_beam import taken
 
@@ -16,8 +16,8 @@ def told(window: str, **loaded: float) -> float:
     levels = []
     for measurement in taken("h1"):
         responses = responses_of(measurement.frf, measurement.coherence, measurement.averages)
-        leakage = WindowLeakage.of(WINDOWS[window].samples(1024), "h1", **loaded)
-        shares = force_noise_of_leaked(responses, leakage)
+        leakage = WindowLeakage.from_window(WINDOWS[window].samples(1024), "h1", **loaded)
+        shares = leaked_force_noise(responses, leakage)
         assert np.ptp(shares.force) == 0
         assert not shares.response.any()
         levels.append(shares.force[0])

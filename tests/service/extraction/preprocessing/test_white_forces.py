@@ -7,7 +7,7 @@ from modallab.extraction.extract import extract
 from modallab.extraction.preprocessing.leakage import WindowLeakage
 from tests.service.extraction.several_references import AVERAGES, driven
 
-LEAKAGE = WindowLeakage.of(np.hanning(513)[:512], "h1", source_mass=0.1)
+LEAKAGE = WindowLeakage.from_window(np.hanning(513)[:512], "h1", source_mass=0.1)
 
 
 @pytest.mark.parametrize(

@@ -68,7 +68,7 @@ def test_influence_on_independent_errors_gives_the_errors_that_a_weighted_fit_st
     )
     each = np.zeros((2, 13, 13), complex)
     each[:, np.arange(13), np.arange(13)] = (NOISE * np.abs(RECEPTANCE)) ** 2
-    covariance = LineErrors(each, np.zeros_like(each)).through(followed(method))
+    covariance = LineErrors(each, np.zeros_like(each)).propagate(followed(method))
     size = np.sqrt(covariance[:, 2, 2])
     # linearised both times: what is left is the step of differences
     np.testing.assert_allclose(size, fits.table.modal_constant_error[0], rtol=1e-3)

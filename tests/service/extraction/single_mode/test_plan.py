@@ -11,7 +11,7 @@ OPEN = ExtractionOptions()
 
 
 def leaked_by(estimator: str) -> WindowLeakage:
-    return WindowLeakage.of(np.hanning(513)[:512], estimator)
+    return WindowLeakage.from_window(np.hanning(513)[:512], estimator)
 
 
 def test_what_leaks_is_read_from_more_lines_and_the_choice_says_why() -> None:
