@@ -13,13 +13,13 @@ FOLDER = Path(__file__).parents[1] / "effects"
 def main(folder: Path = FOLDER) -> None:
     """Write the gallery, and take away what no effect is behind any more."""
     folder.mkdir(exist_ok=True)
-    wanted = {"README.md": index().encode()}
+    pages = {"README.md": index().encode()}
     for kind in EFFECTS:
-        wanted |= {f"{kind}.md": page(kind).encode(), f"{kind}.png": png(draw(kind))}
+        pages |= {f"{kind}.md": page(kind).encode(), f"{kind}.png": png(draw(kind))}
     for path in folder.iterdir():
-        if path.suffix in (".md", ".png") and path.name not in wanted:
+        if path.suffix in (".md", ".png") and path.name not in pages:
             path.unlink()
-    for name, content in wanted.items():
+    for name, content in pages.items():
         (folder / name).write_bytes(content)
 
 

@@ -54,32 +54,32 @@ def case() -> Correlation:
 
 def draw() -> Figure:
     """Return the picture: MAC, coordinates, lines."""
-    found = case()
-    assert found.responses is not None
-    names = tuple(str(dof) for dof in found.dofs)
-    shown = drawable.Correlation(
-        mac=found.mac, pairs=(), frequency_differences=np.zeros(0), comac=found.comac, dofs=names
+    correlation = case()
+    assert correlation.responses is not None
+    names = tuple(str(dof) for dof in correlation.dofs)
+    drawn_correlation = drawable.Correlation(
+        mac=correlation.mac, pairs=(), frequency_differences=np.zeros(0), comac=correlation.comac, dofs=names
     )
     lines = drawable.ResponseCorrelation(
         outputs=names,
         inputs=("1:+Y",),
-        frac=found.responses.frac,
-        freq=found.responses.freq,
-        fdac=found.responses.fdac,
-        frequency_scale=found.responses.frequency_scale,
+        frac=correlation.responses.frac,
+        freq=correlation.responses.freq,
+        fdac=correlation.responses.fdac,
+        frequency_scale=correlation.responses.frequency_scale,
     )
     with rc_context(STYLE | {"axes.grid": False}):
         figure = Figure(figsize=(10.5, 3.6), dpi=DPI, layout="constrained")
         parts: Any = figure.subfigures(1, 3)
-        left, middle, right = parts
-        axes = left.subplots()
-        matrix(axes, found.mac)
+        left_figure, middle_figure, right_figure = parts
+        axes = left_figure.subplots()
+        matrix(axes, correlation.mac)
         axes.set(xlabel="mode of the model", ylabel="measured mode", title="MAC")
-        upper, lower = middle.subplots(2, 1, sharex=True)
-        coordinates(upper, lower, replace(shown, ecomac=found.ecomac))
+        upper, lower = middle_figure.subplots(2, 1, sharex=True)
+        coordinates(upper, lower, replace(drawn_correlation, ecomac=correlation.ecomac))
         lower.tick_params(axis="x", rotation=90)
         upper.set_title("by degree of freedom")
-        axes = right.subplots()
+        axes = right_figure.subplots()
         fdac(axes, lines, "1:+Y")
         axes.set_title("FDAC")
     return figure
@@ -98,7 +98,7 @@ def reductions() -> str:
     """Return the table of reductions to eleven of the beam's 42 DoFs, six modes."""
     system = assemble(BEAM)
     full = exact_modes(system, 6)
-    seen = full.shapes[[system.index(dof) for dof in SENSORS]]
+    full_shapes = full.shapes[[system.index(dof) for dof in SENSORS]]
     rng = np.random.default_rng(0)  # not drawn from
     measured = synthetic_modes(system, 6, SENSORS, noise=ModeNoise(), rng=rng)
     lines = [
@@ -108,8 +108,10 @@ def reductions() -> str:
     for name, (kind, parameters) in ROWS.items():
         reduction = reduction_of(kind, parameters)
         reduced = reduce(system, SENSORS, reduction)
-        errors = " | ".join(_brief(error) for error in frequency_errors(reduced, seen, full.frequencies))
-        mass = np.abs(orthogonality(seen, seen, reduced.mass) - np.eye(6)).max()
+        errors = " | ".join(
+            _brief(error) for error in frequency_errors(reduced, full_shapes, full.frequencies)
+        )
+        mass = np.abs(orthogonality(full_shapes, full_shapes, reduced.mass) - np.eye(6)).max()
         shapes = expand(system, measured, reduction).model.shapes
         worst = (np.abs(shapes - full.shapes).max(axis=0) / np.abs(full.shapes).max(axis=0)).max()
         lines.append(f"| {name} | {errors} | {_brief(float(mass))} | {_brief(float(worst))} |")

@@ -41,16 +41,16 @@ class Panel:
     quantity: str
     output: Dof
 
-    def of(self, measurement: Measurement, before: Measurement) -> FloatArray:
+    def of(self, measurement: Measurement, reference: Measurement) -> FloatArray:
         """Return the quantity over frequency, (n_freq,): dB, degrees or 1."""
         row = measurement.frf.outputs.index(self.output)
-        found = measurement.frf.values[:, row, 0]
+        frf = measurement.frf.values[:, row, 0]
         if self.quantity in ("ratio", "turn"):
-            found = found / before.frf.values[:, row, 0]
+            frf = frf / reference.frf.values[:, row, 0]
         if self.quantity in ("phase", "turn"):
-            return np.asarray(np.degrees(np.angle(found)))
+            return np.asarray(np.degrees(np.angle(frf)))
         if self.quantity in ("magnitude", "ratio"):
-            return np.asarray(20 * np.log10(np.abs(found).clip(min=1e-12)))
+            return np.asarray(20 * np.log10(np.abs(frf).clip(min=1e-12)))
         if self.quantity == "force":
             assert measurement.force_spectrum is not None
             return np.asarray(10 * np.log10(measurement.force_spectrum[:, row, 0]))
@@ -84,7 +84,9 @@ class Picture:
         """Return the largest change that the effect makes in a panel, in the panel's unit."""
         largest = 0.0
         for curve in self.after:
-            bare, loaded = (panel.of(one, curve.bare) for one in (curve.bare, curve.measurement))
+            bare, loaded = (
+                panel.of(measurement, curve.bare) for measurement in (curve.bare, curve.measurement)
+            )
             step = np.abs(loaded - bare)[self.shown]
             if panel.quantity in ("phase", "turn"):  # 359 degrees are 1
                 step = np.minimum(step, 360 - step)
@@ -96,12 +98,12 @@ class Picture:
         return self.change(panel) > VISIBLE[panel.quantity]
 
 
-def merged(below: Mapping[str, Any], above: Mapping[str, Any]) -> dict[str, Any]:
+def merged(base: Mapping[str, Any], update: Mapping[str, Any]) -> dict[str, Any]:
     """Return a body with another one's parts in it, objects within objects too."""
-    out = dict(below)
-    for name, value in above.items():
-        both = isinstance(value, Mapping) and isinstance(out.get(name), Mapping)
-        out[name] = merged(out[name], value) if both else value
+    out = dict(base)
+    for name, value in update.items():
+        nested = isinstance(value, Mapping) and isinstance(out.get(name), Mapping)
+        out[name] = merged(out[name], value) if nested else value
     return out
 
 
@@ -159,8 +161,8 @@ def _measured(example: Example, body: Mapping[str, Any]) -> Measurement:
 def _panels(whole: Picture) -> tuple[Panel, ...]:
     last = whole.before.frf.outputs[-1]
     if not whole.example.panels:
-        size, phase, *others = (Panel(name, last) for name in CHOICE)
+        size, phase, *other_panels = (Panel(name, last) for name in CHOICE)
         turned = [] if whole.visible(size) else [phase]  # a resonance that moves shows in its size
-        return (size, *(panel for panel in (*turned, *others) if whole.visible(panel)))
-    named = [text.split() for text in whole.example.panels]
-    return tuple(Panel(name, Dof.parse(where[0]) if where else last) for name, *where in named)
+        return (size, *(panel for panel in (*turned, *other_panels) if whole.visible(panel)))
+    panel_texts = [text.split() for text in whole.example.panels]
+    return tuple(Panel(name, Dof.parse(dof_text[0]) if dof_text else last) for name, *dof_text in panel_texts)

@@ -52,8 +52,8 @@ def drawn(whole: Picture) -> Figure:
         rows = [1.6 if panel.quantity == "magnitude" else 1.0 for panel in whole.panels]
         grid = {"height_ratios": rows}
         axes = figure.subplots(len(rows), 1, sharex=True, squeeze=False, gridspec_kw=grid)[:, 0]
-        for one, panel in zip(axes, whole.panels, strict=True):
-            _curves(one, whole, panel)
+        for axis, panel in zip(axes, whole.panels, strict=True):
+            _curves(axis, whole, panel)
         axes[0].set_title(whole.kind, loc="left", fontweight="bold")
         axes[-1].set(xlabel="frequency, Hz", xlim=whole.example.band)
         handles, labels = axes[0].get_legend_handles_labels()
@@ -62,13 +62,13 @@ def drawn(whole: Picture) -> Figure:
 
 
 def _curves(axes: Axes, whole: Picture, panel: Panel) -> None:
-    freq, shown = whole.freq[whole.shown], whole.shown
+    freq, visible_lines = whole.freq[whole.shown], whole.shown
     turning = panel.quantity == "phase"
-    before = panel.of(whole.before, whole.before)[shown]
-    axes.plot(freq, _open(before) if turning else before, color=BEFORE, linewidth=2.4, label="without")
+    reference = panel.of(whole.before, whole.before)[visible_lines]
+    axes.plot(freq, _open(reference) if turning else reference, color=BEFORE, linewidth=2.4, label="without")
     for colour, curve in zip(COLOURS, whole.after, strict=False):
-        after = panel.of(curve.measurement, whole.before)[shown]
-        axes.plot(freq, _open(after) if turning else after, color=colour, linewidth=1.1, label=curve.label)
+        values = panel.of(curve.measurement, whole.before)[visible_lines]
+        axes.plot(freq, _open(values) if turning else values, color=colour, linewidth=1.1, label=curve.label)
     axes.set_ylabel(_label(whole, panel))
     if panel.quantity == "coherence":
         axes.set_ylim(min(0.0, *axes.get_ylim()) if axes.get_ylim()[0] < 0.9 else None, 1.02)
@@ -80,7 +80,11 @@ def _label(whole: Picture, panel: Panel) -> str:
     unit = UNITS[panel.quantity]
     if panel.quantity == "magnitude":
         return f"{unit}\n{panel.output} / {whole.before.frf.inputs[0]}"
-    return unit if len({one.output for one in whole.panels}) == 1 else f"{unit}\n{panel.output}"
+    return (
+        unit
+        if len({panel_of_figure.output for panel_of_figure in whole.panels}) == 1
+        else f"{unit}\n{panel.output}"
+    )
 
 
 def _open(phase: FloatArray) -> FloatArray:
@@ -106,9 +110,9 @@ def _palette() -> Image.Image:
     curves = [to_rgb(colour) for colour in COLOURS]
     backs = [(1.0, 1.0, 1.0), to_rgb(BEFORE)]
     mixed = [
-        tuple(round(255 * (t * c + (1 - t) * b)) for c, b in zip(curve, back, strict=True))
+        tuple(round(255 * (t * c + (1 - t) * b)) for c, b in zip(curve, background, strict=True))
         for curve in curves
-        for back in backs
+        for background in backs
         for t in (0.25, 0.5, 0.75, 1.0)
     ]
     image = Image.new("P", (1, 1))

@@ -76,26 +76,26 @@ def numbers(method: str) -> str:
     """Return a table of what the method reads of one mode, beside the truth."""
     mode = model(method).modes[MODE - 1]
     truth = exact_modes(assemble(BEAM), MODE).frequencies[MODE - 1]
-    said = [(mode.frequency, mode.standard_errors.get("frequency"), truth, "frequency, Hz", 3)]
-    said += [(mode.loss_factor, mode.standard_errors.get("loss_factor"), LOSS, "loss factor", 5)]
+    rows = [(mode.frequency, mode.standard_errors.get("frequency"), truth, "frequency, Hz", 3)]
+    rows += [(mode.loss_factor, mode.standard_errors.get("loss_factor"), LOSS, "loss factor", 5)]
     lines = [f"| mode {MODE} | read | standard error | true |", "|---|---:|---:|---:|"]
-    for value, error, true, name, digits in said:
-        known = "-" if error is None else f"{error:.1g}"
-        lines.append(f"| {name} | {value:.{digits}f} | {known} | {true:.{digits}f} |")
+    for value, error, true, name, digits in rows:
+        error_text = "-" if error is None else f"{error:.1g}"
+        lines.append(f"| {name} | {value:.{digits}f} | {error_text} | {true:.{digits}f} |")
     return "\n".join(lines)
 
 
 def draw(method: str) -> Figure:
     """Return the picture of a method: one fit, or its stabilisation chart."""
-    test, found = test_of_the_beam(), model(method)
+    test, modes = test_of_the_beam(), model(method)
     pyplot.switch_backend("agg")
     with rc_context(STYLE | {"axes.grid": False}):
         axes: Any
         if method in GLOBAL_METHODS:
-            shown = ChartOut.of(found, test, POINTS).model_dump(mode="json")
-            axes = _plots.chart(_wire_extraction.chart(shown))
+            chart = ChartOut.of(modes, test, POINTS).model_dump(mode="json")
+            axes = _plots.chart(_wire_extraction.chart(chart))
         else:
-            fit = FitOut.of(picture_of(test, found, MODE, RESPONSE), MODE, RESPONSE)
+            fit = FitOut.of(picture_of(test, modes, MODE, RESPONSE), MODE, RESPONSE)
             axes = _plots.fit(_wire_extraction.fit(fit.model_dump(mode="json")))[0]
         figure: Figure = axes.figure
     pyplot.close(figure)

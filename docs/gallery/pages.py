@@ -110,24 +110,25 @@ def _sentence(text: str) -> str:
 def _caption(kind: str, example: Example) -> str:
     rig = rig_body(example)
     lead = example.shows or _sentence(EFFECTS[kind].summary)
-    said = f"{lead} Shown on {DESCRIBED[example.structure]}, driven at `{rig['drive']}`"
+    sentence = f"{lead} Shown on {DESCRIBED[example.structure]}, driven at `{rig['drive']}`"
     if len(rig["responses"]) < 5:
-        said += ", measured at " + ", ".join(f"`{dof}`" for dof in rig["responses"])
+        sentence += ", measured at " + ", ".join(f"`{dof}`" for dof in rig["responses"])
     used = {name: value for name, value in example.rig.items() if name not in ("drive", "responses")}
-    both = f", with `{json.dumps(used)}` in both" if used else ""
+    common = f", with `{json.dumps(used)}` in both" if used else ""
     loud = (
         f", the source at {' and '.join(f'{level:g} N' for level in example.levels)}"
         if example.levels
         else ""
     )
-    return f"{said}{both}. The difference is `{json.dumps(_added(kind, example))}`{loud}.\n\n{_touches(kind)}"
+    added = json.dumps(_added(kind, example))
+    return f"{sentence}{common}. The difference is `{added}`{loud}.\n\n{_touches(kind)}"
 
 
 def _touches(kind: str) -> str:
     changed = touched(kind)
-    left = [_NAMES[name] for name in TOUCHABLE if name not in changed]
-    said = "It changes " + ", ".join(_NAMES[name] for name in changed)
-    return f"{said}; it leaves {', '.join(left)} as they are." if left else f"{said}."
+    unchanged = [_NAMES[name] for name in TOUCHABLE if name not in changed]
+    sentence = "It changes " + ", ".join(_NAMES[name] for name in changed)
+    return f"{sentence}; it leaves {', '.join(unchanged)} as they are." if unchanged else f"{sentence}."
 
 
 def _added(kind: str, example: Example) -> Any:
@@ -139,8 +140,8 @@ def _added(kind: str, example: Example) -> Any:
 
 
 def _physics(cls: type[Effect]) -> str:
-    first, _, rest = inspect.cleandoc(cls.__doc__ or "").replace("<", "\\<").partition("\n")
-    return f"> {first}\n\n{rest.strip()}".strip()
+    first, _, remainder = inspect.cleandoc(cls.__doc__ or "").replace("<", "\\<").partition("\n")
+    return f"> {first}\n\n{remainder.strip()}".strip()
 
 
 def _where(cls: type[Effect]) -> str:
@@ -153,18 +154,18 @@ def _where(cls: type[Effect]) -> str:
     }
     places = "; ".join(names[place] for place in cls.allowed_places)
     owner = "the structure" if cls.structural else "the rig"
-    asked = "" if cls.suspected else " A diagnosis looks for it only when it is named among the suspects."
-    return f"`at` is {places}. It belongs to {owner}.{asked}"
+    remark = "" if cls.suspected else " A diagnosis looks for it only when it is named among the suspects."
+    return f"`at` is {places}. It belongs to {owner}.{remark}"
 
 
 def _declared(kind: str) -> str:
     cls, example = EFFECTS[kind], example_of(kind)
     effect = effect_body(kind) | {"parameters": cls(at=None).parameters | dict(example.parameters)}
     body = "a rig's body, a structure's" if cls.structural else "a rig's body"
-    named = f"Among the `effects` of {body} or, hidden, of a measurement:\n\n{_json({'effects': [effect]})}"
+    request = f"Among the `effects` of {body} or, hidden, of a measurement:\n\n{_json({'effects': [effect]})}"
     if kind not in HARDWARE:
-        return named
-    return f"By hardware, in the rig's body:\n\n{_json(HARDWARE[kind])}\n\n{named}"
+        return request
+    return f"By hardware, in the rig's body:\n\n{_json(HARDWARE[kind])}\n\n{request}"
 
 
 def _json(body: Any) -> str:
@@ -172,14 +173,14 @@ def _json(body: Any) -> str:
 
 
 def _routes(cls: type[Effect]) -> str:
-    own = {hook for hook in _HOOKS if getattr(cls, hook) is not getattr(Effect, hook)}
-    if "on_motion" in own:
+    overridden = {hook for hook in _HOOKS if getattr(cls, hook) is not getattr(Effect, hook)}
+    if "on_motion" in overridden:
         return _NONLINEAR
-    if own & {"on_spectra", "on_records"} and cls.stage >= Stage.ACQUISITION:
+    if overridden & {"on_spectra", "on_records"} and cls.stage >= Stage.ACQUISITION:
         return _CONVERTED
-    if "on_source" in own:
+    if "on_source" in overridden:
         return _SHAPED
-    return _NOISY if own else _LINEAR
+    return _NOISY if overridden else _LINEAR
 
 
 def _alike(cls: type[Effect]) -> str:

@@ -66,7 +66,7 @@ class AttachedOscillator(Effect):
     @classmethod
     def signature(cls, evidence: Evidence) -> float:
         """Some frequencies fall and others rise."""
-        moved = np.abs(evidence.frequency_shift).sum()
-        if not moved > 0:
+        total_shift = np.abs(evidence.frequency_shift).sum()
+        if not total_shift > 0:
             return 0.3
-        return float(0.3 + 0.4 * (1 - np.abs(evidence.frequency_shift.sum()) / moved))
+        return float(0.3 + 0.4 * (1 - np.abs(evidence.frequency_shift.sum()) / total_shift))

@@ -51,9 +51,9 @@ class CableMass(Effect):
     def on_system(self, system: DynamicSystem, shot: AcquisitionRun) -> DynamicSystem:
         nodes = [self.at.node] if isinstance(self.at, Dof) else sorted({dof.node for dof in shot.outputs})
         for node in nodes:
-            moved = tuple(dof for dof in system.dofs if dof.node == node and dof.translational)
-            mass = self.mass * np.eye(len(moved))
-            system = system.attach(Attachment(system.selection(moved), mass, viscous=self.drag * mass))
+            translations = tuple(dof for dof in system.dofs if dof.node == node and dof.translational)
+            mass = self.mass * np.eye(len(translations))
+            system = system.attach(Attachment(system.selection(translations), mass, viscous=self.drag * mass))
         return system
 
     @classmethod

@@ -59,8 +59,8 @@ class DampingLaw(Effect):
         if len(evidence.mode_frequency) < 2:
             return 0.2
         lines = np.abs(evidence.freq[:, None] - evidence.mode_frequency).argmin(axis=0)
-        left = (evidence.frf.real * evidence.weight)[lines].sum(axis=1)
+        residual = (evidence.frf.real * evidence.weight)[lines].sum(axis=1)
         order = np.argsort(evidence.mode_frequency)
-        steady = np.linspace(-1.0, 1.0, len(order))
-        size = float(np.sqrt((left**2).sum() * (steady**2).sum()))
-        return 0.2 + 0.5 * evidence.at_peaks * abs(float(left[order] @ steady)) / max(size, 1e-300)
+        trend = np.linspace(-1.0, 1.0, len(order))
+        size = float(np.sqrt((residual**2).sum() * (trend**2).sum()))
+        return 0.2 + 0.5 * evidence.at_peaks * abs(float(residual[order] @ trend)) / max(size, 1e-300)

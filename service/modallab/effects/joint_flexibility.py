@@ -57,9 +57,9 @@ class JointFlexibility(Effect):
         node, flexibility = self.at.node, self.flexibility
         if not flexibility:
             return structure
-        others = tuple(joint for joint in structure.joints if joint.node != node)
+        other_joints = tuple(joint for joint in structure.joints if joint.node != node)
         flexibility += sum(1 / joint.stiffness for joint in structure.joints if joint.node == node)
-        return replace(structure, joints=(*others, JointSpring(node, 1 / flexibility)))
+        return replace(structure, joints=(*other_joints, JointSpring(node, 1 / flexibility)))
 
     @classmethod
     def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:
@@ -71,9 +71,13 @@ class JointFlexibility(Effect):
         """Return flexibilities on both sides of that of the member's own end."""
         assert isinstance(self.at, Dof)
         assert system.members is not None
-        own = 1 / system.members.end_stiffness(self.at.node)
+        end_flexibility = 1 / system.members.end_stiffness(self.at.node)
         upper = self.specs()["flexibility"].upper
-        return {"flexibility": [float(own * share) for share in LOOKS if own * share <= upper]}
+        return {
+            "flexibility": [
+                float(end_flexibility * share) for share in LOOKS if end_flexibility * share <= upper
+            ]
+        }
 
     @classmethod
     def signature(cls, evidence: Evidence) -> float:

@@ -47,9 +47,11 @@ class LossFactorError(Effect):
         """Raise unless its members are there and have a loss of their own; see `Effect.check`."""
         super().check(structure, setup)
         if isinstance(self.at, Members) and isinstance(structure.damping, ModalDamping):
-            own = [m.number for m in structure.all_members if m.loss_factor]
-            if not set(self.at.numbers) & set(own):
-                raise self._misplaced(f"null, as modal damping belongs to no member; or members {own}")
+            lossy_members = [m.number for m in structure.all_members if m.loss_factor]
+            if not set(self.at.numbers) & set(lossy_members):
+                raise self._misplaced(
+                    f"null, as modal damping belongs to no member; or members {lossy_members}"
+                )
 
     def added_to(self, structure: Structure) -> Structure:
         """Return the model with the loss factors corrected, where a model has a number for them."""
@@ -80,8 +82,10 @@ class LossFactorError(Effect):
             return ()
         losses = table.losses
         lossy = (losses.stiffness + losses.viscous_stiffness) > 0
-        each = [Members((number,)) for number, own in zip(table.numbers, lossy, strict=True) if own]
-        return (None, *each) if each or system.modal else ()
+        places_of_members = [
+            Members((number,)) for number, is_lossy in zip(table.numbers, lossy, strict=True) if is_lossy
+        ]
+        return (None, *places_of_members) if places_of_members or system.modal else ()
 
     @classmethod
     def signature(cls, evidence: Evidence) -> float:

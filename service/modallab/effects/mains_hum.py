@@ -82,8 +82,12 @@ class MainsHum(Effect):
     def equivalent(self, setup: RigSetup) -> Self | None:
         """Return the hum as far on the other side of its line, which power alone hardly tells apart."""
         spacing, bounds = setup.analyser.spacing, self.specs()["frequency"]
-        other = 2 * round(self.frequency / spacing) * spacing - self.frequency
-        return replace(self, frequency=other) if bounds.lower <= other <= bounds.upper else None
+        mirror_frequency = 2 * round(self.frequency / spacing) * spacing - self.frequency
+        return (
+            replace(self, frequency=mirror_frequency)
+            if bounds.lower <= mirror_frequency <= bounds.upper
+            else None
+        )
 
     @classmethod
     def signature(cls, evidence: Evidence) -> float:

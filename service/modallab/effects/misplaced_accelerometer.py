@@ -56,9 +56,9 @@ class MisplacedAccelerometer(Effect):
     def check(self, structure: Structure, setup: RigSetup | None = None) -> None:
         """Raise unless its channels are at nodes of bars; see `Effect.check`."""
         super().check(structure, setup)
-        named = self.at.dofs if isinstance(self.at, Channels) else ()
+        channels = self.at.dofs if isinstance(self.at, Channels) else ()
         nodes = {node for m in structure.members for node in m.nodes}
-        if any(dof.node in structure.nodes and dof.node not in nodes for dof in named):
+        if any(dof.node in structure.nodes and dof.node not in nodes for dof in channels):
             raise self._misplaced(BESIDE)
 
     @classmethod

@@ -50,8 +50,8 @@ class MountedResonance(Effect):
 
     @classmethod
     def from_setup(cls, setup: RigSetup) -> Sequence[Self]:
-        held = setup.accelerometers.held
-        return [cls(frequency=held.frequency, loss=held.loss)] if held else []
+        mounting = setup.accelerometers.held
+        return [cls(frequency=mounting.frequency, loss=mounting.loss)] if mounting else []
 
     @classmethod
     def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:

@@ -61,10 +61,10 @@ class Overload(Effect):
         return np.clip(batch.samples, -level, level)
 
     def _levels(self, acquisition: Acquisition) -> FloatArray:
-        here = acquisition.where(
+        clipped = acquisition.where(
             lambda channel: self.at is None or (not channel.force and self.acts_on(channel.dof))
         )
-        return np.where(here, self.level, np.inf) * acquisition.rms
+        return np.where(clipped, self.level, np.inf) * acquisition.rms
 
     @classmethod
     def from_setup(cls, setup: RigSetup) -> Sequence[Self]:

@@ -48,6 +48,6 @@ class Polarity(Effect):
     def signature(cls, evidence: Evidence) -> float:
         """The worst FRF has its size right and its phase wrong at every line."""
         worst = int(evidence.by_channel.argmax())
-        left = evidence.frf[:, worst] * evidence.weight[:, worst]
-        size = float((np.abs(left) ** 2).sum())
-        return min(1.0, float((left.imag**2).sum()) / size) if size > 0 else 0.0
+        residual = evidence.frf[:, worst] * evidence.weight[:, worst]
+        size = float((np.abs(residual) ** 2).sum())
+        return min(1.0, float((residual.imag**2).sum()) / size) if size > 0 else 0.0

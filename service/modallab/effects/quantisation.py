@@ -47,8 +47,8 @@ class Quantisation(Effect):
     def on_spectra(self, spectra: CrossSpectra, acquisition: Acquisition) -> CrossSpectra:
         """Return the spectra with the rounding noise on those of the channels themselves."""
         n_in, n_out = spectra.fx.shape[2:]
-        seen = acquisition.analyser.line_window.noise_shares(n_in, n_out)
-        noise = self._steps(acquisition)[:, None] ** 2 / (6 * acquisition.sample_rate) * seen
+        noise_shares = acquisition.analyser.line_window.noise_shares(n_in, n_out)
+        noise = self._steps(acquisition)[:, None] ** 2 / (6 * acquisition.sample_rate) * noise_shares
         ff = spectra.ff.copy()
         ff[..., np.arange(n_in), np.arange(n_in)] += noise[..., :n_in]
         return replace(spectra, ff=ff, xx=spectra.xx + noise[..., n_in:])
@@ -61,10 +61,10 @@ class Quantisation(Effect):
         return np.where(rounds, np.round(batch.samples / whole) * whole, batch.samples)
 
     def _steps(self, acquisition: Acquisition) -> FloatArray:
-        here = acquisition.where(
+        quantised = acquisition.where(
             lambda channel: self.at is None or (not channel.force and self.acts_on(channel.dof))
         )
-        return np.asarray(self.step * acquisition.rms * here)
+        return np.asarray(self.step * acquisition.rms * quantised)
 
     @classmethod
     def from_setup(cls, setup: RigSetup) -> Sequence[Self]:

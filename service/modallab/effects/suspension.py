@@ -66,6 +66,10 @@ class SuspensionStiffness(Effect):
     @classmethod
     def signature(cls, evidence: Evidence) -> float:
         """What disagrees lies below the first elastic mode."""
-        below = evidence.freq < 0.5 * evidence.mode_frequency.min(initial=np.inf)
+        below_first_mode = evidence.freq < 0.5 * evidence.mode_frequency.min(initial=np.inf)
         line = evidence.by_line
-        return 0.1 + 0.6 * float(line[below].sum() / max(line.sum(), 1e-300)) if below.any() else 0.1
+        return (
+            0.1 + 0.6 * float(line[below_first_mode].sum() / max(line.sum(), 1e-300))
+            if below_first_mode.any()
+            else 0.1
+        )

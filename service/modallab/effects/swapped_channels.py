@@ -35,11 +35,11 @@ class SwappedChannels(Effect):
     def on_channel(self, channel: Channel, system: DynamicSystem) -> Channel:
         if channel.force or not self.acts_on(channel.dof):
             return channel
-        named = self.at.dofs if isinstance(self.at, Channels) else ()
-        others = [dof for dof in named if dof.point != channel.dof.point]
-        if len(others) != 1:
+        channels = self.at.dofs if isinstance(self.at, Channels) else ()
+        partner = [dof for dof in channels if dof.point != channel.dof.point]
+        if len(partner) != 1:
             raise self._misplaced("two channels")
-        return channel.hearing(channel.dof, -1.0).hearing(others[0], 1.0)
+        return channel.hearing(channel.dof, -1.0).hearing(partner[0], 1.0)
 
     def check(self, structure: Structure, setup: RigSetup | None = None) -> None:
         """Raise unless it names two channels, each with the sense it has in the log book."""
@@ -61,5 +61,5 @@ class SwappedChannels(Effect):
         channel = np.sort(evidence.by_channel)
         if len(channel) < 2:
             return 0.0
-        rest = float(np.median(channel[:-2])) if len(channel) > 2 else 0.0
-        return float(np.clip(1 - rest / max(float(channel[-2]), 1.0), 0.0, 1.0))
+        median_channel = float(np.median(channel[:-2])) if len(channel) > 2 else 0.0
+        return float(np.clip(1 - median_channel / max(float(channel[-2]), 1.0), 0.0, 1.0))

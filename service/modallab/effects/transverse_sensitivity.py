@@ -66,8 +66,8 @@ class TransverseSensitivity(Effect):
     def check(self, structure: Structure, setup: RigSetup | None = None) -> None:
         """Raise unless there is motion across the axis of a channel it sits at."""
         super().check(structure, setup)
-        named = self.at.dofs if isinstance(self.at, Channels) else setup.responses if setup else ()
-        if named and not any(other in structure.dofs for dof in named for other in _across(dof)):
+        channels = self.at.dofs if isinstance(self.at, Channels) else setup.responses if setup else ()
+        if channels and not any(lateral in structure.dofs for dof in channels for lateral in _across(dof)):
             raise self._misplaced("channels of nodes that move across the channel's axis as well")
 
     @classmethod
@@ -80,9 +80,11 @@ class TransverseSensitivity(Effect):
     @classmethod
     def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:
         """Return the channels of nodes that move across the channel's axis as well, together and each."""
-        here = set(system.dofs)
-        each = [Channels((dof,)) for dof in setup.responses if not here.isdisjoint(_across(dof))]
-        return (None, *each) if each else ()
+        dofs = set(system.dofs)
+        places_of_channels = [
+            Channels((dof,)) for dof in setup.responses if not dofs.isdisjoint(_across(dof))
+        ]
+        return (None, *places_of_channels) if places_of_channels else ()
 
     @classmethod
     def signature(cls, evidence: Evidence) -> float:

@@ -34,10 +34,16 @@ def accelerometer_checks(setup: RigSetup) -> tuple[AccelerometerCheck, ...]:
 
     1/(1 - r^2 + i loss r) at r = f/f_0, exactly: f_0/3 and f_0/5 are rules of thumb for it.
     """
-    held = setup.accelerometers.held
-    if held is None:
+    mounting = setup.accelerometers.held
+    if mounting is None:
         return ()
     top = setup.analyser.frequency_max
-    shown = np.abs(reading(np.array([top / held.frequency]), held.loss))[0]
-    five, ten = (useful_frequency(held.frequency, share, held.loss) for share in (0.05, TOLERATED))
-    return (AccelerometerCheck(held.frequency, top, five, ten, float(shown) - 1),)
+    relative_reading = np.abs(reading(np.array([top / mounting.frequency]), mounting.loss))[0]
+    limit_5_percent, limit_10_percent = (
+        useful_frequency(mounting.frequency, share, mounting.loss) for share in (0.05, TOLERATED)
+    )
+    return (
+        AccelerometerCheck(
+            mounting.frequency, top, limit_5_percent, limit_10_percent, float(relative_reading) - 1
+        ),
+    )

@@ -21,9 +21,9 @@ def cancelled(force: ComplexArray, response: ComplexArray, shot: AcquisitionRun,
     if mass == 0:
         return force
     force = force.copy()
-    heard = {dof.point: (j, dof.sign) for j, dof in enumerate(shot.outputs)}
+    channel_by_point = {dof.point: (j, dof.sign) for j, dof in enumerate(shot.outputs)}
     for i, drive in enumerate(shot.drives):
-        if drive.point in heard:
-            j, sign = heard[drive.point]
+        if drive.point in channel_by_point:
+            j, sign = channel_by_point[drive.point]
             force[:, i] -= mass * drive.sign * sign * response[:, j]
     return force

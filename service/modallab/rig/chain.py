@@ -37,18 +37,19 @@ def _at_work(runs: Sequence[Run], omega: FloatArray, alpha: ComplexArray) -> Com
     """
     if all(run.drives == runs[0].drives for run in runs):
         return _forces(runs[0].drives, omega, alpha)
-    each = zip(runs, alpha, strict=True)
-    return np.array([_forces(run.drives, omega, own[None])[0] for run, own in each])
+    return np.array(
+        [_forces(run.drives, omega, receptance[None])[0] for run, receptance in zip(runs, alpha, strict=True)]
+    )
 
 
 def _forces(drives: tuple[Drive, ...], omega: FloatArray, alpha: ComplexArray) -> ComplexArray:
     n, n_w = len(drives), alpha.shape[-1]
-    through = transmission(drives, omega, alpha[:, :, :n, :n])
+    force_transmission = transmission(drives, omega, alpha[:, :, :n, :n])
     if n_w == n:
-        return through
-    felt = reaction(drives, omega, alpha[:, :, :n, :n]) @ alpha[:, :, :n, n:]
+        return force_transmission
+    reaction_forces = reaction(drives, omega, alpha[:, :, :n, :n]) @ alpha[:, :, :n, n:]
     forces = np.zeros((*alpha.shape[:2], n_w, n_w), complex)
-    forces[:, :, :n, :n], forces[:, :, :n, n:] = through, -felt
+    forces[:, :, :n, :n], forces[:, :, :n, n:] = force_transmission, -reaction_forces
     forces[:, :, np.arange(n, n_w), np.arange(n, n_w)] = 1.0
     return forces
 
@@ -71,8 +72,8 @@ class Chain:
     @property
     def response_spectrum(self) -> FloatArray | None:
         """(n_run, r) root mean squares that nonlinear forces take, m or m/s; None where one takes none."""
-        found = np.array([[one.rms for one in run.local] for run in self.runs])
-        return found if found.size and found.all() else None
+        rms = np.array([[force.rms for force in run.local] for run in self.runs])
+        return rms if rms.size and rms.all() else None
 
     @property
     def overlap(self) -> float:
@@ -93,11 +94,11 @@ class Chain:
 
     def answers(self, freq: FloatArray) -> tuple[ChannelResponse, ChannelResponse]:
         """Return both, for less than each on its own."""
-        whole, n_in = self._answer(freq), self.n_in
-        parts = (whole.force, whole.response, whole.moved)
+        response, n_in = self._answer(freq), self.n_in
+        parts = (response.force, response.response, response.moved)
         return (
-            ChannelResponse(*(one[..., :n_in] for one in parts)),
-            ChannelResponse(*(one[..., n_in:] for one in parts)),
+            ChannelResponse(*(part[..., :n_in] for part in parts)),
+            ChannelResponse(*(part[..., n_in:] for part in parts)),
         )
 
     def _answer(self, freq: FloatArray) -> ChannelResponse:
@@ -107,34 +108,40 @@ class Chain:
         if len(freq) <= AT_ONCE:
             return part
         firsts = (part.force, part.response, part.moved)
-        shapes = [(one.shape[0], len(freq), *one.shape[2:]) for one in firsts]
-        force, response, moved = (np.empty(shape, complex) for shape in shapes)
+        shapes = [(array.shape[0], len(freq), *array.shape[2:]) for array in firsts]
+        force, response, displacement = (np.empty(shape, complex) for shape in shapes)
         for start in range(0, len(freq), AT_ONCE):
-            some = slice(start, start + AT_ONCE)
-            part = part if start == 0 else self._part(freq[some], top)
-            force[:, some], response[:, some], moved[:, some] = part.force, part.response, part.moved
-        return ChannelResponse(force, response, moved)
+            block = slice(start, start + AT_ONCE)
+            part = part if start == 0 else self._part(freq[block], top)
+            force[:, block], response[:, block], displacement[:, block] = (
+                part.force,
+                part.response,
+                part.moved,
+            )
+        return ChannelResponse(force, response, displacement)
 
     def _part(self, freq: FloatArray, top: float) -> ChannelResponse:
         omega = 2 * np.pi * np.maximum(freq, DC_LIMIT * self.setup.analyser.spacing)
         n_in = self.n_in
         force: list[ComplexArray] = [np.zeros(0, complex)] * len(self.runs)
-        response, moved = list(force), list(force)
+        response, displacement = list(force), list(force)
         for group in self._groups():
             runs = [self.runs[i] for i in group]
             alpha = self._receptance(runs, omega, top)
-            through = _at_work(runs, omega, alpha)
-            if through.shape[-1] == 1:  # one product instead of a matrix product for every line
-                heard = alpha * (-(omega**2)[:, None, None] * through)
+            forces_at_work = _at_work(runs, omega, alpha)
+            if forces_at_work.shape[-1] == 1:  # one product instead of a matrix product for every line
+                accelerations = alpha * (-(omega**2)[:, None, None] * forces_at_work)
             else:
-                heard = -(omega**2)[None, :, None, None] * (alpha @ through)
+                accelerations = -(omega**2)[None, :, None, None] * (alpha @ forces_at_work)
             for place, i in enumerate(group):
                 run = self.runs[i]
-                response[i] = filtered(run.mixed(heard[place]), run.responses, omega)
-                moved[i] = heard[place][:, n_in : run.n_at_work] / -(omega**2)[:, None, None]
-                gauged = filtered(through[place, :, :n_in], run.forces, omega)
-                force[i] = cancelled(gauged, response[i], run.shot, self.setup.analyser.mass_cancellation)
-        return ChannelResponse(np.array(force), np.array(response), np.array(moved))
+                response[i] = filtered(run.mixed(accelerations[place]), run.responses, omega)
+                displacement[i] = accelerations[place][:, n_in : run.n_at_work] / -(omega**2)[:, None, None]
+                gauge_forces = filtered(forces_at_work[place, :, :n_in], run.forces, omega)
+                force[i] = cancelled(
+                    gauge_forces, response[i], run.shot, self.setup.analyser.mass_cancellation
+                )
+        return ChannelResponse(np.array(force), np.array(response), np.array(displacement))
 
     def _groups(self) -> list[list[int]]:
         """Return the runs by what is asked of the structure: same drive points, as many motions."""
@@ -148,24 +155,26 @@ class Chain:
 
         Asked for again of structures that are loaded alike, as where effects are of channels, it is known.
         """
-        kept = runs[0].system.shared
-        known = kept.get("answered")
-        if isinstance(known, Answered) and known.holds(runs, omega):
-            return known.alpha
+        cache = runs[0].system.shared
+        cached_receptance = cache.get("answered")
+        if isinstance(cached_receptance, Answered) and cached_receptance.holds(runs, omega):
+            return cached_receptance.alpha
         alpha = self._solved(runs, omega, top)
-        kept["answered"] = Answered(tuple(runs), omega, alpha)
+        cache["answered"] = Answered(tuple(runs), omega, alpha)
         return alpha
 
     def _solved(self, runs: Sequence[Run], omega: FloatArray, top: float) -> ComplexArray:
         first = runs[0].system
-        right = first.selection(runs[0].motions[: runs[0].n_at_work])
-        lefts = [first.selection(run.motions) for run in runs]
+        inputs = first.selection(runs[0].motions[: runs[0].n_at_work])
+        outputs = [first.selection(run.motions) for run in runs]
         systems = [run.system for run in runs]
         if all(system.mass is first.mass for system in systems):
-            return attached_variants(systems, omega, lefts, right)
+            return attached_variants(systems, omega, outputs, inputs)
         # An effect rebuilt the structure from run to run: each brings its own modes.
-        each = zip(systems, lefts, strict=True)
-        return np.array([attached(s.base_modes(top).at(omega), s, left, right) for s, left in each])
+        pairs = zip(systems, outputs, strict=True)
+        return np.array(
+            [attached(s.base_modes(top).at(omega), s, output_columns, inputs) for s, output_columns in pairs]
+        )
 
     def poles(self) -> tuple[FloatArray, FloatArray]:
         """Return frequency and half the half-power bandwidth, Hz, of every run's resonances.
@@ -177,9 +186,9 @@ class Chain:
     @cached_property
     def _poles(self) -> tuple[FloatArray, FloatArray]:
         top = self.setup.analyser.frequency_max
-        found = [run.resonances(top) for run in self.runs]
-        longest = max(len(frequencies) for frequencies, _ in found)
-        padded = [np.pad(pair, ((0, 0), (0, longest - len(pair[0]))), mode="edge") for pair in found]
+        resonances = [run.resonances(top) for run in self.runs]
+        longest = max(len(frequencies) for frequencies, _ in resonances)
+        padded = [np.pad(pair, ((0, 0), (0, longest - len(pair[0]))), mode="edge") for pair in resonances]
         frequencies, widths = np.array(padded).swapaxes(0, 1)
         return frequencies, widths
 
@@ -190,14 +199,14 @@ _Altered = tuple[DynamicSystem, DynamicSystem]  # a structure without an effect 
 def all_effects(setup: RigSetup, added: Sequence[Effect]) -> list[Effect]:
     """Return what the declared hardware implies, what the log book names, and `added`, in stage order."""
     implied = [effect for cls in EFFECTS.values() for effect in cls.from_setup(setup)]
-    named = [build(spec) for spec in setup.effects]
+    declared = [build(spec) for spec in setup.effects]
 
     def order(effect: Effect) -> tuple[int, bool, bool]:
         # What acts everywhere comes first: a member's own factor multiplies what holds for all members.
         # Before it what all runs have in common, which is then worked out once.
         return effect.stage, not effect.same_in_all_runs, effect.at is not None
 
-    return sorted([*implied, *named, *added], key=order)
+    return sorted([*implied, *declared, *added], key=order)
 
 
 def chain(
@@ -205,8 +214,8 @@ def chain(
     setup: RigSetup,
     added: Sequence[Effect] = (),
     *,
-    alike: bool = False,
-    near: FloatArray | None = None,
+    same_in_all_runs: bool = False,
+    initial_rms: FloatArray | None = None,
 ) -> Chain:
     """Return the measuring chain of a system on a rig.
 
@@ -216,7 +225,7 @@ def chain(
         The structure, bare.
     added
         Effects beside those of the declared hardware.
-    alike, near
+    same_in_all_runs, initial_rms
         Whether nonlinear forces take the same motion in every run, and what they take in a chain very
         much like it, as `with_equivalents`.
 
@@ -232,21 +241,23 @@ def chain(
     source = Source(EXCITATIONS[setup.analyser.excitation.kind].continuous)
     for effect in effects:
         noise, source = effect.on_noise(noise), effect.on_source(source)
-    each = [(effect, acts) for effect in effects if any(acts := _acts_on_runs(effect))]
+    active_effects = [(effect, stages) for effect in effects if any(stages := _acts_on_runs(effect))]
     latest: dict[int, _Altered] = {}
-    runs = tuple(_run(system, shot, each, latest) for shot in setup.shots)
+    runs = tuple(_run(system, shot, active_effects, latest) for shot in setup.shots)
     if local := [force for effect in effects if (force := effect.on_motion()) is not None]:
-        runs = with_equivalents(runs, local, setup.analyser, source, alike=alike, near=near)
+        runs = with_equivalents(
+            runs, local, setup.analyser, source, same_in_all_runs=same_in_all_runs, initial_rms=initial_rms
+        )
     return Chain(setup, runs, noise, source, tuple(effects))
 
 
 def _acts_on_runs(effect: Effect) -> tuple[bool, bool, bool]:
     """Return whether an effect of this kind may do anything to a structure, a drive, a channel."""
-    own = type(effect)
+    kind = type(effect)
     return (
-        own.on_system is not Effect.on_system,
-        own.on_drive is not Effect.on_drive,
-        own.on_channel is not Effect.on_channel,
+        kind.on_system is not Effect.on_system,
+        kind.on_drive is not Effect.on_drive,
+        kind.on_channel is not Effect.on_channel,
     )
 
 
@@ -254,13 +265,13 @@ def _run(
     system: DynamicSystem,
     shot: AcquisitionRun,
     effects: Sequence[tuple[Effect, tuple[bool, bool, bool]]],
-    latest: dict[int, _Altered],
+    altered_systems: dict[int, _Altered],
 ) -> Run:
     """Return one run with all effects.
 
     Parameters
     ----------
-    latest
+    altered_systems
         What the effects, by number, made of structures in runs before.
     """
     drives = [Drive(dof) for dof in shot.drives]
@@ -270,9 +281,9 @@ def _run(
         if to_system and not effect.same_in_all_runs:
             system = effect.on_system(system, shot)
         elif to_system:
-            if i not in latest or latest[i][0] is not system:
-                latest[i] = system, effect.on_system(system, shot)
-            system = latest[i][1]
+            if i not in altered_systems or altered_systems[i][0] is not system:
+                altered_systems[i] = system, effect.on_system(system, shot)
+            system = altered_systems[i][1]
         if to_drive:
             drives = [effect.on_drive(drive) for drive in drives]
         if to_channel:

@@ -67,8 +67,8 @@ class Change:
     @property
     def plain(self) -> dict[str, Any]:
         """What differs by name, as JSON has it."""
-        told = {one.name: getattr(self, one.name) for one in fields(self)}
-        return {name: _plain(value) for name, value in told.items() if value not in (None, ())}
+        values = {entry.name: getattr(self, entry.name) for entry in fields(self)}
+        return {name: _plain(value) for name, value in values.items() if value not in (None, ())}
 
     @classmethod
     def read(cls, plain: Mapping[str, Any]) -> "Change":
@@ -79,26 +79,26 @@ class Change:
         InvalidInputError
             If it names what cannot be changed, or a value has no meaning.
         """
-        known = {one.name for one in fields(cls)}
+        names = {entry.name for entry in fields(cls)}
         for name in plain:
-            if name not in known:
+            if name not in names:
                 raise InvalidInputError(
                     f"a further test cannot change {name!r}",
                     field="changed",
                     value=name,
-                    allowed=", ".join(sorted(known)),
+                    allowed=", ".join(sorted(names)),
                 )
-        told: dict[str, Any] = dict(plain)
-        if drive := told.get("drive"):
-            told["drive"] = Dof.parse(drive, field="changed.drive")
-        told["responses"] = tuple(
-            Dof.parse(text, field="changed.responses") for text in told.get("responses") or ()
+        values: dict[str, Any] = dict(plain)
+        if drive := values.get("drive"):
+            values["drive"] = Dof.parse(drive, field="changed.drive")
+        values["responses"] = tuple(
+            Dof.parse(text, field="changed.responses") for text in values.get("responses") or ()
         )
-        if mass := told.get("added_mass"):
+        if mass := values.get("added_mass"):
             at = mass.get("at", SENSORS)
             place = None if at == SENSORS else Dof.parse(at, field="changed.added_mass.at")
-            told["added_mass"] = AddedMass(float(mass["mass"]), place)
-        return cls(**told)
+            values["added_mass"] = AddedMass(float(mass["mass"]), place)
+        return cls(**values)
 
     def applied(self, setup: RigSetup) -> RigSetup:
         """Return the log book of the first test with what is changed.
@@ -108,19 +108,19 @@ class Change:
         InvalidInputError
             If the rig cannot do it.
         """
-        told, changed = self.plain, setup
+        values, changed = self.plain, setup
         for name in _APPLIED:  # in this order: another exciter brings its own settings
-            if name in told:
+            if name in values:
                 changed = _APPLIED[name](changed, self)
         check_compatible(changed)
         return _with_its_effects(changed, setup)
 
-    def agreed(self, own: RigSetup, first: RigSetup) -> RigSetup:
+    def agreed(self, declared: RigSetup, first: RigSetup) -> RigSetup:
         """Return the log book of a further test: its own, with the change where it does not show it.
 
         Parameters
         ----------
-        own
+        declared
             As the further test came with it; it may be the first one's, if nobody wrote a new one.
         first
             The log book of the first test.
@@ -130,22 +130,22 @@ class Change:
         InvalidInputError
             If it says something else than the change does.
         """
-        told = self.plain
-        for name in (one for one in _APPLIED if one in told):
+        values = self.plain
+        for name in (field for field in _APPLIED if field in values):
             only = Change(**{name: getattr(self, name)})
-            wanted, there = _SHOWN[name](only.applied(first), self), _SHOWN[name](own, self)
-            if _same(there, wanted):
+            expected, current = _SHOWN[name](only.applied(first), self), _SHOWN[name](declared, self)
+            if _same(current, expected):
                 continue
-            if not _same(there, _SHOWN[name](first, self)):
+            if not _same(current, _SHOWN[name](first, self)):
                 raise InvalidInputError(
                     f"the log book of the further test contradicts what is said to have been changed: {name}",
                     field=f"changed.{name}",
-                    value=str(there),
-                    allowed=str(wanted),
+                    value=str(current),
+                    allowed=str(expected),
                 )
-            own = _APPLIED[name](own, self)
-        check_compatible(own)
-        return _with_its_effects(own, first)
+            declared = _APPLIED[name](declared, self)
+        check_compatible(declared)
+        return _with_its_effects(declared, first)
 
 
 def _plain(value: Any) -> Any:
@@ -164,8 +164,10 @@ def _same(a: Any, b: Any) -> bool:
 
 def _with_its_effects(setup: RigSetup, first: RigSetup) -> RigSetup:
     """Return a log book without the declared effects that were left behind with the first test."""
-    known = [build(spec) for spec in setup.effects]
-    return replace(setup, effects=tuple(effect.spec for effect in effects_in_other_test(known, first, setup)))
+    declared = [build(spec) for spec in setup.effects]
+    return replace(
+        setup, effects=tuple(effect.spec for effect in effects_in_other_test(declared, first, setup))
+    )
 
 
 def _analyser(setup: RigSetup, **values: Any) -> RigSetup:
@@ -211,8 +213,8 @@ def _masses(setup: RigSetup, change: Change) -> float:
     assert added is not None
     if added.at is None:
         return setup.accelerometers.mass
-    here = [spec for spec in setup.effects if spec.kind == "extra_mass" and spec.at == added.at.point]
-    return sum(spec.parameters["mass"] for spec in here)
+    masses = [spec for spec in setup.effects if spec.kind == "extra_mass" and spec.at == added.at.point]
+    return sum(spec.parameters["mass"] for spec in masses)
 
 
 _APPLIED: Mapping[str, Callable[[RigSetup, Change], RigSetup]] = {

@@ -33,13 +33,13 @@ class Channel:
         """Return the channel with one more motion that reaches it."""
         return replace(self, pickups=(*self.pickups, (dof, weight)))
 
-    def through(self, one: Filter) -> "Channel":
+    def through(self, filter_: Filter) -> "Channel":
         """Return the channel with one more filter behind it."""
-        return replace(self, filters=(*self.filters, one))
+        return replace(self, filters=(*self.filters, filter_))
 
     def transfer(self, omega: FloatArray) -> ComplexArray:
         """Return what all filters together make of a signal, (n_freq,) at `omega` rad/s."""
         product = np.ones(len(omega), complex)
-        for one in self.filters:
-            product = product * one(omega)
+        for filter_ in self.filters:
+            product = product * filter_(omega)
         return product

@@ -41,16 +41,16 @@ class Answered:
 
     def holds(self, runs: Sequence[Run], omega: FloatArray) -> bool:
         """Return whether the same is asked again."""
-        alike = len(runs) == len(self.runs) and all(map(_asks_alike, runs, self.runs))
-        return alike and np.array_equal(omega, self.omega)
+        same_runs = len(runs) == len(self.runs) and all(map(_asks_alike, runs, self.runs))
+        return same_runs and np.array_equal(omega, self.omega)
 
 
-def _asks_alike(run: Run, other: Run) -> bool:
-    ours, theirs = run.system, other.system
+def _asks_alike(first: Run, second: Run) -> bool:
+    first_system, second_system = first.system, second.system
     return (
-        ours.shared is theirs.shared
-        and run.motions == other.motions
-        and run.n_at_work == other.n_at_work
-        and len(ours.attachments) == len(theirs.attachments)
-        and all(a.same(b) for a, b in zip(ours.attachments, theirs.attachments, strict=True))
+        first_system.shared is second_system.shared
+        and first.motions == second.motions
+        and first.n_at_work == second.n_at_work
+        and len(first_system.attachments) == len(second_system.attachments)
+        and all(a.same(b) for a, b in zip(first_system.attachments, second_system.attachments, strict=True))
     )

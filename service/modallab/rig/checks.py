@@ -60,8 +60,8 @@ def suspension_check(structure: Structure, setup: RigSetup) -> SuspensionCheck:
     for effect in [build(spec) for spec in structure.effects]:
         system = effect.on_system(system, everywhere)
     free = system.modes().n_rigid_body
-    named = [build(spec) for spec in setup.effects if spec.kind == "suspension"]
-    for band in [*EFFECTS["suspension"].from_setup(setup), *named]:
+    declared = [build(spec) for spec in setup.effects if spec.kind == "suspension"]
+    for band in [*EFFECTS["suspension"].from_setup(setup), *declared]:
         band.check(structure, setup)
         system = band.on_system(system, everywhere)
     frequencies = _lowest(system, free + 1)
@@ -72,9 +72,9 @@ def suspension_check(structure: Structure, setup: RigSetup) -> SuspensionCheck:
 def _lowest(system: DynamicSystem, count: int) -> FloatArray:
     # A large structure is solved up to a frequency, not for a number: widen until there are enough.
     limit = 1.0  # Hz
-    while len(found := system.modes(limit).frequencies) < count:
+    while len(frequencies := system.modes(limit).frequencies) < count:
         limit *= 4
-    return found
+    return frequencies
 
 
 CHECKS: tuple[Callable[[Structure, RigSetup], Check], ...] = (suspension_check,)
@@ -82,8 +82,8 @@ CHECKS: tuple[Callable[[Structure, RigSetup], Check], ...] = (suspension_check,)
 
 def checks(structure: Structure, setup: RigSetup) -> tuple[Check, ...]:
     """Return every check of a rig on a structure; of hardware those that its declaration allows."""
-    whole = (check(structure, setup) for check in CHECKS)
-    return (*whole, *stinger_checks(setup), *accelerometer_checks(setup))
+    general_checks = (check(structure, setup) for check in CHECKS)
+    return (*general_checks, *stinger_checks(setup), *accelerometer_checks(setup))
 
 
 def figures(check: Check) -> dict[str, float]:

@@ -31,8 +31,8 @@ def with_equivalents(
     analyser: Analyser,
     source: Source,
     *,
-    alike: bool = False,
-    near: FloatArray | None = None,
+    same_in_all_runs: bool = False,
+    initial_rms: FloatArray | None = None,
 ) -> tuple[Run, ...]:
     """Return runs with every nonlinear force in them: its straight line attached, the rest beside it.
 
@@ -40,30 +40,30 @@ def with_equivalents(
 
     Parameters
     ----------
-    alike
+    same_in_all_runs
         Whether forces take in every run what they take in the first, where all power lies between the
         lines: there runs differ by what an accelerometer weighs, which is little for a first look. On
         the lines a resonance that moves past one of them may move much more, or much less.
-    near
+    initial_rms
         (n_run, r) root mean squares that forces take in a chain that differs by next to nothing, where
         all power lies on the lines: the least motion need not be looked for again.
     """
-    if alike and source.continuous == 1:
+    if same_in_all_runs and source.continuous == 1:
         (first,) = with_equivalents(runs[:1], forces, analyser, source)
-        rest = (
+        later_runs = (
             replace(_with_lines(run, first.local), response_spectrum=first.response_spectrum)
             for run in runs[1:]
         )
-        return (first, *rest)
+        return (first, *later_runs)
     if source.continuous > 0:
         return tuple(_by_quadrature(runs, forces, analyser, source.continuous))
     omega, power = 2 * np.pi * analyser.freq[1:], np.full(analyser.n_lines - 1, _power_of_line(analyser))
-    without = motions(runs, forces, omega)
-    rms = equivalents(forces, *without, omega, power, near)
-    taken = _taken(forces, *at_work(forces, rms, *without, omega), omega, analyser)
-    each = zip(runs, rms, taken, strict=True)
+    open_loop = motions(runs, forces, omega)
+    rms = equivalents(forces, *open_loop, omega, power, initial_rms)
+    spectra = _taken(forces, *at_work(forces, rms, *open_loop, omega), omega, analyser)
     return tuple(
-        replace(_with_lines(run, _lines(forces, own)), response_spectrum=one) for run, own, one in each
+        replace(_with_lines(run, _lines(forces, run_rms)), response_spectrum=spectrum)
+        for run, run_rms, spectrum in zip(runs, rms, spectra, strict=True)
     )
 
 
@@ -105,20 +105,20 @@ def _by_quadrature(
         lines, power = lines[:0], power[:0]
     rms: FloatArray | None = None
     for run in runs:
-        at = run if rms is None else _with_lines(run, _lines(forces, rms))
-        known = at.resonances(analyser.frequency_max)
+        start_run = run if rms is None else _with_lines(run, _lines(forces, rms))
+        resonances = start_run.resonances(analyser.frequency_max)
         for _ in range(REFINEMENTS):
-            nodes, hertz = refined(panels, *known)
+            nodes, hertz = refined(panels, *resonances)
             weights = np.concatenate([power, share * _density(analyser) * hertz])
             omega = 2 * np.pi * np.concatenate([lines, nodes])
             driven, fed_back = motions([run], forces, omega)
-            begin = _free(forces, driven, omega, weights) if rms is None else rms
-            rms = equivalents(forces, driven, fed_back, omega, weights, begin[None])[0]
+            initial_rms = _free(forces, driven, omega, weights) if rms is None else rms
+            rms = equivalents(forces, driven, fed_back, omega, weights, initial_rms[None])[0]
             loaded = _with_lines(run, _lines(forces, rms))
-            moved = loaded.resonances(analyser.frequency_max)
-            if _resolved(moved, known, analyser):
+            loaded_resonances = loaded.resonances(analyser.frequency_max)
+            if _resolved(loaded_resonances, resonances, analyser):
                 break
-            known = moved
+            resonances = loaded_resonances
         yield loaded
 
 
@@ -131,28 +131,30 @@ def _free(
 
 
 def _resolved(
-    moved: tuple[FloatArray, FloatArray], known: tuple[FloatArray, FloatArray], analyser: Analyser
+    resonances: tuple[FloatArray, FloatArray],
+    refined_resonances: tuple[FloatArray, FloatArray],
+    analyser: Analyser,
 ) -> bool:
     """Return whether every resonance lies within its half bandwidth of one known to be as narrow."""
-    (at, half), (there, width) = moved, known
-    inside = at < analyser.frequency_max + analyser.spacing
-    at, half = at[inside], np.maximum(half[inside], NARROWEST * analyser.spacing)
-    near = np.abs(at[:, None] - there) <= half[:, None]
-    return bool((near & (width <= 2 * half[:, None])).any(axis=1).all())
+    (frequency, half_width), (refined_frequency, refined_width) = resonances, refined_resonances
+    inside = frequency < analyser.frequency_max + analyser.spacing
+    frequency, half_width = frequency[inside], np.maximum(half_width[inside], NARROWEST * analyser.spacing)
+    near = np.abs(frequency[:, None] - refined_frequency) <= half_width[:, None]
+    return bool((near & (refined_width <= 2 * half_width[:, None])).any(axis=1).all())
 
 
 def _lines(forces: Sequence[LocalForce], rms: FloatArray) -> tuple[Linearised, ...]:
-    return tuple(force.at(float(own)) for force, own in zip(forces, rms, strict=True))
+    return tuple(force.at(float(force_rms)) for force, force_rms in zip(forces, rms, strict=True))
 
 
-def _with_lines(run: Run, found: tuple[Linearised, ...]) -> Run:
+def _with_lines(run: Run, linearised: tuple[Linearised, ...]) -> Run:
     system = run.system
-    for one in found:
-        column, line = system.selection((one.force.dof,)), np.array([[one.slope]])
-        of_velocity = one.force.of_velocity
-        equal = Attachment(column, viscous=line) if of_velocity else Attachment(column, stiffness=line)
-        system = system.attach(equal)
-    return replace(run, system=system, local=found)
+    for linearised_force in linearised:
+        column, line = system.selection((linearised_force.force.dof,)), np.array([[linearised_force.slope]])
+        of_velocity = linearised_force.force.of_velocity
+        attachment = Attachment(column, viscous=line) if of_velocity else Attachment(column, stiffness=line)
+        system = system.attach(attachment)
+    return replace(run, system=system, local=linearised)
 
 
 def check_first_order(runs: Sequence[Run], analyser: Analyser, source: Source) -> None:
@@ -169,10 +171,10 @@ def check_first_order(runs: Sequence[Run], analyser: Analyser, source: Source) -
     if not runs[0].local:
         return
     lines = analyser.freq[1:]
-    forces = [one.force for one in runs[0].local]
+    forces = [linearised_force.force for linearised_force in runs[0].local]
     driven, fed_back = motions(runs, forces, 2 * np.pi * lines)
-    left = residuals(runs, analyser, source, lines).density
-    by_residuals = (np.abs(fed_back) ** 2 * left[:, :, None, :]).sum(axis=(1, 3))
+    residual_density = residuals(runs, analyser, source, lines).density
+    by_residuals = (np.abs(fed_back) ** 2 * residual_density[:, :, None, :]).sum(axis=(1, 3))
     by_sources = _density(analyser) * (np.abs(driven) ** 2).sum(axis=(1, 3))
     strong = by_residuals > STRONG * by_sources
     if strong.any():
@@ -203,35 +205,38 @@ def residuals(
     finest
         Grid points a line at most where spectra are steep.
     """
-    forces, every = [one.force for one in runs[0].local], (len(runs), len(freq), len(runs[0].local))
+    forces, shape_of_all = (
+        [local.force for local in runs[0].local],
+        (len(runs), len(freq), len(runs[0].local)),
+    )
     if all(run.local is runs[0].local for run in runs):  # taken alike, left alike
         runs = runs[:1]
-    lines, taken = _on_even_lines(runs, forces, analyser, source, finest)
-    shape = (len(runs), *every[1:])
+    lines, spectra = _on_even_lines(runs, forces, analyser, source, finest)
+    shape = (len(runs), *shape_of_all[1:])
     density, line = np.empty(shape), np.empty(shape, complex)
-    for r, (run, own) in enumerate(zip(runs, taken, strict=True)):
-        for i, one in enumerate(run.local):
-            power, held = left_over(one, own.spectrum[:, i], own.answer[:, i], lines[1])
-            density[r, :, i], line[r, :, i] = np.interp(freq, lines, power), np.interp(freq, lines, held)
+    for r, (run, motion) in enumerate(zip(runs, spectra, strict=True)):
+        for i, local in enumerate(run.local):
+            power, feedback = left_over(local, motion.spectrum[:, i], motion.answer[:, i], lines[1])
+            density[r, :, i], line[r, :, i] = np.interp(freq, lines, power), np.interp(freq, lines, feedback)
     unit = np.where([force.of_velocity for force in forces], 2j * np.pi * freq[:, None], 1.0)
-    return Residuals(np.broadcast_to(density, every), np.broadcast_to(line * unit, every))
+    return Residuals(np.broadcast_to(density, shape_of_all), np.broadcast_to(line * unit, shape_of_all))
 
 
 def _on_even_lines(
     runs: Sequence[Run], forces: Sequence[LocalForce], analyser: Analyser, source: Source, finest: int
 ) -> tuple[FloatArray, list[Taken]]:
     """Return lines (n_lines,) Hz as fine as spectra are steep, and what is taken in each run there."""
-    known = [run.response_spectrum for run in runs if run.response_spectrum is not None]
-    if source.continuous == 0 and len(known) == len(runs):
-        return analyser.freq, known
+    spectra = [run.response_spectrum for run in runs if run.response_spectrum is not None]
+    if source.continuous == 0 and len(spectra) == len(runs):
+        return analyser.freq, spectra
     frequencies, widths = np.concatenate([run.resonances(analyser.frequency_max) for run in runs], axis=1)
     narrow = widths[frequencies < analyser.frequency_max].min(initial=analyser.spacing)
     finer = int(np.clip(np.ceil(analyser.spacing / max(narrow, 1e-9)), 1, finest))
     lines = np.linspace(0.0, analyser.frequency_max, finer * (analyser.n_lines - 1) + 1)
     parts = np.array_split(2 * np.pi * lines[1:], np.ceil(len(lines) / AT_ONCE))
     driven, fed_back = zip(*(motions(runs, forces, omega) for omega in parts), strict=True)
-    both = np.concatenate(driven, axis=1), np.concatenate(fed_back, axis=1)
-    return lines, _taken(forces, *both, 2 * np.pi * lines[1:], analyser)
+    receptances = np.concatenate(driven, axis=1), np.concatenate(fed_back, axis=1)
+    return lines, _taken(forces, *receptances, 2 * np.pi * lines[1:], analyser)
 
 
 def _density(analyser: Analyser) -> float:
@@ -254,17 +259,17 @@ def motions(
         run.drives == first.drives and run.shot.drives == first.shot.drives and _variants(run, first)
         for run in runs
     ):
-        each = [motions([run], forces, omega) for run in runs]
-        return np.concatenate([one for one, _ in each]), np.concatenate([other for _, other in each])
+        by_source, by_force = zip(*(motions([run], forces, omega) for run in runs), strict=True)
+        return np.concatenate(by_source), np.concatenate(by_force)
     n = len(first.drives)
     columns = first.system.selection((*first.shot.drives, *(force.dof for force in forces)))
     alpha = attached_variants([run.system for run in runs], omega, [columns] * len(runs), columns)
     at_drives = alpha[:, :, :n, :n]
     driven = alpha[:, :, n:, :n] @ transmission(first.drives, omega, at_drives)
-    held = reaction(first.drives, omega, at_drives) @ alpha[:, :, :n, n:]
-    return driven, alpha[:, :, n:, n:] - alpha[:, :, n:, :n] @ held
+    exciter_reaction = reaction(first.drives, omega, at_drives) @ alpha[:, :, :n, n:]
+    return driven, alpha[:, :, n:, n:] - alpha[:, :, n:, :n] @ exciter_reaction
 
 
-def _variants(one: Run, other: Run) -> bool:
+def _variants(first: Run, second: Run) -> bool:
     """Return whether two runs are of one structure and what hangs on it."""
-    return one.system.mass is other.system.mass and one.system.stiffness is other.system.stiffness
+    return first.system.mass is second.system.mass and first.system.stiffness is second.system.stiffness

@@ -54,18 +54,18 @@ class Drive:
 
     def _induced(self, omega: FloatArray) -> ComplexArray:
         """Return what the coils' motion induces, force per velocity, (n_freq,) N s/m."""
-        none = np.zeros(len(omega), complex)
-        return sum((coil.force_factor**2 / _electrical(coil, omega) for coil in self.coils), none)
+        no_force = np.zeros(len(omega), complex)
+        return sum((coil.force_factor**2 / _electrical(coil, omega) for coil in self.coils), no_force)
 
     def stations(self, omega: FloatArray) -> list[tuple[ComplexArray, ComplexArray]]:
         """Return the ladder outwards: C (n_freq,) m/N before a mass, and Z (n_freq,) N/m of the mass."""
-        none = np.zeros(len(omega), complex)
+        zeros = np.zeros(len(omega), complex)
         gauge, stinger = (c / (1 + 1j * RIGID) for c in (self.gauge_compliance, self.compliance))
         half_turn = omega / 2 * np.sqrt(self.stinger_mass * stinger) / np.pi
         half = -(omega**2) * self.stinger_mass / 2 * np.sinc(half_turn) / np.cos(np.pi * half_turn)
         return [
-            (none, none - self.cancelled_mass * omega**2),
-            (none + gauge, half),
+            (zeros, zeros - self.cancelled_mass * omega**2),
+            (zeros + gauge, half),
             (stinger * np.sinc(2 * half_turn), self.impedance(omega) + half),
         ]
 
@@ -83,13 +83,13 @@ class Drive:
         """
         if self.plain:
             return system
-        own, joints = self._reduced(omega)
-        mass, stiffness, viscous = (np.diag(values) for values in own.T)
+        lumps, joints = self._reduced(omega)
+        mass, stiffness, viscous = (np.diag(values) for values in lumps.T)
         k = np.zeros_like(stiffness)
         for i, (joint, along) in enumerate(joints):
-            between = np.array([[1.0, -1.0], [-1.0, 1.0]])
-            k[i : i + 2, i : i + 2] += joint * between
-            mass[i : i + 2, i : i + 2] -= along / 6 * between  # a third at either end, a sixth across
+            element = np.array([[1.0, -1.0], [-1.0, 1.0]])
+            k[i : i + 2, i : i + 2] += joint * element
+            mass[i : i + 2, i : i + 2] -= along / 6 * element  # a third at either end, a sixth across
         return system.attach(
             Attachment(
                 system.selection((self.dof,)), mass, stiffness + k, RIGID * k, viscous, inner=len(joints)
@@ -102,24 +102,24 @@ class Drive:
         What has no mass, or too little to move on its joint, goes to its neighbour inwards.
         """
         induced = self._induced(np.array([omega]))[0]
-        held = (self.stiffness - omega * induced.imag, self.viscous + induced.real)
+        armature_suspension = (self.stiffness - omega * induced.imag, self.viscous + induced.real)
         half = self.stinger_mass / 2
         ladder = [
             (0.0, 0.0, (self.cancelled_mass, 0.0, 0.0)),
             (self.gauge_compliance, 0.0, (half, 0.0, 0.0)),
-            (self.compliance, self.stinger_mass, (self.mass + half, *held)),
+            (self.compliance, self.stinger_mass, (self.mass + half, *armature_suspension)),
         ]
-        own, joints, soft = [np.zeros(3)], [], 0.0
+        lumps, joints, compliance_sum = [np.zeros(3)], [], 0.0
         for compliance, along, values in ladder:
-            soft += compliance
-            if values[0] * soft * FAR**2 < 1:
-                share = 1 / (1 + soft * values[1])  # of the inner end's motion that arrives
-                own[-1] = own[-1] + np.array(values) * [1.0, share, share**2]
+            compliance_sum += compliance
+            if values[0] * compliance_sum * FAR**2 < 1:
+                share = 1 / (1 + compliance_sum * values[1])  # of the inner end's motion that arrives
+                lumps[-1] = lumps[-1] + np.array(values) * [1.0, share, share**2]
             else:
-                own.append(np.array(values))
-                joints.append((1 / soft, along))
-                soft = 0.0
-        return np.array(own), joints
+                lumps.append(np.array(values))
+                joints.append((1 / compliance_sum, along))
+                compliance_sum = 0.0
+        return np.array(lumps), joints
 
 
 def _electrical(coil: Coil, omega: FloatArray) -> ComplexArray:
@@ -162,9 +162,13 @@ def reaction(drives: tuple[Drive, ...], omega: FloatArray, alpha: ComplexArray) 
         As for `transmission`.
     """
     unit = np.broadcast_to(np.eye(len(drives), dtype=complex), alpha.shape)
-    held = _outwards(drives, omega, np.zeros_like(unit), unit)
-    passed = _outwards(drives, omega, unit, alpha)
-    return np.asarray(held / passed if len(drives) == 1 else np.linalg.solve(passed, held))
+    reaction_force = _outwards(drives, omega, np.zeros_like(unit), unit)
+    transmitted_force = _outwards(drives, omega, unit, alpha)
+    return np.asarray(
+        reaction_force / transmitted_force
+        if len(drives) == 1
+        else np.linalg.solve(transmitted_force, reaction_force)
+    )
 
 
 def _outwards(
@@ -172,10 +176,10 @@ def _outwards(
 ) -> ComplexArray:
     """Return the force at the sources' end of the ladders from force and motion at the structure's."""
     for ladder in zip(*(drive.stations(omega) for drive in drives), strict=True):
-        soft = np.array([compliance for compliance, _ in ladder]).T
-        z = np.array([own for _, own in ladder]).T
-        if soft.any():
-            motion = motion + soft[:, :, None] * force
+        compliances = np.array([compliance for compliance, _ in ladder]).T
+        z = np.array([impedance for _, impedance in ladder]).T
+        if compliances.any():
+            motion = motion + compliances[:, :, None] * force
         if z.any():
             force = force + z[:, :, None] * motion
     return force

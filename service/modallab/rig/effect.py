@@ -115,14 +115,14 @@ class Effect(Parameterised):
             if len(set(self.at.numbers)) < len(self.at.numbers):
                 raise self._misplaced("each member once")
         elif isinstance(self.at, Channels) and setup is not None:
-            here = {dof.point for dof in setup.responses}
-            if not self.at.dofs or any(dof.point not in here for dof in self.at.dofs):
+            points = {dof.point for dof in setup.responses}
+            if not self.at.dofs or any(dof.point not in points for dof in self.at.dofs):
                 raise self._misplaced("channels of this rig: " + ", ".join(map(str, setup.responses)))
 
     def _misplaced(self, allowed: str) -> InvalidInputError:
-        where = "everywhere" if self.at is None else f"at {self.at}"
+        place = "everywhere" if self.at is None else f"at {self.at}"
         return InvalidInputError(
-            f"{self.kind} cannot be {where}", field="at", value=str(self.at), allowed=allowed
+            f"{self.kind} cannot be {place}", field="at", value=str(self.at), allowed=allowed
         )
 
     def added_to(self, structure: Structure) -> Structure:
@@ -155,9 +155,9 @@ class Effect(Parameterised):
         if self.nested_kind is None:
             return None
         cls = EFFECTS[self.nested_kind]
-        shared: dict[str, Any] = {name: self.parameters[name] for name in cls.specs()}
-        (more,) = self.specs().keys() - shared.keys()
-        return cls(at=self.at, **shared), more
+        common_parameters: dict[str, Any] = {name: self.parameters[name] for name in cls.specs()}
+        (extra_parameter,) = self.specs().keys() - common_parameters.keys()
+        return cls(at=self.at, **common_parameters), extra_parameter
 
     @classmethod
     def signature(cls, evidence: Evidence) -> float:

@@ -11,34 +11,42 @@ from modallab.rig.setup import RigSetup
 _CONTACT = (Stage.STRUCTURE, Stage.DRIVE)  # stages of what stands between a shaker and the structure
 
 
-def effects_in_other_test(effects: Sequence[Effect], first: RigSetup, other: RigSetup) -> list[Effect]:
+def effects_in_other_test(effects: Sequence[Effect], first: RigSetup, second: RigSetup) -> list[Effect]:
     """Return the effects of a first test that another one has too, as they are there.
 
     What sits at the drive point goes where the shaker goes, and goes away with it; what sits in a
     channel or under an accelerometer is there where that DoF is measured. The structure keeps its own.
     """
-    moved = (_carried_over(effect, first, other) for effect in effects)
-    return [effect for effect in moved if effect is not None]
+    transferred = (_carried_over(effect, first, second) for effect in effects)
+    return [effect for effect in transferred if effect is not None]
 
 
-def _carried_over(effect: Effect, first: RigSetup, other: RigSetup) -> Effect | None:
+def _carried_over(effect: Effect, first: RigSetup, second: RigSetup) -> Effect | None:
     if effect.structural:
         return effect
-    heard = {dof.point for dof in other.responses}
+    measured_points = {dof.point for dof in second.responses}
     if isinstance(effect.at, Channels):
-        return effect if all(dof.point in heard for dof in effect.at.dofs) else None
+        return effect if all(dof.point in measured_points for dof in effect.at.dofs) else None
     if effect.at_drive:
         # Another exciter has a force gauge of its own.
-        own = effect.stage in _CONTACT or isinstance(effect.at, Dof)
-        return None if own and other.exciter.kind != first.exciter.kind else _at_drive(effect, first, other)
+        belongs_to_exciter = effect.stage in _CONTACT or isinstance(effect.at, Dof)
+        return (
+            None
+            if belongs_to_exciter and second.exciter.kind != first.exciter.kind
+            else _at_drive(effect, first, second)
+        )
     if isinstance(effect.at, Dof) and Dof in effect.allowed_places and type(None) in effect.allowed_places:
-        return effect if effect.at.point in heard else None  # it sits under one accelerometer
+        return effect if effect.at.point in measured_points else None  # it sits under one accelerometer
     return effect
 
 
-def _at_drive(effect: Effect, first: RigSetup, other: RigSetup) -> Effect:
+def _at_drive(effect: Effect, first: RigSetup, second: RigSetup) -> Effect:
     """Return what sits at a drive point at the one that stands in its place."""
-    was = [dof.point for dof in first.drives]
-    if not isinstance(effect.at, Dof) or effect.at.point not in was or len(was) != len(other.drives):
+    first_points = [dof.point for dof in first.drives]
+    if (
+        not isinstance(effect.at, Dof)
+        or effect.at.point not in first_points
+        or len(first_points) != len(second.drives)
+    ):
         return effect
-    return replace(effect, at=other.drives[was.index(effect.at.point)].point)
+    return replace(effect, at=second.drives[first_points.index(effect.at.point)].point)

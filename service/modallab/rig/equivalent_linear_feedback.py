@@ -9,7 +9,7 @@ from modallab.rig.channel_response import ChannelResponse
 
 
 def with_equivalent_feedback(
-    driven: ChannelResponse, distorted: ChannelResponse, line: ComplexArray
+    driven: ChannelResponse, distorted: ChannelResponse, feedback: ComplexArray
 ) -> tuple[ChannelResponse, ChannelResponse]:
     """Return what channels show per source and per residual with more lines at the nonlinear forces.
 
@@ -20,23 +20,28 @@ def with_equivalent_feedback(
     ----------
     driven, distorted
         `chain.answers(freq)`.
-    line
+    feedback
         (n_run, n_freq, r) N/m.
     """
     beta = distorted.moved
-    closed = np.eye(beta.shape[-1]) + beta * line[..., None, :]
-    return _less(driven, distorted, closed, line), _less(distorted, distorted, closed, line)
+    loop_matrix = np.eye(beta.shape[-1]) + beta * feedback[..., None, :]
+    return _less(driven, distorted, loop_matrix, feedback), _less(distorted, distorted, loop_matrix, feedback)
 
 
 def _less(
-    one: ChannelResponse, per_force: ChannelResponse, closed: ComplexArray, line: ComplexArray
+    open_response: ChannelResponse,
+    per_force: ChannelResponse,
+    loop_matrix: ComplexArray,
+    feedback: ComplexArray,
 ) -> ChannelResponse:
-    single = closed.shape[-1] == 1  # one division instead of a solver call for every line
-    moved = one.moved / closed if single else np.linalg.solve(closed, one.moved)
-    held = line[..., None] * moved
+    single = loop_matrix.shape[-1] == 1  # one division instead of a solver call for every line
+    displacement = (
+        open_response.moved / loop_matrix if single else np.linalg.solve(loop_matrix, open_response.moved)
+    )
+    feedback_force = feedback[..., None] * displacement
     return replace(
-        one,
-        force=one.force - per_force.force @ held,
-        response=one.response - per_force.response @ held,
-        moved=np.asarray(moved),
+        open_response,
+        force=open_response.force - per_force.force @ feedback_force,
+        response=open_response.response - per_force.response @ feedback_force,
+        moved=np.asarray(displacement),
     )

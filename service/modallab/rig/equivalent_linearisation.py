@@ -23,7 +23,7 @@ def equivalents(
     fed_back: ComplexArray,
     omega: FloatArray,
     power: FloatArray,
-    near: FloatArray | None = None,
+    initial_rms: FloatArray | None = None,
 ) -> FloatArray:
     """Return the root mean squares of what forces take under the motion that they themselves allow.
 
@@ -41,7 +41,7 @@ def equivalents(
         (n,) rad/s.
     power
         (n,) mean square of every source's force that each frequency stands for, N^2.
-    near
+    initial_rms
         (n_run, r) where to begin, and not to go far from in one call: for frequencies that are fine
         where the resonances of such motions are and nowhere else. None finds the least motion.
 
@@ -52,15 +52,15 @@ def equivalents(
     unit = np.where([force.of_velocity for force in forces], 1j * omega[:, None], 1.0)
     driven, fed_back = driven * unit[..., None], fed_back * unit[..., None]
     if len(forces) == 1:
-        return _settled(forces[0], _motion(driven, fed_back, power), near)
-    rms = np.zeros((len(driven), len(forces))) if near is None else near.copy()
+        return _settled(forces[0], _motion(driven, fed_back, power), initial_rms)
+    rms = np.zeros((len(driven), len(forces))) if initial_rms is None else initial_rms.copy()
     for _ in range(ROUNDS):
-        before = rms.copy()
+        previous_rms = rms.copy()
         for i, force in enumerate(forces):
-            beside = _beside(forces, rms, driven, fed_back, i)
-            about = None if near is None else rms[:, i : i + 1]
-            rms[:, i : i + 1] = _settled(force, _motion(*beside, power), about)
-        if (np.abs(rms - before) <= SETTLED * rms).all():
+            receptances = _beside(forces, rms, driven, fed_back, i)
+            initial = None if initial_rms is None else rms[:, i : i + 1]
+            rms[:, i : i + 1] = _settled(force, _motion(*receptances, power), initial)
+        if (np.abs(rms - previous_rms) <= SETTLED * rms).all():
             break
     return rms
 
@@ -69,13 +69,19 @@ def _beside(
     forces: Sequence[LocalForce], rms: FloatArray, driven: ComplexArray, fed_back: ComplexArray, i: int
 ) -> tuple[ComplexArray, ComplexArray]:
     """Return what one force takes per source and per force of its own, the others at work."""
-    others = [j for j in range(len(forces)) if j != i]
-    z = _lines([forces[j] for j in others], rms[:, others])[:, None, :]
-    closed = np.eye(len(others)) + fed_back[:, :, others][..., others] * z[:, :, None]
-    right = np.concatenate([driven[:, :, others], fed_back[:, :, others, i : i + 1]], axis=3)
-    held = (fed_back[:, :, i : i + 1, others] * z[:, :, None]) @ np.linalg.solve(closed, right)
+    other_forces = [j for j in range(len(forces)) if j != i]
+    z = _lines([forces[j] for j in other_forces], rms[:, other_forces])[:, None, :]
+    loop_matrix = np.eye(len(other_forces)) + fed_back[:, :, other_forces][..., other_forces] * z[:, :, None]
+    right_hand_side = np.concatenate(
+        [driven[:, :, other_forces], fed_back[:, :, other_forces, i : i + 1]], axis=3
+    )
+    reaction_motion = (fed_back[:, :, i : i + 1, other_forces] * z[:, :, None]) @ np.linalg.solve(
+        loop_matrix, right_hand_side
+    )
     n_in = driven.shape[3]
-    return driven[:, :, i : i + 1] - held[..., :n_in], fed_back[:, :, i : i + 1, i : i + 1] - held[..., n_in:]
+    return driven[:, :, i : i + 1] - reaction_motion[..., :n_in], fed_back[
+        :, :, i : i + 1, i : i + 1
+    ] - reaction_motion[..., n_in:]
 
 
 class _Motion:
@@ -114,59 +120,65 @@ class _Motion:
 
 
 def _motion(driven: ComplexArray, fed_back: ComplexArray, power: FloatArray) -> _Motion:
-    own = fed_back[:, :, 0, 0]
+    receptance = fed_back[:, :, 0, 0]
     size = driven.real**2 + driven.imag**2
-    return _Motion(power * size[:, :, 0].sum(axis=2), 2 * own.real, own.real**2 + own.imag**2)
+    return _Motion(
+        power * size[:, :, 0].sum(axis=2), 2 * receptance.real, receptance.real**2 + receptance.imag**2
+    )
 
 
-def _settled(force: LocalForce, motion: _Motion, near: FloatArray | None) -> FloatArray:
+def _settled(force: LocalForce, motion: _Motion, initial_rms: FloatArray | None) -> FloatArray:
     """Return the least root mean square (n_run, 1) that a force allows under its own straight line.
 
     The first change of sign of ln(allowed/supposed) from small motions up, then Newton's method
     between its ends; or within `REACH` of a motion near it.
     """
-    free = motion.rms(np.zeros(motion.n_run))
-    if not (moving := free > 0).all():
-        found = np.zeros((motion.n_run, 1))
+    open_loop_rms = motion.rms(np.zeros(motion.n_run))
+    if not (moving := open_loop_rms > 0).all():
+        rms_of_runs = np.zeros((motion.n_run, 1))
         if moving.any():
-            found[moving] = _settled(force, motion.of(moving), None if near is None else near[moving])
-        return found
-    if near is None:
-        low, high = _bracket(force, motion, free)
-        at = (low + high) / 2
+            rms_of_runs[moving] = _settled(
+                force, motion.of(moving), None if initial_rms is None else initial_rms[moving]
+            )
+        return rms_of_runs
+    if initial_rms is None:
+        low, high = _bracket(force, motion, open_loop_rms)
+        log_rms = (low + high) / 2
     else:
-        at = np.log(near[:, 0])
-        low, high = at - REACH, at + REACH
+        log_rms = np.log(initial_rms[:, 0])
+        low, high = log_rms - REACH, log_rms + REACH
     for _ in range(ROUNDS):
-        rms = np.exp(at)
-        k, change = force.lines(rms)
-        allowed, falls = motion.slope(k)
-        off = np.log(allowed) - at
-        low, high = np.where(off > 0, at, low), np.where(off > 0, high, at)
-        step = off / (1 - falls * change)
-        new = at + step
-        inside = (new >= low) & (new <= high)
-        at, before = np.where(inside, new, (low + high) / 2), at
-        if (np.abs(at - before) <= SETTLED).all():
+        rms = np.exp(log_rms)
+        k, coefficient_slope = force.lines(rms)
+        resulting_rms, log_slope = motion.slope(k)
+        log_ratio = np.log(resulting_rms) - log_rms
+        low, high = np.where(log_ratio > 0, log_rms, low), np.where(log_ratio > 0, high, log_rms)
+        step = log_ratio / (1 - log_slope * coefficient_slope)
+        newton_point = log_rms + step
+        inside = (newton_point >= low) & (newton_point <= high)
+        log_rms, previous = np.where(inside, newton_point, (low + high) / 2), log_rms
+        if (np.abs(log_rms - previous) <= SETTLED).all():
             break
-    return np.asarray(np.exp(at))[:, None]
+    return np.asarray(np.exp(log_rms))[:, None]
 
 
-def _bracket(force: LocalForce, motion: _Motion, free: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _bracket(force: LocalForce, motion: _Motion, open_loop_rms: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return logarithms of motions, the force allowing more than the first and less than the second."""
-    looked = LOOKED_AT * free.max()
+    trial_rms = LOOKED_AT * open_loop_rms.max()
     while True:
-        lines = force.lines(looked)[0]
-        allowed = np.array([motion.rms(np.full(motion.n_run, line)) for line in lines])
-        less = allowed <= looked[:, None]
-        if less[0].any():
-            looked = np.concatenate([looked[0] / FARTHER, looked])
-        elif not less[-1].all():
-            looked = np.concatenate([looked, looked[-1] * FARTHER[::-1]])
+        coefficients = force.lines(trial_rms)[0]
+        resulting_rms = np.array(
+            [motion.rms(np.full(motion.n_run, coefficient)) for coefficient in coefficients]
+        )
+        is_smaller = resulting_rms <= trial_rms[:, None]
+        if is_smaller[0].any():
+            trial_rms = np.concatenate([trial_rms[0] / FARTHER, trial_rms])
+        elif not is_smaller[-1].all():
+            trial_rms = np.concatenate([trial_rms, trial_rms[-1] * FARTHER[::-1]])
         else:
             break
-    first = less.argmax(axis=0)
-    return np.log(looked[first - 1]), np.log(looked[first])
+    first = is_smaller.argmax(axis=0)
+    return np.log(trial_rms[first - 1]), np.log(trial_rms[first])
 
 
 def at_work(
@@ -190,19 +202,21 @@ def at_work(
     unit = np.where([force.of_velocity for force in forces], 1j * omega[:, None], 1.0)
     z = _lines(forces, rms)[:, None, :] * unit
     if len(forces) == 1:
-        closed = 1 + fed_back * z[..., None]
-        return driven / closed, fed_back / closed
-    closed = np.eye(len(forces)) + fed_back * z[:, :, None, :]
-    return np.asarray(np.linalg.solve(closed, driven)), np.asarray(np.linalg.solve(closed, fed_back))
+        loop_matrix = 1 + fed_back * z[..., None]
+        return driven / loop_matrix, fed_back / loop_matrix
+    loop_matrix = np.eye(len(forces)) + fed_back * z[:, :, None, :]
+    return np.asarray(np.linalg.solve(loop_matrix, driven)), np.asarray(
+        np.linalg.solve(loop_matrix, fed_back)
+    )
 
 
 def _lines(forces: Sequence[LocalForce], rms: FloatArray) -> FloatArray:
     """Return the straight lines, (n_run, r) N/m or N s/m; 0 of a force that does not move."""
-    each = [
-        np.where(own > 0, force.lines(np.maximum(own, np.finfo(float).tiny))[0], 0.0)
-        for force, own in zip(forces, rms.T, strict=True)
+    coefficients = [
+        np.where(force_rms > 0, force.lines(np.maximum(force_rms, np.finfo(float).tiny))[0], 0.0)
+        for force, force_rms in zip(forces, rms.T, strict=True)
     ]
-    return np.stack(each, axis=1)
+    return np.stack(coefficients, axis=1)
 
 
 @dataclass(frozen=True, eq=False)
@@ -214,7 +228,7 @@ class Taken:
 
 
 def left_over(
-    one: Linearised, spectrum: FloatArray, answer: ComplexArray, spacing: float
+    linearised_force: Linearised, spectrum: FloatArray, receptance: ComplexArray, spacing: float
 ) -> tuple[FloatArray, ComplexArray]:
     """Return the density of a force's residual, N^2/Hz, and what it holds against the motion itself.
 
@@ -226,7 +240,7 @@ def left_over(
 
     Parameters
     ----------
-    spectrum, answer
+    spectrum, receptance
         (n_lines,) of a `Taken`.
     spacing
         Of the lines, Hz.
@@ -243,9 +257,11 @@ def left_over(
     # Both are even: half of each says it all.
     motion = scipy.fft.dct(two_sided, type=1)
     correlation = np.clip(motion / motion[0], -1.0, 1.0) if motion[0] > 0 else motion
-    density = scipy.fft.dct(one.residual_correlation(correlation), type=1)[:n_lines] / (n * spacing)
-    memory = one.residual_memory(correlation)
-    impulse = scipy.fft.irfft(answer, 2 * n)
-    impulse[: n + 1] *= memory
-    impulse[n + 1 :] *= memory[-2:0:-1]
+    density = scipy.fft.dct(linearised_force.residual_correlation(correlation), type=1)[:n_lines] / (
+        n * spacing
+    )
+    correlation_slope = linearised_force.residual_memory(correlation)
+    impulse = scipy.fft.irfft(receptance, 2 * n)
+    impulse[: n + 1] *= correlation_slope
+    impulse[n + 1 :] *= correlation_slope[-2:0:-1]
     return density.clip(min=0.0), -scipy.fft.rfft(impulse)[:n_lines]

@@ -115,8 +115,8 @@ class Excitation:
 
     def specs(self) -> dict[str, ParameterSpec]:
         """Return unit, bounds and meaning of the numbers it asks for, by name."""
-        known = ExcitationSetting.specs()
-        return {name: known[name] for name in self.settings}
+        all_specs = ExcitationSetting.specs()
+        return {name: all_specs[name] for name in self.settings}
 
     @property
     def comes_back(self) -> bool:

@@ -78,8 +78,8 @@ def noise_free(chain: Chain, step: int | None = None, view: LeakageKernel | None
 def _repeating(chain: Chain, step: int) -> ComplexArray:
     """Return the same of what repeats with the record, or begins and ends within it, at full power."""
     if transient_of(chain) is not None:
-        seen = transient_spectra(chain, FORGOTTEN if step == 1 else NEARLY)
-        return seen[:, ::step] + _distorted(chain, step)
+        spectra = transient_spectra(chain, FORGOTTEN if step == 1 else NEARLY)
+        return spectra[:, ::step] + _distorted(chain, step)
     lines = fixed_signals(chain)
     if lines is not None:
         return _products(lines[:, ::step]) + _distorted(chain, step)
@@ -91,8 +91,8 @@ def _distorted(chain: Chain, step: int) -> ComplexArray | float:
     if not chain.runs[0].local:
         return 0.0
     view = periodic_view(chain.setup.analyser, step)
-    left = residuals(chain.runs, chain.setup.analyser, chain.source, view.nodes)
-    return view.through(_powers(chain.distort(view.nodes), left.density))
+    residual = residuals(chain.runs, chain.setup.analyser, chain.source, view.nodes)
+    return view.through(_powers(chain.distort(view.nodes), residual.density))
 
 
 def _through(view: View | LeakageKernel, chain: Chain, finest: int = FINEST) -> ComplexArray:
@@ -101,14 +101,14 @@ def _through(view: View | LeakageKernel, chain: Chain, finest: int = FINEST) -> 
     driven, distorted = chain.answers(view.nodes)
     if not chain.runs[0].local:
         return view.through(_powers(driven, density))
-    left = residuals(chain.runs, analyser, chain.source, view.nodes, finest)
-    driven, distorted = with_equivalent_feedback(driven, distorted, left.line)
-    return view.through(_powers(driven, density) + _powers(distorted, left.density))
+    residual = residuals(chain.runs, analyser, chain.source, view.nodes, finest)
+    driven, distorted = with_equivalent_feedback(driven, distorted, residual.line)
+    return view.through(_powers(driven, density) + _powers(distorted, residual.density))
 
 
-def _products(seen: ComplexArray) -> ComplexArray:
+def _products(lines: ComplexArray) -> ComplexArray:
     """Return G_ff, G_fx and G_xx side by side of the lines (n_run, n_lines, 1 + n_out) of one source."""
-    force, response = seen[..., :1], seen[..., 1:]
+    force, response = lines[..., :1], lines[..., 1:]
     return np.concatenate([np.abs(force) ** 2, force.conj() * response, np.abs(response) ** 2], axis=2)
 
 
@@ -173,9 +173,9 @@ def _with_noise(chain: Chain, clean: ComplexArray, freq: FloatArray) -> CrossSpe
         clean[..., -n_out:].real + noise[:, None, n:],
         effective_averages(analyser.averages, chain.overlap, analyser.line_window),
     )
-    known = acquisition(chain, clean)
+    acquisition_state = acquisition(chain, clean)
     for effect in chain.effects:
-        spectra = effect.on_spectra(spectra, known)
+        spectra = effect.on_spectra(spectra, acquisition_state)
     return spectra
 
 
@@ -193,9 +193,9 @@ def _powers(answer: ChannelResponse, density: FloatArray) -> ComplexArray:
     n_in, n_sources = f.shape[2:]
     if n_in == n_sources == 1:  # products number by number instead of matrix by matrix
         f, x = f[..., 0], x[..., 0]
-        force, power = (density * (one.real**2 + one.imag**2) for one in (f, x))
+        force, power = (density * (spectrum.real**2 + spectrum.imag**2) for spectrum in (f, x))
         return np.concatenate([force.astype(complex), density * f.conj() * x, power], axis=2)
-    back = density[:, :, None, :] * f.conj()
-    parts = [back @ f.swapaxes(2, 3), back @ x.swapaxes(2, 3)]
+    weighted_force = density[:, :, None, :] * f.conj()
+    parts = [weighted_force @ f.swapaxes(2, 3), weighted_force @ x.swapaxes(2, 3)]
     flat = [part.reshape(*part.shape[:2], -1) for part in parts]
     return np.concatenate([*flat, (density[:, :, None, :] * np.abs(x) ** 2).sum(axis=3)], axis=2)

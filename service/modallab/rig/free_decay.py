@@ -43,33 +43,35 @@ def answers_of(chain: Chain, run: int) -> ImpulseResponses:
 
 def all_answers(chain: Chain, forgotten: float = FORGOTTEN) -> Iterator[ImpulseResponses]:
     """Yield the same of every run; runs that fit into memory share their solutions."""
-    whole = samples_of(chain.setup.analyser) * _repeats(replace(chain, runs=chain.runs[:1]), forgotten)
+    n_fft = samples_of(chain.setup.analyser) * _repeats(replace(chain, runs=chain.runs[:1]), forgotten)
     n_ch = chain.n_in + len(chain.runs[0].responses)
-    together = max(1, AT_ONCE // (whole * n_ch))
-    for first in range(0, len(chain.runs), together):
-        yield from _answers(replace(chain, runs=chain.runs[first : first + together]), forgotten)
+    runs_per_group = max(1, AT_ONCE // (n_fft * n_ch))
+    for first in range(0, len(chain.runs), runs_per_group):
+        yield from _answers(replace(chain, runs=chain.runs[first : first + runs_per_group]), forgotten)
 
 
 def _answers(group: Chain, forgotten: float) -> list[ImpulseResponses]:
     analyser, transient = group.setup.analyser, transient_of(group)
     assert transient is not None  # asked for by transient excitations only
     n, rate, setting = samples_of(analyser), sample_rate_of(analyser), analyser.excitation
-    whole = n * _repeats(group, forgotten)
-    freq = scipy.fft.rfftfreq(whole, 1 / rate)
+    n_fft = n * _repeats(group, forgotten)
+    freq = scipy.fft.rfftfreq(n_fft, 1 / rate)
     omega = 2 * np.pi * np.maximum(freq, DC_LIMIT * analyser.spacing)
-    played = transient.spectrum(omega, setting) * _anti_alias(freq, analyser.frequency_max, rate / 2)
+    source_spectrum = transient.spectrum(omega, setting) * _anti_alias(freq, analyser.frequency_max, rate / 2)
     for shaping in group.source.shaping:
-        played = played * shaping(omega)
-    played = played * np.sqrt(setting.level**2 / analyser.frequency_max * rate / 2)
-    found = []
-    for run, heard in zip(group.runs, group.respond(freq).channels, strict=True):
+        source_spectrum = source_spectrum * shaping(omega)
+    source_spectrum = source_spectrum * np.sqrt(setting.level**2 / analyser.frequency_max * rate / 2)
+    responses = []
+    for run, channel_response in zip(group.runs, group.respond(freq).channels, strict=True):
         if transient.strays(setting):
-            heard = np.concatenate([heard, misalignment_responses(replace(group, runs=(run,)), freq)], axis=2)
-        samples = scipy.fft.irfft(played * heard.transpose(2, 1, 0), whole)
-        found.append(
+            channel_response = np.concatenate(
+                [channel_response, misalignment_responses(replace(group, runs=(run,)), freq)], axis=2
+            )
+        samples = scipy.fft.irfft(source_spectrum * channel_response.transpose(2, 1, 0), n_fft)
+        responses.append(
             ImpulseResponses(np.concatenate([samples[..., -n:], samples[..., :n]], axis=-1), group.n_in)
         )
-    return found
+    return responses
 
 
 def transient_spectra(chain: Chain, forgotten: float = FORGOTTEN) -> ComplexArray:
@@ -109,13 +111,13 @@ def _repeats(group: Chain, forgotten: float) -> int:
     analyser = group.setup.analyser
     frequencies, widths = group.poles()
     slowest = widths[frequencies < analyser.frequency_max + analyser.spacing].min(initial=np.inf)
-    ringing = -np.log(forgotten) / (2 * np.pi * slowest) * analyser.spacing if slowest > 0 else np.inf
-    room = LONGEST / ((1 + len(group.runs[0].responses)) * samples_of(analyser))
-    if ringing > room:
+    decay_records = -np.log(forgotten) / (2 * np.pi * slowest) * analyser.spacing if slowest > 0 else np.inf
+    max_records = LONGEST / ((1 + len(group.runs[0].responses)) * samples_of(analyser))
+    if decay_records > max_records:
         raise InvalidInputError(
-            f"a mode rings for {ringing:.3g} records: too long to follow what a transient leaves",
+            f"a mode rings for {decay_records:.3g} records: too long to follow what a transient leaves",
             field="excitation.kind",
             value=analyser.excitation.kind,
             allowed="a periodic excitation, or more damping",
         )
-    return 2 * int(np.ceil(max(ringing, 2.0) / 2 + 0.5))
+    return 2 * int(np.ceil(max(decay_records, 2.0) / 2 + 0.5))

@@ -50,10 +50,10 @@ def reach(width: float, drop: float = 20.0) -> float:
     drop
         dB, above 0.
     """
-    wanted = 10 ** (-drop / 20)
+    threshold = 10 ** (-drop / 20)
 
     def excess(x: float) -> float:
-        return float(np.abs(pulse_spectrum(np.array([2 * x]), 1.0))[0]) - wanted
+        return float(np.abs(pulse_spectrum(np.array([2 * x]), 1.0))[0]) - threshold
 
     return float(brentq(excess, 1e-9, 1.5 * np.pi) / (np.pi * width))
 

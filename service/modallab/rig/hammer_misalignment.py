@@ -15,18 +15,18 @@ STEP = 1e-4  # m, to either side, for the slope of the shape functions at a node
 
 def lateral(system: DynamicSystem, drive: Dof) -> tuple[Dof, ...]:
     """Return the translations of a drive point's node across its axis."""
-    beside = (Dof(drive.node, direction) for direction in TRANSLATIONS if direction != drive.direction)
-    return tuple(dof for dof in beside if dof in system.dofs)
+    directions = (Dof(drive.node, direction) for direction in TRANSLATIONS if direction != drive.direction)
+    return tuple(dof for dof in directions if dof in system.dofs)
 
 
-def misalignment_responses(alone: Chain, freq: FloatArray) -> ComplexArray:
+def misalignment_responses(single_run: Chain, freq: FloatArray) -> ComplexArray:
     """Return what the channels of one run show of stray forces, (n_freq, 1 + n_out, 1 + n_lateral).
 
     First per newton and metre of place along the member, to first order, then per newton in each
     direction across the axis. The gauge sits in the hammer and shows the whole blow, wherever it goes.
     """
-    run = alone.runs[0]
-    drive, spacing = run.shot.drive, alone.setup.analyser.spacing
+    run = single_run.runs[0]
+    drive, spacing = run.shot.drive, single_run.setup.analyser.spacing
     columns = np.column_stack([_lever(run.system, drive), run.system.selection(lateral(run.system, drive))])
     omega = 2 * np.pi * np.maximum(freq, DC_LIMIT * spacing)
     alpha = receptance(run.system, omega / (2 * np.pi), run.system.selection(run.motions), columns)

@@ -38,24 +38,26 @@ class LeakageKernel:
         n_lines = self.near.shape[0]
         flat = np.ascontiguousarray(spectrum.swapaxes(0, 1)).reshape(n_nodes, n_run * k)
         # Real and imaginary parts each on their own: an auto spectrum, which has but one, costs half.
-        turning = flat.imag.any(axis=0)
+        is_complex = flat.imag.any(axis=0)
         n_real = flat.shape[1]
-        parts = np.concatenate([flat.real, flat.imag[:, turning]], axis=1)
+        parts = np.concatenate([flat.real, flat.imag[:, is_complex]], axis=1)
         sign = np.ones(parts.shape[1])
         sign[n_real:] = -1.0  # of the mirror
-        seen = self.near @ parts + sign * (self.mirrored @ parts)
-        above = (self.gather @ parts).reshape(DEGREE, n_lines, -1)
-        both = np.zeros((self.n_fft, parts.shape[1]))
+        near_part = self.near @ parts + sign * (self.mirrored @ parts)
+        far_points = (self.gather @ parts).reshape(DEGREE, n_lines, -1)
+        sources = np.zeros((self.n_fft, parts.shape[1]))
         lines = np.zeros((self.far.shape[1], parts.shape[1]), complex)
-        for far, own, mirror in zip(self.far, above, above[::-1], strict=True):  # each lies in the cache
-            both[: n_lines - 1] = both[2 * n_lines - 1 :] = 0.0
-            both[n_lines - 1 : 2 * n_lines - 1] = own
-            both[n_lines - 1 :: -1] += sign * mirror
-            lines += far * scipy.fft.rfft(both, axis=0)
-        seen += scipy.fft.irfft(lines, self.n_fft, axis=0)[n_lines - 1 : 2 * n_lines - 1]
-        whole = seen[:, :n_real].astype(complex)
-        whole.imag[:, turning] = seen[:, n_real:]
-        return np.asarray(whole.reshape(n_lines, n_run, k).swapaxes(0, 1))
+        for far, points, mirror in zip(
+            self.far, far_points, far_points[::-1], strict=True
+        ):  # each lies in the cache
+            sources[: n_lines - 1] = sources[2 * n_lines - 1 :] = 0.0
+            sources[n_lines - 1 : 2 * n_lines - 1] = points
+            sources[n_lines - 1 :: -1] += sign * mirror
+            lines += far * scipy.fft.rfft(sources, axis=0)
+        near_part += scipy.fft.irfft(lines, self.n_fft, axis=0)[n_lines - 1 : 2 * n_lines - 1]
+        spectrum_at_lines = near_part[:, :n_real].astype(complex)
+        spectrum_at_lines.imag[:, is_complex] = near_part[:, n_real:]
+        return np.asarray(spectrum_at_lines.reshape(n_lines, n_run, k).swapaxes(0, 1))
 
 
 def leak_spectrum(
@@ -78,22 +80,36 @@ def leak_spectrum(
     shape = WINDOWS[window]
     line = np.round(nodes / spacing)
     offset = nodes / spacing - line
-    share = np.sin(np.pi * offset) ** 2 * weights / spacing
-    nearby = _nearby(shape, n_lines)
-    reach = np.arange(1 - nearby, nearby)[:, None]
-    own = line.astype(int)
+    node_weight = np.sin(np.pi * offset) ** 2 * weights / spacing
+    n_near = _nearby(shape, n_lines)
+    line_distance = np.arange(1 - n_near, n_near)[:, None]
+    line_index = line.astype(int)
     column = np.arange(len(nodes))
 
     def matrix(rows: FloatArray, values: FloatArray, n_rows: int) -> csr_array:
-        kept = (rows >= 0) & (rows < n_rows)
+        in_band = (rows >= 0) & (rows < n_rows)
         columns = np.broadcast_to(column, rows.shape)
-        return csr_array(coo_array((values[kept], (rows[kept], columns[kept])), (n_rows, len(nodes))))
+        return csr_array(
+            coo_array((values[in_band], (rows[in_band], columns[in_band])), (n_rows, len(nodes)))
+        )
 
     return LeakageKernel(
         nodes,
-        matrix(own + reach, shape.envelope(reach - offset, n_samples) * share, n_lines),
-        matrix(reach - own, shape.envelope(reach + offset, n_samples) * share, n_lines),
-        matrix(own + n_lines * np.arange(DEGREE)[:, None], _lagrange(offset) * share, DEGREE * n_lines),
+        matrix(
+            line_index + line_distance,
+            shape.envelope(line_distance - offset, n_samples) * node_weight,
+            n_lines,
+        ),
+        matrix(
+            line_distance - line_index,
+            shape.envelope(line_distance + offset, n_samples) * node_weight,
+            n_lines,
+        ),
+        matrix(
+            line_index + n_lines * np.arange(DEGREE)[:, None],
+            _lagrange(offset) * node_weight,
+            DEGREE * n_lines,
+        ),
         _far(window, n_lines, n_samples),
         _n_fft(n_lines),
     )
@@ -113,13 +129,16 @@ def _points() -> FloatArray:
 def _lagrange(offset: FloatArray) -> FloatArray:
     """Return the polynomials that are 1 at one point and 0 at the others, (DEGREE, n) at `offset` (n,)."""
     points = _points()
-    off = offset - points[:, None]
-    apart = np.where(np.eye(DEGREE, dtype=bool), 1.0, points[:, None] - points).prod(axis=1)
-    below, above = np.ones_like(off), np.ones_like(off)  # products over the points on either side
+    distance = offset - points[:, None]
+    denominator = np.where(np.eye(DEGREE, dtype=bool), 1.0, points[:, None] - points).prod(axis=1)
+    lower_product, upper_product = (
+        np.ones_like(distance),
+        np.ones_like(distance),
+    )  # products over the points on either side
     for i in range(1, DEGREE):
-        below[i] = below[i - 1] * off[i - 1]
-        above[-1 - i] = above[-i] * off[-i]
-    return np.asarray(below * above / apart[:, None])
+        lower_product[i] = lower_product[i - 1] * distance[i - 1]
+        upper_product[-1 - i] = upper_product[-i] * distance[-i]
+    return np.asarray(lower_product * upper_product / denominator[:, None])
 
 
 @lru_cache(maxsize=8)
@@ -128,8 +147,8 @@ def _far(window: str, n_lines: int, n_samples: int | None) -> ComplexArray:
     n_fft = _n_fft(n_lines)
     steps = np.arange(1 - n_lines, 2 * n_lines - 1)
     kernel = np.zeros((DEGREE, n_fft))
-    far = steps[np.abs(steps) >= _nearby(WINDOWS[window], n_lines)]
-    kernel[:, far % n_fft] = WINDOWS[window].envelope(far - _points()[:, None], n_samples)
+    far_lines = steps[np.abs(steps) >= _nearby(WINDOWS[window], n_lines)]
+    kernel[:, far_lines % n_fft] = WINDOWS[window].envelope(far_lines - _points()[:, None], n_samples)
     return np.asarray(scipy.fft.rfft(kernel, axis=1)[:, :, None])
 
 

@@ -65,18 +65,18 @@ def measure(
     """
     route = Route(route)  # its plain name is taken for it too
     check_compatible(setup)
-    own = [build(spec) for spec in structure.effects]
-    for effect in [*own, *(build(spec) for spec in setup.effects), *effects]:
+    modelled = [build(spec) for spec in structure.effects]
+    for effect in [*modelled, *(build(spec) for spec in setup.effects), *effects]:
         effect.check(structure, setup)
-    whole = chain(assemble(structure), setup, [*own, *effects])
+    measuring_chain = chain(assemble(structure), setup, [*modelled, *effects])
     if route is not Route.SAMPLED:
-        check_first_order(whole.runs, setup.analyser, whole.source)
+        check_first_order(measuring_chain.runs, setup.analyser, measuring_chain.source)
     if route is Route.SAMPLED:
-        spectra = sampled_spectra(whole, rng, progress)
+        spectra = sampled_spectra(measuring_chain, rng, progress)
     elif route is Route.DRAWN:
-        spectra = draw(whole, rng)
+        spectra = draw(measuring_chain, rng)
     else:
-        spectra = expected_spectra(whole)
+        spectra = expected_spectra(measuring_chain)
     progress(1.0, "measured")
     return measurement_of(spectra, setup)
 
@@ -86,8 +86,8 @@ def draw(chain: Chain, rng: np.random.Generator) -> CrossSpectra:
     clean, steady = noise_free(chain), steady_runs(chain)
     expected = with_noise(chain, clean)
     n_out = len(chain.runs[0].responses)
-    seen = chain.setup.analyser.line_window.noise_shares(chain.n_in, n_out)
-    noise = (noise_densities(chain, clean) * seen)[:, 0]
+    noise_shares = chain.setup.analyser.line_window.noise_shares(chain.n_in, n_out)
+    noise = (noise_densities(chain, clean) * noise_shares)[:, 0]
     if steady is not None:
         return wishart_about(expected, clean, noise, steady, rng)
     return wishart_spectra(expected, rng, signal=signal_of(expected, clean, noise))

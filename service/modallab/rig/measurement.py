@@ -35,13 +35,13 @@ class Measurement:
     def __post_init__(self) -> None:
         shape = self.frf.values.shape
         roved = self.setup.exciter.kind == "hammer" and shape[2] > 1
-        own = shape if roved else shape[:2]
-        expected = {"coherence": own, "force_spectrum": shape, "response_spectrum": own}
+        response_shape = shape if roved else shape[:2]
+        expected = {"coherence": response_shape, "force_spectrum": shape, "response_spectrum": response_shape}
         expected["input_condition"] = shape[:1]
-        for name, wanted in expected.items():
+        for name, array_shape in expected.items():
             value = getattr(self, name)
             if value is not None:
-                object.__setattr__(self, name, frozen(value, float, wanted, name=name))
+                object.__setattr__(self, name, frozen(value, float, array_shape, name=name))
         if self.coherence is not None and not (
             (self.coherence >= 0).all() and (self.coherence <= 1 + 1e-9).all()
         ):
@@ -83,6 +83,6 @@ class Measurement:
     def by_line(self, change: Callable[[NDArray[Any]], NDArray[Any]]) -> "Measurement":
         """Return the measurement with every array that has a frequency axis changed alike."""
         names = ("coherence", "force_spectrum", "response_spectrum", "input_condition")
-        held: dict[str, Any] = {n: change(array) for n in names if (array := getattr(self, n)) is not None}
+        arrays: dict[str, Any] = {n: change(array) for n in names if (array := getattr(self, n)) is not None}
         frf = replace(self.frf, freq=change(self.frf.freq), values=change(self.frf.values))
-        return replace(self, frf=frf, **held)
+        return replace(self, frf=frf, **arrays)

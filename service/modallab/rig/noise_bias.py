@@ -21,19 +21,24 @@ def without_noise_bias(measurement: Measurement) -> tuple[FrfSet, FloatArray | N
     leaks, which is not coherent either.
     """
     frf, g2, force = measurement.frf, measurement.coherence, measurement.force_spectrum
-    several = g2 is None or (g2.ndim == 2 and len(frf.inputs) > 1)
+    ambiguous = g2 is None or (g2.ndim == 2 and len(frf.inputs) > 1)
     leaks = EXCITATIONS[measurement.setup.analyser.excitation.kind].continuous > 0
-    if g2 is None or force is None or several or leaks or measurement.averages <= UNKNOWN:
+    if g2 is None or force is None or ambiguous or leaks or measurement.averages <= UNKNOWN:
         return frf, None
     g2 = g2.reshape(frf.values.shape)
-    to_h1 = g2 ** OF_H1[measurement.setup.analyser.estimator]
+    h1_factor = g2 ** OF_H1[measurement.setup.analyser.estimator]
     force = np.where(force > 0, force, 1.0)
-    heard = np.abs(frf.to(FrfKind.INERTANCE).values * to_h1) ** 2 * force
+    response_power = np.abs(frf.to(FrfKind.INERTANCE).values * h1_factor) ** 2 * force
     columns = (len(frf.freq), -1)
-    noise = ForceChannelNoise.of(frf.freq > 0, *(one.reshape(columns) for one in (g2, force, heard)))
+    noise = ForceChannelNoise.of(
+        frf.freq > 0, *(array.reshape(columns) for array in (g2, force, response_power))
+    )
     if noise is None:
         return frf, None
-    rise = noise.rise.reshape(g2.shape)
-    alone = measurement.setup.accelerometers.roving or len(frf.outputs) < 2
-    values, variance = frf.values * to_h1 * (1 + rise), rise / (2 * (measurement.averages - UNKNOWN))
-    return FrfSet(frf.freq, values, frf.outputs, frf.inputs, frf.kind), None if alone else variance
+    noise_ratio = noise.rise.reshape(g2.shape)
+    uncorrelated = measurement.setup.accelerometers.roving or len(frf.outputs) < 2
+    values, variance = (
+        frf.values * h1_factor * (1 + noise_ratio),
+        noise_ratio / (2 * (measurement.averages - UNKNOWN)),
+    )
+    return FrfSet(frf.freq, values, frf.outputs, frf.inputs, frf.kind), None if uncorrelated else variance

@@ -58,7 +58,7 @@ class Distorter:
         self._n = samples_of(analyser)
         self._leads = [lead_in(run, analyser) for run in self._runs]
         step = 1 / (FINER * self._n * analyser.spacing)
-        self._of_velocity = [one.force.of_velocity for one in self._runs[0].local]
+        self._of_velocity = [linearised_force.force.of_velocity for linearised_force in self._runs[0].local]
         feedbacks = feedbacks_of(self._runs)
         self._stepper = Stepper(feedbacks, self._of_velocity, step)
         self._heard = [self._hearing(chain, *pair) for pair in zip(self._runs, self._leads, strict=True)]
@@ -78,24 +78,27 @@ class Distorter:
             By run, of as many records each.
         """
         longest = max(self._leads)
-        motions = [self._motion(*each, longest) for each in zip(self._runs, played, self._leads, strict=True)]
-        left = residual_forces(
+        motions = [
+            self._motion(*arguments, longest)
+            for arguments in zip(self._runs, played, self._leads, strict=True)
+        ]
+        residuals = residual_forces(
             [run.local for run in self._runs],
             lambda start, end: np.stack([motion(start, end) for motion in motions], axis=1),
             (1 + longest) * self._n * FINER,
             self._stepper,
         )
         return [
-            self._told(left[(longest - lead) * self._n * FINER :, i], heard)
-            for i, (lead, heard) in enumerate(zip(self._leads, self._heard, strict=True))
+            self._told(residuals[(longest - lead) * self._n * FINER :, i], channel_response)
+            for i, (lead, channel_response) in enumerate(zip(self._leads, self._heard, strict=True))
         ]
 
-    def _told(self, left: FloatArray, heard: ComplexArray) -> FloatArray:
+    def _told(self, residuals: FloatArray, channel_response: ComplexArray) -> FloatArray:
         """Return the channels' records of residuals (n_fine, n, r), lead-in first."""
-        lines = scipy.fft.rfft(left, axis=0)[: heard.shape[-1]] / FINER
+        lines = scipy.fft.rfft(residuals, axis=0)[: channel_response.shape[-1]] / FINER
         # The residual is a force against the structure's motion: on the structure it acts the other way.
-        told = -np.einsum("crf,fnr->ncf", heard, lines, optimize=True)
-        return np.asarray(scipy.fft.irfft(told, len(left) // FINER)[..., -self._n :])
+        channel_lines = -np.einsum("crf,fnr->ncf", channel_response, lines, optimize=True)
+        return np.asarray(scipy.fft.irfft(channel_lines, len(residuals) // FINER)[..., -self._n :])
 
     def _motion(
         self, run: Run, played: Sequence[Played], lead: int, longest: int
@@ -104,19 +107,19 @@ class Distorter:
 
         Nothing moves before a run's own lead-in begins.
         """
-        samples = [self._samples(run, one) for one in played]
-        begins = (longest - lead) * self._n * FINER
+        samples = [self._samples(run, signal) for signal in played]
+        first_sample = (longest - lead) * self._n * FINER
 
         def between(start: int, end: int) -> FloatArray:
             time = np.arange(start, end)
             parts = []
-            for one, own in zip(played, samples, strict=True):
-                at = FINER * one.starts + (time - longest * self._n * FINER)[:, None]
-                at %= len(own)
-                parts.append(own[at, one.which])
+            for signal, motion in zip(played, samples, strict=True):
+                position = FINER * signal.starts + (time - longest * self._n * FINER)[:, None]
+                position %= len(motion)
+                parts.append(motion[position, signal.which])
             total = sum(parts[1:], parts[0])
-            if start < begins:
-                total[time < begins] = 0.0
+            if start < first_sample:
+                total[time < first_sample] = 0.0
             return np.asarray(total)
 
         return between
@@ -125,15 +128,15 @@ class Distorter:
         """Return what the forces of a run take, (n_samples, n, r), over a period of what is played."""
         n_lines = played.lines.shape[-1]
         freq = np.linspace(0.0, self._analyser.frequency_max, n_lines)
-        whole = played.n_records * self._n * FINER
+        n_period = played.n_records * self._n * FINER
         omega = 2 * np.pi * np.maximum(freq, DC_LIMIT * self._analyser.spacing)
-        driven = motions([run], [one.force for one in run.local], omega)[0][0]
+        driven = motions([run], [linearised_force.force for linearised_force in run.local], omega)[0][0]
         driven[0] = 0.0  # a free body's place is no part of its vibration
         driven = driven * np.where(self._of_velocity, 1j * omega[:, None], 1.0)[..., None]
         lines = np.einsum("fri,nif->fnr", driven, played.lines)
         density = played.share * self._analyser.excitation.level**2 / self._analyser.frequency_max
         rate = FINER * self._n * self._analyser.spacing
-        return np.asarray(scipy.fft.irfft(lines, whole, axis=0) * np.sqrt(density * rate * whole / 2))
+        return np.asarray(scipy.fft.irfft(lines, n_period, axis=0) * np.sqrt(density * rate * n_period / 2))
 
 
 def feedbacks_of(runs: Sequence[Run]) -> list[ModalFeedback]:
@@ -144,7 +147,10 @@ def feedbacks_of(runs: Sequence[Run]) -> list[ModalFeedback]:
     DivergedError
         If steps in time are known not to follow them.
     """
-    feedbacks = [ModalFeedback.of(run.whole, tuple(one.force.dof for one in run.local)) for run in runs]
+    feedbacks = [
+        ModalFeedback.of(run.whole, tuple(linearised_force.force.dof for linearised_force in run.local))
+        for run in runs
+    ]
     for run, feedback in zip(runs, feedbacks, strict=True):
         check_bounded(feedback, run.local)
     return feedbacks
@@ -154,8 +160,8 @@ def lead_in(run: Run, analyser: Analyser) -> int:
     """Return how many records it takes until a start from rest is forgotten."""
     frequencies, widths = run.resonances(analyser.frequency_max)
     slowest = widths[frequencies < analyser.frequency_max].min(initial=np.inf)
-    ringing = -np.log(FORGOTTEN) / (2 * np.pi * max(slowest, 1e-12)) * analyser.spacing
-    return int(np.clip(np.ceil(ringing), 1, LONGEST))
+    decay_records = -np.log(FORGOTTEN) / (2 * np.pi * max(slowest, 1e-12)) * analyser.spacing
+    return int(np.clip(np.ceil(decay_records), 1, LONGEST))
 
 
 def side_by_side(chain: Chain) -> int:

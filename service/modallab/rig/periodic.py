@@ -31,11 +31,12 @@ class PeriodicSignal:
 
     def expected(self, gain: ComplexArray) -> ComplexArray:
         """Return their mean G_ff, G_fx and G_xx side by side, (n_lines, 1 + 2 n_out), behind gains."""
-        seen = self.signals * gain
-        back = np.einsum("kl,kf->lf", self.moments, seen[..., 0].conj())
-        first = np.einsum("lf,lfc->fc", back, seen)
+        spectra = self.signals * gain
+        weighted_force = np.einsum("kl,kf->lf", self.moments, spectra[..., 0].conj())
+        first = np.einsum("lf,lfc->fc", weighted_force, spectra)
         return np.concatenate(
-            [first, np.einsum("kl,kfc,lfc->fc", self.moments, seen[..., 1:].conj(), seen[..., 1:])], axis=1
+            [first, np.einsum("kl,kfc,lfc->fc", self.moments, spectra[..., 1:].conj(), spectra[..., 1:])],
+            axis=1,
         )
 
 
@@ -49,11 +50,11 @@ def steady_runs(chain: Chain) -> tuple[PeriodicSignal, ...] | None:
     """Return what comes back in every average of each run; None where all is drawn anew."""
     transient = transient_of(chain)
     if transient is None:
-        seen, share = fixed_signals(chain), np.sqrt(1 - chain.source.continuous)
+        signals, share = fixed_signals(chain), np.sqrt(1 - chain.source.continuous)
         return (
             None
-            if seen is None
-            else tuple(PeriodicSignal(share * run[None], np.eye(1), _once) for run in seen)
+            if signals is None
+            else tuple(PeriodicSignal(share * run[None], np.eye(1), _once) for run in signals)
         )
     runs = [_blows(chain, transient, answers) for answers in all_answers(chain)]
     return None if None in runs else tuple(run for run in runs if run is not None)
@@ -84,23 +85,24 @@ def fixed_signals(chain: Chain) -> ComplexArray | None:
     if lines is None:
         return None
     density = analyser.excitation.level**2 / analyser.frequency_max
-    heard = chain.respond(analyser.freq).channels.sum(axis=3)
-    return _through(analyser.line_window, np.sqrt(density) * heard * lines[:, None])
+    channel_lines = chain.respond(analyser.freq).channels.sum(axis=3)
+    return _through(analyser.line_window, np.sqrt(density) * channel_lines * lines[:, None])
 
 
 def _through(window: Window, lines: ComplexArray) -> ComplexArray:
     """Return the lines (n_run, n_lines, n_ch) of a record through a window, over its root mean square."""
-    reach, n = len(window.coefficients) - 1, lines.shape[1]
-    nothing = np.zeros((len(lines), reach, lines.shape[2]))
+    half_width, n = len(window.coefficients) - 1, lines.shape[1]
+    zeros = np.zeros((len(lines), half_width, lines.shape[2]))
     # Lines at negative frequency are conjugate; the record of a channel is real.
-    wide = np.concatenate([lines[:, reach:0:-1].conj(), lines, nothing], axis=1)
-    wide[:, reach] = wide[:, reach].real
-    seen = window.coefficients[0] * wide[:, reach : reach + n]
+    extended_lines = np.concatenate([lines[:, half_width:0:-1].conj(), lines, zeros], axis=1)
+    extended_lines[:, half_width] = extended_lines[:, half_width].real
+    windowed = window.coefficients[0] * extended_lines[:, half_width : half_width + n]
     for m, a in enumerate(window.coefficients[1:], start=1):
-        seen = seen + (-1) ** m * a / 2 * (
-            wide[:, reach - m : reach - m + n] + wide[:, reach + m : reach + m + n]
+        windowed = windowed + (-1) ** m * a / 2 * (
+            extended_lines[:, half_width - m : half_width - m + n]
+            + extended_lines[:, half_width + m : half_width + m + n]
         )
-    return np.asarray(seen / np.sqrt(window.power))
+    return np.asarray(windowed / np.sqrt(window.power))
 
 
 def _once(n: int, _rng: np.random.Generator) -> FloatArray:

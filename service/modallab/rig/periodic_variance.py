@@ -50,38 +50,44 @@ def periodic_factors(chain: Chain, spectra: CrossSpectra) -> VarianceFactors | N
     -------
     None where all is drawn anew.
     """
-    steady = steady_runs(chain)
-    if steady is None:
+    signals = steady_runs(chain)
+    if signals is None:
         return None
     clean = noise_free(chain)
-    seen = chain.setup.analyser.line_window.noise_shares(chain.n_in, len(chain.runs[0].responses))
-    noise = (noise_densities(chain, clean) * seen)[:, 0]
+    noise_shares = chain.setup.analyser.line_window.noise_shares(chain.n_in, len(chain.runs[0].responses))
+    noise = (noise_densities(chain, clean) * noise_shares)[:, 0]
     h, force = h1(spectra)[..., 0], spectra.ff[:, :, 0, 0].real
-    loose = spectra.xx * (1 - coherence(spectra) + ROUNDING)
-    sizes = np.exp(4 * chain.setup.analyser.excitation.level_scatter**2) - 1 if _blown(steady) else 0.0
+    incoherent = spectra.xx * (1 - coherence(spectra) + ROUNDING)
+    sizes = np.exp(4 * chain.setup.analyser.excitation.level_scatter**2) - 1 if _blown(signals) else 0.0
     shares = [
-        _shares(one, gain_of(spectra, clean[run], noise[run], run), h[run], force[run], loose[run])
-        for run, one in enumerate(steady)
+        _shares(signal, gain_of(spectra, clean[run], noise[run], run), h[run], force[run], incoherent[run])
+        for run, signal in enumerate(signals)
     ]
-    a, b, strayed = (np.array(part) for part in zip(*shares, strict=True))
-    return VarianceFactors(1 - a**2 + sizes, 1 - a[..., None] * b, 1 - b**2 + strayed**2)
+    a, b, varying_share = (np.array(part) for part in zip(*shares, strict=True))
+    return VarianceFactors(1 - a**2 + sizes, 1 - a[..., None] * b, 1 - b**2 + varying_share**2)
 
 
-def _blown(steady: tuple[PeriodicSignal, ...]) -> bool:
+def _blown(signals: tuple[PeriodicSignal, ...]) -> bool:
     """Return whether blows differ from record to record."""
-    weights = steady[0].weights(2, np.random.default_rng(0))
+    weights = signals[0].weights(2, np.random.default_rng(0))
     return bool((weights[0] != weights[1]).any())
 
 
 def _shares(
-    steady: PeriodicSignal, gain: ComplexArray, h: ComplexArray, force: FloatArray, loose: FloatArray
+    signal: PeriodicSignal, gain: ComplexArray, h: ComplexArray, force: FloatArray, incoherent: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return which share of G_ff, (n_freq,), and of each loose response, (n_freq, n_out), comes back, and
     which share of the latter is a signal with real weights that differ."""
-    signals = steady.signals * gain
-    left = signals[..., 1:] - h * signals[..., :1]
-    mean = steady.moments[0] / steady.moments[0, 0]  # the first weight is that of the force: a blow's size
-    fixed = np.abs(np.tensordot(mean, signals[..., 0], axes=1)) ** 2
-    back = np.abs(np.tensordot(mean, left, axes=1)) ** 2
-    varying = np.einsum("kl,kfo,lfo->fo", steady.moments - np.outer(mean, mean), left.conj(), left).real
-    return (fixed / force).clip(0, 1), (back / loose).clip(0, 1), (varying / loose).clip(0, 1)
+    signals = signal.signals * gain
+    residuals = signals[..., 1:] - h * signals[..., :1]
+    mean = signal.moments[0] / signal.moments[0, 0]  # the first weight is that of the force: a blow's size
+    fixed_force = np.abs(np.tensordot(mean, signals[..., 0], axes=1)) ** 2
+    fixed_residual = np.abs(np.tensordot(mean, residuals, axes=1)) ** 2
+    varying = np.einsum(
+        "kl,kfo,lfo->fo", signal.moments - np.outer(mean, mean), residuals.conj(), residuals
+    ).real
+    return (
+        (fixed_force / force).clip(0, 1),
+        (fixed_residual / incoherent).clip(0, 1),
+        (varying / incoherent).clip(0, 1),
+    )

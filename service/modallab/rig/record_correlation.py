@@ -41,23 +41,25 @@ def correlated_excess_variance(chain: Chain, spectra: CrossSpectra) -> FloatArra
     Factors (n_run, n_freq, n_out); 1 where nothing leaks.
     """
     analyser, n = chain.setup.analyser, chain.setup.analyser.averages
-    whole = spectra.xx * (1 - coherence(spectra) + ROUNDING)
+    incoherent = spectra.xx * (1 - coherence(spectra) + ROUNDING)
     if chain.source.continuous == 0:
-        return np.ones_like(whole)
+        return np.ones_like(incoherent)
     lags = np.arange(1, int(np.ceil(RECORDS / (1 - chain.overlap))) + 1)
     hop = (1 - chain.overlap) * analyser.record_length
     leaked = np.array(list(leaked_covariances(chain, spectra, len(lags))))
     # The rest comes anew at every instant: records have it in common as far as they overlap.
-    flat = _overlapping(analyser.line_window.samples(FINE), hop / analyser.record_length * lags)
-    turned = flat[:, None] * np.exp(2j * np.pi * analyser.freq * lags[:, None] * hop)
-    tied = leaked[1:] + turned[:, None, :, None] * (whole - leaked[0].real)
-    ratio = np.abs(tied / whole) ** 2
+    window_overlap = _overlapping(analyser.line_window.samples(FINE), hop / analyser.record_length * lags)
+    overlap_correlation = window_overlap[:, None] * np.exp(2j * np.pi * analyser.freq * lags[:, None] * hop)
+    covariance = leaked[1:] + overlap_correlation[:, None, :, None] * (incoherent - leaked[0].real)
+    ratio = np.abs(covariance / incoherent) ** 2
     # Farther ahead each mode's part falls geometrically, none more slowly than the least damped one's.
     slowest = np.exp(-4 * np.pi * hop * _least_width(chain))
-    fall = np.sqrt(ratio[-1] / np.maximum(ratio[-3], np.finfo(float).tiny)).clip(0.0, slowest)
-    seen = np.maximum(1 - lags / n, 0.0)
-    total = np.tensordot(seen, ratio, axes=1) + seen[-1] * ratio[-1] * fall / (1 - fall)
-    return np.asarray((1 + 2 * total) / (1 + 2 * seen @ flat**2))
+    decay_ratio = np.sqrt(ratio[-1] / np.maximum(ratio[-3], np.finfo(float).tiny)).clip(0.0, slowest)
+    lag_weights = np.maximum(1 - lags / n, 0.0)
+    total = np.tensordot(lag_weights, ratio, axes=1) + lag_weights[-1] * ratio[-1] * decay_ratio / (
+        1 - decay_ratio
+    )
+    return np.asarray((1 + 2 * total) / (1 + 2 * lag_weights @ window_overlap**2))
 
 
 def leaked_covariances(chain: Chain, spectra: CrossSpectra, lags: int) -> Iterator[ComplexArray]:
@@ -71,23 +73,23 @@ def leaked_covariances(chain: Chain, spectra: CrossSpectra, lags: int) -> Iterat
     answer = chain.respond(view.nodes)
     f, x = answer.force, answer.response
     density = chain.source.continuous * analyser.excitation.level**2 / analyser.frequency_max
-    back = density * f.conj()
-    ff, fx = back @ f.swapaxes(2, 3), back @ x.swapaxes(2, 3)
+    weighted_force = density * f.conj()
+    ff, fx = weighted_force @ f.swapaxes(2, 3), weighted_force @ x.swapaxes(2, 3)
     xx = density * (np.abs(x) ** 2).sum(axis=3)
     n_run, n_nodes, n_in, n_out = fx.shape
     flat = [part.reshape(n_run, n_nodes, -1) for part in (ff, fx, fx.conj(), xx.astype(complex))]
-    truth = np.concatenate(flat, axis=2)
+    true_spectra = np.concatenate(flat, axis=2)
     edges = np.cumsum([part.shape[2] for part in flat])[:-1]
     h = h1(spectra)
     hop = (1 - chain.overlap) * analyser.record_length
     for lag in range(lags + 1):
-        later = np.exp(2j * np.pi * lag * hop * view.nodes)
-        seen = view.through(truth * later[:, None])
-        ff, fx, xf, xx = np.split(seen, edges, axis=2)
+        lag_phase = np.exp(2j * np.pi * lag * hop * view.nodes)
+        line_spectra = view.through(true_spectra * lag_phase[:, None])
+        ff, fx, xf, xx = np.split(line_spectra, edges, axis=2)
         cross = (part.reshape(*h.shape[:2], n_in, n_out) for part in (fx, xf))
         explained = sum(np.einsum("rloi,rlio->rlo", a, b) for a, b in zip((h.conj(), h), cross, strict=True))
-        own = np.einsum("rloi,rlij,rloj->rlo", h.conj(), ff.reshape(*h.shape[:2], n_in, n_in), h)
-        yield np.asarray(xx - explained + own)
+        explained_power = np.einsum("rloi,rlij,rloj->rlo", h.conj(), ff.reshape(*h.shape[:2], n_in, n_in), h)
+        yield np.asarray(xx - explained + explained_power)
 
 
 def _least_width(chain: Chain) -> float:

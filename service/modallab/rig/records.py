@@ -47,16 +47,18 @@ class Recorder:
         self._repeats = self._per_stretch
         self._repeating = self._stationary = None
         if share > 0:
-            ringing = _ringing(chain) / analyser.record_length
-            room = LONGEST / (n_ch * self.n_samples)
-            if ringing > room / 2:
+            decay_records = _ringing(chain) / analyser.record_length
+            max_records = LONGEST / (n_ch * self.n_samples)
+            if decay_records > max_records / 2:
                 raise InvalidInputError(
-                    f"a mode rings for {ringing:.3g} records: too long to simulate stationary ones",
+                    f"a mode rings for {decay_records:.3g} records: too long to simulate stationary ones",
                     field="excitation.kind",
                     value=analyser.excitation.kind,
                     allowed="a periodic excitation, or more damping",
                 )
-            self._repeats = self._lay_out(min(max(RECORDS, ringing), room - ringing), ringing)
+            self._repeats = self._lay_out(
+                min(max(RECORDS, decay_records), max_records - decay_records), decay_records
+            )
             freq = np.linspace(0.0, analyser.frequency_max, (analyser.n_lines - 1) * self._repeats + 1)
             self._length = self._repeats * self.n_samples
             self._stationary = _per_source(chain, freq, share * self._length)
@@ -79,13 +81,13 @@ class Recorder:
         """How many records are taken out of what is made at once, and how many lengths of one that has."""
         return self._per_stretch, self._repeats
 
-    def _lay_out(self, records: float, ringing: float) -> int:
+    def _lay_out(self, records: float, decay_records: float) -> int:
         """Share the averages out to equal stretches of about `records`; return what one takes."""
         steps = max(0, int((records - 1) * self.n_samples / self._hop))
         n_stretches = -(-self._averages // (steps + 1))
         self._per_stretch = -(-self._averages // n_stretches)
         span = 1 + (self._per_stretch - 1) * self._hop / self.n_samples
-        return int(scipy.fft.next_fast_len(int(np.ceil(span + ringing)), real=True))
+        return int(scipy.fft.next_fast_len(int(np.ceil(span + decay_records)), real=True))
 
     def batches(self, noise: FloatArray, rng: np.random.Generator) -> Iterator[Batch]:
         """Yield all records of all runs, one run after the other, some records at a time.
@@ -101,41 +103,44 @@ class Recorder:
                 for batch, _ in self._drafts(run, noise[run], rng):
                     yield batch
             return
-        room = min(side_by_side(self._chain), KEPT // (self.shape[0] * self.shape[1]))
-        together = max(1, room // self._averages)
-        for first in runs[::together]:
-            group = runs[first : first + together]
+        max_pending = min(side_by_side(self._chain), KEPT // (self.shape[0] * self.shape[1]))
+        runs_per_group = max(1, max_pending // self._averages)
+        for first in runs[::runs_per_group]:
+            group = runs[first : first + runs_per_group]
             distorter = Distorter(self._chain, group)
             drafts = [self._drafts(run, noise[run], rng) for run in group]
             if len(group) > 1:  # drawn run by run, stepped side by side
-                yield from _distorted(distorter, [list(each) for each in drafts])
+                yield from _distorted(distorter, [list(run_drafts) for run_drafts in drafts])
                 continue
-            some: list[Draft] = []  # what one run has may already be too much at once
+            pending: list[Draft] = []  # what one run has may already be too much at once
             for draft in drafts[0]:
-                if some and sum(len(one.samples) for one, _ in (*some, draft)) > room:
-                    yield from _distorted(distorter, [some])
-                    some = []
-                some.append(draft)
-            yield from _distorted(distorter, [some])
+                if pending and sum(len(batch.samples) for batch, _ in (*pending, draft)) > max_pending:
+                    yield from _distorted(distorter, [pending])
+                    pending = []
+                pending.append(draft)
+            yield from _distorted(distorter, [pending])
 
     def _drafts(self, run: int, noise: FloatArray, rng: np.random.Generator) -> Iterator[Draft]:
         """Yield the records of a run without what nonlinear forces add, and what was played in them."""
         rms = np.sqrt(noise * self.sample_rate / 2)
         answers = None if self._transient is None else answers_of(self._chain, run)
-        done = 0
-        while done < self._averages:
-            n = min(self._per_stretch, self._averages - done)
+        n_recorded = 0
+        while n_recorded < self._averages:
+            n = min(self._per_stretch, self._averages - n_recorded)
             records, stretch = self._stretch_of(run, rms, rng)
             for start in range(0, n, self._batch):
-                some = slice(start, min(start + self._batch, n))
-                first = self._hop * np.arange(some.start, some.stop)
-                own, lines = self._anew(run, some.stop - some.start, answers, rng)
+                block = slice(start, min(start + self._batch, n))
+                first = self._hop * np.arange(block.start, block.stop)
+                samples, lines = self._anew(run, block.stop - block.start, answers, rng)
                 # in place: what is made anew for every record is nobody else's
-                batch = records[some] if own is None else np.add(own, records[some], out=own)
-                yield Batch(run, done * self.n_samples + first, batch), self._played(stretch, lines, first)
-                del own, batch  # or two of them would be there at a time
+                batch = records[block] if samples is None else np.add(samples, records[block], out=samples)
+                yield (
+                    Batch(run, n_recorded * self.n_samples + first, batch),
+                    self._played(stretch, lines, first),
+                )
+                del samples, batch  # or two of them would be there at a time
             del records
-            done += n
+            n_recorded += n
 
     def _stretch_of(
         self, run: int, rms: FloatArray, rng: np.random.Generator
@@ -155,17 +160,17 @@ class Recorder:
         self, run: int, n: int, answers: ImpulseResponses | None, rng: np.random.Generator
     ) -> tuple[FloatArray | None, ComplexArray | None]:
         """Return what is made for each of n records, (n, n_ch, n_samples), and the lines of what repeats."""
-        own, lines = None, None
+        samples, lines = None, None
         if self._repeating is not None:
             lines = self._repeated(self._repeating[run], n, rng)
-            own = self._heard(self._repeating[run], lines, self.n_samples)
-            if len(own) < n:
-                own = np.repeat(own, n, axis=0)
+            samples = self._heard(self._repeating[run], lines, self.n_samples)
+            if len(samples) < n:
+                samples = np.repeat(samples, n, axis=0)
         if self._transient is not None and answers is not None:
             setting, share = self._chain.setup.analyser.excitation, self._chain.source.continuous
             blow = np.sqrt(1 - share) * self._transient.drawn(answers, setting, n, rng)
-            own = blow if own is None else own + blow
-        return own, lines
+            samples = blow if samples is None else samples + blow
+        return samples, lines
 
     def _played(
         self, stretch: ComplexArray | None, lines: ComplexArray | None, starts: IntArray
@@ -173,10 +178,10 @@ class Recorder:
         """Return what the sources play in some records: out of one stretch, and anew in each."""
         share = self._chain.source.continuous
         first = np.zeros_like(starts)
-        found = [] if stretch is None else [Played(stretch, share, self._repeats, starts, first)]
-        each = first if lines is None or len(lines) == 1 else np.arange(len(starts))
-        anew = [] if lines is None else [Played(lines, 1 - share, 1, first, each)]
-        return [*found, *anew]
+        signals = [] if stretch is None else [Played(stretch, share, self._repeats, starts, first)]
+        signal_index = first if lines is None or len(lines) == 1 else np.arange(len(starts))
+        fresh_signals = [] if lines is None else [Played(lines, 1 - share, 1, first, signal_index)]
+        return [*signals, *fresh_signals]
 
     def _repeated(self, response: ComplexArray, n: int, rng: np.random.Generator) -> ComplexArray:
         """Return what n records repeat: lines of their own, or, (1, 1, n_lines), the same in all of them."""
@@ -198,22 +203,23 @@ class Recorder:
         """
         n_in, n_ch, n_lines = response.shape
         # As many lines as the transform asks for: it would copy fewer to fill them up.
-        heard = np.zeros((len(lines), n_ch, n_samples // 2 + 1), complex)
-        first = heard[..., :n_lines]
+        channel_lines = np.zeros((len(lines), n_ch, n_samples // 2 + 1), complex)
+        first = channel_lines[..., :n_lines]
         np.multiply(lines[:, :1], response[0], out=first)
         for source in range(1, n_in):
             first += lines[:, source : source + 1] * response[source]
-        return np.asarray(scipy.fft.irfft(heard, n_samples, overwrite_x=True))
+        return np.asarray(scipy.fft.irfft(channel_lines, n_samples, overwrite_x=True))
 
 
 def _distorted(distorter: Distorter, drafts: Sequence[Sequence[Draft]]) -> Iterator[Batch]:
     """Yield the records of some runs with what nonlinear forces add, run by run."""
     played = [
-        [Played.joined(parts) for parts in zip(*(one for _, one in own), strict=True)] for own in drafts
+        [Played.joined(parts) for parts in zip(*(signals for _, signals in run_drafts), strict=True)]
+        for run_drafts in drafts
     ]
-    for own, added in zip(drafts, distorter.added(played), strict=True):
-        edges = np.cumsum([len(batch.samples) for batch, _ in own])[:-1]
-        for (batch, _), more in zip(own, np.split(added, edges), strict=True):
+    for run_drafts, added in zip(drafts, distorter.added(played), strict=True):
+        edges = np.cumsum([len(batch.samples) for batch, _ in run_drafts])[:-1]
+        for (batch, _), more in zip(run_drafts, np.split(added, edges), strict=True):
             yield replace(batch, samples=batch.samples + more)
 
 

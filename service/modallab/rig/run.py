@@ -32,25 +32,25 @@ class Run:
     @cached_property
     def motions(self) -> tuple[Dof, ...]:
         """What has to be known of the structure: drive points, nonlinear forces, what channels hear."""
-        heard = {dof: None for channel in self.responses for dof, _ in channel.pickups}
-        return (*self.shot.drives, *(one.force.dof for one in self.local), *heard)
+        pickups = {dof: None for channel in self.responses for dof, _ in channel.pickups}
+        return (*self.shot.drives, *(linearised_force.force.dof for linearised_force in self.local), *pickups)
 
     @property
     def n_at_work(self) -> int:
         """How many of the motions a force acts at: the drive points and the nonlinear forces."""
         return len(self.shot.drives) + len(self.local)
 
-    def mixed(self, heard: ComplexArray) -> ComplexArray:
+    def mixed(self, accelerations: ComplexArray) -> ComplexArray:
         """Return what reaches each response channel of `motions` (n_freq, n_motions, n_sources)."""
         first = self.n_at_work
         if all(channel.pickups == ((channel.dof, 1.0),) for channel in self.responses):
-            return heard[:, first:]
+            return accelerations[:, first:]
         place = {dof: i for i, dof in enumerate(self.motions[first:], start=first)}
         weights = np.zeros((len(self.responses), len(self.motions)))
         for i, channel in enumerate(self.responses):
             for dof, weight in channel.pickups:
                 weights[i, place[dof]] += weight
-        return np.asarray(weights @ heard)
+        return np.asarray(weights @ accelerations)
 
     def resonances(self, frequency_max: float) -> tuple[FloatArray, FloatArray]:
         """Return frequency and half the half-power bandwidth, Hz, of structure and exciters together.
@@ -63,12 +63,12 @@ class Run:
         return self._found[frequency_max]
 
     def _resonances(self, frequency_max: float) -> tuple[FloatArray, FloatArray]:
-        found = [self._whole_at(0.0).resonances(frequency_max)]
+        resonances = [self._whole_at(0.0).resonances(frequency_max)]
         if any(drive.decays for drive in self.drives):
-            found.append(self._whole_at(2 * np.pi * frequency_max).resonances(frequency_max))
+            resonances.append(self._whole_at(2 * np.pi * frequency_max).resonances(frequency_max))
             decays = np.array([rate for drive in self.drives for rate in drive.decays]) / (2 * np.pi)
-            found.append((np.zeros_like(decays), decays))
-        frequencies, widths = zip(*found, strict=True)
+            resonances.append((np.zeros_like(decays), decays))
+        frequencies, widths = zip(*resonances, strict=True)
         return np.concatenate(frequencies), np.concatenate(widths)
 
     @property

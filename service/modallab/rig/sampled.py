@@ -28,7 +28,7 @@ def sampled_spectra(chain: Chain, rng: np.random.Generator, progress: Progress) 
     analyser, window = chain.setup.analyser, chain.setup.analyser.line_window
     recorder = Recorder(chain)
     clean = noise_free(chain)
-    noise, known = noise_densities(chain, clean), acquisition(chain, clean)
+    noise, acquisition_state = noise_densities(chain, clean), acquisition(chain, clean)
     n_run, n_in = len(chain.runs), chain.n_in
     runs: list[tuple[ComplexArray, ComplexArray, FloatArray]] = []
     averager = None
@@ -38,7 +38,7 @@ def sampled_spectra(chain: Chain, rng: np.random.Generator, progress: Progress) 
                 window, recorder.shape, recorder.sample_rate, n_lines=analyser.n_lines, n_in=n_in
             )
         for effect in chain.effects:
-            batch = replace(batch, samples=effect.on_records(batch, known, rng))
+            batch = replace(batch, samples=effect.on_records(batch, acquisition_state, rng))
         run, count = batch.run, averager.count + len(batch.samples)
         averager.add(batch.samples)
         del batch  # not kept while the next one is made

@@ -100,25 +100,25 @@ def simulated_factors(
     n = min(chain.setup.analyser.averages, LONGEST)
     if len(chain.runs) > 1:
         chain = _all_at_once(chain)
-        alone = expected_spectra(chain)
-        return _apart(simulated_factors(chain, alone, repeats, seed), spectra)
+        single_run_spectra = expected_spectra(chain)
+        return _apart(simulated_factors(chain, single_run_spectra, repeats, seed), spectra)
     tests = _gone_through(chain, repeats, n, np.random.default_rng(seed))
-    worth = effective_averages(n, chain.overlap, chain.setup.analyser.line_window)
-    share = worth / spectra.averages
+    effective = effective_averages(n, chain.overlap, chain.setup.analyser.line_window)
+    share = effective / spectra.averages
     g2 = coherence(spectra)
-    loose = spectra.xx * (1 - g2 + ROUNDING)
+    incoherent = spectra.xx * (1 - g2 + ROUNDING)
     # Of H1 in one average, as a test tells it of itself: where it came out noisy its lines weigh less.
-    seen = np.array([coherence(test) for test in tests])
-    error = np.sqrt((1 - seen + ROUNDING) / np.maximum(seen, ROUNDING))
+    test_coherence = np.array([coherence(test) for test in tests])
+    error = np.sqrt((1 - test_coherence + ROUNDING) / np.maximum(test_coherence, ROUNDING))
     force, response = (np.array(part) for part in zip(*(_powers(test) for test in tests), strict=True))
     # Less what the logarithm of an average of Gaussian records is off in the mean.
-    force = np.log(force / spectra.ff[:, :, 0, 0].real) - digamma(worth) + np.log(worth)
-    response = np.log(response / loose) - digamma(max(worth - 1, 0.5)) + np.log(worth)
+    force = np.log(force / spectra.ff[:, :, 0, 0].real) - digamma(effective) + np.log(effective)
+    response = np.log(response / incoherent) - digamma(max(effective - 1, 0.5)) + np.log(effective)
     frf: ComplexArray = np.log(np.array([h1(test)[..., 0] for test in tests]) / h1(spectra)[..., 0])
     factors = VarianceFactors(
-        _factor(force, polygamma(1, worth), share),
-        _factor(frf / error, 1 / max(worth - 2, 1), share),
-        _factor(response, polygamma(1, max(worth - 1, 0.5)), share),
+        _factor(force, polygamma(1, effective), share),
+        _factor(frf / error, 1 / max(effective - 2, 1), share),
+        _factor(response, polygamma(1, max(effective - 1, 0.5)), share),
         (_of_as_many(force, share), _of_as_many(frf, share), _of_as_many(response, share)),
     )
     if chain.source.continuous == 0:
@@ -137,8 +137,8 @@ def _powers(spectra: CrossSpectra) -> tuple[FloatArray, FloatArray]:
 def _all_at_once(chain: Chain) -> Chain:
     """Return one run in which all channels of a roving test are heard, the sensor in the middle place."""
     run = chain.runs[len(chain.runs) // 2]
-    responses = tuple(channel for each in chain.runs for channel in each.responses)
-    shot = replace(run.shot, outputs=tuple(dof for each in chain.runs for dof in each.shot.outputs))
+    responses = tuple(channel for other_run in chain.runs for channel in other_run.responses)
+    shot = replace(run.shot, outputs=tuple(dof for other_run in chain.runs for dof in other_run.shot.outputs))
     return replace(chain, runs=(replace(run, shot=shot, responses=responses),))
 
 
@@ -149,8 +149,8 @@ def _apart(factors: VarianceFactors, spectra: CrossSpectra) -> VarianceFactors:
 
     def parted(part: Numbers) -> Numbers:
         """(.., 1, n_lines, n_run n_out) by run."""
-        each = part.reshape(*part.shape[:-3], n_lines, n_run, n_out)
-        out: Numbers = np.ascontiguousarray(np.moveaxis(each, -2, -3))
+        by_run = part.reshape(*part.shape[:-3], n_lines, n_run, n_out)
+        out: Numbers = np.ascontiguousarray(np.moveaxis(by_run, -2, -3))
         return out
 
     def anew(part: Numbers) -> Numbers:
@@ -170,26 +170,26 @@ def _apart(factors: VarianceFactors, spectra: CrossSpectra) -> VarianceFactors:
     )
 
 
-def _of_as_many(off: Numbers, share: float) -> Numbers:
+def _of_as_many(deviation: Numbers, share: float) -> Numbers:
     """Return what tests lie off as if of more averages: what they have in common stays."""
-    mean = off.mean(axis=0)
-    out: Numbers = mean + np.sqrt(share) * (off - mean)
+    mean = deviation.mean(axis=0)
+    out: Numbers = mean + np.sqrt(share) * (deviation - mean)
     return out
 
 
-def _factor(off: FloatArray | ComplexArray, variance: float, share: float) -> FloatArray:
+def _factor(deviation: FloatArray | ComplexArray, variance: float, share: float) -> FloatArray:
     """Return mean squares (n_run, n_freq, ..) over the variance of Gaussian records, at least 1.
 
     Parameters
     ----------
-    off
+    deviation
         (n_tests, n_run, n_freq, ..) from what was expected.
     share
         Averages of these tests over those of the test itself.
     """
-    mean = off.mean(axis=0)
-    scatter = (np.abs(off - mean) ** 2).sum(axis=0) / (len(off) - 1)
-    bias = np.maximum(_smooth(np.abs(mean) ** 2 - scatter / len(off)), 0.0)
+    mean = deviation.mean(axis=0)
+    scatter = (np.abs(deviation - mean) ** 2).sum(axis=0) / (len(deviation) - 1)
+    bias = np.maximum(_smooth(np.abs(mean) ** 2 - scatter / len(deviation)), 0.0)
     total = _smooth(scatter) / variance + bias / (share * variance)
     return np.where(total > CHANCE, total, 1.0)
 
@@ -210,7 +210,7 @@ def _gone_through(chain: Chain, repeats: int, n: int, rng: np.random.Generator) 
     analyser = replace(chain.setup.analyser, averages=repeats * n)
     longer = replace(chain, setup=replace(chain.setup, analyser=analyser))
     recorder, clean = Recorder(longer), noise_free(chain)
-    noise, known = noise_densities(chain, clean), acquisition(chain, clean)
+    noise, acquisition_state = noise_densities(chain, clean), acquisition(chain, clean)
     n_run, n_in = len(chain.runs), chain.n_in
 
     def averager() -> Averager:
@@ -218,16 +218,16 @@ def _gone_through(chain: Chain, repeats: int, n: int, rng: np.random.Generator) 
         return Averager(window, shape, rate, n_lines=analyser.n_lines, n_in=n_in)
 
     sums = [[averager() for _ in range(n_run)] for _ in range(repeats)]
-    done = np.zeros(n_run, int)
+    n_recorded = np.zeros(n_run, int)
     for batch in recorder.batches(noise, rng):
         for effect in chain.effects:
-            batch = replace(batch, samples=effect.on_records(batch, known, rng))
-        test = (done[batch.run] + np.arange(len(batch.samples))) // n
-        done[batch.run] += len(test)
-        for one in np.unique(test):
-            sums[one][batch.run].add(batch.samples[test == one])
-    found = []
-    for of_test in sums:
-        ff, fx, xx = (np.array(part) for part in zip(*(one.densities() for one in of_test), strict=True))
-        found.append(CrossSpectra(analyser.freq, ff, fx, xx, n))
-    return found
+            batch = replace(batch, samples=effect.on_records(batch, acquisition_state, rng))
+        test = (n_recorded[batch.run] + np.arange(len(batch.samples))) // n
+        n_recorded[batch.run] += len(test)
+        for number in np.unique(test):
+            sums[number][batch.run].add(batch.samples[test == number])
+    spectra = []
+    for averagers in sums:
+        ff, fx, xx = (np.array(part) for part in zip(*(run.densities() for run in averagers), strict=True))
+        spectra.append(CrossSpectra(analyser.freq, ff, fx, xx, n))
+    return spectra

@@ -13,9 +13,9 @@ class Source:
     continuous: float = 0.0
     shaping: tuple[Filter, ...] = ()  # of what begins and ends within a record
 
-    def through(self, one: Filter) -> "Source":
+    def through(self, filter_: Filter) -> "Source":
         """Return the source with one more filter on what it plays."""
-        return replace(self, shaping=(*self.shaping, one))
+        return replace(self, shaping=(*self.shaping, filter_))
 
 
 @dataclass(frozen=True)

@@ -115,21 +115,22 @@ def lateral_ends(system: DynamicSystem, drive: Dof) -> Iterator[tuple[FloatArray
         (2,) which of the two it has.
     """
     along = TRANSLATIONS.index(drive.direction)
-    away = -drive.sign * np.eye(3)[along]
+    outward = -drive.sign * np.eye(3)[along]
     for lateral in (np.eye(3)[i] for i in range(3) if i != along):
-        turning = np.cross(away, lateral)
+        rotation_axis = np.cross(outward, lateral)
         columns = np.stack(
-            [_motion(system, drive.node, "", lateral), _motion(system, drive.node, "R", turning)], axis=1
+            [_motion(system, drive.node, "", lateral), _motion(system, drive.node, "R", rotation_axis)],
+            axis=1,
         )
         free = np.asarray(columns.any(axis=0))
         if free.any():
             yield columns[:, free], free
 
 
-def _motion(system: DynamicSystem, node: int, turning: str, direction: FloatArray) -> FloatArray:
+def _motion(system: DynamicSystem, node: int, prefix: str, direction: FloatArray) -> FloatArray:
     """Return the (n_dof,) column of a node's translation along, or rotation about, a direction."""
     column = np.zeros(len(system.dofs))
     for name, share in zip(TRANSLATIONS, direction, strict=True):
-        if share and (dof := Dof(node, turning + name)) in system.dofs:
+        if share and (dof := Dof(node, prefix + name)) in system.dofs:
             column[system.index(dof)] = share
     return column

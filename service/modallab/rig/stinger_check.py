@@ -60,5 +60,5 @@ def stinger_axial_check(setup: RigSetup) -> StingerAxialCheck | None:
 
 def stinger_checks(setup: RigSetup) -> tuple[StingerBendingCheck | StingerAxialCheck, ...]:
     """Return the checks that the declared stinger, gauge and armature allow."""
-    both = (stinger_bending_check(setup), stinger_axial_check(setup))
-    return tuple(check for check in both if check is not None)
+    candidates = (stinger_bending_check(setup), stinger_axial_check(setup))
+    return tuple(check for check in candidates if check is not None)

@@ -38,15 +38,15 @@ class ModalFeedback:
         columns = system.selection(dofs)
         shapes = columns.T @ basis.shapes[: len(columns)].real
         omega = 2 * np.pi * basis.frequencies
-        lost = basis.eigenvalues.imag
-        damping = np.divide(lost, omega, out=np.zeros_like(omega), where=omega > STILL)
+        modal_damping = basis.eigenvalues.imag
+        damping = np.divide(modal_damping, omega, out=np.zeros_like(omega), where=omega > STILL)
         if basis.viscous is not None:
             damping = damping + np.diag(basis.viscous).real
-        heard = np.abs(shapes).max(axis=0) > 1e-9 * np.abs(shapes).max()
-        return cls(shapes[:, heard], omega[heard], damping[heard])
+        participates = np.abs(shapes).max(axis=0) > 1e-9 * np.abs(shapes).max()
+        return cls(shapes[:, participates], omega[participates], damping[participates])
 
 
-def check_bounded(feedback: ModalFeedback, found: Sequence[Linearised]) -> None:
+def check_bounded(feedback: ModalFeedback, linearised: Sequence[Linearised]) -> None:
     """Raise if time steps would let a loud motion grow, as the structure does not.
 
     The straight line of a damper is in the feedback mode by mode, without what it couples. A force that
@@ -58,19 +58,28 @@ def check_bounded(feedback: ModalFeedback, found: Sequence[Linearised]) -> None:
     DivergedError
         If a motion `LOUD` times the usual one grows.
     """
-    loud = [float(one.force.lines(np.array(LOUD * one.rms))[0]) if one.rms > 0 else 0.0 for one in found]
-    behind = np.minimum(np.array(loud) - [one.slope for one in found], 0.0)
-    if not behind.any():
+    loud_coefficients = [
+        float(linearised_force.force.lines(np.array(LOUD * linearised_force.rms))[0])
+        if linearised_force.rms > 0
+        else 0.0
+        for linearised_force in linearised
+    ]
+    coefficient_drop = np.minimum(
+        np.array(loud_coefficients) - [linearised_force.slope for linearised_force in linearised], 0.0
+    )
+    if not coefficient_drop.any():
         return
-    of_velocity = np.array([one.force.of_velocity for one in found])
+    of_velocity = np.array([linearised_force.force.of_velocity for linearised_force in linearised])
     shapes, omega = feedback.shapes, feedback.omega
-    taken = [(shapes.T * np.where(kind, behind, 0.0)) @ shapes for kind in (~of_velocity, of_velocity)]
-    stiffness, damping = np.diag(omega**2) + taken[0], np.diag(feedback.damping) + taken[1]
+    modal_matrices = [
+        (shapes.T * np.where(kind, coefficient_drop, 0.0)) @ shapes for kind in (~of_velocity, of_velocity)
+    ]
+    stiffness, damping = np.diag(omega**2) + modal_matrices[0], np.diag(feedback.damping) + modal_matrices[1]
     state = np.block([[np.zeros_like(stiffness), np.eye(len(omega))], [-stiffness, -damping]])
     if np.linalg.eigvals(state).real.max() > AT_REST * omega.max():
+        strongest = linearised[int(coefficient_drop.argmin())].force.dof
         raise DivergedError(
-            f"the nonlinear force at {found[int(behind.argmin())].force.dof} holds too hard to be stepped "
-            "through time at this level",
+            f"the nonlinear force at {strongest} holds too hard to be stepped through time at this level",
             field="excitation.level",
             allowed="a higher level, or the expected route",
         )
@@ -87,12 +96,12 @@ class Stepper:
     def __init__(
         self, feedbacks: Sequence[ModalFeedback], of_velocity: Sequence[bool], step: float, block: int = BLOCK
     ) -> None:
-        most = max(one.shapes.shape[1] for one in feedbacks)
-        parts = [_turned(_padded(one, most), of_velocity, step, block) for one in feedbacks]
+        most = max(feedback.shapes.shape[1] for feedback in feedbacks)
+        parts = [_turned(_padded(feedback, most), of_velocity, step, block) for feedback in feedbacks]
         # (n_run, 2, 2, m) over a block; (n_run, 2 m, block r) from modes to motions at its steps;
         # (n_run, block r, 2 m) from forces to modes at its end; (block, n_run, r, r) from a force to motions.
         self.turn, self.ahead, self.gathered, self.answer = (
-            np.array([one[i] for one in parts]) for i in range(4)
+            np.array([matrices[i] for matrices in parts]) for i in range(4)
         )
         self.answer = np.ascontiguousarray(self.answer.swapaxes(0, 1))
         self.block = block
@@ -104,48 +113,53 @@ class Stepper:
 
     def onward(self, state: FloatArray, forces: FloatArray) -> FloatArray:
         """Return the modes a block on, after forces (block, n_run, n, r)."""
-        n_run, n, both = state.shape
-        q, v = state[..., : both // 2], state[..., both // 2 :]
-        given = np.moveaxis(forces, 0, 2).reshape(n_run, n, -1)
-        out = given @ self.gathered
-        for new, part in enumerate((out[..., : both // 2], out[..., both // 2 :])):
-            part += self.turn[:, new, 0, None] * q
-            part += self.turn[:, new, 1, None] * v
+        n_run, n, n_states = state.shape
+        q, v = state[..., : n_states // 2], state[..., n_states // 2 :]
+        block_forces = np.moveaxis(forces, 0, 2).reshape(n_run, n, -1)
+        out = block_forces @ self.gathered
+        for state_part, part in enumerate((out[..., : n_states // 2], out[..., n_states // 2 :])):
+            part += self.turn[:, state_part, 0, None] * q
+            part += self.turn[:, state_part, 1, None] * v
         return np.asarray(out)
 
 
-def _padded(one: ModalFeedback, n_modes: int) -> ModalFeedback:
+def _padded(feedback: ModalFeedback, n_modes: int) -> ModalFeedback:
     """Return the same with modes that nothing moves, up to as many as others have."""
-    missing = n_modes - one.shapes.shape[1]
-    shapes, omega, damping = (np.pad(a, (*[(0, 0)] * (a.ndim - 1), (0, missing))) for a in _parts(one))
+    missing = n_modes - feedback.shapes.shape[1]
+    shapes, omega, damping = (np.pad(a, (*[(0, 0)] * (a.ndim - 1), (0, missing))) for a in _parts(feedback))
     return ModalFeedback(shapes, omega, damping)
 
 
-def _parts(one: ModalFeedback) -> tuple[FloatArray, FloatArray, FloatArray]:
-    return one.shapes, one.omega, one.damping
+def _parts(feedback: ModalFeedback) -> tuple[FloatArray, FloatArray, FloatArray]:
+    return feedback.shapes, feedback.omega, feedback.damping
 
 
 def _turned(
-    one: ModalFeedback, of_velocity: Sequence[bool], step: float, block: int
+    feedback: ModalFeedback, of_velocity: Sequence[bool], step: float, block: int
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """Return the four matrices of a `Stepper` for one structure, over a block of steps."""
-    r, m = one.shapes.shape
-    exact = np.array([_step(w, c, step) for w, c in zip(one.omega, one.damping, strict=True)])
+    r, m = feedback.shapes.shape
+    exact = np.array([_step(w, c, step) for w, c in zip(feedback.omega, feedback.damping, strict=True)])
     a, b_old, b_new = exact[:, :, :2], exact[:, :, 2], exact[:, :, 3]  # (m, 2, 2), (m, 2), (m, 2)
     c = np.einsum("mij,mj->mi", a, b_new) + b_old
-    kind = np.array([int(velocity) for velocity in of_velocity])
+    derivative = np.array([int(velocity) for velocity in of_velocity])
     reading = np.zeros((2, m, r))
-    reading[kind, :, np.arange(r)] = one.shapes
+    reading[derivative, :, np.arange(r)] = feedback.shapes
     powers = [np.broadcast_to(np.eye(2), a.shape)]
     for _ in range(block):
         powers.append(a @ powers[-1])
-    turns = np.array(powers)  # (block + 1, m, 2, 2)
-    ahead = np.einsum("bmij,imr->jmbr", turns[:-1], reading).reshape(2 * m, -1)
-    kicked = np.einsum("bmij,mj->bim", turns[:-1], c)
-    gathered = np.einsum("bim,rm->brim", kicked[::-1], one.shapes).reshape(-1, 2 * m)
-    later = np.einsum("bim,imr,sm->brs", kicked[:-1], reading, one.shapes)
-    at_once = np.einsum("mi,imr,sm->rs", b_new, reading, one.shapes)
-    return turns[-1].transpose(1, 2, 0), ahead, gathered, np.concatenate([at_once[None], later])
+    propagators = np.array(powers)  # (block + 1, m, 2, 2)
+    readout = np.einsum("bmij,imr->jmbr", propagators[:-1], reading).reshape(2 * m, -1)
+    impulse_state = np.einsum("bmij,mj->bim", propagators[:-1], c)
+    input_matrix = np.einsum("bim,rm->brim", impulse_state[::-1], feedback.shapes).reshape(-1, 2 * m)
+    later_response = np.einsum("bim,imr,sm->brs", impulse_state[:-1], reading, feedback.shapes)
+    immediate_response = np.einsum("mi,imr,sm->rs", b_new, reading, feedback.shapes)
+    return (
+        propagators[-1].transpose(1, 2, 0),
+        readout,
+        input_matrix,
+        np.concatenate([immediate_response[None], later_response]),
+    )
 
 
 def _step(omega: float, damping: float, step: float) -> FloatArray:
@@ -158,8 +172,8 @@ def _step(omega: float, damping: float, step: float) -> FloatArray:
 
 
 def residual_forces(
-    found: Sequence[Sequence[Linearised]],
-    moved: Callable[[int, int], FloatArray],
+    linearised: Sequence[Sequence[Linearised]],
+    linear_motion: Callable[[int, int], FloatArray],
     n_samples: int,
     stepper: Stepper,
 ) -> FloatArray:
@@ -170,9 +184,9 @@ def residual_forces(
 
     Parameters
     ----------
-    found
+    linearised
         By run, of the same laws.
-    moved
+    linear_motion
         From the first and the last sample, (n, n_run, n_records, r) m or m/s, whichever each force takes,
         at the local forces of the linearised structures: of records that are stepped side by side.
 
@@ -181,22 +195,25 @@ def residual_forces(
     DivergedError
         If a force is too steep for the steps.
     """
-    balance, block = _Balance(found, stepper.answer[0]), stepper.block
-    first = moved(0, 1)[0]
+    balance, block = _Balance(linearised, stepper.answer[0]), stepper.block
+    first = linear_motion(0, 1)[0]
     out = np.empty((n_samples, *first.shape))
     force = np.zeros_like(first)
     state = np.zeros((*first.shape[:2], stepper.ahead.shape[1]))
     with np.errstate(over="ignore", invalid="ignore"):
         for start in range(0, n_samples, block):
             end = min(start + block, n_samples)
-            free, here = stepper.alone(state)[: end - start] + moved(start, end), out[start:end]
+            free_motion, block_forces = (
+                stepper.alone(state)[: end - start] + linear_motion(start, end),
+                out[start:end],
+            )
             for t in range(end - start):
-                force = balance.force(free[t], force)
-                here[t] = force
-                if t + 1 < len(free):
-                    free[t + 1 :] += _felt(stepper.answer[1 : len(free) - t], force)
+                force = balance.force(free_motion[t], force)
+                block_forces[t] = force
+                if t + 1 < len(free_motion):
+                    free_motion[t + 1 :] += _felt(stepper.answer[1 : len(free_motion) - t], force)
             if end - start == block:
-                state = stepper.onward(state, here)
+                state = stepper.onward(state, block_forces)
     if not np.isfinite(out).all():
         raise DivergedError(
             "a nonlinear force is too steep to be stepped through time at this level",
@@ -216,10 +233,12 @@ def _felt(answer: FloatArray, force: FloatArray) -> FloatArray:
 class _Balance:
     """Finds the forces on the structure that agree with their motion: F = -g(free + own F)."""
 
-    def __init__(self, found: Sequence[Sequence[Linearised]], own: FloatArray) -> None:
-        self._laws = [one.force for one in found[0]]
-        self._lines = np.array([[one.slope for one in run] for run in found])[:, None]  # (n_run, 1, r)
-        self._own = own  # (n_run, r, r): what a force does within its own step
+    def __init__(self, linearised: Sequence[Sequence[Linearised]], compliance: FloatArray) -> None:
+        self._laws = [local.force for local in linearised[0]]
+        self._lines = np.array([[local.slope for local in run] for run in linearised])[
+            :, None
+        ]  # (n_run, 1, r)
+        self._own = compliance  # (n_run, r, r): what a force does within its own step
 
     def force(self, free: FloatArray, guess: FloatArray) -> FloatArray:
         """Return the forces (n_run, n, r) at motions without them, near a guess."""
@@ -228,14 +247,14 @@ class _Balance:
             law, soft, line = self._laws[0], self._own, self._lines
             for _ in range(NEWTON):
                 x = free + soft * force
-                left = force + law.law(x) - line * x
-                force = force - left / (1 + soft * (law.slope(x) - line))
+                imbalance = force + law.law(x) - line * x
+                force = force - imbalance / (1 + soft * (law.slope(x) - line))
             return force
         for _ in range(NEWTON):
             x = free + force @ self._own.swapaxes(1, 2)
-            each = list(enumerate(self._laws))
-            left = force + np.stack([one.law(x[..., i]) for i, one in each], axis=-1) - self._lines * x
-            slope = np.stack([one.slope(x[..., i]) for i, one in each], axis=-1) - self._lines
-            matrix = np.eye(len(each)) + slope[..., None] * self._own[:, None]
-            force = force - np.linalg.solve(matrix, left[..., None])[..., 0]
+            laws = list(enumerate(self._laws))
+            imbalance = force + np.stack([law.law(x[..., i]) for i, law in laws], axis=-1) - self._lines * x
+            slope = np.stack([law.slope(x[..., i]) for i, law in laws], axis=-1) - self._lines
+            matrix = np.eye(len(laws)) + slope[..., None] * self._own[:, None]
+            force = force - np.linalg.solve(matrix, imbalance[..., None])[..., 0]
         return force

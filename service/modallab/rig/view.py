@@ -43,11 +43,11 @@ class View:
         n_run, n_nodes, k = spectrum.shape
         flat = spectrum.swapaxes(0, 1).reshape(n_nodes, n_run * k)
         even, odd = self._parts
-        seen = np.zeros((even.shape[0], n_run * k), complex)
-        seen.real = even @ np.ascontiguousarray(flat.real)
-        turning = flat.imag.any(axis=0)  # an auto spectrum has no imaginary part
-        seen.imag[:, turning] = odd @ flat.imag[:, turning]
-        return seen.reshape(len(seen), n_run, k).swapaxes(0, 1)
+        line_spectrum = np.zeros((even.shape[0], n_run * k), complex)
+        line_spectrum.real = even @ np.ascontiguousarray(flat.real)
+        is_complex = flat.imag.any(axis=0)  # an auto spectrum has no imaginary part
+        line_spectrum.imag[:, is_complex] = odd @ flat.imag[:, is_complex]
+        return line_spectrum.reshape(len(line_spectrum), n_run, k).swapaxes(0, 1)
 
 
 @lru_cache(maxsize=16)
@@ -60,12 +60,16 @@ def periodic_view(analyser: Analyser, step: int = 1) -> View:
     line, offset = np.arange(n)[:, None], np.arange(-reach, reach + 1)
     shape = np.broadcast_to(window.line_shape(offset.astype(float)), (n, len(offset)))
 
-    def matrix(source: IntArray, seen: NDArray[np.bool_]) -> csr_array:
+    def matrix(source: IntArray, in_band: NDArray[np.bool_]) -> csr_array:
         rows = np.broadcast_to(line, source.shape)
-        return csr_array(coo_array((shape[seen], (rows[seen], source[seen])), (n, n)))[::step]
+        return csr_array(coo_array((shape[in_band], (rows[in_band], source[in_band])), (n, n)))[::step]
 
-    own = line + offset
-    return View(analyser.freq, matrix(own, (own >= 0) & (own < n)), matrix(-own, (own < 0) & (own > -n)))
+    line_index = line + offset
+    return View(
+        analyser.freq,
+        matrix(line_index, (line_index >= 0) & (line_index < n)),
+        matrix(-line_index, (line_index < 0) & (line_index > -n)),
+    )
 
 
 def refined_view(
@@ -92,12 +96,12 @@ def coarse_view(analyser: Analyser, step: int) -> View:
     Even steps of half a line: of smooth functions no rule of as many points is better, and a window's
     line shape squared holds no finer detail.
     """
-    place = (np.arange(COARSE * (analyser.n_lines - 1)) + 0.5) / COARSE
+    positions = (np.arange(COARSE * (analyser.n_lines - 1)) + 0.5) / COARSE
     window = analyser.line_window
     lines = np.arange(0, analyser.n_lines, step, dtype=float)
     n = samples_of(analyser)
-    near, mirrored = (window.line_shapes(lines, one, n) / COARSE for one in (place, -place))
-    return View(place * analyser.spacing, near, mirrored)
+    near, mirrored = (window.line_shapes(lines, position, n) / COARSE for position in (positions, -positions))
+    return View(positions * analyser.spacing, near, mirrored)
 
 
 def refined(
@@ -111,21 +115,21 @@ def refined(
     flat, half = poles.ravel(), np.maximum(widths.ravel(), 1e-6 * analyser.spacing)
     inside = (flat > -analyser.spacing) & (flat < analyser.frequency_max + analyser.spacing)
     flat, half = flat[inside], half[inside]
-    left, right = analyser.freq[:-1], analyser.freq[1:]
-    done: list[FloatArray] = []
-    while len(left):
-        centre, radius = (left + right) / 2, (right - left) / 2
-        gap = np.maximum(np.abs(centre[:, None] - flat) - radius[:, None], 0.0)
-        near = np.sqrt(gap**2 + half**2).min(axis=1, initial=np.inf)
-        fine = radius <= near
-        done.append(np.stack([left[fine], right[fine]]))
-        left, centre, right = left[~fine], centre[~fine], right[~fine]
-        left, right = np.concatenate([left, centre]), np.concatenate([centre, right])
-    panels = np.concatenate(done, axis=1)
+    lower, upper = analyser.freq[:-1], analyser.freq[1:]
+    panels_done: list[FloatArray] = []
+    while len(lower):
+        centre, radius = (lower + upper) / 2, (upper - lower) / 2
+        distance = np.maximum(np.abs(centre[:, None] - flat) - radius[:, None], 0.0)
+        near = np.sqrt(distance**2 + half**2).min(axis=1, initial=np.inf)
+        is_fine = radius <= near
+        panels_done.append(np.stack([lower[is_fine], upper[is_fine]]))
+        lower, centre, upper = lower[~is_fine], centre[~is_fine], upper[~is_fine]
+        lower, upper = np.concatenate([lower, centre]), np.concatenate([centre, upper])
+    panels = np.concatenate(panels_done, axis=1)
     return _gauss(panels[0], panels[1], points)
 
 
-def _gauss(left: FloatArray, right: FloatArray, points: int) -> tuple[FloatArray, FloatArray]:
+def _gauss(lower: FloatArray, upper: FloatArray, points: int) -> tuple[FloatArray, FloatArray]:
     x, w = np.polynomial.legendre.leggauss(points)
-    centre, radius = ((left + right) / 2)[:, None], ((right - left) / 2)[:, None]
+    centre, radius = ((lower + upper) / 2)[:, None], ((upper - lower) / 2)[:, None]
     return (centre + radius * x).ravel(), (radius * w).ravel()

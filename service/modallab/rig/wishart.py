@@ -78,15 +78,15 @@ class _Law:
         rng.standard_gamma(self.n, out=ff)
         ff[..., self.real] = rng.standard_gamma(self.n / 2, ff[..., self.real].shape)
         ff *= self.force
-        given = ff[..., None]
+        force_power = ff[..., None]
         rng.standard_normal(out=fx.view(float))
         fx.imag[:, :, self.real] = 0.0
-        fx *= np.sqrt(given) * self.spread
-        fx += self.h * given
+        fx *= np.sqrt(force_power) * self.spread
+        fx += self.h * force_power
         rng.standard_gamma(self.n - 1, out=xx)
         xx[:, :, self.real] = rng.standard_gamma((self.n - 1) / 2, xx[:, :, self.real].shape)
         xx *= self.residual
-        xx += (fx.real**2 + fx.imag**2) / given
+        xx += (fx.real**2 + fx.imag**2) / force_power
 
 
 def _hidden(spectra: CrossSpectra, signal: FloatArray) -> ComplexArray | None:
@@ -109,31 +109,33 @@ class _SharedLaw(_Law):
         super().__init__(spectra)
         squares = np.where(spectra.freq == 0, self.n / 2, self.n)[:, None]
         self.hidden = hidden / np.sqrt(squares)
-        own = self.residual - (self.hidden.real**2 + self.hidden.imag**2)
-        self.residual = np.maximum(own, 0.0)
+        independent_power = self.residual - (self.hidden.real**2 + self.hidden.imag**2)
+        self.residual = np.maximum(independent_power, 0.0)
         self.spread = np.sqrt(self.residual / 2)
 
     def fill(self, rng: np.random.Generator, ff: FloatArray, fx: ComplexArray, xx: FloatArray) -> None:
         """Draw into arrays (n_tests, n_run, n_freq[, n_out])."""
         ff[:] = self.force * self._squares(rng, ff.shape, self.n)
-        given = ff[..., None]
-        shared = np.sqrt(0.5) * self._normal(rng, given.shape)
-        explained = np.sqrt(given) * (self.hidden * shared + self.spread * self._normal(rng, fx.shape))
-        fx[:] = self.h * given + explained
-        beside = np.sqrt(self._squares(rng, given.shape, self.n - 1)) * self.hidden
-        beside = beside + self.spread * self._normal(rng, fx.shape)
+        force_power = ff[..., None]
+        common_draw = np.sqrt(0.5) * self._normal(rng, force_power.shape)
+        explained = np.sqrt(force_power) * (
+            self.hidden * common_draw + self.spread * self._normal(rng, fx.shape)
+        )
+        fx[:] = self.h * force_power + explained
+        residual_draw = np.sqrt(self._squares(rng, force_power.shape, self.n - 1)) * self.hidden
+        residual_draw = residual_draw + self.spread * self._normal(rng, fx.shape)
         xx[:] = self.residual * self._squares(rng, xx.shape, self.n - 2)
-        xx += beside.real**2 + beside.imag**2
-        xx += (fx.real**2 + fx.imag**2) / given
+        xx += residual_draw.real**2 + residual_draw.imag**2
+        xx += (fx.real**2 + fx.imag**2) / force_power
 
     def _squares(self, rng: np.random.Generator, shape: tuple[int, ...], n: float) -> FloatArray:
         """Return Gamma variables of n averages, of half as many where transforms are real."""
-        drawn = rng.standard_gamma(n, shape)
-        drawn[:, :, self.real] = rng.standard_gamma(n / 2, drawn[:, :, self.real].shape)
-        return drawn
+        gamma_draw = rng.standard_gamma(n, shape)
+        gamma_draw[:, :, self.real] = rng.standard_gamma(n / 2, gamma_draw[:, :, self.real].shape)
+        return gamma_draw
 
     def _normal(self, rng: np.random.Generator, shape: tuple[int, ...]) -> ComplexArray:
         """Return complex numbers whose parts are normal, real where transforms are."""
-        drawn = rng.standard_normal((*shape, 2)).view(complex)[..., 0]
-        drawn.imag[:, :, self.real] = 0.0
-        return drawn
+        normal_draw = rng.standard_normal((*shape, 2)).view(complex)[..., 0]
+        normal_draw.imag[:, :, self.real] = 0.0
+        return normal_draw

@@ -68,14 +68,14 @@ class _Law:
         """Draw into arrays (n_tests, n_run, n_freq, n_in, n_in or n_out)."""
         root = self.root @ self._factor(rng, ff)
         # Laid out anew: products with strided matrices take twice as long.
-        back = np.ascontiguousarray(root.conj().swapaxes(-1, -2))
-        np.matmul(root, back, out=ff)
+        root_adjoint = np.ascontiguousarray(root.conj().swapaxes(-1, -2))
+        np.matmul(root, root_adjoint, out=ff)
         explained = np.empty_like(fx)  # of each channel, by forces of unit density that nothing ties
         parts = explained.view(float)
         rng.standard_normal(out=parts)
         explained.imag[:, :, self.real] = 0.0
         explained *= self.spread
-        explained += back @ self.h
+        explained += root_adjoint @ self.h
         np.matmul(root, explained, out=fx)
         rng.standard_gamma(self.n - self.n_in, out=xx)
         xx[:, :, self.real] = rng.standard_gamma((self.n - self.n_in) / 2, xx[:, :, self.real].shape)
@@ -87,7 +87,7 @@ class _Law:
     def _factor(self, rng: np.random.Generator, like: ComplexArray) -> ComplexArray:
         """Return Bartlett's factor A for every line, shaped as G_ff."""
         factor = np.zeros_like(like)
-        below, column = np.tril_indices(self.n_in, -1)
+        row, column = np.tril_indices(self.n_in, -1)
         lines = like.shape[:-2]
         for i in range(self.n_in):  # variables of one shape are drawn three times faster than of several
             squares = rng.standard_gamma(self.n - i, lines)
@@ -95,7 +95,7 @@ class _Law:
                 (self.n - i) / 2, squares[:, :, self.real].shape
             )
             factor[..., i, i] = np.sqrt(squares)
-        ties = rng.standard_normal((*lines, len(below), 2)).view(complex)[..., 0] / np.sqrt(2)
+        ties = rng.standard_normal((*lines, len(row), 2)).view(complex)[..., 0] / np.sqrt(2)
         ties[:, :, self.real] = np.sqrt(2) * ties[:, :, self.real].real
-        factor[..., below, column] = ties
+        factor[..., row, column] = ties
         return factor

@@ -16,7 +16,7 @@ def wishart_about(
     spectra: CrossSpectra,
     clean: ComplexArray,
     force_noise: FloatArray,
-    steady: Sequence[PeriodicSignal],
+    signals: Sequence[PeriodicSignal],
     rng: np.random.Generator,
 ) -> CrossSpectra:
     """Return spectra as averages scatter in which a signal comes back every time.
@@ -35,22 +35,24 @@ def wishart_about(
         (n_run, n_freq, 1 + 2 n_out) G_ff, G_fx and G_xx as they are without noise and converter.
     force_noise
         (n_run,) N^2/Hz, in G_ff.
-    steady
+    signals
         What comes back in each run.
     """
     n, runs = round(spectra.averages), []
-    for run, own in enumerate(steady):
+    for run, signal in enumerate(signals):
         gain = gain_of(spectra, clean[run], force_noise[run], run)
-        rest = _Rest.of(spectra, run, own.expected(gain))
-        rotated = np.linalg.qr(own.weights(n, rng), mode="r")
-        first = np.tensordot(rotated, own.signals * gain, axes=1) + rest.averages(len(rotated), rng)
-        back, response = first[..., :1].conj(), first[..., 1:]
-        found = (
-            (back * back.conj()).sum(axis=0),
-            (back * response).sum(axis=0),
+        random_part = _Rest.of(spectra, run, signal.expected(gain))
+        rotated = np.linalg.qr(signal.weights(n, rng), mode="r")
+        rotated_averages = np.tensordot(rotated, signal.signals * gain, axes=1) + random_part.averages(
+            len(rotated), rng
+        )
+        force_conjugate, response = rotated_averages[..., :1].conj(), rotated_averages[..., 1:]
+        sums = (
+            (force_conjugate * force_conjugate.conj()).sum(axis=0),
+            (force_conjugate * response).sum(axis=0),
             _squares(response).sum(axis=0),
         )
-        runs.append([(a + b) / n for a, b in zip(found, rest.sums(n - len(rotated), rng), strict=True)])
+        runs.append([(a + b) / n for a, b in zip(sums, random_part.sums(n - len(rotated), rng), strict=True)])
     ff, fx, xx = (np.array(part) for part in zip(*runs, strict=True))
     return CrossSpectra(spectra.freq, ff[..., None], fx[:, :, None], xx.real, spectra.averages)
 
@@ -60,8 +62,8 @@ def gain_of(spectra: CrossSpectra, clean: ComplexArray, force_noise: float, run:
     n_out = spectra.xx.shape[2]
     ff, fx = clean[:, 0].real, clean[:, 1 : 1 + n_out]
     force = np.sqrt(np.clip((spectra.ff[run, :, 0, 0].real - force_noise) / ff, 0.0, 1.0))
-    both = np.divide(spectra.fx[run, :, 0], fx, out=np.ones_like(fx), where=fx != 0)
-    response = both / np.where(force > 0, force, 1.0)[:, None]
+    response_gain = np.divide(spectra.fx[run, :, 0], fx, out=np.ones_like(fx), where=fx != 0)
+    response = response_gain / np.where(force > 0, force, 1.0)[:, None]
     return np.concatenate([force[:, None], response], axis=1)
 
 
@@ -93,15 +95,23 @@ class _Rest:
     real: FloatArray  # (n_freq, 1) 2 where transforms are real, half as many squares an average; else 1
 
     @classmethod
-    def of(cls, spectra: CrossSpectra, run: int, own: ComplexArray) -> "_Rest":
+    def of(cls, spectra: CrossSpectra, run: int, periodic_spectra: ComplexArray) -> "_Rest":
         """Return what is left of a run's spectra beside its own G_ff, G_fx, G_xx that come back."""
         n_out = spectra.xx.shape[2]
-        whole = np.concatenate([spectra.ff[run, :, 0], spectra.fx[run, :, 0], spectra.xx[run]], axis=1)
-        left = np.where(np.abs(whole - own) > ROUNDING * np.abs(whole), whole - own, 0.0)
-        force = left[:, :1].real.clip(min=0.0)
+        total_spectra = np.concatenate(
+            [spectra.ff[run, :, 0], spectra.fx[run, :, 0], spectra.xx[run]], axis=1
+        )
+        random_spectra = np.where(
+            np.abs(total_spectra - periodic_spectra) > ROUNDING * np.abs(total_spectra),
+            total_spectra - periodic_spectra,
+            0.0,
+        )
+        force = random_spectra[:, :1].real.clip(min=0.0)
         safe = np.where(force > 0, force, 1.0)
-        h: ComplexArray = np.asarray(np.where(force > 0, left[:, 1 : 1 + n_out], 0.0) / safe, complex)
-        response = (left[:, 1 + n_out :].real - _squares(h) * force).clip(min=0.0)
+        h: ComplexArray = np.asarray(
+            np.where(force > 0, random_spectra[:, 1 : 1 + n_out], 0.0) / safe, complex
+        )
+        response = (random_spectra[:, 1 + n_out :].real - _squares(h) * force).clip(min=0.0)
         return cls(force, h, response, np.where(spectra.freq == 0, 2.0, 1.0)[:, None])
 
     def averages(self, n: int, rng: np.random.Generator) -> ComplexArray:
@@ -116,10 +126,10 @@ class _Rest:
             return np.zeros(self.force.shape), np.zeros(self.h.shape, complex), np.zeros(self.h.shape)
         root = np.sqrt(self.force * self.real * rng.standard_gamma(n / self.real, self.force.shape))
         response = self.h * root + np.sqrt(self.response) * self._normal(rng, self.response.shape)
-        loose = self.response * self.real * rng.standard_gamma((n - 1) / self.real, self.response.shape)
-        return root**2, root * response, _squares(response) + loose
+        incoherent = self.response * self.real * rng.standard_gamma((n - 1) / self.real, self.response.shape)
+        return root**2, root * response, _squares(response) + incoherent
 
     def _normal(self, rng: np.random.Generator, shape: tuple[int, ...]) -> ComplexArray:
         """Return complex normal numbers of unit mean square, real where transforms are."""
-        drawn = rng.standard_normal((*shape, 2)).view(complex)[..., 0]
-        return np.where(self.real == 2, drawn.real, drawn / np.sqrt(2))
+        normal_draw = rng.standard_normal((*shape, 2)).view(complex)[..., 0]
+        return np.where(self.real == 2, normal_draw.real, normal_draw / np.sqrt(2))

@@ -24,7 +24,7 @@ def roving(mass: float, excitation: str) -> RigSetup:
 
 
 def both(setup: RigSetup, force: Effect) -> tuple[Chain, Chain]:
-    return chain(beam_system(), setup, [force], alike=True), chain(beam_system(), setup, [force])
+    return chain(beam_system(), setup, [force], same_in_all_runs=True), chain(beam_system(), setup, [force])
 
 
 @pytest.mark.parametrize("excitation", ["random", "periodic_random"])
@@ -60,7 +60,7 @@ def test_from_a_motion_nearby_the_same_one_is_found(forces: list[Effect]) -> Non
     setup = roving(0.02, "periodic_random")
     nearby = chain(beam_system().add_mass(4, 1e-4), setup, forces).response_spectrum
     assert nearby is not None
-    quick, full = chain(beam_system(), setup, forces, near=nearby), chain(beam_system(), setup, forces)
+    quick, full = chain(beam_system(), setup, forces, initial_rms=nearby), chain(beam_system(), setup, forces)
     assert full.response_spectrum is not None
     assert quick.response_spectrum is not None
     assert np.abs(nearby / full.response_spectrum - 1).max() > 1e-6

@@ -76,10 +76,14 @@ class FollowUpPredictor(Predictor):
         return effects_in_other_test(effects, self._first, self.setup)
 
     def chain(
-        self, effects: Sequence[Effect], *, alike: bool = False, near: FloatArray | None = None
+        self,
+        effects: Sequence[Effect],
+        *,
+        same_in_all_runs: bool = False,
+        initial_rms: FloatArray | None = None,
     ) -> Chain:
         """Return the measuring chain, see `Predictor.chain`."""
-        return super().chain(self._here(effects), alike=alike, near=near)
+        return super().chain(self._here(effects), same_in_all_runs=same_in_all_runs, initial_rms=initial_rms)
 
     def with_frequency_shift(self, effects: Sequence[Effect], shift: float) -> Predicted:
         """Return the expected spectra of other natural frequencies, see `Predictor.with_frequency_shift`."""

@@ -63,20 +63,30 @@ class Predictor:
         return (self,)
 
     def chain(
-        self, effects: Sequence[Effect], *, alike: bool = False, near: FloatArray | None = None
+        self,
+        effects: Sequence[Effect],
+        *,
+        same_in_all_runs: bool = False,
+        initial_rms: FloatArray | None = None,
     ) -> Chain:
         """Return the measuring chain of the model on the rig of the log book, with some effects more.
 
         Parameters
         ----------
-        alike
+        same_in_all_runs
             Whether nonlinear forces are taken to move alike in every run, for first looks.
-        near
+        initial_rms
             What they take (n_run, r) in a chain that differs by next to nothing, if that is known.
         """
         self.heartbeat()
         self.budget.spend()
-        return chain(self._loose, self.setup, self._with(effects), alike=alike, near=near)
+        return chain(
+            self._loose,
+            self.setup,
+            self._with(effects),
+            same_in_all_runs=same_in_all_runs,
+            initial_rms=initial_rms,
+        )
 
     def _with(self, effects: Sequence[Effect]) -> list[Effect]:
         return [*self._own, *self._rest, *effects]
@@ -160,7 +170,7 @@ class Predictor:
         view, taken = thin_view(here), here.response_spectrum
 
         def sketch(near: Sequence[Effect]) -> Predicted:
-            return Predicted.of(expected_spectra(self.chain(near, near=taken), view))
+            return Predicted.of(expected_spectra(self.chain(near, initial_rms=taken), view))
 
         return sketch
 
@@ -176,7 +186,7 @@ class Predictor:
 
     def coarse(self, effects: Sequence[Effect]) -> Predicted:
         """Return the expected spectra at every `step`-th line, leakage coarse."""
-        return Predicted.of(coarse_spectra(self.chain(effects, alike=True), self.step))
+        return Predicted.of(coarse_spectra(self.chain(effects, same_in_all_runs=True), self.step))
 
     def without_lines(self, every: int) -> "Predictor":
         """Return the same with one of so many lines held out of its fits as well.

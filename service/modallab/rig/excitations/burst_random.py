@@ -47,12 +47,12 @@ class Burst:
     ) -> FloatArray:
         """Return n records, (n, n_ch, n_samples)."""
         length, n_samples = self._samples(answers, setting), answers.n_samples
-        played = rng.standard_normal((n, answers.n_in, length)) * np.sqrt(n_samples / length)
-        lines = scipy.fft.rfft(played, 2 * n_samples)
+        source_samples = rng.standard_normal((n, answers.n_in, length)) * np.sqrt(n_samples / length)
+        lines = scipy.fft.rfft(source_samples, 2 * n_samples)
         # Time 0 of the answers is in their middle: what wraps around falls on what is cut off.
         answer = scipy.fft.rfft(np.roll(answers.samples, n_samples, axis=-1))
-        heard = np.einsum("nsf,scf->ncf", lines, answer)
-        return np.asarray(scipy.fft.irfft(heard, 2 * n_samples, overwrite_x=True)[..., :n_samples])
+        channel_lines = np.einsum("nsf,scf->ncf", lines, answer)
+        return np.asarray(scipy.fft.irfft(channel_lines, 2 * n_samples, overwrite_x=True)[..., :n_samples])
 
     def recurring(self, answers: ImpulseResponses, setting: ExcitationSetting) -> None:
         """Return None: it is Gaussian."""

@@ -28,9 +28,9 @@ class Blow:
 
     def typical(self, answers: ImpulseResponses, setting: ExcitationSetting) -> Iterator[FloatArray]:
         """Yield blows, as many as there are ways to stray, that have the mean products of all blows."""
-        size, turned = np.linalg.eigh(self.moments(answers, setting))
-        ways = turned.T * np.sqrt(len(size) * size.clip(min=0.0))[:, None]
-        yield np.tensordot(ways, self.recurring(answers, setting), axes=1)
+        eigenvalues, eigenvectors = np.linalg.eigh(self.moments(answers, setting))
+        basis = eigenvectors.T * np.sqrt(len(eigenvalues) * eigenvalues.clip(min=0.0))[:, None]
+        yield np.tensordot(basis, self.recurring(answers, setting), axes=1)
 
     def drawn(
         self, answers: ImpulseResponses, setting: ExcitationSetting, n: int, rng: np.random.Generator
@@ -46,9 +46,9 @@ class Blow:
         records = np.sqrt(answers.n_samples) * answers.after(np.array([moment]))[0]
         if not self.strays(setting):
             return np.asarray(records)
-        force, along = records[:1].copy(), records[:1].copy()
-        force[:, answers.n_in :], along[:, : answers.n_in] = 0.0, 0.0
-        return np.concatenate([force, along, records[1:]])
+        force, axial = records[:1].copy(), records[:1].copy()
+        force[:, answers.n_in :], axial[:, : answers.n_in] = 0.0, 0.0
+        return np.concatenate([force, axial, records[1:]])
 
     def weights(
         self, answers: ImpulseResponses, setting: ExcitationSetting, n: int, rng: np.random.Generator
@@ -58,9 +58,9 @@ class Blow:
         size = np.exp(s * rng.standard_normal((n, 1)) - s**2)
         if not self.strays(setting):
             return np.asarray(size)
-        beside = setting.place_scatter * rng.standard_normal((n, 1))
+        place_offset = setting.place_scatter * rng.standard_normal((n, 1))
         along, across = tilted(setting.angle_scatter, n, answers.samples.shape[0] - 2, rng)
-        return np.asarray(size * np.hstack([np.ones((n, 1)), along[:, None], beside, across]))
+        return np.asarray(size * np.hstack([np.ones((n, 1)), along[:, None], place_offset, across]))
 
     def moments(self, answers: ImpulseResponses, setting: ExcitationSetting) -> FloatArray:
         """Return the mean products of the weights, (k, k)."""
@@ -69,8 +69,8 @@ class Blow:
         n_lateral = answers.samples.shape[0] - 2
         along, spread, across = tilt_moments(setting.angle_scatter, n_lateral)
         mean = np.array([1.0, along, 0.0, *[0.0] * n_lateral])
-        own = [0.0, spread, setting.place_scatter**2, *[across] * n_lateral]
-        return np.asarray(np.outer(mean, mean) + np.diag(own))
+        variances = [0.0, spread, setting.place_scatter**2, *[across] * n_lateral]
+        return np.asarray(np.outer(mean, mean) + np.diag(variances))
 
 
 EXCITATIONS.register("impact")(
