@@ -1,4 +1,4 @@
-"""The one way to a diagnosis: a model, a measurement with its log book, nothing else."""
+"""Diagnosis of the disagreement between a model and a measurement with its log book."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -22,13 +22,12 @@ from modallab.diagnosis.result_builder import curves, extended, rivals, step, to
 from modallab.diagnosis.searching.acceptance import is_noise_only
 from modallab.diagnosis.searching.search import search
 from modallab.diagnosis.searching.search_round import Suspects
+from modallab.diagnosis.settings import DIAGNOSIS
 from modallab.diagnosis.test_design.proposal import next_test
 from modallab.fe.structure import Structure
 from modallab.rig.effect import EFFECTS, Effect
 from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
-
-RULED_OUT = 0.01  # suspicion below which a kind is not looked for unless it is named
 
 
 def diagnose(
@@ -44,134 +43,148 @@ def diagnose(
     seed: int = 0,
     progress: Progress = silent,
 ) -> Diagnosis:
-    """Return where model and measurement part, what was missing, and what is left.
+    """Return the disagreement of model and measurement, the missing effects, and the remaining gap.
 
-    The measurement is predicted exactly as its log book says; the truth behind it is not known here.
+    The prediction follows the log book alone; the true state of a simulated rig is not known here.
 
     Parameters
     ----------
     structure
         The model.
+    measurement
+        FRFs and spectra with their log book.
     suspects
         Kinds of effects to consider; None for all.
     hold_out_fraction, hold_out
-        Share of the FRFs that is kept out of every fit, and responses that are kept out in any case;
-        a response that was not measured is predicted.
+        Fraction of the FRFs that takes no part in any fit, and responses that take no part in any case;
+        FRFs of responses that were not measured are predicted.
     tolerances
-        What may differ a little and is no missing effect: fitted with everything else, within limits.
+        Prior standard deviations of nuisance parameters, fitted together with the missing effects.
     follow_ups
         Further tests of the same structure, explained together with the first by the same effects.
+    max_effects
+        Largest number of effects added.
     seed
-        Draws the FRFs that are held out.
+        Seed of the choice of held-out FRFs.
 
     Raises
     ------
     InvalidInputError
-        If a measurement cannot be weighed or compared, contradicts what is said to have been changed
-        for it, or no suspect is left.
+        If a measurement has no random error or cannot be compared with the model, if it contradicts the
+        changes stated for it, or if no suspect is left.
     UnknownDofError
         If the model lacks a measured DoF.
     """
-    further = [one.with_consistent_log_book(measurement) for one in follow_ups]
-    for test in (measurement, *further):
+    tests = [measurement, *(follow_up.taken_after(measurement) for follow_up in follow_ups)]
+    for test in tests:
         check_comparable(structure, test)
-    held, unmeasured = select_held_out(structure, measurement, hold_out_fraction, hold_out, seed)
+    held_out_dofs, unmeasured = held_out(structure, measurement, hold_out_fraction, hold_out, seed)
     pulse = Pulse(progress)
-    pulse(0.0, "predicting what the model and the log book say")
-    tests = [measurement, *further]
-    predictor = _predicting(structure, tests, held, hold_out_fraction, tolerances, pulse)
+    pulse(0.0, "predicting the tests from model and log book")
+    predictor = _predictor(structure, tests, held_out_dofs, hold_out_fraction, tolerances, pulse)
     start = fit(predictor, ())
-    # What is tolerated of every channel hides until now that something is wrong with one.
-    spared = outlying_responses(predictor.observed, start.residual) if tolerances != NO_TOLERANCES else ()
-    if {dof.point for dof in spared} & ({dof.point for dof in held} - {dof.point for dof in hold_out}):
-        held, _ = select_held_out(structure, measurement, hold_out_fraction, hold_out, seed, spared=spared)
-        predictor = _predicting(structure, tests, held, hold_out_fraction, tolerances, pulse)
+    # Only now, with the nuisance parameters fitted, do channels with a gross error stand out.
+    outliers = standing_out(predictor.observed, start.residual) if tolerances != NONE else ()
+    drawn = {dof.point for dof in held_out_dofs} - {dof.point for dof in hold_out}
+    if {dof.point for dof in outliers} & drawn:
+        held_out_dofs, _ = held_out(
+            structure, measurement, hold_out_fraction, hold_out, seed, spared=outliers
+        )
+        predictor = _predictor(structure, tests, held_out_dofs, hold_out_fraction, tolerances, pulse)
         start = fit(predictor, ())
     observed = predictor.observed
     evidence = collect_evidence(predictor.tests[0], [])
-    candidates = Suspects(suspected(predictor, suspects), RULED_OUT if suspects is None else 0.0)
+    least_suspicion = DIAGNOSIS.least_suspicion if suspects is None else 0.0
+    candidates = Suspects(suspected(predictor, suspects), least_suspicion)
     path = search(predictor, start, candidates, max_effects=max_effects, progress=pulse)
-    pulse(0.94, "writing down what was found")
+    pulse(0.94, "preparing the result")
     explained = is_noise_only(predictor, path.fit.residual, reach=None)
     steps = tuple(step(predictor, accepted, path.fit, explained=explained) for accepted in path.steps)
-    verdict = _verdict(explained, steps)
     model, log_book = extended(structure, measurement.setup, path.fit.effects)
-    left = path.fit.residual
+    residual = path.fit.residual
+    changes = [follow_up.change for follow_up in follow_ups]
     return Diagnosis(
-        verdict=verdict,
+        verdict=_verdict(explained, steps),
         located=locate(predictor, evidence),
         steps=steps,
-        remaining_gap=left.gap(observed.usable),
-        remaining_scatter=gap_error(observed, left, observed.usable),
-        gaps={"before": start.residual.gaps(observed.usable), "after": left.gaps(observed.usable)},
+        remaining_gap=residual.gap(observed.usable),
+        remaining_scatter=scatter(observed, residual, observed.usable),
+        gaps={"before": start.residual.gaps(observed.usable), "after": residual.gaps(observed.usable)},
         structure=model,
         setup=log_book,
         curves=curves(predictor, measurement, path.fit, unmeasured),
-        candidates=rivals(predictor, path.steps[0].round_fits) if path.steps else (),
-        next_test=next_test(predictor, path, [one.change for one in follow_ups], part(pulse, 0.94, 1.0)),
+        candidates=rivals(predictor, path.steps[0].tried) if path.steps else (),
+        next_test=next_test(predictor, path, changes, part(pulse, 0.94, 1.0)),
         tolerated=tolerated(predictor, path.fit),
-        follow_ups=tuple(one.change.plain for one in follow_ups),
+        follow_ups=tuple(change.plain for change in changes),
         seed=seed,
-        notes=(*limitations(measurement, predictor.tests[0].observed), *_cut_short(predictor, explained)),
+        notes=(*limitations(measurement, predictor.tests[0].observed), *_budget_note(predictor, explained)),
     )
 
 
-def _cut_short(predictor: Predictor, explained: bool) -> tuple[str, ...]:
-    if explained or not predictor.budget.exhausted:
+def _budget_note(predictor: Predictor, explained: bool) -> tuple[str, ...]:
+    """Return a note if the search ended because its budget of predictions was used up."""
+    if explained or not predictor.effort.over:
         return ()
-    return ("the search for what is left was given up: no few effects of the catalogue came near it",)
+    return (
+        "The search was given up: its budget of predictions is used up, and no combination of a few effects "
+        "of the catalogue explains the measurement",
+    )
 
 
-def _predicting(
+def _predictor(
     structure: Structure,
     tests: Sequence[Measurement],
-    held: Sequence[Dof],
+    held_out_dofs: Sequence[Dof],
     fraction: float,
     tolerances: Tolerances,
     pulse: Pulse,
 ) -> Predictor:
-    """Return what predicts all tests, with the numbers of model and rig free within tolerances."""
-    seen = [observe(test, held, fraction=fraction) for test in tests]
-    first = Predictor(structure, tests[0].setup, seen[0])
-    first.heartbeat, first.budget = pulse.beat, PredictionBudget(ENOUGH * len(tests))
-    everywhere = _wherever_heard([test.setup for test in tests])
-    first = first.with_nuisances(nuisance_parameters(tolerances, first.system, everywhere))
-    rest = [FollowUpPredictor(first, test.setup, one) for test, one in zip(tests[1:], seen[1:], strict=True)]
-    return JointPredictor([first, *rest]) if rest else first
+    """Return the predictor of all tests, with nuisance parameters free within their tolerances."""
+    observations = [observe(test, held_out_dofs, fraction=fraction) for test in tests]
+    first = Predictor(structure, tests[0].setup, observations[0])
+    first.alive, first.effort = pulse.beat, PredictionBudget(ENOUGH * len(tests))
+    all_responses = _with_all_responses([test.setup for test in tests])
+    first = first.allowing(nuisances(tolerances, first.system, all_responses))
+    further = [
+        FollowUpPredictor(first, test.setup, observed)
+        for test, observed in zip(tests[1:], observations[1:], strict=True)
+    ]
+    return JointPredictor([first, *further]) if further else first
 
 
-def _wherever_heard(setups: Sequence[RigSetup]) -> RigSetup:
-    """Return the first log book with the responses of all: each has a transducer that may be a little off."""
-    heard: dict[Dof, Dof] = {}
+def _with_all_responses(setups: Sequence[RigSetup]) -> RigSetup:
+    """Return the first log book with the responses of all tests, as each transducer has nuisance parameters."""
+    responses: dict[Dof, Dof] = {}
     for setup in setups:
         for dof in setup.responses:
-            heard.setdefault(dof.point, dof)
-    return replace(setups[0], responses=tuple(heard.values()))
+            responses.setdefault(dof.point, dof)
+    return replace(setups[0], responses=tuple(responses.values()))
 
 
 def suspected(predictor: Predictor, kinds: Sequence[str] | None) -> list[Effect]:
-    """Return one effect for every kind and place that may be missing.
+    """Return one effect for each kind and place that may be missing.
 
     Parameters
     ----------
     kinds
-        None for all but those that only the user can suspect.
+        Kinds of effects; None for all but those that only the user can suspect.
 
     Raises
     ------
     InvalidInputError
         If a kind is unknown or none is left.
     """
-    everything = [kind for kind, cls in EFFECTS.items() if cls.suspected]
-    chosen = everything if kinds is None else list(dict.fromkeys(kinds))
-    found = [
+    defaults = [kind for kind, cls in EFFECTS.items() if cls.suspected]
+    chosen = defaults if kinds is None else list(dict.fromkeys(kinds))
+    suspects = [
         EFFECTS[kind](at=place)
         for kind in chosen
         for place in EFFECTS[kind].places(predictor.system, predictor.setup)
     ]
-    if not found:
+    if not suspects:
         raise InvalidInputError("no suspect is left", field="suspects", allowed=", ".join(EFFECTS))
-    return found
+    return suspects
 
 
 def _verdict(explained: bool, steps: Sequence[Step]) -> Verdict:

@@ -1,4 +1,4 @@
-"""What was found, written down: effects with their errors, rivals, curves."""
+"""Construction of a diagnosis's result from the fits: effects, rivals, extended model, curves."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -22,86 +22,81 @@ from modallab.diagnosis.result import (
 from modallab.diagnosis.result_curves import Curves, Spectra
 from modallab.diagnosis.searching.acceptance import model_probabilities
 from modallab.diagnosis.searching.search_path import AcceptedEffect
-from modallab.diagnosis.test_design.proposal import alike, named
+from modallab.diagnosis.settings import DIAGNOSIS
+from modallab.diagnosis.test_design.proposal import equivalent_fits, named_fit
 from modallab.fe.structure import Structure
 from modallab.rig.effect import Effect
 from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
 
-MOST_ALIKE = 3
-# Share of the effects named first that were there, of diagnoses that left something unexplained: 7 of 14 in
-# a blind trial of singles, pairs and causes that no catalogue holds.
-INCOMPLETE = 0.5
-
 
 def _fitted(fit: Fit, i: int) -> FittedEffect:
     effect, errors = fit.effects[i], fit.errors[i]
-    numbers = {
+    parameters = {
         name: FittedParameter(effect.parameters[name], errors[name], spec.unit)
         for name, spec in effect.specs().items()
     }
-    return FittedEffect(effect.kind, effect.at, numbers)
+    return FittedEffect(effect.kind, effect.at, parameters)
 
 
 def tolerated(predictor: Predictor, best: Fit) -> tuple[ToleratedParameter, ...]:
-    """Return what may differ a little, as it was fitted."""
-    each = zip(predictor.nuisances.parameters, best.nuisance_position, best.nuisance_errors, strict=True)
+    """Return the nuisance parameters, as fitted."""
+    estimates = zip(predictor.nuisances.numbers, best.tolerated, best.tolerated_errors, strict=True)
     return tuple(
         ToleratedParameter(
-            name=one.name,
-            at=one.at,
-            mode=one.mode,
-            value=one.value(float(position)),
-            standard_error=one.standard_deviation * float(error),
-            tolerance=one.standard_deviation,
-            unit=one.unit,
+            name=nuisance.name,
+            at=nuisance.at,
+            mode=nuisance.mode,
+            value=nuisance.value(float(position)),
+            standard_error=nuisance.spread * float(error),
+            tolerance=nuisance.spread,
+            unit=nuisance.unit,
         )
-        for one, position, error in each
+        for nuisance, position, error in estimates
     )
 
 
-def rivals(predictor: Predictor, tried: Sequence[Fit], but: Fit | None = None) -> tuple[Rival, ...]:
-    """Return the fits of a round as rivals, best first, without the one named."""
-    where = predictor.observed.fitted
-    shares = model_probabilities(predictor, tried)
+def rivals(predictor: Predictor, candidates: Sequence[Fit], chosen: Fit | None = None) -> tuple[Rival, ...]:
+    """Return the fits of a round, except the chosen one, as rivals, best first."""
+    probability = probabilities(predictor, candidates)
     return tuple(
-        Rival(f.effects[-1].kind, f.effects[-1].at, share, f.residual.gap(where))
-        for f, share in zip(tried, shares, strict=True)
-        if f is not but
+        Rival(f.effects[-1].kind, f.effects[-1].at, p, f.residual.gap(predictor.observed.fitted))
+        for f, p in zip(candidates, probability, strict=True)
+        if f is not chosen
     )
 
 
 def step(predictor: Predictor, accepted: AcceptedEffect, final: Fit, *, explained: bool) -> Step:
-    """Return what one effect closed.
+    """Return one added effect with its probability, gaps and rivals.
 
     Parameters
     ----------
     final
-        The fit of all effects together.
+        Fit of all effects together.
     explained
-        Whether only noise is left of it. If not, what is missing may be none of the rivals.
+        Whether the final fit leaves random error alone. If not, the missing effect may be none of the rivals.
     """
-    observed, tried = predictor.observed, accepted.round_fits
-    chosen = named(accepted)
-    near = alike(predictor, accepted, chosen)
-    shares = dict(zip(map(id, tried), model_probabilities(predictor, tried), strict=True))
-    # Sizes from the last fit: what was missing beside an effect still distorts its own round's.
+    observed, candidates = predictor.observed, accepted.tried
+    chosen = named_fit(accepted)
+    equivalent = equivalent_fits(predictor, accepted, chosen)[: DIAGNOSIS.max_equivalent_effects]
+    probability = dict(zip(map(id, candidates), probabilities(predictor, candidates), strict=True))
+    # Parameters from the final fit: effects that were still missing in the effect's own round distort them.
     position = [(e.kind, str(e.at)) for e in final.effects].index(accepted.kind_and_place)
     return Step(
         effect=_fitted(final, position),
-        probability=shares[id(chosen)] * (1.0 if explained else INCOMPLETE),
-        gap_before=accepted.previous_fit.residual.gap(observed.fitted),
-        gap_after=accepted.fit.residual.gap(observed.fitted),
-        held_out_gap_before=accepted.previous_fit.residual.gap(observed.held_out_mask),
-        held_out_gap_after=accepted.fit.residual.gap(observed.held_out_mask),
-        held_out_scatter=gap_error(observed, accepted.fit.residual, observed.held_out_mask),
-        rivals=rivals(predictor, tried, chosen),
-        rivals_alike=tuple(EquivalentEffect(f.effects[-1].kind, f.effects[-1].at) for f in near[:MOST_ALIKE]),
+        probability=probability[id(chosen)] * (1.0 if explained else DIAGNOSIS.incomplete_probability),
+        gap_before=accepted.before.residual.gap(observed.fitted),
+        gap_after=accepted.after.residual.gap(observed.fitted),
+        held_out_gap_before=accepted.before.residual.gap(observed.kept),
+        held_out_gap_after=accepted.after.residual.gap(observed.kept),
+        held_out_scatter=scatter(observed, accepted.after.residual, observed.kept),
+        rivals=rivals(predictor, candidates, chosen),
+        rivals_alike=tuple(EquivalentEffect(f.effects[-1].kind, f.effects[-1].at) for f in equivalent),
     )
 
 
 def extended(structure: Structure, setup: RigSetup, effects: Sequence[Effect]) -> tuple[Structure, RigSetup]:
-    """Return model and log book with what was added."""
+    """Return model and log book with the added effects."""
     for effect in effects:
         if effect.structural:
             structure = effect.added_to(structure)
@@ -111,33 +106,41 @@ def extended(structure: Structure, setup: RigSetup, effects: Sequence[Effect]) -
 
 
 def curves(predictor: Predictor, measurement: Measurement, best: Fit, unmeasured: tuple[Dof, ...]) -> Curves:
-    """Return the curves of the first test, with responses that were not measured predicted."""
+    """Return measured and predicted curves of the first test.
+
+    Parameters
+    ----------
+    best
+        Fit of all effects together.
+    unmeasured
+        DoFs that were not measured, whose FRFs are predicted.
+    """
     predictor = predictor.tests[0]
     observed: Observed = predictor.observed
-    fitted = predictor.with_nuisances_at(best.nuisance_position)
-    predicted = fitted.unmeasured_inertance(best.effects, unmeasured) if unmeasured else None
-    before, after = predictor.predict(()), fitted.predict(best.effects)
+    fitted = predictor.tolerating(best.tolerated)
+    predicted = fitted.unmeasured(best.effects, unmeasured) if unmeasured else None
+    initial, final = predictor.predict(()), fitted.predict(best.effects)
     return Curves(
         freq=observed.freq,
         measured=observed.h[..., None],
-        before=before.h[..., None],
-        after=after.h[..., None],
+        before=initial.h[..., None],
+        after=final.h[..., None],
         random_error=observed.error[..., None],
         held_out=observed.held_out,
         outputs=measurement.frf.outputs,
         inputs=measurement.frf.inputs,
         predicted=predicted,
         predicted_outputs=unmeasured,
-        force=_spectra(observed.force, before.force, after.force, observed.force_variance),
+        force=_spectra(observed.force, initial.force, final.force, observed.force_variance),
         incoherent=_spectra(
-            observed.incoherent, before.incoherent, after.incoherent, observed.incoherent_variance
+            observed.incoherent, initial.incoherent, final.incoherent, observed.incoherent_variance
         ),
     )
 
 
 def _spectra(
-    measured: FloatArray | None, before: FloatArray, after: FloatArray, variance: FloatArray | float | None
+    measured: FloatArray | None, initial: FloatArray, final: FloatArray, variance: FloatArray | float | None
 ) -> Spectra | None:
     if measured is None or variance is None:
         return None
-    return Spectra(measured, before, after, np.sqrt(np.broadcast_to(variance, measured.shape)))
+    return Spectra(measured, initial, final, np.sqrt(np.broadcast_to(variance, measured.shape)))

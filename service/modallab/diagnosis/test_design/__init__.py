@@ -1,1 +1,1 @@
-"""The further test that tells rivals apart."""
+"""Design of the further test that distinguishes rival explanations."""

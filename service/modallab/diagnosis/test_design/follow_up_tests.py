@@ -1,4 +1,4 @@
-"""Further tests that a laboratory could do, from cheap to dear, and what each is good for."""
+"""Further tests that a laboratory could do, in the order of their cost, each with its purpose."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -6,89 +6,90 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from modallab.core.dof import Dof
+from modallab.diagnosis.test_design.settings import FOLLOW_UP
 from modallab.fe.system import DynamicSystem
 from modallab.rig.change import AddedMass, Change
 from modallab.rig.excitation import EXCITATIONS
 from modallab.rig.setup import RigSetup
 
-LOUDER = 3.0
-LONGER = 10.0
-KNOWN_MASS = 0.05  # kg: felt by a beam of some kilograms, and at hand in every laboratory
-DRIVES = 3  # other drive points that are considered
-
 
 @dataclass(frozen=True)
-class FurtherTest:
-    """A change against the first test, and what it shows, in words."""
+class FollowUpOption:
+    """Change against the first test, and its purpose."""
 
     change: Change
+    """Change of the rig or of its settings."""
     why: str
+    """Purpose of the change, in plain English."""
 
 
-def further_tests(setup: RigSetup, system: DynamicSystem) -> Iterator[FurtherTest]:
-    """Return the tests that are considered, the cheapest first."""
-    yield from _at_the_analyser(setup)
-    for drive in _spread([d.point for d in setup.responses if d.point != setup.drive.point], DRIVES):
-        yield FurtherTest(
+def follow_up_options(setup: RigSetup, system: DynamicSystem) -> Iterator[FollowUpOption]:
+    """Yield the further tests that are considered, the cheapest first."""
+    yield from _analyser_options(setup)
+    points = [d.point for d in setup.responses if d.point != setup.drive.point]
+    for drive in _evenly_spaced(points, FOLLOW_UP.n_drives):
+        yield FollowUpOption(
             Change(drive=drive),
-            f"with the force at {drive} what hangs on the shaker or the gauge acts there; what belongs to "
-            "the structure stays where it is",
+            f"with the force at {drive} the effects of shaker and force transducer move there, while effects "
+            "of the structure stay",
         )
     if setup.exciter.kind == "shaker":
-        yield FurtherTest(
+        yield FollowUpOption(
             Change(exciter="hammer"),
-            "a hammer leaves nothing on the structure: what the shaker, its stinger or the gauge did is gone",
+            "a hammer is not attached to the structure: effects of the shaker, the stinger and the force "
+            "transducer vanish",
         )
-    if others := _others(setup, system):
-        yield FurtherTest(
-            Change(responses=others),
-            "other places see other parts of the mode shapes, and a fault of one channel is not seen there",
+    if responses := _unmeasured_responses(setup, system):
+        yield FollowUpOption(
+            Change(responses=responses),
+            "other responses show other parts of the mode shapes, and are free of the errors of single channels",
         )
-    for at, words in ((None, "on the accelerometer"), (setup.drive.point, "at the drive point")):
-        yield FurtherTest(
-            Change(added_mass=AddedMass(KNOWN_MASS, at)),
-            f"a known mass {words} moves every mode by an amount that scales a wrong mass, a wrong stiffness "
-            "and a wrong sensitivity in different ways",
+    for at, place in ((None, "on the accelerometer"), (setup.drive.point, "at the drive point")):
+        yield FollowUpOption(
+            Change(added_mass=AddedMass(FOLLOW_UP.added_mass, at)),
+            f"a known mass {place} shifts every natural frequency by an amount that differs between errors of "
+            "mass, stiffness and sensitivity",
         )
 
 
-def _at_the_analyser(setup: RigSetup) -> Iterator[FurtherTest]:
-    """Return what takes no more than other settings."""
+def _analyser_options(setup: RigSetup) -> Iterator[FollowUpOption]:
+    """Yield the further tests that differ in the settings of the analyser alone."""
     analyser = setup.analyser
-    yield FurtherTest(
-        Change(level_factor=LOUDER),
-        "at three times the level a linear effect is the same and a nonlinear one is not",
+    n_lines = FOLLOW_UP.refinement * (analyser.n_lines - 1) + 1
+    yield FollowUpOption(
+        Change(level_factor=FOLLOW_UP.level_factor),
+        "at three times the force level a linear effect stays the same and a nonlinear effect changes",
     )
-    yield FurtherTest(
-        Change(averages_factor=LONGER),
-        "ten times the averages make every random error three times smaller",
+    yield FollowUpOption(
+        Change(averages_factor=FOLLOW_UP.averages_factor),
+        "ten times as many averages reduce every random error to a third",
     )
-    yield FurtherTest(
-        Change(n_lines=2 * analyser.n_lines - 1),
-        "lines twice as fine show the width of a resonance, leak less, and lie elsewhere",
+    yield FollowUpOption(
+        Change(n_lines=n_lines),
+        "half the line spacing resolves the bandwidth of resonances, reduces leakage and adds new lines",
     )
     if EXCITATIONS[analyser.excitation.kind].continuous > 0:
-        yield FurtherTest(
+        yield FollowUpOption(
             Change(excitation="periodic_random", window="rectangular"),
-            "an excitation that repeats with the record does not leak: damping is seen as it is",
+            "an excitation that is periodic in the record causes no leakage and shows the true damping",
         )
-    yield FurtherTest(
-        Change(frequency_max=2 * analyser.frequency_max, n_lines=2 * analyser.n_lines - 1),
-        "twice the band shows modes that two explanations need not share",
+    yield FollowUpOption(
+        Change(frequency_max=FOLLOW_UP.refinement * analyser.frequency_max, n_lines=n_lines),
+        "twice the bandwidth shows further modes, in which the explanations may differ",
     )
 
 
-def _spread(dofs: list[Dof], count: int) -> list[Dof]:
-    """Return some of the DoFs, evenly from all of them."""
-    chosen = np.linspace(0, len(dofs) - 1, min(count, len(dofs))).round().astype(int)
-    return [dofs[i] for i in dict.fromkeys(chosen.tolist())]
+def _evenly_spaced(dofs: list[Dof], count: int) -> list[Dof]:
+    """Return at most `count` of the DoFs, evenly spaced in their list."""
+    positions = np.linspace(0, len(dofs) - 1, min(count, len(dofs))).round().astype(int)
+    return [dofs[i] for i in dict.fromkeys(positions.tolist())]
 
 
-def _others(setup: RigSetup, system: DynamicSystem) -> tuple[Dof, ...]:
-    """Return as many DoFs that were not measured, in the directions that were; the drive point stays."""
+def _unmeasured_responses(setup: RigSetup, system: DynamicSystem) -> tuple[Dof, ...]:
+    """Return as many unmeasured DoFs as responses, in the same directions; the drive point stays."""
     measured = {dof.point for dof in setup.responses}
     directions = {dof.direction for dof in setup.responses}
     free = [d for d in system.dofs if d.direction in directions and d.point not in measured]
     at_drive = [dof for dof in setup.responses if dof.point == setup.drive.point]
-    chosen = _spread(free, len(setup.responses) - len(at_drive))
+    chosen = _evenly_spaced(free, len(setup.responses) - len(at_drive))
     return (*at_drive, *(replace(dof, sign=1) for dof in chosen)) if chosen else ()

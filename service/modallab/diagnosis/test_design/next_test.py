@@ -1,4 +1,4 @@
-"""Which further test would tell two explanations apart, foreseen by simulating both."""
+"""Choice of the further test that distinguishes explanations, by simulation of each."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -8,62 +8,64 @@ import numpy as np
 
 from modallab.core.arrays import FloatArray
 from modallab.core.errors import ModalLabError
+from modallab.core.numerics import SAFE_DIVISOR
 from modallab.core.progress import Progress
 from modallab.diagnosis.predicting.joint_prediction import FollowUpPredictor
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.residuals.observed import Observed, observe
 from modallab.diagnosis.residuals.residual import residual
 from modallab.diagnosis.result import NextTest
-from modallab.diagnosis.test_design.follow_up_tests import FurtherTest, further_tests
+from modallab.diagnosis.test_design.follow_up_tests import FollowUpOption, follow_up_options
+from modallab.diagnosis.test_design.settings import SEPARATION
 from modallab.rig.change import Change
 from modallab.rig.effect import Effect
 from modallab.rig.expected import coarse_spectra
 from modallab.rig.measure import measurement_of
 from modallab.rig.setup import RigSetup
 
-SURE = 5.0  # standard deviations that count as telling two explanations apart
-USELESS = 1.0  # below which a test is not worth proposing
-NUDGE = 1e-4  # of a parameter, to differentiate by: far above rounding, far below any curvature
-
-Look = Callable[[Sequence[Effect]], FloatArray]  # residuals of effects
+ResidualFunction = Callable[[Sequence[Effect]], FloatArray]  # whitened residual vector of effects
 
 
 @dataclass(frozen=True, eq=False)
 class Explanation:
-    """Effects with the values that were fitted to the tests done so far."""
+    """Effects with the parameters fitted to the tests done so far."""
 
     effects: tuple[Effect, ...]
-    kind: str  # of the effect in which it differs from the others
-    position: FloatArray | None = None  # of what is tolerated beside them; None: all as declared
+    """Fitted effects."""
+    kind: str
+    """Kind of the effect in which this explanation differs from its rivals."""
+    position: FloatArray | None = None
+    """(n_nuisances,) fitted nuisance parameters; None: all as declared."""
 
-    def told_to(self, predictor: Predictor) -> Predictor:
-        """Return a predictor with what is tolerated where the fit has it."""
-        return predictor if self.position is None else predictor.with_nuisances_at(self.position)
+    def with_nuisances(self, predictor: Predictor) -> Predictor:
+        """Return the predictor with the nuisance parameters of this explanation."""
+        return predictor if self.position is None else predictor.tolerating(self.position)
 
     @cached_property
     def perturbed(self) -> list[tuple[list[Effect], float]]:
-        """The effects with one parameter moved a little, and by how much, for each parameter."""
-        moved = []
+        """The effects with one parameter perturbed, and the step, for each parameter."""
+        perturbations = []
         for i, effect in enumerate(self.effects):
             for name, spec in effect.specs().items():
                 value = effect.parameters[name]
-                by = NUDGE * (abs(value) or abs(type(effect)().parameters[name]) or 1.0)
-                by = by if value + by <= spec.upper else -by
-                other = effect.with_parameters({name: value + by})
-                moved.append(([*self.effects[:i], other, *self.effects[i + 1 :]], by))
-        return moved
+                scale = abs(value) or abs(type(effect)().parameters[name]) or 1.0
+                step = SEPARATION.difference_step * scale
+                step = step if value + step <= spec.upper else -step
+                perturbed = effect.with_parameters({name: value + step})
+                perturbations.append(([*self.effects[:i], perturbed, *self.effects[i + 1 :]], step))
+        return perturbations
 
-    def derivatives(self, look: Look, base: FloatArray) -> FloatArray:
-        """Return how residuals change with the parameters, (n_data, n_parameters).
+    def jacobian(self, residual_of: ResidualFunction, base: FloatArray) -> FloatArray:
+        """Return the derivatives of residuals with respect to the parameters, (n_data, n_parameters).
 
         Parameters
         ----------
-        look
-            Residuals of effects.
+        residual_of
+            Residual vector of effects.
         base
-            Of these.
+            (n_data,) residual vector of the effects of this explanation.
         """
-        columns = [(look(effects) - base) / by for effects, by in self.perturbed]
+        columns = [(residual_of(effects) - base) / step for effects, step in self.perturbed]
         return np.array(columns).reshape(len(columns), len(base)).T
 
 
@@ -75,155 +77,173 @@ def propose(
     done: Sequence[Change] = (),
     progress: Progress,
 ) -> NextTest | None:
-    """Return the cheapest further test that tells an explanation from its rivals, or else the best one.
+    """Return the cheapest further test that distinguishes an explanation from its rivals, or the best one.
 
-    Expected is how far the prediction of either lies from what the other can be fitted to, in standard
-    deviations of the new test's random error: the root of the growth of chi-square of all tests together,
-    linear in the parameters, which the tests done so far hold with their own sensitivity.
+    The expected separation of two explanations is the distance of the prediction of either from the best
+    re-fit of the other, in standard deviations of the new test's random error: the root of the growth of
+    chi-square of all tests together, linearised in the parameters, with the information of the tests done
+    so far on them.
 
     Parameters
     ----------
+    best, rivals
+        The named explanation, and those that are not excluded.
     done
         Changes of tests that were done already.
 
     Returns
     -------
-    None if no test that was considered tells them apart by as much as a standard deviation.
+    NextTest or None
+        None if no test that was considered separates any two by a standard deviation.
     """
     first = predictor.tests[0]
-    everyone = [best, *rivals]
-    known = [_Known(predictor, one) for one in everyone]
-    options = [t for t in further_tests(first.setup, first.system) if t.change not in done]
-    found: list[tuple[FurtherTest, FloatArray]] = []
+    explanations = [best, *rivals]
+    information = [_PriorInformation(predictor, explanation) for explanation in explanations]
+    options = [option for option in follow_up_options(first.setup, first.system) if option.change not in done]
+    candidates: list[tuple[FollowUpOption, FloatArray]] = []
     for i, option in enumerate(options):
-        progress(i / len(options), "looking for a test that tells more")
+        progress(i / len(options), "simulating further tests")
         try:
-            setup = option.change.applied(first.setup)
-            test = _Foreseen(first, setup)
-            apart = test.apart(everyone, [one.held for one in known])
-            if apart.max() >= USELESS and len(first.nuisances):
-                # What is tolerated can only hide a difference: it is worked out where there is one.
-                apart = test.apart(everyone, [one.all_held for one in known], tolerating=True)
+            test = _SimulatedTest(first, option.change.applied(first.setup))
+            separation = test.separations(explanations, [prior.factor for prior in information])
+            if separation.max() >= SEPARATION.useful and len(first.nuisances):
+                # Nuisance parameters can only reduce a separation, so they are left out where there is none.
+                factors = [prior.factor_with_nuisances for prior in information]
+                separation = test.separations(explanations, factors, nuisances=True)
         except ModalLabError:
-            continue  # a test that this rig cannot do, or whose outcome cannot be foreseen
-        found.append((option, apart))
-        if apart.min() >= SURE:
+            continue  # this rig cannot do the test, or its outcome cannot be predicted
+        candidates.append((option, separation))
+        if separation.min() >= SEPARATION.certain:
             break
-    if not found:
+    if not candidates:
         return None
-    option, apart = max(found, key=lambda one: (int((one[1] >= SURE).sum()), one[1].min(), one[1].max()))
-    return _worded(option, apart, best, rivals)
+    option, separation = max(candidates, key=_order_of_merit)
+    return _proposal(option, separation, best, rivals)
 
 
-def _worded(
-    option: FurtherTest, apart: FloatArray, best: Explanation, rivals: Sequence[Explanation]
+def _order_of_merit(candidate: tuple[FollowUpOption, FloatArray]) -> tuple[int, float, float]:
+    """Return the number of excluded rivals, then the least and the largest separation."""
+    _, separation = candidate
+    return int((separation >= SEPARATION.certain).sum()), float(separation.min()), float(separation.max())
+
+
+def _proposal(
+    option: FollowUpOption, separation: FloatArray, best: Explanation, rivals: Sequence[Explanation]
 ) -> NextTest | None:
-    told = np.flatnonzero(apart >= SURE)
-    if not told.size:
-        told = np.flatnonzero(apart >= USELESS)
-    if not told.size:
+    separated = np.flatnonzero(separation >= SEPARATION.certain)
+    if not separated.size:
+        separated = np.flatnonzero(separation >= SEPARATION.useful)
+    if not separated.size:
         return None
-    expected = float(apart[told].min())
-    names = tuple(dict.fromkeys([best.kind, *(rivals[int(i)].kind for i in told)]))
-    sure = "" if expected >= SURE else "; no test that was considered is sure to tell, this one comes nearest"
-    return NextTest(f"{option.why}{sure}", option.change.plain, names, expected)
+    expected = float(separation[separated].min())
+    names = tuple(dict.fromkeys([best.kind, *(rivals[int(i)].kind for i in separated)]))
+    caveat = "; no test is certain to distinguish them, this one comes nearest"
+    why = option.why if expected >= SEPARATION.certain else f"{option.why}{caveat}"
+    return NextTest(why, option.change.plain, names, expected)
 
 
-class _Foreseen:
-    """A test that has not been done: what each explanation predicts for it, at every few lines."""
+class _SimulatedTest:
+    """Further test, as each explanation predicts it, on a subset of the lines."""
 
     def __init__(self, first: Predictor, setup: RigSetup) -> None:
-        # Nothing was observed there; what one explanation predicts will stand for it.
+        # The observation of the first test is a placeholder: the prediction of an explanation replaces it.
         self._predictor = FollowUpPredictor(first, setup, first.observed)
         self._setup = setup
 
-    def apart(
-        self, everyone: Sequence[Explanation], held: Sequence[FloatArray], *, tolerating: bool = False
+    def separations(
+        self, explanations: Sequence[Explanation], factors: Sequence[FloatArray], *, nuisances: bool = False
     ) -> FloatArray:
-        """Return by how many standard deviations each rival lies from the first explanation, (n_rivals,).
+        """Return the separation of each rival from the first explanation, standard deviations, (n_rivals,).
 
         Parameters
         ----------
-        held
-            (n, n_numbers) sensitivity of the tests done so far to each one's numbers.
-        tolerating
-            Whether what is tolerated is among them.
+        factors
+            (n, n_parameters) R factor of the information of the tests done so far, of each explanation.
+        nuisances
+            Whether the nuisance parameters are among the parameters.
         """
-        best, seen = everyone[0], [self._seen(one) for one in everyone]
-        out = []
-        for r, rival in enumerate(everyone[1:], 1):
-            there = self._beyond(seen[0], best, rival, held[r], tolerating)
-            back = self._beyond(seen[r], rival, best, held[0], tolerating)
-            out.append(min(there, back))
-        return np.array(out)
+        best, observed = explanations[0], [self._observation(explanation) for explanation in explanations]
+        separations = []
+        for r, rival in enumerate(explanations[1:], 1):
+            forth = self._distance(observed[0], best, rival, factors[r], nuisances)
+            back = self._distance(observed[r], rival, best, factors[0], nuisances)
+            separations.append(min(forth, back))
+        return np.array(separations)
 
-    def _seen(self, explanation: Explanation) -> Observed:
-        """Return the test as it would be seen if the explanation were right, without random error."""
-        predictor = explanation.told_to(self._predictor)
+    def _observation(self, explanation: Explanation) -> Observed:
+        """Return the observation of the test if the explanation is true, without random error."""
+        predictor = explanation.with_nuisances(self._predictor)
         spectra = coarse_spectra(predictor.chain(explanation.effects), predictor.step)
         return observe(measurement_of(spectra, self._setup), (), fraction=0.0)
 
-    def _look(self, seen: Observed, explanation: Explanation) -> Look:
-        predictor = explanation.told_to(self._predictor)
-        return lambda effects: residual(seen, predictor.coarse(effects)).vector(seen.usable)
+    def _residual_function(self, observed: Observed, explanation: Explanation) -> ResidualFunction:
+        predictor = explanation.with_nuisances(self._predictor)
+        return lambda effects: residual(observed, predictor.coarse(effects)).vector(observed.usable)
 
-    def _beyond(
-        self, seen: Observed, true: Explanation, other: Explanation, held: FloatArray, tolerating: bool
+    def _distance(
+        self,
+        observed: Observed,
+        true: Explanation,
+        rival: Explanation,
+        factor: FloatArray,
+        nuisances: bool,
     ) -> float:
-        """Return how far an explanation stays from a test that another made, re-fitted as well as may be."""
-        look = self._look(seen, other)
-        begin = look(other.effects)
-        difference = begin - self._look(seen, true)(true.effects)
-        slopes = other.derivatives(look, begin)
-        if tolerating:
-            slopes = np.hstack([slopes, self._tolerated(seen, other)])
-        weight = np.sqrt(self._predictor.step / seen.correlation_length)
-        rows = np.vstack([weight * slopes, held])
-        wanted = np.concatenate([weight * difference, np.zeros(len(held))])
-        size = np.linalg.norm(rows, axis=0) + 1e-300  # parameters differ by many powers of ten
-        step = np.linalg.lstsq(rows / size, -wanted, rcond=None)[0]
-        return float(np.linalg.norm(wanted + (rows / size) @ step))
+        """Return the distance of a rival, after its best linear re-fit, from the test of the true explanation."""
+        residual_of = self._residual_function(observed, rival)
+        base = residual_of(rival.effects)
+        difference = base - self._residual_function(observed, true)(true.effects)
+        jacobian = rival.jacobian(residual_of, base)
+        if nuisances:
+            jacobian = np.hstack([jacobian, self._nuisance_jacobian(observed, rival)])
+        weight = np.sqrt(self._predictor.step / observed.correlation)
+        rows = np.vstack([weight * jacobian, factor])
+        target = np.concatenate([weight * difference, np.zeros(len(factor))])
+        scale = np.linalg.norm(rows, axis=0) + SAFE_DIVISOR  # parameters differ by many powers of ten
+        step = np.linalg.lstsq(rows / scale, -target, rcond=None)[0]
+        return float(np.linalg.norm(target + (rows / scale) @ step))
 
-    def _tolerated(self, seen: Observed, explanation: Explanation) -> FloatArray:
-        """Return how residuals change with what is tolerated, (n_data, n)."""
-        predictor = explanation.told_to(self._predictor)
-        return predictor.nuisances.derivatives(
+    def _nuisance_jacobian(self, observed: Observed, explanation: Explanation) -> FloatArray:
+        """Return the derivatives of residuals with respect to the nuisances, (n_data, n_nuisances)."""
+        predictor = explanation.with_nuisances(self._predictor)
+        return predictor.nuisances.slopes(
             lambda more: predictor.coarse([*more, *explanation.effects]),
-            lambda predicted: residual(seen, predicted).vector(seen.usable),
+            lambda predicted: residual(observed, predicted).vector(observed.usable),
             predictor.coarse(explanation.effects),
-            seen,
+            observed,
             np.arange(len(predictor.nuisances)),
         )
 
 
-class _Known:
-    """How the tests done so far hold the numbers of an explanation.
+class _PriorInformation:
+    """Information of the tests done so far on the parameters of an explanation.
 
-    Of many residuals as few as there are numbers: the triangle of a QR factorisation.
+    The R factor of a QR factorisation of the whitened Jacobian stands for all of its rows.
     """
 
     def __init__(self, predictor: Predictor, explanation: Explanation) -> None:
-        predictor = explanation.told_to(predictor)
-        self._explanation, self._glimpses = explanation, predictor.coarse_prediction(explanation.effects)
-        self._weight = np.sqrt(predictor.step / self._glimpses.observed.correlation_length)
+        predictor = explanation.with_nuisances(predictor)
+        self._explanation, self._prediction = explanation, predictor.near(explanation.effects)
+        self._weight = np.sqrt(predictor.step / self._prediction.observed.correlation)
 
     @cached_property
-    def _own(self) -> FloatArray:
-        glimpses, observed = self._glimpses, self._glimpses.observed
+    def _jacobian(self) -> FloatArray:
+        prediction, observed = self._prediction, self._prediction.observed
 
-        def look(effects: Sequence[Effect]) -> FloatArray:
-            return residual(observed, glimpses.predict(effects)).vector(observed.fitted)
+        def residual_of(effects: Sequence[Effect]) -> FloatArray:
+            return residual(observed, prediction.predict(effects)).vector(observed.fitted)
 
-        return np.asarray(self._weight * self._explanation.derivatives(look, look(self._explanation.effects)))
-
-    @cached_property
-    def held(self) -> FloatArray:
-        """(n, n_parameters), of the parameters alone."""
-        return np.asarray(np.linalg.qr(self._own, mode="r"))
+        base = residual_of(self._explanation.effects)
+        return np.asarray(self._weight * self._explanation.jacobian(residual_of, base))
 
     @cached_property
-    def all_held(self) -> FloatArray:
-        """(n, n_parameters + n), of what is tolerated too, which its prior holds as well."""
-        also = self._weight * self._glimpses.derivatives
-        prior = np.hstack([np.zeros((also.shape[1], self._own.shape[1])), np.eye(also.shape[1])])
-        return np.asarray(np.linalg.qr(np.vstack([np.hstack([self._own, also]), prior]), mode="r"))
+    def factor(self) -> FloatArray:
+        """(n, n_parameters), R factor of the effects' parameters alone."""
+        return np.asarray(np.linalg.qr(self._jacobian, mode="r"))
+
+    @cached_property
+    def factor_with_nuisances(self) -> FloatArray:
+        """(n, n_parameters + n_nuisances), R factor with the nuisance parameters and their unit prior."""
+        nuisances = self._weight * self._prediction.slopes
+        n = nuisances.shape[1]
+        prior = np.hstack([np.zeros((n, self._jacobian.shape[1])), np.eye(n)])
+        return np.asarray(np.linalg.qr(np.vstack([np.hstack([self._jacobian, nuisances]), prior]), mode="r"))

@@ -1,4 +1,4 @@
-"""From the explanations that were found to the further test that would decide between them."""
+"""Proposal of the further test that distinguishes the named explanation from its rivals."""
 
 from collections.abc import Iterator, Sequence
 
@@ -9,80 +9,79 @@ from modallab.diagnosis.result import NextTest
 from modallab.diagnosis.searching.acceptance import ALIKE, model_probabilities, variance_inflation
 from modallab.diagnosis.searching.search_path import AcceptedEffect, SearchPath
 from modallab.diagnosis.test_design.next_test import Explanation, propose
+from modallab.diagnosis.test_design.settings import RIVALS
 from modallab.rig.change import Change
-
-SURE = 0.95  # probability above which an explanation has no rivals left
-POSSIBLE = 0.01  # probability of a rival that a test is worth doing for
-MOST = 3  # rivals that a test is chosen for
 
 
 def next_test(
     predictor: Predictor, path: SearchPath, done: Sequence[Change], progress: Progress
 ) -> NextTest | None:
-    """Return the test that would tell what was found from its rivals; None where none are left.
+    """Return the test that distinguishes the named effects from their rivals; None if no rival is left.
 
     Parameters
     ----------
     done
-        What was changed for the further tests that the path explains already.
+        Changes of the further tests that the path explains already.
     """
-    rivals = sorted(_rivals(predictor, path), key=lambda one: one[0])[:MOST]
-    if not rivals:
+    nearest = sorted(_rivals(predictor, path), key=lambda rival: rival[0])[: RIVALS.max_rivals]
+    if not nearest:
         return None
     effects = path.fit.effects
-    _, position, _ = rivals[0]
-    best = Explanation(effects, effects[position].kind, path.fit.nuisance_position)
-    others = []
-    for i, (_, place, rival) in enumerate(rivals):
+    _, position, _ = nearest[0]
+    best = Explanation(effects, effects[position].kind, path.fit.tolerated)
+    rivals = []
+    for i, (_, place, rival) in enumerate(nearest):
         kind = rival.effects[-1].kind
-        progress(0.2 * i / len(rivals), f"fitting {kind} beside all the others")
+        progress(0.2 * i / len(nearest), f"fitting {kind} together with the other effects")
         exchanged = (*effects[:place], rival.effects[-1], *effects[place + 1 :])
-        # Beside one effect alone it was fitted already.
+        # The fit of its round is the one that is sought if there is a single effect.
         fitted = rival if len(effects) == 1 else fit(predictor, exchanged)
-        others.append(Explanation(fitted.effects, kind, fitted.nuisance_position))
-    return propose(predictor, best, others, done=done, progress=part(progress, 0.2, 1.0))
+        rivals.append(Explanation(fitted.effects, kind, fitted.tolerated))
+    return propose(predictor, best, rivals, done=done, progress=part(progress, 0.2, 1.0))
 
 
 def _rivals(predictor: Predictor, path: SearchPath) -> Iterator[tuple[float, int, Fit]]:
-    """Return by how much chi-square tells a rival from what was found, which effect it rivals, its fit."""
+    """Yield the chi-square difference of each rival, the position of the effect it rivals, and its fit."""
     names = [(effect.kind, str(effect.at)) for effect in path.fit.effects]
     for step in path.steps:
-        chosen = named(step)
-        for other in possible(predictor, step, chosen):
-            yield other.chi_square - chosen.chi_square, names.index(step.kind_and_place), other
+        chosen = named_fit(step)
+        for rival in possible_rivals(predictor, step, chosen):
+            yield rival.chi_square - chosen.chi_square, names.index(step.kind_and_place), rival
 
 
-def named(step: AcceptedEffect) -> Fit:
-    """Return the fit of a step's round that has the effect it accepted."""
-    last = ((one, one.effects[-1]) for one in step.round_fits)
-    return next(one for one, effect in last if (effect.kind, str(effect.at)) == step.kind_and_place)
+def named_fit(step: AcceptedEffect) -> Fit:
+    """Return the fit of a step's round with the effect that was accepted."""
+    last_effects = ((candidate, candidate.effects[-1]) for candidate in step.tried)
+    return next(
+        candidate
+        for candidate, effect in last_effects
+        if (effect.kind, str(effect.at)) == step.kind_and_place
+    )
 
 
-def alike(predictor: Predictor, step: AcceptedEffect, chosen: Fit) -> list[Fit]:
-    """Return the fits of a step's round that leave as much as the one chosen, within random error.
+def equivalent_fits(predictor: Predictor, step: AcceptedEffect, chosen: Fit) -> list[Fit]:
+    """Return the fits of a step's round that agree with the chosen one in chi-square, within random error.
 
-    Of those on one side of the drive point the simplest: a mass is as good as an oscillator tuned far
-    above the band. But a simple model does not clear the rig: a stinger's bending has a number more than
-    the rotational spring that it is to the structure.
+    Among effects of the structure, and likewise among effects of the rig, only those with the fewest
+    parameters count: a mass is as good as an oscillator tuned far above the band. An effect of the
+    structure does not exclude one of the rig: the bending stiffness of a stinger has a parameter more than
+    the rotational spring to which it is equivalent.
     """
-    near = ALIKE * variance_inflation(predictor, step.round_fits[0])
-    pool = [one for one in step.round_fits if abs(one.chi_square - chosen.chi_square) < near]
+    limit = ALIKE * variance_inflation(predictor, step.tried[0])
+    pool = [candidate for candidate in step.tried if abs(candidate.chi_square - chosen.chi_square) < limit]
     fewest = {
-        side: min(n for n, own in map(_counted, pool) if own == side) for _, side in map(_counted, pool)
+        structural: min(c.n_parameters for c in pool if c.effects[-1].structural == structural)
+        for structural in {c.effects[-1].structural for c in pool}
     }
-    return [one for one in pool if one is not chosen and one.n_parameters == fewest[_counted(one)[1]]]
+    return [c for c in pool if c is not chosen and c.n_parameters == fewest[c.effects[-1].structural]]
 
 
-def _counted(one: Fit) -> tuple[int, bool]:
-    """Return how many numbers a fit has, and whether its last effect belongs to the structure."""
-    return one.n_parameters, one.effects[-1].structural
-
-
-def possible(predictor: Predictor, step: AcceptedEffect, chosen: Fit) -> list[Fit]:
-    """Return the rivals that are left: those alike, and, unless the one chosen is sure, the probable ones."""
-    shares = model_probabilities(predictor, step.round_fits)
-    by_fit = list(zip(step.round_fits, shares, strict=True))
-    sure = any(one is chosen and share >= SURE for one, share in by_fit)
-    near = alike(predictor, step, chosen)
-    probable = [one for one, share in by_fit if not sure and one is not chosen and share >= POSSIBLE]
-    return [*near, *(one for one in probable if one not in near)]
+def possible_rivals(predictor: Predictor, step: AcceptedEffect, chosen: Fit) -> list[Fit]:
+    """Return the equivalent fits and, unless the chosen one is certain, the probable ones."""
+    pairs = list(zip(step.tried, probabilities(predictor, step.tried), strict=True))
+    certain = any(candidate is chosen and p >= RIVALS.certain for candidate, p in pairs)
+    equivalent = equivalent_fits(predictor, step, chosen)
+    if certain:
+        return equivalent
+    probable = [candidate for candidate, p in pairs if candidate is not chosen and p >= RIVALS.possible]
+    return [*equivalent, *(candidate for candidate in probable if candidate not in equivalent)]

@@ -11,8 +11,9 @@ from modallab.diagnosis.predicting.joint_prediction import FollowUpPredictor, Jo
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.residuals.observed import observe
 from modallab.diagnosis.result import NextTest
-from modallab.diagnosis.test_design.follow_up_tests import further_tests
-from modallab.diagnosis.test_design.next_test import SURE, Explanation, propose
+from modallab.diagnosis.test_design.follow_up_tests import follow_up_options
+from modallab.diagnosis.test_design.next_test import Explanation, propose
+from modallab.diagnosis.test_design.settings import SEPARATION
 from modallab.effects.cubic_stiffness import CubicStiffness
 from modallab.effects.extra_mass import ExtraMass
 from modallab.effects.force_transducer_mass import ForceTransducerMass
@@ -41,7 +42,7 @@ def proposed(setup: RigSetup, hidden: Effect, rival: Effect, *, done: tuple[Chan
     test = propose(predictor, best, [other], done=done, progress=silent)
     assert test is not None
     assert test.separates == (hidden.kind, rival.kind)
-    assert test.expected_separation >= SURE
+    assert test.expected_separation >= SEPARATION.certain
     return test
 
 
@@ -110,7 +111,7 @@ def test_no_test_is_proposed_for_what_is_tolerated() -> None:
         for one in (predictor, allowed)
     )
     assert strict is not None
-    assert strict.expected_separation > SURE
+    assert strict.expected_separation > SEPARATION.certain
     assert lax is None
 
 
@@ -127,12 +128,12 @@ def test_what_is_tolerated_makes_no_separation_larger() -> None:
     allowed = predictor.with_nuisances(nuisance_parameters(tolerances, predictor.system, setup))
     tests = [propose(one, best, [other], progress=silent) for one in (predictor, allowed)]
     sharp, blunt = (test.expected_separation for test in tests if test is not None)
-    assert SURE < blunt < sharp
+    assert SEPARATION.certain < blunt < sharp
 
 
 def test_a_hammer_is_not_proposed_to_who_has_one() -> None:
     struck = Change(exciter="hammer").applied(rig())
     predictor = Predictor(model(), struck, observe(drawn(struck), (), fraction=0.0))
-    changes = [test.change for test in further_tests(predictor.setup, predictor.system)]
+    changes = [test.change for test in follow_up_options(predictor.setup, predictor.system)]
     assert all(change.exciter is None for change in changes)
     assert all(change.drive != struck.drive for change in changes)
