@@ -75,19 +75,19 @@ def diagnose(
     UnknownDofError
         If the model lacks a measured DoF.
     """
-    tests = [measurement, *(follow_up.taken_after(measurement) for follow_up in follow_ups)]
+    tests = [measurement, *(follow_up.with_consistent_log_book(measurement) for follow_up in follow_ups)]
     for test in tests:
         check_comparable(structure, test)
-    held_out_dofs, unmeasured = held_out(structure, measurement, hold_out_fraction, hold_out, seed)
+    held_out_dofs, unmeasured = select_held_out(structure, measurement, hold_out_fraction, hold_out, seed)
     pulse = Pulse(progress)
     pulse(0.0, "predicting the tests from model and log book")
     predictor = _predictor(structure, tests, held_out_dofs, hold_out_fraction, tolerances, pulse)
     start = fit(predictor, ())
     # Only now, with the nuisance parameters fitted, do channels with a gross error stand out.
-    outliers = standing_out(predictor.observed, start.residual) if tolerances != NONE else ()
+    outliers = outlying_responses(predictor.observed, start.residual) if tolerances != NO_TOLERANCES else ()
     drawn = {dof.point for dof in held_out_dofs} - {dof.point for dof in hold_out}
     if {dof.point for dof in outliers} & drawn:
-        held_out_dofs, _ = held_out(
+        held_out_dofs, _ = select_held_out(
             structure, measurement, hold_out_fraction, hold_out, seed, spared=outliers
         )
         predictor = _predictor(structure, tests, held_out_dofs, hold_out_fraction, tolerances, pulse)
@@ -108,12 +108,12 @@ def diagnose(
         located=locate(predictor, evidence),
         steps=steps,
         remaining_gap=residual.gap(observed.usable),
-        remaining_scatter=scatter(observed, residual, observed.usable),
+        remaining_scatter=gap_error(observed, residual, observed.usable),
         gaps={"before": start.residual.gaps(observed.usable), "after": residual.gaps(observed.usable)},
         structure=model,
         setup=log_book,
         curves=curves(predictor, measurement, path.fit, unmeasured),
-        candidates=rivals(predictor, path.steps[0].tried) if path.steps else (),
+        candidates=rivals(predictor, path.steps[0].round_fits) if path.steps else (),
         next_test=next_test(predictor, path, changes, part(pulse, 0.94, 1.0)),
         tolerated=tolerated(predictor, path.fit),
         follow_ups=tuple(change.plain for change in changes),
@@ -124,7 +124,7 @@ def diagnose(
 
 def _budget_note(predictor: Predictor, explained: bool) -> tuple[str, ...]:
     """Return a note if the search ended because its budget of predictions was used up."""
-    if explained or not predictor.effort.over:
+    if explained or not predictor.budget.exhausted:
         return ()
     return (
         "The search was given up: its budget of predictions is used up, and no combination of a few effects "
@@ -143,9 +143,9 @@ def _predictor(
     """Return the predictor of all tests, with nuisance parameters free within their tolerances."""
     observations = [observe(test, held_out_dofs, fraction=fraction) for test in tests]
     first = Predictor(structure, tests[0].setup, observations[0])
-    first.alive, first.effort = pulse.beat, PredictionBudget(ENOUGH * len(tests))
+    first.heartbeat, first.budget = pulse.beat, PredictionBudget(ENOUGH * len(tests))
     all_responses = _with_all_responses([test.setup for test in tests])
-    first = first.allowing(nuisances(tolerances, first.system, all_responses))
+    first = first.with_nuisances(nuisance_parameters(tolerances, first.system, all_responses))
     further = [
         FollowUpPredictor(first, test.setup, observed)
         for test, observed in zip(tests[1:], observations[1:], strict=True)
@@ -154,7 +154,7 @@ def _predictor(
 
 
 def _with_all_responses(setups: Sequence[RigSetup]) -> RigSetup:
-    """Return the first log book with the responses of all tests, as each transducer has nuisance parameters."""
+    """Return the first log book with the responses of all tests: each transducer has nuisances."""
     responses: dict[Dof, Dof] = {}
     for setup in setups:
         for dof in setup.responses:

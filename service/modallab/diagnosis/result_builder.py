@@ -41,15 +41,15 @@ def _fitted(fit: Fit, i: int) -> FittedEffect:
 
 def tolerated(predictor: Predictor, best: Fit) -> tuple[ToleratedParameter, ...]:
     """Return the nuisance parameters, as fitted."""
-    estimates = zip(predictor.nuisances.numbers, best.tolerated, best.tolerated_errors, strict=True)
+    estimates = zip(predictor.nuisances.parameters, best.nuisance_position, best.nuisance_errors, strict=True)
     return tuple(
         ToleratedParameter(
             name=nuisance.name,
             at=nuisance.at,
             mode=nuisance.mode,
             value=nuisance.value(float(position)),
-            standard_error=nuisance.spread * float(error),
-            tolerance=nuisance.spread,
+            standard_error=nuisance.standard_deviation * float(error),
+            tolerance=nuisance.standard_deviation,
             unit=nuisance.unit,
         )
         for nuisance, position, error in estimates
@@ -58,7 +58,7 @@ def tolerated(predictor: Predictor, best: Fit) -> tuple[ToleratedParameter, ...]
 
 def rivals(predictor: Predictor, candidates: Sequence[Fit], chosen: Fit | None = None) -> tuple[Rival, ...]:
     """Return the fits of a round, except the chosen one, as rivals, best first."""
-    probability = probabilities(predictor, candidates)
+    probability = model_probabilities(predictor, candidates)
     return tuple(
         Rival(f.effects[-1].kind, f.effects[-1].at, p, f.residual.gap(predictor.observed.fitted))
         for f, p in zip(candidates, probability, strict=True)
@@ -76,20 +76,20 @@ def step(predictor: Predictor, accepted: AcceptedEffect, final: Fit, *, explaine
     explained
         Whether the final fit leaves random error alone. If not, the missing effect may be none of the rivals.
     """
-    observed, candidates = predictor.observed, accepted.tried
+    observed, candidates = predictor.observed, accepted.round_fits
     chosen = named_fit(accepted)
     equivalent = equivalent_fits(predictor, accepted, chosen)[: DIAGNOSIS.max_equivalent_effects]
-    probability = dict(zip(map(id, candidates), probabilities(predictor, candidates), strict=True))
+    probability = dict(zip(map(id, candidates), model_probabilities(predictor, candidates), strict=True))
     # Parameters from the final fit: effects that were still missing in the effect's own round distort them.
     position = [(e.kind, str(e.at)) for e in final.effects].index(accepted.kind_and_place)
     return Step(
         effect=_fitted(final, position),
         probability=probability[id(chosen)] * (1.0 if explained else DIAGNOSIS.incomplete_probability),
-        gap_before=accepted.before.residual.gap(observed.fitted),
-        gap_after=accepted.after.residual.gap(observed.fitted),
-        held_out_gap_before=accepted.before.residual.gap(observed.kept),
-        held_out_gap_after=accepted.after.residual.gap(observed.kept),
-        held_out_scatter=scatter(observed, accepted.after.residual, observed.kept),
+        gap_before=accepted.previous_fit.residual.gap(observed.fitted),
+        gap_after=accepted.fit.residual.gap(observed.fitted),
+        held_out_gap_before=accepted.previous_fit.residual.gap(observed.held_out_mask),
+        held_out_gap_after=accepted.fit.residual.gap(observed.held_out_mask),
+        held_out_scatter=gap_error(observed, accepted.fit.residual, observed.held_out_mask),
         rivals=rivals(predictor, candidates, chosen),
         rivals_alike=tuple(EquivalentEffect(f.effects[-1].kind, f.effects[-1].at) for f in equivalent),
     )
@@ -117,8 +117,8 @@ def curves(predictor: Predictor, measurement: Measurement, best: Fit, unmeasured
     """
     predictor = predictor.tests[0]
     observed: Observed = predictor.observed
-    fitted = predictor.tolerating(best.tolerated)
-    predicted = fitted.unmeasured(best.effects, unmeasured) if unmeasured else None
+    fitted = predictor.with_nuisances_at(best.nuisance_position)
+    predicted = fitted.unmeasured_inertance(best.effects, unmeasured) if unmeasured else None
     initial, final = predictor.predict(()), fitted.predict(best.effects)
     return Curves(
         freq=observed.freq,

@@ -7,7 +7,7 @@ import pytest
 
 from modallab.core.dof import Dof
 from modallab.core.progress import silent
-from modallab.diagnosis.diagnose import RULED_OUT, diagnose
+from modallab.diagnosis.diagnose import diagnose
 from modallab.diagnosis.fitting.covariance import ParameterErrors
 from modallab.diagnosis.fitting.fit import fit
 from modallab.diagnosis.localisation.evidence import collect_evidence
@@ -15,6 +15,7 @@ from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.residuals.observed import observe
 from modallab.diagnosis.residuals.residual import residual
 from modallab.diagnosis.searching.acceptance import is_significant
+from modallab.diagnosis.settings import DIAGNOSIS
 from modallab.effects.cubic_stiffness import CubicStiffness
 from modallab.effects.friction import Friction
 from modallab.fe.assembly import assemble
@@ -34,14 +35,14 @@ def test_they_are_looked_for_where_no_response_spectrum_was_stored(effect: Effec
     measured = replace(drawn(rig(), [effect]), force_spectrum=None, response_spectrum=None)
     evidence = collect_evidence(predicting(measured)[0], [])
     assert evidence.response is None
-    assert type(effect).signature(evidence) > RULED_OUT
+    assert type(effect).signature(evidence) > DIAGNOSIS.least_suspicion
 
 
 @pytest.mark.parametrize("effect", [CUBIC, RUBBING], ids=lambda effect: effect.kind)
 def test_a_response_spectrum_that_disagrees_lets_them_be_looked_for(effect: Effect) -> None:
     """Also where friction takes more of what the force's noise makes at resonances than it adds itself."""
     distorted, bare = (collect_evidence(predicting(drawn(rig(), added))[0], []) for added in ([effect], []))
-    assert type(effect).signature(distorted) > RULED_OUT
+    assert type(effect).signature(distorted) > DIAGNOSIS.least_suspicion
     # by chance a mean over a thousand lines is 0.03 off
     assert type(effect).signature(bare) < type(effect).signature(distorted) / 2
 

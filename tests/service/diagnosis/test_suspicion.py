@@ -2,8 +2,8 @@ import pytest
 
 from modallab.core.dof import Dof
 from modallab.core.place import Channels
-from modallab.diagnosis.diagnose import RULED_OUT
 from modallab.diagnosis.localisation.evidence import collect_evidence
+from modallab.diagnosis.settings import DIAGNOSIS
 from modallab.effects.force_noise import ForceNoise
 from modallab.effects.overload import Overload
 from modallab.effects.quantisation import Quantisation
@@ -17,7 +17,7 @@ def test_noise_that_hardly_lowers_coherence_is_looked_for_all_the_same() -> None
     evidence = collect_evidence(predictor, [])
     assert evidence.coherence_drop.mean() < 5e-4
     assert max(evidence.gaps.values()) > 2, "and yet it is there"
-    assert ForceNoise.signature(evidence) > 10 * RULED_OUT
+    assert ForceNoise.signature(evidence) > 10 * DIAGNOSIS.least_suspicion
 
 
 @pytest.mark.parametrize(
@@ -30,4 +30,4 @@ def test_what_a_converter_adds_to_one_channel_is_looked_for_though_coherence_har
     evidence = collect_evidence(predictor, [])
     assert evidence.coherence_drop.mean() < 5e-4
     assert max(evidence.gaps.values()) > 2, "and yet it is there"
-    assert effect.signature(evidence) > 10 * RULED_OUT
+    assert effect.signature(evidence) > 10 * DIAGNOSIS.least_suspicion

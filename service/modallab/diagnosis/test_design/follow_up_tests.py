@@ -42,13 +42,13 @@ def follow_up_options(setup: RigSetup, system: DynamicSystem) -> Iterator[Follow
     if responses := _unmeasured_responses(setup, system):
         yield FollowUpOption(
             Change(responses=responses),
-            "other responses show other parts of the mode shapes, and are free of the errors of single channels",
+            "other responses show other parts of the mode shapes, without the errors of single channels",
         )
     for at, place in ((None, "on the accelerometer"), (setup.drive.point, "at the drive point")):
         yield FollowUpOption(
             Change(added_mass=AddedMass(FOLLOW_UP.added_mass, at)),
-            f"a known mass {place} shifts every natural frequency by an amount that differs between errors of "
-            "mass, stiffness and sensitivity",
+            f"a known mass {place} shifts every natural frequency by an amount that differs between errors "
+            "of mass, stiffness and sensitivity",
         )
 
 

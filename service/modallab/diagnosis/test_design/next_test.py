@@ -37,9 +37,9 @@ class Explanation:
     position: FloatArray | None = None
     """(n_nuisances,) fitted nuisance parameters; None: all as declared."""
 
-    def with_nuisances(self, predictor: Predictor) -> Predictor:
+    def applied_to(self, predictor: Predictor) -> Predictor:
         """Return the predictor with the nuisance parameters of this explanation."""
-        return predictor if self.position is None else predictor.tolerating(self.position)
+        return predictor if self.position is None else predictor.with_nuisances_at(self.position)
 
     @cached_property
     def perturbed(self) -> list[tuple[list[Effect], float]]:
@@ -172,12 +172,12 @@ class _SimulatedTest:
 
     def _observation(self, explanation: Explanation) -> Observed:
         """Return the observation of the test if the explanation is true, without random error."""
-        predictor = explanation.with_nuisances(self._predictor)
+        predictor = explanation.applied_to(self._predictor)
         spectra = coarse_spectra(predictor.chain(explanation.effects), predictor.step)
         return observe(measurement_of(spectra, self._setup), (), fraction=0.0)
 
     def _residual_function(self, observed: Observed, explanation: Explanation) -> ResidualFunction:
-        predictor = explanation.with_nuisances(self._predictor)
+        predictor = explanation.applied_to(self._predictor)
         return lambda effects: residual(observed, predictor.coarse(effects)).vector(observed.usable)
 
     def _distance(
@@ -188,14 +188,14 @@ class _SimulatedTest:
         factor: FloatArray,
         nuisances: bool,
     ) -> float:
-        """Return the distance of a rival, after its best linear re-fit, from the test of the true explanation."""
+        """Return the distance of a rival, after its best linear re-fit, from the true explanation's test."""
         residual_of = self._residual_function(observed, rival)
         base = residual_of(rival.effects)
         difference = base - self._residual_function(observed, true)(true.effects)
         jacobian = rival.jacobian(residual_of, base)
         if nuisances:
             jacobian = np.hstack([jacobian, self._nuisance_jacobian(observed, rival)])
-        weight = np.sqrt(self._predictor.step / observed.correlation)
+        weight = np.sqrt(self._predictor.step / observed.correlation_length)
         rows = np.vstack([weight * jacobian, factor])
         target = np.concatenate([weight * difference, np.zeros(len(factor))])
         scale = np.linalg.norm(rows, axis=0) + SAFE_DIVISOR  # parameters differ by many powers of ten
@@ -204,8 +204,8 @@ class _SimulatedTest:
 
     def _nuisance_jacobian(self, observed: Observed, explanation: Explanation) -> FloatArray:
         """Return the derivatives of residuals with respect to the nuisances, (n_data, n_nuisances)."""
-        predictor = explanation.with_nuisances(self._predictor)
-        return predictor.nuisances.slopes(
+        predictor = explanation.applied_to(self._predictor)
+        return predictor.nuisances.derivatives(
             lambda more: predictor.coarse([*more, *explanation.effects]),
             lambda predicted: residual(observed, predicted).vector(observed.usable),
             predictor.coarse(explanation.effects),
@@ -221,9 +221,9 @@ class _PriorInformation:
     """
 
     def __init__(self, predictor: Predictor, explanation: Explanation) -> None:
-        predictor = explanation.with_nuisances(predictor)
-        self._explanation, self._prediction = explanation, predictor.near(explanation.effects)
-        self._weight = np.sqrt(predictor.step / self._prediction.observed.correlation)
+        predictor = explanation.applied_to(predictor)
+        self._explanation, self._prediction = explanation, predictor.coarse_prediction(explanation.effects)
+        self._weight = np.sqrt(predictor.step / self._prediction.observed.correlation_length)
 
     @cached_property
     def _jacobian(self) -> FloatArray:
@@ -241,9 +241,9 @@ class _PriorInformation:
         return np.asarray(np.linalg.qr(self._jacobian, mode="r"))
 
     @cached_property
-    def factor_with_nuisances(self) -> FloatArray:
+    def factor_applied_to(self) -> FloatArray:
         """(n, n_parameters + n_nuisances), R factor with the nuisance parameters and their unit prior."""
-        nuisances = self._weight * self._prediction.slopes
+        nuisances = self._weight * self._prediction.derivatives
         n = nuisances.shape[1]
         prior = np.hstack([np.zeros((n, self._jacobian.shape[1])), np.eye(n)])
         return np.asarray(np.linalg.qr(np.vstack([np.hstack([self._jacobian, nuisances]), prior]), mode="r"))

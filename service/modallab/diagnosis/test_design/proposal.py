@@ -28,7 +28,7 @@ def next_test(
         return None
     effects = path.fit.effects
     _, position, _ = nearest[0]
-    best = Explanation(effects, effects[position].kind, path.fit.tolerated)
+    best = Explanation(effects, effects[position].kind, path.fit.nuisance_position)
     rivals = []
     for i, (_, place, rival) in enumerate(nearest):
         kind = rival.effects[-1].kind
@@ -36,7 +36,7 @@ def next_test(
         exchanged = (*effects[:place], rival.effects[-1], *effects[place + 1 :])
         # The fit of its round is the one that is sought if there is a single effect.
         fitted = rival if len(effects) == 1 else fit(predictor, exchanged)
-        rivals.append(Explanation(fitted.effects, kind, fitted.tolerated))
+        rivals.append(Explanation(fitted.effects, kind, fitted.nuisance_position))
     return propose(predictor, best, rivals, done=done, progress=part(progress, 0.2, 1.0))
 
 
@@ -51,7 +51,7 @@ def _rivals(predictor: Predictor, path: SearchPath) -> Iterator[tuple[float, int
 
 def named_fit(step: AcceptedEffect) -> Fit:
     """Return the fit of a step's round with the effect that was accepted."""
-    last_effects = ((candidate, candidate.effects[-1]) for candidate in step.tried)
+    last_effects = ((candidate, candidate.effects[-1]) for candidate in step.round_fits)
     return next(
         candidate
         for candidate, effect in last_effects
@@ -67,8 +67,10 @@ def equivalent_fits(predictor: Predictor, step: AcceptedEffect, chosen: Fit) -> 
     structure does not exclude one of the rig: the bending stiffness of a stinger has a parameter more than
     the rotational spring to which it is equivalent.
     """
-    limit = ALIKE * variance_inflation(predictor, step.tried[0])
-    pool = [candidate for candidate in step.tried if abs(candidate.chi_square - chosen.chi_square) < limit]
+    limit = ALIKE * variance_inflation(predictor, step.round_fits[0])
+    pool = [
+        candidate for candidate in step.round_fits if abs(candidate.chi_square - chosen.chi_square) < limit
+    ]
     fewest = {
         structural: min(c.n_parameters for c in pool if c.effects[-1].structural == structural)
         for structural in {c.effects[-1].structural for c in pool}
@@ -78,7 +80,7 @@ def equivalent_fits(predictor: Predictor, step: AcceptedEffect, chosen: Fit) -> 
 
 def possible_rivals(predictor: Predictor, step: AcceptedEffect, chosen: Fit) -> list[Fit]:
     """Return the equivalent fits and, unless the chosen one is certain, the probable ones."""
-    pairs = list(zip(step.tried, probabilities(predictor, step.tried), strict=True))
+    pairs = list(zip(step.round_fits, model_probabilities(predictor, step.round_fits), strict=True))
     certain = any(candidate is chosen and p >= RIVALS.certain for candidate, p in pairs)
     equivalent = equivalent_fits(predictor, step, chosen)
     if certain:

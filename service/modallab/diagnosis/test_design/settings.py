@@ -34,7 +34,7 @@ class FollowUpSettings(Settings):
         3,
         unit="drive points",
         doc="other drive points considered",
-        derived="computing time of the simulations",
+        derived="computing time",
     )
 
 
@@ -68,7 +68,7 @@ class RivalSettings(Settings):
     certain: float = setting(
         0.95,
         doc="probability above which an explanation has no probable rival",
-        derived="the usual 95 % level",
+        derived="usual 95 % level",
     )
     possible: float = setting(
         0.01,
@@ -79,7 +79,7 @@ class RivalSettings(Settings):
         3,
         unit="rivals",
         doc="rivals that a test is designed for",
-        derived="computing time of the simulations",
+        derived="computing time",
     )
 
 

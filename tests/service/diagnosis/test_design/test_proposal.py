@@ -47,22 +47,22 @@ def test_an_oscillator_tuned_far_above_the_band_is_no_rival_of_the_mass_that_it_
     far = AttachedOscillator(at=DRIVE, mass=0.02, frequency=5e4, loss_factor=0.05)
     step = accepted(MASS, far, GAUGE)
     # The oscillator explains as much: it has more numbers than the mass, which is on its side.
-    assert step.tried[1].chi_square == pytest.approx(step.tried[0].chi_square, abs=9.0)
-    assert kinds(equivalent_fits(predictor, step, step.tried[0])) == ["force_transducer_mass"]
+    assert step.round_fits[1].chi_square == pytest.approx(step.round_fits[0].chi_square, abs=9.0)
+    assert kinds(equivalent_fits(predictor, step, step.round_fits[0])) == ["force_transducer_mass"]
 
 
 def test_a_simpler_model_does_not_clear_the_rig() -> None:
     stinger = StingerBending(stiffness=20.0, length=0.5)
     predictor, accepted = prepared(stinger)
     step = accepted(RotationalGroundSpring(at=Dof(1, "RZ"), stiffness=20.0), stinger)
-    assert kinds(equivalent_fits(predictor, step, step.tried[0])) == ["stinger_bending"]
+    assert kinds(equivalent_fits(predictor, step, step.round_fits[0])) == ["stinger_bending"]
 
 
 def test_what_explains_far_less_is_not_possible() -> None:
     predictor, accepted = prepared(MASS)
     step = accepted(MASS, GroundSpring(at=DRIVE, stiffness=1e3))
-    assert possible_rivals(predictor, step, step.tried[0]) == []
-    path = SearchPath(step.before, (step,))
+    assert possible_rivals(predictor, step, step.round_fits[0]) == []
+    path = SearchPath(step.previous_fit, (step,))
     assert next_test(predictor, path, (), silent) is None
 
 
