@@ -241,7 +241,7 @@ class _PriorInformation:
         return np.asarray(np.linalg.qr(self._jacobian, mode="r"))
 
     @cached_property
-    def factor_applied_to(self) -> FloatArray:
+    def factor_with_nuisances(self) -> FloatArray:
         """(n, n_parameters + n_nuisances), R factor with the nuisance parameters and their unit prior."""
         nuisances = self._weight * self._prediction.derivatives
         n = nuisances.shape[1]
