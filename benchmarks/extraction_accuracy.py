@@ -27,9 +27,9 @@ from modallab.core.arrays import FloatArray
 from modallab.core.dof import Dof
 from modallab.core.errors import NoModeInBandError
 from modallab.core.frf import FrfKind, FrfSet
-from modallab.extraction.extract import CHOSEN, extract
-from modallab.extraction.options import ExtractionOptions
-from modallab.extraction.single_mode.method import EXTRACTION_METHODS, TRAITS, ModeFit
+from modallab.extraction.extract import extract
+from modallab.extraction.options import DistantLinesOptions, ExtractionOptions
+from modallab.extraction.single_mode.method import EXTRACTION_METHODS, ModeFit
 
 BANDWIDTHS = (0.1, 0.2, 0.5, 1.0, 2.0, 5.0)
 DRAWS = 24  # resonances at as many places between two lines
@@ -57,7 +57,7 @@ def errors(
     method: str,
     spoil: Spoil,
     bandwidth: float,
-    options: ExtractionOptions = CHOSEN,
+    options: ExtractionOptions | None = None,
     *,
     undo: bool = True,
     averages: float = AVERAGES,
@@ -97,7 +97,7 @@ def errors(
 
 
 def _exact(method: str) -> bool:
-    return method == TOGETHER or TRAITS[method].exact
+    return method == TOGETHER or EXTRACTION_METHODS[method].exact
 
 
 def run() -> list[tuple[str, float, float]]:
@@ -152,10 +152,10 @@ lines drawn as {AVERAGES:g} averages scatter (complex Wishart law about the expe
 Unasked, `extract` undoes the leakage, and leaves the nearest 4 lines out of H1 but not of H2.
 """
 TREATMENTS: dict[str, tuple[ExtractionOptions, bool]] = {
-    "as they are, 12": (ExtractionOptions(lines=12, leave_out=0), False),
-    "without the nearest 4 of 16": (ExtractionOptions(lines=16, leave_out=4), False),
-    "undone, 12": (ExtractionOptions(lines=12, leave_out=0), True),
-    "undone, without the nearest 4 of 16": (ExtractionOptions(lines=16, leave_out=4), True),
+    "as they are, 12": (DistantLinesOptions(lines=12, leave_out=0), False),
+    "without the nearest 4 of 16": (DistantLinesOptions(lines=16, leave_out=4), False),
+    "undone, 12": (DistantLinesOptions(lines=12, leave_out=0), True),
+    "undone, without the nearest 4 of 16": (DistantLinesOptions(lines=16, leave_out=4), True),
 }
 
 

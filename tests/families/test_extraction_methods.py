@@ -9,8 +9,6 @@ from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.errors import NoModeInBandError
 from modallab.extraction.single_mode.method import (
     EXTRACTION_METHODS,
-    PICTURES,
-    TRAITS,
     ModeFit,
     Outcome,
     fit_mode,
@@ -24,7 +22,7 @@ modes = st.builds(
 )
 residuals = st.complex_numbers(max_magnitude=1e-6)
 KINDS = sorted(EXTRACTION_METHODS)
-EXACT = [kind for kind in KINDS if TRAITS[kind].exact]
+EXACT = [kind for kind in KINDS if EXTRACTION_METHODS[kind].exact]
 
 
 def lines_of(mode: ModeFit, n_lines: int = 24, widths: float = 4.0) -> FloatArray:
@@ -99,7 +97,7 @@ def test_lines_without_weight_do_not_count_whatever_they_hold(kind: str) -> None
     # rounding, through a fit of ten lines on another scale
     assert found.loss_factor == pytest.approx(alone.loss_factor, rel=1e-6)
     assert found.modal_constant == pytest.approx(alone.modal_constant, rel=1e-6)
-    if TRAITS[kind].exact:
+    if EXTRACTION_METHODS[kind].exact:
         assert found.loss_factor == pytest.approx(0.01, rel=1e-6)
 
 
@@ -145,12 +143,11 @@ def test_no_rows_give_no_fits(kind: str) -> None:
 
 @pytest.mark.parametrize("kind", KINDS)
 def test_every_method_draws_what_it_did_with_the_lines_in_use(kind: str) -> None:
-    assert set(PICTURES) == set(TRAITS) == set(EXTRACTION_METHODS)
     mode = ModeFit(100.37, 0.03, 1 + 0.2j, 1e-6j)
     freq = np.arange(94.0, 107.0)
     frf, weight = mode.response(freq), np.ones(len(freq))
     frf[0], weight[12] = np.nan, 0
-    drawn = PICTURES[kind](freq, frf, weight)
+    drawn = EXTRACTION_METHODS[kind].plot(freq, frf, weight)
     np.testing.assert_allclose(drawn["x"], (2 * np.pi * freq[1:12]) ** 2)
     for name, values in drawn.items():
         assert np.isfinite(values).all(), name
@@ -161,8 +158,8 @@ def test_every_method_draws_what_it_did_with_the_lines_in_use(kind: str) -> None
 def test_a_picture_keeps_its_shape_in_other_units(kind: str) -> None:
     freq = np.arange(94.0, 107.0)
     frf = ModeFit(100.37, 0.03, 1 + 0.2j, 1e-6j).response(freq)
-    here = PICTURES[kind](freq, frf, np.ones(13))
-    there = PICTURES[kind](freq, 1e6 * frf, np.ones(13))  # um instead of m
+    here = EXTRACTION_METHODS[kind].plot(freq, frf, np.ones(13))
+    there = EXTRACTION_METHODS[kind].plot(freq, 1e6 * frf, np.ones(13))  # um instead of m
     for name, values in here.items():
         largest = np.abs(values).max()
         ratio = np.abs(there[name]).max() / largest

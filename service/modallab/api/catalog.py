@@ -9,7 +9,7 @@ from fastapi import APIRouter
 from pydantic import BaseModel
 
 from modallab.api.updates.schemas import METHODS
-from modallab.core.parameters import OptionSpec
+from modallab.core.options import OptionSpec
 from modallab.estimation.estimator import ESTIMATORS
 from modallab.estimation.windows import WINDOWS
 from modallab.extraction import method_options as extraction

@@ -108,6 +108,8 @@ class ModalModel:
     wander: FrequencyInconsistency | None = None  # of the frequencies over the FRFs, None where they agree
     chart: StabilisationChart | None = None
     choices: dict[str, str] = field(default_factory=dict)  # option -> what was taken, and why
+    options: dict[str, int | float | str | None] = field(default_factory=dict)
+    """Options of the extraction method as asked for; None was left to the method."""
     notes: tuple[str, ...] = ()
 
     @property

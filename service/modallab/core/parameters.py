@@ -5,6 +5,7 @@ from functools import cache
 from typing import Any
 
 from modallab.core.errors import InvalidInputError
+from modallab.core.options import OptionSpec
 
 
 @dataclass(frozen=True)
@@ -27,18 +28,6 @@ class ParameterSpec:
     def signed(self) -> bool:
         """Whether it may be negative, so that no logarithm of it can be taken."""
         return self.lower < 0
-
-
-@dataclass(frozen=True)
-class OptionSpec:
-    """What one option of a method means; a default of None is chosen from the data."""
-
-    doc: str
-    unit: str = ""
-    lower: float | None = None
-    upper: float | None = None
-    choices: tuple[str, ...] = ()
-    default: float | str | None = None
 
 
 def parameter(

@@ -1,7 +1,7 @@
 """The one way from measured responses to modes."""
 
 from collections.abc import Sequence
-from dataclasses import replace
+from dataclasses import asdict, replace
 from functools import partial
 from typing import Protocol
 
@@ -11,7 +11,7 @@ from modallab.core.frf import FrfSet
 from modallab.core.modal_model import ModalModel
 from modallab.core.progress import Progress, part, silent
 from modallab.extraction.averaging.damping_model import select_damping_model, with_damping_model
-from modallab.extraction.method_options import check_method_options
+from modallab.extraction.method_options import options_for
 from modallab.extraction.multi_mode.global_method import GLOBAL_METHODS
 from modallab.extraction.multi_mode_extraction import extract_globally
 from modallab.extraction.options import Damping, ExtractionOptions
@@ -24,10 +24,9 @@ from modallab.extraction.preprocessing.noise_bias import (
 )
 from modallab.extraction.preprocessing.responses import Responses, responses_of
 from modallab.extraction.preprocessing.white_forces import white_forces_notes
-from modallab.extraction.single_mode.method import EXTRACTION_METHODS, TRAITS
+from modallab.extraction.single_mode.method import EXTRACTION_METHODS
 from modallab.extraction.single_mode_extraction import extract_mode_by_mode
 
-CHOSEN = ExtractionOptions()  # everything from the data
 LAW_TOLD = 0.6  # of the time, after which modes by the structural law have told which law holds
 
 
@@ -43,7 +42,7 @@ def extract(
     coherence: FloatArray | None,
     averages: float,
     method: str = "dobson",
-    options: ExtractionOptions = CHOSEN,
+    options: ExtractionOptions | None = None,
     bands: Sequence[tuple[float, float]] | None = None,
     n_modes: int | None = None,
     leakage: WindowLeakage | None = None,
@@ -64,7 +63,7 @@ def extract(
     method
         A member of `EXTRACTION_METHODS`, mode by mode in every FRF, or of `GLOBAL_METHODS`, all at once.
     options
-        What the user decides and would else be chosen from the data.
+        Options of the method, or those common to several; by default all are chosen from the data.
     bands
         Pairs (lower, upper) in Hz with one mode each, of a global method one or more; found from the FRFs
         by default.
@@ -88,12 +87,12 @@ def extract(
     """
     if n_modes is not None and n_modes < 1:
         raise InvalidInputError("at least one mode", field="n_modes", value=n_modes, allowed="1 or more")
-    check_method_options(method, options)
+    asked = options_for(method, options)
     responses, bias = responses_read(frf, coherence, averages, leakage=leakage, estimator=estimator)
     if method in GLOBAL_METHODS:
         read: Read = partial(
             extract_globally,
-            GLOBAL_METHODS[method],
+            GLOBAL_METHODS[method].find,
             responses,
             method=method,
             bands=bands,
@@ -111,12 +110,12 @@ def extract(
             n_modes=n_modes,
             leakage=leakage,
         )
-    if options.damping is None and (method in GLOBAL_METHODS or TRAITS[method].exact):
-        model = _by_told_law(read, options, progress)
+    if asked.damping is None and (method in GLOBAL_METHODS or EXTRACTION_METHODS[method].exact):
+        model = _by_told_law(read, asked, progress)
     else:
-        model = read(options=options, progress=progress)
+        model = read(options=asked, progress=progress)
     warned = (*low_coherence_notes(model, responses), *white_forces_notes(responses, leakage))
-    return replace(model, notes=(*model.notes, *warned))
+    return replace(model, notes=(*model.notes, *warned), options=asdict(asked))
 
 
 def _by_told_law(read: Read, options: ExtractionOptions, progress: Progress) -> ModalModel:

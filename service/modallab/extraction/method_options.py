@@ -1,64 +1,72 @@
-"""What each method may be told: for those who choose one, and to refuse in time what it cannot do."""
+"""Options of each extraction method, by the method's name."""
 
 from collections.abc import Mapping
 from dataclasses import fields
 
 from modallab.core.errors import InvalidInputError
-from modallab.core.parameters import OptionSpec
+from modallab.core.options import OptionSpec
 from modallab.extraction.multi_mode.global_method import GLOBAL_METHODS
-from modallab.extraction.options import MIN_LINES, MOST_ORDER, Damping, ExtractionOptions
-from modallab.extraction.single_mode.method import EXTRACTION_METHODS, TRAITS
+from modallab.extraction.options import ExtractionOptions
+from modallab.extraction.single_mode.method import EXTRACTION_METHODS
 
-COUNT = "1"  # unit of what is counted
-
-
-SPECS: Mapping[str, OptionSpec] = {
-    "lines": OptionSpec("lines around each resonance that a fit draws on", COUNT, lower=MIN_LINES),
-    "leave_out": OptionSpec("of these, how many nearest resonance are not used", COUNT, lower=0),
-    "damping": OptionSpec("law of a mode's damping", choices=tuple(Damping)),
-    "max_order": OptionSpec("highest order of the stabilisation chart", COUNT, lower=2, upper=MOST_ORDER),
+OPTIONS: Mapping[str, type[ExtractionOptions]] = {
+    **{name: method.options for name, method in EXTRACTION_METHODS.items()},
+    **{name: method.options for name, method in GLOBAL_METHODS.items()},
 }
 
 
-def method_options(method: str) -> Mapping[str, OptionSpec]:
-    """Return the options of a method by name.
+def options_type(method: str) -> type[ExtractionOptions]:
+    """Return the options dataclass of a method.
 
     Raises
     ------
     InvalidInputError
         If there is no such method.
     """
-    if method in GLOBAL_METHODS:
-        names: tuple[str, ...] = ("damping", "max_order")
-    elif method in EXTRACTION_METHODS:
-        names = ("lines", "leave_out", "damping") if TRAITS[method].leaves_out else ("lines", "damping")
-    else:
+    if method not in OPTIONS:
         raise InvalidInputError(
             f"no extraction method called {method!r}",
             field="method",
             value=method,
-            allowed=", ".join([*EXTRACTION_METHODS, *GLOBAL_METHODS]),
+            allowed=", ".join(OPTIONS),
         )
-    return {name: SPECS[name] for name in names}
+    return OPTIONS[method]
 
 
-def check_method_options(method: str, options: ExtractionOptions) -> None:
-    """Refuse what a method cannot do.
+def method_options(method: str) -> Mapping[str, OptionSpec]:
+    """Return the specifications of a method's options by name; raises as `options_type`."""
+    return options_type(method).specs()
+
+
+def options_for(method: str, options: ExtractionOptions | None) -> ExtractionOptions:
+    """Return options as those of a method.
+
+    Parameters
+    ----------
+    options
+        Of the method, or common to it and others, such as `ExtractionOptions(damping=...)` of every method;
+        None for the defaults.
 
     Raises
     ------
     InvalidInputError
-        If there is no such method, or an option was given that it does not have.
+        If there is no such method, or the options are those of another one.
     """
-    able = method_options(method)
-    for field in fields(options):
-        given = getattr(options, field.name)
-        if field.name not in able and given:  # no line left out is what such a method does anyway
-            near = field.name == "leave_out" and method in EXTRACTION_METHODS
+    expected = options_type(method)
+    if options is None:
+        return expected()
+    if type(options) is expected:
+        return options
+    allowed = expected.specs()
+    for f in fields(options):
+        value = getattr(options, f.name)
+        if f.name not in allowed and value:  # leaving out no line is what every method can do
+            near = f.name == "leave_out" and method in EXTRACTION_METHODS
             why = f": {method} needs the lines nearest resonance" if near else ""
             raise InvalidInputError(
-                f"{method} has no option {field.name!r}{why}",
-                field=field.name,
-                value=given,
-                allowed=", ".join(able),
+                f"{method} has no option {f.name!r}{why}",
+                field=f.name,
+                value=value,
+                allowed=", ".join(allowed),
             )
+    return expected(**{f.name: getattr(options, f.name) for f in fields(options) if f.name in allowed})

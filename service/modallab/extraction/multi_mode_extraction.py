@@ -21,12 +21,12 @@ from modallab.extraction.multi_mode.leakage_correction import LeakageCorrection,
 from modallab.extraction.multi_mode.out_of_band_modes import out_of_band_poles
 from modallab.extraction.multi_mode.range_modes import modes_of
 from modallab.extraction.multi_mode.refinement import BandData
-from modallab.extraction.options import Damping, ExtractionOptions
+from modallab.extraction.options import Damping, DistantLinesOptions, ExtractionOptions, GlobalOptions
 from modallab.extraction.preprocessing.bands import Band, mode_indicator
 from modallab.extraction.preprocessing.leakage import WindowLeakage
 from modallab.extraction.preprocessing.line_noise import has_coherence, line_weights
 from modallab.extraction.preprocessing.responses import Responses
-from modallab.extraction.single_mode.method import EXTRACTION_METHODS, TRAITS
+from modallab.extraction.single_mode.method import EXTRACTION_METHODS
 from modallab.extraction.single_mode.plan import law_of
 from modallab.extraction.single_mode_extraction import SMEARED, extract_mode_by_mode
 
@@ -39,7 +39,7 @@ BEGUN, BEGUN_LEAKED, FITTED = 0.1, 0.6, 0.95
 def extract_globally(
     find: GlobalMethod,
     responses: Responses,
-    options: ExtractionOptions,
+    options: GlobalOptions,
     *,
     method: str,
     bands: Sequence[tuple[float, float]] | None,
@@ -166,7 +166,7 @@ def _one_by_one(
         return extract_mode_by_mode(
             EXTRACTION_METHODS[BEGIN],
             responses if leakage is not None else _some(_within(responses, lines)),
-            ExtractionOptions(damping=options.law),
+            DistantLinesOptions(damping=options.law),
             method=BEGIN,
             bands=None,
             n_modes=None,
@@ -207,7 +207,7 @@ def _not_of_one_structure(alone: ModalModel | None) -> Iterator[str]:
         return
     cause, *_ = inconsistency_notes(alone.wander, alone.frfs)
     yield f"a global method takes all FRFs to be of one structure, and these are not: {cause}"
-    followers = ", ".join(name for name, traits in TRAITS.items() if traits.exact)
+    followers = ", ".join(name for name, method in EXTRACTION_METHODS.items() if method.exact)
     yield (
         "modes may be split or doubled here (flags say so where a cause is found); methods that fit each FRF "
         f"by itself follow them and tell how far they move: {followers}"

@@ -1,48 +1,53 @@
-"""How an extraction goes about it."""
+"""Options common to extraction methods; a method with further ones declares them beside itself."""
 
 from dataclasses import dataclass
 from enum import StrEnum
 
 from modallab.core.errors import InvalidInputError
+from modallab.core.options import Options, option
 
 MIN_LINES = 4  # three complex unknowns and one line over, so that a misfit can show
 MOST_ORDER = 200
 
 
 class Damping(StrEnum):
-    """What law the damping of a mode follows near its resonance."""
+    """Law of a mode's damping near its resonance."""
 
     STRUCTURAL = "structural"
     VISCOUS = "viscous"
 
 
 @dataclass(frozen=True)
-class ExtractionOptions:
-    """What the user decides; what is None is chosen from the data, and the modal model says how and why.
+class ExtractionOptions(Options):
+    """Options of every extraction method; None leaves the choice to the method, which states it."""
 
-    Raises
-    ------
-    InvalidInputError
-        If a number has no meaning.
-    """
-
-    lines: int | None = None  # around each resonance; of single-mode methods
-    leave_out: int | None = None  # of these, the nearest to resonance; of single-mode methods
-    damping: Damping | None = None
-    max_order: int | None = None  # of the stabilisation chart; of global methods
+    damping: Damping | None = option(None, doc="law of a mode's damping")
 
     @property
     def law(self) -> Damping:
-        """The law of damping to fit by: structural where none is asked for."""
+        """The law of damping of the fits: structural where none is asked for."""
         return self.damping or Damping.STRUCTURAL
 
+
+@dataclass(frozen=True)
+class SingleModeOptions(ExtractionOptions):
+    """Options of every single-mode method."""
+
+    lines: int | None = option(
+        None, unit="1", lower=MIN_LINES, doc="frequency lines around each resonance that a fit draws on"
+    )
+
+
+@dataclass(frozen=True)
+class DistantLinesOptions(SingleModeOptions):
+    """Options of a single-mode method that can do without the lines nearest resonance."""
+
+    leave_out: int | None = option(
+        None, unit="1", lower=0, doc="number of these lines, nearest resonance, that are not used"
+    )
+
     def __post_init__(self) -> None:
-        bounds = {"lines": (MIN_LINES, None), "leave_out": (0, None), "max_order": (2, MOST_ORDER)}
-        for name, (lower, upper) in bounds.items():
-            value = getattr(self, name)
-            if value is not None and not (lower <= value and (upper is None or value <= upper)):
-                allowed = f"{lower} or more" if upper is None else f"{lower} to {upper}"
-                raise InvalidInputError(f"{name} is out of bounds", field=name, value=value, allowed=allowed)
+        super().__post_init__()
         if self.lines is not None and self.lines - (self.leave_out or 0) < MIN_LINES:
             raise InvalidInputError(
                 "too few lines are left",
@@ -50,3 +55,12 @@ class ExtractionOptions:
                 value=self.leave_out or 0,
                 allowed=f"{self.lines - MIN_LINES} or fewer of {self.lines} lines",
             )
+
+
+@dataclass(frozen=True)
+class GlobalOptions(ExtractionOptions):
+    """Options of a global method."""
+
+    max_order: int | None = option(
+        None, unit="1", lower=2, upper=MOST_ORDER, doc="highest model order of the stabilisation chart"
+    )

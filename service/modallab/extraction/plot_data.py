@@ -9,13 +9,14 @@ from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray, 
 from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfKind
 from modallab.core.modal_model import ModalModel
-from modallab.extraction.options import MIN_LINES, Damping
+from modallab.extraction.method_options import options_type
+from modallab.extraction.options import MIN_LINES, Damping, ExtractionOptions
 from modallab.extraction.preprocessing.fit_windows import Windows, without_nearest
 from modallab.extraction.preprocessing.leakage import WindowLeakage
 from modallab.extraction.preprocessing.responses import Responses
 from modallab.extraction.single_mode.damping_models import DAMPING_MODELS, DampingModel
 from modallab.extraction.single_mode.fitting import Data, Settled, fit_all, gather
-from modallab.extraction.single_mode.method import EXTRACTION_METHODS, PICTURES, ModeFit
+from modallab.extraction.single_mode.method import EXTRACTION_METHODS, ModeFit
 from modallab.extraction.single_mode.plan import taken
 
 CURVE = 201  # points to draw a fit with
@@ -41,7 +42,7 @@ class FitPlotData:
     residual: complex  # unit of the responses
     details: Mapping[
         str, FloatArray | ComplexArray
-    ]  # as the method's `Picture`; none of fewer than four lines
+    ]  # as the method's `FitPlot`; none of fewer than four lines
 
     quality: Mapping[str, float]  # what only this method can tell, %
 
@@ -102,7 +103,7 @@ def fit_plot_data(
     factor = (2j * np.pi * freq) ** order
     cleaned = factor * settled.cleaned[0, place, :n_lines]
     seen = _Seen(freq, cleaned, data.weight[inside] / np.abs(factor) ** 2, order)
-    return _drawn(model.method, damping, fit, seen, factor * data.receptance[inside])
+    return _drawn(model, damping, fit, seen, factor * data.receptance[inside])
 
 
 def _again(law: DampingModel, model: ModalModel, mode: int, row: int, data: Data) -> tuple[Settled, int]:
@@ -112,7 +113,7 @@ def _again(law: DampingModel, model: ModalModel, mode: int, row: int, data: Data
     same frequency again. The drive point's fit is done too where leakage is undone by it. A fit that did not
     count has no frequency to know it by: then all are done.
     """
-    method = EXTRACTION_METHODS[model.method]
+    method = EXTRACTION_METHODS[model.method].with_options(_options(model))
     fitted = np.nan if model.fitted_frequency is None else float(model.fitted_frequency[mode, row])
     if not np.isfinite(fitted):
         rows = np.arange(data.freq.shape[1])
@@ -141,8 +142,16 @@ class _Seen:
     order: int  # of the derivative of receptance that `frf` is
 
 
-def _drawn(method: str, damping: Damping, fit: ModeFit, seen: _Seen, measured: ComplexArray) -> FitPlotData:
-    """Return the picture of a fit, whose residual is not yet known."""
+def _options(model: ModalModel) -> ExtractionOptions:
+    """Return the options that a modal model was extracted with."""
+    return options_type(model.method)(**model.options)  # type: ignore[arg-type]
+
+
+def _drawn(
+    model: ModalModel, damping: Damping, fit: ModeFit, seen: _Seen, measured: ComplexArray
+) -> FitPlotData:
+    """Return the plot data of a fit, whose residual is not yet known."""
+    method, options = EXTRACTION_METHODS[model.method], _options(model)
     law, freq, frf, weight = DAMPING_MODELS[damping], seen.freq, seen.frf, seen.weight
     order = np.array(seen.order)
     eigenvalue = np.array((2 * np.pi * fit.frequency) ** 2 * (1 + 1j * fit.loss_factor))
@@ -155,10 +164,10 @@ def _drawn(method: str, damping: Damping, fit: ModeFit, seen: _Seen, measured: C
     curve_freq = np.linspace(freq[0], freq[-1], CURVE)
     pole = frf - law.beside(freq, eigenvalue, constant, order)
     enough = (weight > 0).sum() >= MIN_LINES
-    details = PICTURES[method](law.variable(freq), pole, weight) if enough else {}
-    again = law.fit(EXTRACTION_METHODS[method], freq[None], frf[None], weight[None], order[None])
+    details = method.plot_with_options(options)(law.variable(freq), pole, weight) if enough else {}
+    again = law.fit(method.with_options(options), freq[None], frf[None], weight[None], order[None])
     return FitPlotData(
-        method=method,
+        method=model.method,
         damping=damping,
         kind=FrfKind.INERTANCE if seen.order else FrfKind.RECEPTANCE,
         freq=freq,

@@ -14,7 +14,7 @@ from modallab.extraction.averaging.damping_model_flag import with_damping_model_
 from modallab.extraction.averaging.misfit_flags import flag_further_peaks, flag_misfits
 from modallab.extraction.averaging.resynthesis import with_resynthesis
 from modallab.extraction.averaging.shared_noise import shared_noise_fraction
-from modallab.extraction.options import ExtractionOptions
+from modallab.extraction.options import SingleModeOptions
 from modallab.extraction.preprocessing.bands import Band, mode_indicator, requested_bands
 from modallab.extraction.preprocessing.common_peaks import CommonPeaks, find_common
 from modallab.extraction.preprocessing.fit_windows import place_windows
@@ -25,7 +25,7 @@ from modallab.extraction.single_mode.damping_models import DAMPING_MODELS
 from modallab.extraction.single_mode.fitting import Table, fit_all, gather
 from modallab.extraction.single_mode.leaked_covariance import line_spectra
 from modallab.extraction.single_mode.leaked_fits import allowing_for_leakage
-from modallab.extraction.single_mode.method import TRAITS, ExtractionMethod
+from modallab.extraction.single_mode.method import SingleModeMethod
 from modallab.extraction.single_mode.plan import plan
 
 MOST_NAMED = 8  # peaks that are no modes; more are counted
@@ -33,9 +33,9 @@ SMEARED = 3  # lines: the main lobe of a Hanning window and its first side lobe
 
 
 def extract_mode_by_mode(
-    fit: ExtractionMethod,
+    registered: SingleModeMethod,
     responses: Responses,
-    options: ExtractionOptions,
+    options: SingleModeOptions,
     *,
     method: str,
     bands: Sequence[tuple[float, float]] | None,
@@ -45,7 +45,7 @@ def extract_mode_by_mode(
 ) -> ModalModel:
     """Return the modes that a single-mode method reads; parameters and errors as `extract`."""
     freq, dofs = responses.freq, responses.dofs
-    decided = plan(method, options, leakage)
+    fit, decided = registered.with_options(options), plan(options, leakage)
     progress(0.0, "looking for modes")
     indicator = mode_indicator(responses.mobility, responses.coherent)
     peaks = (
@@ -70,7 +70,7 @@ def extract_mode_by_mode(
         settled = allowing_for_leakage(fit, DAMPING_MODELS[options.law], data, leakage, settled, known)
     table = replace(settled.table, lines=windows.ends)
     notes = [*peaks.notes, *_missing(table, freq, found, given=bands is not None)]
-    if not TRAITS[method].exact:
+    if not registered.exact:
         notes.append(f"{method} is biased: by up to half a line in frequency, and towards too much damping")
     left_out = np.diff(windows.ends, axis=2)[:, :, 0] + 1 - windows.used.sum(axis=2)
     if (left_out < decided.leave_out).any():
@@ -87,7 +87,7 @@ def extract_mode_by_mode(
         choices=decided.choices,
         shared=shared_noise_fraction(DAMPING_MODELS[options.law], data, settled, windows.index),
     )
-    if leakage is None and TRAITS[method].exact:
+    if leakage is None and registered.exact:
         model = flag_misfits(model, responses, DAMPING_MODELS[options.law], decided.leave_out)
     if bands is not None:
         model = flag_further_peaks(model, freq, indicator, found)

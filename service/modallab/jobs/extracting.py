@@ -13,7 +13,7 @@ from modallab.estimation.windows import WINDOWS, added_loss_factor
 from modallab.extraction.averaging.resynthesis import resynthesise
 from modallab.extraction.averaging.window_damping import without_added
 from modallab.extraction.extract import extract, responses_read
-from modallab.extraction.options import ExtractionOptions
+from modallab.extraction.method_options import options_type
 from modallab.extraction.plot_data import FitPlotData, fit_plot_data
 from modallab.extraction.preprocessing.leakage import WindowLeakage
 from modallab.jobs.destination import Destination
@@ -21,7 +21,7 @@ from modallab.rig.excitation import EXCITATIONS
 from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
 from modallab.store.base import Store
-from modallab.store.plain import from_plain, to_plain
+from modallab.store.plain import from_plain
 
 Json = Any
 
@@ -29,7 +29,6 @@ _PERIODIC = 0.0  # share of the power that leaks, of an excitation that repeats 
 _WINDOW_SAMPLES = 1024
 _CORRECTED = "window_damping"  # among the choices of a model whose loss factors are without it
 _NAMED = 20  # DoFs in a refusal
-_CHOSEN = to_plain(ExtractionOptions())[0]
 
 
 def leakage_of(setup: RigSetup) -> WindowLeakage | None:
@@ -50,7 +49,7 @@ def extract_and_store(
     method: str,
     bands: list[tuple[float, float]] | None,
     n_modes: int | None,
-    options: Json = _CHOSEN,
+    options: Json,
     correct_window_damping: bool = False,
 ) -> None:
     """Read the modes from a measurement and keep them."""
@@ -60,7 +59,7 @@ def extract_and_store(
         coherence=measurement.coherence,
         averages=measurement.averages,
         method=method,
-        options=from_plain(ExtractionOptions, options, {}),
+        options=from_plain(options_type(method), options, {}),
         bands=bands,
         n_modes=n_modes,
         leakage=leakage_of(measurement.setup),

@@ -7,7 +7,8 @@ from typing import Protocol
 from modallab.core.arrays import FloatArray, frozen
 from modallab.core.errors import InvalidInputError
 from modallab.core.modal_model import ModalModel
-from modallab.core.parameters import OptionSpec, Parameterised, parameter
+from modallab.core.options import OptionSpec
+from modallab.core.parameters import Parameterised, parameter
 from modallab.core.progress import Progress, silent
 from modallab.core.registry import Family
 from modallab.fe.structure import Structure

@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 
 from modallab.core.errors import InvalidInputError
-from modallab.core.parameters import OptionSpec
+from modallab.core.options import OptionSpec
 from modallab.fe.reduction import REDUCTIONS
 from modallab.updating.direct.method import DIRECT_METHODS, EXPANSION, DirectOptions
 from modallab.updating.error_location.method import LOCATORS

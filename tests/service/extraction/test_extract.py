@@ -9,13 +9,13 @@ from modallab.core.errors import InvalidInputError, NoModeInBandError
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.core.modal_model import ModalModel
 from modallab.extraction.extract import extract
-from modallab.extraction.options import ExtractionOptions
+from modallab.extraction.options import GlobalOptions
 from modallab.extraction.preprocessing.leakage import WindowLeakage
-from modallab.extraction.single_mode.method import EXTRACTION_METHODS, TRAITS
+from modallab.extraction.single_mode.method import EXTRACTION_METHODS
 from tests.service.extraction.conftest import Beam
 
 KINDS = sorted(EXTRACTION_METHODS)
-EXACT = [kind for kind in KINDS if TRAITS[kind].exact]
+EXACT = [kind for kind in KINDS if EXTRACTION_METHODS[kind].exact]
 CLEAN = 1e6  # averages: as good as no random error
 
 
@@ -276,4 +276,4 @@ def test_whatever_comes_in_there_is_an_answer_or_a_named_error(seed: int) -> Non
 
 def test_an_option_that_a_method_lacks_is_refused_and_not_ignored(plain_beam: Beam, freq: FloatArray) -> None:
     with pytest.raises(InvalidInputError, match="dobson has no option 'max_order'"):
-        extract(plain_beam.frf(freq), coherence=None, averages=CLEAN, options=ExtractionOptions(max_order=20))
+        extract(plain_beam.frf(freq), coherence=None, averages=CLEAN, options=GlobalOptions(max_order=20))

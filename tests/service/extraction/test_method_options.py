@@ -1,43 +1,51 @@
-"""What a method may be told, and what it refuses."""
+"""The options of each method, and the refusal of others."""
 
 import pytest
 
 from modallab.core.errors import InvalidInputError
-from modallab.extraction.method_options import check_method_options, method_options
-from modallab.extraction.multi_mode.global_method import GLOBAL_METHODS
-from modallab.extraction.options import ExtractionOptions
+from modallab.extraction.method_options import OPTIONS, method_options, options_for
+from modallab.extraction.options import (
+    Damping,
+    DistantLinesOptions,
+    ExtractionOptions,
+    GlobalOptions,
+    SingleModeOptions,
+)
 from modallab.extraction.single_mode.method import EXTRACTION_METHODS
-from modallab.extraction.single_mode.plan import plan
 
-EVERY = ExtractionOptions(lines=12, leave_out=4, max_order=30)
+GIVEN = {
+    "lines": SingleModeOptions(lines=12),
+    "leave_out": DistantLinesOptions(leave_out=4),
+    "max_order": GlobalOptions(max_order=30),
+}
 
 
-@pytest.mark.parametrize("kind", [*EXTRACTION_METHODS, *GLOBAL_METHODS])
-def test_a_method_takes_what_it_offers_and_nothing_else(kind: str) -> None:
-    able = method_options(kind)
-    check_method_options(kind, ExtractionOptions())
-    for name in ("lines", "leave_out", "max_order"):
-        asked = ExtractionOptions(**{name: getattr(EVERY, name)})
-        if name in able:
-            check_method_options(kind, asked)
-        else:
-            with pytest.raises(InvalidInputError, match=f"{kind} has no option '{name}'") as refused:
-                check_method_options(kind, asked)
-            assert refused.value.context["field"] == name
+@pytest.mark.parametrize("kind", OPTIONS)
+@pytest.mark.parametrize("name", GIVEN)
+def test_a_method_takes_its_own_options_and_no_other(kind: str, name: str) -> None:
+    if name in method_options(kind):
+        assert getattr(options_for(kind, GIVEN[name]), name) == getattr(GIVEN[name], name)
+    else:
+        with pytest.raises(InvalidInputError, match=f"{kind} has no option '{name}'") as refused:
+            options_for(kind, GIVEN[name])
+        assert refused.value.context["field"] == name
+
+
+@pytest.mark.parametrize("kind", OPTIONS)
+def test_options_common_to_all_methods_become_those_of_a_method(kind: str) -> None:
+    options = options_for(kind, ExtractionOptions(Damping.VISCOUS))
+    assert type(options) is OPTIONS[kind]
+    assert options.damping is Damping.VISCOUS
+    assert options_for(kind, None) == OPTIONS[kind]()
 
 
 @pytest.mark.parametrize("kind", EXTRACTION_METHODS)
-def test_what_is_offered_is_what_the_plan_of_the_fits_can_do(kind: str) -> None:
-    asked = ExtractionOptions(leave_out=4)
-    if "leave_out" in method_options(kind):
-        assert plan(kind, asked, None).leave_out == 4
-    else:
-        with pytest.raises(InvalidInputError):
-            plan(kind, asked, None)
+def test_a_method_that_leaves_lines_out_says_so(kind: str) -> None:
+    assert EXTRACTION_METHODS[kind].leaves_out == ("leave_out" in method_options(kind))
 
 
 def test_leaving_no_line_out_is_no_demand() -> None:
-    check_method_options("circle_fit", ExtractionOptions(leave_out=0))
+    assert options_for("circle_fit", DistantLinesOptions(leave_out=0)) == OPTIONS["circle_fit"]()
 
 
 def test_an_unknown_method_is_refused_with_those_there_are() -> None:

@@ -9,23 +9,23 @@ from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.core.modal_model import ModalModel
 from modallab.estimation.windows import WINDOWS
-from modallab.extraction.extract import CHOSEN, extract, responses_read
-from modallab.extraction.options import Damping, ExtractionOptions
+from modallab.extraction.extract import extract, responses_read
+from modallab.extraction.options import Damping, DistantLinesOptions, ExtractionOptions
 from modallab.extraction.plot_data import fit_plot_data
 from modallab.extraction.preprocessing.leakage import WindowLeakage
 from modallab.extraction.preprocessing.responses import Responses, responses_of
-from modallab.extraction.single_mode.method import EXTRACTION_METHODS, TRAITS, ModeFit
+from modallab.extraction.single_mode.method import EXTRACTION_METHODS, ModeFit
 from tests.service.extraction.conftest import Beam
 from tests.service.extraction.leaked_beam import read as read_leaked
 from tests.service.extraction.leaked_beam import taken
 
 KINDS = sorted(EXTRACTION_METHODS)
-EXACT = [kind for kind in KINDS if TRAITS[kind].exact]
+EXACT = [kind for kind in KINDS if EXTRACTION_METHODS[kind].exact]
 MODE, ROW = 2, 4  # 128 Hz, at node 9
 
 
 def read(
-    beam: Beam, freq: FloatArray, method: str, options: ExtractionOptions = CHOSEN
+    beam: Beam, freq: FloatArray, method: str, options: ExtractionOptions | None = None
 ) -> tuple[Responses, ModalModel]:
     frf = beam.frf(freq)
     model = extract(frf, coherence=None, averages=1e6, method=method, options=options)
@@ -166,7 +166,7 @@ def test_a_leaked_fit_of_one_frf_is_the_one_among_all(estimator: str) -> None:
 
 
 def test_lines_left_out_are_shown_but_not_used(plain_beam: Beam, freq: FloatArray) -> None:
-    responses, model = read(plain_beam, freq, "line_fit", ExtractionOptions(lines=12, leave_out=4))
+    responses, model = read(plain_beam, freq, "line_fit", DistantLinesOptions(lines=12, leave_out=4))
     picture = fit_plot_data(responses, model, MODE, ROW)
     assert len(picture.freq) == 12
     assert picture.used.sum() == len(picture.details["x"]) == 8

@@ -7,12 +7,12 @@ from modallab.core.errors import InvalidInputError, NoModeInBandError
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.core.modal_model import ModalModel
 from modallab.extraction.extract import extract
-from modallab.extraction.options import Damping, ExtractionOptions
-from modallab.extraction.single_mode.method import EXTRACTION_METHODS, TRAITS
+from modallab.extraction.options import Damping, DistantLinesOptions, ExtractionOptions, SingleModeOptions
+from modallab.extraction.single_mode.method import EXTRACTION_METHODS
 from tests.service.extraction.conftest import Beam
 from tests.synthetic import HAMMERED, HAMMERED_LOSS, hammered
 
-EXACT = [kind for kind in sorted(EXTRACTION_METHODS) if TRAITS[kind].exact]
+EXACT = [kind for kind in sorted(EXTRACTION_METHODS) if EXTRACTION_METHODS[kind].exact]
 FREQ: FloatArray = np.arange(20.0, 400.0, 0.5)
 DOFS = (Dof(1, "Y"), Dof(2, "Y"))
 FREQUENCIES = np.array([60.3, 140.7, 290.2])
@@ -59,7 +59,7 @@ def test_of_a_hammer_modes_are_read_where_it_excites_and_noise_above_is_named() 
     assert any("no coherence tells how much of it is random error" in note for note in model.notes)
 
 
-@pytest.mark.parametrize("method", [kind for kind in EXACT if TRAITS[kind].leaves_out])
+@pytest.mark.parametrize("method", [kind for kind in EXACT if EXTRACTION_METHODS[kind].leaves_out])
 def test_the_lines_left_out_may_hold_anything(method: str, plain_beam: Beam) -> None:
     freq = np.arange(440.0, 735.0)  # one line a Hz; mode 7 is 2.9 lines wide at 587.5 Hz
     frf = plain_beam.frf(freq)
@@ -69,7 +69,7 @@ def test_the_lines_left_out_may_hold_anything(method: str, plain_beam: Beam) -> 
     bands = [(550.0, 620.0)]
     off = []
     for leave_out in (0, 4):
-        options = ExtractionOptions(lines=20, leave_out=leave_out)
+        options = DistantLinesOptions(lines=20, leave_out=leave_out)
         model = extract(spoilt, coherence=None, averages=1e6, method=method, options=options, bands=bands)
         off.append(abs(model.loss_factors[0] / plain_beam.loss_factors[6, 0] - 1))
     # the beam's other modes, of which one band knows only a constant, bend 20 lines by so much
@@ -78,7 +78,7 @@ def test_the_lines_left_out_may_hold_anything(method: str, plain_beam: Beam) -> 
 
 
 def test_a_fit_draws_on_as_many_lines_as_asked_and_says_which(plain_beam: Beam, freq: FloatArray) -> None:
-    options = ExtractionOptions(lines=10)
+    options = SingleModeOptions(lines=10)
     model = extract(plain_beam.frf(freq), coherence=None, averages=1e6, options=options)
     assert model.fitted_lines is not None
     assert model.fitted_lines.shape == (8, 11, 2)
@@ -90,7 +90,7 @@ def test_a_fit_draws_on_as_many_lines_as_asked_and_says_which(plain_beam: Beam, 
 
 
 def test_bands_too_short_to_leave_lines_out_are_noted(plain_beam: Beam, freq: FloatArray) -> None:
-    options = ExtractionOptions(leave_out=6)
+    options = DistantLinesOptions(leave_out=6)
     model = extract(
         plain_beam.frf(freq), coherence=None, averages=1e6, options=options, bands=[(120.0, 136.0)]
     )
@@ -111,7 +111,7 @@ def test_circle_fit_cannot_leave_its_peak_out(plain_beam: Beam, freq: FloatArray
             coherence=None,
             averages=1e6,
             method="circle_fit",
-            options=ExtractionOptions(leave_out=2),
+            options=DistantLinesOptions(leave_out=2),
         )
 
 

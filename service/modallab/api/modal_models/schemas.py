@@ -11,7 +11,7 @@ from modallab.api.wire import NO_CONVERSION, Count, DofText, ModeCount, Number, 
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.modal_model import ModalModel, Mode
-from modallab.extraction.method_options import check_method_options
+from modallab.extraction.method_options import options_type
 from modallab.extraction.options import Damping, ExtractionOptions
 from modallab.fe.synthetic_modes import Distribution, ModeNoise
 from modallab.store.plain import to_plain
@@ -66,9 +66,18 @@ class ExtractionOptionsIn(Wire):
     damping: Damping | None = Field(default=None, description="law of a mode's damping")
     max_order: Count | None = Field(default=None, description="of the stabilisation chart; of global methods")
 
-    def to_domain(self) -> ExtractionOptions:
-        """Return the options; `InvalidInputError` where one is out of bounds."""
-        return ExtractionOptions(**self.model_dump())
+    def to_domain(self, method: str) -> ExtractionOptions:
+        """Return the options of a method; `InvalidInputError` if it has no such option."""
+        options = options_type(method)
+        given = self.model_dump(exclude_none=True)
+        for name in given.keys() - options.specs().keys():
+            raise InvalidInputError(
+                f"{method} has no option {name!r}",
+                field=name,
+                value=given[name],
+                allowed=", ".join(options.specs()),
+            )
+        return options(**given)
 
 
 class ModalModelStart(Wire):
@@ -94,8 +103,7 @@ class ModalModelStart(Wire):
         InvalidInputError
             If the method is unknown, or cannot do what is asked of it.
         """
-        options = self.options.to_domain()
-        check_method_options(self.method, options)
+        options = self.options.to_domain(self.method)
         arguments = self.model_dump(mode="json") | {"options": to_plain(options)[0]}
         return arguments | {"bands": None if self.bands == "auto" else self.bands}
 

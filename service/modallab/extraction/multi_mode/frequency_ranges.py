@@ -8,7 +8,7 @@ import numpy as np
 
 from modallab.core.arrays import FloatArray, IntArray
 from modallab.core.errors import NoModeInBandError
-from modallab.extraction.options import MOST_ORDER, ExtractionOptions
+from modallab.extraction.options import MOST_ORDER, GlobalOptions
 from modallab.extraction.preprocessing.bands import Band, find_bands, requested_bands
 from modallab.extraction.preprocessing.common_peaks import CommonPeaks, find_common
 from modallab.extraction.preprocessing.responses import Responses
@@ -80,7 +80,7 @@ def _joined(found: Sequence[Band]) -> tuple[slice, ...]:
     )
 
 
-def orders_of(indicator: FloatArray, options: ExtractionOptions) -> tuple[IntArray, str]:
+def orders_of(indicator: FloatArray, options: GlobalOptions) -> tuple[IntArray, str]:
     """Return the orders of the chart of a range, (n_orders,) rising, and why these."""
     most = max((len(indicator) - 1) // LINES_PER_ORDER, LEAST_ORDER)
     if options.max_order is not None:

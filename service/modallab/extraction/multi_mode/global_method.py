@@ -7,6 +7,7 @@ import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray, frozen
 from modallab.core.registry import Family
+from modallab.extraction.options import GlobalOptions
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,6 +75,19 @@ class GlobalMethod(Protocol):
     ) -> Poles: ...
 
 
-GLOBAL_METHODS: Family[GlobalMethod] = Family(
+@dataclass(frozen=True)
+class RegisteredGlobalMethod:
+    """A global method with its options."""
+
+    find: GlobalMethod
+    """Poles of all FRFs together at rising orders."""
+    options: type[GlobalOptions] = GlobalOptions
+    """Options dataclass of the method."""
+
+    def __call__(self, freq: FloatArray, frf: ComplexArray, weight: FloatArray, orders: IntArray) -> Poles:
+        return self.find(freq, frf, weight, orders)
+
+
+GLOBAL_METHODS: Family[RegisteredGlobalMethod] = Family(
     "global extraction method", home="modallab.extraction.multi_mode.global_methods"
 )

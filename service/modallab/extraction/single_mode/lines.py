@@ -76,7 +76,7 @@ def one_row(
     Parameters
     ----------
     freq, frf, weight
-        (n_lines,) as `Picture`.
+        (n_lines,) as `FitPlot`.
     """
     used = np.isfinite(frf) & np.isfinite(weight) & (weight > 0)
     lines = scale(freq[None, used], frf[None, used], weight[None, used])

@@ -1,15 +1,17 @@
 """What an extraction method is: one mode from each of many short stretches of FRF."""
 
+from collections.abc import Callable
 from dataclasses import dataclass, field, fields
 from enum import IntEnum
-from functools import wraps
-from typing import Protocol
+from functools import partial, wraps
+from typing import Any, Protocol
 
 import numpy as np
 
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from modallab.core.errors import NoModeInBandError
 from modallab.core.registry import Family
+from modallab.extraction.options import DistantLinesOptions, ExtractionOptions, SingleModeOptions
 
 
 class Outcome(IntEnum):
@@ -106,7 +108,7 @@ class ExtractionMethod(Protocol):
     def __call__(self, freq: FloatArray, frf: ComplexArray, weight: FloatArray) -> ModeFits: ...
 
 
-class Picture(Protocol):
+class FitPlot(Protocol):
     """Returns named arrays of what a method draws through one stretch of FRF, lines without weight left out.
 
     What lies along the axis is named `x...` and is `(2 pi freq)^2`, (rad/s)^2. Parameters as those of an
@@ -119,30 +121,54 @@ class Picture(Protocol):
 
 
 @dataclass(frozen=True)
-class Traits:
-    """What a method can do."""
+class SingleModeMethod:
+    """A single-mode method with its options and its plot; called, it fits with default options."""
 
-    exact: bool  # gives back the mode that clean lines of one mode and a constant hold
-    leaves_out: bool  # can do without the lines nearest resonance
+    fit: Callable[..., ModeFits]
+    """Fit of many rows of lines: an `ExtractionMethod` that may take options as further keywords."""
+    plot: Callable[..., dict[str, FloatArray | ComplexArray]]
+    """Plot data of one row: a `FitPlot` that takes the same further keywords."""
+    options: type[SingleModeOptions] = SingleModeOptions
+    """Options dataclass of the method."""
+    fit_options: tuple[str, ...] = ()
+    """Names of the options that `fit` and `plot` take as keywords."""
+    exact: bool = True
+    """Whether clean lines of one mode and a constant give back that mode."""
+
+    def __call__(self, freq: FloatArray, frf: ComplexArray, weight: FloatArray) -> ModeFits:
+        return self.fit(freq, frf, weight)
+
+    @property
+    def leaves_out(self) -> bool:
+        """Whether the method can do without the lines nearest resonance."""
+        return issubclass(self.options, DistantLinesOptions)
+
+    def with_options(self, options: ExtractionOptions) -> ExtractionMethod:
+        """Return the fit with its options set."""
+        return partial(self.fit, **self._keywords(options))
+
+    def plot_with_options(self, options: ExtractionOptions) -> FitPlot:
+        """Return the plot with its options set."""
+        return partial(self.plot, **self._keywords(options))
+
+    def _keywords(self, options: ExtractionOptions) -> dict[str, Any]:
+        return {name: getattr(options, name) for name in self.fit_options}
 
 
-METHODS_HOME = "modallab.extraction.single_mode.methods"
-EXTRACTION_METHODS: Family[ExtractionMethod] = Family("extraction method", home=METHODS_HOME)
-PICTURES: Family[Picture] = Family("extraction method", home=METHODS_HOME)
-TRAITS: Family[Traits] = Family("extraction method", home=METHODS_HOME)
+EXTRACTION_METHODS: Family[SingleModeMethod] = Family(
+    "extraction method", home="modallab.extraction.single_mode.methods"
+)
 
 
-def in_blocks(method: ExtractionMethod) -> ExtractionMethod:
+def in_blocks(method: Callable[..., ModeFits]) -> Callable[..., ModeFits]:
     """Return the method taking its rows some at a time, so that pairs of lines stay in the cache."""
 
     @wraps(method)
-    def blocked(freq: FloatArray, frf: ComplexArray, weight: FloatArray) -> ModeFits:
+    def blocked(freq: FloatArray, frf: ComplexArray, weight: FloatArray, **options: Any) -> ModeFits:
         n_fits, n_lines = freq.shape
         step = max(PAIRS // max(n_lines, 1) ** 2, 16)
-        parts = [
-            method(freq[start : start + step], frf[start : start + step], weight[start : start + step])
-            for start in range(0, max(n_fits, 1), step)
-        ]
+        rows = [slice(start, start + step) for start in range(0, max(n_fits, 1), step)]
+        parts = [method(freq[row], frf[row], weight[row], **options) for row in rows]
         joined = {
             f.name: np.concatenate([getattr(part, f.name) for part in parts])
             for f in fields(ModeFits)

@@ -3,10 +3,8 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from modallab.core.errors import InvalidInputError
-from modallab.extraction.options import ExtractionOptions
+from modallab.extraction.options import DistantLinesOptions, ExtractionOptions, SingleModeOptions
 from modallab.extraction.preprocessing.leakage import NoiseBias, WindowLeakage
-from modallab.extraction.single_mode.method import TRAITS
 
 LINES = 8  # periodic data: weighted fits draw on few lines, and near ones see least of other modes
 LEAKY_LINES = 12  # leaked data: the far lines are the true ones
@@ -25,15 +23,9 @@ class Plan:
     choices: Mapping[str, str]  # option -> what was taken, and why
 
 
-def plan(method: str, options: ExtractionOptions, leakage: WindowLeakage | None) -> Plan:
-    """Return what the user decided, the rest chosen from the data.
-
-    Raises
-    ------
-    InvalidInputError
-        If the method cannot do what was asked of it.
-    """
-    leave_out, why_out = _leave_out(method, options, leakage)
+def plan(options: SingleModeOptions, leakage: WindowLeakage | None) -> Plan:
+    """Return what the user decided, the rest chosen from the data."""
+    leave_out, why_out = _leave_out(options, leakage)
     lines, why_lines = _lines(options, leakage)
     if options.lines is None:
         lines += leave_out
@@ -56,7 +48,7 @@ def taken(choices: Mapping[str, str], option: str) -> str | None:
     return None if said is None else said.split(":", 1)[0]
 
 
-def _lines(options: ExtractionOptions, leakage: WindowLeakage | None) -> tuple[int, str]:
+def _lines(options: SingleModeOptions, leakage: WindowLeakage | None) -> tuple[int, str]:
     if options.lines is not None:
         return options.lines, ASKED
     wide = f"or {WIDTHS:g} half-power bandwidths where that is more"
@@ -65,24 +57,15 @@ def _lines(options: ExtractionOptions, leakage: WindowLeakage | None) -> tuple[i
     return LEAKY_LINES, f"{wide}; the window leaks, and far lines are the truer ones"
 
 
-def _leave_out(method: str, options: ExtractionOptions, leakage: WindowLeakage | None) -> tuple[int, str]:
-    if options.leave_out:
-        if not TRAITS[method].leaves_out:
-            able = ", ".join(name for name, traits in TRAITS.items() if traits.leaves_out)
-            raise InvalidInputError(
-                f"{method} needs the lines nearest resonance; those that do not are {able}",
-                field="leave_out",
-                value=options.leave_out,
-                allowed="0",
-            )
+def _leave_out(options: SingleModeOptions, leakage: WindowLeakage | None) -> tuple[int, str]:
+    able = isinstance(options, DistantLinesOptions)
+    if isinstance(options, DistantLinesOptions) and options.leave_out is not None:
         return options.leave_out, ASKED
-    if options.leave_out == 0:
-        return 0, ASKED
     if leakage is None:
         return 0, "the records do not leak, and the lines nearest resonance say most of the damping"
     # of few lines asked for, those that periodic data would be read from are kept
     spare = H1_LEFT_OUT if options.lines is None else min(max(options.lines - LINES, 0), H1_LEFT_OUT)
-    if leakage.estimator is NoiseBias.H1 and TRAITS[method].leaves_out and spare:
+    if leakage.estimator is NoiseBias.H1 and able and spare:
         return spare, (
             "leakage takes most from h1 where it is highest; it is undone line by line, but the lines "
             "nearest resonance are the least sure"

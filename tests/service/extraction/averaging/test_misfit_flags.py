@@ -8,10 +8,10 @@ from modallab.core.dof import Dof
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.core.modal_model import ModalModel
 from modallab.extraction.extract import extract
-from modallab.extraction.options import ExtractionOptions
-from modallab.extraction.single_mode.method import EXTRACTION_METHODS, TRAITS
+from modallab.extraction.options import DistantLinesOptions, ExtractionOptions
+from modallab.extraction.single_mode.method import EXTRACTION_METHODS
 
-EXACT = [kind for kind in sorted(EXTRACTION_METHODS) if TRAITS[kind].exact]
+EXACT = [kind for kind in sorted(EXTRACTION_METHODS) if EXTRACTION_METHODS[kind].exact]
 FREQ = np.arange(1.0, 200.0, 0.5)
 LOSS = 0.01
 SHAPES = np.array([[1.0, 1.0, 1.0], [1.0, 0.6, -0.5]])
@@ -62,5 +62,5 @@ def test_lines_that_were_left_out_say_nothing_of_a_misfit() -> None:
     values = frf.values.copy()
     values[97:101] *= np.array([1.2, 1.3, 1.4, 1.1])[:, None, None]  # 49.5 to 51 Hz
     spoilt = FrfSet(FREQ, values, frf.outputs, frf.inputs, frf.kind)
-    (mode,) = modes_of(spoilt, "dobson", ExtractionOptions(leave_out=4)).modes
+    (mode,) = modes_of(spoilt, "dobson", DistantLinesOptions(leave_out=4)).modes
     assert mode.flags == ()

@@ -2,12 +2,12 @@ import numpy as np
 
 from modallab.core.arrays import FloatArray
 from modallab.extraction.multi_mode.frequency_ranges import find_frequency_ranges, orders_of
-from modallab.extraction.options import MOST_ORDER, ExtractionOptions
+from modallab.extraction.options import MOST_ORDER, GlobalOptions
 from modallab.extraction.preprocessing.bands import mode_indicator
 from modallab.extraction.preprocessing.responses import responses_of
 from tests.synthetic import HAMMERED, hammered
 
-CHOSEN = ExtractionOptions()
+CHOSEN = GlobalOptions()
 
 
 def peaks(n: int, lines: int) -> FloatArray:

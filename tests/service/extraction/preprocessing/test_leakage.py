@@ -7,12 +7,12 @@ from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfKind, FrfSet
-from modallab.extraction.extract import CHOSEN, extract
-from modallab.extraction.options import ExtractionOptions
+from modallab.extraction.extract import extract
+from modallab.extraction.options import DistantLinesOptions, ExtractionOptions
 from modallab.extraction.preprocessing.leakage import SinglePole, WindowLeakage
-from modallab.extraction.single_mode.method import EXTRACTION_METHODS, TRAITS, ModeFit
+from modallab.extraction.single_mode.method import EXTRACTION_METHODS, ModeFit
 
-EXACT = [kind for kind in sorted(EXTRACTION_METHODS) if TRAITS[kind].exact]
+EXACT = [kind for kind in sorted(EXTRACTION_METHODS) if EXTRACTION_METHODS[kind].exact]
 HANN = 0.5 - 0.5 * np.cos(2 * np.pi * np.arange(1024) / 1024)
 POINTS = 400  # a line, of the quadrature
 REACH = 40  # lines either side: beyond, the window's sidelobes hold 1e-9 of its power
@@ -50,7 +50,7 @@ def fitted(
     estimator: str,
     method: str,
     armature: float = 0.0,
-    options: ExtractionOptions = CHOSEN,
+    options: ExtractionOptions | None = None,
 ) -> tuple[float, complex]:
     frf = FrfSet(FREQ, inertance[:, None, None], (Dof(1, "Y"),), (Dof(1, "Y"),), FrfKind.INERTANCE)
     leakage = WindowLeakage.from_window(HANN, estimator, source_mass=armature)
@@ -78,10 +78,10 @@ def test_damping_survives_a_hann_window_wherever_the_resonance_falls(
     assert np.max(np.abs(off)) < 0.02
 
 
-@pytest.mark.parametrize("method", [kind for kind in EXACT if TRAITS[kind].leaves_out])
+@pytest.mark.parametrize("method", [kind for kind in EXACT if EXTRACTION_METHODS[kind].leaves_out])
 @pytest.mark.parametrize("estimator", ["h1", "h2"])
 def test_leakage_is_undone_without_the_lines_that_leak_most(estimator: str, method: str) -> None:
-    without = ExtractionOptions(lines=12, leave_out=4)
+    without = DistantLinesOptions(lines=12, leave_out=4)
     for position in (0.1, 0.6):
         mode = a_mode(position, 1.0)
         loss_factor, constant = fitted(leaked(mode)[estimator], estimator, method, options=without)

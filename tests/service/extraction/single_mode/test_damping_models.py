@@ -6,9 +6,9 @@ import pytest
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.extraction.options import Damping
 from modallab.extraction.single_mode.damping_models import DAMPING_MODELS
-from modallab.extraction.single_mode.method import EXTRACTION_METHODS, TRAITS
+from modallab.extraction.single_mode.method import EXTRACTION_METHODS
 
-EXACT = [kind for kind in sorted(EXTRACTION_METHODS) if TRAITS[kind].exact]
+EXACT = [kind for kind in sorted(EXTRACTION_METHODS) if EXTRACTION_METHODS[kind].exact]
 VISCOUS = DAMPING_MODELS[Damping.VISCOUS]
 FREQ: FloatArray = np.linspace(80.0, 122.0, 43)
 OMEGA = 2 * np.pi * FREQ

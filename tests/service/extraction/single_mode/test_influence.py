@@ -9,9 +9,9 @@ from modallab.extraction.preprocessing.leaked_lines import LineErrors
 from modallab.extraction.single_mode.damping_models import DAMPING_MODELS
 from modallab.extraction.single_mode.fitting import Data, fit_once
 from modallab.extraction.single_mode.influence import influence
-from modallab.extraction.single_mode.method import EXTRACTION_METHODS, TRAITS
+from modallab.extraction.single_mode.method import EXTRACTION_METHODS
 
-EXACT = [kind for kind in sorted(EXTRACTION_METHODS) if TRAITS[kind].exact]
+EXACT = [kind for kind in sorted(EXTRACTION_METHODS) if EXTRACTION_METHODS[kind].exact]
 FREQ = np.arange(94.0, 107.0)
 EIGENVALUE = (2 * np.pi * 100.3) ** 2 * (1 + 0.02j)  # two lines wide
 RECEPTANCE: ComplexArray = np.array([[1.0], [0.3 + 0.1j]]) / (EIGENVALUE - (2 * np.pi * FREQ) ** 2) + 1e-6

@@ -3,11 +3,11 @@
 import numpy as np
 import pytest
 
-from modallab.extraction.single_mode.method import EXTRACTION_METHODS, TRAITS
+from modallab.extraction.single_mode.method import EXTRACTION_METHODS
 from tests.service.extraction.conftest import Beam
 from tests.service.extraction.leaked_beam import DRAWN, FAR, NARROW, WIDE, judged, of, read, taken
 
-EXACT = [kind for kind in sorted(EXTRACTION_METHODS) if TRAITS[kind].exact]
+EXACT = [kind for kind in sorted(EXTRACTION_METHODS) if EXTRACTION_METHODS[kind].exact]
 
 
 @pytest.mark.parametrize("method", EXACT)

@@ -1,13 +1,10 @@
 import numpy as np
-import pytest
 
-from modallab.core.errors import InvalidInputError
-from modallab.extraction.options import Damping, ExtractionOptions
+from modallab.extraction.options import Damping, DistantLinesOptions, SingleModeOptions
 from modallab.extraction.preprocessing.leakage import WindowLeakage
-from modallab.extraction.single_mode.method import EXTRACTION_METHODS, TRAITS
 from modallab.extraction.single_mode.plan import plan, taken
 
-OPEN = ExtractionOptions()
+OPEN, OPEN_NEAR = DistantLinesOptions(), SingleModeOptions()
 
 
 def leaked_by(estimator: str) -> WindowLeakage:
@@ -15,7 +12,7 @@ def leaked_by(estimator: str) -> WindowLeakage:
 
 
 def test_what_leaks_is_read_from_more_lines_and_the_choice_says_why() -> None:
-    periodic, leaked = plan("dobson", OPEN, None), plan("dobson", OPEN, leaked_by("h2"))
+    periodic, leaked = plan(OPEN, None), plan(OPEN, leaked_by("h2"))
     assert (periodic.lines, leaked.lines) == (8, 12)
     assert "do not leak" in periodic.choices["lines"]
     assert "leaks" in leaked.choices["lines"]
@@ -25,16 +22,16 @@ def test_what_leaks_is_read_from_more_lines_and_the_choice_says_why() -> None:
 
 
 def test_of_leaked_h1_the_nearest_lines_are_left_out_by_the_methods_that_can() -> None:
-    able, unable = plan("line_fit", OPEN, leaked_by("h1")), plan("circle_fit", OPEN, leaked_by("h1"))
+    able, unable = plan(OPEN, leaked_by("h1")), plan(OPEN_NEAR, leaked_by("h1"))
     assert (able.lines, able.leave_out) == (16, 4)  # as many as of H2 are left
     assert "least sure" in able.choices["leave_out"]
     assert (unable.lines, unable.leave_out) == (12, 0)
-    few = plan("line_fit", ExtractionOptions(lines=9), leaked_by("h1"))
+    few = plan(DistantLinesOptions(lines=9), leaked_by("h1"))
     assert (few.lines, few.leave_out) == (9, 1)  # eight stay, as many as of periodic data
 
 
 def test_what_the_user_decides_is_kept_to_the_line() -> None:
-    asked = plan("dobson", ExtractionOptions(lines=20, leave_out=3, damping=Damping.VISCOUS), None)
+    asked = plan(DistantLinesOptions(lines=20, leave_out=3, damping=Damping.VISCOUS), None)
     assert (asked.lines, asked.leave_out, asked.widths) == (20, 3, 0.0)
     assert asked.choices == {
         "lines": "20: as asked",
@@ -45,16 +42,4 @@ def test_what_the_user_decides_is_kept_to_the_line() -> None:
 
 
 def test_lines_left_out_are_made_up_for_where_their_number_is_open() -> None:
-    assert plan("dobson", ExtractionOptions(leave_out=4), None).lines == 12
-
-
-@pytest.mark.parametrize("kind", sorted(EXTRACTION_METHODS))
-def test_a_method_that_needs_the_peak_refuses_to_do_without(kind: str) -> None:
-    without = ExtractionOptions(leave_out=2)
-    if TRAITS[kind].leaves_out:
-        assert plan(kind, without, None).leave_out == 2
-    else:
-        with pytest.raises(InvalidInputError, match=kind) as refused:
-            plan(kind, without, None)
-        assert refused.value.context["field"] == "leave_out"
-        assert plan(kind, ExtractionOptions(leave_out=0), None).leave_out == 0
+    assert plan(DistantLinesOptions(leave_out=4), None).lines == 12

@@ -2,10 +2,9 @@
 
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray
 from modallab.extraction.multi_mode.fraction_poles import poles_of_fractions
-from modallab.extraction.multi_mode.global_method import GLOBAL_METHODS, Poles
+from modallab.extraction.multi_mode.global_method import GLOBAL_METHODS, Poles, RegisteredGlobalMethod
 
 
-@GLOBAL_METHODS.register("lscf")
 def lscf(freq: FloatArray, frf: ComplexArray, weight: FloatArray, orders: IntArray) -> Poles:
     """Poles of scalar fractions `H_oi = B_oi / A`; parameters and errors as `GlobalMethod`.
 
@@ -18,3 +17,6 @@ def lscf(freq: FloatArray, frf: ComplexArray, weight: FloatArray, orders: IntArr
     """
     rows = (len(freq), -1, 1)
     return poles_of_fractions(freq, frf.reshape(rows), weight.reshape(rows), orders)
+
+
+GLOBAL_METHODS.register("lscf")(RegisteredGlobalMethod(lscf))

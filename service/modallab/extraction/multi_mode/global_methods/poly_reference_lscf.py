@@ -7,12 +7,11 @@ import numpy as np
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray
 from modallab.core.errors import InvalidInputError
 from modallab.extraction.multi_mode.fraction_poles import poles_of_fractions
-from modallab.extraction.multi_mode.global_method import GLOBAL_METHODS, Poles
+from modallab.extraction.multi_mode.global_method import GLOBAL_METHODS, Poles, RegisteredGlobalMethod
 
 MOST_INPUTS = 6
 
 
-@GLOBAL_METHODS.register("poly_reference_lscf")
 def poly_reference_lscf(freq: FloatArray, frf: ComplexArray, weight: FloatArray, orders: IntArray) -> Poles:
     """Poles of matrix fractions `H = B A^-1`; parameters and errors as `GlobalMethod`.
 
@@ -37,3 +36,6 @@ def poly_reference_lscf(freq: FloatArray, frf: ComplexArray, weight: FloatArray,
     # of rank one, so that each row is the participation
     clearest = np.linalg.norm(residue, axis=2).argmax(axis=1)
     return replace(poles, participation=residue[np.arange(len(residue)), clearest])
+
+
+GLOBAL_METHODS.register("poly_reference_lscf")(RegisteredGlobalMethod(poly_reference_lscf))

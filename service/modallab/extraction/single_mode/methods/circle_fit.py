@@ -6,10 +6,8 @@ from modallab.core.arrays import BoolArray, ComplexArray, FloatArray
 from modallab.extraction.single_mode.lines import Lines, conclude, one_row, scale
 from modallab.extraction.single_mode.method import (
     EXTRACTION_METHODS,
-    PICTURES,
-    TRAITS,
     ModeFits,
-    Traits,
+    SingleModeMethod,
     in_blocks,
 )
 
@@ -18,10 +16,7 @@ FARTHEST = 1e8  # tan(theta/2) of a line on the far side of the circle, to round
 AROUND = 181  # points to draw the circle with
 ROUNDS = 4  # Gauss-Newton steps of the circle: quadratic from an algebraic start
 
-TRAITS.register("circle_fit")(Traits(exact=True, leaves_out=False))
 
-
-@EXTRACTION_METHODS.register("circle_fit")
 @in_blocks
 def circle_fit(freq: FloatArray, frf: ComplexArray, weight: FloatArray) -> ModeFits:
     """Circle through the lines, resonance where they run fastest, damping from every pair of them.
@@ -56,8 +51,7 @@ def circle_fit(freq: FloatArray, frf: ComplexArray, weight: FloatArray) -> ModeF
     return conclude(lines, eigenvalue, 2j * width * to_resonance, centre - to_resonance, quality)
 
 
-@PICTURES.register("circle_fit")
-def circle_fit_picture(
+def circle_fit_plot(
     freq: FloatArray, frf: ComplexArray, weight: FloatArray
 ) -> dict[str, FloatArray | ComplexArray]:
     """The Nyquist circle with its points, how fast it is run through, and the loss factor of every pair.
@@ -201,3 +195,6 @@ def _half_tan(turned: ComplexArray) -> FloatArray:
 def _not_zero(values: FloatArray) -> FloatArray:
     """Return the values, zeros replaced by the smallest number that can be divided by."""
     return np.where(np.abs(values) < TINY, TINY, values)
+
+
+EXTRACTION_METHODS.register("circle_fit")(SingleModeMethod(fit=circle_fit, plot=circle_fit_plot))

@@ -3,6 +3,7 @@
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.extraction.options import DistantLinesOptions
 from modallab.extraction.single_mode.lines import (
     Lines,
     conclude,
@@ -13,20 +14,15 @@ from modallab.extraction.single_mode.lines import (
 )
 from modallab.extraction.single_mode.method import (
     EXTRACTION_METHODS,
-    PICTURES,
-    TRAITS,
     ModeFits,
-    Traits,
+    SingleModeMethod,
     in_blocks,
 )
 
 TINY = 1e-15  # of values of order one
 ROUNDS = 3  # the weights settle to three digits in two
 
-TRAITS.register("dobson")(Traits(exact=True, leaves_out=True))
 
-
-@EXTRACTION_METHODS.register("dobson")
 @in_blocks
 def dobson(freq: FloatArray, frf: ComplexArray, weight: FloatArray) -> ModeFits:
     """Difference quotients turned into straight lines; a constant residual drops out.
@@ -52,8 +48,7 @@ def dobson(freq: FloatArray, frf: ComplexArray, weight: FloatArray) -> ModeFits:
     return conclude(lines, eigenvalue, constant, leave_residual(lines, eigenvalue, constant))
 
 
-@PICTURES.register("dobson")
-def dobson_picture(
+def dobson_plot(
     freq: FloatArray, frf: ComplexArray, weight: FloatArray
 ) -> dict[str, FloatArray | ComplexArray]:
     """The difference quotients of every reference line and their lines; the slopes of these and theirs.
@@ -121,3 +116,8 @@ def _mode(x: FloatArray, slope: ComplexArray, sure: FloatArray) -> tuple[Complex
     u, v, _ = weighted_line(x, slope, sure)
     u = np.where(u == 0, TINY, u)
     return -v / u, 1 / u
+
+
+EXTRACTION_METHODS.register("dobson")(
+    SingleModeMethod(fit=dobson, plot=dobson_plot, options=DistantLinesOptions)
+)

@@ -3,6 +3,7 @@
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.extraction.options import DistantLinesOptions
 from modallab.extraction.single_mode.lines import (
     ROUNDING,
     Lines,
@@ -14,17 +15,12 @@ from modallab.extraction.single_mode.lines import (
 )
 from modallab.extraction.single_mode.method import (
     EXTRACTION_METHODS,
-    PICTURES,
-    TRAITS,
     ModeFits,
-    Traits,
+    SingleModeMethod,
     in_blocks,
 )
 
-TRAITS.register("line_fit")(Traits(exact=True, leaves_out=True))
 
-
-@EXTRACTION_METHODS.register("line_fit")
 @in_blocks
 def line_fit(freq: FloatArray, frf: ComplexArray, weight: FloatArray) -> ModeFits:
     """Inverse response as a straight line in omega^2, after the residual is taken off.
@@ -47,8 +43,7 @@ def line_fit(freq: FloatArray, frf: ComplexArray, weight: FloatArray) -> ModeFit
     return conclude(lines, -intercept / slope, -1 / slope, residual)
 
 
-@PICTURES.register("line_fit")
-def line_fit_picture(
+def line_fit_plot(
     freq: FloatArray, frf: ComplexArray, weight: FloatArray
 ) -> dict[str, FloatArray | ComplexArray]:
     """The inverse of the response without its residual, and the straight line through it, both complex."""
@@ -78,3 +73,8 @@ def _inverse_line(lines: Lines) -> tuple[ComplexArray, ComplexArray, ComplexArra
         slope = np.where(slope == 0, ROUNDING, slope)
         size = 1 / np.abs(slope[:, None] * lines.x + intercept[:, None])
     return slope, intercept, residual
+
+
+EXTRACTION_METHODS.register("line_fit")(
+    SingleModeMethod(fit=line_fit, plot=line_fit_plot, options=DistantLinesOptions)
+)

@@ -1,20 +1,16 @@
 """Linear fit: mode and residual from one least-squares problem that is linear in its unknowns."""
 
 from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.extraction.options import DistantLinesOptions
 from modallab.extraction.single_mode.lines import conclude, mode_beside_constant, one_row, scale
 from modallab.extraction.single_mode.method import (
     EXTRACTION_METHODS,
-    PICTURES,
-    TRAITS,
     ModeFits,
-    Traits,
+    SingleModeMethod,
     in_blocks,
 )
 
-TRAITS.register("linear_fit")(Traits(exact=True, leaves_out=True))
 
-
-@EXTRACTION_METHODS.register("linear_fit")
 @in_blocks
 def linear_fit(freq: FloatArray, frf: ComplexArray, weight: FloatArray) -> ModeFits:
     """Mode and constant residual at once, from an equation linear in its three unknowns.
@@ -37,8 +33,7 @@ def linear_fit(freq: FloatArray, frf: ComplexArray, weight: FloatArray) -> ModeF
     return conclude(lines, *mode_beside_constant(lines))
 
 
-@PICTURES.register("linear_fit")
-def linear_fit_picture(
+def linear_fit_plot(
     freq: FloatArray, frf: ComplexArray, weight: FloatArray
 ) -> dict[str, FloatArray | ComplexArray]:
     """The two sides of the equation: `alpha omega^2`, and the sum of three terms fitted to it."""
@@ -53,3 +48,8 @@ def linear_fit_picture(
         "left": points * x,
         "right": pole * points + level + left_over * x,
     }
+
+
+EXTRACTION_METHODS.register("linear_fit")(
+    SingleModeMethod(fit=linear_fit, plot=linear_fit_plot, options=DistantLinesOptions)
+)

@@ -8,19 +8,14 @@ from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from modallab.extraction.single_mode.lines import Lines, conclude, one_row, scale
 from modallab.extraction.single_mode.method import (
     EXTRACTION_METHODS,
-    PICTURES,
-    TRAITS,
     ModeFits,
-    Traits,
+    SingleModeMethod,
     in_blocks,
 )
 
 TINY = 1e-100
 
-TRAITS.register("peak_picking")(Traits(exact=False, leaves_out=False))
 
-
-@EXTRACTION_METHODS.register("peak_picking")
 @in_blocks
 def peak_picking(freq: FloatArray, frf: ComplexArray, weight: FloatArray) -> ModeFits:
     """Resonance at the highest line, damping from the half-power points, constant from the height.
@@ -65,8 +60,7 @@ def peak_picking(freq: FloatArray, frf: ComplexArray, weight: FloatArray) -> Mod
     return replace(fits, misfit=np.zeros_like(fits.misfit))
 
 
-@PICTURES.register("peak_picking")
-def peak_picking_picture(
+def peak_picking_plot(
     freq: FloatArray, frf: ComplexArray, weight: FloatArray
 ) -> dict[str, FloatArray | ComplexArray]:
     """The magnitude, its highest line, and the two points of half its power."""
@@ -145,3 +139,8 @@ def _spacing(lines: Lines, peak: IntArray) -> FloatArray:
     below, above = _neighbours(lines, peak)
     row = np.arange(len(peak))
     return np.asarray((lines.x[row, above] - lines.x[row, below]) / np.maximum(above - below, 1))
+
+
+EXTRACTION_METHODS.register("peak_picking")(
+    SingleModeMethod(fit=peak_picking, plot=peak_picking_plot, exact=False)
+)

@@ -1,0 +1,149 @@
+"""Options of tasks and methods: default, unit, bounds, choices and meaning, declared once with the field."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import MISSING, Field, dataclass, field, fields, replace
+from enum import StrEnum
+from functools import cache
+from typing import Any, get_args, get_type_hints
+
+from modallab.core.errors import InvalidInputError
+
+
+@dataclass(frozen=True)
+class OptionSpec:
+    """Specification of one option; a default of None stands for a value chosen from the data."""
+
+    doc: str
+    """Meaning, in one line."""
+    unit: str = ""
+    """SI unit; `1` of a count or a ratio; empty where the option is no number."""
+    lower: float | None = None
+    """Smallest value allowed."""
+    upper: float | None = None
+    """Largest value allowed."""
+    choices: tuple[str, ...] = ()
+    """Names allowed; empty where the option is no name of a closed set."""
+    default: float | str | None = None
+    """Value of an option left out."""
+    above: float | None = None
+    """Bound that a value must exceed."""
+
+
+def option(
+    default: Any = MISSING,
+    *,
+    doc: str,
+    unit: str = "",
+    lower: float | None = None,
+    upper: float | None = None,
+    above: float | None = None,
+    choices: tuple[str, ...] = (),
+    default_factory: Any = MISSING,
+    max_items: int | None = None,
+) -> Any:
+    """Declare a field of an options dataclass.
+
+    Parameters
+    ----------
+    default, default_factory
+        As of `dataclasses.field`.
+    doc, unit, lower, upper, above
+        As of `OptionSpec`.
+    choices
+        Names allowed; not needed where the field's type is a StrEnum.
+    max_items
+        Largest number of entries of a sequence.
+    """
+    spec = OptionSpec(doc, unit, lower, upper, choices, above=above)
+    metadata = {"option": spec, "max_items": max_items}
+    if default_factory is not MISSING:
+        return field(default_factory=default_factory, metadata=metadata)
+    return field(default=default, metadata=metadata)
+
+
+class Options:
+    """Mix-in for frozen dataclasses with `option` fields.
+
+    Raises
+    ------
+    InvalidInputError
+        If a number is out of its bounds, or a name is not among the choices.
+    """
+
+    @classmethod
+    def specs(cls) -> dict[str, OptionSpec]:
+        """Return the specification of every option by name."""
+        declared: Any = cls
+        return dict(_specs(declared))
+
+    def __post_init__(self) -> None:
+        for name, spec in self.specs().items():
+            value = getattr(self, name)
+            if isinstance(value, str) and spec.choices:
+                object.__setattr__(self, name, _chosen(type(self), name, value, spec))
+            elif isinstance(value, (int, float)) and not isinstance(value, bool):
+                _check_bounds(name, value, spec)
+
+
+@cache
+def enumeration(cls: type, name: str) -> type[StrEnum] | None:
+    """Return the StrEnum in the annotation of a field, `X` or `X | None`; None if there is none."""
+    hint = get_type_hints(cls)[name]
+    for candidate in (hint, *get_args(hint)):
+        if isinstance(candidate, type) and issubclass(candidate, StrEnum):
+            return candidate
+    return None
+
+
+@cache
+def _specs(cls: Any) -> Mapping[str, OptionSpec]:
+    return {f.name: _spec(cls, f) for f in fields(cls) if "option" in f.metadata}
+
+
+def _spec(cls: type, declared: Field[Any]) -> OptionSpec:
+    spec: OptionSpec = declared.metadata["option"]
+    names = enumeration(cls, declared.name)
+    default = None if declared.default is MISSING else declared.default
+    return replace(
+        spec,
+        choices=spec.choices if names is None else tuple(member.value for member in names),
+        default=default.value if isinstance(default, StrEnum) else default,
+    )
+
+
+def _chosen(cls: type, name: str, value: str, spec: OptionSpec) -> str:
+    """Return a name that is among the choices, as a member of the field's StrEnum where it has one."""
+    if value not in spec.choices:
+        raise InvalidInputError(
+            f"there is no {name} {str(value)!r}",
+            field=name,
+            value=str(value),
+            allowed=", ".join(spec.choices),
+        )
+    names = enumeration(cls, name)
+    return value if names is None else names(value)
+
+
+def _check_bounds(name: str, value: float, spec: OptionSpec) -> None:
+    lower = -math.inf if spec.lower is None else spec.lower
+    upper = math.inf if spec.upper is None else spec.upper
+    inside = lower <= value <= upper and (spec.above is None or value > spec.above)  # NaN is outside
+    bounded = (spec.lower, spec.upper, spec.above) != (None, None, None)
+    if bounded and not inside:
+        raise InvalidInputError(
+            f"{name} is out of bounds", field=name, value=value, allowed=bounds_text(spec)
+        )
+
+
+def bounds_text(spec: OptionSpec) -> str:
+    """Return the bounds of an option in words, such as `4 or more`."""
+    unit = f" {spec.unit}" if spec.unit not in ("", "1", "-") else ""
+    if spec.above is not None:
+        upper = "" if spec.upper is None else f", {spec.upper} or less"
+        return f"more than {spec.above}{upper}{unit}"
+    if spec.upper is None:
+        return f"{spec.lower} or more{unit}"
+    if spec.lower is None:
+        return f"{spec.upper} or less{unit}"
+    return f"{spec.lower} to {spec.upper}{unit}"
