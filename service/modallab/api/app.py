@@ -2,17 +2,19 @@
 
 from collections.abc import AsyncIterator
 from contextlib import asynccontextmanager
+from typing import Any
 
-from fastapi import APIRouter, FastAPI
+from fastapi import APIRouter, Depends, FastAPI
 
 import modallab
-from modallab.api import about, catalog, jobs, problems
+from modallab.api import about, catalog, document, jobs, problems
 from modallab.api.correlations import router as correlations
 from modallab.api.diagnoses import router as diagnoses
 from modallab.api.limits import BodyLimit
 from modallab.api.logs import RequestId
 from modallab.api.measurements import router as measurements
 from modallab.api.modal_models import router as modal_models
+from modallab.api.operations import Operations, check_request
 from modallab.api.rigs import router as rigs
 from modallab.api.settings import Settings
 from modallab.api.structures import router as structures
@@ -23,7 +25,15 @@ from modallab.jobs.durable import DurableRunner
 from modallab.jobs.runner import JobRunner
 from modallab.store.place import engine_of, open_store
 
-_SUMMARY = "A virtual modal test: measure a structure, read its modes, update its model, find what it lacks."
+
+class Lab(FastAPI):
+    """The application, with the OpenAPI document of `modallab.api.document`."""
+
+    def openapi(self) -> dict[str, Any]:
+        """Return the OpenAPI document, made once."""
+        if self.openapi_schema is None:
+            self.openapi_schema = document.build(self)
+        return self.openapi_schema
 
 
 def job_book(settings: Settings) -> JobBook:
@@ -54,13 +64,19 @@ def create_app(settings: Settings, runner: JobRunner | None = None) -> FastAPI:
         async with chosen:
             yield
 
-    app = FastAPI(title="modallab", summary=_SUMMARY, version=modallab.__version__, lifespan=lifespan)
+    app = Lab(
+        title="modallab",
+        version=modallab.__version__,
+        lifespan=lifespan,
+        generate_unique_id_function=document.operation_id,
+    )
+    app.state.operations = Operations(app.openapi)
     app.state.settings, app.state.store, app.state.jobs = settings, open_store(settings.store_place), chosen
-    v1 = APIRouter(prefix="/v1", responses=problems.RESPONSES)
+    v1 = APIRouter(prefix="/v1", dependencies=[Depends(check_request)])
     for part in (structures, rigs, measurements, modal_models, correlations, updates, studies, diagnoses):
         v1.include_router(part.router)
-    for one in (jobs.router, catalog.router, about.router):
-        v1.include_router(one)
+    for router in (jobs.router, catalog.router, about.router):
+        v1.include_router(router)
     app.include_router(v1)
     problems.install(app)
     app.add_middleware(BodyLimit, json=settings.body_limit, upload=settings.upload_limit)

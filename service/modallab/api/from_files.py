@@ -12,7 +12,7 @@ from pydantic import TypeAdapter, ValidationError
 
 from modallab.api.diagnoses.replies import diagnosis_reply
 from modallab.api.diagnoses.schemas import DiagnosisStart
-from modallab.api.faults import faults
+from modallab.api.faults import adapter_names, faults
 from modallab.api.rigs.schemas import RigIn
 from modallab.api.settings import Settings
 from modallab.api.structures.schemas import StructureIn
@@ -130,7 +130,7 @@ def _checked(wire: TypeAdapter[T], body: Any) -> T:
     try:
         return wire.validate_python(body)
     except ValidationError as error:
-        fault, *_ = faults(error.errors(), body, ())
+        fault, *_ = faults(error.errors(), body, (), adapter_names(wire))
         words = f"{fault.field}: {fault.message}" if fault.field else fault.message
         raise InvalidInputError(words) from None
 

@@ -46,4 +46,4 @@ class BodyLimit:
 
 def _too_large(limit: int) -> dict[str, Any]:
     detail = f"the body is larger than {limit} bytes"
-    return problems.document(413, "content_too_large", "Content too large", detail, {"allowed": limit})
+    return problems.document(413, "content_too_large", detail, {"allowed": limit})

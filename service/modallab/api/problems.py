@@ -8,11 +8,12 @@ from typing import Any
 import structlog
 from fastapi import FastAPI, Request
 from fastapi.exceptions import RequestValidationError
-from pydantic import BaseModel
+from pydantic import BaseModel, ConfigDict, Field
 from starlette.exceptions import HTTPException
 from starlette.responses import JSONResponse
 
 from modallab.api.faults import Fault, faults
+from modallab.api.operations import Operations
 from modallab.core import errors
 from modallab.jobs.runner import QueueFullError
 from modallab.jobs.work import INTERNAL, describe
@@ -31,24 +32,68 @@ STATUS: Mapping[type[errors.ModalLabError], int] = {
     StoredDataError: 500,
 }
 # Written out, for the phrases of Python's own `http` module differ from version to version.
-_CODES = {400: "bad_request", 404: "not_found", 405: "method_not_allowed", 413: "content_too_large"}
+CODES: Mapping[int, str] = {
+    400: "bad_request",
+    404: "not_found",
+    405: "method_not_allowed",
+    413: "content_too_large",
+    415: "unsupported_media_type",
+}
+TITLES: Mapping[str, str] = {
+    "bad_request": "The request cannot be read",
+    "cancelled": "The job was cancelled",
+    "content_too_large": "The body is too large",
+    "diverged": "The iteration diverged",
+    "in_use": "Other results were made from it",
+    "internal": "The service failed",
+    "invalid_input": "A value has no meaning",
+    "invalid_request": "The request is not valid",
+    "method_not_allowed": "The address does not take this method",
+    "missing_extra": "An optional part is not installed",
+    "modallab": "The request cannot be carried out",
+    "no_mode_in_band": "The band holds no resonance",
+    "not_found": "Nothing is stored under this id",
+    "queue_full": "The queue of jobs is full",
+    "stored_data": "Stored data are damaged",
+    "structure": "The structure cannot be analysed",
+    "underdetermined": "There are fewer equations than unknowns",
+    "unknown_dof": "The structure has no such degree of freedom",
+    "unsupported_media_type": "The body has another content type than the address takes",
+}
 _RETRY_AFTER = "5"  # s: about the length of a short job
 _MOST = 20  # faults that are listed
 
+_FIELD = "name of the field at fault, from the body, path or query; absent where no field is"
+_ALLOWED = "values allowed: a number, a list of names, bounds by their names in JSON Schema, or a sentence"
+
+
+class ProblemContext(BaseModel):
+    """The field at fault, its value and the values allowed; more entries where an error has them."""
+
+    model_config = ConfigDict(extra="allow")
+
+    field: str = Field("", description=_FIELD)
+    value: Any = Field(None, description="value that was sent, as JSON; the start of a long one")
+    allowed: Any = Field(None, description=_ALLOWED)
+    errors: list[dict[str, Any]] = Field(
+        [], description="every field at fault, as `field`, `message`, `value`, `allowed`"
+    )
+
 
 class Problem(BaseModel):
-    """An error, RFC 9457: `code` is stable, `context` names the field, its value, what is allowed."""
+    """Problem document of RFC 9457, the body of every error."""
 
-    type: str
-    title: str
-    status: int
-    detail: str
-    code: str
-    context: dict[str, Any]
+    type: str = Field(description="`/problems/` and the code")
+    title: str = Field(description="the code in words")
+    status: int = Field(description="HTTP status")
+    detail: str = Field(description="a sentence on this occurrence")
+    code: str = Field(description="stable name of the error")
+    context: ProblemContext = Field(description="the field at fault, its value and the values allowed")
 
 
-def document(status: int, code: str, title: str, detail: str, context: Mapping[str, Any]) -> dict[str, Any]:
+def document(status: int, code: str, detail: str, context: Mapping[str, Any]) -> dict[str, Any]:
     """Return a problem document."""
+    title = TITLES.get(code, code.replace("_", " ").capitalize())
     problem = {"type": f"/problems/{code}", "title": title, "status": status, "detail": detail}
     return problem | {"code": code, "context": {key: _plain(value) for key, value in context.items()}}
 
@@ -62,12 +107,14 @@ def response(problem: Mapping[str, Any]) -> JSONResponse:
 def of_job(error: Mapping[str, Any]) -> dict[str, Any]:
     """Return the problem document of a failed job, from what the book says of it."""
     status = _STATUS_BY_CODE.get(error["code"], 500)
-    return document(status, **error)
+    return document(status, error["code"], error["detail"], error["context"])
 
 
 def _plain(value: Any) -> Any:
     if isinstance(value, float) and not math.isfinite(value):
         return str(value)
+    if isinstance(value, tuple):
+        return list(value)
     if isinstance(value, (list, dict, int, float, str)) or value is None:
         return value
     return str(value)
@@ -91,54 +138,58 @@ def _of_domain(_request: Request, error: Exception) -> JSONResponse:
     status = _status(type(error))
     if status == 500:
         _log.error("stored data is damaged", detail=str(error), **error.context)
-    return response(document(status, **describe(error)))
+    described = describe(error)
+    return response(document(status, described["code"], described["detail"], described["context"]))
 
 
-def _of_validation(_request: Request, error: Exception) -> JSONResponse:
+def _of_validation(request: Request, error: Exception) -> JSONResponse:
     assert isinstance(error, RequestValidationError)
-    found = _faults(error)[:_MOST]
-    first = found[0]
-    context = {"field": first.field, "value": first.value, "errors": [asdict(fault) for fault in found]}
+    listed = _faults(request, error)[:_MOST]
+    first = listed[0]
+    context = {"field": first.field, "value": first.value, "allowed": first.allowed}
     detail = f"{first.field}: {first.message}"
-    return response(document(422, "invalid_request", "The request is not valid", detail, context))
+    entries = [asdict(fault) for fault in listed]
+    return response(document(422, "invalid_request", detail, context | {"errors": entries}))
 
 
-def _faults(error: RequestValidationError) -> list[Fault]:
-    """Return what is wrong with a request's body, path and query."""
-    told = error.errors()
-    inside = [fault | {"loc": fault["loc"][1:]} for fault in told if fault["loc"][0] == "body"]
-    outside = [fault for fault in told if fault["loc"][0] != "body"]
-    return faults(inside, error.body, ("body",)) + faults(outside, None, ())
+def _faults(request: Request, error: RequestValidationError) -> list[Fault]:
+    """Return the faults of a request's body, path and query."""
+    errors = error.errors()
+    inside = [fault | {"loc": fault["loc"][1:]} for fault in errors if fault["loc"][0] == "body"]
+    outside = [fault for fault in errors if fault["loc"][0] != "body"]
+    operations: Operations = request.app.state.operations
+    operation = operations.of(request)
+    return faults(inside, error.body, ("body",), operation.body_names) + faults(
+        outside, None, (), lambda _: sorted(operation.query)
+    )
 
 
-def _of_http(_request: Request, error: Exception) -> JSONResponse:
+def _of_http(request: Request, error: Exception) -> JSONResponse:
     assert isinstance(error, HTTPException)
-    code = _CODES.get(error.status_code, f"http_{error.status_code}")
-    title = code.replace("_", " ").capitalize()
-    reply = response(document(error.status_code, code, title, str(error.detail), {}))
-    reply.headers.update(error.headers or {})
+    code = CODES.get(error.status_code, f"http_{error.status_code}")
+    context: dict[str, Any] = {}
+    headers = dict(error.headers or {})
+    if error.status_code == 405:
+        operations: Operations = request.app.state.operations
+        # Starlette names the methods of the first route alone that has this path.
+        context["allowed"] = operations.methods(request.url.path)
+        headers["Allow"] = ", ".join(context["allowed"])
+    detail: Any = error.detail  # FastAPI's class takes more than text
+    if isinstance(detail, dict):
+        detail, context = detail["detail"], detail["context"]
+    reply = response(document(error.status_code, code, str(detail), context))
+    reply.headers.update(headers)
     return reply
 
 
 def _of_fault(request: Request, error: Exception) -> JSONResponse:
     _log.error("unhandled", path=request.url.path, error=repr(error))  # the server logs the traceback
-    return response(
-        document(500, INTERNAL["code"], INTERNAL["title"], "the service failed; its log says why", {})
-    )
+    return response(document(500, INTERNAL["code"], "the service failed; its log says why", {}))
 
 
 def install(app: FastAPI) -> None:
-    """Answer every error of the app with a problem document, and say so in its OpenAPI document."""
+    """Answer every error of the app with a problem document."""
     app.add_exception_handler(errors.ModalLabError, _of_domain)
     app.add_exception_handler(RequestValidationError, _of_validation)
     app.add_exception_handler(HTTPException, _of_http)
     app.add_exception_handler(Exception, _of_fault)
-
-
-# For the `responses` of routers: FastAPI would otherwise announce a body of its own for 422.
-RESPONSES: dict[int | str, dict[str, Any]] = {
-    "4XX": {
-        "description": "What was asked cannot be done",
-        "content": {"application/problem+json": {"schema": Problem.model_json_schema()}},
-    }
-}

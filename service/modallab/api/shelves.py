@@ -15,22 +15,41 @@ class PageOut(BaseModel):
     next: str | None
 
 
-def add_routes(router: APIRouter, shelf: str) -> None:
-    """Add the list and the removal of things on one of the store's shelves.
+def add_routes(router: APIRouter, shelf: str, singular: str) -> None:
+    """Add the list and the removal of entries on one of the store's shelves.
 
     Added last: their paths must not shadow the resource's own.
+
+    Parameters
+    ----------
+    shelf
+        Attribute of the store, the resource's name in the plural.
+    singular
+        The resource's name in the singular.
     """
+    plural, thing = shelf.replace("_", " "), singular.replace("_", " ")
 
     def of(store: Store) -> Shelf[object]:
-        found: Shelf[object] = getattr(store, shelf)
-        return found
+        entries: Shelf[object] = getattr(store, shelf)
+        return entries
 
-    @router.get("", summary="List, newest first")
-    def list_things(store: StoreDep, owner: OwnerDep, limit: Limit = 100, after: After = None) -> PageOut:
+    @router.get(
+        "",
+        name=f"list_{shelf}",
+        summary=f"List {plural}",
+        description=f"Return the stored {plural} page by page, newest first.",
+    )
+    def list_entries(store: StoreDep, owner: OwnerDep, limit: Limit = 100, after: After = None) -> PageOut:
         entries = of(store).list(owner=owner, limit=limit, after=after)
         items = [EntryOut(**EntryOut.fields(entry)) for entry in entries]
         return PageOut(items=items, next=items[-1].id if len(items) == limit else None)
 
-    @router.delete("/{id}", status_code=status.HTTP_204_NO_CONTENT, summary="Remove, unless it is in use")
-    def remove_thing(id: IdPath, store: StoreDep) -> None:
+    @router.delete(
+        "/{id}",
+        name=f"delete_{singular}",
+        status_code=status.HTTP_204_NO_CONTENT,
+        summary=f"Delete a {thing}",
+        description=f"Delete a stored {thing}; refused (409) while another result was made from it.",
+    )
+    def remove_entry(id: IdPath, store: StoreDep) -> None:
         of(store).remove(id)

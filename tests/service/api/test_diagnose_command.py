@@ -143,7 +143,11 @@ def test_an_option_without_sense_ends_with_2_and_says_why(
     ("name", "content", "words"),
     [
         ("model.json", "{", "model.json: not JSON"),
-        ("model.json", json.dumps({**MODEL, "lenght": 1.0}), "model.json: beam.lenght: Extra inputs"),
+        (
+            "model.json",
+            json.dumps({**MODEL, "lenght": 1.0}),
+            "model.json: beam.lenght: there is no such field; did you mean `length`?",
+        ),
         ("model.json", json.dumps({**MODEL, "n_elements": 4}), "7"),  # node 7 is measured
         ("rig.json", json.dumps({**RIG, "drive": "2:+Y"}), "frf.uff: the file drives elsewhere than the rig"),
         ("rig.json", json.dumps({**RIG, "drive": None}), "rig.json: a rig drives at one DoF or at several"),

@@ -47,7 +47,7 @@ def test_members_alike_are_one_macro_element(service: Any, beam: str, modes: str
     [
         ({"by": "partition", "count": 21}, "20 members make no 21"),
         ({"by": "partition", "count": 0}, "greater than or equal to 1"),
-        ({"by": "groups", "count": 3}, "Extra inputs"),
+        ({"by": "groups", "count": 3}, "there is no such field"),
         ({"by": "colour"}, "partition"),
     ],
 )

@@ -60,4 +60,4 @@ def get_correlation_arrays(id: IdPath, store: StoreDep, precision: Precision = "
     return npz_of(arrays_out(store.correlations.get(id)), precision)
 
 
-add_routes(router, "correlations")
+add_routes(router, "correlations", "correlation")

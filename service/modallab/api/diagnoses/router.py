@@ -64,4 +64,4 @@ def get_diagnosis_report(id: IdPath, store: StoreDep) -> HTMLResponse:
     return HTMLResponse(report(store.diagnoses.get(id), made), headers=_STATIC)
 
 
-add_routes(router, "diagnoses")
+add_routes(router, "diagnoses", "diagnosis")

@@ -93,12 +93,12 @@ def get_measurement_arrays(
 
 
 @router.get("/{id}/arrays.h5", response_class=Response, responses=HDF5, summary="The same as an HDF5 file")
-def get_hdf5_file(id: IdPath, store: StoreDep, kind: KindWanted = None) -> Response:
+def get_measurement_hdf5(id: IdPath, store: StoreDep, kind: KindWanted = None) -> Response:
     return hdf5_reply(hdf5.write(measured_as(kind, store.measurements.get(id))), id)
 
 
 @router.get("/{id}/frf.uff", response_class=Response, responses=UFF, summary="FRFs as a universal file")
-def get_universal_file(id: IdPath, store: StoreDep, kind: KindWanted = None) -> Response:
+def get_measurement_uff(id: IdPath, store: StoreDep, kind: KindWanted = None) -> Response:
     measured = store.measurements.get(id)
     wanted = measured_as(kind, measured)
     content = "; ".join(["measurement", *wanted.notes[len(measured.notes) :]])
@@ -111,7 +111,7 @@ def get_universal_file(id: IdPath, store: StoreDep, kind: KindWanted = None) -> 
     responses=FRF_TEXT,
     summary="FRFs as the thesis program has them",
 )
-def get_thesis_file(
+def get_measurement_frf_text(
     id: IdPath, store: StoreDep, decimals: Decimals = frf_text.COLUMNS, kind: KindWanted = None
 ) -> Response:
     return frf_text_reply(frf_text.write(measured_as(kind, store.measurements.get(id)), decimals), id)
@@ -142,4 +142,4 @@ def get_truth(id: IdPath, store: StoreDep, owner: OwnerDep) -> TruthOut:
     return TruthOut.of(store.truths.get(id, owner=owner))
 
 
-add_routes(router, "measurements")
+add_routes(router, "measurements", "measurement")

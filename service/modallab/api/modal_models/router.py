@@ -32,7 +32,7 @@ from modallab.interchange.reading import read_modal_model
 from modallab.jobs.extracting import picture_of, resynthesised
 from modallab.store.base import Store
 
-router = APIRouter(prefix="/modal-models", tags=["modal models"])
+router = APIRouter(prefix="/modal-models", tags=["modal_models"])
 
 _START = {
     "measurement_id": "c04d1a",
@@ -135,9 +135,9 @@ def get_modal_reciprocity(id: IdPath, store: StoreDep, other: OTHER) -> ModalRec
 
 
 @router.get("/{id}/modes.uff", response_class=Response, responses=UFF, summary="Modes as a universal file")
-def get_universal_file(id: IdPath, store: StoreDep) -> Response:
+def get_modal_model_uff(id: IdPath, store: StoreDep) -> Response:
     content = origin(store.modal_models.entry(id), "modal model")
     return uff_reply(uff_modes.write(store.modal_models.get(id), content), id)
 
 
-add_routes(router, "modal_models")
+add_routes(router, "modal_models", "modal_model")

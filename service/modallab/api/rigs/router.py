@@ -42,4 +42,4 @@ def get_checks(
     return ChecksOut(rig_id=id, structure_id=structure_id, checks=[CheckOut.of(check) for check in found])
 
 
-add_routes(router, "rigs")
+add_routes(router, "rigs", "rig")

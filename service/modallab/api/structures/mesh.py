@@ -1,6 +1,6 @@
 """Wire types of a mesh's description."""
 
-from pydantic import Field, ValidationError
+from pydantic import Field, TypeAdapter, ValidationError
 
 from modallab.api.faults import wrong_json
 from modallab.api.structures.schemas import Directions, MaterialIn, SectionIn
@@ -86,5 +86,4 @@ def mesh_of(text: str) -> MeshDescription:
     try:
         return MeshIn.model_validate_json(text).to_domain()
     except ValidationError as error:
-        allowed = '{"groups": {"skin": {"material": {...}, "thickness": 0.004}}}'
-        raise wrong_json(error, text, "mesh", allowed=allowed) from None
+        raise wrong_json(error, TypeAdapter(MeshIn), text, "mesh") from None

@@ -184,4 +184,4 @@ def get_reduced(id: IdPath, store: StoreDep, wanted: ReducedQuery) -> Response:
     return npz_of(wanted.arrays(as_modelled(store.structures.get(id))))
 
 
-add_routes(router, "structures")
+add_routes(router, "structures", "structure")

@@ -110,10 +110,11 @@ def damping_of(text: str) -> Damping:
     InvalidInputError
         If it is none.
     """
+    adapter: TypeAdapter[StructuralIn | ViscousIn | ModalIn] = TypeAdapter(DampingIn)
     try:
-        return TypeAdapter(DampingIn).validate_json(text).to_domain()
+        return adapter.validate_json(text).to_domain()
     except ValidationError as error:
-        raise wrong_json(error, text, "damping", allowed='{"law": "structural", ...}') from None
+        raise wrong_json(error, adapter, text, "damping") from None
 
 
 Directions = Annotated[list[Literal["X", "Y", "Z", "RX", "RY", "RZ"]], Field(min_length=1, max_length=6)]

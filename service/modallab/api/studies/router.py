@@ -45,4 +45,4 @@ def get_study_arrays(id: IdPath, store: StoreDep) -> Response:
     return npz_of(study_arrays(store.studies.get(id)), "double")
 
 
-add_routes(router, "studies")
+add_routes(router, "studies", "study")

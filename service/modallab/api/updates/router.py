@@ -102,4 +102,4 @@ def get_update_sample(id: IdPath, store: StoreDep) -> Response:
     return npz_of(posterior_arrays(result.posterior), "double")
 
 
-add_routes(router, "updates")
+add_routes(router, "updates", "update")

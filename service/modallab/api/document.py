@@ -1,0 +1,155 @@
+"""The OpenAPI document: FastAPI's, with stable names and every error reply."""
+
+import json
+from collections.abc import Iterator
+from typing import Any
+
+from fastapi import FastAPI
+from fastapi.openapi.utils import get_openapi
+from fastapi.routing import APIRoute
+
+from modallab.api.problems import Problem
+
+Json = dict[str, Any]
+
+SUMMARY = "A virtual modal test: measure a structure, read its modes, update its model, find what it lacks."
+DESCRIPTION = """\
+Units are SI, frequencies are in Hz. A degree of freedom (DoF) is written `node:direction`, for example
+`5:+Y`, rotations `5:+RZ`. A complex number is `[re, im]`, a number that is not finite is null. Long work is
+a job: the reply is 202 with the job, `GET /v1/jobs/{id}` tells its progress and, at the end, the id of the
+result. Nothing is changed in place: a changed structure is a new one. Unknown fields and query parameters
+are refused. Every error is a problem document (RFC 9457) of type `application/problem+json`.
+
+Arrays come as an uncompressed NumPy archive (npz) unless `Accept: application/json` asks for JSON.
+"""
+TAGS = {
+    "structures": "Finite element models: described, imported, changed, solved.",
+    "rigs": "Declarations of test set-ups, the log book of a test.",
+    "measurements": "Frequency response functions (FRFs), simulated on a rig or imported.",
+    "modal_models": "Natural frequencies, loss factors and mode shapes, extracted from FRFs or imported.",
+    "correlations": "Comparison of measured modes and FRFs with those of a structure.",
+    "updates": "Corrections of a structure from measured modes or FRFs.",
+    "studies": "Statistics of an updating method over noise levels and random seeds.",
+    "diagnoses": "Search for effects that a structure and a rig lack, from a measurement.",
+    "jobs": "Progress, results and cancellation of long work.",
+    "catalog": "Names, parameters and bounds of everything that can be chosen.",
+    "service": "Health and versions of the service.",
+}
+ERRORS = {
+    404: "Nothing is stored under an id of the request",
+    409: "Other results were made from it",
+    413: "The body is too large",
+    415: "The body has another content type than the operation takes",
+    422: "A parameter or a field of the body is not valid",
+    501: "An optional part of the service is not installed",
+    503: "The queue of jobs is full; `Retry-After` says when to try again",
+}
+_PROBLEM = "application/problem+json"
+_REF = "#/components/schemas/"
+
+
+def operation_id(route: APIRoute) -> str:
+    """Return the name of the handler, which is stable and unique."""
+    return route.name
+
+
+def build(app: FastAPI) -> Json:
+    """Return the OpenAPI document of an application."""
+    document: Json = get_openapi(
+        title=app.title,
+        version=app.version,
+        summary=SUMMARY,
+        description=DESCRIPTION,
+        routes=app.routes,
+        tags=[{"name": name, "description": text} for name, text in TAGS.items()],
+    )
+    schemas = document["components"]["schemas"]
+    for name in ("HTTPValidationError", "ValidationError"):
+        schemas.pop(name, None)
+    problem = Problem.model_json_schema(ref_template=_REF + "{model}")
+    schemas |= problem.pop("$defs") | {"Problem": problem}
+    for _, method, operation in operations(document):
+        _add_errors(method, operation)
+    renamed: Json = _rename(document, {name: _short(name) for name in schemas})
+    _strip_titles(renamed["components"])
+    _strip_titles(renamed["paths"])
+    return renamed
+
+
+def operations(document: Json) -> Iterator[tuple[str, str, Json]]:
+    """Yield path, method and operation."""
+    for path, methods in document["paths"].items():
+        for method, operation in methods.items():
+            yield path, method, operation
+
+
+def written(document: Json) -> str:
+    """Return a document as its file has it: names sorted, but for the order of preference of media types."""
+    return json.dumps(_sorted(document), indent=1, ensure_ascii=False) + "\n"
+
+
+def _sorted(value: Any, key: str = "") -> Any:
+    if isinstance(value, dict):
+        names = value if key == "content" else sorted(value)
+        return {name: _sorted(value[name], name) for name in names}
+    return [_sorted(entry) for entry in value] if isinstance(value, list) else value
+
+
+def _add_errors(method: str, operation: Json) -> None:
+    replies = operation["responses"]
+    parameters = operation.get("parameters", [])
+    body = operation.get("requestBody")
+    is_job = "202" in replies
+    statuses = {422}
+    if body is not None:
+        statuses |= {413, 415}
+    if any(spec["in"] == "path" and spec["name"] == "id" for spec in parameters) or method == "post":
+        statuses.add(404)
+    if method == "delete" and "204" in replies:
+        statuses.add(409)
+    if is_job:
+        statuses.add(503)
+    for status in sorted(statuses):
+        replies[str(status)] = _problem_reply(status)
+
+
+def _problem_reply(status: int) -> Json:
+    reply: Json = {
+        "description": ERRORS[status],
+        "content": {_PROBLEM: {"schema": {"$ref": _REF + "Problem"}}},
+    }
+    if status == 503:
+        schema = {"type": "integer", "minimum": 0}
+        reply["headers"] = {"Retry-After": {"description": "s until the next try", "schema": schema}}
+    return reply
+
+
+def _short(name: str) -> str:
+    """Return a component's name: FastAPI calls a form `Body_` and the operation."""
+    if not name.startswith("Body_"):
+        return name
+    return "".join(part.capitalize() for part in name.removeprefix("Body_").split("_")) + "Form"
+
+
+def _rename(value: Any, names: dict[str, str]) -> Any:
+    if isinstance(value, dict):
+        out = {key: _rename(inner, names) for key, inner in value.items()}
+        if isinstance(ref := out.get("$ref"), str) and ref.startswith(_REF):
+            out["$ref"] = _REF + names[ref.removeprefix(_REF)]
+        if set(names) <= set(out):
+            out = {names[key]: inner for key, inner in out.items()}
+        return out
+    return [_rename(inner, names) for inner in value] if isinstance(value, list) else value
+
+
+def _strip_titles(value: Any, key: str = "") -> None:
+    """Remove the titles that pydantic makes of names: generators take them for names of types."""
+    if isinstance(value, dict):
+        if key not in ("properties", "schemas") and isinstance(value.get("title"), str):
+            del value["title"]
+        for name, inner in value.items():
+            if name not in ("example", "examples", "default", "const", "enum"):
+                _strip_titles(inner, name)
+    elif isinstance(value, list):
+        for inner in value:
+            _strip_titles(inner)
