@@ -44,7 +44,8 @@ trial: setup ## the blind trial of the diagnosis, for hours; may be cut and cont
 docs: setup ## pages and pictures of all effects
 	$(BIN)/python -m docs.gallery
 
-sync-client: setup ## write the synchronous client from the asynchronous one
+sync-client: setup ## write result types from docs/openapi.json, and the synchronous client from the asynchronous one
+	$(BIN)/python client/generate_models.py
 	$(BIN)/python client/unasync.py
 
 lock: setup ## renew requirements.lock

@@ -19,7 +19,7 @@ from modallab.fe.damping import StructuralDamping
 from modallab.fe.structure import Member, Structure
 from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
-from modallab_client import ModalLab, findings
+from modallab_client import ModalLab, results
 from modallab_client.errors import ClientError, UnreachableError
 from modallab_client.models import Measurement as Imported
 
@@ -130,7 +130,7 @@ def _member(m: Member) -> Json:
     return {"number": m.number, "nodes": m.nodes, "section": m.section.name, "material": m.material.name}
 
 
-def read(found: findings.Diagnosis, question: Question) -> result.Diagnosis:
+def read(found: results.Diagnosis, question: Question) -> result.Diagnosis:
     """Return an answer as the scorer reads it; other candidates than a step's rivals no reply has."""
     steps = tuple(_step(one) for one in found.steps)
     effects = [built(step.effect) for step in steps]
@@ -150,7 +150,7 @@ def read(found: findings.Diagnosis, question: Question) -> result.Diagnosis:
     )
 
 
-def _step(one: findings.Step) -> result.Step:
+def _step(one: results.Step) -> result.Step:
     parameters = {
         name: result.FittedParameter(p.value, _number(p.standard_error), p.unit)
         for name, p in one.effect.parameters.items()
@@ -167,11 +167,11 @@ def _step(one: findings.Step) -> result.Step:
     )
 
 
-def _place(one: findings.FittedEffect | findings.Rival) -> Place:
+def _place(one: results.FittedEffect | results.Rival) -> Place:
     return EffectIn.model_validate({"kind": one.kind, "at": one.at}).place()
 
 
-def _curves(given: findings.DiagnosisCurves) -> result.Curves:
+def _curves(given: results.DiagnosisCurves) -> result.Curves:
     return result.Curves(
         freq=given.freq,
         measured=given.measured,

@@ -4,14 +4,14 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from modallab_client.findings import place
+from modallab_client.methods.diagnoses import place
 from modallab_client.models import ComplexArray, FloatArray
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from numpy.typing import NDArray
 
-    from modallab_client.findings import Diagnosis, DiagnosisCurves, Step
+    from modallab_client.results import Diagnosis, DiagnosisCurves, Step
 
 LEVELS = (0.0, 2.0, 5.0, 15.0, 50.0, 1e9)  # random errors at which the colour changes
 COLOURS = ("#eef0f4", "#fee3a8", "#fdb158", "#e4572e", "#7a1022")

@@ -1,11 +1,9 @@
-"""JSON and npz to updates and diagnoses; pure."""
+"""JSON and npz to updates; pure."""
 
-from collections.abc import Mapping
-from dataclasses import fields
 from typing import Any, TypeVar
 
-from modallab_client import _wire_direct, findings, identified, located
-from modallab_client._wire import Arrays, Json, floats, number, texts
+from modallab_client import _wire_direct, findings, identified
+from modallab_client._wire import Arrays, Json, floats, texts
 
 T = TypeVar("T")
 
@@ -141,111 +139,3 @@ def _by_member(parts: Json) -> dict[str, dict[int, float]]:
 
 def _curves(data: Json | None) -> dict[str, Any]:
     return {name: floats(values) for name, values in (data or {}).items() if values is not None}
-
-
-def diagnosis(data: Json) -> findings.Diagnosis:
-    """Return a diagnosis."""
-    following = data.get("next_test")
-    return findings.Diagnosis(
-        id=data["id"],
-        verdict=data["verdict"],
-        located=_located(data.get("located") or {}),
-        steps=tuple(_step(one) for one in data["steps"]),
-        remaining_gap=data.get("remaining_gap"),
-        gaps=dict(data.get("gaps") or {}),
-        next_test=_next_test(following) if following else None,
-        structure_id=data.get("structure_id"),
-        rig_id=data.get("rig_id"),
-        remaining_scatter=data.get("remaining_scatter"),
-        follow_ups=tuple(
-            findings.FollowUp(one["measurement_id"], one.get("changed") or {})
-            for one in data.get("follow_ups") or ()
-        ),
-        notes=texts(data.get("notes") or ()),
-        tolerated=tuple(_tolerated(one) for one in data.get("tolerated") or ()),
-    )
-
-
-def _located(data: Json) -> located.Located:
-    return located.Located(
-        bands=tuple((float(low), float(high)) for low, high in data.get("bands", ())),
-        dofs=texts(data.get("dofs", ())),
-        modes=tuple(map(int, data.get("modes", ()))),
-        words=texts(data.get("words", ())),
-        signs=texts(data.get("signs", ())),
-        mode_shifts=tuple(_known(located.ModeShift, one) for one in data.get("mode_shifts", ())),
-        responses=tuple(_known(located.ResponseMisfit, one) for one in data.get("responses", ())),
-        level_dependence=data.get("level_dependence"),
-    )
-
-
-def _known(cls: type[T], data: Json) -> T:
-    """Return the fields of a reply that a result knows; later versions may say more."""
-    return cls(**{one.name: data.get(one.name) for one in fields(cls)})  # type: ignore[arg-type]
-
-
-def _tolerated(data: Json) -> findings.Tolerated:
-    return findings.Tolerated(
-        name=data["name"],
-        value=float(data["value"]),
-        standard_error=data.get("standard_error"),
-        tolerance=float(data["tolerance"]),
-        unit=data.get("unit") or "",
-        at=data.get("at"),
-        mode=data.get("mode"),
-    )
-
-
-def _next_test(data: Json) -> findings.NextTest:
-    return findings.NextTest(
-        why=data["why"],
-        change=data.get("change") or {},
-        separates=texts(data.get("separates") or ()),
-        expected_separation=data.get("expected_separation"),
-    )
-
-
-def _step(data: Json) -> findings.Step:
-    return findings.Step(
-        effect=_effect(data["effect"]),
-        probability=data.get("probability"),
-        gap_before=number(data["gap_before"]),
-        gap_after=number(data["gap_after"]),
-        held_out_gap_before=data.get("held_out_gap_before"),
-        held_out_gap_after=data.get("held_out_gap_after"),
-        held_out_scatter=data.get("held_out_scatter"),
-        rivals=tuple(_rival(one) for one in data.get("rivals") or ()),
-        rivals_alike=tuple(_rival(one) for one in data.get("rivals_alike") or ()),
-    )
-
-
-def _effect(data: Json) -> findings.FittedEffect:
-    parameters: Mapping[str, Json] = data.get("parameters") or {}
-    return findings.FittedEffect(
-        kind=data["kind"],
-        at=data.get("at"),
-        parameters={
-            name: findings.Parameter(one["value"], one.get("standard_error"), one.get("unit") or "")
-            for name, one in parameters.items()
-        },
-    )
-
-
-def _rival(data: Json) -> findings.Rival:
-    return findings.Rival(data["kind"], data.get("at"), data.get("probability"), data.get("gap_after"))
-
-
-def diagnosis_curves(given: Arrays) -> findings.DiagnosisCurves:
-    """Return the FRFs of a diagnosis."""
-    return findings.DiagnosisCurves(
-        freq=given["freq"],
-        measured=given["measured"],
-        before=given["before"],
-        after=given["after"],
-        random_error=given["random_error"],
-        held_out=given["held_out"],
-        outputs=texts(given["outputs"]),
-        inputs=texts(given["inputs"]),
-        predicted=given.get("predicted"),
-        predicted_outputs=texts(given.get("predicted_outputs", ())),
-    )

@@ -2,27 +2,37 @@
 
 import re
 from pathlib import Path
+from typing import Any
 
 import pytest
 
-from modallab_client import findings
+from modallab_client import results
+from modallab_client._read import read_as
 from modallab_client.demo import hidden, thesis
 from modallab_client.demo.__main__ import main
 from modallab_client.demo.beside import Beside, Line
 
 
-def found(*effects: findings.FittedEffect, alike: tuple[findings.Rival, ...] = ()) -> findings.Diagnosis:
+def found(*effects: dict[str, Any], alike: tuple[dict[str, Any], ...] = ()) -> results.Diagnosis:
     """Return a diagnosis that named these effects."""
-    steps = tuple(
-        findings.Step(effect, 0.99, 50.0, 1.0, 40.0, 1.1, 0.1, rivals_alike=alike) for effect in effects
-    )
-    located = findings.Located()
-    return findings.Diagnosis("d", "explained", located, steps, 1.0, {}, None, None, None)
+    steps = [
+        {"effect": effect, "probability": 0.99, "gap_before": 50.0, "gap_after": 1.0, "rivals_alike": alike}
+        | {"held_out_gap_before": 40.0, "held_out_gap_after": 1.1, "held_out_scatter": 0.1}
+        for effect in effects
+    ]
+    reply = {"id": "d", "verdict": "explained", "steps": steps, "remaining_gap": 1.0}
+    entry = {"created": "", "version": "", "structure_id": "s", "rig_id": "r"}
+    return read_as(results.Diagnosis, reply | entry)
+
+
+def effect(kind: str, at: str | None, **parameters: dict[str, Any]) -> dict[str, Any]:
+    """Return an effect as a reply has it."""
+    return {"kind": kind, "at": at, "parameters": parameters}
 
 
 TRUTH = hidden.Hidden("extra_mass", "9:+Y", "mass", 0.05, "kg")
-RIGHT = findings.FittedEffect("extra_mass", "9:+Y", {"mass": findings.Parameter(0.0501, 4e-5, "kg")})
-WRONG = findings.FittedEffect("leakage", None, {"share": findings.Parameter(0.1, None, "1")})
+RIGHT = effect("extra_mass", "9:+Y", mass={"value": 0.0501, "standard_error": 4e-5, "unit": "kg"})
+WRONG = effect("leakage", None, share={"value": 0.1, "standard_error": None, "unit": "1"})
 
 
 def test_the_same_seed_hides_the_same_and_all_kinds_get_their_turn() -> None:
@@ -44,22 +54,25 @@ def test_the_same_seed_hides_the_same_and_all_kinds_get_their_turn() -> None:
         (found(), "It was not named."),
         (found(WRONG, RIGHT), "It was named, but not first."),
         (
-            found(RIGHT, alike=(findings.Rival("accelerometer_mass", None),)),
+            found(RIGHT, alike=({"kind": "accelerometer_mass", "at": None},)),
             "It was named first; this test cannot tell it from accelerometer mass.",
         ),
         (
-            found(WRONG, alike=(findings.Rival("extra_mass", "9:+Y"),)),
+            found(WRONG, alike=({"kind": "extra_mass", "at": "9:+Y"},)),
             "It is among those that this test cannot tell from the one named first.",
         ),
     ],
 )
-def test_the_demo_is_honest_about_what_was_named(diagnosis: findings.Diagnosis, words: str) -> None:
+def test_the_demo_is_honest_about_what_was_named(diagnosis: results.Diagnosis, words: str) -> None:
     assert hidden.outcome(TRUTH, diagnosis) == words
 
 
 def test_an_effect_is_said_with_place_size_and_error() -> None:
-    assert hidden.sized(RIGHT) == "extra mass at 9:+Y, mass 0.050100 ± 0.000040 kg"
-    assert hidden.sized(WRONG) == "leakage, share 0.1"
+    assert (
+        hidden.sized(read_as(results.FittedEffect, RIGHT))
+        == "extra mass at 9:+Y, mass 0.050100 ± 0.000040 kg"
+    )
+    assert hidden.sized(read_as(results.FittedEffect, WRONG)) == "leakage, share 0.1"
     assert hidden.closed(found(RIGHT).steps[0]) == ("50 → 1", "40 → 1.1")
 
 
@@ -71,7 +84,7 @@ def test_an_effect_is_said_with_place_size_and_error() -> None:
         (found(), ""),
     ],
 )
-def test_the_size_is_held_against_the_truth(diagnosis: findings.Diagnosis, words: str) -> None:
+def test_the_size_is_held_against_the_truth(diagnosis: results.Diagnosis, words: str) -> None:
     assert hidden.compared(TRUTH, diagnosis) == words
 
 

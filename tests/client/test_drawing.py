@@ -10,8 +10,9 @@ from matplotlib import pyplot
 from matplotlib.patches import Rectangle
 
 from modallab_client import _wire, _wire_correlation, _wire_findings, _wire_modes
-from modallab_client.findings import DiagnosisCurves, Parameter
+from modallab_client._read import read_as
 from modallab_client.models import ComplexArray, Measurement
+from modallab_client.results import Diagnosis, DiagnosisCurves, FittedParameter
 from tests.client.fake import DIAGNOSIS, MEASUREMENT, MODE, UPDATE
 
 MODEL = {"id": "mm1", "modes": [MODE], "method": "dobson", "dofs": ["1:+Y", "3:+Y"]}
@@ -54,7 +55,7 @@ def lengths(axes: Any) -> list[float]:
 
 
 def test_the_gap_is_drawn_by_step_over_fitted_and_held_out_frfs() -> None:
-    (axes,) = _wire_findings.diagnosis(DIAGNOSIS).plot()
+    (axes,) = read_as(Diagnosis, DIAGNOSIS).plot()
     np.testing.assert_allclose(lengths(axes), [812.0, 1.04, 790.0, 1.06])
     assert [tick.get_text() for tick in axes.get_yticklabels()] == ["as given", "+ extra mass\nat 7:+Y"]
     assert "mass 0.05000 ± 0.00040 kg" in axes.get_title()
@@ -62,13 +63,13 @@ def test_the_gap_is_drawn_by_step_over_fitted_and_held_out_frfs() -> None:
 
 def test_a_diagnosis_without_steps_draws_its_one_gap() -> None:
     nothing: dict[str, Any] = {**DIAGNOSIS, "steps": [], "verdict": "nothing_missing", "next_test": None}
-    (axes,) = _wire_findings.diagnosis(nothing).plot()
+    (axes,) = read_as(Diagnosis, nothing).plot()
     np.testing.assert_allclose(lengths(axes), [1.06])
     assert axes.get_title() == "nothing missing"
 
 
 def test_with_curves_a_diagnosis_draws_where_it_parts_and_the_clearest_difference() -> None:
-    found = replace(_wire_findings.diagnosis(DIAGNOSIS), curves=resonances())
+    found = replace(read_as(Diagnosis, DIAGNOSIS), curves=resonances())
     gap, where, size, turn = found.plot()
     assert len(lengths(gap)) == 4
     # 40 lines of two responses, one of them held out
@@ -87,14 +88,14 @@ def test_with_curves_a_diagnosis_draws_where_it_parts_and_the_clearest_differenc
 def test_curves_that_agree_are_drawn_over_all_lines() -> None:
     agreeing = replace(resonances(), before=resonances().after)
     nothing: dict[str, Any] = {**DIAGNOSIS, "steps": [], "verdict": "nothing_missing", "next_test": None}
-    _, _, size, _ = replace(_wire_findings.diagnosis(nothing), curves=agreeing).plot()
+    _, _, size, _ = replace(read_as(Diagnosis, nothing), curves=agreeing).plot()
     assert len(np.asarray(size.lines[0].get_xdata())) == 39  # nothing moves at 0 Hz
 
 
 def test_a_difference_that_curves_do_not_show_is_drawn_as_a_ratio() -> None:
     curves = resonances()
     high = replace(curves, before=curves.after / 1.05, random_error=np.full((40, 2, 1), 0.002))
-    *_, size, turn = replace(_wire_findings.diagnosis(DIAGNOSIS), curves=high).plot()
+    *_, size, turn = replace(read_as(Diagnosis, DIAGNOSIS), curves=high).plot()
     assert size.get_ylabel() == "magnitude against the prediction, %"
     np.testing.assert_allclose(np.asarray(size.lines[0].get_ydata()), 0.0, atol=1e-12)
     np.testing.assert_allclose(np.asarray(size.lines[1].get_ydata()), 5.0, rtol=1e-9)
@@ -102,7 +103,7 @@ def test_a_difference_that_curves_do_not_show_is_drawn_as_a_ratio() -> None:
 
 
 def test_what_is_left_open_stands_under_the_table() -> None:
-    words = _wire_findings.diagnosis(DIAGNOSIS)._repr_html_()
+    words = read_as(Diagnosis, DIAGNOSIS)._repr_html_()
     assert "This test cannot tell extra mass at 7:+Y from force transducer mass." in words
     assert "Next test: level factor 3.0; w." in words
 
@@ -122,7 +123,7 @@ def test_what_is_left_open_stands_under_the_table() -> None:
 def test_a_number_has_two_digits_of_its_error(
     value: float, error: float | None, unit: str, words: str
 ) -> None:
-    assert str(Parameter(value, error, unit)) == words
+    assert str(FittedParameter(value=value, standard_error=error, unit=unit)) == words
 
 
 def test_modes_coefficients_and_mac_draw_themselves() -> None:
@@ -166,7 +167,7 @@ def test_the_curves_of_a_diagnosis_are_measured_before_and_after() -> None:
 
 
 def test_tables_are_escaped_for_the_notebook() -> None:
-    diagnosed = _wire_findings.diagnosis(DIAGNOSIS)._repr_html_()
+    diagnosed = read_as(Diagnosis, DIAGNOSIS)._repr_html_()
     assert "Measurement m&lt;1&gt;" in measurement()._repr_html_()
     assert "<td>extra mass at 7:+Y: mass 0.05000 ± 0.00040 kg</td>" in diagnosed
     assert "<th>coefficient</th>" in _wire_findings.update(UPDATE)._repr_html_()

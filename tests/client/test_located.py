@@ -2,8 +2,8 @@
 
 from typing import Any
 
-from modallab_client._wire_findings import diagnosis
-from modallab_client.located import Located, ModeShift, ResponseMisfit
+from modallab_client._read import read_as
+from modallab_client.results import Diagnosis
 
 SHIFT = {
     "mode": 2,
@@ -42,13 +42,15 @@ FOUND: dict[str, Any] = {
 
 
 def test_shifts_misfits_and_signs_are_read() -> None:
-    located = diagnosis(FOUND).located
+    located = read_as(Diagnosis, FOUND).located
     assert located.signs == ("one_response",)
-    assert located.mode_shifts == (ModeShift(2, 100.0, -0.004, 2e-5, None, None),)
-    assert located.responses == (ResponseMisfit("5:+Y", 176.0, 1.1, 1e-4, 0.0, 1e-4, 0.0, 1e-7, "gain"),)
+    assert [vars(shift) for shift in located.mode_shifts] == [SHIFT]
+    assert [vars(misfit) for misfit in located.responses] == [MISFIT]
     assert located.level_dependence == 4.8
 
 
 def test_an_older_service_that_says_less_is_read_too() -> None:
-    located = diagnosis(FOUND | {"located": {"bands": [[22.0, 24.0]], "dofs": [], "modes": [1]}}).located
-    assert located == Located(bands=((22.0, 24.0),), modes=(1,))
+    said = {"located": {"bands": [[22.0, 24.0]], "dofs": [], "modes": [1]}}
+    located = read_as(Diagnosis, FOUND | said).located
+    assert (located.bands, located.modes) == (((22.0, 24.0),), (1,))
+    assert (located.signs, located.mode_shifts, located.level_dependence) == ((), (), None)

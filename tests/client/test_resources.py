@@ -9,7 +9,7 @@ import pytest
 
 from modallab_client import ModalLab
 from modallab_client.errors import UnexpectedReplyError
-from modallab_client.findings import FollowUp
+from modallab_client.results import FollowUpTest
 from tests.client.fake import DIAGNOSIS, MEASUREMENT, MODE, UPDATE, FakeService, events, npz
 
 STRUCTURE = {"id": "s1", "n_nodes": 21, "n_dofs": 42, "members": 20, "created_at": "later"}
@@ -267,7 +267,7 @@ def test_a_diagnosis_reads_as_it_is_written_in_the_contract(lab: ModalLab, servi
     assert (found.remaining_gap, found.remaining_scatter, found.notes) == (1.06, 0.02, ("n",))
     assert found.next_test is not None
     assert (found.next_test.separates, found.next_test.expected_separation) == (("a", "b"), 12.5)
-    assert found.follow_ups == (FollowUp("m2", {"drive": "5:+Y"}),)
+    assert found.follow_ups == (FollowUpTest(measurement_id="m2", changed={"drive": "5:+Y"}),)
     assert "extra mass at 7:+Y: mass 0.05000 ± 0.00040 kg" in found.table()
     assert found.curves is not None
     np.testing.assert_array_equal(found.curves.before, 2 * frf)

@@ -2,8 +2,9 @@
 
 import pytest
 
-from modallab_client import ModalLab, findings
+from modallab_client import ModalLab
 from modallab_client.demo.chapter_5 import RIG, TRUTH
+from modallab_client.methods.diagnoses import place
 
 # What moves resonances, or is at the end that is driven: the other kinds would only take time.
 SUSPECTS = [
@@ -24,10 +25,8 @@ def test_the_wrong_elements_of_the_thesis_and_nothing_else_are_named() -> None:
         test = lab.measurements.start(truth.id, lab.rigs.create(**RIG).id, seed=1).result()
         found = lab.diagnoses.start(model.id, test.id, suspects=SUSPECTS).result()
     assert found.verdict == "explained"
-    hidden = {
-        (KINDS[one["property"]], findings.place({"members": one["members"]})): one["factor"] for one in TRUTH
-    }
-    named = {(step.effect.kind, findings.place(step.effect.at or "")): step for step in found.steps}
+    hidden = {(KINDS[one["property"]], place({"members": one["members"]})): one["factor"] for one in TRUTH}
+    named = {(step.effect.kind, place(step.effect.at or "")): step for step in found.steps}
     assert set(named) == set(hidden)
     for name, step in named.items():
         factor = step.effect.parameters["factor"]

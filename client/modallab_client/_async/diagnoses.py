@@ -4,10 +4,12 @@ from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from typing import Any
 
-from modallab_client import _wire, _wire_findings
+from modallab_client import _wire
 from modallab_client._async.jobs import AsyncJob
 from modallab_client._async.shelf import AsyncShelf
-from modallab_client.findings import Diagnosis, DiagnosisCurves
+from modallab_client._read import read_as
+from modallab_client.methods.diagnoses import DiagnosisCurves, diagnosis_curves
+from modallab_client.results import Diagnosis
 
 
 class AsyncDiagnoses(AsyncShelf):
@@ -62,13 +64,13 @@ class AsyncDiagnoses(AsyncShelf):
     async def get(self, diagnosis_id: str) -> Diagnosis:
         """Return a finished diagnosis with its curves."""
         reply = await self._transport.request("GET", f"/v1/diagnoses/{diagnosis_id}")
-        found = _wire.read(_wire_findings.diagnosis, reply)
-        return replace(found, curves=await self.curves(diagnosis_id))
+        diagnosis: Diagnosis = _wire.read(read_as, Diagnosis, reply)
+        return replace(diagnosis, curves=await self.curves(diagnosis_id))
 
     async def curves(self, diagnosis_id: str) -> DiagnosisCurves:
         """Return the FRFs measured, and predicted before and after what was added."""
         arrays = await self._transport.npz(f"/v1/diagnoses/{diagnosis_id}/arrays")
-        return _wire.read(_wire_findings.diagnosis_curves, arrays)
+        return _wire.read(diagnosis_curves, arrays)
 
     async def report(self, diagnosis_id: str) -> str:
         """Return the report, one self-contained HTML page."""

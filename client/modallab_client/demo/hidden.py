@@ -6,8 +6,9 @@ from typing import Any
 
 import numpy as np
 
-from modallab_client import ModalLab, findings
+from modallab_client import ModalLab, results
 from modallab_client.demo.chapter_5 import Say
+from modallab_client.methods.diagnoses import place
 from modallab_client.models import Measurement
 
 Place = str | dict[str, list[int]] | None
@@ -63,30 +64,30 @@ class Case:
 
     hidden: Hidden
     test: Measurement
-    found: findings.Diagnosis
+    found: results.Diagnosis
     report: str
 
 
 def named(kind: str, at: str | Mapping[str, Any] | None) -> str:
     """Return kind and place of an effect in words."""
     name = kind.replace("_", " ")
-    return name if at is None else f"{name} at {findings.place(at).replace('member', 'element')}"
+    return name if at is None else f"{name} at {place(at).replace('member', 'element')}"
 
 
-def sized(effect: findings.FittedEffect) -> str:
+def sized(effect: results.FittedEffect) -> str:
     """Return an effect that was found, its size with the standard error."""
     numbers = [f"{name} {one}" for name, one in effect.parameters.items()]
     return ", ".join([named(effect.kind, effect.at), *numbers])
 
 
-def share(step: findings.Step) -> str:
+def share(step: results.Step) -> str:
     """Return how probable a step is; never certain."""
     if step.probability is None:
         return ""
     return "> 0.999" if step.probability > 0.999 else f"{step.probability:.3f}"
 
 
-def closed(step: findings.Step) -> tuple[str, str]:
+def closed(step: results.Step) -> tuple[str, str]:
     """Return the gap before and after a step: over the FRFs that were fitted, and over those held out."""
     held_out = (step.held_out_gap_before, step.held_out_gap_after)
     pairs = ((step.gap_before, step.gap_after), held_out)
@@ -139,7 +140,7 @@ def _milestones(say: Say) -> Callable[[float, str], None]:
     return tell
 
 
-def compared(hidden: Hidden, found: findings.Diagnosis) -> str:
+def compared(hidden: Hidden, found: results.Diagnosis) -> str:
     """Return how far the size that was found is from the hidden one; nothing if it was not named."""
     for step in found.steps:
         one = step.effect.parameters.get(hidden.parameter)
@@ -154,7 +155,7 @@ def compared(hidden: Hidden, found: findings.Diagnosis) -> str:
     return ""
 
 
-def outcome(hidden: Hidden, found: findings.Diagnosis) -> str:
+def outcome(hidden: Hidden, found: results.Diagnosis) -> str:
     """Return whether the hidden effect was named."""
     truth = (hidden.kind, hidden.at)
     if not found.steps:

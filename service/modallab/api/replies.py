@@ -3,9 +3,10 @@
 import ast
 import inspect
 import math
+import re
 import textwrap
 import types
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import fields, is_dataclass
 from functools import cache
 from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
@@ -120,7 +121,7 @@ def attribute_docs(domain: type) -> dict[str, str]:
                     ast.AnnAssign(target=ast.Name(id=name)),
                     ast.Expr(value=ast.Constant(value=str(text))),
                 ):
-                    docs[name] = " ".join(text.split())
+                    docs[name] = re.sub(r"\b(nan|None)\b", "null", " ".join(text.split()))
     return docs
 
 
@@ -136,9 +137,13 @@ def _nested(value: Any) -> Any:
     return numbers(value) if isinstance(value, np.ndarray) else value
 
 
+# Formats by which generators tell arrays from lists, and complex numbers from pairs.
+_COMPLEX = Field(json_schema_extra={"format": "complex"})
+_ARRAY = Field(json_schema_extra={"format": "array"})
+
 _SCALARS: Mapping[Any, Any] = {
     Dof: Annotated[str, BeforeValidator(str)],
-    complex: Annotated[tuple[float, float], BeforeValidator(_pair)],
+    complex: Annotated[tuple[float, float], BeforeValidator(_pair), _COMPLEX],
 }
 PlaceOut = str | MembersAt | ChannelsAt | None
 _MAYBE = Annotated[float | None, BeforeValidator(_finite)]
@@ -203,11 +208,13 @@ def _annotated(hint: Any) -> bool:
 def _optional(hint: Any) -> Any:
     """Return an annotated type or None; the validator is not run on None."""
     inner, *validators = get_args(hint)
-    (before,) = (v.func for v in validators)
+    (before,) = (v.func for v in validators if isinstance(v, BeforeValidator))
+    shape = [v for v in validators if not isinstance(v, BeforeValidator)]
 
-    def unless_none(value: Any, before: Callable[[Any], Any] = before) -> Any:
+    def unless_none(value: Any, before: Any = before) -> Any:
         return None if value is None else before(value)
 
+    inner = Annotated[inner, *shape] if shape else inner
     return Annotated[inner | None, BeforeValidator(unless_none)]
 
 

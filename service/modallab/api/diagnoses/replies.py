@@ -10,7 +10,7 @@ from modallab.store.base import Entry
 
 
 @dataclass(frozen=True)
-class FollowUpUsed:
+class FollowUpTest:
     """Further test of the same structure that the diagnosis explained together with the first."""
 
     measurement_id: str
@@ -22,7 +22,7 @@ class FollowUpUsed:
 DiagnosisReply = stored_reply(
     Diagnosis,
     "Diagnosis",
-    follow_ups=(replies_of(FollowUpUsed), "Further tests that were explained together with the first."),
+    follow_ups=(replies_of(FollowUpTest), "Further tests that were explained together with the first."),
     structure_id=(str, "Model with the added effects."),
     rig_id=(str, "Log book with the added effects."),
 )
@@ -34,7 +34,7 @@ def diagnosis_reply(diagnosis: Diagnosis, entry: Entry) -> Any:
         diagnosis,
         entry,
         follow_ups=[
-            FollowUpUsed(entry.inputs[f"follow_up_{i}"], changes)
+            FollowUpTest(entry.inputs[f"follow_up_{i}"], changes)
             for i, changes in enumerate(diagnosis.follow_ups, 1)
         ],
         structure_id=entry.inputs["extended_structure_id"],

@@ -1,0 +1,1 @@
+"""Types of replies, generated from the service's OpenAPI document."""

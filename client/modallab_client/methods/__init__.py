@@ -1,0 +1,1 @@
+"""Tables, plots and arrays that generated result types have beside their fields."""

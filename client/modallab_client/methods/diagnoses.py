@@ -1,0 +1,160 @@
+"""Diagnoses: their effects in words, tables, pictures and curves."""
+
+import math
+from collections.abc import Mapping
+from dataclasses import dataclass, field, fields
+from html import escape
+from typing import TYPE_CHECKING, Any, cast
+
+from modallab_client import _plots, _tables
+from modallab_client.models import ComplexArray, FloatArray
+
+if TYPE_CHECKING:
+    import numpy as np
+    from matplotlib.axes import Axes
+    from numpy.typing import NDArray
+
+    from modallab_client._generated.models import Diagnosis, FittedParameter, NextTest, Step
+
+
+@dataclass(frozen=True, eq=False)
+class DiagnosisCurves:
+    """The FRFs of a diagnosis: measured, predicted before and after what was added."""
+
+    freq: FloatArray
+    """(n,) Hz"""
+    measured: ComplexArray
+    """(n, n_out, n_in)"""
+    before: ComplexArray
+    after: ComplexArray
+    random_error: FloatArray
+    """of |H|, relative"""
+    held_out: "NDArray[np.bool_]"
+    """(n_out,)"""
+    outputs: tuple[str, ...]
+    inputs: tuple[str, ...]
+    predicted: ComplexArray | None = None
+    """(n, n_pred, n_in) at DoFs that were not measured"""
+    predicted_outputs: tuple[str, ...] = ()
+
+    def plot(self, output: str | None = None) -> "Axes":
+        """Draw one response, by default the first: measured, before and after; return the axes."""
+        return _plots.curves(self, self.outputs[0] if output is None else output)
+
+
+class FittedParameterMethods:
+    """A fitted parameter prints with its standard error and unit."""
+
+    if TYPE_CHECKING:
+        value: float
+        standard_error: float | None
+        unit: str
+
+    def __str__(self) -> str:
+        unit = "" if self.unit in ("", "1") else f" {self.unit}"
+        error = self.standard_error
+        if error is None or not math.isfinite(error) or error <= 0:
+            return f"{self.value:.4g}{unit}"
+        power = math.floor(math.log10(max(abs(self.value), error)))
+        scale = power if not -3 <= power <= 5 else 0
+        digits = max(0, 1 - math.floor(math.log10(error / 10.0**scale)))  # two of the error
+        text = f"{self.value / 10.0**scale:.{digits}f} ± {error / 10.0**scale:.{digits}f}"
+        return f"({text})e{scale}{unit}" if scale else f"{text}{unit}"
+
+
+class FittedEffectMethods:
+    """A fitted effect prints as kind, place and parameters."""
+
+    if TYPE_CHECKING:
+        kind: str
+        at: str | Mapping[str, Any] | None
+        parameters: Mapping[str, FittedParameter]
+
+    def __str__(self) -> str:
+        numbers = ", ".join(f"{name} {number}" for name, number in self.parameters.items())
+        return f"{named(self.kind, self.at)}: {numbers}" if numbers else named(self.kind, self.at)
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class DiagnosisMethods:
+    """A diagnosis has its curves, a table and a picture."""
+
+    curves: DiagnosisCurves | None = field(default=None, repr=False)
+    """FRFs, measured and predicted; None: not loaded."""
+    if TYPE_CHECKING:
+        id: str
+        verdict: Any
+        steps: tuple[Step, ...]
+        remaining_gap: float | None
+        next_test: NextTest | None
+
+    def table(self) -> str:
+        """Return effect, place, probability and gaps of each step as text."""
+        return _tables.text(*self._rows())
+
+    def _rows(self) -> _tables.Table:
+        head = ("step", "effect", "probability", "gap before", "gap after", "held out before", "after")
+        rows = []
+        for number, step in enumerate(self.steps, 1):
+            numbers = (step.probability, step.gap_before, step.gap_after)
+            held_out = (step.held_out_gap_before, step.held_out_gap_after)
+            cells = ("" if x is None else f"{x:.4g}" for x in (*numbers, *held_out))
+            rows.append((str(number), str(step.effect), *cells))
+        return head, rows
+
+    def plot(self) -> "tuple[Axes, ...]":
+        """Draw what was found; return the axes.
+
+        The gap by step; with curves also where model and measurement part, by response and frequency,
+        and magnitude and phase where the prediction as given is clearly off, measured, before and after.
+
+        Raises
+        ------
+        MissingExtraError
+            If matplotlib is not installed.
+        """
+        return _plots.diagnosis(cast("Diagnosis", self))
+
+    def _repr_html_(self) -> str:
+        left = "" if self.remaining_gap is None else f", remaining gap {self.remaining_gap:.3g}"
+        verdict = self.verdict.replace("_", " ")
+        table = _tables.html(*self._rows(), caption=f"Diagnosis {self.id}: {verdict}{left}")
+        return table + "".join(f"<p>{escape(text)}</p>" for text in self.left_open())
+
+    def left_open(self) -> list[str]:
+        """Return in sentences what this test cannot tell apart, and which test could."""
+        told = [
+            f"This test cannot tell {named(step.effect.kind, step.effect.at)} from "
+            f"{' or '.join(named(other.kind, other.at) for other in step.rivals_alike)}."
+            for step in self.steps
+            if step.rivals_alike
+        ]
+        if self.next_test is not None:
+            change = ", ".join(f"{name} {value}" for name, value in self.next_test.change.items())
+            told.append(f"Next test: {change.replace('_', ' ')}; {self.next_test.why}.")
+        return told
+
+
+def named(kind: str, at: str | Mapping[str, Any] | None) -> str:
+    """Return kind and place of an effect in words."""
+    name = kind.replace("_", " ")
+    return name if at is None else f"{name} at {place(at)}"
+
+
+def place(at: str | Mapping[str, Any] | None) -> str:
+    """Return in words where an effect sits."""
+    if at is None:
+        return "everywhere"
+    if isinstance(at, str):
+        return at
+    return "; ".join(
+        f"{name if len(where) > 1 else name.removesuffix('s')} {', '.join(map(str, where))}"
+        for name, where in at.items()
+    )
+
+
+def diagnosis_curves(arrays: Mapping[str, "NDArray[Any]"]) -> DiagnosisCurves:
+    """Return the curves of a diagnosis from the arrays of its npz file."""
+    texts = ("outputs", "inputs", "predicted_outputs")
+    given: dict[str, Any] = {f.name: arrays[f.name] for f in fields(DiagnosisCurves) if f.name in arrays}
+    return DiagnosisCurves(**given | {name: tuple(map(str, given[name])) for name in texts if name in given})
