@@ -7,10 +7,7 @@ from scipy.sparse.csgraph import connected_components
 from scipy.sparse.linalg import LinearOperator, eigsh, splu
 
 from modallab.core.arrays import FloatArray, IntArray
-
-SLACK = 0.05  # share of the smaller half by which a cut may move to where it cuts less; or one vertex
-SMALL = 250  # vertices up to which a dense eigen-solution is the faster one
-ROUNDING = 10  # digits that order vertices: symmetric graphs have ties, which rounding must not part
+from modallab.updating.partition_settings import PARTITION
 
 
 def graph_parts(graph: csr_array, count: int) -> list[IntArray]:
@@ -61,7 +58,9 @@ def _bisection(graph: csr_array, piece: IntArray, share: float) -> tuple[IntArra
     """Return a connected piece in two connected halves, the first of about so large a share of it."""
     subgraph = graph[piece][:, piece]
     fiedler_vector = _fiedler(subgraph)
-    order = np.argsort(np.round(fiedler_vector / np.abs(fiedler_vector).max(), ROUNDING), kind="stable")
+    order = np.argsort(
+        np.round(fiedler_vector / np.abs(fiedler_vector).max(), PARTITION.rounding_digits), kind="stable"
+    )
     cut = _cut_position(subgraph, order, share)
     # What falls off one half hangs together with the other: the piece is connected.
     first, *fragments = _components(graph, piece[order[:cut]])
@@ -83,12 +82,17 @@ def _cut_position(graph: csr_array, order: IntArray, share: float) -> int:
     )
     target = share * n
     positions = np.arange(1, n)
-    candidates = positions[np.abs(positions - target) <= max(SLACK * min(target, n - target), 1.0)]
+    candidates = positions[
+        np.abs(positions - target) <= max(PARTITION.cut_slack * min(target, n - target), 1.0)
+    ]
     # of equal ones that which is nearest, the smaller of two
     return int(
         candidates[
             np.lexsort(
-                (np.abs(candidates - target), np.round(cut_weight[candidates] / cut_weight.max(), ROUNDING))
+                (
+                    np.abs(candidates - target),
+                    np.round(cut_weight[candidates] / cut_weight.max(), PARTITION.rounding_digits),
+                )
             )[0]
         ]
     )
@@ -98,7 +102,7 @@ def _fiedler(graph: csr_array) -> FloatArray:
     """Return the eigenvector of the lowest eigenvalue above zero of a connected graph's Laplacian, (n,)."""
     n = graph.shape[0]
     laplacian = diags_array(np.asarray(graph.sum(axis=1)).ravel()) - graph
-    if n <= SMALL:
+    if n <= PARTITION.dense_vertices:
         _, vectors = eigh(laplacian.toarray(), subset_by_index=(1, 1))
         return np.asarray(vectors[:, 0])
     # Of the order of the eigenvalue itself in the worst case, a chain: pi^2 / n^2 of a weight.

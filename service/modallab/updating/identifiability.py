@@ -9,12 +9,8 @@ import numpy as np
 from modallab.core.arrays import FloatArray, frozen
 from modallab.updating.log_coefficients import log_derivatives
 from modallab.updating.parameterisation import MacroElement, Parameterisation, Part
+from modallab.updating.settings import IDENTIFIABILITY
 from modallab.updating.solve import ParameterStep
-
-NORMAL_95 = 1.959964  # standard errors to either side that hold 95 % of a normal distribution
-HIDDEN = 1e-6  # share of a coefficient beyond the rank that is more than rounding
-NAMED = 0.25  # of the largest share of a direction: smaller ones are not named
-TURNS = 50  # of directions towards few coefficients each
 
 
 @dataclass(frozen=True, eq=False)
@@ -89,7 +85,7 @@ def identify(
     """
     rates = log_derivatives(parameterisation, values)
     identifiable, null_space = _range_and_null_space(step, rates)
-    is_hidden = (null_space**2).sum(axis=1) > HIDDEN
+    is_hidden = (null_space**2).sum(axis=1) > IDENTIFIABILITY.null_share
     covariance = np.zeros((len(values), len(values)))
     if errors is not None:
         error_map = step.inverse / rates[:, None] * errors
@@ -128,7 +124,9 @@ def _intervals(
 ) -> FloatArray:
     """Return (n_params, 2); beyond its bounds nothing is held likely of a coefficient."""
     lower, upper = parameterisation.bounds
-    offsets = shift[:, None] + np.outer(relative_errors, [-NORMAL_95, NORMAL_95])
+    offsets = shift[:, None] + np.outer(
+        relative_errors, [-IDENTIFIABILITY.normal_quantile, IDENTIFIABILITY.normal_quantile]
+    )
     with np.errstate(over="ignore"):
         ends = np.where(
             parameterisation.damping[:, None], values[:, None] + offsets, values[:, None] * np.exp(offsets)
@@ -147,7 +145,7 @@ def _directions(
 ) -> list[Direction]:
     directions = []
     for shares in _varimax(basis).T:
-        indices = np.flatnonzero(np.abs(shares) >= NAMED * np.abs(shares).max())
+        indices = np.flatnonzero(np.abs(shares) >= IDENTIFIABILITY.named_share * np.abs(shares).max())
         indices = indices[np.argsort(-np.abs(shares[indices]), kind="stable")]
         macros = tuple(parameterisation.macros[i] for i in indices)
         error = None if covariance is None else float(np.sqrt(shares @ covariance @ shares))
@@ -165,11 +163,11 @@ def _varimax(directions: FloatArray) -> FloatArray:
     if k < 2:
         return directions
     rotation = np.eye(k)
-    for _ in range(TURNS):
+    for _ in range(IDENTIFIABILITY.max_rotations):
         rotated = directions @ rotation
         u, _, vh = np.linalg.svd(directions.T @ (rotated**3 - rotated * (rotated**2).sum(axis=0) / n))
         next_rotation = u @ vh
-        if np.abs(next_rotation - rotation).max() < HIDDEN:
+        if np.abs(next_rotation - rotation).max() < IDENTIFIABILITY.null_share:
             break
         rotation = next_rotation
     return np.asarray(directions @ rotation)

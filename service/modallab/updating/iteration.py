@@ -10,10 +10,8 @@ from modallab.core.errors import DivergedError, UnderdeterminedError
 from modallab.core.progress import Progress, silent
 from modallab.updating.modal_residuals import ModalResiduals, ModelState
 from modallab.updating.parameterisation import MacroElement, Parameterisation
+from modallab.updating.settings import ITERATION
 from modallab.updating.solve import ParameterStep, at_bounds, bounded_step
-
-ASTRAY = 10.0  # times the differences at the start: beyond, the linear equations say nothing
-ROUNDING = 1e-6  # balanced differences below this are what eigenvalues of a good model scatter by
 
 
 @dataclass(frozen=True, eq=False)
@@ -148,7 +146,9 @@ def _next_state(
         next_state = residuals.state(coefficients)
     except (UnderdeterminedError, np.linalg.LinAlgError) as error:
         raise DivergedError(str(error)) from error
-    if not next_state.distance < ASTRAY * max(initial_distance, ROUNDING):
+    if not next_state.distance < ITERATION.divergence_factor * max(
+        initial_distance, ITERATION.rounding_difference
+    ):
         raise DivergedError("the model moved away from the measurement")
     return next_state
 

@@ -6,9 +6,7 @@ import numpy as np
 
 from modallab.core.arrays import FloatArray, frozen
 from modallab.updating.parameterisation import MacroElement, Parameterisation
-
-NOTICEABLE = 0.02  # a coefficient's move that is more than what location_tolerance leaves open
-NOTICEABLE_LOSS = 0.002  # the same of loss factors: as much less as their threshold is lower
+from modallab.updating.settings import LOCATION
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,7 +22,10 @@ class Suspicion:
 
 
 def suspect_members(
-    parameterisation: Parameterisation, values: FloatArray, threshold: float, damping_threshold: float = 0.008
+    parameterisation: Parameterisation,
+    values: FloatArray,
+    threshold: float,
+    damping_threshold: float = LOCATION.damping_threshold,
 ) -> Suspicion | None:
     """Return the members of every macro element whose coefficient moved beyond the threshold, if any.
 
@@ -42,8 +43,8 @@ def suspect_members(
     damping = parameterisation.damping
     thresholds = np.where(
         damping,
-        _effective_threshold(change[damping], damping_threshold, NOTICEABLE_LOSS),
-        _effective_threshold(change[~damping], threshold, NOTICEABLE),
+        _effective_threshold(change[damping], damping_threshold, LOCATION.noticeable_loss_factor),
+        _effective_threshold(change[~damping], threshold, LOCATION.noticeable_change),
     )
     macros: list[MacroElement] = []
     start: list[float] = []

@@ -16,15 +16,8 @@ from modallab.fe.structure import Structure
 from modallab.updating.corrected_model import CorrectedModel
 from modallab.updating.parameterisation import Parameterisation, check_no_loss_factors
 from modallab.updating.sensitivity import derivatives
+from modallab.updating.settings import PAIRING
 from modallab.updating.target import TargetModes
-
-REACH = 2.0  # modes of the model up to this multiple of the highest measured frequency may pair
-# MAC that a frequency e times too high or too low counts for: where few sensors show modes alike, as those of
-# one symmetry, the nearer one pairs.
-NEARER = 1e-3
-# Damping couples a mode with all above it: of a large model those up to this multiple are solved for. What
-# the others would add moves a coefficient by 1e-4 where members lose 0.05, and by 0.004 where they lose 0.3.
-DAMPED_REACH = 8.0
 
 
 class Balance(StrEnum):
@@ -135,12 +128,12 @@ class ModalResiduals:
         """
         target = self.target
         basis = self._modes(values)
-        candidates = np.flatnonzero(basis.frequencies <= REACH * target.frequencies.max())
+        candidates = np.flatnonzero(basis.frequencies <= PAIRING.frequency_range * target.frequencies.max())
         candidates = candidates[candidates >= basis.n_rigid_body]
         shapes = self._sensors.T @ basis.shapes
         table = self._mac(shapes[:, candidates])
         log_frequency_ratio = np.abs(np.log(basis.frequencies[candidates] / target.frequencies[:, None]))
-        partner = dict(pair_modes(table - NEARER * log_frequency_ratio, self.min_mac))
+        partner = dict(pair_modes(table - PAIRING.frequency_penalty * log_frequency_ratio, self.min_mac))
         unpaired = [r for r in range(len(target.squares)) if r not in partner]
         if unpaired:
             raise UnderdeterminedError(
@@ -218,7 +211,7 @@ class ModalResiduals:
     def _modes(self, values: FloatArray) -> ModalBasis:
         system = self.model.system(values)
         all_modes = len(system.dofs) < EIGENSOLUTION.dense_dofs
-        reach = DAMPED_REACH if self.target.damped else REACH
+        reach = PAIRING.damped_frequency_range if self.target.damped else PAIRING.frequency_range
         limit = np.inf if all_modes else reach * float(self.target.frequencies.max())
         damping = system.damping if self.target.damped else None
         basis = modal_basis(

@@ -8,8 +8,6 @@ from modallab.core.arrays import FloatArray
 from modallab.core.errors import DivergedError, UnderdeterminedError
 from modallab.core.progress import Progress, silent
 from modallab.updating.iteration import (
-    ASTRAY,
-    ROUNDING,
     Iteration,
     IterationPath,
     StopReason,
@@ -19,14 +17,10 @@ from modallab.updating.iteration import (
 from modallab.updating.log_coefficients import from_log_changes, log_changes, log_derivatives
 from modallab.updating.modal_residuals import ModalResiduals, ModelState
 from modallab.updating.parameterisation import Parameterisation
+from modallab.updating.settings import ITERATION, ONE_STAGE
 from modallab.updating.solve import ParameterStep, balanced_step
 from modallab.updating.sparse_bayes import Equations, Posterior, Prior, sparse_bayes
 from modallab.updating.weights import Weights
-
-DOUBLED = float(np.log(2.0))  # a coefficient doubles or halves in one step, at most
-SHORTER, TRIES = 1 / 3, 6  # a step after which the model makes no sense is shortened so often
-START = 0.1  # variance from which the widths are looked for: coefficients wrong by a third
-BOUNDS_APART = 4.0  # standard deviations of a prior between the bounds of a coefficient
 
 
 @dataclass(frozen=True)
@@ -110,10 +104,10 @@ def initial_posterior(parameterisation: Parameterisation, floors: FloatArray, pr
         (n_blocks,) least standard deviation of the rows of each block.
     """
     n = len(parameterisation.macros)
-    prior_variances = np.full(n, START)
+    prior_variances = np.full(n, ONE_STAGE.initial_variance)
     if prior is Prior.RANGE:
         lower, upper = (log_changes(parameterisation, bound) for bound in parameterisation.bounds)
-        prior_variances = ((upper - lower) / BOUNDS_APART) ** 2
+        prior_variances = ((upper - lower) / ONE_STAGE.bound_range_deviations) ** 2
     return Posterior(np.zeros(n), np.diag(prior_variances), prior_variances, floors**2)
 
 
@@ -157,9 +151,13 @@ def _damped_step(
 ) -> tuple[ModelState, bool]:
     """Return the model a step nearer to what is wanted, and whether it is there."""
     current_changes = log_changes(model.parameterisation, state.values)
-    fraction = min(1.0, DOUBLED / max(float(np.abs(target_changes - current_changes).max()), DOUBLED))
+    fraction = min(
+        1.0,
+        ONE_STAGE.max_log_change
+        / max(float(np.abs(target_changes - current_changes).max()), ONE_STAGE.max_log_change),
+    )
     explanation = "the model moved away from the measurement"
-    for _ in range(TRIES):
+    for _ in range(ONE_STAGE.max_reductions):
         step_changes = (
             target_changes
             if fraction == 1.0
@@ -167,11 +165,13 @@ def _damped_step(
         )
         try:
             next_state = model.state(from_log_changes(model.parameterisation, step_changes))
-            if next_state.distance < ASTRAY * max(initial_distance, ROUNDING):
+            if next_state.distance < ITERATION.divergence_factor * max(
+                initial_distance, ITERATION.rounding_difference
+            ):
                 return next_state, fraction == 1.0
         except (UnderdeterminedError, np.linalg.LinAlgError) as error:
             explanation = str(error)
-        fraction *= SHORTER
+        fraction *= ONE_STAGE.step_reduction
     raise DivergedError(explanation)
 
 

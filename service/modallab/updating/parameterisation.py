@@ -13,9 +13,7 @@ from modallab.fe.structure import Structure
 from modallab.updating.nodal_elements import check_nodal_values, nodal_values
 from modallab.updating.part import Part as Part
 from modallab.updating.part import check_part_overlap
-
-# Loss factors that may be added: on the way to a solution some pass below zero, and none is far above 1.
-LOSS_FACTORS = (-1.0, 2.0)
+from modallab.updating.settings import COEFFICIENTS
 
 
 @dataclass(frozen=True)
@@ -46,8 +44,8 @@ class Parameterisation:
     """
 
     macros: tuple[MacroElement, ...]
-    lower: float = 0.05
-    upper: float = 10.0
+    lower: float = COEFFICIENTS.lower
+    upper: float = COEFFICIENTS.upper
 
     def __post_init__(self) -> None:
         if not self.macros:
@@ -87,7 +85,7 @@ class Parameterisation:
     @property
     def bounds(self) -> tuple[FloatArray, FloatArray]:
         """(n_macros,) each: lower and upper bound of every coefficient."""
-        least, most = LOSS_FACTORS
+        least, most = COEFFICIENTS.loss_factor_bounds
         return np.where(self.damping, least, self.lower), np.where(self.damping, most, self.upper)
 
     def groups(self, structure: Structure) -> FloatArray:
@@ -117,8 +115,8 @@ def parameterise(
     groups: Iterable[Sequence[int]],
     parts: Sequence[str] = (Part.MASS, Part.STIFFNESS),
     *,
-    lower: float = 0.05,
-    upper: float = 10.0,
+    lower: float = COEFFICIENTS.lower,
+    upper: float = COEFFICIENTS.upper,
     nodal: tuple[MacroElement, ...] = (),
 ) -> Parameterisation:
     """Return one macro element for every group of members and every part, and what else there is.

@@ -7,15 +7,13 @@ from scipy.sparse import csr_array
 
 from modallab.core.arrays import FloatArray
 from modallab.core.errors import InvalidInputError
+from modallab.core.numerics import COMPARISON_ROUNDING
 from modallab.fe.members import AnyMember, MatrixElement, Member
 from modallab.fe.structure import Structure
 from modallab.updating.graph_parts import graph_parts
+from modallab.updating.partition_settings import PARTITION
 
 Groups = tuple[tuple[int, ...], ...]
-
-RUN_LENGTH = 4  # members in an automatic macro element of a small structure, at most
-MOST_RUNS = 60  # runs beyond which parts of the structure take their place: more than modes can tell apart
-UNLIKE = 0.1  # share of its weight that joins members of other section, thickness or material
 
 
 def automatic_groups(structure: Structure) -> Groups:
@@ -28,8 +26,8 @@ def automatic_groups(structure: Structure) -> Groups:
     parts as of `partitioned` take their place.
     """
     named_members, runs = tuple(structure.groups.values()), _runs(structure)
-    if len(runs) > MOST_RUNS:
-        runs = _connected_parts([m for m in structure.all_members if not m.group], MOST_RUNS)
+    if len(runs) > PARTITION.max_runs:
+        runs = _connected_parts([m for m in structure.all_members if not m.group], PARTITION.max_runs)
     return (*named_members, *runs)
 
 
@@ -59,7 +57,7 @@ def partitioned(structure: Structure, count: int | None = None) -> Groups:
     """
     members = structure.all_members
     if count is None:
-        count = min(-(-len(members) // RUN_LENGTH), MOST_RUNS)
+        count = min(-(-len(members) // PARTITION.run_length), PARTITION.max_runs)
     if not 1 <= count <= len(members):
         raise InvalidInputError(
             f"{len(members)} members make no {count} macro elements",
@@ -111,7 +109,9 @@ def _member_graph(members: Sequence[AnyMember]) -> csr_array:
     kind = np.array(
         [kinds.setdefault(member.group or _property_key(member), len(kinds)) for member in members]
     )
-    similarity = np.where(kind[common_nodes.row] == kind[common_nodes.col], 1.0, UNLIKE)
+    similarity = np.where(
+        kind[common_nodes.row] == kind[common_nodes.col], 1.0, PARTITION.dissimilarity_weight
+    )
     off_diagonal = common_nodes.row != common_nodes.col
     weights = (common_nodes.data**2 * similarity)[off_diagonal]
     return csr_array(
@@ -160,7 +160,7 @@ def _runs(structure: Structure) -> Groups:
         else:
             runs.append([member])
         previous_member = member
-    pieces = (np.array_split([m.number for m in run], -(-len(run) // RUN_LENGTH)) for run in runs)
+    pieces = (np.array_split([m.number for m in run], -(-len(run) // PARTITION.run_length)) for run in runs)
     return tuple(tuple(int(number) for number in piece) for run in pieces for piece in run)
 
 
@@ -169,4 +169,4 @@ def _aligned(structure: Structure, first: Member, second: Member) -> bool:
         start, end = (np.array(structure.nodes[n]) for n in member.nodes)
         return np.asarray((end - start) / structure.length(member))
 
-    return bool(abs(abs(direction(first) @ direction(second)) - 1.0) < 1e-9)
+    return bool(abs(abs(direction(first) @ direction(second)) - 1.0) < COMPARISON_ROUNDING)

@@ -6,6 +6,7 @@ import numpy as np
 
 from modallab.core.arrays import FloatArray, frozen
 from modallab.updating.parameterisation import MacroElement
+from modallab.updating.settings import ENSEMBLE
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,4 +36,6 @@ class PosteriorSample:
     @property
     def intervals(self) -> FloatArray:
         """(n_free, 2) between which 95 % of the draws lie."""
-        return np.asarray(np.quantile(self.draws, (0.025, 0.975), axis=0).T)
+        return np.asarray(
+            np.quantile(self.draws, (ENSEMBLE.interval_tail, 1 - ENSEMBLE.interval_tail), axis=0).T
+        )

@@ -3,6 +3,7 @@
 from dataclasses import dataclass
 
 from modallab.core.arrays import FloatArray
+from modallab.core.numerics import COMPARISON_ROUNDING
 from modallab.fe.members import AnyMember, MatrixElement
 from modallab.fe.section_size import size
 from modallab.fe.structure import Structure
@@ -25,7 +26,6 @@ UNITS = {
     Part.GROUND_SPRING_RZ: "N m/rad",
     Part.JOINT_STIFFNESS: "N m/rad",
 }
-ALIKE = 1e-9  # relative difference of members that share a value but for rounding
 
 
 @dataclass(frozen=True)
@@ -82,9 +82,9 @@ def _common_value(structure: Structure, members: tuple[int, ...], part: Part) ->
     else:
         values = [_property_value(structure.member(number), part) for number in members]
     finite_values = [value for value in values if value is not None]
-    if len(finite_values) < len(values) or max(finite_values) - min(finite_values) > ALIKE * max(
+    if len(finite_values) < len(values) or max(finite_values) - min(
         finite_values
-    ):
+    ) > COMPARISON_ROUNDING * max(finite_values):
         return None
     return finite_values[0]
 
@@ -100,6 +100,6 @@ def _property_value(member: AnyMember, part: Part) -> float | None:
     axial_factor, bending_factor = member.axial_factor, member.bending_factor
     return (
         member.material.modulus * axial_factor
-        if abs(axial_factor - bending_factor) <= ALIKE * axial_factor
+        if abs(axial_factor - bending_factor) <= COMPARISON_ROUNDING * axial_factor
         else None
     )

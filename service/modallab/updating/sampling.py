@@ -12,10 +12,7 @@ from modallab.updating.log_coefficients import from_log_changes, log_changes
 from modallab.updating.modal_residuals import ModalResiduals
 from modallab.updating.one_stage_path import OneStagePath
 from modallab.updating.posterior import PosteriorSample
-
-FEWEST_WALKERS = 16
-WALKERS = 2.5  # a coefficient: the ensemble needs more than two to span all directions
-SETTLING = 0.25  # of the draws that are kept, so many are made before: the start is a straight line's
+from modallab.updating.settings import ENSEMBLE
 
 
 def require_sampler() -> Any:
@@ -73,13 +70,14 @@ def sample(
         )
     log_density = _log_posterior(fit, stage_path, free)
     rng = np.random.default_rng(seed)
-    n_chains = 2 * -(-max(FEWEST_WALKERS, int(WALKERS * len(free))) // 2)
+    n_chains = 2 * -(-max(ENSEMBLE.min_chains, int(ENSEMBLE.chains_per_coefficient * len(free))) // 2)
     initial_chains = _initial_chains(fit, stage_path, free, n_chains, rng)
-    moves = [(emcee.moves.DEMove(), 0.8), (emcee.moves.DESnookerMove(), 0.2)]
+    differential = ENSEMBLE.differential_move_fraction
+    moves = [(emcee.moves.DEMove(), differential), (emcee.moves.DESnookerMove(), 1 - differential)]
     sampler = emcee.EnsembleSampler(n_chains, len(free), log_density, moves=moves)
     state = emcee.State(initial_chains, random_state=np.random.RandomState(rng.integers(2**32)).get_state())
     n_steps = -(-n_draws // n_chains)
-    n_burn_in = int(SETTLING * n_steps) + 1
+    n_burn_in = int(ENSEMBLE.burn_in_fraction * n_steps) + 1
     for i, _ in enumerate(
         sampler.sample(state, iterations=n_burn_in + n_steps, skip_initial_state_check=True)
     ):

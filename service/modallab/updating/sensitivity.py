@@ -7,12 +7,11 @@ from itertools import pairwise
 import numpy as np
 
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray
+from modallab.core.numerics import COMPARISON_ROUNDING
 from modallab.fe.assembly import Assembly, Coefficients
 from modallab.fe.modes import ModalBasis
 from modallab.updating.parameterisation import Parameterisation, Part
 from modallab.updating.truncation import HigherModes, higher_modes_at, truncation_bound
-
-REPEATED = 1e-9  # relative distance of eigenvalues below which their shapes have no derivative
 
 
 @dataclass(frozen=True, eq=False)
@@ -180,7 +179,7 @@ def derivatives(
     """
     squares = basis.eigenvalues
     eigenvalues = squares[modes]
-    is_same_subspace = np.abs(eigenvalues - squares[:, None]) <= REPEATED * np.abs(eigenvalues)
+    is_same_subspace = np.abs(eigenvalues - squares[:, None]) <= COMPARISON_ROUNDING * np.abs(eigenvalues)
     for plane in planes:
         is_same_subspace[np.ix_(modes[plane], plane)] = True
     subspace = _subspace_derivatives(basis, modes, sensors, parts, is_same_subspace, mass_loss, higher_modes)

@@ -3,12 +3,10 @@
 import numpy as np
 
 from modallab.core.arrays import BoolArray, FloatArray
-from modallab.updating.location import NOTICEABLE, NOTICEABLE_LOSS
 from modallab.updating.log_coefficients import log_changes, log_derivatives
 from modallab.updating.parameterisation import Parameterisation, by_member
+from modallab.updating.settings import LOCATION, SIGNIFICANCE
 from modallab.updating.sparse_bayes import Posterior
-
-CLEAR = 3.0  # standard errors from no change at which a coefficient is suspected
 
 
 def standard_errors(
@@ -30,9 +28,11 @@ def suspected(
 ) -> dict[str, tuple[int, ...]]:
     """Return members by part whose coefficients (n_params,) moved noticeably, and by more than chance."""
     distance = np.abs(values - parameterisation.nominal)
-    is_noticeable: BoolArray = distance > np.where(parameterisation.damping, NOTICEABLE_LOSS, NOTICEABLE)
+    is_noticeable: BoolArray = distance > np.where(
+        parameterisation.damping, LOCATION.noticeable_loss_factor, LOCATION.noticeable_change
+    )
     log_change = np.abs(log_changes(parameterisation, values))
-    is_significant = is_noticeable & (log_change > CLEAR * posterior.errors)
+    is_significant = is_noticeable & (log_change > SIGNIFICANCE.min_deviations * posterior.errors)
     suspects = [
         macro
         for macro, significant in zip(parameterisation.macros, is_significant, strict=True)

@@ -5,8 +5,8 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from modallab.core.arrays import BoolArray, FloatArray
-
-CLOSE = 1e-9  # a coefficient this near its bound, relative, sits on it but for rounding
+from modallab.core.numerics import COMPARISON_ROUNDING
+from modallab.updating.settings import ITERATION
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,7 +28,7 @@ class ParameterStep:
 
 
 def balanced_step(
-    sensitivity: FloatArray, difference: FloatArray, size: FloatArray, *, jump: float = 1e3
+    sensitivity: FloatArray, difference: FloatArray, size: FloatArray, *, jump: float = ITERATION.rank_jump
 ) -> ParameterStep:
     """Return the dp that solves S dp = delta by SVD, each row divided by its own `size` first.
 
@@ -62,7 +62,7 @@ def bounded_step(
     bounds: tuple[FloatArray | float, FloatArray | float],
     *,
     max_step: float,
-    jump: float = 1e3,
+    jump: float = ITERATION.rank_jump,
 ) -> ParameterStep:
     """Return the step that solves S dp = delta with no parameter leaving its bounds or going far.
 
@@ -101,4 +101,6 @@ def at_bounds(
 ) -> tuple[BoolArray, BoolArray]:
     """Return which parameters sit on their lower and which on their upper bound, (n_params,) each."""
     lower, upper = bounds
-    return values <= lower + CLOSE * np.abs(lower), values >= upper - CLOSE * np.abs(upper)
+    return values <= lower + COMPARISON_ROUNDING * np.abs(
+        lower
+    ), values >= upper - COMPARISON_ROUNDING * np.abs(upper)

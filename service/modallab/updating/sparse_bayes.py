@@ -6,12 +6,7 @@ from enum import StrEnum
 import numpy as np
 
 from modallab.core.arrays import BoolArray, FloatArray, IntArray
-
-ROUNDS = 100  # of widths and scales in turn: what then still moves moves a mean by less than its error
-SETTLED = 1e-3  # relative change of every width and scale that ends the rounds
-GONE = 1e-5  # share of a coefficient that data determine against its prior, below which it is left out
-REVIVED = 1e-6  # width^2 with which one that was left out has another chance at the next linear equations
-FEWEST = 0.2  # share of a block's rows that count as spare however many coefficients they determine
+from modallab.updating.settings import SPARSE_BAYES
 
 
 class Prior(StrEnum):
@@ -80,16 +75,16 @@ def sparse_bayes(
     """
     least_variances = equations.floors**2
     prior_variances, block_variances = (
-        np.maximum(prior_variances, REVIVED),
+        np.maximum(prior_variances, SPARSE_BAYES.revived_variance),
         np.maximum(block_variances, least_variances),
     )
-    for _ in range(ROUNDS):
+    for _ in range(SPARSE_BAYES.max_rounds):
         estimate = _posterior_mean(equations, prior_variances, block_variances)
         previous = np.concatenate([prior_variances, block_variances])
         block_variances = np.maximum(_block_variances(equations, estimate), least_variances)
         prior_variances = _prior_variances(prior, prior_variances, estimate)
         current = np.concatenate([prior_variances, block_variances])
-        if (np.abs(current - previous) <= SETTLED * previous).all():
+        if (np.abs(current - previous) <= SPARSE_BAYES.tolerance * previous).all():
             break
     mean = _posterior_mean(equations, prior_variances, block_variances).mean
     return Posterior(
@@ -184,7 +179,8 @@ def _block_variances(equations: Equations, estimate: _PosteriorMean) -> FloatArr
         np.bincount(equations.block, estimate.leverage, n),
     )
     return np.asarray(
-        np.bincount(equations.block, squared_residual, n) / np.maximum(count - degrees_used, FEWEST * count)
+        np.bincount(equations.block, squared_residual, n)
+        / np.maximum(count - degrees_used, SPARSE_BAYES.min_residual_freedom * count)
     )
 
 
@@ -193,8 +189,13 @@ def _prior_variances(prior: Prior, prior_variances: FloatArray, estimate: _Poste
         return prior_variances
     mean, determination = estimate.mean, estimate.determination
     if prior is Prior.COMMON:
-        common = (mean**2).sum() / max(float(determination.sum()), GONE)
-        return np.full(len(determination), max(common, REVIVED))
+        common = (mean**2).sum() / max(float(determination.sum()), SPARSE_BAYES.min_determination)
+        return np.full(len(determination), max(common, SPARSE_BAYES.revived_variance))
     return np.asarray(
-        np.divide(mean**2, determination, out=np.zeros_like(determination), where=determination > GONE)
+        np.divide(
+            mean**2,
+            determination,
+            out=np.zeros_like(determination),
+            where=determination > SPARSE_BAYES.min_determination,
+        )
     )

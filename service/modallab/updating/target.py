@@ -8,9 +8,7 @@ from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray, 
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.modal_model import ModalModel
-
-ONE = 1e-4  # relative distance of frequencies that are one: shapes there are any of their plane
-COMPLEX = 0.1  # share of a shape that is out of phase with the rest of it: beyond, no real mode stands for it
+from modallab.updating.settings import PAIRING
 
 
 @dataclass(frozen=True, eq=False)
@@ -65,7 +63,7 @@ class TargetModes:
     def repeated_modes(self) -> tuple[IntArray, ...]:
         """Modes, two and more, that no measured number tells apart: their shapes are any of one plane."""
         order = np.argsort(self.squares.real)
-        squares, tolerance = self.squares.real[order], np.full(len(order), 2 * ONE)
+        squares, tolerance = self.squares.real[order], np.full(len(order), 2 * PAIRING.repeated_frequency_gap)
         if self.errors is not None:
             tolerance = np.hypot(tolerance, 2 * self.errors[: len(order)][order])  # relative too
         ends = np.flatnonzero(np.diff(squares) > np.maximum(tolerance[1:], tolerance[:-1]) * squares[1:]) + 1
@@ -98,13 +96,13 @@ def real_modes(target: ModalModel) -> TargetModes:
             "a shape is zero", field="shapes", value=int(zero_shapes[0]) + 1, allowed="motion"
         )
     share = _imaginary_share(target)
-    if (share > COMPLEX).any():
+    if (share > PAIRING.max_imaginary_share).any():
         worst = int(share.argmax())
         raise InvalidInputError(
             f"measured mode {worst + 1} is complex: {share[worst]:.0%} of it moves out of phase",
             field="modes",
             value=worst + 1,
-            allowed=f"up to {COMPLEX:.0%}: the method is one of real modes",
+            allowed=f"up to {PAIRING.max_imaginary_share:.0%}: the method is one of real modes",
         )
     return TargetModes(
         squares=(2 * np.pi * target.frequencies) ** 2,

@@ -7,9 +7,8 @@ import numpy as np
 
 from modallab.core.arrays import FloatArray, IntArray
 from modallab.core.errors import InvalidInputError
+from modallab.core.numerics import SUM_ROUNDING
 from modallab.fe.modes import ModalBasis
-
-ROUNDING = 1e-14  # of what modes above add, that an exact series leaves out
 
 
 class HigherModes(StrEnum):
@@ -56,7 +55,7 @@ def higher_modes_at(
     yield columns, factor
     previous, scale = columns, _highest_eigenvalue(basis) + remainder.shift
     columns = 2 * scale * remainder.static(remainder.mass @ columns) - columns
-    terms = int(np.ceil(np.log(ROUNDING) / np.log(decay.max())))
+    terms = int(np.ceil(np.log(SUM_ROUNDING) / np.log(decay.max())))
     for _ in range(terms):
         factor = factor * decay
         yield columns, 2 * factor

@@ -6,12 +6,8 @@ import numpy as np
 
 from modallab.core.arrays import FloatArray, IntArray
 from modallab.updating.modal_residuals import ModalResiduals, ModelState
+from modallab.updating.settings import WEIGHTS
 from modallab.updating.target import TargetModes
-
-EXACT = 1e-7  # of a row's size: what eigenvalues of a good model scatter by, however well they were measured
-MISSED = 3.0  # times its stated errors: a mode that the model misses by more is told
-MISSED_UNSTATED = 0.02  # the same of eigenvalues of which no error is stated
-SHAPES_WORSE = 10.0  # times the relative error of an eigenvalue that shapes have, where nobody says
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,13 +29,15 @@ class Weights:
         size = np.sqrt((np.abs(target.shapes) ** 2).mean(axis=0))
         sizes = np.concatenate([np.ones(n_modes), np.tile(size, n_dofs)])
         block, n_components = np.tile(np.arange(n_modes), 1 + n_dofs), 2 if target.damped else 1
-        default_units = np.where(np.arange(len(sizes)) < n_modes, 1.0, SHAPES_WORSE) * sizes
+        default_units = np.where(np.arange(len(sizes)) < n_modes, 1.0, WEIGHTS.shape_error_ratio) * sizes
         sizes, default_units, block = (
             np.tile(array, n_components) for array in (sizes, default_units, block)
         )
         if target.errors is None:
-            return cls(default_units, block, np.full(n_modes, EXACT), False)
-        return cls(np.maximum(target.errors, EXACT * sizes), block, np.ones(n_modes), True)
+            return cls(default_units, block, np.full(n_modes, WEIGHTS.min_relative_error), False)
+        return cls(
+            np.maximum(target.errors, WEIGHTS.min_relative_error * sizes), block, np.ones(n_modes), True
+        )
 
     def rows(self, fit: ModalResiduals, state: ModelState) -> tuple[FloatArray, FloatArray]:
         """Return derivatives (n_rows, n_params) and what the model misses (n_rows,), in these units."""
@@ -54,7 +52,10 @@ class Weights:
         block_variances
             (n_blocks,) mean square of their rows.
         """
-        outliers = np.flatnonzero(np.sqrt(block_variances) > (MISSED if self.stated else MISSED_UNSTATED))
+        outliers = np.flatnonzero(
+            np.sqrt(block_variances)
+            > (WEIGHTS.max_deviations if self.stated else WEIGHTS.max_unstated_misfit)
+        )
         if not outliers.size:
             return ""
         modes = ", ".join(str(mode + 1) for mode in outliers)

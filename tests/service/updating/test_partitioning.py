@@ -12,7 +12,8 @@ from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.members import Material
 from modallab.fe.plate import plate
 from modallab.fe.structure import Section, Structure
-from modallab.updating.partitioning import MOST_RUNS, automatic_groups, partitioned, property_groups
+from modallab.updating.partition_settings import PARTITION
+from modallab.updating.partitioning import automatic_groups, partitioned, property_groups
 
 BEAM, BAY = STRUCTURES["chapter-5-beam"](), STRUCTURES["bay"]()
 STEEL = Material(2.09e11, 7800.0)
@@ -86,7 +87,7 @@ def test_a_plate_of_thousands_is_cut_into_compact_parts() -> None:
 
 def test_a_large_structure_has_no_more_macro_elements_than_modes_can_tell_apart() -> None:
     parts = automatic_groups(SHEET)
-    assert len(parts) == MOST_RUNS
+    assert len(parts) == PARTITION.max_runs
     assert 30 <= min(map(len, parts)) <= max(map(len, parts)) <= 50
 
 

@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 
 from modallab.fe.synthetic_modes import ModeNoise
+from modallab.updating.settings import WEIGHTS
 from modallab.updating.target import real_modes
-from modallab.updating.weights import EXACT, SHAPES_WORSE, Weights
+from modallab.updating.weights import Weights
 from tests.service.updating.cases import BEAM, BEAM_DOFS, modes_of
 
 NOISE = ModeNoise(eigenvalue=0.005, eigenvector=0.05)
@@ -27,7 +28,7 @@ def test_a_number_that_is_stated_as_exact_counts_as_exact_as_a_model_can_be() ->
     weights = Weights.of(target)
     assert (weights.units > 0).all()
     size = np.sqrt((target.shapes**2).mean(axis=0))
-    np.testing.assert_allclose(weights.units[4:8], EXACT * size)
+    np.testing.assert_allclose(weights.units[4:8], WEIGHTS.min_relative_error * size)
 
 
 def test_without_errors_shapes_count_less_whatever_their_scale() -> None:
@@ -37,7 +38,7 @@ def test_without_errors_shapes_count_less_whatever_their_scale() -> None:
         weights = Weights.of(target)
         np.testing.assert_array_equal(weights.units[:4], 1.0)
         relative = weights.units[4:].reshape(-1, 4) / np.sqrt((target.shapes**2).mean(axis=0))
-        np.testing.assert_allclose(relative, SHAPES_WORSE)
+        np.testing.assert_allclose(relative, WEIGHTS.shape_error_ratio)
 
 
 def test_an_eigenvalue_is_in_one_block_with_its_shape() -> None:

@@ -18,8 +18,9 @@ from modallab.rig.exact import as_modelled
 from modallab.store.base import Entry
 from modallab.store.plain import to_plain
 from modallab.updating.method import SAMPLING
-from modallab.updating.studies.plan import MOST_RUNS, NOISE_LEVELS, Division, Level, StudyPlan, check_method
+from modallab.updating.studies.plan import NOISE_LEVELS, Division, Level, StudyPlan, check_method
 from modallab.updating.studies.run import StudyUpdate
+from modallab.updating.studies.settings import STUDY
 from modallab.updating.studies.study import Study, StudyCell
 from modallab.updating.studies.truth import true_coefficients
 
@@ -61,7 +62,9 @@ class StudyStart(Wire):
     divisions: Annotated[dict[Text, Macros], Field(min_length=1, max_length=50)] = Field(
         default={"each": "each"}, description="macro elements by a name: as `macros` of an update"
     )
-    seeds: Annotated[list[Seed], Field(min_length=1, max_length=MOST_RUNS)] = Field(default=list(range(10)))
+    seeds: Annotated[list[Seed], Field(min_length=1, max_length=STUDY.max_runs)] = Field(
+        default=list(range(10))
+    )
     count: ModeCount = Field(default=10, description="modes that are measured")
     dofs: Dofs
     parts: Parts = None

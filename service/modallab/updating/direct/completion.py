@@ -13,11 +13,8 @@ from modallab.fe.expansion import FLAG, expand
 from modallab.fe.reduction import REDUCTIONS, pencil_modes, reduce, reduction_of
 from modallab.fe.system import DynamicSystem
 from modallab.updating.direct.method import EXPANSION, DirectOptions, DirectProblem, Elements
+from modallab.updating.direct.settings import DIRECT_UPDATING
 from modallab.updating.target import real_modes
-
-MOST = 1500  # DoFs, of full matrices of which four are kept: 72 MB
-# of the lowest measured omega^2: what moves more slowly is a rigid body but for rounding, and no partner
-RIGID = 1e-4
 
 
 @dataclass(frozen=True, eq=False)
@@ -44,7 +41,7 @@ class CompletedModel:
         """
         model_squares, model_shapes = pencil_modes(self.mass, self.stiffness)
         squares, shapes = self.squares[:n_modes], self.shapes[:, :n_modes]
-        n_rigid_body = int((model_squares <= RIGID * squares.min()).sum())
+        n_rigid_body = int((model_squares <= DIRECT_UPDATING.rigid_body_ratio * squares.min()).sum())
         candidates = np.arange(n_rigid_body, len(model_squares))
         table = mac(shapes, model_shapes[:, candidates])
         partner = dict(pair_modes(table, 0.0))
@@ -142,12 +139,13 @@ def _full_matrices(system: DynamicSystem) -> tuple[FloatArray, FloatArray, BoolA
             value=EXPANSION,
             allowed=", ".join(REDUCTIONS),
         )
-    if n > MOST:
+    if n > DIRECT_UPDATING.max_dofs:
         raise InvalidInputError(
             "too many degrees of freedom for full matrices",
             field="completion",
             value=n,
-            allowed=f"<= {MOST}; reduce the model to measured ones: {', '.join(REDUCTIONS)}",
+            allowed=f"<= {DIRECT_UPDATING.max_dofs}; "
+            f"reduce the model to measured ones: {', '.join(REDUCTIONS)}",
         )
     pattern = np.zeros((n, n), bool)
     for matrix in (folded.mass, folded.stiffness):

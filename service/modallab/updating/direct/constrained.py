@@ -4,8 +4,7 @@ import numpy as np
 
 from modallab.core.arrays import FloatArray
 from modallab.core.errors import UnderdeterminedError
-
-ALIKE = 1e10  # condition of the modal mass beyond which shapes tell nothing of one another
+from modallab.updating.direct.settings import DIRECT_UPDATING
 
 
 def modal_mass(shapes: FloatArray, mass: FloatArray) -> FloatArray:
@@ -26,7 +25,7 @@ def modal_mass(shapes: FloatArray, mass: FloatArray) -> FloatArray:
     product = shapes.T @ mass @ shapes
     product = (product + product.T) / 2
     values = np.linalg.eigvalsh(product)
-    if not values[0] * ALIKE > values[-1]:
+    if not values[0] * DIRECT_UPDATING.max_condition > values[-1]:
         raise UnderdeterminedError(
             f"the {len(values)} measured shapes are not independent of one another",
             field="modes",

@@ -5,8 +5,7 @@ from dataclasses import dataclass, field
 
 from modallab.core.arrays import FloatArray, frozen
 from modallab.core.dof import Dof
-
-REPRODUCED = 1e-6  # of a frequency, or below 1 of a MAC: what leaves more has not the measured modes
+from modallab.updating.direct.settings import DIRECT_UPDATING
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,7 +78,7 @@ class DirectResult:
     @property
     def converged(self) -> bool:
         """True if there is an updated model and it has the measured modes."""
-        return self.reproduced is not None and self.reproduced < REPRODUCED
+        return self.reproduced is not None and self.reproduced < DIRECT_UPDATING.reproduction_error
 
     @property
     def corrects(self) -> bool:

@@ -9,9 +9,6 @@ from modallab.core.progress import Progress, part, silent
 from modallab.updating.iteration import Iteration, StopReason, bound_note, check_sensitivity
 from modallab.updating.log_coefficients import from_log_changes, log_changes
 from modallab.updating.one_stage_path import (
-    DOUBLED,
-    SHORTER,
-    TRIES,
     OneStageRule,
     bounded_mean,
     initial_posterior,
@@ -27,18 +24,9 @@ from modallab.updating.responses.rows import (
     model_error_share,
     reconstruction_rows,
 )
+from modallab.updating.responses.settings import RESPONSE_PATH
+from modallab.updating.settings import ONE_STAGE
 from modallab.updating.sparse_bayes import Equations, Posterior
-
-# Times the share that a model must be wrong by to miss what it does, that it is taken to be wrong by, and
-# steps so at most: the second path is the more careful one.
-PATHS = ((1.0, 12), (3.0, 30))
-RIGHT = 1e-5  # share of its stiffness that a model may be wrong by where log ratios take over
-BEGINNING = 4_000  # real numbers that are looked at while the model is far off
-WORSE, WELL = 1.5, 2.0  # times the mean square before that a step may leave, and what it may leave anyway
-EXPLAINED = 4.0  # mean square beyond which a second path is tried
-# Rows of a block, whose error is found with the coefficients: at first of few lines, as one near a resonance
-# says nothing straight; at last of many, so that chance does not widen it.
-FEW_ROWS, MANY_ROWS = 60, 300
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,11 +64,12 @@ def correct(
         If no response moves with any coefficient.
     """
     best: ResponsePath | None = None
-    for i, (error_factor, max_steps) in enumerate(PATHS):
-        path_progress = part(progress, i / len(PATHS), (i + 1) / len(PATHS))
+    paths = list(zip(RESPONSE_PATH.error_factors, RESPONSE_PATH.max_steps, strict=True))
+    for i, (error_factor, max_steps) in enumerate(paths):
+        path_progress = part(progress, i / len(paths), (i + 1) / len(paths))
         path = _ResponsePathSolver(model, rule, path_progress).run(coarse_model, error_factor, max_steps)
         best = path if best is None or path.final_mean_square < best.final_mean_square else best
-        if best.final_mean_square < EXPLAINED:
+        if best.final_mean_square < RESPONSE_PATH.explained_mean_square:
             break
     assert best is not None
     return best
@@ -101,10 +90,10 @@ class _ResponsePathSolver:
         initial_mean_square = self._mean_square(self._values)
         for _ in range(max_steps):
             model_error = error_factor * model_error_share(coarse_model, self._values)
-            if model_error < RIGHT:
+            if model_error < RESPONSE_PATH.min_model_error:
                 break
             rows = reconstruction_rows(coarse_model, self._values, model_error)
-            coefficients = self._target_changes(rows, _equations(rows, FEW_ROWS))
+            coefficients = self._target_changes(rows, _equations(rows, RESPONSE_PATH.coarse_block_rows))
             self._record(rows, self._coefficients_after(coefficients, 1.0))
         stop_reason, explanation = self._iterate_log_ratios()
         rows = log_rows(self._model, self._values)
@@ -114,7 +103,7 @@ class _ResponsePathSolver:
             stop_reason,
             explanation + bound_note(self._parameterisation, self._values),
             self._posterior,
-            _equations(rows, MANY_ROWS),
+            _equations(rows, RESPONSE_PATH.block_rows),
             initial_mean_square,
             self._mean_square(self._values),
         )
@@ -124,14 +113,16 @@ class _ResponsePathSolver:
         mean_square_error = self._mean_square(self._values)
         for _ in range(self._rule.max_iterations):
             rows = log_rows(self._model, self._values)
-            target_changes = self._target_changes(rows, _equations(rows, MANY_ROWS))
+            target_changes = self._target_changes(rows, _equations(rows, RESPONSE_PATH.block_rows))
             fraction, current_changes = 1.0, log_changes(self._parameterisation, self._values)
-            for _ in range(TRIES):
+            for _ in range(ONE_STAGE.max_reductions):
                 coefficients = self._coefficients_after(target_changes, fraction)
                 next_mean_square = self._mean_square(coefficients)
-                if next_mean_square < max(WORSE * mean_square_error, WELL):
+                if next_mean_square < max(
+                    RESPONSE_PATH.max_growth * mean_square_error, RESPONSE_PATH.accepted_mean_square
+                ):
                     break
-                fraction *= SHORTER
+                fraction *= ONE_STAGE.step_reduction
             else:
                 return (
                     StopReason.DIVERGED,
@@ -156,7 +147,9 @@ class _ResponsePathSolver:
         """Return the coefficients a share of the way to what is wanted, none doubled or halved."""
         current_changes = log_changes(self._parameterisation, self._values)
         fraction = min(
-            fraction, DOUBLED / max(float(np.abs(target_changes - current_changes).max()), DOUBLED)
+            fraction,
+            ONE_STAGE.max_log_change
+            / max(float(np.abs(target_changes - current_changes).max()), ONE_STAGE.max_log_change),
         )
         return from_log_changes(
             self._parameterisation,

@@ -14,10 +14,9 @@ from modallab.fe.settings import EIGENSOLUTION
 from modallab.fe.system import DynamicSystem
 from modallab.updating.corrected_model import CorrectedModel
 from modallab.updating.parameterisation import Part
+from modallab.updating.responses.settings import RESPONSE_PATH
 from modallab.updating.responses.target import TargetResponses
 from modallab.updating.sensitivity import PartMatrices
-
-AT_ONCE = 4_000_000  # complex numbers of a field that are held at once: 64 MB
 
 Solve = Callable[[ComplexArray], ComplexArray]  # forces (n_lines, n, k) to motions, the same shape
 
@@ -112,7 +111,7 @@ class ResponseModel:
         """Yield the motions at `values` (n_params,), of no more lines at once than memory is for."""
         system, parts = self.model.system(values), self.model.parts(values, damped=True)
         n, n_columns = self._outputs.shape[0], self._outputs.shape[1] + self._inputs.shape[1]
-        step = max(1, AT_ONCE // (n * (n if n < EIGENSOLUTION.dense_dofs else n_columns)))
+        step = max(1, RESPONSE_PATH.field_numbers // (n * (n if n < EIGENSOLUTION.dense_dofs else n_columns)))
         n_lines = len(self.target.freq)
         for lines in np.split(np.arange(n_lines), range(step, n_lines, step)):
             yield self._at(lines, system, parts)

@@ -9,12 +9,8 @@ from scipy.optimize import brentq
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray
 from modallab.estimation.force_noise import parted
 from modallab.updating.responses.fields import Fields, ResponseModel
+from modallab.updating.responses.settings import RESPONSE_PATH
 from modallab.updating.responses.target import TargetResponses
-
-# Of the responses at a line, an error that any of them has where the model is taken to be wrong: what does
-# not move at all is not measured to a share of itself.
-LEAST = 1e-3
-LEAST_DOUBT, MOST_DOUBT = 1e-6, 10.0
 
 Linear = tuple[ComplexArray, ComplexArray]  # rows (n_lines, n, n_params) and what is missed (n_lines, n)
 
@@ -88,7 +84,7 @@ class Misfit:
     def of(cls, model: ResponseModel, fields: Fields, target: TargetResponses) -> "Misfit":
         """Return what a model misses at the lines of its fields."""
         used, measured = target.used.swapaxes(1, 2), target.values.swapaxes(1, 2)
-        least = LEAST * target.sizes[..., None] * target.errors.swapaxes(1, 2)
+        least = RESPONSE_PATH.zero_response_error * target.sizes[..., None] * target.errors.swapaxes(1, 2)
         error = np.hypot(np.abs(measured) * target.errors.swapaxes(1, 2), least)
         weight = np.divide(1.0, error, out=np.zeros(error.shape), where=used)
         residual = weight * (measured - fields.receptance.swapaxes(1, 2))
@@ -117,10 +113,12 @@ def model_error_share(model: ResponseModel, values: FloatArray) -> float:
     def excess(log: float) -> float:
         return float((square / (1 + np.exp(2 * log) * eigenvalues)).sum() - numbers)
 
-    low, high = (float(np.log(end)) for end in (LEAST_DOUBT, MOST_DOUBT))
+    low, high = (float(np.log(end)) for end in RESPONSE_PATH.model_error_range)
     if excess(low) <= 0:
         return 0.0
-    return MOST_DOUBT if excess(high) >= 0 else float(np.exp(brentq(excess, low, high)))
+    return (
+        RESPONSE_PATH.model_error_range[1] if excess(high) >= 0 else float(np.exp(brentq(excess, low, high)))
+    )
 
 
 def reconstruction_rows(model: ResponseModel, values: FloatArray, model_error: float) -> Rows:

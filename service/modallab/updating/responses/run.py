@@ -14,15 +14,14 @@ from modallab.updating.method import REGULARISED, Stages, UpdateOptions, UpdateR
 from modallab.updating.one_stage_path import OneStageRule, least_squares_step
 from modallab.updating.parameterisation import Parameterisation, by_member
 from modallab.updating.quantities import quantities
-from modallab.updating.responses.correct import BEGINNING, EXPLAINED, ResponsePath, correct
+from modallab.updating.responses.correct import ResponsePath, correct
 from modallab.updating.responses.fields import ResponseModel
 from modallab.updating.responses.result import ResponseFit
 from modallab.updating.responses.rows import log_ratios, mean_square
+from modallab.updating.responses.settings import RESPONSE_PATH
 from modallab.updating.responses.target import TargetResponses
 from modallab.updating.significance import standard_errors, suspected
 from modallab.updating.sparse_bayes import Prior
-
-MOST = 40_000  # real numbers that coefficients are found by; lines beyond are held out
 
 
 def update_on_responses(
@@ -35,10 +34,12 @@ def update_on_responses(
     """Return the model corrected to the responses, and how it was found."""
     model = CorrectedModel(Assembly(structure, jumps=True), parameterisation)
     full_model = ResponseModel(model, target)
-    fitted_target = target.at(target.evenly_spaced(MOST))
+    fitted_target = target.at(target.evenly_spaced(RESPONSE_PATH.max_numbers))
     check_determined(fitted_target, len(parameterisation.macros), options)
     fitted_model = ResponseModel(model, fitted_target)
-    coarse_model = ResponseModel(model, fitted_target.at(fitted_target.evenly_spaced(BEGINNING)))
+    coarse_model = ResponseModel(
+        model, fitted_target.at(fitted_target.evenly_spaced(RESPONSE_PATH.coarse_numbers))
+    )
     rule = OneStageRule(Prior(options.prior), options.tolerance, options.max_iterations, options.rank_jump)
     path = correct(fitted_model, coarse_model, rule, progress)
     identifiability = _identifiability(parameterisation, path, options)
@@ -80,7 +81,7 @@ def check_determined(target: TargetResponses, n_params: int, options: UpdateOpti
 
 def _misfit_note(path: ResponsePath) -> str:
     """Return by how much responses are missed, as words to add; nothing if errors explain it."""
-    if path.final_mean_square < EXPLAINED:
+    if path.final_mean_square < RESPONSE_PATH.explained_mean_square:
         return ""
     return f"; responses are missed by {np.sqrt(path.final_mean_square):.2g} times their random errors"
 

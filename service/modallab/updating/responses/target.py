@@ -8,14 +8,10 @@ from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray, 
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfKind, FrfSet
+from modallab.core.numerics import SAFE_SQUARED_DIVISOR
 from modallab.estimation.coherence import frf_error
 from modallab.estimation.settings import FORCE_NOISE
-
-NUMERICAL = 1e-6  # relative error of the model's own responses: a floor under every random error
-FAINT = 1e-6  # coherence below which there is no response at all
-VAGUE = 0.5  # random error from which a logarithm is far from normal: such numbers are left out
-TINY = 1e-100  # m/N, below which a response is none: nothing is left of its square
-UNSTATED = 2  # averages up to which coherence says nothing of random errors
+from modallab.updating.responses.settings import RESPONSE_ERRORS
 
 
 @dataclass(frozen=True, eq=False)
@@ -96,18 +92,20 @@ def target_responses(
         raise InvalidInputError("there is no line above 0 Hz", field="freq", value=0.0, allowed="above 0 Hz")
     receptance = frf.between(0.0, np.inf).to(FrfKind.RECEPTANCE)
     size = np.abs(receptance.values)
-    line_coherence = None if coherence is None or averages <= UNSTATED else coherence[lines]
+    line_coherence = (
+        None if coherence is None or averages <= RESPONSE_ERRORS.unknown_averages else coherence[lines]
+    )
     errors = _errors(size, line_coherence, averages, noise_floor)
     common_variance = np.zeros(size.shape) if common is None else common[lines]
     # What coherence tells of a line is a matter of chance; what is common is of all outputs alike.
     errors = np.maximum(errors, np.sqrt(common_variance / FORCE_NOISE.max_common_fraction))
-    used = (size > TINY) & (errors < VAGUE)
+    used = (size > SAFE_SQUARED_DIVISOR) & (errors < RESPONSE_ERRORS.max_error)
     if not used.any():
         raise InvalidInputError(
             "no response says anything: each is zero, or its random error larger than half of it",
             field="coherence",
             value=float(np.min(errors)),
-            allowed=f"a relative random error below {VAGUE}",
+            allowed=f"a relative random error below {RESPONSE_ERRORS.max_error}",
         )
     return TargetResponses(
         receptance.freq,
@@ -124,7 +122,7 @@ def _errors(
     size: FloatArray, coherence: FloatArray | None, averages: float, noise_floor: float | None
 ) -> FloatArray:
     """Return the standard errors of the logarithms of sizes, (n_lines, n_out, n_in) both."""
-    errors = np.full(size.shape, NUMERICAL)
+    errors = np.full(size.shape, RESPONSE_ERRORS.model_error)
     if coherence is not None:
         errors = np.hypot(errors, _random_error(size, coherence, averages))
     if noise_floor is not None:
@@ -134,8 +132,8 @@ def _errors(
 
 
 def _random_error(size: FloatArray, coherence: FloatArray, averages: float) -> FloatArray:
-    g2 = np.maximum(coherence.reshape(*size.shape[:2], -1), FAINT)
-    return np.broadcast_to(frf_error(g2, averages - UNSTATED), size.shape)
+    g2 = np.maximum(coherence.reshape(*size.shape[:2], -1), RESPONSE_ERRORS.min_coherence)
+    return np.broadcast_to(frf_error(g2, averages - RESPONSE_ERRORS.unknown_averages), size.shape)
 
 
 def _bias(
@@ -157,12 +155,13 @@ def _bias(
 
 def _check_errors_known(coherence: FloatArray | None, averages: float, noise_floor: float | None) -> None:
     """Raise `InvalidInputError` if nothing tells how large random errors are."""
-    if noise_floor is not None or (coherence is not None and averages > UNSTATED):
+    if noise_floor is not None or (coherence is not None and averages > RESPONSE_ERRORS.unknown_averages):
         return
     raise InvalidInputError(
         "responses count by their random errors: give the coherence and the number of averages, or else "
         "a noise floor",
         field="coherence" if coherence is None else "averages",
         value="none" if coherence is None else averages,
-        allowed=f"coherence of more than {UNSTATED} averages; or noise_floor, a relative error",
+        allowed=f"coherence of more than {RESPONSE_ERRORS.unknown_averages} averages; "
+        "or noise_floor, a relative error",
     )

@@ -10,8 +10,8 @@ from modallab.updating.error_location.method import LOCATORS
 from modallab.updating.error_location.run import LocationOptions
 from modallab.updating.method import UPDATERS, UpdateOptions
 from modallab.updating.parameterisation import Parameterisation, Part
+from modallab.updating.studies.settings import STUDY
 
-MOST_RUNS = 2000
 # The levels of the 1992 thesis, section 4.2.1: relative errors, evenly drawn, of eigenvalues and shapes.
 NOISE_LEVELS: Mapping[str, ModeNoise] = {
     "NL1": ModeNoise(),
@@ -63,12 +63,12 @@ class StudyPlan:
         _check_unique("levels", [level.name for level in self.levels])
         _check_unique("divisions", [division.name for division in self.divisions])
         _check_unique("seeds", self.seeds)
-        if not 1 <= self.n_runs <= MOST_RUNS:
+        if not 1 <= self.n_runs <= STUDY.max_runs:
             raise InvalidInputError(
                 "a study is levels x divisions x seeds of updates",
                 field="seeds",
                 value=self.n_runs,
-                allowed=f"1 to {MOST_RUNS}",
+                allowed=f"1 to {STUDY.max_runs}",
             )
         if len({frozenset(division.parameterisation.parts) for division in self.divisions}) > 1:
             raise InvalidInputError(

@@ -8,6 +8,7 @@ import numpy as np
 from modallab.core.arrays import FloatArray, frozen
 from modallab.updating.studies.plan import StudyPlan
 from modallab.updating.studies.run import StudyUpdate
+from modallab.updating.studies.settings import STUDY
 from modallab.updating.studies.truth import Values, erroneous_coefficients
 
 
@@ -74,5 +75,5 @@ def _quantiles(values: Sequence[float | None]) -> tuple[float, float] | None:
     numbers = [value for value in values if value is not None]
     if not numbers:
         return None
-    median, most = np.quantile(numbers, [0.5, 0.9])
+    median, most = np.quantile(numbers, [0.5, STUDY.error_quantile])
     return float(median), float(most)

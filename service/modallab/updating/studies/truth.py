@@ -6,6 +6,7 @@ import numpy as np
 
 from modallab.core.arrays import FloatArray
 from modallab.core.errors import InvalidInputError
+from modallab.core.numerics import COMPARISON_ROUNDING
 from modallab.fe.assembly import coefficients_of
 from modallab.fe.section_size import SectionSize, size
 from modallab.fe.structure import Structure
@@ -14,13 +15,13 @@ from modallab.updating.parameterisation import Part
 
 Values = Mapping[str, Mapping[int, float]]  # by part and member
 
-SLIGHT = 1e-9  # of a coefficient: below, two models are the same but for rounding
-
 
 def erroneous_coefficients(true: Values) -> dict[str, dict[int, float]]:
     """Return the coefficients that are not those of no change."""
     return {
-        part: {n: value for n, value in table.items() if abs(value - Part(part).nominal) > SLIGHT}
+        part: {
+            n: value for n, value in table.items() if abs(value - Part(part).nominal) > COMPARISON_ROUNDING
+        }
         for part, table in true.items()
     }
 
@@ -48,7 +49,7 @@ def true_coefficients(model: Structure, truth: Structure, parts: tuple[Part, ...
     model_factors, true_factors = coefficients_of(model), coefficients_of(truth)
     axial, bending = true_factors.axial / model_factors.axial, true_factors.bending / model_factors.bending
     uniform_parts = {Part.STIFFNESS, Part.MODULUS} & set(parts)
-    if uniform_parts and not np.allclose(axial, bending, rtol=SLIGHT, atol=0.0):
+    if uniform_parts and not np.allclose(axial, bending, rtol=COMPARISON_ROUNDING, atol=0.0):
         raise InvalidInputError(
             "the true structure differs otherwise in bending than in extension",
             field="parts",

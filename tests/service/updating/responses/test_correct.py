@@ -1,5 +1,7 @@
 """The path to a model's coefficients: where it begins, and where it does not lead."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -12,6 +14,7 @@ from modallab.updating.one_stage_path import OneStageRule
 from modallab.updating.responses import correct as module
 from modallab.updating.responses.correct import ResponsePath, correct
 from modallab.updating.responses.fields import ResponseModel
+from modallab.updating.responses.settings import RESPONSE_PATH
 from modallab.updating.sparse_bayes import Prior
 from tests.service.updating.responses.cases import (
     BAY,
@@ -35,7 +38,7 @@ def path(rule: OneStageRule, upper: float = 10.0, lower: float = 0.05) -> tuple[
     target = exact(measured(SOFT, BEAM_LINES[::4], BEAM_SENSORS))
     parameters = type(BEAM_EACH)(BEAM_EACH.macros, lower, upper)
     model = CorrectedModel(Assembly(BEAM), parameters)
-    few = target.at(target.evenly_spaced(module.BEGINNING))
+    few = target.at(target.evenly_spaced(RESPONSE_PATH.coarse_numbers))
     told: list[float] = []
     found = correct(
         ResponseModel(model, target),
@@ -70,7 +73,8 @@ def test_log_ratios_from_the_start_lose_their_way(monkeypatch: pytest.MonkeyPatc
     model = ResponseModel(CorrectedModel(Assembly(BAY), BAY_EACH), target)
     rule = OneStageRule(Prior.SPARSE, 1e-4, 12, 1e3)
     led = correct(model, model, rule)
-    monkeypatch.setattr(module, "PATHS", ((1.0, 0),))
+    single_path = replace(RESPONSE_PATH, error_factors=(1.0,), max_steps=(0,))
+    monkeypatch.setattr(module, "RESPONSE_PATH", single_path)
     lost = correct(model, model, rule)
     assert led.stop_reason is StopReason.CONVERGED
     assert led.final_mean_square < 1
@@ -97,6 +101,6 @@ def test_a_path_that_is_cut_short_says_so() -> None:
 
 def test_progress_goes_on_where_a_second_path_begins() -> None:
     found, told = path(OneStageRule(Prior.SPARSE, 1e-12, 1, 1e3), lower=0.7)  # the truth is beyond the bound
-    assert found.final_mean_square > module.EXPLAINED
+    assert found.final_mean_square > RESPONSE_PATH.explained_mean_square
     assert len(told) > len(found.history), "both paths tell of theirs"
     assert told == sorted(told)

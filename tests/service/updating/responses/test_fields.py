@@ -17,6 +17,7 @@ from modallab.updating.corrected_model import CorrectedModel
 from modallab.updating.parameterisation import Parameterisation, parameterise
 from modallab.updating.responses import fields
 from modallab.updating.responses.fields import ResponseModel
+from modallab.updating.responses.settings import RESPONSE_PATH
 from tests.service.updating.responses.cases import BEAM, exact, measured
 
 LINES = np.array([17.0, 46.0, 160.0, 333.0])
@@ -108,7 +109,7 @@ def test_large_models_are_solved_by_factors_and_lines_in_turn(monkeypatch: pytes
     values = np.array([1.1, 0.9, 1.2, 0.8])
     (dense,) = model.fields(values)
     monkeypatch.setattr(fields, "EIGENSOLUTION", replace(EIGENSOLUTION, dense_dofs=10))
-    monkeypatch.setattr(fields, "AT_ONCE", 1)
+    monkeypatch.setattr(fields, "RESPONSE_PATH", replace(RESPONSE_PATH, field_numbers=1))
     sparse = list(model.fields(values))
     assert len(sparse) == len(LINES)
     for k, one in enumerate(sparse):

@@ -7,7 +7,8 @@ import pytest
 
 from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfKind
-from modallab.updating.responses.target import NUMERICAL, target_responses
+from modallab.updating.responses.settings import RESPONSE_ERRORS
+from modallab.updating.responses.target import target_responses
 from tests.service.updating.responses.cases import AVERAGES, BEAM, BEAM_LINES, BEAM_SENSORS, measured
 
 FRF = measured(BEAM, BEAM_LINES[:20], BEAM_SENSORS)
@@ -21,7 +22,7 @@ def test_coherence_says_how_large_random_errors_are() -> None:
 
 
 def test_a_full_coherence_leaves_the_error_of_the_model_itself() -> None:
-    np.testing.assert_allclose(target_responses(FRF, FULL, AVERAGES).errors, NUMERICAL)
+    np.testing.assert_allclose(target_responses(FRF, FULL, AVERAGES).errors, RESPONSE_ERRORS.model_error)
 
 
 def test_a_stated_error_is_of_the_median_where_a_structure_hardly_moves() -> None:

@@ -3,9 +3,8 @@
 import numpy as np
 
 from modallab.updating.error_location.method import LOCATORS, LinearLocation, LinearProblem
+from modallab.updating.error_location.settings import ERROR_LOCATION
 from modallab.updating.solve import balanced_step
-
-WEIGHTY = 0.1  # of the largest weight: below, a large change may only mean that nothing feels it
 
 
 @LOCATORS.register("zhang_sensitivity")
@@ -20,5 +19,7 @@ def zhang_sensitivity(problem: LinearProblem, *, threshold: float, jump: float) 
     step = balanced_step(problem.sensitivity, problem.difference, np.ones(len(problem.difference)), jump=jump)
     total_norm = float(np.linalg.norm(problem.difference))
     weight = np.linalg.norm(problem.sensitivity * step.parameters, axis=0) / (total_norm or 1.0)
-    suspected = (np.abs(step.parameters) > threshold) & (weight > WEIGHTY * weight.max(initial=0.0))
+    suspected = (np.abs(step.parameters) > threshold) & (
+        weight > ERROR_LOCATION.min_weight * weight.max(initial=0.0)
+    )
     return LinearLocation(step.parameters, weight, suspected, np.zeros(0), step.rank, step.condition_number)

@@ -3,11 +3,8 @@
 import numpy as np
 
 from modallab.updating.error_location.method import LOCATORS, LinearLocation, LinearProblem
+from modallab.updating.error_location.settings import ERROR_LOCATION
 from modallab.updating.solve import balanced_step
-
-WORTH = 0.05  # of what is left of the difference: a coefficient that takes less away is no suspect
-NOTHING = 1e-6  # balanced difference that rounding of eigenvalues makes
-ALIKE = 1e-6  # part of a column that the chosen ones do not have, below which it says nothing new
 
 
 @LOCATORS.register("zhang_subspace")
@@ -26,15 +23,19 @@ def zhang_subspace(problem: LinearProblem, *, threshold: float, jump: float) -> 
     subset: list[int] = []
     remaining: list[float] = []
     residual_norm = total_norm
-    while residual_norm > NOTHING * np.sqrt(len(residual)) and len(subset) < min(sensitivity.shape):
+    while residual_norm > ERROR_LOCATION.rounding_difference * np.sqrt(len(residual)) and len(subset) < min(
+        sensitivity.shape
+    ):
         column_norms = np.linalg.norm(sensitivity, axis=0)
-        is_candidate = (column_norms > ALIKE * sizes) & ~np.isin(np.arange(len(column_norms)), subset)
+        is_candidate = (column_norms > ERROR_LOCATION.min_independent_share * sizes) & ~np.isin(
+            np.arange(len(column_norms)), subset
+        )
         gain = np.divide(
             np.abs(residual @ sensitivity), column_norms, out=np.zeros_like(column_norms), where=is_candidate
         )
         best = int(gain.argmax())
         next_norm = float(np.sqrt(max(residual_norm**2 - gain[best] ** 2, 0.0)))
-        if next_norm > (1 - WORTH) * residual_norm:
+        if next_norm > (1 - ERROR_LOCATION.min_reduction) * residual_norm:
             break
         axis = sensitivity[:, best] / column_norms[best]
         residual = residual - axis * (axis @ residual)

@@ -22,6 +22,7 @@ from modallab.updating.method import UpdateOptions, UpdateResult
 from modallab.updating.parameterisation import Parameterisation, parameterise
 from modallab.updating.responses import run
 from modallab.updating.responses.methods.frf_residual import frf_residual
+from modallab.updating.responses.settings import RESPONSE_PATH
 from modallab.updating.responses.target import TargetResponses, target_responses
 from tests.service.updating.responses.cases import (
     AVERAGES,
@@ -156,7 +157,8 @@ def test_noise_that_all_responses_share_counts_once() -> None:
 
 
 def test_lines_beyond_those_that_are_used_are_held_out(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(run, "MOST", 2 * 40 * len(BEAM_SENSORS))
+    max_numbers = 2 * 40 * len(BEAM_SENSORS)
+    monkeypatch.setattr(run, "RESPONSE_PATH", replace(RESPONSE_PATH, max_numbers=max_numbers))
     target = noisy(measured(TRUE_BEAM, BEAM_LINES, BEAM_SENSORS), 0.98, 2)
     fit = frf_residual(BEAM, BEAM_EACH, target).responses
     assert fit is not None
