@@ -6,13 +6,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 from modallab.core.arrays import ComplexArray, FloatArray
-from modallab.estimation.estimator import ESTIMATORS, SEVERAL_FORCES
+from modallab.estimation.estimator import ESTIMATORS, MULTIPLE_INPUT_ESTIMATORS
 from modallab.estimation.spectra import CrossSpectra
 
 KINDS = sorted(ESTIMATORS)
 FREQ = np.array([0.0, 1.0, 2.0])
 H = np.array([[0.2, -3.0], [1 - 2j, 0.1j], [-5.0, 1e-3 + 1e-4j]])
-ONE_FORCE = [kind for kind in KINDS if kind not in SEVERAL_FORCES]
+ONE_FORCE = [kind for kind in KINDS if kind not in MULTIPLE_INPUT_ESTIMATORS]
 
 
 def spectra(

@@ -10,8 +10,8 @@ from modallab.core.dof import Dof
 
 def common_points(*sides: Sequence[Dof]) -> tuple[Dof, ...]:
     """Return the DoFs, in their positive sense and in order, that every side has."""
-    first, *rest = [{dof.point for dof in side} for side in sides]
-    return tuple(sorted(first.intersection(*rest)))
+    first, *remaining = [{dof.point for dof in side} for side in sides]
+    return tuple(sorted(first.intersection(*remaining)))
 
 
 def rows_at(dofs: Sequence[Dof], points: Sequence[Dof]) -> tuple[IntArray, FloatArray]:

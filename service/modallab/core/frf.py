@@ -17,10 +17,10 @@ class FrfKind(StrEnum):
     MOBILITY = "mobility"  # m/(s N)
     INERTANCE = "inertance"  # m/(s^2 N)
 
-    def steps_to(self, other: "FrfKind") -> int:
+    def steps_to(self, kind: "FrfKind") -> int:
         """Return how many times a response of this kind is differentiated to be of another."""
         order = list(FrfKind)
-        return order.index(other) - order.index(self)
+        return order.index(kind) - order.index(self)
 
 
 @dataclass(frozen=True, eq=False)

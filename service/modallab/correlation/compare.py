@@ -106,11 +106,11 @@ def compare(
     InvalidInputError
         If the two have no DoF in common, or one has no modes.
     """
-    dofs, (ours, theirs) = _common(measured, model)
-    values = mac(ours, theirs)
+    dofs, (measured_shapes, model_shapes) = _common(measured, model)
+    values = mac(measured_shapes, model_shapes)
     pairs = pair_modes(values, floor)
     rows, columns = [r for r, _ in pairs], [c for _, c in pairs]
-    paired = ours[:, rows], theirs[:, columns]
+    paired = measured_shapes[:, rows], model_shapes[:, columns]
     return Correlation(
         mac=values,
         pairs=pairs,
@@ -118,8 +118,12 @@ def compare(
         comac=comac(*paired),
         dofs=dofs,
         ecomac=ecomac(*paired),
-        pole_weighted_mac=pole_weighted_mac(ours, theirs, _eigenvalues(measured), _eigenvalues(model)),
-        orthogonality=None if reduced is None else Orthogonality.of(reduced, ours, theirs, model),
+        pole_weighted_mac=pole_weighted_mac(
+            measured_shapes, model_shapes, _eigenvalues(measured), _eigenvalues(model)
+        ),
+        orthogonality=None
+        if reduced is None
+        else Orthogonality.of(reduced, measured_shapes, model_shapes, model),
         responses=responses,
     )
 
@@ -144,5 +148,5 @@ def _common(
             allowed=", ".join(str(dof) for dof in model.dofs[:5]),
         )
     picked = ((side.shapes, *rows_at(side.dofs, dofs)) for side in sides)
-    ours, theirs = (shapes[rows] * signs[:, None] for shapes, rows, signs in picked)
-    return dofs, (ours, theirs)
+    measured_shapes, model_shapes = (shapes[rows] * signs[:, None] for shapes, rows, signs in picked)
+    return dofs, (measured_shapes, model_shapes)

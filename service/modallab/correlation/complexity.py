@@ -61,9 +61,9 @@ def mean_phase_deviation(shapes: ComplexArray) -> FloatArray:
     ----------
     Reynders, E., Houbrechts, J. and De Roeck, G. (2012), Mech. Syst. Signal Process. 29, 228-250.
     """
-    turned = _scaled(shapes) * np.exp(-1j * mean_phase(shapes))
-    size = np.abs(turned)
-    angle = np.arctan2(np.abs(turned.imag), np.abs(turned.real))
+    rotated = _scaled(shapes) * np.exp(-1j * mean_phase(shapes))
+    size = np.abs(rotated)
+    angle = np.arctan2(np.abs(rotated.imag), np.abs(rotated.real))
     total = size.sum(axis=0)
     return np.asarray((size * angle).sum(axis=0) / np.where(total > 0, total, 1.0))
 

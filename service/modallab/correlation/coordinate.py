@@ -21,10 +21,10 @@ def comac(first: ComplexArray, second: ComplexArray) -> FloatArray:
     ----------
     Lieven, N. A. J. and Ewins, D. J. (1988), Proc. 6th International Modal Analysis Conference, 690-695.
     """
-    scaled, other = _sizes(first), _sizes(second)
-    sizes = (scaled**2).sum(axis=1) * (other**2).sum(axis=1)
-    still = ((scaled**2).sum(axis=1) == 0) & ((other**2).sum(axis=1) == 0)
-    product = (scaled * other).sum(axis=1) ** 2
+    first_sizes, second_sizes = _sizes(first), _sizes(second)
+    sizes = (first_sizes**2).sum(axis=1) * (second_sizes**2).sum(axis=1)
+    still = ((first_sizes**2).sum(axis=1) == 0) & ((second_sizes**2).sum(axis=1) == 0)
+    product = (first_sizes * second_sizes).sum(axis=1) ** 2
     values = np.divide(product, sizes, out=still.astype(float), where=sizes > 0)
     return np.asarray(np.minimum(values, 1.0))
 
@@ -49,8 +49,8 @@ def ecomac(first: ComplexArray, second: ComplexArray) -> FloatArray:
     if not first.shape[1]:
         return np.zeros(len(first))
     product = (first.conj() * second).sum(axis=0)
-    turn = np.where(product == 0, 1.0, product / np.where(product == 0, 1.0, np.abs(product)))
-    return np.asarray(np.abs(_unit(first) * turn - _unit(second)).sum(axis=1) / (2 * first.shape[1]))
+    phase = np.where(product == 0, 1.0, product / np.where(product == 0, 1.0, np.abs(product)))
+    return np.asarray(np.abs(_unit(first) * phase - _unit(second)).sum(axis=1) / (2 * first.shape[1]))
 
 
 def _sizes(shapes: ComplexArray) -> FloatArray:

@@ -61,9 +61,9 @@ class Evidence:
     def follows(self, course: ComplexArray | FloatArray) -> float:
         """Return the share of the worst response's residual that runs as `course` (n_freq,), 0 to 1."""
         worst = int(self.by_channel.argmax())
-        left = self.frf[:, worst] * self.weight[:, worst]
-        size = float((np.abs(left) ** 2).sum() * (np.abs(course) ** 2).sum())
-        return min(1.0, float((course.conj() * left).real.sum()) ** 2 / max(size, SAFE_DIVISOR))
+        residual = self.frf[:, worst] * self.weight[:, worst]
+        size = float((np.abs(residual) ** 2).sum() * (np.abs(course) ** 2).sum())
+        return min(1.0, float((course.conj() * residual).real.sum()) ** 2 / max(size, SAFE_DIVISOR))
 
     @property
     def at_peaks(self) -> float:
@@ -71,8 +71,8 @@ class Evidence:
         if not len(self.mode_frequency):
             return 0.0
         lines = np.abs(self.freq[:, None] - self.mode_frequency).argmin(axis=0)
-        left = (self.frf * self.weight)[lines]
-        return float((left.real**2).sum() / max(float((np.abs(left) ** 2).sum()), SAFE_DIVISOR))
+        residual = (self.frf * self.weight)[lines]
+        return float((residual.real**2).sum() / max(float((np.abs(residual) ** 2).sum()), SAFE_DIVISOR))
 
     @property
     def by_line(self) -> FloatArray:

@@ -76,8 +76,8 @@ def ridge(values: FloatArray, step: float) -> tuple[float | None, float | None, 
     unscaled = float(means[furthest])
     if best in (0, len(offsets) - 1):
         return None, None, unscaled
-    before, at, after = means[best - 1 : best + 2]
-    bend = before - 2 * at + after
+    lower, peak, upper = means[best - 1 : best + 2]
+    bend = lower - 2 * peak + upper
     # the peak of the parabola through three means, a fraction of a step away
-    place = offsets[best] + ((before - after) / (2 * bend) if bend < 0 else 0.0)
+    place = offsets[best] + ((lower - upper) / (2 * bend) if bend < 0 else 0.0)
     return float(np.exp(place * step)), float(means[best]), unscaled

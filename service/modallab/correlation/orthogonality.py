@@ -49,10 +49,10 @@ def frequency_errors(reduced: ReducedSystem, computed: ComplexArray, frequencies
     frequencies
         (n_modes,) Hz, of these modes, above zero.
     """
-    own, shapes = reduced.modes()
+    reduced_frequencies, shapes = reduced.modes()
     # It may lack modes, or have them in another order: each is looked for by its shape.
     partner = orthogonality(computed, shapes.astype(complex), reduced.mass).argmax(axis=1)
-    return np.asarray(own[partner] / frequencies - 1)
+    return np.asarray(reduced_frequencies[partner] / frequencies - 1)
 
 
 @dataclass(frozen=True, eq=False)

@@ -52,38 +52,38 @@ def compare_responses(measured: FrfSet, system: DynamicSystem) -> ResponseCorrel
     InvalidInputError
         If the two share no output or no input, or there is no line above 0 Hz.
     """
-    shared = _shared(measured, system)
-    freq = shared.freq
-    computed = _responses(system, shared, freq)
-    wanted = min(
-        len(freq), RESPONSES.plotted_lines, int(np.sqrt(RESPONSES.max_plotted_values / len(shared.inputs)))
+    common = _common_responses(measured, system)
+    freq = common.freq
+    computed = _responses(system, common, freq)
+    n_plotted = min(
+        len(freq), RESPONSES.plotted_lines, int(np.sqrt(RESPONSES.max_plotted_values / len(common.inputs)))
     )
-    shown = np.unique(np.linspace(0, len(freq) - 1, wanted).round().astype(int))
+    plotted = np.unique(np.linspace(0, len(freq) - 1, n_plotted).round().astype(int))
     scale: tuple[float | None, ...] = (None, None, None)
-    if len(shared.outputs) > 1 and len(freq) > 1:  # one response alone has no shape
-        scale = _ridge(system, shared)
-    left = sum(len(own) for own in (measured.outputs, measured.inputs))
-    left -= sum(len(own) for own in (shared.outputs, shared.inputs))
+    if len(common.outputs) > 1 and len(freq) > 1:  # one response alone has no shape
+        scale = _ridge(system, common)
+    n_omitted = sum(len(dofs) for dofs in (measured.outputs, measured.inputs))
+    n_omitted -= sum(len(dofs) for dofs in (common.outputs, common.inputs))
     return ResponseCorrelation(
-        outputs=shared.outputs,
-        inputs=shared.inputs,
-        frac=frac(shared.values, computed),
-        freq=freq[shown],
-        fdac=fdac(shared.values[shown], computed[shown]),
+        outputs=common.outputs,
+        inputs=common.inputs,
+        frac=frac(common.values, computed),
+        freq=freq[plotted],
+        fdac=fdac(common.values[plotted], computed[plotted]),
         frequency_scale=scale[0],
         fdac_on_ridge=scale[1],
         fdac_unscaled=scale[2],
-        notes=(f"{left} measured points are none of the model's",) if left else (),
+        notes=(f"{n_omitted} measured points are none of the model's",) if n_omitted else (),
     )
 
 
-def _shared(measured: FrfSet, system: DynamicSystem) -> FrfSet:
+def _common_responses(measured: FrfSet, system: DynamicSystem) -> FrfSet:
     """Return the measured FRFs at points of the model and lines above 0 Hz."""
-    here = set(system.dofs)
-    rows = [i for i, dof in enumerate(measured.outputs) if dof.point in here]
-    columns = [i for i, dof in enumerate(measured.inputs) if dof.point in here]
-    for name, kept, dofs in (("outputs", rows, measured.outputs), ("inputs", columns, measured.inputs)):
-        if not kept:
+    model_dofs = set(system.dofs)
+    rows = [i for i, dof in enumerate(measured.outputs) if dof.point in model_dofs]
+    columns = [i for i, dof in enumerate(measured.inputs) if dof.point in model_dofs]
+    for name, indices, dofs in (("outputs", rows, measured.outputs), ("inputs", columns, measured.inputs)):
+        if not indices:
             raise InvalidInputError(
                 f"the model has none of the measured {name}",
                 field=name,

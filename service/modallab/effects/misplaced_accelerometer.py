@@ -7,7 +7,7 @@ from typing import ClassVar
 from modallab.core.parameters import parameter
 from modallab.core.place import Channels, Place
 from modallab.correlation.evidence import Evidence
-from modallab.fe.interpolation import motion_beside
+from modallab.fe.interpolation import point_motion
 from modallab.fe.structure import Structure
 from modallab.fe.system import DynamicSystem
 from modallab.rig.channel import Channel
@@ -49,7 +49,7 @@ class MisplacedAccelerometer(Effect):
         if not system.members.has_bar(dof.node):
             raise self._misplaced(BESIDE)
         channel = channel.hearing(dof, -1.0)
-        for row, weight in motion_beside(system.members, dof.node, self.distance, dof.direction):
+        for row, weight in point_motion(system.members, dof.node, self.distance, dof.direction):
             channel = channel.hearing(system.dofs[row], dof.sign * weight)
         return channel
 

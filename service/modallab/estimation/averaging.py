@@ -60,9 +60,9 @@ class Averager:
             windowed = np.multiply(part, self._w, out=self._windowed[: len(part)])
             for lines in scipy.fft.rfft(windowed, overwrite_x=True):
                 f, x = lines[:n_in, :n_lines], lines[n_in:, :n_lines]
-                back = f.conj()[:, None]
-                self._ff += back * f
-                self._fx += back * x
+                conjugate = f.conj()[:, None]
+                self._ff += conjugate * f
+                self._fx += conjugate * x
                 parts = x.view(float)
                 self._xx += parts * parts
         self.count += len(blocks)

@@ -11,7 +11,7 @@ from modallab.estimation.settings import CLIPPING
 from modallab.estimation.spectra import CrossSpectra
 
 
-def kept_gain(level: FloatArray) -> FloatArray:
+def bussgang_gain(level: FloatArray) -> FloatArray:
     """Return how much of a Gaussian signal is left, erf(c / sqrt 2), for levels c in standard deviations.
 
     Bussgang (1952), MIT Research Laboratory of Electronics, report 216: the output of any memoryless
@@ -26,23 +26,23 @@ def clipped_power(level: FloatArray) -> FloatArray:
     return np.asarray(inside - 2 * level * _density(level) + level**2 * (1 - inside))
 
 
-def hermite_parts(level: FloatArray) -> FloatArray:
+def hermite_coefficients(level: FloatArray) -> FloatArray:
     """Return the Hermite coefficients of a clipped Gaussian signal, (n_orders, ...).
 
     Coefficients -2 phi(c) He_{n-2}(c) / sqrt(n!) of the normalised polynomials of orders
     `CLIPPING.hermite_orders`; those of even orders are 0.
     """
     parts = []
-    before, here = np.zeros_like(level), np.ones_like(level)  # He_n / sqrt(n!)
+    previous, polynomial = np.zeros_like(level), np.ones_like(level)  # He_n / sqrt(n!)
     for n in range(CLIPPING.hermite_orders[-1] - 1):
         if n + 2 in CLIPPING.hermite_orders:
-            parts.append(-2 * _density(level) * here / np.sqrt((n + 1) * (n + 2)))
-        before, here = here, (level * here - np.sqrt(n) * before) / np.sqrt(n + 1)
+            parts.append(-2 * _density(level) * polynomial / np.sqrt((n + 1) * (n + 2)))
+        previous, polynomial = polynomial, (level * polynomial - np.sqrt(n) * previous) / np.sqrt(n + 1)
     return np.array(parts)
 
 
 def clipped_spectra(
-    spectra: CrossSpectra, level: FloatArray, above: FloatArray, sample_rate: float
+    spectra: CrossSpectra, level: FloatArray, high_frequency: FloatArray, sample_rate: float
 ) -> CrossSpectra:
     """Return the spectra of Gaussian signals clipped at +-level.
 
@@ -54,27 +54,30 @@ def clipped_spectra(
     ----------
     level
         (n_run, n_ch) in the unit of each channel, forces first.
-    above
+    high_frequency
         (n_run, n_ch) flat spectrum of each channel above the last line.
     """
     n_in, n_out = spectra.fx.shape[2:]
-    one, other = _pairs(n_in, n_out)
+    first, second = _pairs(n_in, n_out)
     n_ch, n_lines = n_in + n_out, len(spectra.freq)
     spacing = float(spectra.freq[1] - spectra.freq[0])
     n_samples = max(round(sample_rate / spacing), 2 * n_lines)
-    whole = np.zeros((len(level), n_samples // 2 + 1, len(one)), complex)
-    whole[:, n_lines:, :n_ch] = above[:, None]
-    seen = _beside(spectra)
-    whole[:, :n_lines] = seen
-    turns = n_samples * spacing / 2  # one-sided density a line to the two-sided sum over all
-    correlation = turns * scipy.fft.irfft(whole, n_samples, axis=1)
+    full_band = np.zeros((len(level), n_samples // 2 + 1, len(first)), complex)
+    full_band[:, n_lines:, :n_ch] = high_frequency[:, None]
+    channel_spectra = _pack(spectra)
+    full_band[:, :n_lines] = channel_spectra
+    scaling = n_samples * spacing / 2  # one-sided density a line to the two-sided sum over all
+    correlation = scaling * scipy.fft.irfft(full_band, n_samples, axis=1)
     size = np.sqrt(np.maximum(correlation[:, 0, :n_ch], np.finfo(float).tiny))
     c = np.minimum(level / size, CLIPPING.max_level)
-    scale = size[:, one] * size[:, other]
+    scale = size[:, first] * size[:, second]
     correlation /= scale[:, None]
-    left = scipy.fft.rfft(_distorted(correlation, _weights(c, one, other)), axis=1)[:, :n_lines]
-    gain = kept_gain(c)
-    return _apart(spectra, (gain[:, one] * gain[:, other])[:, None] * seen + scale[:, None] / turns * left)
+    distortion = scipy.fft.rfft(_distorted(correlation, _weights(c, first, second)), axis=1)[:, :n_lines]
+    gain = bussgang_gain(c)
+    return _unpack(
+        spectra,
+        (gain[:, first] * gain[:, second])[:, None] * channel_spectra + scale[:, None] / scaling * distortion,
+    )
 
 
 def _density(level: FloatArray) -> FloatArray:
@@ -86,37 +89,37 @@ def _pairs(n_in: int, n_out: int) -> tuple[list[int], list[int]]:
     n_ch = n_in + n_out
     between = list(combinations(range(n_in), 2))
     across = [(i, n_in + o) for i in range(n_in) for o in range(n_out)]
-    one, other = zip(*[(i, i) for i in range(n_ch)], *between, *across, strict=True)
-    return list(one), list(other)
+    first, second = zip(*[(i, i) for i in range(n_ch)], *between, *across, strict=True)
+    return list(first), list(second)
 
 
-def _beside(spectra: CrossSpectra) -> ComplexArray:
+def _pack(spectra: CrossSpectra) -> ComplexArray:
     """Return all spectra side by side, (n_run, n_lines, n_pairs)."""
     n_run, n_lines, n_in, _ = spectra.fx.shape
-    own, above = np.arange(n_in), np.triu_indices(n_in, 1)
-    parts = [spectra.ff[..., own, own], spectra.xx, spectra.ff[..., *above], spectra.fx]
+    diagonal, upper = np.arange(n_in), np.triu_indices(n_in, 1)
+    parts = [spectra.ff[..., diagonal, diagonal], spectra.xx, spectra.ff[..., *upper], spectra.fx]
     return np.concatenate([part.reshape(n_run, n_lines, -1) for part in parts], axis=2)
 
 
-def _apart(spectra: CrossSpectra, beside: ComplexArray) -> CrossSpectra:
-    """Return what `_beside` put side by side as spectra again."""
+def _unpack(spectra: CrossSpectra, pairs: ComplexArray) -> CrossSpectra:
+    """Return what `_pack` put side by side as spectra again."""
     n_in, n_out = spectra.fx.shape[2:]
-    own, (row, column) = np.arange(n_in), np.triu_indices(n_in, 1)
+    diagonal, (row, column) = np.arange(n_in), np.triu_indices(n_in, 1)
     edges = np.cumsum([n_in, n_out, len(row)])
-    autos, xx, between, fx = np.split(beside, edges, axis=2)
+    autos, xx, between, fx = np.split(pairs, edges, axis=2)
     ff = np.empty_like(spectra.ff)
-    ff[..., own, own] = autos.real
+    ff[..., diagonal, diagonal] = autos.real
     ff[..., row, column], ff[..., column, row] = between, between.conj()
     return CrossSpectra(spectra.freq, ff, fx.reshape(spectra.fx.shape), xx.real, spectra.averages)
 
 
-def _weights(c: FloatArray, one: list[int], other: list[int]) -> FloatArray:
+def _weights(c: FloatArray, first: list[int], second: list[int]) -> FloatArray:
     """Return the weight of every order in every pair, and of the order after them in auto spectra."""
-    parts = hermite_parts(c)
-    rest = clipped_power(c) - kept_gain(c) ** 2 - (parts**2).sum(axis=0)
-    last = np.zeros((1, len(c), len(one)))
-    last[0, :, : c.shape[1]] = np.maximum(rest, 0.0)
-    return np.concatenate([parts[:, :, one] * parts[:, :, other], last])
+    parts = hermite_coefficients(c)
+    remainder = clipped_power(c) - bussgang_gain(c) ** 2 - (parts**2).sum(axis=0)
+    last = np.zeros((1, len(c), len(first)))
+    last[0, :, : c.shape[1]] = np.maximum(remainder, 0.0)
+    return np.concatenate([parts[:, :, first] * parts[:, :, second], last])
 
 
 def _distorted(correlation: FloatArray, weights: FloatArray) -> FloatArray:

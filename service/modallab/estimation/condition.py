@@ -21,7 +21,7 @@ def input_condition(spectra: CrossSpectra) -> FloatArray:
     return np.asarray(np.where(greatest > 0, greatest, 1.0) / np.where(greatest > 0, least.clip(tiny), 1.0))
 
 
-def told_apart(spectra: CrossSpectra) -> FloatArray:
+def independent_condition(spectra: CrossSpectra) -> FloatArray:
     """Return `input_condition` of forces that can be told apart, (n_run, n_freq).
 
     Raises

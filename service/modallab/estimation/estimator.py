@@ -10,4 +10,4 @@ Estimator = Callable[[CrossSpectra], ComplexArray]  # (n_run, n_freq, n_out, n_i
 
 ESTIMATORS: Family[Estimator] = Family("estimator", home="modallab.estimation.estimators")
 
-SEVERAL_FORCES = ("h1",)  # what is defined where several forces act at once
+MULTIPLE_INPUT_ESTIMATORS = ("h1",)  # what is defined where several forces act at once

@@ -21,54 +21,59 @@ class ForceChannelNoise:
     of the response: the one is in all FRFs alike, the other the more the less a structure moves.
     """
 
-    loose: FloatArray  # (n_freq, n_frf) G_ff (1/g2 - 1), median 1 of all lines above 0 Hz
-    weaker: FloatArray  # (n_freq, n_frf) G_ff over coherent power of the response, of the order of 1
-    force: FloatArray  # (n_freq, n_frf) or (n_freq, 1) G_ff, in units of `loose`
-    above: BoolArray  # (n_freq,) lines above 0 Hz
+    incoherent: FloatArray  # (n_freq, n_frf) G_ff (1/g2 - 1), median 1 of all lines above 0 Hz
+    power_ratio: FloatArray  # (n_freq, n_frf) G_ff over coherent power of the response, of the order of 1
+    force: FloatArray  # (n_freq, n_frf) or (n_freq, 1) G_ff, in units of `incoherent`
+    positive_lines: BoolArray  # (n_freq,) lines above 0 Hz
 
     @classmethod
     def of(
-        cls, above: BoolArray, coherence: FloatArray, force: FloatArray, heard: FloatArray
+        cls, positive_lines: BoolArray, coherence: FloatArray, force: FloatArray, response_power: FloatArray
     ) -> "ForceChannelNoise | None":
         """Return what tells of it, None where there is no noise at all beyond rounding.
 
         Parameters
         ----------
-        above
+        positive_lines
             (n_freq,) lines above 0 Hz.
         coherence
             (n_freq, n_frf).
         force
             (n_freq, n_frf) or (n_freq, 1) G_ff, N^2/Hz.
-        heard
+        response_power
             (n_freq, n_frf) coherent power g2 G_xx of the motion whose noise is white.
         """
-        loose = force * (1 - coherence) / np.maximum(coherence, FORCE_NOISE.min_coherence)
-        weaker = np.median(heard[above]) / np.maximum(
-            heard, FORCE_NOISE.min_coherence * np.median(heard[above])
+        incoherent = force * (1 - coherence) / np.maximum(coherence, FORCE_NOISE.min_coherence)
+        power_ratio = np.median(response_power[positive_lines]) / np.maximum(
+            response_power, FORCE_NOISE.min_coherence * np.median(response_power[positive_lines])
         )
-        weaker = weaker * force / np.median(force[above])
-        size = float(np.median(loose[above]))
-        if not size > FORCE_NOISE.relative_rounding**2 * float(np.median(force[above])):
+        power_ratio = power_ratio * force / np.median(force[positive_lines])
+        size = float(np.median(incoherent[positive_lines]))
+        if not size > FORCE_NOISE.relative_rounding**2 * float(np.median(force[positive_lines])):
             return None
-        return cls(loose / size, weaker, force / size, above)
+        return cls(incoherent / size, power_ratio, force / size, positive_lines)
 
     @property
     def share(self) -> FloatArray:
         """(n_freq, n_frf) of each FRF's random variance that is the force's noise."""
-        noise, own = _both_noises(self.loose[self.above], self.weaker[self.above])
-        both = noise + own * self.weaker
-        # A line's own power would let those weigh more that came out large by chance.
-        every = np.where(self.loose > FORCE_NOISE.outlier_ratio * both, self.loose, both)
-        return np.asarray(
-            np.minimum(noise / np.maximum(every, FORCE_NOISE.min_coherence), FORCE_NOISE.max_common_fraction)
-        )
+        lines = self.positive_lines
+        noise, response_noise = _white_noises(self.incoherent[lines], self.power_ratio[lines])
+        white_noise = noise + response_noise * self.power_ratio
+        # Weights by a line's own power would favour lines whose power is low by chance.
+        outliers = self.incoherent > FORCE_NOISE.outlier_ratio * white_noise
+        total = np.where(outliers, self.incoherent, white_noise)
+        share = noise / np.maximum(total, FORCE_NOISE.min_coherence)
+        return np.asarray(np.minimum(share, FORCE_NOISE.max_common_fraction))
 
     @property
     def rise(self) -> FloatArray:
         """(n_freq, n_frf) noise over the force without it: H = H1 (1 + rise)."""
-        noise, _ = _both_noises(self.loose[self.above], self.weaker[self.above], self.force[self.above])
-        return np.asarray(np.broadcast_to(noise / _signal(self.force, noise), self.loose.shape))
+        noise, _ = _white_noises(
+            self.incoherent[self.positive_lines],
+            self.power_ratio[self.positive_lines],
+            self.force[self.positive_lines],
+        )
+        return np.asarray(np.broadcast_to(noise / _signal(self.force, noise), self.incoherent.shape))
 
 
 def _signal(force: FloatArray, noise: float) -> FloatArray:
@@ -77,31 +82,32 @@ def _signal(force: FloatArray, noise: float) -> FloatArray:
     )
 
 
-def _both_noises(
-    loose: FloatArray, weaker: FloatArray, force: FloatArray | None = None
+def _white_noises(
+    incoherent: FloatArray, power_ratio: FloatArray, force: FloatArray | None = None
 ) -> tuple[float, FloatArray]:
     """Return white noise of the force and of each response (n_frf,) that add up to incoherent power.
 
     Least squares of relative differences, alternating; lines on which there is more than both, as where
     power leaks, are left out. With the force, N G_ff/(G_ff - N) is fitted and not N, by Newton's steps.
     """
-    noise, own = (
-        float(np.quantile(loose, FORCE_NOISE.initial_quantile)),
-        np.quantile(loose / weaker, FORCE_NOISE.initial_quantile, axis=0),
-    )
+    quantile = FORCE_NOISE.initial_quantile
+    noise = float(np.quantile(incoherent, quantile))
+    response_noise = np.quantile(incoherent / power_ratio, quantile, axis=0)
     for _ in range(FORCE_NOISE.iterations):
-        more = 1.0 if force is None else force / _signal(force, noise)
-        both = noise * more + own * weaker + FORCE_NOISE.min_coherence
-        weight = (loose < FORCE_NOISE.outlier_ratio * both) / both**2
-        seen = np.maximum((weight * weaker**2).sum(axis=0), FORCE_NOISE.min_coherence)
-        own = np.maximum((weight * weaker * (loose - noise * more)).sum(axis=0) / seen, 0.0)
-        slope, left = more**2, loose - own * weaker - noise * more * (1 - more)
+        gain = 1.0 if force is None else force / _signal(force, noise)
+        white_noise = noise * gain + response_noise * power_ratio + FORCE_NOISE.min_coherence
+        weight = (incoherent < FORCE_NOISE.outlier_ratio * white_noise) / white_noise**2
+        curvature = np.maximum((weight * power_ratio**2).sum(axis=0), FORCE_NOISE.min_coherence)
+        response_noise = np.maximum(
+            (weight * power_ratio * (incoherent - noise * gain)).sum(axis=0) / curvature, 0.0
+        )
+        slope, residual = gain**2, incoherent - response_noise * power_ratio - noise * gain * (1 - gain)
         total = max(float((weight * slope**2).sum()), FORCE_NOISE.min_coherence)
-        noise = max(float((weight * slope * left).sum()) / total, 0.0)
-    return noise, own
+        noise = max(float((weight * slope * residual).sum()) / total, 0.0)
+    return noise, response_noise
 
 
-def parted(part: Numbers, share: FloatArray, where: BoolArray) -> Numbers:
+def decorrelated(part: Numbers, share: FloatArray, used: BoolArray) -> Numbers:
     """Return residuals (n_lines, n_frf) that share a random number in each line, made independent.
 
     Their covariance D + v v^T, v^2 the shares and D the rest, has the inverse square root
@@ -113,12 +119,12 @@ def parted(part: Numbers, share: FloatArray, where: BoolArray) -> Numbers:
         (n_lines, n_frf), or with more axes behind, as share and where then have.
     share
         (n_lines, n_frf) of each one's variance that is the shared number's.
-    where
+    used
         (n_lines, n_frf) those that are looked at together.
     """
-    rest = np.sqrt(1 - share)
-    along = np.where(where, np.sqrt(share) / rest, 0.0)
+    independent = np.sqrt(1 - share)
+    along = np.where(used, np.sqrt(share) / independent, 0.0)
     size = (along**2).sum(axis=1, keepdims=True)
-    alone = np.where(where, part / rest, 0.0)
-    both = (along * alone).sum(axis=1, keepdims=True) / np.maximum(size, SAFE_DIVISOR)
-    return cast(Numbers, alone - (1 - 1 / np.sqrt(1 + size)) * along * both)
+    scaled = np.where(used, part / independent, 0.0)
+    projection = (along * scaled).sum(axis=1, keepdims=True) / np.maximum(size, SAFE_DIVISOR)
+    return cast(Numbers, scaled - (1 - 1 / np.sqrt(1 + size)) * along * projection)

@@ -52,8 +52,10 @@ class Window:
     def weights(self, n: int, n_in: int, n_out: int) -> FloatArray:
         """Return the windows of all channels, (n_in + n_out, n), forces first."""
         response = self.samples(n)
-        left = (self.force_width - np.arange(n) / n) / (SPECTRUM.force_taper * self.force_width)
-        passed = np.sin(np.pi / 2 * np.clip(left, 0.0, 1.0)) ** 2 if self.force_width < 1 else np.ones(n)
+        taper_phase = (self.force_width - np.arange(n) / n) / (SPECTRUM.force_taper * self.force_width)
+        passed = (
+            np.sin(np.pi / 2 * np.clip(taper_phase, 0.0, 1.0)) ** 2 if self.force_width < 1 else np.ones(n)
+        )
         return np.vstack([np.tile(response * passed, (n_in, 1)), np.tile(response, (n_out, 1))])
 
     def noise_shares(self, n_in: int, n_out: int) -> FloatArray:
@@ -130,11 +132,11 @@ def _kernel(offset: FloatArray, n: int | None) -> ComplexArray | FloatArray:
     """Return what a line sees of a signal of amplitude 1 at mid-record, `offset` lines away, no window."""
     if n is None:
         return np.sinc(offset)
-    below = np.sinc(offset / n)
+    denominator = np.sinc(offset / n)
     # over the whole period: where the sine below the line is 0 again, the one above is too
-    again = np.abs(below) < PRODUCT_ROUNDING
+    periodic = np.abs(denominator) < PRODUCT_ROUNDING
     size = np.where(
-        again, np.cos(np.pi * (n - 1) * offset / n), np.sinc(offset) / np.where(again, 1.0, below)
+        periodic, np.cos(np.pi * (n - 1) * offset / n), np.sinc(offset) / np.where(periodic, 1.0, denominator)
     )
     return np.asarray(size * np.exp(1j * np.pi * offset / n))
 

@@ -8,7 +8,7 @@ from modallab.core.arrays import FloatArray
 from modallab.core.numerics import PRODUCT_ROUNDING
 from modallab.fe.settings import ELEMENT
 
-TURNING = (2, 5)  # theta of each end among (u, v, theta) of both
+ROTATION_ROWS = (2, 5)  # theta of each end among (u, v, theta) of both
 
 
 @dataclass(frozen=True)
@@ -22,20 +22,20 @@ class Alteration:
     shear: float = 0.0  # added share of shear flexibility and rotary inertia
     joints: tuple[float, float] = (0.0, 0.0)  # rad/(N m), of a rotational spring at each end; 0 is rigid
 
-    def also(self, other: "Alteration") -> "Alteration":
+    def combined_with(self, alteration: "Alteration") -> "Alteration":
         """Return both together, in whatever order: factors multiply, springs in series add."""
         return Alteration(
-            self.mass * other.mass,
-            self.axial * other.axial,
-            self.bending * other.bending,
-            self.loss * other.loss,
-            self.shear + other.shear,
-            (self.joints[0] + other.joints[0], self.joints[1] + other.joints[1]),
+            self.mass * alteration.mass,
+            self.axial * alteration.axial,
+            self.bending * alteration.bending,
+            self.loss * alteration.loss,
+            self.shear + alteration.shear,
+            (self.joints[0] + alteration.joints[0], self.joints[1] + alteration.joints[1]),
         )
 
 
 @dataclass(frozen=True, eq=False)
-class Jointed:
+class JointedMember:
     """Matrices of a member that springs join to its nodes: (w + k, w + k), the k jumps of rotation last.
 
     A jump is measured in square roots of its flexibility, so that a rigid joint is a regular limit.
@@ -46,38 +46,40 @@ class Jointed:
     inner: int  # how many jumps move on their own
 
 
-def jointed(mass: FloatArray, stiffness: FloatArray, joints: tuple[float, float]) -> Jointed:
+def with_joints(mass: FloatArray, stiffness: FloatArray, joints: tuple[float, float]) -> JointedMember:
     """Return a member, (w, w) each, with rotational springs between its ends and its nodes.
 
     With g the jump's share of the member's motion u + g delta the energy is
     (u + g delta)^T K (u + g delta) / 2 + delta^2 / (2 flexibility), and the mass likewise.
     """
     inner, width = [], len(mass)
-    for row, flexibility in zip(TURNING, joints, strict=True):
-        own = flexibility * stiffness[row, row]
-        if own == 0:
+    for row, flexibility in zip(ROTATION_ROWS, joints, strict=True):
+        stiffness_ratio = flexibility * stiffness[row, row]
+        if stiffness_ratio == 0:
             continue
-        if own > ELEMENT.rigid_joint_flexibility:
+        if stiffness_ratio > ELEMENT.rigid_joint_flexibility:
             inner.append((row, flexibility))
             continue
         # Moves as its spring lets it: a coordinate of its own would only add a mode at infinity.
-        still = np.eye(width)
-        still[row] -= flexibility * stiffness[row] / (1 + own)
-        mass = still.T @ mass @ still
-        stiffness = stiffness - flexibility * np.outer(stiffness[row], stiffness[row]) / (1 + own)
-    with_jumps = np.eye(width, width + len(inner))
+        static_motion = np.eye(width)
+        static_motion[row] -= flexibility * stiffness[row] / (1 + stiffness_ratio)
+        mass = static_motion.T @ mass @ static_motion
+        stiffness = stiffness - flexibility * np.outer(stiffness[row], stiffness[row]) / (1 + stiffness_ratio)
+    expansion = np.eye(width, width + len(inner))
     springs = np.zeros(width + len(inner))
     for k, (row, flexibility) in enumerate(inner, start=width):
-        with_jumps[row, k] = np.sqrt(flexibility)
+        expansion[row, k] = np.sqrt(flexibility)
         springs[k] = 1.0
-    back = with_jumps.T
-    return Jointed(back @ mass @ with_jumps, back @ stiffness @ with_jumps + np.diag(springs), len(inner))
+    projection = expansion.T
+    return JointedMember(
+        projection @ mass @ expansion, projection @ stiffness @ expansion + np.diag(springs), len(inner)
+    )
 
 
-def span(blocks: list[FloatArray]) -> FloatArray:
+def orthonormal_span(blocks: list[FloatArray]) -> FloatArray:
     """Return orthonormal columns (n, r) for everything that some matrices (n, .) reach."""
-    sized = [block / size for block in blocks if (size := np.abs(block).max(initial=0.0)) > 0]
-    if not sized:
+    normalised = [block / size for block in blocks if (size := np.abs(block).max(initial=0.0)) > 0]
+    if not normalised:
         return np.zeros((len(blocks[0]), 0))
-    u, s, _ = np.linalg.svd(np.hstack(sized), full_matrices=False)
+    u, s, _ = np.linalg.svd(np.hstack(normalised), full_matrices=False)
     return np.asarray(u[:, s > PRODUCT_ROUNDING * s[0]])

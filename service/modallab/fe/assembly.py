@@ -18,7 +18,7 @@ from modallab.fe.member_matrices import bar_of, member_matrices
 from modallab.fe.member_table import MemberTable
 from modallab.fe.members import AnyMember
 from modallab.fe.modal_damping import ModalLossFactors
-from modallab.fe.section_size import SectionSize, slopes
+from modallab.fe.section_size import SectionSize, size_derivatives
 from modallab.fe.shear import Shear
 from modallab.fe.structure import ACROSS, Member, Structure
 from modallab.fe.system import DynamicSystem
@@ -60,24 +60,27 @@ class Assembly:
         joints are left out: `assemble` hangs them on.
     """
 
-    def __init__(self, structure: Structure, *, jumps: bool = False) -> None:
+    def __init__(self, structure: Structure, *, joint_rotations: bool = False) -> None:
         self.structure, self.members = structure, structure.all_members
         parts = member_matrices(structure)
         self.mass, self.axial, self.bending = parts.mass, parts.axial, parts.bending
         self.rows, self._bars = parts.rows, parts.bars
         n = self.size = len(structure.dofs)
-        self.jumps = JointRotations(structure, self.rows.shape[1]) if jumps and structure.joints else None
-        if self.jumps is not None:
+        self.joint_rotations = (
+            JointRotations(structure, self.rows.shape[1]) if joint_rotations and structure.joints else None
+        )
+        if self.joint_rotations is not None:
             n = self.size = self.size + len(structure.joints)
-            every = np.arange(len(self.members))
+            all_members = np.arange(len(self.members))
             self.mass, self.axial, self.bending = (
-                self.jumps.widened(part, every) for part in (self.mass, self.axial, self.bending)
+                self.joint_rotations.widened(part, all_members)
+                for part in (self.mass, self.axial, self.bending)
             )
-            self.rows = self.jumps.rows(self.rows, len(structure.dofs))
+            self.rows = self.joint_rotations.rows(self.rows, len(structure.dofs))
         grid_r = np.broadcast_to(self.rows[:, :, None], self.mass.shape)
         grid_c = np.broadcast_to(self.rows[:, None, :], self.mass.shape)
-        self._kept = (grid_r >= 0) & (grid_c >= 0)
-        keys = np.concatenate([(grid_c * n + grid_r)[self._kept], np.arange(n) * (n + 1)])
+        self._in_system = (grid_r >= 0) & (grid_c >= 0)
+        keys = np.concatenate([(grid_c * n + grid_r)[self._in_system], np.arange(n) * (n + 1)])
         unique, place = np.unique(keys, return_inverse=True)
         self._place: IntArray = place[:-n]
         self._diagonal: IntArray = place[-n:]
@@ -92,49 +95,55 @@ class Assembly:
         members
             The others, by their place among all; their nodes are the same.
         """
-        other, at = copy(self), list(members)
-        own = member_matrices(self.structure, list(members.values()), self._width)
-        other.members = tuple(members.get(place, member) for place, member in enumerate(self.members))
-        other.mass, other.axial, other.bending = self.mass.copy(), self.axial.copy(), self.bending.copy()
-        for kept, new in (
-            (other.mass, own.mass),
-            (other.axial, own.axial),
-            (other.bending, own.bending),
+        assembly, at = copy(self), list(members)
+        resized_matrices = member_matrices(self.structure, list(members.values()), self._width)
+        assembly.members = tuple(members.get(place, member) for place, member in enumerate(self.members))
+        assembly.mass, assembly.axial, assembly.bending = (
+            self.mass.copy(),
+            self.axial.copy(),
+            self.bending.copy(),
+        )
+        for matrices, new in (
+            (assembly.mass, resized_matrices.mass),
+            (assembly.axial, resized_matrices.axial),
+            (assembly.bending, resized_matrices.bending),
         ):
-            kept[at] = self.widened(new, np.array(at))
-        return other
+            matrices[at] = self.widened(new, np.array(at))
+        return assembly
 
     @property
     def _width(self) -> int:
         """Rows of a member without jumps."""
-        return self.mass.shape[-1] if self.jumps is None else self.jumps.width_alone
+        return self.mass.shape[-1] if self.joint_rotations is None else self.joint_rotations.member_width
 
     def widened(self, parts: FloatArray, places: IntArray) -> FloatArray:
         """Return matrices (m, w, w) of members, by their place among all, with the rows of their jumps."""
-        return parts if self.jumps is None else self.jumps.widened(parts, places)
+        return parts if self.joint_rotations is None else self.joint_rotations.widened(parts, places)
 
-    def slopes(self, places: IntArray, shape: SectionSize) -> FloatArray:
+    def size_derivatives(self, places: IntArray, shape: SectionSize) -> FloatArray:
         """Return derivatives of mass, axial and bending stiffness of members by the logarithm of a size,
-        (3, m, w, w); see `shapes.slopes`."""
-        found = slopes(self.structure, [self.members[place] for place in places], shape, self._width)
-        return np.array([self.widened(part, places) for part in found])
+        (3, m, w, w); see `shapes.size_derivatives`."""
+        derivatives = size_derivatives(
+            self.structure, [self.members[place] for place in places], shape, self._width
+        )
+        return np.array([self.widened(part, places) for part in derivatives])
 
     @cached_property
     def springs(self) -> FloatArray | float:
         """(n_members, w, w) N m/rad, stiffness of joints at the jumps of their members; 0 without jumps."""
-        return 0.0 if self.jumps is None else self.jumps.springs(self.structure)
+        return 0.0 if self.joint_rotations is None else self.joint_rotations.springs(self.structure)
 
     def loaded(self, structure: Structure) -> "Assembly":
         """Return the same with the masses and springs to ground of another structure of these DoFs."""
-        other = copy(self)
-        other.structure = structure
+        assembly = copy(self)
+        assembly.structure = structure
         for name in ("_point_masses", "_ground", "springs"):
-            other.__dict__.pop(name, None)
-        return other
+            assembly.__dict__.pop(name, None)
+        return assembly
 
     def matrix(self, parts: FloatArray, diagonal: FloatArray | None = None) -> csc_array:
         """Return the (n, n) sum of element matrices (n_members, w, w), plus a diagonal (n,)."""
-        data = np.bincount(self._place, weights=parts[self._kept], minlength=len(self._indices))
+        data = np.bincount(self._place, weights=parts[self._in_system], minlength=len(self._indices))
         if diagonal is not None:
             data[self._diagonal] = data[self._diagonal] + diagonal
         n = self.size
@@ -164,12 +173,12 @@ class Assembly:
         coefficients
             What multiplies each member's parts; by default what the structure's members carry.
         """
-        use = coefficients_of(self.structure) if coefficients is None else coefficients
-        mass = use.mass[:, None, None] * self.mass
-        stiffness = use.axial[:, None, None] * self.axial + use.bending[:, None, None] * self.bending
+        factors = coefficients_of(self.structure) if coefficients is None else coefficients
+        mass = factors.mass[:, None, None] * self.mass
+        stiffness = factors.axial[:, None, None] * self.axial + factors.bending[:, None, None] * self.bending
         stiffness = stiffness + self.springs
         law = self.structure.damping
-        losses = Losses.of(law, use.loss_factor)
+        losses = Losses.of(law, factors.loss_factor)
         damping, viscous = losses.matrices(mass, stiffness)
         table = MemberTable(
             numbers=tuple(m.number for m in self.structure.all_members),
@@ -178,11 +187,11 @@ class Assembly:
             points=self._points,
             rows=self.rows,
             mass=mass,
-            axial=use.axial[:, None, None] * self.axial,
-            bending=use.bending[:, None, None] * self.bending,
+            axial=factors.axial[:, None, None] * self.axial,
+            bending=factors.bending[:, None, None] * self.bending,
             losses=losses,
             law=law,
-            shear=self._shear(use),
+            shear=self._shear(factors),
         )
         return DynamicSystem(
             mass=self.matrix(mass, self._point_masses),
@@ -199,15 +208,15 @@ class Assembly:
     def _points(self) -> FloatArray:
         """(n_members, 2, 2) m, x and y of each end of a bar; of another member a bar of length 1."""
         nodes = self.structure.nodes
-        nowhere = np.array([[0.0, 0.0], [1.0, 0.0]])
+        unit_bar = np.array([[0.0, 0.0], [1.0, 0.0]])
         return np.array(
             [
-                [nodes[n] for n in m.nodes] if isinstance(m, Member) else nowhere
+                [nodes[n] for n in m.nodes] if isinstance(m, Member) else unit_bar
                 for m in self.structure.all_members
             ]
         )
 
-    def _shear(self, use: Coefficients) -> Shear:
+    def _shear(self, factors: Coefficients) -> Shear:
         n = len(self.members)
         rigidity, line_mass, flexibility, gyration = np.zeros((4, n))
         for i, member in enumerate(self.members):
@@ -221,8 +230,8 @@ class Assembly:
                 gyration[i] = bar.second_moment / bar.area
         return Shear(
             points=self._points,
-            rigidity=use.bending * rigidity,
-            line_mass=use.mass * line_mass,
+            rigidity=factors.bending * rigidity,
+            line_mass=factors.mass * line_mass,
             flexibility=flexibility,
             gyration=gyration,
             amount=np.zeros(n),
@@ -235,29 +244,29 @@ class Assembly:
         if structure.blocks:
             place = {dof: i for i, dof in enumerate(structure.blocks.dofs)}
             return structure.blocks.motions[[place[dof] for dof in structure.dofs]]
-        free: list[tuple[float, ...]] = []
-        held: list[tuple[float, ...]] = []
+        free_rows: list[tuple[float, ...]] = []
+        fixed_rows: list[tuple[float, ...]] = []
         x0, y0 = np.mean(list(structure.nodes.values()), axis=0)
-        known = set(structure.dofs)
-        across = any(dof.direction in ACROSS for dof in known)
+        free_dofs = set(structure.dofs)
+        across = any(dof.direction in ACROSS for dof in free_dofs)
         for node, (x, y) in structure.nodes.items():
-            rows = _turning_plate(x - x0, y - y0) if across else _turning_frame(x - x0, y - y0)
+            rows = _rigid_rows_across(x - x0, y - y0) if across else _rigid_rows_in_plane(x - x0, y - y0)
             for direction, row in rows.items():
-                (free if Dof(node, direction) in known else held).append(row)
-        shapes = np.array(free)
-        if held:
-            _, values, vh = np.linalg.svd(np.array(held), full_matrices=True)
+                (free_rows if Dof(node, direction) in free_dofs else fixed_rows).append(row)
+        shapes = np.array(free_rows)
+        if fixed_rows:
+            _, values, vh = np.linalg.svd(np.array(fixed_rows), full_matrices=True)
             rank = int((values > COMPARISON_ROUNDING * values[0]).sum()) if values[0] > 0 else 0
             shapes = shapes @ vh[rank:].T
         return shapes
 
 
-def _turning_frame(x: float, y: float) -> dict[str, tuple[float, ...]]:
+def _rigid_rows_in_plane(x: float, y: float) -> dict[str, tuple[float, ...]]:
     """Return how a node moves in its plane with the whole: along X, along Y, about Z."""
     return {"X": (1.0, 0.0, -y), "Y": (0.0, 1.0, x), "RZ": (0.0, 0.0, 1.0)}
 
 
-def _turning_plate(x: float, y: float) -> dict[str, tuple[float, ...]]:
+def _rigid_rows_across(x: float, y: float) -> dict[str, tuple[float, ...]]:
     """Return how a node moves across its plane with the whole: along Z, about X, about Y."""
     return {"Z": (1.0, y, -x), "RX": (0.0, 1.0, 0.0), "RY": (0.0, 0.0, 1.0)}
 

@@ -11,7 +11,7 @@ from modallab.core.arrays import ComplexArray, FloatArray, frozen
 from modallab.fe.cache import cached
 from modallab.fe.settings import CACHE, RECEPTANCE
 
-PARTS = ("mass", "stiffness", "damping", "viscous")
+MATRIX_NAMES = ("mass", "stiffness", "damping", "viscous")
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,14 +33,14 @@ class Attachment:
     def __post_init__(self) -> None:
         object.__setattr__(self, "columns", frozen(self.columns, float, (None, None), name="columns"))
         r = self.columns.shape[1] + self.inner
-        for name in PARTS:
+        for name in MATRIX_NAMES:
             value = getattr(self, name)
             if value is not None:
                 object.__setattr__(self, name, frozen(value, float, (r, r), name=name))
 
-    def same(self, other: "Attachment") -> bool:
+    def equals(self, attachment: "Attachment") -> bool:
         """Return whether another attachment is equal to this one."""
-        return self is other or self.key == other.key
+        return self is attachment or self.key == attachment.key
 
     @cached_property
     def key(self) -> tuple[object, ...]:
@@ -64,20 +64,20 @@ class Attachment:
         return {}
 
     def _stiffness(self, omega: FloatArray) -> ComplexArray:
-        z: ComplexArray = stiffnesses([self], omega)[0]
+        z: ComplexArray = dynamic_stiffnesses([self], omega)[0]
         z.flags.writeable = False
         return z
 
 
-def stiffnesses(attachments: Sequence[Attachment], omega: FloatArray) -> ComplexArray:
+def dynamic_stiffnesses(attachments: Sequence[Attachment], omega: FloatArray) -> ComplexArray:
     """Return the dynamic stiffness of attachments that are of one size, (n, n_freq, r, r), N/m."""
     inner, r = attachments[0].inner, attachments[0].columns.shape[1]
     z = np.zeros((len(attachments), len(omega), r + inner, r + inner), complex)
-    w, none = omega[:, None, None], np.zeros(z.shape[2:])
+    w, zeros = omega[:, None, None], np.zeros(z.shape[2:])
     for name, factor in (("mass", -(w**2)), ("stiffness", 1.0), ("damping", 1j), ("viscous", 1j * w)):
-        own = [getattr(a, name) for a in attachments]
-        if any(one is not None for one in own):
-            z += factor * np.array([none if one is None else one for one in own])[:, None]
+        matrices = [getattr(a, name) for a in attachments]
+        if any(matrix is not None for matrix in matrices):
+            z += factor * np.array([zeros if matrix is None else matrix for matrix in matrices])[:, None]
     return z if inner == 0 else _condensed(z, inner)
 
 
@@ -99,12 +99,14 @@ def oscillator(column: FloatArray, mass: float, frequency: float, loss_factor: f
 
 def _condensed(z: ComplexArray, inner: int) -> ComplexArray:
     """Return z (..., r + inner, r + inner) without its last coordinates, on which nothing acts."""
-    outer, across, back = z[..., :-inner, :-inner], z[..., :-inner, -inner:], z[..., -inner:, :-inner]
-    own = z[..., -inner:, -inner:]
-    return np.asarray(outer - across @ (back / own if inner == 1 else np.linalg.solve(own, back)))
+    outer, to_outer, from_outer = z[..., :-inner, :-inner], z[..., :-inner, -inner:], z[..., -inner:, :-inner]
+    internal = z[..., -inner:, -inner:]
+    return np.asarray(
+        outer - to_outer @ (from_outer / internal if inner == 1 else np.linalg.solve(internal, from_outer))
+    )
 
 
-def motions(n: int, attachments: tuple[Attachment, ...]) -> list[FloatArray]:
+def extended_columns(n: int, attachments: tuple[Attachment, ...]) -> list[FloatArray]:
     """Return the (n + all inner, r + inner) columns of each attachment, its own coordinates last."""
     out, first = [], n
     for a in attachments:
@@ -116,44 +118,44 @@ def motions(n: int, attachments: tuple[Attachment, ...]) -> list[FloatArray]:
     return out
 
 
-def grown(matrix: csc_array | None, n: int) -> csc_array | None:
+def padded(matrix: csc_array | None, n: int) -> csc_array | None:
     """Return a matrix with empty rows and columns behind its own, (n, n)."""
     if matrix is None or matrix.shape[0] == n:
         return matrix
-    grown = matrix.tocoo()
-    return csc_array((grown.data, (grown.row, grown.col)), shape=(n, n))
+    padded = matrix.tocoo()
+    return csc_array((padded.data, (padded.row, padded.col)), shape=(n, n))
 
 
-def with_added(
-    matrix: csc_array | None, small: Sequence[tuple[FloatArray, FloatArray]], n: int
+def with_blocks(
+    matrix: csc_array | None, blocks: Sequence[tuple[FloatArray, FloatArray]], n: int
 ) -> csc_array | None:
     """Return a matrix (n, n) with small ones (r, r) added on their columns (n, r); None if all are none."""
-    if not small:
+    if not blocks:
         return matrix
     if n > RECEPTANCE.dense_assembly_dofs:
-        for columns, own in small:
-            extra = csc_array(columns @ own @ columns.T)
+        for columns, block in blocks:
+            extra = csc_array(columns @ block @ columns.T)
             matrix = extra if matrix is None else csc_array(matrix + extra)
         return matrix
     # Of a small structure zeros cost less than their bookkeeping.
     total = np.zeros((n, n)) if matrix is None else matrix.toarray()
-    for columns, own in small:
-        total += columns @ own @ columns.T
+    for columns, block in blocks:
+        total += columns @ block @ columns.T
     return csc_array(total)
 
 
-def carried(slow: FloatArray, attachments: tuple[Attachment, ...]) -> FloatArray:
+def with_internal_motions(shapes: FloatArray, attachments: tuple[Attachment, ...]) -> FloatArray:
     """Return slow motions (n, k) with those of the attachments' own coordinates below them."""
-    rows = [slow]
+    rows = [shapes]
     for a in attachments:
         if a.inner:
             k = np.zeros((a.inner, len(a.columns.T) + a.inner)) if a.stiffness is None else a.stiffness
-            own, outer = k[-a.inner :, -a.inner :], k[-a.inner :, : -a.inner]
-            rows.append(-np.linalg.pinv(own) @ outer @ (a.columns.T @ slow))
+            internal, coupling = k[-a.inner :, -a.inner :], k[-a.inner :, : -a.inner]
+            rows.append(-np.linalg.pinv(internal) @ coupling @ (a.columns.T @ shapes))
     return np.vstack(rows)
 
 
-def stacked(n: int, attachments: Sequence[Attachment]) -> FloatArray:
+def stacked_columns(n: int, attachments: Sequence[Attachment]) -> FloatArray:
     """Return the columns of attachments to a structure of `n` DoFs side by side, (n, R)."""
     return np.hstack([np.zeros((n, 0)), *(a.columns for a in attachments)])
 
@@ -172,25 +174,25 @@ def attached_stiffness(attachments: Sequence[Attachment], omega: FloatArray) -> 
     return out
 
 
-def distinct(columns: FloatArray) -> tuple[FloatArray, list[int]]:
+def unique_columns(columns: FloatArray) -> tuple[FloatArray, list[int]]:
     """Return columns (n, k) without those that come back, and where each one is among them."""
-    seen: dict[bytes, int] = {}
-    place = [seen.setdefault(column.tobytes(), len(seen)) for column in columns.T]
-    return columns[:, [place.index(i) for i in range(len(seen))]], place
+    index: dict[bytes, int] = {}
+    place = [index.setdefault(column.tobytes(), len(index)) for column in columns.T]
+    return columns[:, [place.index(i) for i in range(len(index))]], place
 
 
-def put_together(attachments: Sequence[Attachment]) -> tuple[Attachment, ...]:
+def merged(attachments: Sequence[Attachment]) -> tuple[Attachment, ...]:
     """Return attachments that do the same: all without coordinates of their own as one, each motion once."""
     plain = [a for a in attachments if a.inner == 0]
-    columns, place = distinct(np.hstack([a.columns for a in plain]))
+    columns, place = unique_columns(np.hstack([a.columns for a in plain]))
     total: dict[str, FloatArray] = {}
     first = 0
     for a in plain:
-        own = place[first : first + a.columns.shape[1]]
-        first += len(own)
-        for name in PARTS:
-            if (small := getattr(a, name)) is not None:
-                whole = total.setdefault(name, np.zeros((columns.shape[1],) * 2))
-                np.add.at(whole, np.ix_(own, own), small)
-    one = Attachment(columns, **total)  # type: ignore[arg-type]
-    return one, *(a for a in attachments if a.inner)
+        rows = place[first : first + a.columns.shape[1]]
+        first += len(rows)
+        for name in MATRIX_NAMES:
+            if (block := getattr(a, name)) is not None:
+                matrix = total.setdefault(name, np.zeros((columns.shape[1],) * 2))
+                np.add.at(matrix, np.ix_(rows, rows), block)
+    attachment = Attachment(columns, **total)  # type: ignore[arg-type]
+    return attachment, *(a for a in attachments if a.inner)

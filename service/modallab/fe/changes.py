@@ -57,12 +57,12 @@ class MemberChange:
             if number is not None:
                 _check(number, name, zero_allowed=self.property == MemberProperty.LOSS_FACTOR)
 
-    def of(self, now: float) -> float:
+    def of(self, nominal: float) -> float:
         """Return what a number becomes: the value, or the factor times what it is."""
         if self.value is not None:
             return self.value
         assert self.factor is not None
-        return self.factor * now
+        return self.factor * nominal
 
 
 @dataclass(frozen=True)
@@ -103,8 +103,8 @@ Change = MemberChange | NodeMass | GroundStiffness | JointStiffness
 
 def _check(number: float, field: str, *, zero_allowed: bool) -> None:
     if not np.isfinite(number) or number < 0 or (number == 0 and not zero_allowed):
-        allowed = ">= 0" if zero_allowed else "> 0"
-        raise InvalidInputError(f"{field} is out of bounds", field=field, value=number, allowed=allowed)
+        bounds = ">= 0" if zero_allowed else "> 0"
+        raise InvalidInputError(f"{field} is out of bounds", field=field, value=number, allowed=bounds)
 
 
 def change(structure: Structure, changes: Iterable[Change]) -> Structure:
@@ -115,48 +115,54 @@ def change(structure: Structure, changes: Iterable[Change]) -> Structure:
     InvalidInputError
         If a member, node or DoF is unknown, or a property cannot take the change.
     """
-    for one in changes:
-        if isinstance(one, MemberChange):
-            structure = _with_members(structure, one)
-        elif isinstance(one, NodeMass):
-            structure = _with_mass(structure, one)
-        elif isinstance(one, JointStiffness):
-            others = tuple(joint for joint in structure.joints if joint.node != one.node)
-            structure = replace(structure, joints=(*others, JointSpring(one.node, one.stiffness)))
+    for modification in changes:
+        if isinstance(modification, MemberChange):
+            structure = _with_members(structure, modification)
+        elif isinstance(modification, NodeMass):
+            structure = _with_mass(structure, modification)
+        elif isinstance(modification, JointStiffness):
+            joints = tuple(joint for joint in structure.joints if joint.node != modification.node)
+            structure = replace(
+                structure, joints=(*joints, JointSpring(modification.node, modification.stiffness))
+            )
         else:
-            structure = _with_spring(structure, one)
+            structure = _with_spring(structure, modification)
     return structure
 
 
-def _with_members(structure: Structure, made: MemberChange) -> Structure:
-    for number in made.members:
+def _with_members(structure: Structure, modification: MemberChange) -> Structure:
+    for number in modification.members:
         structure.member(number)  # an unknown one is an error, not a change of nothing
-    numbers = set(made.members)
+    numbers = set(modification.members)
     return structure.of_members(
-        _changed(structure, member, made) if member.number in numbers else member
+        _changed(structure, member, modification) if member.number in numbers else member
         for member in structure.all_members
     )
 
 
-def _changed(structure: Structure, member: AnyMember, made: MemberChange) -> AnyMember:
-    def moved(factor: float) -> float:
-        return made.of(factor) if made.value is None else made.value / _nominal(member, made.property)
+def _changed(structure: Structure, member: AnyMember, modification: MemberChange) -> AnyMember:
+    def changed_factor(factor: float) -> float:
+        return (
+            modification.of(factor)
+            if modification.value is None
+            else modification.value / _nominal(member, modification.property)
+        )
 
-    match made.property:
+    match modification.property:
         case MemberProperty.DENSITY:
-            return replace(member, mass_factor=moved(member.mass_factor))
+            return replace(member, mass_factor=changed_factor(member.mass_factor))
         case MemberProperty.MODULUS:
-            axial, bending = moved(member.axial_factor), moved(member.bending_factor)
+            axial, bending = changed_factor(member.axial_factor), changed_factor(member.bending_factor)
             return replace(member, axial_factor=axial, bending_factor=bending)
         case MemberProperty.AXIAL_STIFFNESS:
-            return replace(member, axial_factor=moved(member.axial_factor))
+            return replace(member, axial_factor=changed_factor(member.axial_factor))
         case MemberProperty.BENDING_STIFFNESS:
-            return replace(member, bending_factor=moved(member.bending_factor))
+            return replace(member, bending_factor=changed_factor(member.bending_factor))
         case MemberProperty.LOSS_FACTOR:
-            return replace(member, loss_factor=_loss_factor(structure, member, made))
+            return replace(member, loss_factor=_loss_factor(structure, member, modification))
         case MemberProperty.AREA | MemberProperty.SECOND_MOMENT | MemberProperty.THICKNESS:
-            shape = SectionSize(made.property)
-            return resized(member, shape, made.of(size(member, shape)))
+            shape = SectionSize(modification.property)
+            return resized(member, shape, modification.of(size(member, shape)))
 
 
 def _nominal(member: AnyMember, property: MemberProperty) -> float:
@@ -183,35 +189,39 @@ def _nominal(member: AnyMember, property: MemberProperty) -> float:
     }[property]
 
 
-def _loss_factor(structure: Structure, member: AnyMember, made: MemberChange) -> float:
-    law, own = structure.damping, member.loss_factor
-    if own is None and isinstance(law, StructuralDamping):
-        own = law.stiffness_coefficient
-    if own is None and made.value is None:
+def _loss_factor(structure: Structure, member: AnyMember, modification: MemberChange) -> float:
+    law, loss_factor = structure.damping, member.loss_factor
+    if loss_factor is None and isinstance(law, StructuralDamping):
+        loss_factor = law.stiffness_coefficient
+    if loss_factor is None and modification.value is None:
         raise InvalidInputError(
             f"member {member.number} has no loss factor to multiply",
             field="factor",
-            value=made.of(1.0),
+            value=modification.of(1.0),
             allowed="a value: this damping law gives members no loss factor",
         )
-    return made.of(own or 0.0)
+    return modification.of(loss_factor or 0.0)
 
 
-def _with_mass(structure: Structure, made: NodeMass) -> Structure:
-    if made.node not in structure.nodes:
+def _with_mass(structure: Structure, modification: NodeMass) -> Structure:
+    if modification.node not in structure.nodes:
         raise InvalidInputError(
-            f"there is no node {made.node}",
+            f"there is no node {modification.node}",
             field="node",
-            value=made.node,
+            value=modification.node,
             allowed=f"{min(structure.nodes)} to {max(structure.nodes)}",
         )
-    others = tuple(mass for mass in structure.masses if mass.node != made.node)
-    added = (PointMass(made.node, made.mass),) if made.mass else ()
-    return replace(structure, masses=others + added)
+    masses = tuple(mass for mass in structure.masses if mass.node != modification.node)
+    added = (PointMass(modification.node, modification.mass),) if modification.mass else ()
+    return replace(structure, masses=masses + added)
 
 
-def _with_spring(structure: Structure, made: GroundStiffness) -> Structure:
-    structure.index(made.dof)
-    others = tuple(spring for spring in structure.springs if spring.dof.point != made.dof.point)
-    added = (GroundSpringElement(made.dof.point, made.stiffness),) if made.stiffness else ()
-    return replace(structure, springs=others + added)
+def _with_spring(structure: Structure, modification: GroundStiffness) -> Structure:
+    structure.index(modification.dof)
+    springs = tuple(spring for spring in structure.springs if spring.dof.point != modification.dof.point)
+    added = (
+        (GroundSpringElement(modification.dof.point, modification.stiffness),)
+        if modification.stiffness
+        else ()
+    )
+    return replace(structure, springs=springs + added)

@@ -9,8 +9,8 @@ from modallab.fe.settings import INPUT
 def _not_negative(name: str, *values: float) -> None:
     for value in values:
         if not 0 <= value <= INPUT.max_damping:  # NaN fails too
-            allowed = f"0 to {INPUT.max_damping:g}"
-            raise InvalidInputError(f"{name} must not be negative", field=name, value=value, allowed=allowed)
+            bounds = f"0 to {INPUT.max_damping:g}"
+            raise InvalidInputError(f"{name} must not be negative", field=name, value=value, allowed=bounds)
 
 
 @dataclass(frozen=True)

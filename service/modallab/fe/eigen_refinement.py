@@ -7,7 +7,7 @@ from modallab.core.arrays import FloatArray
 from modallab.fe.settings import EIGENSOLUTION
 
 
-def sharpened(
+def refined_modes(
     mass: FloatArray, stiffness: FloatArray, squares: FloatArray, shapes: FloatArray, n_rigid: int
 ) -> tuple[FloatArray, FloatArray]:
     """Return all eigenvalues (n,) and mass-normalised shapes (n, n), the low ones solved for once more.
@@ -25,15 +25,15 @@ def sharpened(
         factor = cho_factor(stiffness + shift * mass)
     except LinAlgError:  # a mechanism, whose eigenvalue is rounding itself
         return squares, shapes
-    moved = cho_solve(factor, mass @ low)
-    moved -= bodies @ (bodies.T @ (mass @ moved))
-    size = np.sqrt((moved * (mass @ moved)).sum(axis=0))
-    moved, low = moved / size, low / size
-    heavy = mass @ moved
-    gram, inverse = moved.T @ heavy, heavy.T @ low
-    values, turn = eigh((inverse + inverse.T) / 2, (gram + gram.T) / 2)
-    turned = moved @ turn
-    low = turned * np.where((turned * (mass @ low)).sum(axis=0) < 0, -1.0, 1.0)  # each in its old sense
+    iterated = cho_solve(factor, mass @ low)
+    iterated -= bodies @ (bodies.T @ (mass @ iterated))
+    size = np.sqrt((iterated * (mass @ iterated)).sum(axis=0))
+    iterated, low = iterated / size, low / size
+    mass_times_shapes = mass @ iterated
+    gram, inverse = iterated.T @ mass_times_shapes, mass_times_shapes.T @ low
+    values, rotation = eigh((inverse + inverse.T) / 2, (gram + gram.T) / 2)
+    rotated = iterated @ rotation
+    low = rotated * np.where((rotated * (mass @ low)).sum(axis=0) < 0, -1.0, 1.0)  # each in its old sense
     high = high - low @ (low.T @ (mass @ high))
     values = np.concatenate([squares[:n_rigid], values - shift, squares[stop:]])
     return values, np.hstack([bodies, low, high])

@@ -48,18 +48,20 @@ def expand(system: DynamicSystem, measured: ModalModel, reduction: Reduction) ->
     masters = _masters(system, measured)
     rows, signs = rows_at(measured.dofs, masters)
     suited = reduction.reaching(float(measured.frequencies.max()))
-    own = [suited.at_mode(mode.frequency) for mode in measured.modes]
+    per_mode = [suited.at_mode(mode.frequency) for mode in measured.modes]
     # one for all modes, unless each has a frequency of its own
-    known = {one: reduce(system, masters, one) for one in dict.fromkeys(own)}
-    systems = [known[one] for one in own]
-    seen = signs[:, None] * measured.shapes[rows]
-    shapes = np.stack([s.transformation @ x for s, x in zip(systems, seen.T, strict=True)], axis=1)
-    residual = _residual(shapes[[system.index(dof) for dof in masters]], seen)
-    rayleigh = _rayleigh(systems, seen)
-    off = np.abs(rayleigh - measured.frequencies) > REDUCTION.doubtful_expansion * measured.frequencies
-    doubtful = off | (residual > REDUCTION.doubtful_expansion)
+    reduced_by = {
+        mode_reduction: reduce(system, masters, mode_reduction) for mode_reduction in dict.fromkeys(per_mode)
+    }
+    systems = [reduced_by[mode_reduction] for mode_reduction in per_mode]
+    measured_shapes = signs[:, None] * measured.shapes[rows]
+    shapes = np.stack([s.transformation @ x for s, x in zip(systems, measured_shapes.T, strict=True)], axis=1)
+    residual = _residual(shapes[[system.index(dof) for dof in masters]], measured_shapes)
+    rayleigh = _rayleigh(systems, measured_shapes)
+    shifted = np.abs(rayleigh - measured.frequencies) > REDUCTION.doubtful_expansion * measured.frequencies
+    doubtful = shifted | (residual > REDUCTION.doubtful_expansion)
     modes = [
-        _carried(mode, shapes[:, r], rows, systems[r], doubtful=bool(doubtful[r]))
+        _expanded_mode(mode, shapes[:, r], rows, systems[r], doubtful=bool(doubtful[r]))
         for r, mode in enumerate(measured.modes)
     ]
     left_out = len(measured.dofs) - len(rows)
@@ -88,7 +90,9 @@ def _masters(system: DynamicSystem, measured: ModalModel) -> tuple[Dof, ...]:
     return masters
 
 
-def _carried(mode: Mode, shape: ComplexArray, rows: IntArray, by: ReducedSystem, *, doubtful: bool) -> Mode:
+def _expanded_mode(
+    mode: Mode, shape: ComplexArray, rows: IntArray, by: ReducedSystem, *, doubtful: bool
+) -> Mode:
     """Return a mode with its shape at all DoFs, its errors carried along."""
     errors = mode.shape_errors
     if errors is not None:
@@ -99,21 +103,21 @@ def _carried(mode: Mode, shape: ComplexArray, rows: IntArray, by: ReducedSystem,
 
 def _choice(reduction: Reduction, reduced: ReducedSystem, residual: FloatArray) -> str:
     numbers = ", ".join(f"{name} {value:g}" for name, value in reduction.parameters.items() if value)
-    how = f"{reduction.kind} ({numbers})" if numbers else reduction.kind
-    kept = len(reduced.modes()[0])
-    from_to = f"{kept} motions from {len(reduced.masters)} degrees of freedom"
-    return f"{how}, {from_to}: leaves up to {residual.max():.2g} of a measured shape"
+    description = f"{reduction.kind} ({numbers})" if numbers else reduction.kind
+    n_motions = len(reduced.modes()[0])
+    from_to = f"{n_motions} motions from {len(reduced.masters)} degrees of freedom"
+    return f"{description}, {from_to}: leaves up to {residual.max():.2g} of a measured shape"
 
 
-def _residual(expanded: ComplexArray, seen: ComplexArray) -> FloatArray:
-    size = np.linalg.norm(seen, axis=0)
-    misfit = np.linalg.norm(seen - expanded, axis=0)
+def _residual(expanded: ComplexArray, measured: ComplexArray) -> FloatArray:
+    size = np.linalg.norm(measured, axis=0)
+    misfit = np.linalg.norm(measured - expanded, axis=0)
     return np.asarray(np.divide(misfit, size, out=np.zeros_like(size), where=size > 0))
 
 
-def _rayleigh(systems: list[ReducedSystem], seen: ComplexArray) -> FloatArray:
+def _rayleigh(systems: list[ReducedSystem], measured: ComplexArray) -> FloatArray:
     """Return sqrt(phi^H K phi / phi^H M phi) / 2 pi of each expanded shape, (n_modes,), Hz."""
-    strain = np.array([(x.conj() @ s.stiffness @ x).real for s, x in zip(systems, seen.T, strict=True)])
-    moving = np.array([(x.conj() @ s.mass @ x).real for s, x in zip(systems, seen.T, strict=True)])
-    square = np.divide(strain, moving, out=np.zeros_like(strain), where=moving > 0)
+    strain = np.array([(x.conj() @ s.stiffness @ x).real for s, x in zip(systems, measured.T, strict=True)])
+    kinetic = np.array([(x.conj() @ s.mass @ x).real for s, x in zip(systems, measured.T, strict=True)])
+    square = np.divide(strain, kinetic, out=np.zeros_like(strain), where=kinetic > 0)
     return np.asarray(np.sqrt(np.maximum(square, 0.0)) / (2 * np.pi))

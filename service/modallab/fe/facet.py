@@ -28,8 +28,8 @@ class Facets:
     def plane_stress(self) -> FloatArray:
         """(n, 3, 3) stress (xx, yy, xy) from strain, shear as an angle, N/m^2."""
         nu = self.poisson_ratio
-        one, none = np.ones_like(nu), np.zeros_like(nu)
-        rows = [[one, nu, none], [nu, one, none], [none, none, (1 - nu) / 2]]
+        ones, zeros = np.ones_like(nu), np.zeros_like(nu)
+        rows = [[ones, nu, zeros], [nu, ones, zeros], [zeros, zeros, (1 - nu) / 2]]
         return np.asarray(np.moveaxis(np.array(rows), 2, 0) * (self.modulus / (1 - nu**2))[:, None, None])
 
 
@@ -115,7 +115,7 @@ def natural_shear(shapes: FloatArray, slopes: FloatArray, tangent: FloatArray) -
     return out
 
 
-def energy(strains: FloatArray, law: FloatArray, weight: FloatArray) -> FloatArray:
+def strain_energy(strains: FloatArray, law: FloatArray, weight: FloatArray) -> FloatArray:
     """Return B^T C B times a weight (n,): strains (n, s, m), law (n, s, s)."""
     return np.asarray(strains.swapaxes(1, 2) @ (weight[:, None, None] * law) @ strains)
 
@@ -132,8 +132,8 @@ def plate_matrices(facets: Facets) -> tuple[FloatArray, FloatArray]:
     """
     parts = facet_parts(facets)
     line = facets.density * facets.thickness
-    turned = line * facets.thickness**2 / 12
-    return _spread(parts.overlap, np.stack([line, turned, turned], 1)), parts.bending
+    rotary = line * facets.thickness**2 / 12
+    return _mass_matrices(parts.overlap, np.stack([line, rotary, rotary], 1)), parts.bending
 
 
 def shell_matrices(facets: Facets) -> tuple[FloatArray, FloatArray, FloatArray]:
@@ -145,25 +145,25 @@ def shell_matrices(facets: Facets) -> tuple[FloatArray, FloatArray, FloatArray]:
     parts = facet_parts(facets)
     n, k = facets.corners.shape[:2]
     line = facets.density * facets.thickness
-    turned = line * facets.thickness**2 / 12
-    mass = _spread(parts.overlap, np.stack([line] * 3 + [turned] * 3, 1))
+    rotary = line * facets.thickness**2 / 12
+    mass = _mass_matrices(parts.overlap, np.stack([line] * 3 + [rotary] * 3, 1))
     node = 6 * np.arange(k)[:, None]
     axial, bending = np.zeros((2, n, 6 * k, 6 * k))
-    for total, part, own in (
+    for total, part, directions in (
         (axial, parts.membrane, [0, 1]),
         (axial, parts.drilling, [0, 1, 5]),
         (bending, parts.bending, [2, 3, 4]),
     ):
-        place = (node + own).ravel()
+        place = (node + directions).ravel()
         total[:, place[:, None], place] += part
     return mass, axial, bending
 
 
-def _spread(overlap: FloatArray, inertia: FloatArray) -> FloatArray:
+def _mass_matrices(overlap: FloatArray, inertia: FloatArray) -> FloatArray:
     """Return overlaps (n, k, k) as mass of DoFs with inertia (n, d) each, (n, d k, d k)."""
     n, k = overlap.shape[:2]
     d = inertia.shape[1]
     out = np.zeros((n, k, d, k, d))
-    each = np.arange(d)
-    out[:, :, each, :, each] = np.einsum("nij,nd->dnij", overlap, inertia)
+    direction = np.arange(d)
+    out[:, :, direction, :, direction] = np.einsum("nij,nd->dnij", overlap, inertia)
     return out.reshape(n, k * d, k * d)

@@ -12,7 +12,7 @@ from modallab.core.dof import Dof
 from modallab.core.errors import StructureError
 from modallab.fe.blocks import Blocks
 from modallab.fe.damping import Damping, StructuralDamping
-from modallab.fe.matrix_checks import check_mass, slow_motions, symmetric
+from modallab.fe.matrix_checks import check_mass, make_symmetric, slowest_motions
 from modallab.fe.members import MatrixElement
 from modallab.fe.settings import INPUT
 from modallab.fe.structure import Structure, Support
@@ -100,17 +100,17 @@ def _blocks(
     motions: FloatArray | None,
 ) -> Blocks:
     rows, mass, axial, bending = _padded(elements)
-    what = [f"element {element.number}" for element in elements]
+    labels = [f"element {element.number}" for element in elements]
     for part, of in ((mass, "mass"), (axial, "stiffness"), (bending, "stiffness")):
-        symmetric(part, what, of)
+        make_symmetric(part, labels, of)
     free = _free(dofs, supports)
-    kept = np.ix_(free, free)
+    free_block = np.ix_(free, free)
     total_mass, total_stiffness = (
-        csc_array(_total(part, rows, len(dofs))[kept]) for part in (mass, axial + bending)
+        csc_array(_total(part, rows, len(dofs))[free_block]) for part in (mass, axial + bending)
     )
     check_mass(total_mass, [dofs[i] for i in free])
     if motions is None:
-        slow = slow_motions(total_mass, total_stiffness)
+        slow = slowest_motions(total_mass, total_stiffness)
         motions = np.zeros((len(dofs), slow.shape[1]))
         motions[free] = slow
     return Blocks(tuple(dofs), rows, mass, axial, bending if bending.any() else None, motions)
@@ -167,19 +167,19 @@ def elements_of_groups(
     groups: Sequence[GroupMatrices], dofs: Sequence[Dof], *, first: int = 1
 ) -> list[Element]:
     """Return the elements that named parts of a model are, as `of_groups` says, numbered from `first`."""
-    touched = [_touched(group) for group in groups]
-    whole = len(groups) * max((len(rows) for rows in touched), default=0) ** 2
+    group_rows = [_nonzero_rows(group) for group in groups]
+    n_values = len(groups) * max((len(rows) for rows in group_rows), default=0) ** 2
     number = count(first)
     _, node, sizes = np.unique([dof.node for dof in dofs], return_inverse=True, return_counts=True)
-    n_pairs = sum(_n_pairs(group, node) for group in groups) if whole > INPUT.max_whole_group_values else 0
+    n_pairs = sum(_n_pairs(group, node) for group in groups) if n_values > INPUT.max_whole_group_values else 0
     if (
-        whole <= INPUT.max_whole_group_values
+        n_values <= INPUT.max_whole_group_values
         or n_pairs > INPUT.max_pair_elements
-        or n_pairs * (2 * sizes.max()) ** 2 > whole
+        or n_pairs * (2 * sizes.max()) ** 2 > n_values
     ):
         return [
             Element(next(number), group.name, rows.tolist(), *_dense(group, rows))
-            for group, rows in zip(groups, touched, strict=True)
+            for group, rows in zip(groups, group_rows, strict=True)
             if len(rows)
         ]
     return [element for group in groups for element in _pairs(group, dofs, number)]
@@ -190,15 +190,15 @@ def _dense(group: GroupMatrices, rows: IntArray) -> tuple[FloatArray, FloatArray
     return group.mass[at].toarray(), group.stiffness[at].toarray()
 
 
-def _touched(group: GroupMatrices) -> IntArray:
+def _nonzero_rows(group: GroupMatrices) -> IntArray:
     """Return the rows in which a group has an entry."""
     return np.unique(np.concatenate(_entries(group)))
 
 
 def _entries(group: GroupMatrices) -> tuple[IntArray, IntArray]:
     """Return rows and columns of all that a group's matrices hold."""
-    both = [matrix.tocoo() for matrix in (group.mass, group.stiffness)]
-    rows, columns = ([getattr(e, name)[e.data != 0] for e in both] for name in ("row", "col"))
+    matrices = [matrix.tocoo() for matrix in (group.mass, group.stiffness)]
+    rows, columns = ([getattr(e, name)[e.data != 0] for e in matrices] for name in ("row", "col"))
     return np.concatenate(rows), np.concatenate(columns)
 
 
@@ -218,8 +218,10 @@ def _pairs(group: GroupMatrices, dofs: Sequence[Dof], number: Iterator[int]) -> 
         for row, column, value in zip(entries.row, entries.col, entries.data, strict=True):
             ends = sorted((int(node[row]), int(node[column])))
             parts.setdefault((ends[0], ends[1]), []).append((kind, int(row), int(column), float(value)))
-    for (one, other), numbers in parts.items():
-        rows = at[one] if one == other else np.concatenate([at[one], at[other]])
+    for (first_node, second_node), numbers in parts.items():
+        rows = (
+            at[first_node] if first_node == second_node else np.concatenate([at[first_node], at[second_node]])
+        )
         place = {int(row): i for i, row in enumerate(rows)}
         matrices = np.zeros((2, len(rows), len(rows)))
         for kind, row, column, value in numbers:
@@ -230,13 +232,13 @@ def _pairs(group: GroupMatrices, dofs: Sequence[Dof], number: Iterator[int]) -> 
 def _total(parts: FloatArray, rows: IntArray, n: int) -> csc_array:
     r = np.broadcast_to(rows[:, :, None], parts.shape)
     c = np.broadcast_to(rows[:, None, :], parts.shape)
-    kept = (r >= 0) & (c >= 0)
-    return csc_array((parts[kept], (r[kept], c[kept])), shape=(n, n))
+    valid = (r >= 0) & (c >= 0)
+    return csc_array((parts[valid], (r[valid], c[valid])), shape=(n, n))
 
 
 def _free(dofs: Sequence[Dof], supports: tuple[Support, ...]) -> IntArray:
-    held = {(s.node, d) for s in supports for d in s.directions}
-    free = [i for i, dof in enumerate(dofs) if (dof.node, dof.direction) not in held]
+    fixed = {(s.node, d) for s in supports for d in s.directions}
+    free = [i for i, dof in enumerate(dofs) if (dof.node, dof.direction) not in fixed]
     if not free:
         raise StructureError("the supports hold every degree of freedom", field="supports")
     return np.array(free)
@@ -249,13 +251,13 @@ def _nodes(dofs: Sequence[Dof]) -> tuple[int, ...]:
 def _check_table(dofs: Sequence[Dof]) -> None:
     if not dofs:
         raise StructureError("a model needs degrees of freedom", field="dofs", value=0, allowed=">= 1")
-    seen: set[Dof] = set()
+    points: set[Dof] = set()
     for dof in dofs:
-        if dof.sign < 0 or dof.point in seen:
+        if dof.sign < 0 or dof.point in points:
             raise StructureError(
                 f"{dof} is there twice or in its negative sense",
                 field="dofs",
                 value=str(dof),
                 allowed="each degree of freedom once, in its positive sense",
             )
-        seen.add(dof.point)
+        points.add(dof.point)

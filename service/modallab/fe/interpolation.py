@@ -6,7 +6,7 @@ from modallab.core.arrays import FloatArray
 from modallab.fe.member_table import MemberTable
 
 
-def motion_beside(
+def point_motion(
     table: MemberTable, node: int, distance: float, direction: str
 ) -> tuple[tuple[int, float], ...]:
     """Return the rows of a system, and their weights, whose sum is how a point beside a node moves.
@@ -22,7 +22,7 @@ def motion_beside(
     direction
         "X" or "Y".
     """
-    e, s = _walk(table, node, distance)
+    e, s = _member_at(table, node, distance)
     start, end = table.points[e]
     length = float(np.hypot(*(end - start)))
     cosine, sine = (end - start) / length
@@ -34,39 +34,39 @@ def motion_beside(
     return tuple((int(r), float(w)) for r, w in zip(table.rows[e], weights, strict=True) if r >= 0)
 
 
-def _walk(table: MemberTable, node: int, distance: float) -> tuple[int, float]:
+def _member_at(table: MemberTable, node: int, distance: float) -> tuple[int, float]:
     """Return the member that a point beside a node sits on, and how far from its first end, m."""
     lengths = np.hypot(*(table.points[:, 1] - table.points[:, 0]).T)
-    forward, left = distance >= 0, abs(distance)
-    last, e = None, _onward(table, node, forward, None)
+    forward, remaining_distance = distance >= 0, abs(distance)
+    last, e = None, _next_member(table, node, forward, None)
     if e is None:  # a member's other end is all that joins here: out beyond it
-        last = _onward(table, node, not forward, None)
-    while e is not None and left > lengths[e]:
-        left -= lengths[e]
+        last = _next_member(table, node, not forward, None)
+    while e is not None and remaining_distance > lengths[e]:
+        remaining_distance -= lengths[e]
         node = table.ends[e][0] if table.ends[e][1] == node else table.ends[e][1]
-        last, e = e, _onward(table, node, forward, e)
+        last, e = e, _next_member(table, node, forward, e)
     if e is not None:
-        return e, left if table.ends[e][0] == node else lengths[e] - left
+        return e, remaining_distance if table.ends[e][0] == node else lengths[e] - remaining_distance
     assert last is not None  # a node that no member joins is no part of a structure
-    return last, -left if table.ends[last][0] == node else lengths[last] + left
+    return last, -remaining_distance if table.ends[last][0] == node else lengths[last] + remaining_distance
 
 
-def _onward(table: MemberTable, node: int, forward: bool, last: int | None) -> int | None:
+def _next_member(table: MemberTable, node: int, forward: bool, previous: int | None) -> int | None:
     """Return the member that leads on from a node; at a node where all start, or all end, the second
     one is the way back."""
-    joined = [e for e, ends in enumerate(table.ends) if table.bars[e] and node in ends and e != last]
-    same = [e for e in joined if table.ends[e][0 if forward else 1] == node]
-    if same or last is not None:
-        return (same or joined or [None])[0]  # type: ignore[list-item]
+    joined = [e for e, ends in enumerate(table.ends) if table.bars[e] and node in ends and e != previous]
+    outgoing = [e for e in joined if table.ends[e][0 if forward else 1] == node]
+    if outgoing or previous is not None:
+        return (outgoing or joined or [None])[0]  # type: ignore[list-item]
     return joined[1] if len(joined) > 1 else None
 
 
 def _shapes(s: float, length: float) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return the axial, transverse and rotational shape functions of both ends at `s`, (2,) each."""
-    inside = min(max(s, 0.0), length)
-    t, beyond = inside / length, s - inside
+    clipped = min(max(s, 0.0), length)
+    t, extension = clipped / length, s - clipped
     axial = np.array([1 - t, t])
     sway = np.array([1 - 3 * t**2 + 2 * t**3, 3 * t**2 - 2 * t**3])
     slope = np.array([t - 2 * t**2 + t**3, t**3 - t**2]) * length
-    slope += beyond * np.array([float(s < 0), float(s > length)])
+    slope += extension * np.array([float(s < 0), float(s > length)])
     return axial, sway, slope

@@ -3,8 +3,8 @@
 import numpy as np
 
 from modallab.core.arrays import FloatArray, IntArray
-from modallab.fe.alteration import TURNING
-from modallab.fe.member_table import loose_end
+from modallab.fe.alteration import ROTATION_ROWS
+from modallab.fe.member_table import released_end
 from modallab.fe.structure import Member, Structure
 
 
@@ -24,24 +24,24 @@ class JointRotations:
         place = {member.number: i for i, member in enumerate(members)}
         ends = [member.nodes for member in members]
         bars = np.array([isinstance(member, Member) for member in members])
-        taken: dict[int, int] = {}
-        found = []
+        joints_of_member: dict[int, int] = {}
+        joint_rows = []
         for joint in structure.joints:
-            number, end = loose_end(tuple(place), ends, bars, joint.node)
+            number, end = released_end(tuple(place), ends, bars, joint.node)
             member = place[number]
-            column = width + taken.get(member, 0)
-            taken[member] = taken.get(member, 0) + 1
-            found.append((member, TURNING[end], column))
+            column = width + joints_of_member.get(member, 0)
+            joints_of_member[member] = joints_of_member.get(member, 0) + 1
+            joint_rows.append((member, ROTATION_ROWS[end], column))
         # (n_joints,) each: the member, the row of the end that turns, the row of the jump
-        self.members, self._turning, self._columns = np.array(found, int).reshape(-1, 3).T
-        self.width_alone, self.width = width, width + max(taken.values(), default=0)
+        self.members, self._end_rows, self._columns = np.array(joint_rows, int).reshape(-1, 3).T
+        self.member_width, self.width = width, width + max(joints_of_member.values(), default=0)
 
     def widened(self, parts: FloatArray, places: IntArray) -> FloatArray:
         """Return matrices (m, w, w) of members, by their place among all, as (m, w', w') with their jumps."""
         more = self.width - parts.shape[-1]
         out = np.pad(parts, ((0, 0), (0, more), (0, more)))
         at = {int(place): i for i, place in enumerate(places)}
-        for member, row, column in zip(self.members, self._turning, self._columns, strict=True):
+        for member, row, column in zip(self.members, self._end_rows, self._columns, strict=True):
             if (i := at.get(int(member))) is not None:
                 out[i, :, column] = out[i, :, row]
                 out[i, column] = out[i, row]

@@ -33,17 +33,17 @@ def loaded_modes(basis: ModalBasis, attachments: Sequence[Attachment]) -> ModalB
         not be put together again.
     """
     mass, stiffness = np.eye(len(basis.eigenvalues)), np.diag(basis.eigenvalues.real)
-    held = [np.zeros((basis.n_rigid_body, 0))]
+    spring_motions = [np.zeros((basis.n_rigid_body, 0))]
     for a in attachments:
-        seen = basis.shapes.real.T @ a.columns
+        modal_columns = basis.shapes.real.T @ a.columns
         if a.mass is not None:
-            mass += seen @ a.mass @ seen.T
+            mass += modal_columns @ a.mass @ modal_columns.T
         if (springs := _springs(a)) is not None:
-            stiffness += seen @ springs @ seen.T
-            held.append(seen[: basis.n_rigid_body])
-    values, turn = eigh(stiffness, mass, check_finite=False)
-    elastic = slice(basis.n_rigid_body - int(np.linalg.matrix_rank(np.hstack(held))), None)
-    return ModalBasis(values[elastic].astype(complex), basis.shapes.real @ turn[:, elastic], 0)
+            stiffness += modal_columns @ springs @ modal_columns.T
+            spring_motions.append(modal_columns[: basis.n_rigid_body])
+    values, rotation = eigh(stiffness, mass, check_finite=False)
+    elastic = slice(basis.n_rigid_body - int(np.linalg.matrix_rank(np.hstack(spring_motions))), None)
+    return ModalBasis(values[elastic].astype(complex), basis.shapes.real @ rotation[:, elastic], 0)
 
 
 def half_power(
@@ -62,13 +62,13 @@ def half_power(
         What damps it besides.
     """
     shapes, omega = basis.shapes.real, 2 * np.pi * basis.frequencies
-    lost = np.zeros(len(omega))
+    modal_damping = np.zeros(len(omega))
     for name, matrix, speed in (("damping", damping, 1.0), ("viscous", viscous, omega)):
         if matrix is not None:
-            lost += speed * (shapes * (matrix @ shapes)).sum(axis=0)
+            modal_damping += speed * (shapes * (matrix @ shapes)).sum(axis=0)
         for a in attachments:
             part = getattr(a, name)
             if part is not None:
-                seen = shapes.T @ a.columns
-                lost += speed * ((seen @ part) * seen).sum(axis=1)
-    return basis.frequencies, lost / (4 * np.pi * omega)
+                modal_columns = shapes.T @ a.columns
+                modal_damping += speed * ((modal_columns @ part) * modal_columns).sum(axis=1)
+    return basis.frequencies, modal_damping / (4 * np.pi * omega)

@@ -20,12 +20,12 @@ class Losses:
     @classmethod
     def of(cls, law: Damping, loss_factor: FloatArray) -> "Losses":
         """Return what a law gives members that have these loss factors, (n_members,)."""
-        none = np.zeros(len(loss_factor))
+        zeros = np.zeros(len(loss_factor))
         if isinstance(law, StructuralDamping):
-            return cls(loss_factor, none + law.mass_coefficient, none, none)
+            return cls(loss_factor, zeros + law.mass_coefficient, zeros, zeros)
         if isinstance(law, ViscousDamping):
-            return cls(loss_factor, none, none + law.stiffness_coefficient, none + law.mass_coefficient)
-        return cls(loss_factor, none, none, none)
+            return cls(loss_factor, zeros, zeros + law.stiffness_coefficient, zeros + law.mass_coefficient)
+        return cls(loss_factor, zeros, zeros, zeros)
 
     def mean(self, omega: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return a + omega a' and b + omega b' in the mean of all members, (n_freq,) at `omega` rad/s."""
@@ -38,22 +38,22 @@ class Losses:
 
     def to_viscous(self, share: float, omega: float) -> "Losses":
         """Return losses of which a share of the hysteretic ones is viscous, alike at `omega` rad/s."""
-        kept, gained = 1 - share, share / omega
+        remaining, converted = 1 - share, share / omega
         return Losses(
-            kept * self.stiffness,
-            kept * self.mass,
-            self.viscous_stiffness + gained * self.stiffness,
-            self.viscous_mass + gained * self.mass,
+            remaining * self.stiffness,
+            remaining * self.mass,
+            self.viscous_stiffness + converted * self.stiffness,
+            self.viscous_mass + converted * self.mass,
         )
 
     def to_hysteretic(self, share: float, omega: float) -> "Losses":
         """Return losses of which a share of the viscous ones is hysteretic, alike at `omega` rad/s."""
-        kept, gained = 1 - share, share * omega
+        remaining, converted = 1 - share, share * omega
         return Losses(
-            self.stiffness + gained * self.viscous_stiffness,
-            self.mass + gained * self.viscous_mass,
-            kept * self.viscous_stiffness,
-            kept * self.viscous_mass,
+            self.stiffness + converted * self.viscous_stiffness,
+            self.mass + converted * self.viscous_mass,
+            remaining * self.viscous_stiffness,
+            remaining * self.viscous_mass,
         )
 
     def matrices(self, mass: FloatArray, stiffness: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -71,14 +71,14 @@ def lowest_below(
     """
     # Factorising K + s M instead of K keeps a free structure regular; s near the first elastic
     # eigenvalues keeps the low modes well apart.
-    search = _Search(mass, stiffness, bodies, max(EIGENSOLUTION.band_shift * highest, 1.0))
-    below = count_below(mass, stiffness, highest)
-    if below is None:
+    search = _ModeSearch(mass, stiffness, bodies, max(EIGENSOLUTION.band_shift * highest, 1.0))
+    n_below = count_below(mass, stiffness, highest)
+    if n_below is None:
         squares, shapes = search.pairs(EIGENSOLUTION.uncounted_modes, near)
         while squares.max() <= highest and len(squares) < search.elastic:
             squares, shapes = search.more(squares, shapes, len(squares))
         return search.band(squares, shapes, highest, 0)
-    count = below - bodies.shape[1]
+    count = n_below - bodies.shape[1]
     if count < 1:
         return search.band(np.zeros(0), np.zeros((len(bodies), 0)), highest, 0)
     return search.band(*search.pairs(count, near), highest, count)
@@ -89,7 +89,7 @@ def lowest_first(mass: csc_array, stiffness: csc_array, bodies: FloatArray, coun
 
     Where the last of them are close to the next there are a few more.
     """
-    search = _scaled(mass, stiffness, bodies)
+    search = _scaled_search(mass, stiffness, bodies)
     squares, shapes = search.pairs(min(count + 1, search.elastic), None)
     while True:
         squares, shapes = _sorted(squares, shapes)
@@ -97,26 +97,26 @@ def lowest_first(mass: csc_array, stiffness: csc_array, bodies: FloatArray, coun
         ends = ends[ends >= count - 1]
         if ends.size:
             highest = float(squares[ends[0] : ends[0] + 2].mean())
-            below = count_below(mass, stiffness, highest) or 0
-            return search.band(squares, shapes, highest, below - bodies.shape[1])
+            n_below = count_below(mass, stiffness, highest) or 0
+            return search.band(squares, shapes, highest, n_below - bodies.shape[1])
         if len(squares) >= search.elastic:
             return search.band(squares, shapes, np.inf, len(squares))
         squares, shapes = search.more(squares, shapes, 2)
 
 
-def _scaled(mass: csc_array, stiffness: csc_array, bodies: FloatArray) -> "_Search":
+def _scaled_search(mass: csc_array, stiffness: csc_array, bodies: FloatArray) -> "_ModeSearch":
     """Return a search whose shift is no larger than the first elastic eigenvalues."""
     largest = float((abs(stiffness).sum(axis=0) / mass.diagonal()).max())
     shift = EIGENSOLUTION.initial_shift * largest
     while True:
-        search = _Search(mass, stiffness, bodies, shift)
-        slow = search.slow()
-        if slow > shift or shift < EIGENSOLUTION.min_shift * largest:
+        search = _ModeSearch(mass, stiffness, bodies, shift)
+        low = search.low_eigenvalue()
+        if low > shift or shift < EIGENSOLUTION.min_shift * largest:
             return search
-        shift = max(slow / EIGENSOLUTION.shift_margin, EIGENSOLUTION.min_shift * largest / 2)
+        shift = max(low / EIGENSOLUTION.shift_margin, EIGENSOLUTION.min_shift * largest / 2)
 
 
-class _Search:
+class _ModeSearch:
     """Elastic modes by inverse iteration with one factorisation of K + shift M."""
 
     def __init__(self, mass: csc_array, stiffness: csc_array, bodies: FloatArray, shift: float) -> None:
@@ -128,19 +128,19 @@ class _Search:
         """L U of K + shift M."""
         return factorised(csc_array(self.stiffness + self.shift * self.mass))
 
-    def slow(self) -> float:
+    def low_eigenvalue(self) -> float:
         """Return an eigenvalue as low as that of a few elastic modes together, or as the shift."""
-        moved = self._start(None)
+        motion = self._start(None)
         for _ in range(EIGENSOLUTION.inverse_iterations):
-            moved = self._answer(moved, self.bodies)
-        return float(moved @ (self.stiffness @ moved) / (moved @ (self.mass @ moved)))
+            motion = self._inverse_iteration(motion, self.bodies)
+        return float(motion @ (self.stiffness @ motion) / (motion @ (self.mass @ motion)))
 
-    def _answer(self, motion: FloatArray, apart: FloatArray) -> FloatArray:
-        moved = self.factor.solve(self.mass @ motion)
-        return np.asarray(moved - apart @ (apart.T @ (self.mass @ moved)))
+    def _inverse_iteration(self, motion: FloatArray, deflated: FloatArray) -> FloatArray:
+        response = self.factor.solve(self.mass @ motion)
+        return np.asarray(response - deflated @ (deflated.T @ (self.mass @ response)))
 
     def pairs(
-        self, count: int, near: FloatArray | None, known: FloatArray | None = None
+        self, count: int, near: FloatArray | None, shapes_so_far: FloatArray | None = None
     ) -> tuple[FloatArray, FloatArray]:
         """Return the lowest eigenvalues and modes but for those that are known, or all that there are.
 
@@ -150,15 +150,15 @@ class _Search:
             If rounding leaves nothing of them.
         """
         n = len(self.bodies)
-        apart = self.bodies if known is None else np.hstack([self.bodies, known])
-        if 2 * (count + apart.shape[1]) + 1 > n:
+        deflated = self.bodies if shapes_so_far is None else np.hstack([self.bodies, shapes_so_far])
+        if 2 * (count + deflated.shape[1]) + 1 > n:
             squares, shapes = eigh(self.stiffness.toarray(), self.mass.toarray())
-            return squares[apart.shape[1] :], shapes[:, apart.shape[1] :]
-        heavy = self.mass @ apart
+            return squares[deflated.shape[1] :], shapes[:, deflated.shape[1] :]
+        mass_times_deflated = self.mass @ deflated
 
         def inverse(load: FloatArray) -> FloatArray:
-            moved = self.factor.solve(load)
-            return np.asarray(moved - apart @ (heavy.T @ moved))
+            response = self.factor.solve(load)
+            return np.asarray(response - deflated @ (mass_times_deflated.T @ response))
 
         solve = LinearOperator((n, n), matvec=inverse, dtype=float)
         width = None if near is None else count + max(EIGENSOLUTION.spare_vectors, count // 2)
@@ -193,34 +193,38 @@ class _Search:
     def _start(self, near: FloatArray | None) -> FloatArray:
         # eigsh draws its start otherwise: the same input, the same modes. One of ones would be blind to
         # modes that are not as symmetric.
-        any_motion = np.random.default_rng(0).standard_normal(len(self.bodies))
+        random_motion = np.random.default_rng(0).standard_normal(len(self.bodies))
         if near is None:
-            return any_motion
-        moved = self._answer(any_motion, self.bodies)
-        known = near.sum(axis=1)
+            return random_motion
+        flexible_motion = self._inverse_iteration(random_motion, self.bodies)
+        sum_of_modes = near.sum(axis=1)
         return np.asarray(
-            known + EIGENSOLUTION.random_start_fraction * np.abs(known).max() / np.abs(moved).max() * moved
+            sum_of_modes
+            + EIGENSOLUTION.random_start_fraction
+            * np.abs(sum_of_modes).max()
+            / np.abs(flexible_motion).max()
+            * flexible_motion
         )
 
     def more(self, squares: FloatArray, shapes: FloatArray, count: int) -> tuple[FloatArray, FloatArray]:
         """Return what was found and the next `count` modes beside it."""
         count = min(count, self.elastic - len(squares))
-        others, beside = self.pairs(count, None, shapes)
-        return np.concatenate([squares, others]), np.hstack([shapes, beside])
+        new_squares, new_shapes = self.pairs(count, None, shapes)
+        return np.concatenate([squares, new_squares]), np.hstack([shapes, new_shapes])
 
     def band(self, squares: FloatArray, shapes: FloatArray, highest: float, count: int) -> LowestModes:
         """Return all modes up to `highest`, of which there should be `count` elastic ones."""
         # Of modes at the same frequency one start shows a single one, but for rounding.
         while (missing := count - int((squares <= highest).sum())) > 0 and len(squares) < self.elastic:
-            before = len(squares)
+            n_previous = len(squares)
             squares, shapes = self.more(squares, shapes, missing)
-            if squares[before:].min() > highest:
+            if squares[n_previous:].min() > highest:
                 break
         squares, shapes = _sorted(squares, shapes)
-        inside = squares <= highest
+        in_band = squares <= highest
         n_rigid = self.bodies.shape[1]
-        squares = np.concatenate([np.zeros(n_rigid), squares[inside]])
-        shapes = np.hstack([self.bodies, shapes[:, inside]])
+        squares = np.concatenate([np.zeros(n_rigid), squares[in_band]])
+        shapes = np.hstack([self.bodies, shapes[:, in_band]])
         return LowestModes(
             squares, shapes, highest, ModalTruncation(self.mass, self.factor.solve, self.shift, shapes)
         )

@@ -13,39 +13,41 @@ from modallab.core.errors import StructureError
 from modallab.fe.settings import EIGENSOLUTION, INPUT
 
 
-def symmetric(matrices: FloatArray, what: Sequence[str], of: str) -> None:
+def make_symmetric(matrices: FloatArray, labels: Sequence[str], quantity: str) -> None:
     """Make matrices (n, k, k) symmetric to the last digit, in place.
 
     Raises
     ------
     StructureError
-        If one is not symmetric, named by `what` (n,), or holds a value that is not finite.
+        If one is not symmetric, named by `labels` (n,), or holds a value that is not finite.
     """
     if not np.isfinite(matrices).all():
         i = int(np.argwhere(~np.isfinite(matrices))[0][0])
         raise StructureError(
-            f"the {of} of {what[i]} holds a value that is not finite", field=of, value="nan or inf"
+            f"the {quantity} of {labels[i]} holds a value that is not finite",
+            field=quantity,
+            value="nan or inf",
         )
     size = np.abs(matrices).max(axis=(1, 2), initial=0.0)
     if (size > INPUT.max_property).any():
         i = int(np.argmax(size))
         raise StructureError(
-            f"the {of} of {what[i]} is of no size that can be computed with",
-            field=of,
+            f"the {quantity} of {labels[i]} is of no size that can be computed with",
+            field=quantity,
             value=float(size[i]),
             allowed=f"<= {INPUT.max_property:g}",
         )
-    turned = matrices.swapaxes(1, 2)
-    off = np.abs(matrices - turned).max(axis=(1, 2), initial=0.0)
-    if (off > INPUT.max_asymmetry * size).any():
-        i = int(np.argmax(off - INPUT.max_asymmetry * size))
+    transposed = matrices.swapaxes(1, 2)
+    asymmetry = np.abs(matrices - transposed).max(axis=(1, 2), initial=0.0)
+    if (asymmetry > INPUT.max_asymmetry * size).any():
+        i = int(np.argmax(asymmetry - INPUT.max_asymmetry * size))
         raise StructureError(
-            f"the {of} of {what[i]} is not symmetric",
-            field=of,
-            value=float(off[i] / size[i]),
+            f"the {quantity} of {labels[i]} is not symmetric",
+            field=quantity,
+            value=float(asymmetry[i] / size[i]),
             allowed=f"K = K^T to {INPUT.max_asymmetry:g} of the largest entry",
         )
-    matrices += turned.copy()
+    matrices += transposed.copy()
     matrices /= 2
 
 
@@ -70,7 +72,7 @@ def check_mass(mass: csc_array, dofs: Sequence[Dof]) -> None:
         )
 
 
-def slow_motions(mass: csc_array, stiffness: csc_array) -> FloatArray:
+def slowest_motions(mass: csc_array, stiffness: csc_array) -> FloatArray:
     """Return the slowest mass-normalised motions (n, k) of a structure, among which are its rigid ones.
 
     Raises
@@ -79,7 +81,7 @@ def slow_motions(mass: csc_array, stiffness: csc_array) -> FloatArray:
         If the stiffness is negative for some motion.
     """
     n = mass.shape[0]
-    few = min(INPUT.rigid_candidates, n)
+    count = min(INPUT.rigid_candidates, n)
     # As a share of the highest eigenvalue this is above rounding, and below what is elastic.
     shift = INPUT.rigid_shift * float((abs(stiffness).sum(axis=0) / mass.diagonal()).max()) or 1.0
     factor = _factor(csc_array(stiffness + shift * mass))
@@ -90,11 +92,11 @@ def slow_motions(mass: csc_array, stiffness: csc_array) -> FloatArray:
             allowed="a positive semi-definite matrix",
         )
     if n < EIGENSOLUTION.dense_dofs:
-        _, shapes = eigh(stiffness.toarray(), mass.toarray(), subset_by_index=(0, few - 1))
+        _, shapes = eigh(stiffness.toarray(), mass.toarray(), subset_by_index=(0, count - 1))
         return np.asarray(shapes)
     inverse = LinearOperator((n, n), matvec=factor.solve, dtype=float)
     # eigsh draws a random start otherwise: the same input, the same motions
-    _, shapes = eigsh(stiffness, few, mass, sigma=-shift, OPinv=inverse, v0=np.ones(n))
+    _, shapes = eigsh(stiffness, count, mass, sigma=-shift, OPinv=inverse, v0=np.ones(n))
     return np.asarray(shapes)
 
 

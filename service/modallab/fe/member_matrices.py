@@ -59,22 +59,22 @@ def member_matrices(
     width
         w, at least.
     """
-    every = structure.all_members if members is None else members
+    elements = structure.all_members if members is None else members
     bars, plates, blocks = (
-        [(i, m) for i, m in enumerate(every) if isinstance(m, kind)]
+        [(i, m) for i, m in enumerate(elements) if isinstance(m, kind)]
         for kind in (Member, Plate, MatrixElement)
     )
     widths = [6] if bars else []
     widths += [len(ACROSS) * len(plate.nodes) for _, plate in plates]
     widths += [structure.blocks.rows.shape[1]] if blocks and structure.blocks else []
-    n, width = len(every), max([width, *widths])
+    n, width = len(elements), max([width, *widths])
     mass, axial, bending = np.zeros((3, n, width, width))
     out = MemberMatrices(
         mass,
         axial,
         bending,
         rows=np.full((n, width), -1),
-        bars=np.array([isinstance(member, Member) for member in every]),
+        bars=np.array([isinstance(member, Member) for member in elements]),
     )
     if bars:
         _fill_bars(out, structure, [i for i, _ in bars], [m for _, m in bars])  # type: ignore[misc]
@@ -94,21 +94,25 @@ def _rows(structure: Structure, members: Sequence[Member | Plate], directions: S
 
 def _fill_bars(out: MemberMatrices, structure: Structure, at: list[int], members: list[Member]) -> None:
     local = [_parts(member.element, bar_of(structure, member)) for member in members]
-    out.mass[at, :6, :6], out.axial[at, :6, :6], out.bending[at, :6, :6] = turned(structure, members, local)
+    out.mass[at, :6, :6], out.axial[at, :6, :6], out.bending[at, :6, :6] = rotated(structure, members, local)
     out.rows[at, :6] = _rows(structure, members, PLANE)
 
 
-def turned(structure: Structure, members: Sequence[Member], local: Sequence[ElementParts]) -> FloatArray:
+def rotated(structure: Structure, members: Sequence[Member], local: Sequence[ElementParts]) -> FloatArray:
     """Return mass, axial and bending stiffness of bars in the structure's axes, (3, n_bars, 6, 6)."""
-    turns = []
+    rotations = []
     for member in members:
         start, end = (np.array(structure.nodes[n]) for n in member.nodes)
         c, s = (end - start) / structure.length(member)
-        turn = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
-        turns.append(np.kron(np.eye(2), turn))
-    t = np.array(turns)
+        rotation = np.array([[c, s, 0.0], [-s, c, 0.0], [0.0, 0.0, 1.0]])
+        rotations.append(np.kron(np.eye(2), rotation))
+    transformation = np.array(rotations)
     parts = [[p.mass for p in local], [p.stiffness["axial"] for p in local]]
-    return np.asarray(t.swapaxes(1, 2) @ np.array([*parts, [p.stiffness["bending"] for p in local]]) @ t)
+    return np.asarray(
+        transformation.swapaxes(1, 2)
+        @ np.array([*parts, [p.stiffness["bending"] for p in local]])
+        @ transformation
+    )
 
 
 def _fill_plates(out: MemberMatrices, structure: Structure, at: list[int], plates: list[Plate]) -> None:
@@ -133,10 +137,10 @@ def _fill_blocks(
     assert blocks is not None
     index = {dof: i for i, dof in enumerate(structure.dofs)}
     place = np.array([*(index.get(dof, -1) for dof in blocks.dofs), -1])  # the last one of what is not there
-    own = [member.index for member in members]
+    block_indices = [member.index for member in members]
     width = blocks.rows.shape[1]
-    out.mass[at, :width, :width] = blocks.mass[own]
-    out.axial[at, :width, :width] = blocks.axial[own]
+    out.mass[at, :width, :width] = blocks.mass[block_indices]
+    out.axial[at, :width, :width] = blocks.axial[block_indices]
     if blocks.bending is not None:
-        out.bending[at, :width, :width] = blocks.bending[own]
-    out.rows[at, :width] = place[blocks.rows[own]]
+        out.bending[at, :width, :width] = blocks.bending[block_indices]
+    out.rows[at, :width] = place[blocks.rows[block_indices]]

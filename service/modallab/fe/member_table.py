@@ -8,14 +8,14 @@ from scipy.sparse import coo_array, csc_array
 
 from modallab.core.arrays import BoolArray, FloatArray, IntArray
 from modallab.core.errors import InvalidInputError
-from modallab.fe.alteration import TURNING, Alteration, jointed, span
+from modallab.fe.alteration import ROTATION_ROWS, Alteration, orthonormal_span, with_joints
 from modallab.fe.attachment import Attachment
 from modallab.fe.damping import Damping
 from modallab.fe.losses import Losses
 from modallab.fe.shear import Shear
 
 
-def loose_end(
+def released_end(
     numbers: Sequence[int], ends: Sequence[Sequence[int]], bars: BoolArray, node: int
 ) -> tuple[int, int]:
     """Return the bar that a joint at a node sets loose, by number, and which of its ends is there.
@@ -23,9 +23,11 @@ def loose_end(
     The first that runs into the node, else the first that starts from it: in a row of bars each node has
     its own.
     """
-    own = [(n, pair) for n, pair, bar in zip(numbers, ends, bars, strict=True) if bar and node in pair]
-    into = [n for n, pair in own if pair[1] == node]
-    return (min(into), 1) if into else (min(n for n, _ in own), 0)
+    bars_at_node = [
+        (n, pair) for n, pair, bar in zip(numbers, ends, bars, strict=True) if bar and node in pair
+    ]
+    incoming = [n for n, pair in bars_at_node if pair[1] == node]
+    return (min(incoming), 1) if incoming else (min(n for n, _ in bars_at_node), 0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,23 +69,29 @@ class MemberTable:
             (more_mass,), (more_bending,) = self._sheared(self.shear.of(e), alteration.shear)
             mass, bending = mass + more_mass, bending + more_bending
         stiffness = alteration.axial * self.axial[e] + alteration.bending * bending
-        new = jointed(alteration.mass * mass, stiffness, alteration.joints)
-        now = (0, new.inner), (0, new.inner)
-        dm = new.mass - np.pad(self.mass[e], now)
-        dk = new.stiffness - np.pad(self.axial[e] + self.bending[e], now)
-        kept = np.flatnonzero(self.rows[e] >= 0)
+        new = with_joints(alteration.mass * mass, stiffness, alteration.joints)
+        nominal_padding = (0, new.inner), (0, new.inner)
+        dm = new.mass - np.pad(self.mass[e], nominal_padding)
+        dk = new.stiffness - np.pad(self.axial[e] + self.bending[e], nominal_padding)
+        free = np.flatnonzero(self.rows[e] >= 0)
         lossy = (alteration.loss - 1) * new.stiffness
         # Rigid motions strain nothing: most changes need fewer columns than the member has DoFs.
-        v = span([part[kept][:, own] for part in (dm, dk, lossy) for own in (kept, slice(width, None))])
-        reach = np.zeros((width + new.inner, v.shape[1] + new.inner))
-        reach[kept, : v.shape[1]] = v
-        reach[width:, v.shape[1] :] = np.eye(new.inner)
+        v = orthonormal_span(
+            [
+                part[free][:, columns_of_part]
+                for part in (dm, dk, lossy)
+                for columns_of_part in (free, slice(width, None))
+            ]
+        )
+        projection = np.zeros((width + new.inner, v.shape[1] + new.inner))
+        projection[free, : v.shape[1]] = v
+        projection[width:, v.shape[1] :] = np.eye(new.inner)
         columns = np.zeros((n, v.shape[1]))
-        columns[self.rows[e][kept]] = v
-        lost = self.losses
-        damping = lost.mass[e] * dm + lost.stiffness[e] * (dk + lossy)
-        viscous = lost.viscous_mass[e] * dm + lost.viscous_stiffness[e] * (dk + lossy)
-        dm, dk, damping, viscous = (reach.T @ part @ reach for part in (dm, dk, damping, viscous))
+        columns[self.rows[e][free]] = v
+        losses = self.losses
+        damping = losses.mass[e] * dm + losses.stiffness[e] * (dk + lossy)
+        viscous = losses.viscous_mass[e] * dm + losses.viscous_stiffness[e] * (dk + lossy)
+        dm, dk, damping, viscous = (projection.T @ part @ projection for part in (dm, dk, damping, viscous))
         return Attachment(columns, dm, dk, damping, viscous, new.inner)
 
     @property
@@ -101,7 +109,7 @@ class MemberTable:
         return any(bar and node in pair for pair, bar in zip(self.ends, self.bars, strict=True))
 
     def end_at(self, node: int) -> tuple[int, int]:
-        """Return the member that a joint at a node sets loose, by number, and its end; see `loose_end`.
+        """Return the member that a joint at a node sets loose, by number, and its end; see `released_end`.
 
         Raises
         ------
@@ -115,12 +123,12 @@ class MemberTable:
                 value=node,
                 allowed=", ".join(map(str, self.joints)) or "none",
             )
-        return loose_end(self.numbers, self.ends, self.bars, node)
+        return released_end(self.numbers, self.ends, self.bars, node)
 
     def end_stiffness(self, node: int) -> float:
         """Return the moment, N m/rad, that turns the end which a joint at a node sets loose."""
         number, end = self.end_at(node)
-        return float(self.bending[self.position(number), TURNING[end], TURNING[end]])
+        return float(self.bending[self.position(number), ROTATION_ROWS[end], ROTATION_ROWS[end]])
 
     @property
     def joints(self) -> tuple[int, ...]:
@@ -159,5 +167,5 @@ class MemberTable:
         """Return the (n, n) sum of member matrices (n_members, w, w)."""
         r = np.broadcast_to(self.rows[:, :, None], parts.shape)
         c = np.broadcast_to(self.rows[:, None, :], parts.shape)
-        kept = (r >= 0) & (c >= 0)
-        return csc_array(coo_array((parts[kept], (r[kept], c[kept])), shape=(n, n)))
+        valid = (r >= 0) & (c >= 0)
+        return csc_array(coo_array((parts[valid], (r[valid], c[valid])), shape=(n, n)))

@@ -14,22 +14,22 @@ from modallab.fe.settings import ELEMENT, INPUT
 def positive(value: float, name: str) -> None:
     """Raise `StructureError` unless the value is above zero and of a size that can be computed with."""
     if not INPUT.min_positive <= value <= INPUT.max_property:  # NaN fails too
-        allowed = f"{INPUT.min_positive:g} to {INPUT.max_property:g}"
-        raise StructureError(f"{name} must be positive", field=name, value=value, allowed=allowed)
+        bounds = f"{INPUT.min_positive:g} to {INPUT.max_property:g}"
+        raise StructureError(f"{name} must be positive", field=name, value=value, allowed=bounds)
 
 
 def not_negative(value: float, name: str) -> None:
     """Raise `StructureError` if the value is below zero or of a size that cannot be computed with."""
     if not 0 <= value <= INPUT.max_property:
-        allowed = f"0 to {INPUT.max_property:g}"
-        raise StructureError(f"{name} must not be negative", field=name, value=value, allowed=allowed)
+        bounds = f"0 to {INPUT.max_property:g}"
+        raise StructureError(f"{name} must not be negative", field=name, value=value, allowed=bounds)
 
 
 def within(value: float, lowest: float, highest: float, name: str) -> None:
     """Raise `StructureError` unless the value lies between the bounds."""
     if not lowest <= value <= highest:
-        allowed = f"{lowest:g} to {highest:g}"
-        raise StructureError(f"{name} is out of bounds", field=name, value=value, allowed=allowed)
+        bounds = f"{lowest:g} to {highest:g}"
+        raise StructureError(f"{name} is out of bounds", field=name, value=value, allowed=bounds)
 
 
 @dataclass(frozen=True)
@@ -125,10 +125,10 @@ class Plate:
 
     def check_corners(self, corners: Sequence[Sequence[float]]) -> None:
         """Raise `StructureError` unless the corners, m, go round a convex shape, one way or the other."""
-        at = np.array(corners)[:, :2]
-        sides = np.roll(at, -1, axis=0) - at
-        turns = np.roll(sides, 1, axis=0)
-        area = turns[:, 0] * sides[:, 1] - turns[:, 1] * sides[:, 0]
+        places = np.array(corners)[:, :2]
+        sides = np.roll(places, -1, axis=0) - places
+        preceding = np.roll(sides, 1, axis=0)
+        area = preceding[:, 0] * sides[:, 1] - preceding[:, 1] * sides[:, 0]
         least = INPUT.min_corner_area * (sides**2).sum(axis=1).max()
         if not ((area > least).all() or (area < -least).all()):
             raise StructureError(

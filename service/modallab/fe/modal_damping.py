@@ -28,20 +28,20 @@ class ModalLossFactors:
             self,
             structural=factor * self.structural,
             viscous=factor * self.viscous,
-            more=tuple(factor * one for one in self.more),
+            more=tuple(factor * loss_factor for loss_factor in self.more),
         )
 
     def with_modal_loss(self, more: tuple[float, ...]) -> "ModalLossFactors":
         """Return it with so much more of a structural loss factor for each of the lowest modes."""
-        both = zip_longest(self.more, more, fillvalue=0.0)
-        return replace(self, more=tuple(a + b for a, b in both))
+        pairs = zip_longest(self.more, more, fillvalue=0.0)
+        return replace(self, more=tuple(a + b for a, b in pairs))
 
     def to_viscous(self, share: float, omega: float) -> "ModalLossFactors":
         """Return it with a share of the hysteretic part viscous, alike at `omega` rad/s."""
         gained = share / omega * self.structural
         return replace(self, structural=(1 - share) * self.structural, viscous=self.viscous + gained)
 
-    def lost(self, squares: FloatArray) -> FloatArray:
+    def modal_loss(self, squares: FloatArray) -> FloatArray:
         """Return eta_r lambda_r of elastic modes from their lambda_r in rising order, (m,) rad^2/s^2."""
         etas = np.full(len(squares), self.loss_factors[-1])
         etas[: len(self.loss_factors)] = self.loss_factors[: len(squares)]
@@ -49,7 +49,7 @@ class ModalLossFactors:
 
     def hysteretic(self, squares: FloatArray) -> FloatArray:
         """Return eta_r lambda_r of structural damping from lambda_r in rising order, (m,) rad^2/s^2."""
-        total = self.structural * self.lost(squares)
+        total = self.structural * self.modal_loss(squares)
         n = min(len(self.more), len(squares))
         total[:n] += np.array(self.more[:n]) * squares[:n]
         return np.asarray(total)
@@ -59,5 +59,5 @@ class ModalLossFactors:
         return Attachment(
             mass @ shapes,
             damping=np.diag(self.hysteretic(squares)),
-            viscous=np.diag(self.viscous * self.lost(squares)),
+            viscous=np.diag(self.viscous * self.modal_loss(squares)),
         )

@@ -9,10 +9,10 @@ from scipy.sparse import csc_array
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.errors import InvalidInputError
 from modallab.core.numerics import PRODUCT_ROUNDING
-from modallab.fe.attachment import distinct
+from modallab.fe.attachment import unique_columns
 from modallab.fe.cache import cached
-from modallab.fe.complex_modes import coupled_by
-from modallab.fe.eigen_refinement import sharpened
+from modallab.fe.complex_modes import damped_modes
+from modallab.fe.eigen_refinement import refined_modes
 from modallab.fe.losses import Losses
 from modallab.fe.lowest_modes import LowestModes, lowest_below, lowest_first
 from modallab.fe.modal_damping import ModalLossFactors
@@ -63,22 +63,22 @@ class ModalBasis:
             rigid, elastic = np.zeros(self.n_rigid_body), squares[self.n_rigid_body :]
             d = np.diag(np.concatenate([rigid, modal.hysteretic(elastic)])) + (0.0 if d is None else d)
             if modal.viscous:
-                lost = np.concatenate([rigid, modal.viscous * modal.lost(elastic)])
-                c = np.diag(lost) + (0.0 if c is None else c)
-        values, turn = (self.eigenvalues, None) if d is None else coupled_by(squares, np.asarray(d))
-        shapes = self.shapes if turn is None else self.shapes @ turn
-        if turn is not None and c is not None:
-            c = turn.T @ c @ turn
+                modal_viscous = np.concatenate([rigid, modal.viscous * modal.modal_loss(elastic)])
+                c = np.diag(modal_viscous) + (0.0 if c is None else c)
+        values, rotation = (self.eigenvalues, None) if d is None else damped_modes(squares, np.asarray(d))
+        shapes = self.shapes if rotation is None else self.shapes @ rotation
+        if rotation is not None and c is not None:
+            c = rotation.T @ c @ rotation
         remainder = None if self.remainder is None else replace(self.remainder, losses=losses)
         return replace(self, eigenvalues=values, shapes=shapes, viscous=c, remainder=remainder)
 
-    def stretched(self, factor: float) -> "ModalBasis":
+    def with_scaled_eigenvalues(self, factor: float) -> "ModalBasis":
         """Return undamped modes of the same shapes whose eigenvalues are so many times as large."""
         return replace(
             self,
             eigenvalues=self.eigenvalues * factor,
             frequency_max=self.frequency_max * np.sqrt(factor),
-            remainder=None if self.remainder is None else self.remainder.stretched(factor),
+            remainder=None if self.remainder is None else self.remainder.with_scaled_eigenvalues(factor),
         )
 
     @property
@@ -90,10 +90,10 @@ class ModalBasis:
     def loss_factors(self) -> FloatArray:
         """(m,) Im lambda / Re lambda, with 2 zeta of viscous damping added; 0 for rigid-body modes."""
         square = self.eigenvalues.real
-        lost = self.eigenvalues.imag.copy()
+        imaginary = self.eigenvalues.imag.copy()
         if self.viscous is not None:
-            lost += np.sqrt(np.maximum(square, 0.0)) * np.diag(self.viscous).real
-        return np.divide(lost, square, out=np.zeros_like(lost), where=square > 0)
+            imaginary += np.sqrt(np.maximum(square, 0.0)) * np.diag(self.viscous).real
+        return np.divide(imaginary, square, out=np.zeros_like(imaginary), where=square > 0)
 
     def at(self, omega: FloatArray) -> "ModalResponse":
         """Return the modes' response at `omega` (n_freq,) rad/s, above zero.
@@ -128,46 +128,46 @@ class ModalResponse:
                 self._coupled = CoupledModes(direct, coupling, omega)
         # Kept in the one form in which it is asked for: many variants of a structure are kept at a time.
         over = 1.0 / direct  # (n_freq, m)
-        self._over = over if np.iscomplexobj(basis.shapes) else _taking_turns(over)
+        self._inverse_stiffness = over if np.iscomplexobj(basis.shapes) else _interleaved(over)
 
-    def receptance(self, left: FloatArray, right: FloatArray) -> ComplexArray:
+    def receptance(self, outputs: FloatArray, inputs: FloatArray) -> ComplexArray:
         """Return left^T alpha right, (n_freq, n_left, n_right), m/N, for columns (n, .)."""
-        phi_l, phi_r = left.T @ self.basis.shapes, right.T @ self.basis.shapes
+        phi_l, phi_r = outputs.T @ self.basis.shapes, inputs.T @ self.basis.shapes
         coupled = self._coupled
         alpha = self._sum(phi_l, phi_r) if coupled is None else coupled.receptance(phi_l, phi_r)
         if self.basis.remainder is not None:
-            alpha = alpha + self.basis.remainder.at(self.omega, left, right)
+            alpha = alpha + self.basis.remainder.at(self.omega, outputs, inputs)
         return alpha
 
-    def pairs(self, left: FloatArray, right: FloatArray) -> ComplexArray:
-        """Return the receptance of each column of `left` with its own of `right`, (n_pairs, n_freq), m/N.
+    def pairs(self, outputs: FloatArray, inputs: FloatArray) -> ComplexArray:
+        """Return the receptance of each column of `outputs` with its own of `inputs`, (n_pairs, n_freq), m/N.
 
         Frequency last: each pair lies in one piece.
         """
         if self._coupled is not None or self.basis.remainder is not None:
-            (left, row), (right, column) = distinct(left), distinct(right)
-            return np.asarray(self.receptance(left, right)[:, row, column].T)
-        return self._products((left.T @ self.basis.shapes) * (right.T @ self.basis.shapes))
+            (outputs, row), (inputs, column) = unique_columns(outputs), unique_columns(inputs)
+            return np.asarray(self.receptance(outputs, inputs)[:, row, column].T)
+        return self._products((outputs.T @ self.basis.shapes) * (inputs.T @ self.basis.shapes))
 
-    def among(self, motions: FloatArray) -> ComplexArray:
+    def between_columns(self, motions: FloatArray) -> ComplexArray:
         """Return the receptance of columns (n, k) with one another, (n_freq, k, k), m/N, to read only.
 
         Asked for again, as by variants of what is attached to them, it is known.
         """
         size = len(self.omega) * motions.shape[1] ** 2
         if size > CACHE.response_values:
-            return self._among(motions)
-        return cached(self._kept, "among", motions.tobytes(), lambda: self._among(motions), 1)
+            return self._between_columns(motions)
+        return cached(self._kept, "among", motions.tobytes(), lambda: self._between_columns(motions), 1)
 
-    def _among(self, motions: FloatArray) -> ComplexArray:
+    def _between_columns(self, motions: FloatArray) -> ComplexArray:
         if self._coupled is not None or self.basis.remainder is not None:
             return self.receptance(motions, motions)
         rows, columns = np.triu_indices(motions.shape[1])
         phi = motions.T @ self.basis.shapes
         half = self._products(phi[rows] * phi[columns])  # it is symmetric
-        where = np.zeros((motions.shape[1],) * 2, int)
-        where[rows, columns] = where[columns, rows] = np.arange(len(rows))
-        return np.ascontiguousarray(half.T)[:, where]
+        place = np.zeros((motions.shape[1],) * 2, int)
+        place[rows, columns] = place[columns, rows] = np.arange(len(rows))
+        return np.ascontiguousarray(half.T)[:, place]
 
     def _sum(self, phi_l: FloatArray | ComplexArray, phi_r: FloatArray | ComplexArray) -> ComplexArray:
         constants = (phi_l[:, None, :] * phi_r[None, :, :]).reshape(-1, phi_l.shape[1])
@@ -176,14 +176,14 @@ class ModalResponse:
     def _products(self, constants: FloatArray | ComplexArray) -> ComplexArray:
         """Return the sums over modes of modal constants (k, m), (k, n_freq)."""
         if np.iscomplexobj(constants):
-            return np.asarray(constants @ self._over.T, complex)
+            return np.asarray(constants @ self._inverse_stiffness.T, complex)
         # One real product: at 80 to 90 % of a plain matrix product, against 7 % for the complex sum
         # written as an einsum. Real and imaginary parts take turns, so that it reads as complex.
-        alpha: ComplexArray = (constants @ self._over.T).view(complex)
+        alpha: ComplexArray = (constants @ self._inverse_stiffness.T).view(complex)
         return alpha
 
 
-def _taking_turns(values: ComplexArray) -> FloatArray:
+def _interleaved(values: ComplexArray) -> FloatArray:
     """Return complex values (n_freq, m) as (2 n_freq, m): real and imaginary part of every line."""
     parts = values.view(float).reshape(*values.shape, 2)
     return np.ascontiguousarray(parts.swapaxes(1, 2)).reshape(2 * len(values), -1)
@@ -194,14 +194,14 @@ def rigid_body_modes(mass: csc_array, stiffness: csc_array, candidates: FloatArr
     n = mass.shape[0]
     if candidates is None or candidates.shape[1] == 0:
         return np.zeros((n, 0))
-    values, turn = eigh(candidates.T @ (mass @ candidates))
-    heavy = values > PRODUCT_ROUNDING * values[-1]
-    shapes = candidates @ (turn[:, heavy] / np.sqrt(values[heavy]))
-    energy, turn = eigh(shapes.T @ (stiffness @ shapes))
+    values, rotation = eigh(candidates.T @ (mass @ candidates))
+    with_mass = values > PRODUCT_ROUNDING * values[-1]
+    shapes = candidates @ (rotation[:, with_mass] / np.sqrt(values[with_mass]))
+    energy, rotation = eigh(shapes.T @ (stiffness @ shapes))
     # What rounding leaves of an exact zero: entries of K of this size cancelled in the product.
     epsilon = EIGENSOLUTION.rigid_energy_rounding * np.finfo(float).eps
     rounding = epsilon * abs(stiffness).max() * (shapes**2).sum(axis=0).max()
-    return np.asarray(shapes @ turn[:, energy < rounding])
+    return np.asarray(shapes @ rotation[:, energy < rounding])
 
 
 def modal_basis(
@@ -231,7 +231,7 @@ def modal_basis(
     if undamped.remainder is None:
         squares, shapes = undamped.eigenvalues.real, undamped.shapes.real
         dense = mass.toarray(), stiffness.toarray()
-        squares, shapes = sharpened(*dense, squares, shapes, undamped.n_rigid_body)
+        squares, shapes = refined_modes(*dense, squares, shapes, undamped.n_rigid_body)
         undamped = replace(undamped, eigenvalues=squares.astype(complex), shapes=shapes)
     return undamped.damped(damping, viscous)
 
@@ -248,8 +248,8 @@ def undamped_basis(
     bodies = rigid_body_modes(mass, stiffness, rigid)
     if np.isfinite(frequency_max):
         highest = (2 * np.pi * frequency_max) ** 2
-        found = lowest_below(mass, stiffness, bodies, highest, near)
-        return _of_lowest(found, bodies.shape[1], frequency_max)
+        lowest = lowest_below(mass, stiffness, bodies, highest, near)
+        return _of_lowest(lowest, bodies.shape[1], frequency_max)
     squares, shapes = eigh(stiffness.toarray(), mass.toarray())
     n_rigid = bodies.shape[1]
     shapes = np.hstack([bodies, shapes[:, n_rigid:]])
@@ -260,11 +260,11 @@ def undamped_basis(
 def first_basis(mass: csc_array, stiffness: csc_array, rigid: FloatArray | None, count: int) -> ModalBasis:
     """Return rigid-body modes and the first elastic ones without damping, `count` of them or a few more."""
     bodies = rigid_body_modes(mass, stiffness, rigid)
-    found = lowest_first(mass, stiffness, bodies, count)
-    return _of_lowest(found, bodies.shape[1], float(np.sqrt(found.highest) / (2 * np.pi)))
+    lowest = lowest_first(mass, stiffness, bodies, count)
+    return _of_lowest(lowest, bodies.shape[1], float(np.sqrt(lowest.highest) / (2 * np.pi)))
 
 
-def _of_lowest(found: LowestModes, n_rigid: int, frequency_max: float) -> ModalBasis:
-    squares = found.squares.astype(complex)
-    remainder = None if np.isinf(frequency_max) else found.remainder
-    return ModalBasis(squares, found.shapes, n_rigid, None, frequency_max, remainder)
+def _of_lowest(lowest: LowestModes, n_rigid: int, frequency_max: float) -> ModalBasis:
+    squares = lowest.squares.astype(complex)
+    remainder = None if np.isinf(frequency_max) else lowest.remainder
+    return ModalBasis(squares, lowest.shapes, n_rigid, None, frequency_max, remainder)

@@ -16,7 +16,7 @@ from modallab.fe.modes import ModalBasis, first_basis, rigid_body_modes, undampe
 from modallab.fe.settings import EIGENSOLUTION, REDUCTION
 from modallab.fe.system import DynamicSystem
 
-Solve = Callable[[FloatArray], FloatArray]
+StaticSolver = Callable[[FloatArray], FloatArray]
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,18 +57,18 @@ class Partition:
     @cached_property
     def slaves(self) -> IntArray:
         """(n_slave,) all other rows, coordinates of what is attached among them."""
-        kept = np.zeros(self.system.mass.shape[0], bool)
-        kept[self.rows] = True
-        return np.flatnonzero(~kept)
+        is_master = np.zeros(self.system.mass.shape[0], bool)
+        is_master[self.rows] = True
+        return np.flatnonzero(~is_master)
 
     def with_masters(self, slaves: FloatArray) -> FloatArray:
         """Return a transformation (n, n_master) from its rows at the slaves; masters follow themselves."""
-        whole = np.zeros((self.system.mass.shape[0], len(self.rows)))
-        whole[self.rows, np.arange(len(self.rows))] = 1.0
-        whole[self.slaves] = slaves
-        return whole
+        transformation = np.zeros((self.system.mass.shape[0], len(self.rows)))
+        transformation[self.rows, np.arange(len(self.rows))] = 1.0
+        transformation[self.slaves] = slaves
+        return transformation
 
-    def static(self) -> Solve:
+    def static(self) -> StaticSolver:
         """Return what solves the slaves' stiffness for forces on them, masters held.
 
         Raises
@@ -84,7 +84,7 @@ class Partition:
             raise self._loose(f"{bodies.shape[1] - free} of {bodies.shape[1]} rigid-body motions")
         return self._solver(0.0)
 
-    def dynamic(self, omega: float) -> Solve:
+    def dynamic(self, omega: float) -> StaticSolver:
         """Return the same of the slaves' dynamic stiffness at `omega`, rad/s.
 
         Raises
@@ -94,7 +94,7 @@ class Partition:
         """
         return self._solver(omega)
 
-    def _solver(self, omega: float) -> Solve:
+    def _solver(self, omega: float) -> StaticSolver:
         if not len(self.slaves):
             return lambda forces: forces
         block = np.ix_(self.slaves, self.slaves)
@@ -102,8 +102,8 @@ class Partition:
         size = np.abs(k.diagonal()) + omega**2 * np.abs(m.diagonal())
         # Rotations and translations differ by powers of the length unit: not what condition is about.
         scale = 1 / np.sqrt(np.where(size > 0, size, 1.0))
-        even = diags_array(scale)
-        matrix = csc_array(even @ (k - omega**2 * m) @ even)
+        scaling = diags_array(scale)
+        matrix = csc_array(scaling @ (k - omega**2 * m) @ scaling)
         try:
             factor = splu(matrix)
         except RuntimeError:  # a pivot of exactly zero
@@ -129,10 +129,10 @@ class Partition:
             allowed="a frequency between the resonances of the held structure",
         )
 
-    def _loose(self, what: str) -> InvalidInputError:
+    def _loose(self, motions: str) -> InvalidInputError:
         return InvalidInputError(
-            f"held at the {len(self.masters)} masters the structure can still move without strain ({what}): "
-            "the other degrees of freedom have no static answer",
+            f"held at the {len(self.masters)} masters the structure can still move without strain "
+            f"({motions}): the other degrees of freedom have no static answer",
             field="reduction",
             value=", ".join(str(dof) for dof in self.masters[:10]),
             allowed="masters that hold every rigid-body motion, `dynamic` above 0 Hz, or `serep`",
@@ -148,6 +148,6 @@ class Partition:
             return undamped_basis(mass, stiffness, rigid)
         if np.isfinite(highest):
             bodies = rigid_body_modes(mass, stiffness, rigid).shape[1]
-            below = count_below(mass, stiffness, (2 * np.pi * highest) ** 2)
-            count = min(count, max(below - bodies, 1)) if below is not None else count
+            n_below = count_below(mass, stiffness, (2 * np.pi * highest) ** 2)
+            count = min(count, max(n_below - bodies, 1)) if n_below is not None else count
         return first_basis(mass, stiffness, rigid, count)

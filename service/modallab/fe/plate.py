@@ -64,8 +64,8 @@ def plate(
     StructureError
         If a size is not positive or there is no element.
     """
-    for size, what in ((length, "length"), (width, "width"), (thickness, "thickness")):
-        positive(size, what)
+    for size, name_of_size in ((length, "length"), (width, "width"), (thickness, "thickness")):
+        positive(size, name_of_size)
     along, across = n_elements
     if along < 1 or across < 1:
         raise StructureError(
@@ -75,7 +75,7 @@ def plate(
             allowed=">= 1, >= 1",
         )
     row = along + 1
-    held = _held(along, across, edges or {})
+    edge_supports = _edge_supports(along, across, edges or {})
     corners = [(row * j + i + 1, row * (j + 1) + i + 1) for j in range(across) for i in range(along)]
     return Structure(
         nodes={
@@ -88,7 +88,7 @@ def plate(
             Plate(number, (low, low + 1, high + 1, high), thickness, material)
             for number, (low, high) in enumerate(corners, 1)
         ),
-        supports=(*supports, *held),
+        supports=(*supports, *edge_supports),
         masses=masses,
         springs=springs,
         damping=damping or StructuralDamping(),
@@ -97,7 +97,7 @@ def plate(
     )
 
 
-def _held(along: int, across: int, edges: Mapping[Edge, Holding]) -> tuple[Support, ...]:
+def _edge_supports(along: int, across: int, edges: Mapping[Edge, Holding]) -> tuple[Support, ...]:
     """Return the supports of the nodes of sides that are held."""
     row = along + 1
     last = row * (across + 1)

@@ -10,8 +10,8 @@ from modallab.fe.member_table import MemberTable
 def grounded(shared: dict[str, object], stiffness: csc_array, table: MemberTable) -> bool:
     """Return whether a matrix (n, n) holds stiffness beside that of the members; found out once."""
     if "grounded" not in shared:
-        rest = stiffness - table.sum(table.axial + table.bending, stiffness.shape[0])
-        shared["grounded"] = bool(abs(rest).max() > PRODUCT_ROUNDING * abs(stiffness).max())
+        ground_stiffness = stiffness - table.sum(table.axial + table.bending, stiffness.shape[0])
+        shared["grounded"] = bool(abs(ground_stiffness).max() > PRODUCT_ROUNDING * abs(stiffness).max())
     return shared["grounded"] is True
 
 
@@ -22,15 +22,15 @@ def rebuilt(
     parts = [dict(zip(matrices, (t.mass, t.axial + t.bending, *t.damping), strict=True)) for t in (old, new)]
     out: dict[str, csc_array | None] = {}
     for name, matrix in matrices.items():
-        before, now = (part[name] for part in parts)
-        largest = max(np.abs(before).max(), np.abs(now).max())
+        old_parts, new_parts = (part[name] for part in parts)
+        largest = max(np.abs(old_parts).max(), np.abs(new_parts).max())
         if matrix is None and largest == 0:
             out[name] = None
             continue
-        if matrix is not None and np.array_equal(before, now):
+        if matrix is not None and np.array_equal(old_parts, new_parts):
             out[name] = csc_array(matrix)  # the same numbers, but another system's
             continue
-        more = new.sum(now - before, n)
-        total = csc_array(more if matrix is None else matrix + more)
+        difference = new.sum(new_parts - old_parts, n)
+        total = csc_array(difference if matrix is None else matrix + difference)
         out[name] = total if abs(total).max() > PRODUCT_ROUNDING * largest else None
     return out

@@ -11,7 +11,7 @@ from scipy.sparse import csc_array
 from scipy.sparse.linalg import splu
 
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray
-from modallab.fe.attachment import Attachment, attached_stiffness, distinct, put_together, stacked
+from modallab.fe.attachment import Attachment, attached_stiffness, merged, stacked_columns, unique_columns
 from modallab.fe.cache import cached
 from modallab.fe.modes import ModalResponse
 from modallab.fe.settings import CACHE, EIGENSOLUTION, RECEPTANCE
@@ -22,7 +22,7 @@ Key = tuple[object, ...]  # of an attachment
 
 
 def attached(
-    response: ModalResponse, system: DynamicSystem, left: FloatArray, right: FloatArray
+    response: ModalResponse, system: DynamicSystem, outputs: FloatArray, inputs: FloatArray
 ) -> ComplexArray:
     """Return the receptance of a system with its attachments, from modes of its matrices alone.
 
@@ -33,7 +33,7 @@ def attached(
     ----------
     response
         `system.base_modes(...).at(omega)`.
-    left, right
+    outputs, inputs
         (n, n_out) and (n, n_in) motions asked for, unit vectors for single DoFs.
 
     Returns
@@ -41,9 +41,9 @@ def attached(
     (n_freq, n_out, n_in), m/N.
     """
     if not system.attachments:
-        return response.receptance(left, right)
-    columns = system.stacked
-    alpha = response.receptance(np.hstack([left, columns]), np.hstack([right, columns]))
+        return response.receptance(outputs, inputs)
+    columns = system.stacked_columns
+    alpha = response.receptance(np.hstack([outputs, columns]), np.hstack([inputs, columns]))
     return _woodbury(alpha, system.attached_stiffness(response.omega))
 
 
@@ -57,7 +57,7 @@ def _woodbury(alpha: ComplexArray, z: ComplexArray) -> ComplexArray:
         return np.asarray(alpha[..., :-1, :-1] - to_b * (z / (1 + z * within)) * from_b)
     inner = _product(z, within)
     inner[..., np.arange(r), np.arange(r)] += 1.0
-    return np.asarray(alpha[..., :-r, :-r] - _product(to_b, solved(inner, _product(z, from_b))))
+    return np.asarray(alpha[..., :-r, :-r] - _product(to_b, solve_small(inner, _product(z, from_b))))
 
 
 def _product(a: ComplexArray, b: ComplexArray) -> ComplexArray:
@@ -67,21 +67,21 @@ def _product(a: ComplexArray, b: ComplexArray) -> ComplexArray:
     return np.asarray(a[..., 0, None] * b[..., None, 0, :] + a[..., 1, None] * b[..., None, 1, :])
 
 
-def solved(matrix: ComplexArray, right: ComplexArray) -> ComplexArray:
+def solve_small(matrix: ComplexArray, loads: ComplexArray) -> ComplexArray:
     """Return what `np.linalg.solve` does; of one or two unknowns without a call for every line."""
     if matrix.shape[-1] == 1:
-        return np.asarray(right / matrix)
+        return np.asarray(loads / matrix)
     if matrix.shape[-1] != 2:
-        return np.asarray(np.linalg.solve(matrix, right))
+        return np.asarray(np.linalg.solve(matrix, loads))
     a, b, c, d = (matrix[..., i, j, None] for i in (0, 1) for j in (0, 1))
-    first, second = right[..., 0, :], right[..., 1, :]
+    first, second = loads[..., 0, :], loads[..., 1, :]
     return np.asarray(
         np.stack([d * first - b * second, a * second - c * first], axis=-2) / (a * d - b * c)[..., None]
     )
 
 
 def attached_variants(
-    systems: Sequence[DynamicSystem], omega: FloatArray, lefts: Sequence[FloatArray], right: FloatArray
+    systems: Sequence[DynamicSystem], omega: FloatArray, outputs_of: Sequence[FloatArray], inputs: FloatArray
 ) -> ComplexArray:
     """Return the receptances of several variants of one structure, (n_variants, n_freq, n_out, n_in), m/N.
 
@@ -93,50 +93,50 @@ def attached_variants(
         Variants of the same matrices.
     omega
         (n_freq,) rad/s, above zero.
-    lefts, right
+    outputs_of, inputs
         (n, n_out) for each variant, of one width, and (n, n_in) for all.
     """
-    shared, own = parted(systems)
-    whole = condense_if_cheaper(replace(systems[0], attachments=shared), len(omega))
-    response = whole.base_modes(float(omega.max()) / (2 * np.pi)).at(omega)
-    stacks = [stacked(len(right), attachments) for attachments in own]
+    common, specific = split_common(systems)
+    loaded = condense_if_cheaper(replace(systems[0], attachments=common), len(omega))
+    response = loaded.base_modes(float(omega.max()) / (2 * np.pi)).at(omega)
+    stacks = [stacked_columns(len(inputs), attachments) for attachments in specific]
     widths = {stack.shape[1] for stack in stacks}
     if len(widths) > 1:  # variants that cannot be stacked
         response = systems[0].base_modes(float(omega.max()) / (2 * np.pi)).at(omega)
-        each = zip(systems, lefts, strict=True)
-        return np.array([attached(response, s, left, right) for s, left in each])
+        variants = zip(systems, outputs_of, strict=True)
+        return np.array([attached(response, s, outputs, inputs) for s, outputs in variants])
     columns: dict[bytes, int] = {}
 
     def places(block: FloatArray) -> list[int]:
         return [columns.setdefault(column.tobytes(), len(columns)) for column in block.T]
 
-    rows = [places(np.hstack([left, stack])) for left, stack in zip(lefts, stacks, strict=True)]
-    inputs = [places(np.hstack([right, stack])) for stack in stacks]
-    used = np.array([np.frombuffer(column) for column in columns]).T
-    a, b = np.broadcast_arrays(np.array(rows)[:, :, None], np.array(inputs)[:, None, :])
-    alpha = _attached_pairs(response, whole, used, a.ravel(), b.ravel())
-    picked = np.moveaxis(alpha.reshape(-1, *a.shape), 0, 1)
+    rows = [places(np.hstack([outputs, stack])) for outputs, stack in zip(outputs_of, stacks, strict=True)]
+    input_places = [places(np.hstack([inputs, stack])) for stack in stacks]
+    motions = np.array([np.frombuffer(column) for column in columns]).T
+    a, b = np.broadcast_arrays(np.array(rows)[:, :, None], np.array(input_places)[:, None, :])
+    alpha = _attached_pairs(response, loaded, motions, a.ravel(), b.ravel())
+    bare = np.moveaxis(alpha.reshape(-1, *a.shape), 0, 1)
     if widths == {0}:
-        return picked
-    z = np.array([attached_stiffness(attachments, response.omega) for attachments in own])
-    return _woodbury(picked, z)
+        return bare
+    z = np.array([attached_stiffness(attachments, response.omega) for attachments in specific])
+    return _woodbury(bare, z)
 
 
 def _attached_pairs(
-    response: ModalResponse, system: DynamicSystem, used: FloatArray, a: IntArray, b: IntArray
+    response: ModalResponse, system: DynamicSystem, motions: FloatArray, a: IntArray, b: IntArray
 ) -> ComplexArray:
-    """Return the receptances of pairs of columns of `used` (n, .), (n_freq, n_pairs): `attached`, but
+    """Return the receptances of pairs of columns of `motions` (n, .), (n_freq, n_pairs): `attached`, but
     for the pairs that are asked for instead of all."""
-    if system.stacked.shape[1] > RECEPTANCE.woodbury_columns:
-        (left, row), (right, column) = (np.unique(one, return_inverse=True) for one in (a, b))
-        return _attached_to_many(response, system, used[:, left], used[:, right])[:, row, column]
+    if system.stacked_columns.shape[1] > RECEPTANCE.woodbury_columns:
+        (rows, row), (columns_used, column) = (np.unique(places, return_inverse=True) for places in (a, b))
+        return _attached_to_many(response, system, motions[:, rows], motions[:, columns_used])[:, row, column]
     pairs, place = np.unique(np.sort(np.stack([a, b]), axis=0), axis=1, return_inverse=True)
     a, b = pairs  # receptance is symmetric
-    alpha = response.pairs(used[:, a], used[:, b])
-    columns = system.stacked
+    alpha = response.pairs(motions[:, a], motions[:, b])
+    columns = system.stacked_columns
     if n_columns := columns.shape[1]:
-        grid = np.indices((used.shape[1], n_columns)).reshape(2, -1)
-        to_b = response.pairs(used[:, grid[0]], columns[:, grid[1]]).reshape(-1, n_columns, alpha.shape[1])
+        grid = np.indices((motions.shape[1], n_columns)).reshape(2, -1)
+        to_b = response.pairs(motions[:, grid[0]], columns[:, grid[1]]).reshape(-1, n_columns, alpha.shape[1])
         effective = _effective_stiffness(response, system)
         if n_columns == 1:  # no sums over one
             alpha = alpha - to_b[a, 0] * (effective[0] * to_b[:, 0])[b]
@@ -147,22 +147,24 @@ def _attached_pairs(
 
 
 def _attached_to_many(
-    response: ModalResponse, system: DynamicSystem, left: FloatArray, right: FloatArray
+    response: ModalResponse, system: DynamicSystem, outputs: FloatArray, inputs: FloatArray
 ) -> ComplexArray:
     """Return `attached` where many columns are, (n_freq, n_out, n_in), the same motions often among them."""
-    hung = put_together(system.attachments)
-    n, n_out, n_in = len(left), left.shape[1], right.shape[1]
-    motions, place = distinct(np.hstack([left, right, stacked(n, hung)]))
-    alpha = response.among(motions)
+    attachments = merged(system.attachments)
+    n, n_out, n_in = len(outputs), outputs.shape[1], inputs.shape[1]
+    motions, place = unique_columns(np.hstack([outputs, inputs, stacked_columns(n, attachments)]))
+    alpha = response.between_columns(motions)
     rows, columns, b = np.split(np.array(place), [n_out, n_out + n_in])
-    z = attached_stiffness(hung, response.omega)
+    z = attached_stiffness(attachments, response.omega)
     to_b, within, from_b = alpha[:, rows][:, :, b], alpha[:, b][:, :, b], alpha[:, b][:, :, columns]
-    inner = _loaded(z, within)
+    inner = _attachment_forces(z, within)
     inner[:, np.arange(len(b)), np.arange(len(b))] += 1.0
-    return np.asarray(alpha[:, rows][:, :, columns] - to_b @ solved(inner, _loaded(z, from_b)))
+    return np.asarray(
+        alpha[:, rows][:, :, columns] - to_b @ solve_small(inner, _attachment_forces(z, from_b))
+    )
 
 
-def _loaded(z: ComplexArray, alpha: ComplexArray) -> ComplexArray:
+def _attachment_forces(z: ComplexArray, alpha: ComplexArray) -> ComplexArray:
     """Return z @ alpha; number by number where z (n_freq, r, r) is diagonal, as of masses."""
     if np.count_nonzero(z.any(axis=0)) <= np.count_nonzero(z.diagonal(axis1=1, axis2=2).any(axis=0)):
         return np.asarray(z.diagonal(axis1=1, axis2=2)[..., None] * alpha)
@@ -171,11 +173,11 @@ def _loaded(z: ComplexArray, alpha: ComplexArray) -> ComplexArray:
 
 def _effective_stiffness(response: ModalResponse, system: DynamicSystem) -> ComplexArray:
     """Return (I + Z alpha_BB)^-1 Z of all attachments, (R, R, n_freq), N/m."""
-    columns = system.stacked
+    columns = system.stacked_columns
     z = system.attached_stiffness(response.omega)
     inner = z @ np.ascontiguousarray(response.receptance(columns, columns))
     inner[:, np.arange(z.shape[1]), np.arange(z.shape[1])] += 1.0
-    return np.ascontiguousarray(solved(inner, z).transpose(1, 2, 0))
+    return np.ascontiguousarray(solve_small(inner, z).transpose(1, 2, 0))
 
 
 def condense_if_cheaper(system: DynamicSystem, n_freq: float = np.inf) -> DynamicSystem:
@@ -191,11 +193,11 @@ def condense_if_cheaper(system: DynamicSystem, n_freq: float = np.inf) -> Dynami
         How many frequencies it is asked about: at few of them it stays as it is, if nothing like it was
         folded before.
     """
-    if system.stacked.shape[1] <= RECEPTANCE.woodbury_columns:
+    if system.stacked_columns.shape[1] <= RECEPTANCE.woodbury_columns:
         return system
-    known = _folded_before(system)
-    if known is not None:
-        return known
+    folded_before = _cached_folding(system)
+    if folded_before is not None:
+        return folded_before
     if len(system.dofs) < EIGENSOLUTION.dense_dofs and n_freq * _n_motions(
         system
     ) <= RECEPTANCE.woodbury_products_per_dof * len(system.dofs):
@@ -207,74 +209,76 @@ def condense_if_cheaper(system: DynamicSystem, n_freq: float = np.inf) -> Dynami
 
 
 def _n_motions(system: DynamicSystem) -> int:
-    return len({column.tobytes() for column in system.stacked.T})
+    return len({column.tobytes() for column in system.stacked_columns.T})
 
 
-def _folded_before(system: DynamicSystem) -> DynamicSystem | None:
+def _cached_folding(system: DynamicSystem) -> DynamicSystem | None:
     """Return the system with those of its attachments folded that were before, if few are left."""
     known: dict[tuple[Key, ...], DynamicSystem] = system.shared.get("folded", {})  # type: ignore[assignment]
     for keys, folded in reversed(known.items()):
-        _, rest = _taken(system.attachments, Counter(keys))
-        again = replace(folded, attachments=rest)
+        _, remaining = _split_by_key(system.attachments, Counter(keys))
+        again = replace(folded, attachments=remaining)
         if (
-            len(rest) + len(keys) == len(system.attachments)
-            and again.stacked.shape[1] <= RECEPTANCE.woodbury_columns
+            len(remaining) + len(keys) == len(system.attachments)
+            and again.stacked_columns.shape[1] <= RECEPTANCE.woodbury_columns
         ):
             return again
     return None
 
 
-def parted(
+def split_common(
     systems: Sequence[DynamicSystem],
 ) -> tuple[tuple[Attachment, ...], list[tuple[Attachment, ...]]]:
     """Return what all variants of a structure carry, and what each carries besides."""
     if len(systems) == 1:
         return systems[0].attachments, [()]
-    everywhere = reduce(and_, (Counter(a.key for a in s.attachments) for s in systems))
-    parts = [_taken(s.attachments, everywhere) for s in systems]
-    return parts[0][0], [own for _, own in parts]
+    common = reduce(and_, (Counter(a.key for a in s.attachments) for s in systems))
+    parts = [_split_by_key(s.attachments, common) for s in systems]
+    return parts[0][0], [specific for _, specific in parts]
 
 
-def _taken(
+def _split_by_key(
     attachments: Sequence[Attachment], keys: Counter[Key]
 ) -> tuple[tuple[Attachment, ...], tuple[Attachment, ...]]:
     """Return those with some keys, each as often as asked for, as equal ones may hang twice, and the rest."""
-    wanted = Counter(keys)
-    taken: list[Attachment] = []
-    rest: list[Attachment] = []
-    for one in attachments:
-        asked = wanted[one.key] > 0
-        wanted[one.key] -= asked
-        (taken if asked else rest).append(one)
-    return tuple(taken), tuple(rest)
+    remaining = Counter(keys)
+    matching: list[Attachment] = []
+    unmatched: list[Attachment] = []
+    for attachment in attachments:
+        matches = remaining[attachment.key] > 0
+        remaining[attachment.key] -= matches
+        (matching if matches else unmatched).append(attachment)
+    return tuple(matching), tuple(unmatched)
 
 
-def receptance(system: DynamicSystem, freq: FloatArray, left: FloatArray, right: FloatArray) -> ComplexArray:
+def receptance(
+    system: DynamicSystem, freq: FloatArray, outputs: FloatArray, inputs: FloatArray
+) -> ComplexArray:
     """Return the receptance (n_freq, n_out, n_in), m/N, at `freq` (n_freq,) Hz, by modal sum."""
     omega = 2 * np.pi * np.asarray(freq, float)
     response = system.base_modes(float(np.max(freq))).at(omega)
-    return attached(response, system, left, right)
+    return attached(response, system, outputs, inputs)
 
 
 def direct_receptance(
-    system: DynamicSystem, freq: FloatArray, left: FloatArray, right: FloatArray
+    system: DynamicSystem, freq: FloatArray, outputs: FloatArray, inputs: FloatArray
 ) -> ComplexArray:
     """Return the receptance (n_freq, n_out, n_in), m/N, by solving at every line: slow and exact.
 
     The reference that the modal sum is held against, and the way for damping that no modes decouple.
     """
-    full = system.folded()
+    folded = system.folded()
     omega = 2 * np.pi * np.asarray(freq, float)
 
     def dynamic_stiffness(w: float) -> csc_array:
-        z = full.stiffness - w**2 * full.mass + 0j
-        if full.damping is not None:
-            z = z + 1j * full.damping
-        if full.viscous is not None:
-            z = z + 1j * w * full.viscous
+        z = folded.stiffness - w**2 * folded.mass + 0j
+        if folded.damping is not None:
+            z = z + 1j * folded.damping
+        if folded.viscous is not None:
+            z = z + 1j * w * folded.viscous
         return csc_array(z)
 
     if len(system.dofs) < EIGENSOLUTION.dense_dofs:
         stack = np.array([dynamic_stiffness(w).toarray() for w in omega])
-        return np.asarray(left.T @ np.linalg.solve(stack, right.astype(complex)))
-    return np.array([left.T @ splu(dynamic_stiffness(w)).solve(right.astype(complex)) for w in omega])
+        return np.asarray(outputs.T @ np.linalg.solve(stack, inputs.astype(complex)))
+    return np.array([outputs.T @ splu(dynamic_stiffness(w)).solve(inputs.astype(complex)) for w in omega])

@@ -65,15 +65,15 @@ def reduction_of(kind: str, parameters: Mapping[str, float] | None = None) -> Re
     InvalidInputError
         If the name or a number is unknown, or a value out of bounds.
     """
-    cls, given = REDUCTIONS[kind], dict(parameters or {})
-    for name in given.keys() - cls.specs().keys():
+    cls, values = REDUCTIONS[kind], dict(parameters or {})
+    for name in values.keys() - cls.specs().keys():
         raise InvalidInputError(
             f"{kind} has no parameter {name!r}",
             field="reduction",
             value=name,
             allowed=", ".join(cls.specs()) or "none",
         )
-    return cls(**given)
+    return cls(**values)
 
 
 def pencil_modes(mass: FloatArray, stiffness: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -89,13 +89,13 @@ def pencil_modes(mass: FloatArray, stiffness: FloatArray) -> tuple[FloatArray, F
     """
     size = np.sqrt(np.maximum(np.diag(mass), 0.0))
     scale = np.divide(1.0, size, out=np.zeros_like(size), where=size > 0)
-    values, turn = eigh(scale[:, None] * mass * scale)
-    kept = values > CURVATURE_ROUNDING * values[-1]
-    basis = scale[:, None] * turn[:, kept] / np.sqrt(values[kept])
+    values, rotation = eigh(scale[:, None] * mass * scale)
+    with_mass = values > CURVATURE_ROUNDING * values[-1]
+    basis = scale[:, None] * rotation[:, with_mass] / np.sqrt(values[with_mass])
     squares, within = eigh(basis.T @ stiffness @ basis)
     shapes = basis @ within
-    if not kept.all():
-        moving, _ = np.linalg.qr(size[:, None] * turn[:, kept])
+    if not with_mass.all():
+        moving, _ = np.linalg.qr(size[:, None] * rotation[:, with_mass])
         shapes = moving @ (moving.T @ shapes)
     return squares, shapes
 

@@ -11,7 +11,7 @@ from modallab.core.arrays import FloatArray
 from modallab.core.errors import InvalidInputError
 from modallab.core.numerics import COMPLEX_STEP
 from modallab.fe.element import ELEMENTS
-from modallab.fe.member_matrices import bar_of, member_matrices, turned
+from modallab.fe.member_matrices import bar_of, member_matrices, rotated
 from modallab.fe.members import AnyMember, MatrixElement, Member, Plate
 from modallab.fe.structure import Structure
 
@@ -41,12 +41,12 @@ def size(member: AnyMember, shape: SectionSize, *, field: str = "property") -> f
         Plate: ("a plate", str(SectionSize.THICKNESS)),
         MatrixElement: ("given by its matrices", "what multiplies these"),
     }
-    kind, allowed = kinds[type(member)]
+    kind, sizes = kinds[type(member)]
     raise InvalidInputError(
         f"member {member.number} is {kind}, which has no {shape.replace('_', ' ')}",
         field=field,
         value=shape.value,
-        allowed=allowed,
+        allowed=sizes,
     )
 
 
@@ -68,7 +68,9 @@ def resized(member: AnyMember, shape: SectionSize, to: float) -> AnyMember:
     return replace(member, section=replace(member.section, **part))
 
 
-def slopes(structure: Structure, members: Sequence[AnyMember], shape: SectionSize, width: int) -> FloatArray:
+def size_derivatives(
+    structure: Structure, members: Sequence[AnyMember], shape: SectionSize, width: int
+) -> FloatArray:
     """Return derivatives of mass, axial and bending stiffness by the logarithm of a size.
 
     (3, n, width, width), factors left out, exact: of bars by the complex step, whatever law an element
@@ -81,18 +83,22 @@ def slopes(structure: Structure, members: Sequence[AnyMember], shape: SectionSiz
         (n,) that have the size, at nodes of the structure.
     """
     if shape is SectionSize.THICKNESS:
-        now = member_matrices(structure, members, width)
-        twice = member_matrices(
+        nominal = member_matrices(structure, members, width)
+        doubled = member_matrices(
             structure, [resized(one, shape, 2 * size(one, shape)) for one in members], width
         )
-        pairs = ((now.mass, twice.mass), (now.axial, twice.axial), (now.bending, twice.bending))
-        return np.array([(one + other) / 3 for one, other in pairs])
+        pairs = (
+            (nominal.mass, doubled.mass),
+            (nominal.axial, doubled.axial),
+            (nominal.bending, doubled.bending),
+        )
+        return np.array([(one + double) / 3 for one, double in pairs])
     bars = [member for member in members if isinstance(member, Member)]
     local = []
     for member in bars:
         bar = bar_of(structure, member)
-        aside: dict[str, Any] = {shape.value: complex(1, COMPLEX_STEP) * size(member, shape)}
-        local.append(ELEMENTS[member.element](replace(bar, **aside)))
+        perturbed: dict[str, Any] = {shape.value: complex(1, COMPLEX_STEP) * size(member, shape)}
+        local.append(ELEMENTS[member.element](replace(bar, **perturbed)))
     out = np.zeros((3, len(bars), width, width))
-    out[:, :, :6, :6] = turned(structure, bars, local).imag / COMPLEX_STEP
+    out[:, :, :6, :6] = rotated(structure, bars, local).imag / COMPLEX_STEP
     return out

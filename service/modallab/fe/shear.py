@@ -6,7 +6,7 @@ import numpy as np
 
 from modallab.core.arrays import FloatArray
 
-ACROSS = [1, 2, 4, 5]  # (v, theta) at each end, among (u, v, theta)
+BENDING_ROWS = [1, 2, 4, 5]  # (v, theta) at each end, among (u, v, theta)
 
 
 def _pattern(a: float, b: float, c: float, d: float, e: float, f: float) -> FloatArray:
@@ -15,15 +15,15 @@ def _pattern(a: float, b: float, c: float, d: float, e: float, f: float) -> Floa
 
 
 # Coefficients of 1, phi, phi^2, with rotations measured in units of 1 / length.
-_BENT = np.array([_pattern(12, 6, -12, 6, 4, 2), _pattern(0, 0, 0, 0, 1, -1)])
-_SWAYED = np.array(
+_BENDING = np.array([_pattern(12, 6, -12, 6, 4, 2), _pattern(0, 0, 0, 0, 1, -1)])
+_TRANSLATION = np.array(
     [
         _pattern(156, 22, 54, -13, 4, -3) / 420,
         _pattern(84, 11, 36, -9, 2, -2) / 120,
         _pattern(40, 5, 20, -5, 1, -1) / 120,
     ]
 )
-_TURNED = np.array(
+_ROTATION = np.array(
     [
         _pattern(36, 3, -36, 3, 4, -1) / 30,
         _pattern(0, -3, 0, -3, 1, -1) / 6,
@@ -51,7 +51,7 @@ def bending_stiffness(length: FloatArray, phi: FloatArray) -> FloatArray:
 
     Source: Przemieniecki, Theory of Matrix Structural Analysis (1968), section 5.6.
     """
-    return _summed(_BENT, length, phi) / (length**3 * (1 + phi))[..., None, None]
+    return _summed(_BENDING, length, phi) / (length**3 * (1 + phi))[..., None, None]
 
 
 def sway_mass(length: FloatArray, phi: FloatArray) -> FloatArray:
@@ -59,7 +59,7 @@ def sway_mass(length: FloatArray, phi: FloatArray) -> FloatArray:
 
     Source: Friedman and Kosmatka, Computers and Structures 47 (1993) 473-481.
     """
-    return _summed(_SWAYED, length, phi) * (length / (1 + phi) ** 2)[..., None, None]
+    return _summed(_TRANSLATION, length, phi) * (length / (1 + phi) ** 2)[..., None, None]
 
 
 def rotary_inertia(length: FloatArray, phi: FloatArray) -> FloatArray:
@@ -67,7 +67,7 @@ def rotary_inertia(length: FloatArray, phi: FloatArray) -> FloatArray:
 
     Source: Friedman and Kosmatka (1993).
     """
-    return _summed(_TURNED, length, phi) / (length * (1 + phi) ** 2)[..., None, None]
+    return _summed(_ROTATION, length, phi) / (length * (1 + phi) ** 2)[..., None, None]
 
 
 @dataclass(frozen=True, eq=False)
@@ -115,14 +115,16 @@ class Shear:
         length = np.hypot(*across.T)
         phi = amount * self.flexibility
         sway = self.line_mass[:, None, None] * sway_mass(length, phi)
-        turned = (amount * self.line_mass * self.gyration)[:, None, None] * rotary_inertia(length, phi)
-        bent = self.rigidity[:, None, None] * bending_stiffness(length, phi)
+        rotary = (amount * self.line_mass * self.gyration)[:, None, None] * rotary_inertia(length, phi)
+        bending = self.rigidity[:, None, None] * bending_stiffness(length, phi)
         # (v, theta) of each end from (X, Y, RZ) of each end
-        turn = np.zeros((len(length), 4, 6))
+        rotation = np.zeros((len(length), 4, 6))
         for end in (0, 1):
-            turn[:, 2 * end, 3 * end : 3 * end + 2] = (
+            rotation[:, 2 * end, 3 * end : 3 * end + 2] = (
                 np.stack([-across[:, 1], across[:, 0]], 1) / length[:, None]
             )
-            turn[:, 2 * end + 1, 3 * end + 2] = 1.0
-        back = turn.swapaxes(1, 2)
-        return np.asarray(back @ (sway + turned) @ turn), np.asarray(back @ bent @ turn)
+            rotation[:, 2 * end + 1, 3 * end + 2] = 1.0
+        transposed = rotation.swapaxes(1, 2)
+        return np.asarray(transposed @ (sway + rotary) @ rotation), np.asarray(
+            transposed @ bending @ rotation
+        )

@@ -35,34 +35,38 @@ def bars_in_space(bars: SpatialBars) -> tuple[FloatArray, FloatArray, FloatArray
     n = len(bars.along)
     length = np.linalg.norm(bars.along, axis=1)
     pair = np.array([[1.0, -1.0], [-1.0, 1.0]])
-    shared = np.array([[2.0, 1.0], [1.0, 2.0]]) / 6
+    consistent = np.array([[2.0, 1.0], [1.0, 2.0]]) / 6
     mass, axial, bending = np.zeros((3, n, 12, 12))
 
-    def add(total: FloatArray, own: list[int], part: FloatArray) -> None:
-        total[:, np.array(own)[:, None], own] += part
+    def add(total: FloatArray, rows: list[int], part: FloatArray) -> None:
+        total[:, np.array(rows)[:, None], rows] += part
 
     add(axial, [0, 6], (bars.modulus * bars.area / length)[:, None, None] * pair)
     add(bending, [3, 9], (bars.shear_modulus * bars.torsion / length)[:, None, None] * pair)
-    add(mass, [0, 6], (bars.line_mass * length)[:, None, None] * shared)
-    add(mass, [3, 9], (bars.polar_mass * length)[:, None, None] * shared)
+    add(mass, [0, 6], (bars.line_mass * length)[:, None, None] * consistent)
+    add(mass, [3, 9], (bars.polar_mass * length)[:, None, None] * consistent)
     # theta_y = -w': rotations of the second plane count the other way
-    for plane, own, sense in ((0, [1, 5, 7, 11], 1.0), (1, [2, 4, 8, 10], -1.0)):
+    for plane, plane_rows, sense in ((0, [1, 5, 7, 11], 1.0), (1, [2, 4, 8, 10], -1.0)):
         second, kappa = bars.second_moments[:, plane], bars.shear_coefficients[:, plane]
         rigidity = bars.modulus * second
         sheared = kappa * bars.area * bars.shear_modulus * length**2
         phi = np.divide(12 * rigidity, sheared, out=np.zeros(n), where=kappa > 0)
         signs = np.array([1.0, sense, 1.0, sense])
-        turn = np.outer(signs, signs)
-        add(bending, own, rigidity[:, None, None] * bending_stiffness(length, phi) * turn)
-        swayed = bars.line_mass[:, None, None] * sway_mass(length, phi)
+        sign_product = np.outer(signs, signs)
+        add(bending, plane_rows, rigidity[:, None, None] * bending_stiffness(length, phi) * sign_product)
+        transverse = bars.line_mass[:, None, None] * sway_mass(length, phi)
         # what does not bend stays straight between its ends, however these turn
-        swayed[second == 0] = 0.0
-        add(mass, own[::2], (np.where(second == 0, bars.line_mass, 0.0) * length)[:, None, None] * shared)
+        transverse[second == 0] = 0.0
+        add(
+            mass,
+            plane_rows[::2],
+            (np.where(second == 0, bars.line_mass, 0.0) * length)[:, None, None] * consistent,
+        )
         inertia = np.divide(bars.line_mass * second, bars.area, out=np.zeros(n), where=kappa > 0)
-        swayed += inertia[:, None, None] * rotary_inertia(length, phi)
-        add(mass, own, swayed * turn)
+        transverse += inertia[:, None, None] * rotary_inertia(length, phi)
+        add(mass, plane_rows, transverse * sign_product)
     axes = bar_axes(bars)
-    return _turned(mass, axes), _turned(axial, axes), _turned(bending, axes)
+    return _rotated(mass, axes), _rotated(axial, axes), _rotated(bending, axes)
 
 
 def bar_axes(bars: SpatialBars) -> FloatArray:
@@ -93,15 +97,15 @@ def plates_in_space(plates: SpatialPlates) -> tuple[FloatArray, FloatArray, Floa
     flat = (plates.corners - middle) @ axes.swapaxes(1, 2)
     facets = Facets(flat[:, :, :2], plates.thickness, plates.modulus, plates.density, plates.poisson_ratio)
     mass, axial, bending = shell_matrices(facets)
-    return _turned(mass, axes), _turned(axial, axes), _turned(bending, axes)
+    return _rotated(mass, axes), _rotated(axial, axes), _rotated(bending, axes)
 
 
 def plate_axes(corners: FloatArray) -> FloatArray:
     """Return axes of plates as rows, (n, 3, 3): x along the first side, z across."""
     k = corners.shape[1]
-    one = corners[:, 2] - corners[:, 0]
-    other = corners[:, 3] - corners[:, 1] if k == 4 else corners[:, 2] - corners[:, 1]
-    z = np.cross(one, other)
+    first_edge = corners[:, 2] - corners[:, 0]
+    second_edge = corners[:, 3] - corners[:, 1] if k == 4 else corners[:, 2] - corners[:, 1]
+    z = np.cross(first_edge, second_edge)
     z = z / np.linalg.norm(z, axis=1)[:, None]
     side = corners[:, 1] - corners[:, 0]
     x = side - (side * z).sum(axis=1)[:, None] * z
@@ -119,20 +123,21 @@ def warp(corners: FloatArray) -> FloatArray:
 def convex(corners: FloatArray) -> BoolArray:
     """Return which corners (n, k, 3) go round a convex shape of some area, one way or the other, (n,)."""
     sides = np.roll(corners, -1, axis=1) - corners
-    turns = np.cross(np.roll(sides, 1, axis=1), sides)  # (n, k, 3): area and normal at each corner
-    normal = turns.sum(axis=1)
+    corner_normals = np.cross(np.roll(sides, 1, axis=1), sides)  # (n, k, 3): area and normal at each corner
+    normal = corner_normals.sum(axis=1)
     size = (sides**2).sum(axis=2).max(axis=1)
     return np.asarray(
-        ((turns * normal[:, None, :]).sum(axis=2) > INPUT.min_spatial_corner_area * size[:, None] ** 2).all(
-            axis=1
-        )
+        (
+            (corner_normals * normal[:, None, :]).sum(axis=2)
+            > INPUT.min_spatial_corner_area * size[:, None] ** 2
+        ).all(axis=1)
     )
 
 
-def _turned(matrices: FloatArray, axes: FloatArray) -> FloatArray:
+def _rotated(matrices: FloatArray, axes: FloatArray) -> FloatArray:
     """Return matrices (n, m, m) of vectors, three numbers each, in the axes of the structure."""
     n, m = matrices.shape[:2]
-    turn = np.zeros((n, m, m))
+    rotation = np.zeros((n, m, m))
     for first in range(0, m, 3):
-        turn[:, first : first + 3, first : first + 3] = axes
-    return np.asarray(turn.swapaxes(1, 2) @ matrices @ turn)
+        rotation[:, first : first + 3, first : first + 3] = axes
+    return np.asarray(rotation.swapaxes(1, 2) @ matrices @ rotation)

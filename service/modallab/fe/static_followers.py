@@ -3,10 +3,10 @@
 import numpy as np
 
 from modallab.core.arrays import FloatArray
-from modallab.fe.partition import Partition, Solve
+from modallab.fe.partition import Partition, StaticSolver
 
 
-def static_followers(split: Partition, solve: Solve) -> FloatArray:
+def static_followers(split: Partition, solve: StaticSolver) -> FloatArray:
     """Return -K_ss^-1 K_sm, (n_slave, n_master).
 
     Parameters

@@ -114,9 +114,9 @@ class Structure:
         n_axes = 3 if self.blocks else 2
         for number, place in self.nodes.items():
             if number < 1 or len(place) != n_axes or not np.abs(place).max() <= INPUT.max_coordinate:
-                allowed = f"within {INPUT.max_coordinate:g} m"
+                bounds = f"within {INPUT.max_coordinate:g} m"
                 raise StructureError(
-                    f"node {number} has no place", field="nodes", value=str(place), allowed=allowed
+                    f"node {number} has no place", field="nodes", value=str(place), allowed=bounds
                 )
         for support in self.supports:
             self._check_known(support.node, "supports")
@@ -188,10 +188,10 @@ class Structure:
     @cached_property
     def dofs(self) -> tuple[Dof, ...]:
         """Free degrees of freedom, node by node, in the order of `directions`; of blocks, in theirs."""
-        held = {(s.node, d) for s in self.supports for d in s.directions}
+        fixed = {(s.node, d) for s in self.supports for d in s.directions}
         if self.blocks:
-            return tuple(dof for dof in self.blocks.dofs if (dof.node, dof.direction) not in held)
-        return tuple(Dof(n, d) for n in self.nodes for d in self.directions if (n, d) not in held)
+            return tuple(dof for dof in self.blocks.dofs if (dof.node, dof.direction) not in fixed)
+        return tuple(Dof(n, d) for n in self.nodes for d in self.directions if (n, d) not in fixed)
 
     @cached_property
     def _index(self) -> dict[Dof, int]:
@@ -223,19 +223,19 @@ class Structure:
 
     def of_members(self, members: Iterable[AnyMember]) -> "Structure":
         """Return the structure made of other members, all of them."""
-        every = tuple(members)
-        bars = tuple(member for member in every if isinstance(member, Member))
-        others = tuple(member for member in every if not isinstance(member, Member))
-        return replace(self, members=bars, others=others)
+        all_members = tuple(members)
+        bars = tuple(member for member in all_members if isinstance(member, Member))
+        other_members = tuple(member for member in all_members if not isinstance(member, Member))
+        return replace(self, members=bars, others=other_members)
 
     @cached_property
     def groups(self) -> Mapping[str, tuple[int, ...]]:
         """Members by number under the names of their groups."""
-        found: dict[str, list[int]] = {}
+        numbers_of: dict[str, list[int]] = {}
         for member in self.all_members:
             if member.group:
-                found.setdefault(member.group, []).append(member.number)
-        return {name: tuple(numbers) for name, numbers in found.items()}
+                numbers_of.setdefault(member.group, []).append(member.number)
+        return {name: tuple(numbers) for name, numbers in numbers_of.items()}
 
     @cached_property
     def _by_number(self) -> dict[int, AnyMember]:

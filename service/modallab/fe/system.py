@@ -12,17 +12,17 @@ from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError, UnknownDofError
 from modallab.fe.alteration import Alteration
 from modallab.fe.attachment import (
-    PARTS,
+    MATRIX_NAMES,
     Attachment,
     attached_stiffness,
-    carried,
     damper,
-    grown,
-    motions,
+    extended_columns,
     oscillator,
+    padded,
     spring,
-    stacked,
-    with_added,
+    stacked_columns,
+    with_blocks,
+    with_internal_motions,
 )
 from modallab.fe.cache import cached
 from modallab.fe.damping import ViscousDamping
@@ -170,7 +170,7 @@ class DynamicSystem:
         One attachment stands for all alterations of a member, so that they act on one another.
         """
         old, attachment = self.altered.get(number, (Alteration(), None))
-        both = old.also(alteration)
+        both = old.combined_with(alteration)
         table, n = self._known_members, len(self.dofs)
         new = self._known((number, both), lambda: table.altered(number, both, n))
         rest = tuple(a for a in self.attachments if a is not attachment)
@@ -261,7 +261,7 @@ class DynamicSystem:
 
     @property
     def _matrices(self) -> dict[str, csc_array | None]:
-        return {name: getattr(self, name) for name in PARTS}
+        return {name: getattr(self, name) for name in MATRIX_NAMES}
 
     def folded(self) -> "DynamicSystem":
         """Return the same system with every attachment added into the matrices.
@@ -269,17 +269,17 @@ class DynamicSystem:
         Coordinates of the attachments' own become rows behind those of the DoFs.
         """
         hung = self._hung
-        columns_of = motions(len(self.dofs), hung)
+        columns_of = extended_columns(len(self.dofs), hung)
         n = len(self.dofs) + sum(a.inner for a in hung)
-        out = {name: grown(matrix, n) for name, matrix in self._matrices.items()}
+        out = {name: padded(matrix, n) for name, matrix in self._matrices.items()}
         for name, total in out.items():
             each = [
                 (columns, small)
                 for attachment, columns in zip(hung, columns_of, strict=True)
                 if (small := getattr(attachment, name)) is not None and small.any()
             ]
-            out[name] = with_added(total, each, n)
-        rigid = None if self.rigid is None else carried(self.rigid, hung)
+            out[name] = with_blocks(total, each, n)
+        rigid = None if self.rigid is None else with_internal_motions(self.rigid, hung)
         return DynamicSystem(**out, dofs=self.dofs, rigid=rigid, members=self.members)  # type: ignore[arg-type]
 
     @property
@@ -296,9 +296,9 @@ class DynamicSystem:
         return (*self.attachments, cached(self.shared, "modal", modal, make))
 
     @property
-    def stacked(self) -> FloatArray:
+    def stacked_columns(self) -> FloatArray:
         """(n, R): the columns of all attachments side by side."""
-        return stacked(len(self.dofs), self.attachments)
+        return stacked_columns(len(self.dofs), self.attachments)
 
     def attached_stiffness(self, omega: FloatArray) -> ComplexArray:
         """Return the dynamic stiffness of all attachments, (n_freq, R, R), block by block."""
@@ -330,7 +330,7 @@ class DynamicSystem:
             # In few steps, or systems that get softer bit by bit would each ask for a little more.
             growth = EIGENSOLUTION.band_growth
             wider = growth ** np.ceil(max(-np.log(stretch) / 2 / np.log(growth), 0.0))
-            basis = other._undamped(limit * wider).stretched(stretch)
+            basis = other._undamped(limit * wider).with_scaled_eigenvalues(stretch)
         else:
             top = np.inf if len(self.dofs) < EIGENSOLUTION.dense_dofs else limit
             basis = undamped_basis(self.mass, self.stiffness, self.rigid, frequency_max=top)
@@ -344,7 +344,7 @@ class DynamicSystem:
             return known
         if self.alike:
             other, stretch = self.alike
-            basis = other._first(count).stretched(stretch)
+            basis = other._first(count).with_scaled_eigenvalues(stretch)
         elif len(self.dofs) < EIGENSOLUTION.dense_dofs:
             return self._undamped(np.inf)
         else:

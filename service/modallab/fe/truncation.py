@@ -33,32 +33,32 @@ class ModalTruncation:
     shapes: FloatArray  # (n, m) of the basis, undamped, mass-normalised
     losses: Losses | None = None
 
-    def at(self, omega: FloatArray, left: FloatArray, right: FloatArray) -> ComplexArray:
+    def at(self, omega: FloatArray, outputs: FloatArray, inputs: FloatArray) -> ComplexArray:
         """Return left^T (alpha above) right, (n_freq, n_left, n_right), m/N, at `omega` rad/s."""
         by_mass, by_stiffness = (0.0, 0.0) if self.losses is None else self.losses.mean(omega)
         # lambda (1 + i b) + i a - omega^2 = (1 + i b) (lambda - square)
         factor = np.asarray(1 + 1j * by_stiffness)[..., None]
         square = ((omega**2 - 1j * by_mass) / (1 + 1j * by_stiffness))[:, None]
         powers = (square + self.shift) ** np.arange(RECEPTANCE.truncation_terms) / factor
-        columns = self.static(right)
-        terms = [left.T @ columns]
+        columns = self.static(inputs)
+        terms = [outputs.T @ columns]
         for _ in range(RECEPTANCE.truncation_terms - 1):
             columns = self.static(self.mass @ columns)
-            terms.append(left.T @ columns)
+            terms.append(outputs.T @ columns)
         return np.asarray(np.tensordot(powers, np.array(terms), 1), complex)
 
     def static(self, loads: FloatArray) -> FloatArray:
         """Return how the modes above move, (n, k), under slow loads (n, k)."""
-        above = loads - self._heavy @ (self.shapes.T @ loads)
-        moved = self.solve(np.ascontiguousarray(above))
-        return np.asarray(moved - self.shapes @ (self._heavy.T @ moved))
+        truncated_loads = loads - self._mass_times_shapes @ (self.shapes.T @ loads)
+        motion = self.solve(np.ascontiguousarray(truncated_loads))
+        return np.asarray(motion - self.shapes @ (self._mass_times_shapes.T @ motion))
 
     @cached_property
-    def _heavy(self) -> FloatArray:
+    def _mass_times_shapes(self) -> FloatArray:
         """(n, m) M Phi."""
         return np.asarray(self.mass @ self.shapes)
 
-    def stretched(self, factor: float) -> "ModalTruncation":
+    def with_scaled_eigenvalues(self, factor: float) -> "ModalTruncation":
         """Return what modes of the same shapes add whose eigenvalues are so many times as large."""
 
         def solve(loads: FloatArray) -> FloatArray:

@@ -52,5 +52,5 @@ def _asks_alike(first: Run, second: Run) -> bool:
         and first.motions == second.motions
         and first.n_at_work == second.n_at_work
         and len(first_system.attachments) == len(second_system.attachments)
-        and all(a.same(b) for a, b in zip(first_system.attachments, second_system.attachments, strict=True))
+        and all(a.equals(b) for a, b in zip(first_system.attachments, second_system.attachments, strict=True))
     )

@@ -4,7 +4,7 @@ import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.dof import TRANSLATIONS, Dof
-from modallab.fe.interpolation import motion_beside
+from modallab.fe.interpolation import point_motion
 from modallab.fe.receptance import receptance
 from modallab.fe.system import DynamicSystem
 from modallab.rig.chain import DC_LIMIT, Chain
@@ -41,6 +41,6 @@ def _lever(system: DynamicSystem, drive: Dof) -> FloatArray:
     if table is None or drive.direction not in ("X", "Y") or not table.has_bar(drive.node):
         return column
     for sign in (1, -1):
-        for row, weight in motion_beside(table, drive.node, sign * STEP, drive.direction):
+        for row, weight in point_motion(table, drive.node, sign * STEP, drive.direction):
             column[row] += sign * drive.sign * weight / (2 * STEP)
     return column

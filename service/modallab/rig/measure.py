@@ -11,7 +11,7 @@ from modallab.core.arrays import FloatArray
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.core.progress import Progress, silent
 from modallab.estimation.coherence import coherence
-from modallab.estimation.condition import told_apart
+from modallab.estimation.condition import independent_condition
 from modallab.estimation.estimator import ESTIMATORS
 from modallab.estimation.spectra import CrossSpectra
 from modallab.fe.assembly import assemble
@@ -101,7 +101,7 @@ def measurement_of(spectra: CrossSpectra, setup: RigSetup) -> Measurement:
     InvalidInputError
         If several forces act at once and are not independent of each other.
     """
-    condition = told_apart(spectra) if spectra.ff.shape[2] > 1 else None
+    condition = independent_condition(spectra) if spectra.ff.shape[2] > 1 else None
     table = _Table(setup)
     force = spectra.ff.real[..., np.arange(spectra.ff.shape[2]), np.arange(spectra.ff.shape[2])]
     single = len(setup.drives) == 1 or setup.exciter.kind != "hammer"

@@ -6,7 +6,7 @@ from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.place import EffectSpec
 from modallab.estimation.averaging import effective_averages
-from modallab.estimation.estimator import SEVERAL_FORCES
+from modallab.estimation.estimator import MULTIPLE_INPUT_ESTIMATORS
 from modallab.estimation.windows import WINDOWS
 from modallab.rig.analyser import Analyser
 from modallab.rig.hardware import Accelerometers, Exciter, ForceTransducer, Noise
@@ -69,12 +69,12 @@ class RigSetup:
     def _check_told_apart(self) -> None:
         """Raise unless the analyser can tell apart the forces that act at once."""
         analyser, n_in = self.analyser, len(self.drives)
-        if analyser.estimator not in SEVERAL_FORCES:
+        if analyser.estimator not in MULTIPLE_INPUT_ESTIMATORS:
             raise InvalidInputError(
                 f"{analyser.estimator} is defined for one force, and {n_in} act at once",
                 field="estimator",
                 value=analyser.estimator,
-                allowed=", ".join(SEVERAL_FORCES),
+                allowed=", ".join(MULTIPLE_INPUT_ESTIMATORS),
             )
         worth = effective_averages(analyser.averages, analyser.overlap, WINDOWS[analyser.window])
         if worth < n_in:

@@ -3,7 +3,7 @@
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
-from modallab.estimation.condition import told_apart
+from modallab.estimation.condition import independent_condition
 from modallab.estimation.spectra import CrossSpectra
 
 TOGETHER = 2**16  # spectral values drawn at once: enough to make little of the calls, few enough for a cache
@@ -57,7 +57,7 @@ class _Law:
         # At 0 Hz the transform of a record is real: half as many independent squares an average.
         self.real = np.flatnonzero(spectra.freq == 0)
         squares = np.where(spectra.freq == 0, self.n / 2, self.n)[:, None]
-        told_apart(spectra)
+        independent_condition(spectra)
         self.root = np.linalg.cholesky(spectra.ff) / np.sqrt(self.n)
         self.h = np.linalg.solve(spectra.ff, spectra.fx)
         unexplained = spectra.xx - (spectra.fx.conj() * self.h).sum(axis=2).real

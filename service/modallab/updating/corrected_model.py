@@ -145,7 +145,7 @@ class CorrectedModel:
         damped
             Where a damped model stands.
         """
-        assert assembly.jumps is not None
+        assert assembly.joint_rotations is not None
         place = {joint.node: i for i, joint in enumerate(self.initial.joints)}
         macros = self.parameterisation.macros
         params = [i for i, macro in enumerate(macros) if macro.part is Part.JOINT_STIFFNESS]
@@ -153,7 +153,7 @@ class CorrectedModel:
         stiffnesses = np.array([joint.stiffness for joint in self.initial.joints])[used]
         stiffness: FloatArray | ComplexArray = stiffnesses[:, None, None]
         if damped is not None:
-            loss_factor = damped.loss_factor[assembly.jumps.members[used]]
+            loss_factor = damped.loss_factor[assembly.joint_rotations.members[used]]
             stiffness = np.asarray((1 + 1j * loss_factor[:, None, None]) * stiffness, complex)
         starts = np.cumsum([0, *(len(macros[i].members) for i in params)])
         rows = (len(self.initial.dofs) + used)[:, None]
@@ -165,7 +165,7 @@ class CorrectedModel:
         """Return derivatives by a property: dX/dp = (dX / d log p) / p, of mass and of stiffness."""
         used, starts, params = elements_of_part(self.parameterisation, part, self._groups)
         if part.section_size is not None:
-            mass, axial, bending = assembly.slopes(used, part.section_size)
+            mass, axial, bending = assembly.size_derivatives(used, part.section_size)
         else:
             mass, axial, bending = assembly.mass[used], assembly.axial[used], assembly.bending[used]
         inverse_value = np.repeat(1 / values[params], np.diff(starts))[:, None, None]

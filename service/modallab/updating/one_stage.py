@@ -30,7 +30,7 @@ def update_in_one_stage(
     # A mode of far wrong elements may look like none of the model's at first: its rows count little until
     # it does, so that any partner will do to begin with.
     fit = ModalResiduals(
-        Assembly(structure, jumps=True),
+        Assembly(structure, joint_rotations=True),
         parameterisation,
         measured,
         0.0,

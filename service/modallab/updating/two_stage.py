@@ -30,7 +30,8 @@ def update_in_two_stages(
     away from no change are suspected. Stage two moves the elements inside them from where stage one
     ended, all others back at no change. 1992 thesis, chapter 3.
     """
-    assembly, measured = Assembly(structure, jumps=True), replace(measured, n_shapes=options.n_shapes)
+    assembly = Assembly(structure, joint_rotations=True)
+    measured = replace(measured, n_shapes=options.n_shapes)
     balance = Balance(options.balance)
     macro_residuals = ModalResiduals(assembly, parameterisation, measured, options.min_mac, balance=balance)
     start = parameterisation.nominal

@@ -110,7 +110,7 @@ def test_everywhere_modes_are_not_solved_for_again_and_one_member_is_two_columns
     monkeypatch.setattr("modallab.fe.system.undamped_basis", None)  # calling it would raise
     chain(system, rig(1, 7), [LossFactorError(factor=3.0)]).respond(FREQ)
     one = LossFactorError(at=Members((4,)), factor=3.0).on_system(system, SHOT)
-    assert one.stacked.shape[1] == 2  # a beam strains in two ways
+    assert one.stacked_columns.shape[1] == 2  # a beam strains in two ways
     chain(system, rig(1, 7), [LossFactorError(at=Members((4,)), factor=3.0)]).respond(FREQ)
 
 

@@ -9,7 +9,7 @@ from scipy.stats import norm
 from modallab.core.place import Channels
 from modallab.core.progress import silent
 from modallab.effects.overload import Overload
-from modallab.estimation.clipping import clipped_power, hermite_parts, kept_gain
+from modallab.estimation.clipping import bussgang_gain, clipped_power, hermite_coefficients
 from modallab.estimation.coherence import coherence, frf_error
 from modallab.estimation.estimator import ESTIMATORS
 from modallab.rig.chain import chain
@@ -35,11 +35,11 @@ def part(level: float, order: int) -> float:
 @pytest.mark.parametrize("level", LEVELS)
 def test_gain_power_and_orders_of_a_clipped_gaussian_signal_are_those_of_quadrature(level: float) -> None:
     c = np.array(level)
-    assert np.isclose(kept_gain(c), part(level, 1), rtol=1e-9)  # of the quadrature
+    assert np.isclose(bussgang_gain(c), part(level, 1), rtol=1e-9)  # of the quadrature
     power, _ = quad(lambda x: np.clip(x, -level, level) ** 2 * norm.pdf(x), -12, 12, points=[-level, level])
     assert np.isclose(clipped_power(c), power, rtol=1e-9)
     wanted = [part(level, order) for order in (3, 5, 7, 9, 11)]
-    np.testing.assert_allclose(hermite_parts(c), wanted, atol=1e-9)
+    np.testing.assert_allclose(hermite_coefficients(c), wanted, atol=1e-9)
 
 
 @pytest.mark.parametrize("rho", [0.3, 0.8, -0.95])
@@ -50,7 +50,7 @@ def test_the_orders_add_up_to_the_correlation_of_two_clipped_signals(level: floa
     other = np.clip(rho * x + np.sqrt(1 - rho**2) * x[:, None], -level, level)
     wanted = density @ other @ (density * np.clip(x, -level, level))
     c = np.array(level)
-    orders = np.concatenate([[kept_gain(c)], hermite_parts(c)]) ** 2
+    orders = np.concatenate([[bussgang_gain(c)], hermite_coefficients(c)]) ** 2
     left = clipped_power(c) - orders.sum()
     found = orders @ rho ** np.arange(1.0, 12, 2) + left * rho**13
     # What is left beyond order 11, 1e-3 of the power, is given to order 13 as a whole.

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from modallab.core.arrays import FloatArray
-from modallab.estimation.force_noise import ForceChannelNoise, parted
+from modallab.estimation.force_noise import ForceChannelNoise, decorrelated
 
 FREQ = np.linspace(0.0, 100.0, 201)
 ABOVE = FREQ > 0
@@ -58,7 +58,7 @@ def test_residuals_that_share_a_number_become_independent() -> None:
         seen = np.flatnonzero(where[line])
         root = np.sqrt(share[line, seen])
         covariance = np.diag(1 - share[line, seen]) + np.outer(root, root)
-        turn = np.array([parted(np.tile(unit, (4, 1)), share, where)[line] for unit in np.eye(6)])
+        turn = np.array([decorrelated(np.tile(unit, (4, 1)), share, where)[line] for unit in np.eye(6)])
         assert not turn[:, ~where[line]].any()
         turn = turn[np.ix_(seen, seen)]
         np.testing.assert_allclose(turn.T @ covariance @ turn, np.eye(len(seen)), atol=1e-12)
@@ -68,7 +68,7 @@ def test_numbers_of_several_inputs_and_of_complex_kind_are_parted_alike() -> Non
     rng = np.random.default_rng(1)
     share, part = rng.uniform(0.0, 0.9, (3, 5, 2)), rng.standard_normal((3, 5, 2)) * (1 + 2j)
     where = np.ones(share.shape, bool)
-    both = parted(part, share, where)
+    both = decorrelated(part, share, where)
     for k in range(2):
-        alone = parted(part[:, :, k].real, share[:, :, k], where[:, :, k])
+        alone = decorrelated(part[:, :, k].real, share[:, :, k], where[:, :, k])
         np.testing.assert_allclose(both[:, :, k], alone * (1 + 2j), rtol=1e-12)

@@ -6,7 +6,7 @@ from scipy.linalg import eigh
 
 from modallab.fe.assembly import assemble
 from modallab.fe.catalogued import STRUCTURES
-from modallab.fe.eigen_refinement import sharpened
+from modallab.fe.eigen_refinement import refined_modes
 from modallab.fe.modes import ModalBasis, modal_basis, undamped_basis
 from modallab.fe.system import DynamicSystem
 
@@ -37,6 +37,6 @@ def test_a_mechanism_is_left_as_it_was_found() -> None:
     stiffness = np.array([[1.0, -1.0, 0.0], [-1.0, 1.0, 0.0], [0.0, 0.0, 1.0]])
     squares, shapes = eigh(stiffness, mass)
     squares[0] = -1e-9  # of rounding
-    after, same = sharpened(mass, stiffness, squares, shapes, 0)
+    after, same = refined_modes(mass, stiffness, squares, shapes, 0)
     np.testing.assert_array_equal(after, squares)
     np.testing.assert_array_equal(same, shapes)

@@ -7,7 +7,7 @@ from hypothesis import strategies as st
 from scipy.optimize import brentq
 
 from modallab.fe.assembly import assemble
-from modallab.fe.interpolation import motion_beside
+from modallab.fe.interpolation import point_motion
 from modallab.fe.member_table import MemberTable
 from modallab.fe.structure import Material, Member, Section, Structure
 from modallab.fe.system import DynamicSystem
@@ -27,9 +27,7 @@ def place(structure: Structure, node: int, distance: float) -> tuple[float, floa
     turn = {"X": [-y for _, y in points], "Y": [x for x, _ in points], "RZ": [1.0] * len(points)}
     motion = np.array([turn[dof.direction][i] for i, dof in enumerate(system.dofs)])
     x, y = (
-        sum(
-            weight * motion[row] for row, weight in motion_beside(table_of(system), node, distance, direction)
-        )
+        sum(weight * motion[row] for row, weight in point_motion(table_of(system), node, distance, direction))
         for direction in ("Y", "X")
     )
     return float(x), float(-y)
@@ -78,7 +76,7 @@ def test_a_mode_between_nodes_is_that_of_the_free_beam_in_closed_form() -> None:
     shape = system.modes().elastic().shapes[:, 2].real
     scale = exact(0.0) / shape[0]
     for distance in (0.0375, 0.02, -0.0375):
-        found = scale * sum(w * shape[r] for r, w in motion_beside(table_of(system), 9, distance, "Y"))
+        found = scale * sum(w * shape[r] for r, w in point_motion(table_of(system), 9, distance, "Y"))
         # a cubic misses (b l)^4/384 = 2.4e-4 of the wave, whose size is 2; the nodes themselves 1e-5
         assert abs(found - exact(8 * 0.075 + distance)) < 5e-4
         assert abs(scale * shape[16] - exact(0.6)) < 5e-5

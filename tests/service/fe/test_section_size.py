@@ -10,7 +10,7 @@ from modallab.core.errors import InvalidInputError
 from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.member_matrices import member_matrices
 from modallab.fe.members import Member, Plate
-from modallab.fe.section_size import SectionSize, resized, size, slopes
+from modallab.fe.section_size import SectionSize, resized, size, size_derivatives
 from modallab.fe.structure import ACROSS, Material, Structure
 
 BAY = STRUCTURES["bay"]()
@@ -33,7 +33,7 @@ def matrices(structure: Structure, shape: SectionSize, factor: float) -> FloatAr
 
 def ours(structure: Structure, shape: SectionSize) -> FloatArray:
     width = matrices(structure, shape, 1.0).shape[-1]
-    return slopes(structure, structure.all_members, shape, width)
+    return size_derivatives(structure, structure.all_members, shape, width)
 
 
 def near(found: FloatArray, expected: FloatArray, rtol: float) -> None:

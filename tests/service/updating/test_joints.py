@@ -49,7 +49,7 @@ def receptance(system: DynamicSystem, freq: FloatArray) -> ComplexArray:
 @pytest.mark.parametrize("structure", [MODEL, BAY], ids=["beam", "bay"])
 def test_jumps_as_rows_are_those_that_hang_on_a_system(structure: Structure, law: Damping) -> None:
     lossy = replace(structure, damping=law)
-    ours, hung = Assembly(lossy, jumps=True).system(), assemble(lossy)
+    ours, hung = Assembly(lossy, joint_rotations=True).system(), assemble(lossy)
     assert ours.mass.shape == (len(structure.dofs) + len(structure.joints),) * 2
     found, own = (receptance(system, np.linspace(5.0, 300.0, 7)) for system in (ours, hung))
     # rounding, times the condition of the dynamic stiffness
@@ -60,7 +60,7 @@ def test_a_joint_lowers_frequencies_and_a_stiff_one_none() -> None:
     own, loose, stiff = (
         modal_basis(s.mass, s.stiffness, None, None, s.rigid, frequency_max=np.inf).frequencies[2:8]
         for s in (
-            Assembly(replace(BEAM, joints=joints), jumps=True).system()
+            Assembly(replace(BEAM, joints=joints), joint_rotations=True).system()
             for joints in ((), (JointSpring(11, 1e3),), (JointSpring(11, 1e12),))
         )
     )
@@ -81,7 +81,7 @@ def test_derivatives_are_those_of_the_matrices(part: str, damped: bool) -> None:
     also = at_nodes(lossy, {"joint_stiffness": None})
     members = () if part == "joint_stiffness" else ((5,), (6, 7), (13,))
     parameters = parameterise(members, () if not members else (part,), nodal=also)
-    model = CorrectedModel(Assembly(lossy, jumps=True), parameters)
+    model = CorrectedModel(Assembly(lossy, joint_rotations=True), parameters)
     at = parameters.nominal + np.linspace(0.1, 0.3, len(parameters.macros))
     found = {Part.MASS: np.zeros((len(at), model.size, model.size), complex)}
     found[Part.STIFFNESS] = found[Part.MASS].copy()

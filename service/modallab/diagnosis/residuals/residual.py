@@ -10,7 +10,7 @@ from scipy.special import polygamma
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, logarithm
 from modallab.diagnosis.residuals.observed import Observed, Predicted, VarianceRatios
 from modallab.diagnosis.residuals.random_error import NUMERICAL
-from modallab.estimation.force_noise import parted
+from modallab.estimation.force_noise import decorrelated
 
 COARSE = 0.02  # squared relative error of H beyond which its logarithm gives way to the difference
 
@@ -41,8 +41,8 @@ class Residual:
         unit variance each: what channels have in common through the force is taken once."""
         frf, response = self.frf, self.response
         if self.shared_noise is not None:
-            frf = parted(frf, self.shared_noise, where)
-            response = None if response is None else parted(response, self.shared_noise**2, where)
+            frf = decorrelated(frf, self.shared_noise, where)
+            response = None if response is None else decorrelated(response, self.shared_noise**2, where)
         frf = frf[where]
         parts = [np.sqrt(2) * frf.real, np.sqrt(2) * frf.imag]
         if self.force is not None:

@@ -7,7 +7,7 @@ from operator import is_
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
-from modallab.fe.attachment import Attachment, stiffnesses
+from modallab.fe.attachment import Attachment, dynamic_stiffnesses
 from modallab.rig.effect import Effect
 from modallab.rig.run import Run
 
@@ -86,7 +86,7 @@ class AttachedStiffness:
 
     def _together(self, own: Sequence[Own]) -> ComplexArray:
         """Return the stiffness of sizes that are alike, in the terms of their motions side by side."""
-        each = [stiffnesses(sizes, self._omega) for sizes in zip(*own, strict=True)]
+        each = [dynamic_stiffnesses(sizes, self._omega) for sizes in zip(*own, strict=True)]
         if len(each) == 1:
             return each[0]
         r = sum(z.shape[-1] for z in each)

@@ -13,7 +13,7 @@ from modallab.diagnosis.residuals.observed import Observed
 from modallab.diagnosis.residuals.residual import logarithm_weight, residual
 from modallab.diagnosis.searching.attached_stiffness import AttachedStiffness
 from modallab.fe.attachment import Attachment
-from modallab.fe.receptance import attached, solved
+from modallab.fe.receptance import attached, solve_small
 from modallab.fe.receptance_map import ReceptanceMap
 from modallab.rig.chain import DC_LIMIT
 from modallab.rig.effect import Effect
@@ -187,7 +187,7 @@ class _Test:
         else:
             inner, force = z @ within, z @ from_b
         inner[..., np.arange(z.shape[-1]), np.arange(z.shape[-1])] += 1.0
-        carried = solved(inner, force)[..., 0]
+        carried = solve_small(inner, force)[..., 0]
         line, run, out = np.unravel_index(places, np.moveaxis(self._direct, 0, 1).shape)
         there, direct = to_b[run, line, out], self._direct[run, line, out]
         # Motion by motion: matrix products of so few would be a call for every line.

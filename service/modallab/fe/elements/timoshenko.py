@@ -3,10 +3,10 @@
 import numpy as np
 
 from modallab.fe.element import ELEMENTS, Bar, ElementParts
-from modallab.fe.shear import ACROSS, bending_stiffness, rotary_inertia, sway_mass
+from modallab.fe.shear import BENDING_ROWS, bending_stiffness, rotary_inertia, sway_mass
 
 AXIAL = np.ix_([0, 3], [0, 3])
-BENDING = np.ix_(ACROSS, ACROSS)
+BENDING = np.ix_(BENDING_ROWS, BENDING_ROWS)
 
 
 @ELEMENTS.register("timoshenko")

@@ -9,9 +9,9 @@ from modallab.fe.facet import (
     Facets,
     bending_strains,
     drilling_strain,
-    energy,
     membrane_strains,
     natural_shear,
+    strain_energy,
     symmetric,
 )
 from modallab.fe.settings import ELEMENT
@@ -57,10 +57,10 @@ def quadrilateral(facets: Facets) -> FacetParts:
         inverse = np.linalg.inv(jacobian)
         local = inverse @ slopes
         overlap += area[:, None, None] * np.outer(shapes, shapes)
-        membrane += energy(membrane_strains(local), law, area * thickness)
-        bending += energy(bending_strains(local), law, area * thickness**3 / 12)
-        bending += energy(inverse @ _tied(corners, *place), eye, area * sheared)
-        drilling += energy(
+        membrane += strain_energy(membrane_strains(local), law, area * thickness)
+        bending += strain_energy(bending_strains(local), law, area * thickness**3 / 12)
+        bending += strain_energy(inverse @ _tied(corners, *place), eye, area * sheared)
+        drilling += strain_energy(
             drilling_strain(shapes, local), eye[:, :1, :1], area * facets.shear_modulus * thickness
         )
     return FacetParts(overlap, symmetric(bending), symmetric(membrane), symmetric(drilling))

@@ -8,8 +8,8 @@ from modallab.fe.facet import (
     FacetParts,
     Facets,
     drilling_strain,
-    energy,
     membrane_strains,
+    strain_energy,
     symmetric,
 )
 
@@ -71,9 +71,9 @@ def triangle(facets: Facets) -> FacetParts:
         slopes = inverse @ _quadratic_slopes(*place)  # (n, 2, 6)
         bent = np.einsum("nai,nibm->nabm", slopes, turns)  # of beta_b along a
         curvature = np.stack([bent[:, 0, 0], bent[:, 1, 1], bent[:, 1, 0] + bent[:, 0, 1]], axis=1)
-        bending += energy(curvature, law, area * thickness**3 / 36)
+        bending += strain_energy(curvature, law, area * thickness**3 / 36)
         turned = drilling_strain(_shapes(*place), local)
-        drilling += energy(turned, eye, area * facets.shear_modulus * thickness / 3)
+        drilling += strain_energy(turned, eye, area * facets.shear_modulus * thickness / 3)
     overlap = area[:, None, None] / 12 * (np.ones((3, 3)) + np.eye(3))
-    membrane = energy(membrane_strains(local), law, area * thickness)
+    membrane = strain_energy(membrane_strains(local), law, area * thickness)
     return FacetParts(overlap, symmetric(bending), symmetric(membrane), symmetric(drilling))

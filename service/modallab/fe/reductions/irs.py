@@ -43,11 +43,11 @@ class Irs(Reduction):
         """Return T, (n, n_master)."""
         mass, stiffness, solve = split.system.mass, split.system.stiffness, split.static()
         static = static_followers(split, solve)
-        own = mass[np.ix_(split.slaves, split.slaves)]
-        shared = mass[np.ix_(split.slaves, split.rows)].toarray()
+        slave_mass = mass[np.ix_(split.slaves, split.slaves)]
+        coupling_mass = mass[np.ix_(split.slaves, split.rows)].toarray()
         followers = static
         for _ in range(int(self.iterations)):
             t = split.with_masters(followers)
             acceleration = np.linalg.solve(t.T @ (mass @ t), t.T @ (stiffness @ t))
-            followers = static + solve((shared + own @ followers) @ acceleration)
+            followers = static + solve((coupling_mass + slave_mass @ followers) @ acceleration)
         return split.with_masters(followers)

@@ -45,8 +45,8 @@ class Serep(Reduction):
     def transformation(self, split: Partition) -> FloatArray:
         """Return T, (n, n_master)."""
         shapes, n_rigid_body = self._candidates(split)
-        kept = self._kept(shapes[split.rows], n_rigid_body)
-        return np.asarray(shapes[:, :kept] @ np.linalg.pinv(shapes[split.rows, :kept]))
+        n_modes = self._n_selected(shapes[split.rows], n_rigid_body)
+        return np.asarray(shapes[:, :n_modes] @ np.linalg.pinv(shapes[split.rows, :n_modes]))
 
     def reaching(self, frequency: float) -> Self:
         """Return the reduction to modes of the band up to `frequency`, Hz, unless it has a number of its own.
@@ -66,14 +66,14 @@ class Serep(Reduction):
             count = min(count, max(within, 1))
         elastic = basis.shapes[:, n_rigid_body : n_rigid_body + count].real
         # A motion that no master takes part in, such as along a beam that is watched across, stays out.
-        _, size, turn = np.linalg.svd(rigid[split.rows], full_matrices=True)
-        shown = size > REDUCTION.min_master_motion * np.abs(rigid).max(initial=0.0)
-        rigid = rigid @ turn[: len(size)][shown].T
+        _, size, rotation = np.linalg.svd(rigid[split.rows], full_matrices=True)
+        visible = size > REDUCTION.min_master_motion * np.abs(rigid).max(initial=0.0)
+        rigid = rigid @ rotation[: len(size)][visible].T
         return np.hstack([rigid, elastic]), rigid.shape[1]
 
-    def _kept(self, seen: FloatArray, n_rigid_body: int) -> int:
+    def _n_selected(self, shapes: FloatArray, n_rigid_body: int) -> int:
         """Return how many of the candidates, (n_master, n_modes) at the masters, are kept."""
-        n_masters, n_modes = seen.shape
+        n_masters, n_modes = shapes.shape
         if self.modes:
             if n_modes > n_masters:
                 raise UnderdeterminedError(
@@ -82,20 +82,20 @@ class Serep(Reduction):
                     value=int(self.modes),
                     allowed=f"up to {n_masters - n_rigid_body}",
                 )
-            if not _condition(seen) < REDUCTION.serep_max_condition:
-                raise self._alike(n_modes - n_rigid_body, n_masters)
+            if not _condition(shapes) < REDUCTION.serep_max_condition:
+                raise self._indistinct(n_modes - n_rigid_body, n_masters)
             return int(n_modes)
-        kept = 0
+        count = 0
         while (
-            kept < min(n_modes, n_masters)
-            and _condition(seen[:, : kept + 1]) < REDUCTION.serep_distinct_condition
+            count < min(n_modes, n_masters)
+            and _condition(shapes[:, : count + 1]) < REDUCTION.serep_distinct_condition
         ):
-            kept += 1
-        if kept <= n_rigid_body:
-            raise self._alike(1, n_masters)
-        return kept
+            count += 1
+        if count <= n_rigid_body:
+            raise self._indistinct(1, n_masters)
+        return count
 
-    def _alike(self, n_elastic: int, n_masters: int) -> UnderdeterminedError:
+    def _indistinct(self, n_elastic: int, n_masters: int) -> UnderdeterminedError:
         modes = "mode" if n_elastic == 1 else f"{n_elastic} modes"
         return UnderdeterminedError(
             f"the {n_masters} masters do not tell the first {modes} of the model apart",
@@ -105,9 +105,9 @@ class Serep(Reduction):
         )
 
 
-def _condition(seen: FloatArray) -> float:
+def _condition(shapes: FloatArray) -> float:
     """Return the condition number of modes at the masters, each to its own size."""
-    size = np.linalg.norm(seen, axis=0)
+    size = np.linalg.norm(shapes, axis=0)
     if not size.all():
         return np.inf
-    return float(np.linalg.cond(seen / size))
+    return float(np.linalg.cond(shapes / size))

@@ -61,7 +61,9 @@ def locate(
         If the structure lacks a measured DoF.
     """
     locator, measured = LOCATORS[method], real_modes(target)
-    residuals = ModalResiduals(Assembly(structure, jumps=True), parameterisation, measured, options.min_mac)
+    residuals = ModalResiduals(
+        Assembly(structure, joint_rotations=True), parameterisation, measured, options.min_mac
+    )
     progress(0.1, "the model is held against the measured modes")
     state = residuals.state(np.ones(len(parameterisation.macros)))
     sensitivity = residuals.sensitivity(state) / state.size[:, None]

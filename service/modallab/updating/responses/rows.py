@@ -7,7 +7,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray
-from modallab.estimation.force_noise import parted
+from modallab.estimation.force_noise import decorrelated
 from modallab.updating.responses.fields import Fields, ResponseModel
 from modallab.updating.responses.settings import RESPONSE_PATH
 from modallab.updating.responses.target import TargetResponses
@@ -38,7 +38,7 @@ def log_ratios(target: TargetResponses, model: ComplexArray) -> ComplexArray:
     """
     counts = target.used & (model != 0)
     ratio = np.divide(target.values, model, out=np.ones(model.shape, complex), where=counts)
-    return parted(np.asarray(np.log(ratio) / target.errors, complex), target.common, target.used)
+    return decorrelated(np.asarray(np.log(ratio) / target.errors, complex), target.common, target.used)
 
 
 def mean_square(
@@ -59,7 +59,7 @@ def log_rows(model: ResponseModel, values: FloatArray) -> Rows:
             1.0, fields.receptance * target.errors, out=np.zeros(counts.shape, complex), where=counts
         )
         rows = fields.derivatives(fields.driven) * weight[..., None]
-        rows = parted(rows, target.common[..., None], target.used[..., None])
+        rows = decorrelated(rows, target.common[..., None], target.used[..., None])
         residual = log_ratios(target, fields.receptance)
         return rows.reshape(n_lines, -1, rows.shape[-1]), residual.reshape(n_lines, -1)
 

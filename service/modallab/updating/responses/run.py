@@ -32,7 +32,7 @@ def update_on_responses(
     progress: Progress,
 ) -> UpdateResult:
     """Return the model corrected to the responses, and how it was found."""
-    model = CorrectedModel(Assembly(structure, jumps=True), parameterisation)
+    model = CorrectedModel(Assembly(structure, joint_rotations=True), parameterisation)
     full_model = ResponseModel(model, target)
     fitted_target = target.at(target.evenly_spaced(RESPONSE_PATH.max_numbers))
     check_determined(fitted_target, len(parameterisation.macros), options)
