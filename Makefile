@@ -15,14 +15,15 @@ $(STAMP): pyproject.toml requirements.lock
 
 setup: $(STAMP) ## make .venv with everything
 
-check: setup ## format, lint, types, floors
+check: setup ## format, lint, types, floors, known vulnerabilities
 	$(BIN)/ruff format --check .
 	$(BIN)/ruff check .
 	$(BIN)/mypy
 	$(BIN)/lint-imports
+	.ci/audit $(BIN)/pip-audit
 
 test: setup ## the whole test suite, with branch coverage
-	$(BIN)/python -m pytest -n 2 --cov --cov-report=term
+	$(BIN)/python -m pytest -n 2 --cov --cov-report=term $(if $(CI),--durations=25)
 
 demo: setup ## chapter 5 of the thesis and a diagnosis, through HTTP
 	$(BIN)/modallab demo
@@ -34,6 +35,7 @@ bench: setup ## speed as ratios against a limit or a peer of the same run
 	$(BIN)/python -m benchmarks
 
 trial: setup ## the blind trial of the diagnosis, for hours; may be cut and continued; writes docs/trial.md
+	mkdir -p $(TRIAL)
 	$(BIN)/python -m benchmarks.blind_trial --set 1 --cases 416 --seed 9001 --out $(TRIAL)/1.jsonl --resume
 	$(BIN)/python -m benchmarks.blind_trial --set 2 --cases 156 --seed 10001 --out $(TRIAL)/2.jsonl --resume
 	$(BIN)/python -m benchmarks.blind_trial --set 3a --cases 156 --types single --seed 10001 --out $(TRIAL)/3a.jsonl --resume

@@ -12,7 +12,8 @@ others are run with it: a trial may be cut and continued, and its cases run one 
     python -m benchmarks.blind_trial --set 1 --cases 416 --seed 1 --workers 2 --out set1.jsonl --resume
     python -m benchmarks.blind_trial --out set1.jsonl set2.jsonl --report docs/trial.md
 
-The lines behind `docs/trial.md` lie in `benchmarks/trial/results`, each with the code that it was run with.
+`make trial` runs all sets and writes `docs/trial.md`. Its lines go to `benchmarks/trial/results`, which git
+ignores: the page names command, seeds and commit, from which the same lines follow.
 
 With `--service` each question is a job of a service (`embedded`: of one started for it), which shares the
 jobs out over its workers; cases are drawn, measured and scored here all the same, `--workers` at a time. The
@@ -44,6 +45,8 @@ Effects are hidden in simulated tests, and a diagnosis that knows model, log boo
 to name them. `python -m benchmarks.blind_trial` draws the cases, runs them and writes this page; its
 docstring says what the sets are. An answer by another name counts as right where the two predictions are
 closer than the random error of all data together, which the scorer works out from the truth.
+
+`make trial` repeats all sets, with the seeds and the code that each set names; its lines are not kept in git.
 """
 
 
@@ -151,6 +154,9 @@ def main() -> None:
         parser.error("set 3a measures further tests on the sealed truth: it is run without --service")
     if told.report:
         lines = [line for line in read(told.out) if "void" not in line]
+        if not lines:
+            print(f"No lines to report: `make trial` makes them; {told.report} stays as it is.")
+            return
         told.report.write_text(TITLE + "\n" + report(lines))
         return
     wanted = told.only if told.only is not None else range(told.cases)
