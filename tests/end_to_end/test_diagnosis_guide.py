@@ -70,7 +70,7 @@ def test_the_commands_find_the_same_from_files(folder: Path) -> None:
         timeout=300,
     )
     assert done.returncode == 0, done.stderr
-    assert "What was missing: extra mass at 4:+Y." in done.stdout
+    assert "Missing effect: extra mass at 4:+Y." in done.stdout
     assert (folder / "out.html").stat().st_size < 1_000_000
     found = json.loads((folder / "found.json").read_text(encoding="utf-8"))
     (added,) = found["added_effects"]["model"]

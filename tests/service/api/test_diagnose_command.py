@@ -67,7 +67,7 @@ def test_a_hidden_mass_is_told_in_plain_words_with_its_report(folder: Path, tmp_
     page = tmp_path / "out.html"
     done = run(folder, *FEW, "--report", str(page))
     assert done.exit_code == 0, done.stderr
-    assert "What was missing: extra mass at 4:+Y." in done.stdout
+    assert "Missing effect: extra mass at 4:+Y." in done.stdout
     mass = re.search(
         r"^missing 1  extra mass at 4:\+Y: mass ([\d.]+) ± ([\d.]+) kg$", done.stdout, re.MULTILINE
     )
@@ -179,5 +179,5 @@ def test_without_coherence_a_noise_floor_is_asked_for_and_taken(
     assert "noise floor" in refused.stderr
     done = run(folder, *FEW, "--noise-floor", "0.02", measured="bare.npz")
     assert done.exit_code == 0, done.stderr
-    assert "What was missing: extra mass at 4:+Y." in done.stdout
+    assert "Missing effect: extra mass at 4:+Y." in done.stdout
     assert "no usable coherence" in done.stdout

@@ -1,1 +1,1 @@
-"""A diagnosis as a page, pictures and words."""
+"""Report of a diagnosis: page, drawings, statements, summary."""

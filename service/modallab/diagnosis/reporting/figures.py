@@ -1,4 +1,4 @@
-"""The curves of a report: FRFs measured and predicted, and how far apart they are in random errors."""
+"""Drawings of measured and predicted FRFs, and of their residual in random errors."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -9,92 +9,91 @@ import numpy as np
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from modallab.diagnosis.reporting import svg
 from modallab.diagnosis.reporting.legend import legend
-from modallab.diagnosis.reporting.ratio_plot import ratio_drawn
-from modallab.diagnosis.reporting.residual_plot import POINTS, differences
+from modallab.diagnosis.reporting.ratio_plot import ratio_drawing
+from modallab.diagnosis.reporting.residual_plot import residual_chart
+from modallab.diagnosis.reporting.settings import DRAWING, REPORT
 from modallab.diagnosis.result_curves import Curves
-
-MOST_ERROR = 0.9  # of |H|, relative, that a band on a logarithmic axis can show
-SEEN = 3.0  # random errors beyond which a difference is worth an enlargement
-NEAR = 0.15  # of the largest difference, up to which an enlargement reaches
-SLIGHT = 0.3  # |ln(measured / predicted)| that cannot be seen on an axis of decibels
-FEWEST, MOST = 10, 60  # lines on each side of the largest difference
 
 
 def all_curves(curves: Curves, *, added: bool) -> str:
-    """Return drawings of the FRFs that tell most, and of what was predicted without a measurement.
+    """Return drawings of the most informative FRFs and of those predicted without a measurement.
 
     Parameters
     ----------
     added
-        Whether anything was added; if not, before and after are the same curve.
+        Whether effects were added; if not, initial and final prediction are the same curve.
     """
-    figures = [_channel(curves, channel, why, added) for channel, why in telling(curves).items()]
+    figures = [_channel(curves, channel, why, added) for channel, why in shown_channels(curves).items()]
     if curves.predicted is not None:
         figures += [_unmeasured(curves, i) for i in range(min(2, len(curves.predicted_outputs)))]
     return f'<h2>Curves</h2><p class="soft">{legend(added)}</p><div class="two">{"".join(figures)}</div>'
 
 
-def telling(curves: Curves) -> dict[int, str]:
-    """Return the channels worth a look, each with the reason: drive point, worst fitted, worst held out."""
-    apart = (residual(curves, curves.before) ** 2)[1:].mean(axis=(0, 2))
-    chosen: dict[int, str] = {}
+def shown_channels(curves: Curves) -> dict[int, str]:
+    """Return the channels to draw, each with the reason: drive point, worst fitted, worst held out."""
+    mean_square = (residual(curves, curves.before) ** 2)[1:].mean(axis=(0, 2))
+    reasons: dict[int, str] = {}
     for i, dof in enumerate(curves.outputs):
         if dof.point == curves.inputs[0].point:
-            chosen[i] = "drive point"
-    for group, why in ((~curves.held_out, "worst of the fitted"), (curves.held_out, "held out of every fit")):
-        rest = [i for i in np.flatnonzero(group) if i not in chosen]
-        if rest:
-            chosen[int(max(rest, key=lambda i: apart[i]))] = why
-    return chosen
+            reasons[i] = "drive point"
+    for group, reason in (
+        (~curves.held_out, "largest residual of the fitted responses"),
+        (curves.held_out, "largest residual of the held-out responses"),
+    ):
+        candidates = [i for i in np.flatnonzero(group) if i not in reasons]
+        if candidates:
+            reasons[int(max(candidates, key=lambda i: mean_square[i]))] = reason
+    return reasons
 
 
 def residual(curves: Curves, predicted: ComplexArray) -> FloatArray:
-    """Return |ln(measured / predicted)| in random errors of a complex logarithm."""
-    ratio = np.log(np.where(_good(curves), curves.measured, 1.0) / np.where(_good(curves), predicted, 1.0))
+    """Return |ln(measured / predicted)| over its random error, (n_freq, n_out, n_in)."""
+    ratio = np.log(np.where(_valid(curves), curves.measured, 1.0) / np.where(_valid(curves), predicted, 1.0))
     return np.asarray(np.abs(ratio) / (np.sqrt(2) * curves.random_error))
 
 
-def _good(curves: Curves) -> BoolArray:
-    # Zeros have no logarithm, and at rest there is rounding and nothing else.
+def _valid(curves: Curves) -> BoolArray:
+    # Zeros have no logarithm; at 0 Hz an inertance is rounding alone.
     sizes = np.minimum(np.minimum(np.abs(curves.measured), np.abs(curves.before)), np.abs(curves.after))
     return np.asarray((curves.freq > 0)[:, None, None] & (sizes > 0))
 
 
-def clearest(curves: Curves) -> tuple[int, IntArray] | None:
-    """Return the channel and the lines where the prediction as given is furthest off, if it is at all.
+def largest_difference(curves: Curves) -> tuple[int, IntArray] | None:
+    """Return channel and lines of the largest difference of the initial prediction; None if it is small.
 
-    A channel that took no part in the fits is preferred: there the prediction is put to the test.
+    A held-out channel is preferred, because it tests the prediction independently of the fits.
     """
-    apart = np.where(_good(curves)[:, :, 0], residual(curves, curves.before)[:, :, 0], 0.0)
-    held = curves.held_out & (apart.max(axis=0) > 2 * SEEN)
-    group = np.flatnonzero(held if held.any() else ~curves.held_out)
-    channel = int(group[apart[:, group].max(axis=0).argmax()])
-    off = np.convolve(apart[:, channel], np.ones(3) / 3, mode="same")
-    peak = int(off.argmax())
-    if off[peak] < SEEN:
+    difference = np.where(_valid(curves)[:, :, 0], residual(curves, curves.before)[:, :, 0], 0.0)
+    outlying = curves.held_out & (difference.max(axis=0) > 2 * REPORT.visible_difference)
+    group = np.flatnonzero(outlying if outlying.any() else ~curves.held_out)
+    channel = int(group[difference[:, group].max(axis=0).argmax()])
+    smooth = np.convolve(difference[:, channel], np.ones(3) / 3, mode="same")
+    peak = int(smooth.argmax())
+    if smooth[peak] < REPORT.visible_difference:
         return None
-    far = np.flatnonzero(off < max(NEAR * off[peak], SEEN))
-    below, above = far[far < peak], far[far > peak]
-    # What is off everywhere is not enlarged by showing it all.
-    most = min(max(FEWEST, len(off) // 8), MOST)
-    first = max(peak - most, min(peak - FEWEST, int(below[-1]) - 2 if below.size else 0), 1)
-    last = min(peak + most, max(peak + FEWEST, int(above[0]) + 2 if above.size else len(off)))
-    return channel, np.arange(first, min(last + 1, len(off)))
+    quiet = np.flatnonzero(smooth < max(REPORT.enlargement_level * smooth[peak], REPORT.visible_difference))
+    lower, upper = quiet[quiet < peak], quiet[quiet > peak]
+    reach = min(max(REPORT.fewest_lines, len(smooth) // REPORT.band_share), REPORT.most_lines)
+    first = max(peak - reach, min(peak - REPORT.fewest_lines, int(lower[-1]) - 2 if lower.size else 0), 1)
+    last = min(
+        peak + reach, max(peak + REPORT.fewest_lines, int(upper[0]) + 2 if upper.size else len(smooth))
+    )
+    return channel, np.arange(first, min(last + 1, len(smooth)))
 
 
 def enlarged(curves: Curves, *, added: bool) -> str:
-    """Return the stretch of one FRF where the prediction as given is furthest off, line by line.
+    """Return the section of one FRF with the largest difference of the initial prediction, line by line.
 
-    What is too little to be seen there is shown as a ratio instead.
+    A difference too small for an axis in decibels is shown as a ratio instead.
     """
-    found = clearest(curves)
-    if found is None:
+    location = largest_difference(curves)
+    if location is None:
         return ""
-    i, lines = found
-    apart = np.log(curves.measured[lines, i, 0] / curves.before[lines, i, 0])
-    if np.abs(apart).max() < SLIGHT:
-        return ratio_drawn(curves, i, added=added)
-    part = replace(
+    i, lines = location
+    log_ratio = np.log(curves.measured[lines, i, 0] / curves.before[lines, i, 0])
+    if np.abs(log_ratio).max() < REPORT.visible_log_ratio:
+        return ratio_drawing(curves, i, added=added)
+    section = replace(
         curves,
         freq=curves.freq[lines],
         predicted=None,
@@ -102,26 +101,26 @@ def enlarged(curves: Curves, *, added: bool) -> str:
         **{name: getattr(curves, name)[lines] for name in ("measured", "before", "after", "random_error")},
     )
     name = _name(curves, i)
-    across = svg.frequencies(part.freq)
-    good = _good(part)[:, i, 0]
+    frequency_axis = svg.frequencies(section.freq)
+    valid = _valid(section)[:, i, 0]
     pictures = []
-    for quantity in (_size(part, i, good), _turn(part, i, good)):
-        frame = replace(quantity.frame, x=across, height=230.0)
-        marks = [svg.line(frame, part.freq, quantity.before, "before")]
-        marks += [svg.line(frame, part.freq, quantity.after, "after")] if added else []
+    for quantity in (_magnitude(section, i, valid), _phase(section, i, valid)):
+        frame = replace(quantity.frame, x=frequency_axis, height=230.0)
+        marks = [svg.line(frame, section.freq, quantity.before, "before")]
+        marks += [svg.line(frame, section.freq, quantity.after, "after")] if added else []
         marks += [
-            svg.spans(frame, part.freq, quantity.low, quantity.high, "bar"),
-            svg.dots(frame, part.freq, quantity.measured, "dot"),
+            svg.spans(frame, section.freq, quantity.low, quantity.high, "bar"),
+            svg.dots(frame, section.freq, quantity.measured, "dot"),
         ]
         pictures.append(f"<figure>{svg.chart(frame, f'{quantity.name} of {name}, enlarged', marks)}</figure>")
-    why = "which took no part in any fit" if curves.held_out[i] else "as fitted"
-    words = (
-        f"Response {name}, {why}, where the prediction as given is far off. Dots are measured lines, "
-        "the bars at them ± 2 random errors."
+    role = "held out of every fit" if curves.held_out[i] else "fitted"
+    caption = (
+        f"Response {name}, {role}, near the largest difference of the initial prediction. Dots: measured "
+        "lines; bars: ± 2 random errors."
     )
     return (
-        f'<h2>The clearest difference</h2><p class="soft">{legend(added)}</p>'
-        f'<div class="two">{"".join(pictures)}</div><p class="soft">{escape(words)}</p>'
+        f'<h2>Largest difference</h2><p class="soft">{legend(added)}</p>'
+        f'<div class="two">{"".join(pictures)}</div><p class="soft">{escape(caption)}</p>'
     )
 
 
@@ -136,93 +135,95 @@ class _Quantity:
     ) -> None:
         self.name = name
         self.measured, self.before, self.after = curves
-        self.low, self.high = (self.measured + one for one in error)
+        self.low, self.high = (self.measured + offset for offset in error)
         self.frame = svg.Frame(svg.linear(0.0, 1.0, ""), _axis_of(name, curves))
 
 
-def _axis_of(name: str, shown: Sequence[FloatArray]) -> svg.Axis:
+def _axis_of(name: str, curves: Sequence[FloatArray]) -> svg.Axis:
     if name == "phase":
         quarters = tuple((float(a), f"{a}") for a in (-180, -90, 0, 90, 180))
         return svg.Axis(-190.0, 190.0, quarters, "phase, degrees")
-    drawn = np.concatenate(shown)
-    drawn = drawn[np.isfinite(drawn)] if np.isfinite(drawn).any() else np.zeros(1)
-    low, high = np.floor(drawn.min() / 5) * 5, np.ceil((drawn.max() + 0.1) / 5) * 5
+    levels = np.concatenate(curves)
+    levels = levels[np.isfinite(levels)] if np.isfinite(levels).any() else np.zeros(1)
+    low, high = np.floor(levels.min() / 5) * 5, np.ceil((levels.max() + 0.1) / 5) * 5
     return svg.linear(low, high, "dB re 1 m/(s² N)", n_ticks=5)
 
 
-def _size(curves: Curves, i: int, good: BoolArray) -> _Quantity:
-    error = np.minimum(2 * curves.random_error[:, i, 0], MOST_ERROR)
-    drawn = [_decibel(values[:, i, 0], good) for values in (curves.measured, curves.before, curves.after)]
+def _magnitude(curves: Curves, i: int, valid: BoolArray) -> _Quantity:
+    error = np.minimum(2 * curves.random_error[:, i, 0], DRAWING.largest_error)
+    levels = [_decibel(values[:, i, 0], valid) for values in (curves.measured, curves.before, curves.after)]
     return _Quantity(
         "magnitude",
-        (drawn[0], drawn[1], drawn[2]),
+        (levels[0], levels[1], levels[2]),
         (20 * np.log10(1 - error), 20 * np.log10(1 + error)),
     )
 
 
-def _turn(curves: Curves, i: int, good: BoolArray) -> _Quantity:
+def _phase(curves: Curves, i: int, valid: BoolArray) -> _Quantity:
     error = np.degrees(2 * curves.random_error[:, i, 0])
-    drawn = [
-        np.where(good, np.degrees(np.angle(values[:, i, 0])), np.nan)
+    phases = [
+        np.where(valid, np.degrees(np.angle(values[:, i, 0])), np.nan)
         for values in (curves.measured, curves.before, curves.after)
     ]
-    return _Quantity("phase", (drawn[0], drawn[1], drawn[2]), (-error, error))
+    return _Quantity("phase", (phases[0], phases[1], phases[2]), (-error, error))
 
 
-def _channel(curves: Curves, i: int, why: str, added: bool) -> str:
-    good = _good(curves)[:, i, 0]
+def _channel(curves: Curves, i: int, reason: str, added: bool) -> str:
+    valid = _valid(curves)[:, i, 0]
     name = _name(curves, i)
     pictures = []
-    for quantity, height in ((_size(curves, i, good), 190.0), (_turn(curves, i, good), 110.0)):
-        bare = svg.linear(float(curves.freq[0]), float(curves.freq[-1]), "")
-        frame = replace(quantity.frame, x=bare, height=height)  # frequencies are named below the errors
-        shown = [quantity.measured, quantity.before, quantity.after, quantity.low, quantity.high]
-        x, (measured, before, after, low, high) = svg.thinned(curves.freq, shown, POINTS)
+    for quantity, height in ((_magnitude(curves, i, valid), 190.0), (_phase(curves, i, valid), 110.0)):
+        unlabelled = svg.linear(float(curves.freq[0]), float(curves.freq[-1]), "")
+        frame = replace(
+            quantity.frame, x=unlabelled, height=height
+        )  # the residual chart below has the frequency labels
+        bundle = [quantity.measured, quantity.before, quantity.after, quantity.low, quantity.high]
+        x, (measured, initial, final, low, high) = svg.thinned(curves.freq, bundle, DRAWING.curve_points)
         if quantity.name == "phase":
-            measured, before, after = map(_unjumped, (measured, before, after))
+            measured, initial, final = map(_with_breaks, (measured, initial, final))
         marks = [
             svg.area(frame, x, low, high, "noise") if quantity.name == "magnitude" else "",
-            svg.line(frame, x, before, "before"),
+            svg.line(frame, x, initial, "before"),
             svg.line(frame, x, measured, "measured"),
-            svg.line(frame, x, after, "after") if added else "",
+            svg.line(frame, x, final, "after") if added else "",
         ]
         pictures.append(svg.chart(frame, f"{quantity.name} of {name}", marks))
-    words = f"Response {name}, {why}: magnitude, phase, and how far off the prediction is in random errors."
-    pictures.append(_errors(curves, i, good, name, added))
-    return f"<figure>{''.join(pictures)}<figcaption>{escape(words)}</figcaption></figure>"
+    caption = f"Response {name}, {reason}: magnitude, phase, and residual in random errors."
+    pictures.append(_errors(curves, i, valid, name, added))
+    return f"<figure>{''.join(pictures)}<figcaption>{escape(caption)}</figcaption></figure>"
 
 
 def _name(curves: Curves, i: int) -> str:
     return f"{curves.outputs[i]} / {curves.inputs[0]}"
 
 
-def _unjumped(phase: FloatArray) -> FloatArray:
-    """Return a phase without the lines that a jump from -180 to 180 degrees would draw."""
+def _with_breaks(phase: FloatArray) -> FloatArray:
+    """Return a phase in degrees with nan where it jumps between -180 and 180, so that no line is drawn."""
     jumps = np.flatnonzero(np.abs(np.diff(phase)) > 180)
     broken = phase.copy()
     broken[jumps] = np.nan
     return broken
 
 
-def _errors(curves: Curves, i: int, good: BoolArray, name: str, added: bool) -> str:
-    before, after = (
-        np.where(good, residual(curves, predicted)[:, i, 0], np.nan)
+def _errors(curves: Curves, i: int, valid: BoolArray, name: str, added: bool) -> str:
+    initial, final = (
+        np.where(valid, residual(curves, predicted)[:, i, 0], np.nan)
         for predicted in (curves.before, curves.after)
     )
-    return differences(curves.freq, before, after, f"difference of {name} in random errors", added)
+    return residual_chart(curves.freq, initial, final, f"residual of {name} in random errors", added)
 
 
 def _unmeasured(curves: Curves, i: int) -> str:
     assert curves.predicted is not None
     values = curves.predicted[:, i, 0]
     predicted = _decibel(values, (np.abs(values) > 0) & (curves.freq > 0))
-    x, (thin,) = svg.thinned(curves.freq, [predicted], POINTS)
-    frame = svg.Frame(svg.frequencies(curves.freq), _axis_of("magnitude", (thin,)))
+    x, (levels,) = svg.thinned(curves.freq, [predicted], DRAWING.curve_points)
+    frame = svg.Frame(svg.frequencies(curves.freq), _axis_of("magnitude", (levels,)))
     name = f"{curves.predicted_outputs[i]} / {curves.inputs[0]}"
-    picture = svg.chart(frame, f"magnitude of {name}, predicted", [svg.line(frame, x, thin, "after")])
-    words = f"Response {name}, not measured: predicted."
-    return f"<figure>{picture}<figcaption>{escape(words)}</figcaption></figure>"
+    picture = svg.chart(frame, f"magnitude of {name}, predicted", [svg.line(frame, x, levels, "after")])
+    caption = f"Response {name}, not measured: prediction."
+    return f"<figure>{picture}<figcaption>{escape(caption)}</figcaption></figure>"
 
 
-def _decibel(values: ComplexArray, good: BoolArray) -> FloatArray:
-    return np.asarray(20 * np.log10(np.where(good, np.abs(values), np.nan)))
+def _decibel(values: ComplexArray, valid: BoolArray) -> FloatArray:
+    return np.asarray(20 * np.log10(np.where(valid, np.abs(values), np.nan)))

@@ -1,4 +1,4 @@
-"""What the marks of a report's drawings mean."""
+"""Legends of the drawings of a report."""
 
 from collections.abc import Sequence
 from html import escape
@@ -6,18 +6,18 @@ from html import escape
 LEGEND = (
     ("measured", "measured"),
     ("noise", "± 2 random errors"),
-    ("before", "predicted as given"),
-    ("after", "with what was added"),
+    ("before", "initial prediction"),
+    ("after", "with the added effects"),
 )
 
 
 def legend(added: bool) -> str:
-    """Return what the curves' colours mean; where nothing was added, before and after are one curve."""
+    """Return the legend of the curves; without added effects there is one predicted curve."""
     return keys(LEGEND if added else LEGEND[:3])
 
 
 def keys(pairs: Sequence[tuple[str, str]]) -> str:
-    """Return the legend of a drawing: style and text of each mark."""
+    """Return a legend from the style and text of each mark."""
     return " ".join(
         f'<span class="entry"><span class="key {style}"></span>{escape(text)}</span>' for style, text in pairs
     )

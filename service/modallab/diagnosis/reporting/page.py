@@ -1,4 +1,4 @@
-"""What a report's page is made of: its style, its tables, its frame."""
+"""HTML elements of a report: page with style sheet, paragraphs, tables."""
 
 from collections.abc import Sequence
 from html import escape
@@ -78,7 +78,7 @@ Row = Sequence[str]
 
 
 def page(title: str, parts: Sequence[str]) -> str:
-    """Return a page that holds all it shows."""
+    """Return a self-contained page, which refers to no other file."""
     head = (
         f'<meta charset="utf-8"/><meta name="viewport" content="width=device-width, initial-scale=1"/>'
         f"<title>{escape(title)}</title><style>{STYLE}</style>"
@@ -90,25 +90,30 @@ def page(title: str, parts: Sequence[str]) -> str:
 
 
 def paragraph(words: str, style: str = "") -> str:
-    """Return a paragraph, escaped."""
+    """Return a paragraph with escaped text."""
     return f'<p class="{style}">{escape(words)}</p>' if style else f"<p>{escape(words)}</p>"
 
 
 def table(
-    head: Row, rows: Sequence[Row], *, words: int = 1, named: int | None = None, style: str = ""
+    head: Row,
+    rows: Sequence[Row],
+    *,
+    n_text_columns: int = 1,
+    highlighted: int | None = None,
+    style: str = "",
 ) -> str:
-    """Return a table, every cell escaped.
+    """Return a table with escaped cells.
 
     Parameters
     ----------
-    words
-        Columns from the left that hold words; the others hold numbers, which stand to the right.
-    named
-        A row to bring out.
+    n_text_columns
+        Columns from the left that hold text; the others hold numbers, aligned to the right.
+    highlighted
+        Index of a row to highlight.
     style
-        `cards`: on a narrow screen each row stands as a list of its own.
+        `cards`: a narrow screen shows each row as a list.
     """
-    marks = [' class="word"' if i < words else "" for i in range(len(head))]
+    marks = [' class="word"' if i < n_text_columns else "" for i in range(len(head))]
     top = "".join(
         f'<th scope="col"{mark}>{escape(cell)}</th>' for cell, mark in zip(head, marks, strict=True)
     )
@@ -118,7 +123,7 @@ def table(
             f'<td{mark} data-label="{escape(name)}">{escape(cell)}</td>'
             for cell, name, mark in zip(row, head, marks, strict=True)
         )
-        lines.append(f'<tr class="named">{cells}</tr>' if i == named else f"<tr>{cells}</tr>")
+        lines.append(f'<tr class="named">{cells}</tr>' if i == highlighted else f"<tr>{cells}</tr>")
     return (
         f'<div class="wide"><table class="{style}"><thead><tr>{top}</tr></thead>'
         f"<tbody>{''.join(lines)}</tbody></table></div>"

@@ -1,67 +1,69 @@
-"""Measured over predicted, for differences that no curve of an FRF shows."""
+"""Drawing of the ratio measured over predicted, for differences too small for an FRF curve."""
 
 from html import escape
 
 import numpy as np
 
 from modallab.core.arrays import FloatArray
+from modallab.core.numerics import COMPARISON_ROUNDING
 from modallab.diagnosis.reporting import svg
 from modallab.diagnosis.reporting.legend import legend
+from modallab.diagnosis.reporting.settings import DRAWING, REPORT
 from modallab.diagnosis.result_curves import Curves
 
-DOTS = 200  # lines that are drawn, at most
-SURE = 3.0  # typical random errors beyond which a line is left out
-ROOM = 1.3  # of the axis, over the largest difference
 
-
-def ratio_drawn(curves: Curves, i: int, *, added: bool) -> str:
-    """Return how one FRF differs from its prediction, in per cent and in degrees, over frequency."""
+def ratio_drawing(curves: Curves, i: int, *, added: bool) -> str:
+    """Return the ratio of one FRF to its initial prediction, magnitude in per cent and phase in degrees."""
     error = curves.random_error[:, i, 0]
     sizes = np.minimum(np.abs(curves.measured[:, i, 0]), np.abs(curves.before[:, i, 0]))
-    good = np.flatnonzero((curves.freq > 0) & (sizes > 0))
-    good = good[error[good] <= SURE * np.median(error[good])]
-    good = good[:: -(-len(good) // DOTS)]
-    before = curves.before[good, i, 0]
-    measured, after = curves.measured[good, i, 0] / before, curves.after[good, i, 0] / before
-    freq, spread, name = curves.freq[good], error[good], f"{curves.outputs[i]} / {curves.inputs[0]}"
+    lines = np.flatnonzero((curves.freq > 0) & (sizes > 0))
+    lines = lines[error[lines] <= REPORT.poor_line * np.median(error[lines])]
+    lines = lines[:: -(-len(lines) // DRAWING.ratio_dots)]
+    initial = curves.before[lines, i, 0]
+    measured, final = curves.measured[lines, i, 0] / initial, curves.after[lines, i, 0] / initial
+    freq, spread, name = curves.freq[lines], error[lines], f"{curves.outputs[i]} / {curves.inputs[0]}"
     parts = (
-        ("magnitude, %", 100 * (np.abs(measured) - 1), 100 * (np.abs(after) - 1), 200 * spread),
+        ("magnitude, %", 100 * (np.abs(measured) - 1), 100 * (np.abs(final) - 1), 200 * spread),
         (
             "phase, degrees",
             np.degrees(np.angle(measured)),
-            np.degrees(np.angle(after)),
+            np.degrees(np.angle(final)),
             np.degrees(2 * spread),
         ),
     )
     pictures = [
-        _one(curves, freq, part, f"{part[0]} of {name} against the prediction", added) for part in parts
+        _chart(curves, freq, part, f"{part[0]} of {name} over the initial prediction", added)
+        for part in parts
     ]
-    held = ", which took no part in any fit" if curves.held_out[i] else ""
-    words = (
-        f"Response {name}{held}: measured over predicted as given. Dots are measured lines, the bars at them "
-        "± 2 random errors; lines that are known less well are left out."
+    remark = ", held out of every fit" if curves.held_out[i] else ""
+    caption = (
+        f"Response {name}{remark}: measured over initial prediction. Dots: measured lines; bars: ± 2 random "
+        "errors; lines with large random errors are omitted."
     )
     return (
-        f'<h2>The clearest difference</h2><p class="soft">{legend(added)}</p>'
-        f'<div class="two">{"".join(pictures)}</div><p class="soft">{escape(words)}</p>'
+        f'<h2>Largest difference</h2><p class="soft">{legend(added)}</p>'
+        f'<div class="two">{"".join(pictures)}</div><p class="soft">{escape(caption)}</p>'
     )
 
 
-def _one(
+def _chart(
     curves: Curves,
     freq: FloatArray,
     part: tuple[str, FloatArray, FloatArray, FloatArray],
     title: str,
     added: bool,
 ) -> str:
-    label, measured, after, spread = part
-    shown = np.concatenate([measured, after, spread, -spread])
-    low, high = ROOM * min(float(shown.min()), -1e-9), ROOM * max(float(shown.max()), 1e-9)
+    label, measured, final, spread = part
+    values = np.concatenate([measured, final, spread, -spread])
+    low, high = (
+        DRAWING.ratio_margin * min(float(values.min()), -COMPARISON_ROUNDING),
+        DRAWING.ratio_margin * max(float(values.max()), COMPARISON_ROUNDING),
+    )
     frame = svg.Frame(svg.frequencies(curves.freq), svg.linear(low, high, label, n_ticks=5), height=230.0)
     marks = [
         svg.level(frame, 0.0, "before"),
         svg.spans(frame, freq, measured - spread, measured + spread, "haze"),
         svg.dots(frame, freq, measured, "dot"),
-        svg.line(frame, freq, after, "after") if added else "",
+        svg.line(frame, freq, final, "after") if added else "",
     ]
     return f"<figure>{svg.chart(frame, title, marks)}</figure>"

@@ -1,4 +1,4 @@
-"""A diagnosis as one page: words, tables, curves; nothing is fetched and nothing is run."""
+"""Report of a diagnosis: one self-contained HTML page with statements, tables and drawings."""
 
 import json
 from collections.abc import Mapping
@@ -6,256 +6,265 @@ from html import escape
 
 import numpy as np
 
+from modallab.diagnosis.localisation.text import PATTERNS_WITHOUT_MODES
 from modallab.diagnosis.reporting import svg
-from modallab.diagnosis.reporting import text as wording
 from modallab.diagnosis.reporting.figures import all_curves, enlarged
 from modallab.diagnosis.reporting.legend import keys
-from modallab.diagnosis.reporting.location_plot import where_drawn
+from modallab.diagnosis.reporting.location_plot import location_drawings
 from modallab.diagnosis.reporting.page import Row, page, paragraph, table
-from modallab.diagnosis.reporting.spectra_plot import spectra_drawn
-from modallab.diagnosis.result import Diagnosis, GapPattern, Rival, Verdict
+from modallab.diagnosis.reporting.settings import REPORT
+from modallab.diagnosis.reporting.spectra_plot import spectra_drawings
+from modallab.diagnosis.reporting.text import (
+    changes_text,
+    effect_name,
+    equivalence_statement,
+    gap_reduction,
+    gap_text,
+    headline,
+    location_statements,
+    next_test_text,
+    parameter_rows,
+    place_description,
+    probability_text,
+    shift_text,
+    tolerated_row,
+    verdict_text,
+)
+from modallab.diagnosis.result import Diagnosis, Rival, Verdict
 from modallab.rig.effect import EFFECTS
 
-EVEN = 0.5  # probability below which something else was believed more
-CLEAR = 4.0  # standard errors from which on a shift of a mode is worth a table
-# One response alone cannot say that the modes of a structure are elsewhere, nor can FRFs that agree.
-NOT_THE_MODES = {
-    GapPattern.FORCE_ONLY,
-    GapPattern.COHERENCE_ONLY,
-    GapPattern.ONE_RESPONSE,
-    GapPattern.DRIVE_POINT_ONLY,
-}
 MEANING = (
-    "Every residual is the logarithm of measured over predicted, in units of its own random error, which "
-    "follows from coherence and the number of averages. The gap is the mean of their squares, over the FRFs "
-    "and, where they were measured, the force and response spectra. A gap of 1 means that only random error "
-    "is left; a gap of 100 means that the prediction is off by ten random errors on average."
+    "A residual is the logarithm of measured over predicted, divided by its random error, which follows "
+    "from the coherence and the number of averages. The gap is the mean squared residual over the frequency "
+    "response functions (FRFs) and, where they were measured, the force and response spectra. A gap of 1 "
+    "means that only random error remains; a gap of 100 means that the prediction deviates by ten random "
+    "errors on average."
 )
-ACCEPTED = (
-    "An effect is added only if the evidence for it is strong, if its size is clear of nothing by two "
-    "standard errors, and if it also improves FRFs that took no part in the fit. An error behind a ± is one "
-    "standard deviation."
+ACCEPTANCE = (
+    "An effect is added only if the evidence for it is strong, if its size differs from that of an absent "
+    "effect by two standard errors, and if it also improves the prediction of FRFs that took no part in the "
+    "fit. The number after ± is one standard deviation."
 )
-ALONE = (
-    "A low probability here means that in its own round, before the others were found, something else "
-    "explained more alone; it does not weigh what they explain together."
+LOW_PROBABILITY = (
+    "The probability of an effect refers to its own round, before the other effects were found. It is low if "
+    "another effect explained more by itself in that round; it says nothing about the combination."
 )
-TOGETHER = "None of them explains the measurement alone; what was named does so together."
-TOLERATED = (
-    "These were left free within their tolerances, beside everything that was fitted, and are no missing "
-    "effects. True over declared; of a delay, how late the channel is."
+COMBINATION = "No single effect explains the measurement; the named effects do so together."
+TOLERANCES = (
+    "These nuisance parameters were fitted within their tolerances together with the effects; they are not "
+    "missing effects. The value is true over declared; for a delay, the time by which the channel lags."
 )
 CONSIDERED = (
-    "Every kind of effect that was suspected was tried at every place it could have; the best were fitted in "
-    "full, alone, and share the belief by how well they predict. A cause that is on no list cannot be named."
+    "Every suspected kind of effect was tried at every possible place. The best candidates were fitted in "
+    "full, one at a time; their probabilities follow from how well they predict the measurement. A cause "
+    "outside the list of suspects cannot be named."
 )
 
 
-def report(diagnosis: Diagnosis, made: Mapping[str, str] | None = None) -> str:
+def report(diagnosis: Diagnosis, provenance: Mapping[str, str] | None = None) -> str:
     """Return a diagnosis as one self-contained HTML page.
 
-    It says what was missing, where and how sure, shows measured and predicted FRFs, and how to repeat it.
+    The page states the missing effects with their places, sizes and probabilities, shows measured and
+    predicted FRFs, and tells how to repeat the diagnosis.
 
     Parameters
     ----------
-    made
-        What is known of how it was made: `id`, `created`, `version`, `structure_id`, `measurement_id`; or
-        the `call` that made it.
+    provenance
+        Origin of the diagnosis: `id`, `created`, `version`, `structure_id`, `measurement_id`; or the `call`
+        that made it.
     """
-    headline, added = wording.headline(diagnosis), bool(diagnosis.steps)
+    title, added = headline(diagnosis), bool(diagnosis.steps)
     parts = [
         paragraph("Diagnosis of a modal test", "soft"),
-        f"<h1>{escape(headline)}</h1>",
-        paragraph(wording.verdict(diagnosis), "lead"),
-        _missing(diagnosis),
+        f"<h1>{escape(title)}</h1>",
+        paragraph(verdict_text(diagnosis), "lead"),
+        _missing_effects(diagnosis),
         _next_test(diagnosis),
-        _located(diagnosis),
+        _location(diagnosis),
         enlarged(diagnosis.curves, added=added),
         _gap_by_step(diagnosis),
-        spectra_drawn(diagnosis.curves, added=added),
+        spectra_drawings(diagnosis.curves, added=added),
         all_curves(diagnosis.curves, added=added),
-        _how_sure(diagnosis),
-        _tolerated(diagnosis),
-        f"<h2>What the gap means</h2>{paragraph(MEANING)}{paragraph(ACCEPTED)}",
-        _repeat(diagnosis, made or {}),
+        _candidates(diagnosis),
+        _tolerances(diagnosis),
+        f"<h2>Definition of the gap</h2>{paragraph(MEANING)}{paragraph(ACCEPTANCE)}",
+        _repetition(diagnosis, provenance or {}),
     ]
-    return page(headline, parts)
+    return page(title, parts)
 
 
-def _missing(diagnosis: Diagnosis) -> str:
+def _missing_effects(diagnosis: Diagnosis) -> str:
+    """Return the added effects as a table, with explanations."""
     if not diagnosis.steps:
         return ""
     rows = []
     for step in diagnosis.steps:
-        closing = (
-            wording.closing(step.gap_before, step.gap_after),
-            wording.closing(step.held_out_gap_before, step.held_out_gap_after),
-        )
         effect = step.effect
-        place = wording.where(effect.at, diagnosis.structure)
+        place = place_description(effect.at, diagnosis.structure)
         if effect.at is None and not EFFECTS[effect.kind].structural:
             place = "the rig"
-        numbers = "; ".join(f"{name} {text}" for name, text in wording.numbers(effect)) or "\N{EM DASH}"
-        rows.append(
-            (effect.kind.replace("_", " "), place, numbers, wording.share(step.probability), *closing)
+        sizes = "; ".join(f"{name} {text}" for name, text in parameter_rows(effect)) or "\N{EM DASH}"
+        reductions = (
+            gap_reduction(step.gap_before, step.gap_after),
+            gap_reduction(step.held_out_gap_before, step.held_out_gap_after),
         )
+        kind = effect.kind.replace("_", " ")
+        rows.append((kind, place, sizes, probability_text(step.probability), *reductions))
     kinds = dict.fromkeys(step.effect.kind for step in diagnosis.steps)
-    told = [f"{kind.replace('_', ' ')}: {EFFECTS[kind].summary}" for kind in kinds]
-    meant = "".join(f"<li>{escape(text)}</li>" for text in told)
-    alike = "".join(
-        paragraph(f"{wording.name(step.effect).capitalize()}: {wording.alike(step)}.")
+    definitions = [f"{kind.replace('_', ' ')}: {EFFECTS[kind].summary}" for kind in kinds]
+    definition_list = "".join(f"<li>{escape(text)}</li>" for text in definitions)
+    notes = "".join(
+        paragraph(f"{effect_name(step.effect).capitalize()}: {equivalence_statement(step)}.")
         for step in diagnosis.steps
         if step.rivals_alike
     )
-    head = ("effect", "where", "size", "probability", "gap", "gap, held out")
-    named = table(head, rows, words=3, style="cards")
-    if len(diagnosis.steps) > 1 and min(step.probability for step in diagnosis.steps) < EVEN:
-        alike += paragraph(ALONE, "soft")
-    title = "What was added" if diagnosis.verdict is Verdict.UNEXPLAINED else "What was missing"
-    return f"<h2>{title}</h2>{named}<ul class='soft'>{meant}</ul>{alike}"
+    head = ("effect", "place", "size", "probability", "gap", "gap, held out")
+    effects = table(head, rows, n_text_columns=3, style="cards")
+    least = min(step.probability for step in diagnosis.steps)
+    if len(diagnosis.steps) > 1 and least < REPORT.even_probability:
+        notes += paragraph(LOW_PROBABILITY, "soft")
+    title = "Added effects" if diagnosis.verdict is Verdict.UNEXPLAINED else "Missing effects"
+    return f"<h2>{title}</h2>{effects}<ul class='soft'>{definition_list}</ul>{notes}"
 
 
-def _tolerated(diagnosis: Diagnosis) -> str:
+def _tolerances(diagnosis: Diagnosis) -> str:
     if not diagnosis.tolerated:
         return ""
-    rows = [wording.tolerated(one) for one in diagnosis.tolerated]
-    found = table(("number", "fitted", "tolerance"), rows)
-    return f"<h2>What may differ a little</h2>{paragraph(TOLERATED)}{found}"
+    rows = [tolerated_row(nuisance) for nuisance in diagnosis.tolerated]
+    fitted = table(("parameter", "fitted", "tolerance"), rows)
+    return f"<h2>Parameters within tolerances</h2>{paragraph(TOLERANCES)}{fitted}"
 
 
 def _next_test(diagnosis: Diagnosis) -> str:
     if diagnosis.next_test is None:
         return ""
-    return (
-        f"<h2>The next test</h2><div class='next'>{paragraph(wording.next_test(diagnosis.next_test))}</div>"
-    )
+    return f"<h2>Next test</h2><div class='next'>{paragraph(next_test_text(diagnosis.next_test))}</div>"
 
 
 def _gap_by_step(diagnosis: Diagnosis) -> str:
-    parts = [
-        (f"{part} spectra" if part != "frf" else "FRFs", wording.gap(before), wording.gap(after))
-        for (part, before), after in zip(
+    gaps_by_part = [
+        (f"{part} spectra" if part != "frf" else "FRFs", gap_text(initial), gap_text(final))
+        for (part, initial), final in zip(
             diagnosis.gaps["before"].items(), diagnosis.gaps["after"].values(), strict=True
         )
     ]
     steps = diagnosis.steps
     if not steps:
-        left = table(("the gap by part, over all FRFs", "gap"), [row[:2] for row in parts])
-        return f"<h2>The gap</h2>{left}"
-    names = ["as given", *(f"+ {wording.name(step.effect)}" for step in steps)]
+        remaining = table(("gap by part, over all FRFs", "gap"), [row[:2] for row in gaps_by_part])
+        return f"<h2>Gap</h2>{remaining}"
+    names = ["initial model", *(f"+ {effect_name(step.effect)}" for step in steps)]
     fitted = [steps[0].gap_before, *(step.gap_after for step in steps)]
-    held = [steps[0].held_out_gap_before, *(step.held_out_gap_after for step in steps)]
-    logs = np.log10(np.maximum([fitted, held], 1e-3)).T
-    # From 0.1: a gap of 1, only random error left, is then a bar that can be seen.
-    axis = svg.decades(min(-1.0, logs.min()), max(1.0, logs.max()), "gap (1: only random error left)")
+    held_out = [steps[0].held_out_gap_before, *(step.held_out_gap_after for step in steps)]
+    logs = np.log10(np.maximum([fitted, held_out], 1e-3)).T
+    # The axis begins at 0.1, so that a gap of 1 is a visible bar.
+    axis = svg.decades(min(-1.0, logs.min()), max(1.0, logs.max()), "gap (1: random error only)")
     drawing = svg.bars(names, logs.tolist(), ("fitted", "held"), axis)
-    legend = keys((("fitted", "FRFs that were fitted"), ("held", "FRFs held out of every fit")))
-    by_part = table(("the gap by part, over all FRFs", "before", "after"), parts)
+    legend = keys((("fitted", "fitted FRFs"), ("held", "held-out FRFs")))
+    by_part = table(("gap by part, over all FRFs", "before", "after"), gaps_by_part)
     figure = f"<figure>{drawing}<figcaption>{legend}</figcaption></figure>"
-    return f'<h2>The gap by step</h2><div class="two">{figure}{by_part}</div>'
+    return f'<h2>Gap by step</h2><div class="two">{figure}{by_part}</div>'
 
 
-def _located(diagnosis: Diagnosis) -> str:
-    words = [f"{text[:1].upper()}{text[1:]}." for text in wording.whereabouts(diagnosis.located)]
-    told = "".join(f"<li>{escape(text)}</li>" for text in words)
-    listed = f"<ul>{told}</ul>" if told else ""
-    heading = "Where the model as given parts from the measurement"
+def _location(diagnosis: Diagnosis) -> str:
+    """Return where model and measurement disagree, as statements, drawings and a table of modes."""
+    sentences = [f"{text[:1].upper()}{text[1:]}." for text in location_statements(diagnosis.located)]
+    items = "".join(f"<li>{escape(text)}</li>" for text in sentences)
+    statements = f"<ul>{items}</ul>" if items else ""
+    heading = "Disagreement of model and measurement"
     if diagnosis.verdict is Verdict.NOTHING_MISSING:
-        heading = "Model and measurement part nowhere"
-    return f"<h2>{heading}</h2>{listed}{where_drawn(diagnosis)}{_modes(diagnosis)}"
+        heading = "Model and measurement agree"
+    return f"<h2>{heading}</h2>{statements}{location_drawings(diagnosis)}{_mode_shifts(diagnosis)}"
 
 
-def _modes(diagnosis: Diagnosis) -> str:
-    """Return how resonances differ from the model's, where the FRFs tell."""
+def _mode_shifts(diagnosis: Diagnosis) -> str:
+    """Return the shifts of the modes against the model as a table, if any is significant."""
     shifts = diagnosis.located.mode_shifts
-    clear = [
-        abs(value) > CLEAR * error
-        for one in shifts
+    significant = [
+        abs(value) > REPORT.shift_significance * error
+        for shift in shifts
         for value, error in (
-            (one.frequency_shift, one.frequency_error),
-            (one.loss_factor_shift, one.loss_factor_error),
+            (shift.frequency_shift, shift.frequency_error),
+            (shift.loss_factor_shift, shift.loss_factor_error),
         )
     ]
-    if not any(clear) or NOT_THE_MODES & set(diagnosis.located.signs):
+    if not any(significant) or PATTERNS_WITHOUT_MODES & set(diagnosis.located.signs):
         return ""
     rows = [
         (
-            str(one.mode),
-            f"{one.frequency:.4g}",
-            wording.shift(one.frequency_shift, one.frequency_error),
-            wording.shift(one.loss_factor_shift, one.loss_factor_error),
+            str(shift.mode),
+            f"{shift.frequency:.4g}",
+            shift_text(shift.frequency_shift, shift.frequency_error),
+            shift_text(shift.loss_factor_shift, shift.loss_factor_error),
         )
-        for one in shifts
+        for shift in shifts
     ]
-    head = ("elastic mode", "model, Hz", "frequency, measured against it", "loss factor")
+    head = ("elastic mode", "model, Hz", "frequency shift", "loss factor shift")
     return table(head, rows)
 
 
-def _how_sure(diagnosis: Diagnosis) -> str:
+def _candidates(diagnosis: Diagnosis) -> str:
+    """Return the explanations of every round with their probabilities."""
     if not diagnosis.candidates:
         return ""
-    rows = [_candidate(one) for one in diagnosis.candidates]
+    rows = [_candidate_row(rival) for rival in diagnosis.candidates]
     first = diagnosis.steps[0].effect
-    named = next(
-        (i for i, one in enumerate(diagnosis.candidates) if (one.kind, one.at) == (first.kind, first.at)),
-        None,
-    )
+    places = [(rival.kind, rival.at) for rival in diagnosis.candidates]
+    named_row = places.index((first.kind, first.at)) if (first.kind, first.at) in places else None
     head = ("explanation", "probability", "gap with it")
-    later = "".join(
-        paragraph(f"Beside {wording.name(step.effect)}, fitted in a later round:")
-        + table(head, [_candidate(one) for one in step.rivals])
+    later_rounds = "".join(
+        paragraph(f"Rivals of {effect_name(step.effect)}, fitted in a later round:")
+        + table(head, [_candidate_row(rival) for rival in step.rivals])
         for step in diagnosis.steps[1:]
         if step.rivals
     )
-    words = f"{CONSIDERED} {TOGETHER}" if len(diagnosis.steps) > 1 else CONSIDERED
+    words = f"{CONSIDERED} {COMBINATION}" if len(diagnosis.steps) > 1 else CONSIDERED
     return (
-        f"<h2>How sure: what else was considered</h2>{paragraph(words)}"
-        f"{table(head, rows, named=named)}{later}"
+        f"<h2>Other explanations considered</h2>{paragraph(words)}"
+        f"{table(head, rows, highlighted=named_row)}{later_rounds}"
     )
 
 
-def _candidate(one: Rival) -> Row:
-    return wording.name(one), wording.share(one.probability), wording.gap(one.gap_after)
+def _candidate_row(rival: Rival) -> Row:
+    return effect_name(rival), probability_text(rival.probability), gap_text(rival.gap_after)
 
 
-def _repeat(diagnosis: Diagnosis, made: Mapping[str, str]) -> str:
+def _repetition(diagnosis: Diagnosis, provenance: Mapping[str, str]) -> str:
     analyser, curves = diagnosis.setup.analyser, diagnosis.curves
     seed = "no seed was used" if diagnosis.seed is None else f"seed {diagnosis.seed}"
-    held = [str(d) for d, out in zip(curves.outputs, curves.held_out, strict=True) if out]
-    out = f" Held out of every fit: {', '.join(held)}." if held else ""
+    held_out = [str(d) for d, is_out in zip(curves.outputs, curves.held_out, strict=True) if is_out]
+    exclusion = f" Held out of every fit: {', '.join(held_out)}." if held_out else ""
     test = (
-        f"The test: {len(curves.outputs)} responses to a force at {diagnosis.setup.drive}, "
+        f"Test: {len(curves.outputs)} responses to a force at {diagnosis.setup.drive}, "
         f"{analyser.n_lines} lines to {analyser.frequency_max:g} Hz, {analyser.averages} averages, "
-        f"{analyser.excitation.kind.replace('_', ' ')} excitation, {analyser.window} window.{out}"
+        f"{analyser.excitation.kind.replace('_', ' ')} excitation, {analyser.window} window.{exclusion}"
     )
-    further = "".join(
-        paragraph(f"A further test was explained together with it, with {wording.follow_up(change)}.")
+    follow_ups = "".join(
+        paragraph(f"A further test was explained together with it, with {changes_text(change)}.")
         for change in diagnosis.follow_ups
     )
-    same = f"The same model, measurement, options and seed give the same diagnosis, digit for digit: {seed}."
+    reproducibility = f"The same model, measurement, options and seed give an identical diagnosis: {seed}."
     notes = "".join(paragraph(note) for note in diagnosis.notes)
-    return (
-        f"<h2>How to repeat it</h2>{paragraph(same)}{_call(diagnosis, made)}{paragraph(test)}{further}{notes}"
-    )
+    request = _request_box(diagnosis, provenance)
+    return f"<h2>Repetition</h2>{paragraph(reproducibility)}{request}{paragraph(test)}{follow_ups}{notes}"
 
 
-def _call(diagnosis: Diagnosis, made: Mapping[str, str]) -> str:
-    call = made.get("call") or _request(diagnosis, made)
+def _request_box(diagnosis: Diagnosis, provenance: Mapping[str, str]) -> str:
+    call = provenance.get("call") or _request(diagnosis, provenance)
     if not call:
         return ""
-    told = {"diagnosis": made.get("id"), "of": made.get("created"), "by modallab": made.get("version")}
-    origin = ", ".join(f"{name} {value}" for name, value in told.items() if value)
+    labels = {"diagnosis": "id", "of": "created", "by modallab": "version"}
+    origin = ", ".join(f"{label} {provenance[key]}" for label, key in labels.items() if provenance.get(key))
     return f'<div class="call">{escape(call)}</div>{paragraph(f"{origin}.", "soft") if origin else ""}'
 
 
-def _request(diagnosis: Diagnosis, made: Mapping[str, str]) -> str:
-    given = {name: made[name] for name in ("structure_id", "measurement_id") if name in made}
-    if not given:
+def _request(diagnosis: Diagnosis, provenance: Mapping[str, str]) -> str:
+    ids = {name: provenance[name] for name in ("structure_id", "measurement_id") if name in provenance}
+    if not ids:
         return ""
-    more: dict[str, object] = {**diagnosis.request_options, "seed": diagnosis.seed}
+    options: dict[str, object] = {**diagnosis.request_options, "seed": diagnosis.seed}
     if diagnosis.follow_ups:
-        more["follow_ups"] = [
-            {"measurement_id": made.get(f"follow_up_{i}"), "changed": dict(change)}
+        options["follow_ups"] = [
+            {"measurement_id": provenance.get(f"follow_up_{i}"), "changed": dict(change)}
             for i, change in enumerate(diagnosis.follow_ups, 1)
         ]
-    return f"POST /v1/diagnoses\n{json.dumps(given | more)}"
+    return f"POST /v1/diagnoses\n{json.dumps(ids | options)}"

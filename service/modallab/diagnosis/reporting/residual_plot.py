@@ -1,28 +1,26 @@
-"""What a prediction leaves of a measurement, drawn in units of its random error."""
+"""Chart of the residual over frequency, in random errors."""
 
 import numpy as np
 
 from modallab.core.arrays import FloatArray
 from modallab.diagnosis.reporting import svg
-
-POINTS = 400  # of a curve, about: as many as there is room for
-LEAST = 1e-2  # random errors that the axis begins at or above
+from modallab.diagnosis.reporting.settings import DRAWING
 
 
-def differences(freq: FloatArray, before: FloatArray, after: FloatArray, title: str, added: bool) -> str:
-    """Return a chart of differences by frequency, before and after; where nothing is known they are NaN.
+def residual_chart(freq: FloatArray, initial: FloatArray, final: FloatArray, title: str, added: bool) -> str:
+    """Return a chart of residuals over frequency, of the initial and the final prediction.
 
     Parameters
     ----------
     freq
         (n_freq,) Hz.
-    before, after
-        (n_freq,) in random errors.
+    initial, final
+        (n_freq,) residuals in random errors; nan where they are not defined.
     added
-        Whether anything was added, so that there is an after.
+        Whether effects were added; if not, only the initial prediction is drawn.
     """
-    off = [np.log10(np.maximum(one, LEAST)) for one in (before, after)]
-    x, (first, last) = svg.thinned(freq, off, POINTS)
+    logs = [np.log10(np.maximum(values, DRAWING.least_residual)) for values in (initial, final)]
+    x, (first, last) = svg.thinned(freq, logs, DRAWING.curve_points)
     top = max(1.0, float(np.nanmax(np.concatenate([first, last]), initial=1.0)))
     frame = svg.Frame(svg.frequencies(freq), svg.decades(-1.0, top, "random errors"), height=140.0)
     marks = [

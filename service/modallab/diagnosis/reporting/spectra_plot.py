@@ -1,4 +1,4 @@
-"""The auto spectra of a report, where they tell what the FRFs do not."""
+"""Drawings of auto spectra that the initial prediction does not match."""
 
 from html import escape
 
@@ -7,21 +7,20 @@ import numpy as np
 from modallab.core.arrays import BoolArray, FloatArray
 from modallab.diagnosis.reporting import svg
 from modallab.diagnosis.reporting.legend import legend
-from modallab.diagnosis.reporting.residual_plot import POINTS, differences
+from modallab.diagnosis.reporting.residual_plot import residual_chart
+from modallab.diagnosis.reporting.settings import DRAWING, REPORT
 from modallab.diagnosis.result_curves import Curves, Spectra
 
-TELLING = 1.5  # mean squared residual above which a spectrum is drawn
 
-
-def spectra_drawn(curves: Curves, *, added: bool) -> str:
-    """Return the force spectrum, and what is not coherent with it, where the prediction as given is off."""
+def spectra_drawings(curves: Curves, *, added: bool) -> str:
+    """Return the force spectrum and the incoherent response spectrum where the initial prediction is off."""
     figures = []
     if curves.force is not None:
-        words = "The spectrum of the force"
-        figures.append(_figure(curves, curves.force, "dB re 1 N²/Hz", words, added))
+        name = "Force spectrum"
+        figures.append(_figure(curves, curves.force, "dB re 1 N²/Hz", name, added))
     if curves.incoherent is not None:
-        words = "What is not coherent with the force: noise, leakage, what is not linear"
-        figures.append(_figure(curves, curves.incoherent, "dB re 1 (m/s²)²/Hz", words, added))
+        name = "Part of the response not coherent with the force (noise, leakage, nonlinearity)"
+        figures.append(_figure(curves, curves.incoherent, "dB re 1 (m/s²)²/Hz", name, added))
     if not any(figures):
         return ""
     return (
@@ -29,48 +28,48 @@ def spectra_drawn(curves: Curves, *, added: bool) -> str:
     )
 
 
-def _residual(spectra: Spectra, predicted: FloatArray, good: BoolArray) -> FloatArray:
-    ratio = np.log(np.where(good, spectra.measured, 1.0) / np.where(good, predicted, 1.0))
+def _residual(spectra: Spectra, predicted: FloatArray, positive: BoolArray) -> FloatArray:
+    ratio = np.log(np.where(positive, spectra.measured, 1.0) / np.where(positive, predicted, 1.0))
     return np.asarray(np.abs(ratio) / spectra.random_error)
 
 
-def _figure(curves: Curves, spectra: Spectra, unit: str, words: str, added: bool) -> str:
-    """Return the channel that is furthest off as given, level above difference; nothing if none is."""
+def _figure(curves: Curves, spectra: Spectra, unit: str, quantity: str, added: bool) -> str:
+    """Return level and residual of the worst channel, one above the other; empty if all channels agree."""
     lowest = np.minimum(np.minimum(spectra.measured, spectra.before), spectra.after)
-    good = (curves.freq > 0)[:, None] & (lowest > 0)
-    gap = (_residual(spectra, spectra.before, good) ** 2).mean(axis=0)
+    positive = (curves.freq > 0)[:, None] & (lowest > 0)
+    gap = (_residual(spectra, spectra.before, positive) ** 2).mean(axis=0)
     i = int(gap.argmax())
-    if gap[i] < TELLING:
+    if gap[i] < REPORT.spectrum_gap:
         return ""
-    seen = good[:, i]
-    name = f"{words}, {_channel(curves, spectra, i)}"
+    valid = positive[:, i]
+    name = f"{quantity}, {_channel(curves, spectra, i)}"
     levels = [
-        np.where(seen, 10 * np.log10(np.where(seen, values[:, i], 1.0)), np.nan)
+        np.where(valid, 10 * np.log10(np.where(valid, values[:, i], 1.0)), np.nan)
         for values in (spectra.measured, spectra.before, spectra.after)
     ]
-    x, (measured, before, after) = svg.thinned(curves.freq, levels, POINTS)
-    drawn = np.concatenate([one[np.isfinite(one)] for one in (measured, before, after)])
-    low, high = np.floor(drawn.min() / 5) * 5, np.ceil((drawn.max() + 0.1) / 5) * 5
-    bare = svg.linear(float(curves.freq[0]), float(curves.freq[-1]), "")
-    frame = svg.Frame(bare, svg.linear(low, high, unit, n_ticks=5), height=190.0)
+    x, (measured, initial, final) = svg.thinned(curves.freq, levels, DRAWING.curve_points)
+    finite = np.concatenate([curve[np.isfinite(curve)] for curve in (measured, initial, final)])
+    low, high = np.floor(finite.min() / 5) * 5, np.ceil((finite.max() + 0.1) / 5) * 5
+    unlabelled = svg.linear(float(curves.freq[0]), float(curves.freq[-1]), "")
+    frame = svg.Frame(unlabelled, svg.linear(low, high, unit, n_ticks=5), height=190.0)
     marks = [
         svg.line(frame, x, measured, "measured"),
-        svg.line(frame, x, before, "before"),
-        svg.line(frame, x, after, "after") if added else "",
+        svg.line(frame, x, initial, "before"),
+        svg.line(frame, x, final, "after") if added else "",
     ]
-    pictures = svg.chart(frame, name, marks) + _difference(curves, spectra, i, good, name, added)
+    pictures = svg.chart(frame, name, marks) + _difference(curves, spectra, i, positive, name, added)
     return f"<figure>{pictures}<figcaption>{escape(name)}.</figcaption></figure>"
 
 
-def _difference(curves: Curves, spectra: Spectra, i: int, good: BoolArray, name: str, added: bool) -> str:
-    before, after = (
-        np.where(good[:, i], _residual(spectra, predicted, good)[:, i], np.nan)
+def _difference(curves: Curves, spectra: Spectra, i: int, positive: BoolArray, name: str, added: bool) -> str:
+    initial, final = (
+        np.where(positive[:, i], _residual(spectra, predicted, positive)[:, i], np.nan)
         for predicted in (spectra.before, spectra.after)
     )
-    return differences(curves.freq, before, after, f"{name}: difference in random errors", added)
+    return residual_chart(curves.freq, initial, final, f"{name}: residual in random errors", added)
 
 
 def _channel(curves: Curves, spectra: Spectra, i: int) -> str:
-    """Return what a spectrum was measured with: a run of a roving accelerometer goes by its response."""
+    """Return the response of a spectrum's run; one run for all has none."""
     n = spectra.measured.shape[1]
-    return f"response {curves.outputs[i]}" if n == len(curves.outputs) else "of all responses at once"
+    return f"response {curves.outputs[i]}" if n == len(curves.outputs) else "common to all responses"

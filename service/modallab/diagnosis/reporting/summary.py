@@ -1,39 +1,50 @@
-"""A diagnosis as a few lines of plain text, for a terminal."""
+"""Summary of a diagnosis as a few lines of plain text, for a terminal."""
 
 from textwrap import fill
 
-from modallab.diagnosis.reporting import text as wording
+from modallab.diagnosis.reporting.settings import TERMINAL
+from modallab.diagnosis.reporting.text import (
+    effect_name,
+    equivalence_statement,
+    gap_reduction,
+    headline,
+    location_statements,
+    next_test_text,
+    parameter_list,
+    probability_statement,
+    verdict_text,
+)
 from modallab.diagnosis.result import Diagnosis, Step
-
-WIDTH = 100
-LABEL = 11  # columns before what is said
 
 
 def summary(diagnosis: Diagnosis) -> str:
-    """Return the verdict in plain words: what is missing, where, how large, how sure, what is left."""
-    lines = [wording.headline(diagnosis), fill(wording.verdict(diagnosis), WIDTH), ""]
-    places = wording.whereabouts(diagnosis.located)
-    lines += [_said("" if i else "where", text) for i, text in enumerate(places)]
+    """Return verdict, location, missing effects with sizes and probabilities, and the remaining gap."""
+    lines = [headline(diagnosis), fill(verdict_text(diagnosis), TERMINAL.width), ""]
+    places = location_statements(diagnosis.located)
+    lines += [_labelled("" if i else "where", text) for i, text in enumerate(places)]
     for number, step in enumerate(diagnosis.steps, 1):
-        lines += ["", *_of_step(number, step)]
+        lines += ["", *_step_lines(number, step)]
     if diagnosis.next_test is not None:
-        lines += ["", _said("next test", wording.next_test(diagnosis.next_test))]
-    lines += ["", *(_said("note", note) for note in diagnosis.notes)]
+        lines += ["", _labelled("next test", next_test_text(diagnosis.next_test))]
+    lines += ["", *(_labelled("note", note) for note in diagnosis.notes)]
     return "\n".join(lines).strip()
 
 
-def _of_step(number: int, step: Step) -> list[str]:
-    fitted = wording.closing(step.gap_before, step.gap_after)
-    held_out = wording.closing(step.held_out_gap_before, step.held_out_gap_after)
+def _step_lines(number: int, step: Step) -> list[str]:
+    fitted = gap_reduction(step.gap_before, step.gap_after)
+    held_out = gap_reduction(step.held_out_gap_before, step.held_out_gap_after)
     lines = [
-        _said(f"missing {number}", f"{wording.name(step.effect)}: {wording.size(step.effect)}"),
-        _said("sure", wording.sure(step)),
-        _said("gap", f"{fitted} on the FRFs that were fitted, {held_out} on those held out of every fit"),
+        _labelled(f"missing {number}", f"{effect_name(step.effect)}: {parameter_list(step.effect)}"),
+        _labelled("certainty", probability_statement(step)),
+        _labelled("gap", f"{fitted} on the fitted FRFs, {held_out} on the held-out FRFs"),
     ]
     if step.rivals_alike:
-        lines.append(_said("alike", wording.alike(step)))
+        lines.append(_labelled("rivals", equivalence_statement(step)))
     return lines
 
 
-def _said(label: str, text: str) -> str:
-    return fill(text, WIDTH, initial_indent=f"{label:<{LABEL}}", subsequent_indent=" " * LABEL)
+def _labelled(label: str, text: str) -> str:
+    indent = " " * TERMINAL.label_width
+    return fill(
+        text, TERMINAL.width, initial_indent=label.ljust(TERMINAL.label_width), subsequent_indent=indent
+    )

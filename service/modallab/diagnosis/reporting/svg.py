@@ -1,4 +1,4 @@
-"""Curves and bars as SVG by hand: small, sharp in print, coloured by the page that holds them."""
+"""Charts as SVG (scalable vector graphics); the style sheet of the page sets their colours."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -7,16 +7,14 @@ from html import escape
 import numpy as np
 
 from modallab.core.arrays import FloatArray
+from modallab.diagnosis.reporting.settings import DRAWING
 
 MARGIN = {"left": 58.0, "right": 20.0, "top": 8.0, "bottom": 40.0}
-WIDTH = 480.0  # of a drawing: about that of a phone, and of half a page on a desk
-BARE = 12.0  # below a drawing whose horizontal axis is that of the next one
-STEPS = (1.0, 2.0, 5.0, 10.0)  # of ticks, times a power of ten
 
 
 @dataclass(frozen=True)
 class Axis:
-    """A stretch of numbers, where its ticks are and what they say."""
+    """Axis of a chart: limits, ticks with labels, name."""
 
     lower: float
     upper: float
@@ -24,53 +22,53 @@ class Axis:
     label: str
 
     def at(self, values: FloatArray) -> FloatArray:
-        """Return how far along the axis values are, 0 to 1; what lies beyond is put on its end."""
+        """Return the positions of values along the axis, 0 to 1; values outside the limits lie at an end."""
         share = (values - self.lower) / (self.upper - self.lower)
         return np.asarray(np.clip(share, 0.0, 1.0))
 
 
 @dataclass(frozen=True)
 class Frame:
-    """A drawing with two axes; one without a horizontal label stands upon another with the same axis."""
+    """Area of a chart with two axes; without a horizontal label it shares the axis of the chart below."""
 
     x: Axis
     y: Axis
-    width: float = WIDTH
+    width: float = DRAWING.width
     height: float = 220.0
 
     @property
     def bottom(self) -> float:
-        """Where the drawing's area ends."""
-        return self.height - (MARGIN["bottom"] if self.x.label else BARE)
+        """Vertical position of the lower edge of the plotted area."""
+        return self.height - (MARGIN["bottom"] if self.x.label else DRAWING.bare_margin)
 
     def across(self, x: FloatArray) -> FloatArray:
-        """Return horizontal places in the drawing."""
+        """Return horizontal positions in the drawing."""
         room = self.width - MARGIN["left"] - MARGIN["right"]
         return np.asarray(MARGIN["left"] + room * self.x.at(x))
 
     def down(self, y: FloatArray) -> FloatArray:
-        """Return vertical places in the drawing."""
+        """Return vertical positions in the drawing."""
         room = self.bottom - MARGIN["top"]
         return np.asarray(MARGIN["top"] + room * (1.0 - self.y.at(y)))
 
 
 def linear(lower: float, upper: float, label: str, *, n_ticks: int = 6) -> Axis:
-    """Return an axis with round ticks between the limits."""
+    """Return a linear axis with round tick values between the limits."""
     span = max(upper - lower, 1e-12)
     power = 10.0 ** np.floor(np.log10(span / n_ticks))
-    step = next(s * power for s in STEPS if s * power * n_ticks >= span)
+    step = next(s * power for s in DRAWING.tick_steps if s * power * n_ticks >= span)
     first = np.ceil(lower / step - 1e-9) * step
     values = np.arange(first, upper + 1e-9 * span, step)
     return Axis(lower, lower + span, tuple((float(v), f"{v + 0.0:.10g}") for v in values.round(12)), label)
 
 
 def frequencies(freq: FloatArray) -> Axis:
-    """Return the axis of frequencies."""
+    """Return the frequency axis, Hz."""
     return linear(float(freq[0]), float(freq[-1]), "frequency, Hz", n_ticks=6)
 
 
 def decades(lower: float, upper: float, label: str) -> Axis:
-    """Return an axis of logarithms to base ten, limits rounded outward to whole decades."""
+    """Return an axis of common logarithms, with limits rounded outward to decades."""
     first, last = int(np.floor(lower)), int(np.ceil(upper))
     last = max(last, first + 1)
     skip = 1 + (last - first) // 8
@@ -85,39 +83,45 @@ def _power(exponent: int) -> str:
 
 
 def line(frame: Frame, x: FloatArray, y: FloatArray, style: str) -> str:
-    """Return a curve; it breaks where y is not a number."""
+    """Return a curve, interrupted where y is nan."""
     return f'<path class="{style}" d="{_path(frame, x, y)}"/>'
 
 
 def area(frame: Frame, x: FloatArray, lower: FloatArray, upper: FloatArray, style: str) -> str:
     """Return the area between two curves."""
-    good = np.isfinite(lower) & np.isfinite(upper)
-    there = _points(frame, x[good], upper[good])
-    back = _points(frame, x[good][::-1], lower[good][::-1])
-    return f'<polygon class="{style}" points="{" ".join(there + back)}"/>'
+    valid = np.isfinite(lower) & np.isfinite(upper)
+    upper_edge = _points(frame, x[valid], upper[valid])
+    lower_edge = _points(frame, x[valid][::-1], lower[valid][::-1])
+    return f'<polygon class="{style}" points="{" ".join(upper_edge + lower_edge)}"/>'
 
 
 def level(frame: Frame, y: float, style: str) -> str:
-    """Return a line across the whole drawing."""
+    """Return a horizontal line across the chart."""
     return line(frame, np.array([frame.x.lower, frame.x.upper]), np.array([y, y]), style)
 
 
 def bars(names: Sequence[str], values: Sequence[Sequence[float]], styles: Sequence[str], axis: Axis) -> str:
-    """Return a drawing of horizontal bars: a name over each group, in it a bar a style.
+    """Return a chart of horizontal bars in named groups.
 
-    `values` holds for each name one number a style, on the axis's own scale; bars start at its lower end.
+    Parameters
+    ----------
+    names
+        Name of each group.
+    values
+        Values of each group, one for each style, on the scale of the axis; bars start at its lower limit.
     """
-    thick, above = 13.0, 20.0
-    group = above + thick * len(styles) + 4.0
+    thickness, name_height, gap = 13.0, 20.0, 4.0
+    group = name_height + thickness * len(styles) + gap
     frame = Frame(axis, axis, height=MARGIN["top"] + group * len(names) + MARGIN["bottom"])
-    left = MARGIN["left"]
+    start = MARGIN["left"]
     parts = [_grid_across(frame)]
     for i, (name, numbers) in enumerate(zip(names, values, strict=True)):
         top = MARGIN["top"] + i * group
-        parts.append(f'<text class="name" x="{left:.1f}" y="{top + 12:.1f}">{escape(name)}</text>')
+        parts.append(f'<text class="name" x="{start:.1f}" y="{top + 12:.1f}">{escape(name)}</text>')
         for j, (number, style) in enumerate(zip(numbers, styles, strict=True)):
             end = float(frame.across(np.array(number)))
-            parts.append(rectangle(left, top + above + j * thick - 3, max(end - left, 1.0), thick - 2, style))
+            bar_top = top + name_height + j * thickness - 3
+            parts.append(rectangle(start, bar_top, max(end - start, 1.0), thickness - 2, style))
     return drawing(frame.width, frame.height, "gap by step", parts)
 
 
@@ -127,26 +131,26 @@ def rectangle(x: float, y: float, width: float, height: float, style: str) -> st
 
 
 def text(x: float, y: float, words: str, style: str) -> str:
-    """Return words at a place."""
+    """Return a text at a position."""
     return f'<text class="{style}" x="{x:.1f}" y="{y:.1f}">{escape(words)}</text>'
 
 
 def dots(frame: Frame, x: FloatArray, y: FloatArray, style: str) -> str:
-    """Return a dot for every pair that is a number."""
+    """Return a dot for every point with a finite y."""
     good = np.isfinite(y)
     places = zip(frame.across(x[good]), frame.down(y[good]), strict=True)
     return "".join(f'<circle class="{style}" cx="{a:.1f}" cy="{b:.1f}" r="2.2"/>' for a, b in places)
 
 
 def spans(frame: Frame, x: FloatArray, lower: FloatArray, upper: FloatArray, style: str) -> str:
-    """Return an upright line from one number to another at every x."""
+    """Return a vertical bar between two values at every x."""
     good = np.isfinite(lower) & np.isfinite(upper)
     places = zip(frame.across(x[good]), frame.down(lower[good]), frame.down(upper[good]), strict=True)
     return f'<path class="{style}" d="{"".join(f"M{a:.1f},{b:.1f}V{c:.1f}" for a, b, c in places)}"/>'
 
 
 def chart(frame: Frame, title: str, marks: Sequence[str]) -> str:
-    """Return a drawing: axes with their grid, and the marks upon them."""
+    """Return a chart: grid with axes, and marks."""
     grid = [_grid_across(frame), _grid_up(frame)]
     return drawing(frame.width, frame.height, title, [*grid, *marks])
 
@@ -154,7 +158,7 @@ def chart(frame: Frame, title: str, marks: Sequence[str]) -> str:
 def thinned(
     x: FloatArray, curves: Sequence[FloatArray], points: int = 700
 ) -> tuple[FloatArray, list[FloatArray]]:
-    """Return curves with fewer points, their peaks and notches kept: both extremes of every stretch."""
+    """Return curves with fewer points, which keep the minimum and maximum of every block of lines."""
     stretch = 2 * len(x) // points
     if stretch < 2:
         return x, list(curves)
@@ -170,7 +174,7 @@ def thinned(
 
 
 def drawing(width: float, height: float, title: str, parts: Sequence[str]) -> str:
-    """Return a drawing that a screen reader tells by its title."""
+    """Return a drawing with a title for screen readers."""
     name = escape(title)
     return (
         f'<svg viewBox="0 0 {width:g} {height:g}" role="img" aria-label="{name}">'
@@ -185,8 +189,8 @@ def _points(frame: Frame, x: FloatArray, y: FloatArray) -> list[str]:
 def _path(frame: Frame, x: FloatArray, y: FloatArray) -> str:
     good = np.isfinite(y)
     pieces = np.split(np.arange(len(x)), np.flatnonzero(np.diff(good)) + 1)
-    drawn = [_points(frame, x[p], y[p]) for p in pieces if len(p) and good[p[0]]]
-    return "".join("M" + "L".join(points) for points in drawn)
+    polylines = [_points(frame, x[p], y[p]) for p in pieces if len(p) and good[p[0]]]
+    return "".join("M" + "L".join(points) for points in polylines)
 
 
 def _grid_across(frame: Frame) -> str:
@@ -203,13 +207,13 @@ def _grid_across(frame: Frame) -> str:
 
 
 def _grid_up(frame: Frame) -> str:
-    left, right = MARGIN["left"], frame.width - MARGIN["right"]
+    start, end = MARGIN["left"], frame.width - MARGIN["right"]
     parts = []
     for value, words in frame.y.ticks:
         place = float(frame.down(np.array(value)))
-        parts.append(f'<path class="grid" d="M{left:g},{place:.1f}H{right:g}"/>')
-        parts.append(f'<text class="side" x="{left - 6:g}" y="{place + 4:.1f}">{escape(words)}</text>')
+        parts.append(f'<path class="grid" d="M{start:g},{place:.1f}H{end:g}"/>')
+        parts.append(f'<text class="side" x="{start - 6:g}" y="{place + 4:.1f}">{escape(words)}</text>')
     middle = (MARGIN["top"] + frame.bottom) / 2
-    turned = f'transform="translate(14,{middle:.1f}) rotate(-90)"'
-    parts.append(f'<text class="label" {turned}>{escape(frame.y.label)}</text>')
+    rotation = f'transform="translate(14,{middle:.1f}) rotate(-90)"'
+    parts.append(f'<text class="label" {rotation}>{escape(frame.y.label)}</text>')
     return "".join(parts)

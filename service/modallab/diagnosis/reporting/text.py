@@ -1,10 +1,11 @@
-"""What a diagnosis says, in plain words."""
+"""Statements of a diagnosis in plain English, shared by report and terminal."""
 
 import math
 from collections.abc import Mapping
 
 from modallab.core.dof import Dof
 from modallab.core.place import Channels, Members, Place
+from modallab.diagnosis.reporting.settings import REPORT
 from modallab.diagnosis.result import (
     Diagnosis,
     EquivalentEffect,
@@ -20,9 +21,8 @@ from modallab.diagnosis.result import (
 from modallab.fe.structure import Structure
 from modallab.rig.effect import EFFECTS
 
-LITTLE = 0.5  # of what was above 1: left of it, above which nothing is explained
-RAISED = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
-# What a further test changes, by the contract's name of it; {} stands for the value.
+SUPERSCRIPTS = str.maketrans("-0123456789", "⁻⁰¹²³⁴⁵⁶⁷⁸⁹")
+# Changes of a further test, by their names in a request; {} stands for the value.
 CHANGES = {
     "level_factor": "{} times the force level",
     "averages_factor": "{} times as many averages",
@@ -36,97 +36,99 @@ CHANGES = {
 }
 
 
-def name(effect: FittedEffect | Rival | EquivalentEffect) -> str:
-    """Return kind and place of an effect; what belongs to the whole rig has no place."""
+def effect_name(effect: FittedEffect | Rival | EquivalentEffect) -> str:
+    """Return kind and place of an effect; an effect of the whole rig has no place."""
     kind = effect.kind.replace("_", " ")
     if effect.at is None:
         return f"{kind} everywhere" if EFFECTS[effect.kind].structural else kind
     if isinstance(effect.at, Channels) and kind.endswith(" channels"):
-        return f"{kind.removesuffix(' channels')} {_where(effect.at)}"
-    return f"{kind} {'of' if isinstance(effect.at, Channels) else 'at'} {_where(effect.at)}"
+        return f"{kind.removesuffix(' channels')} {_place_name(effect.at)}"
+    return f"{kind} {'of' if isinstance(effect.at, Channels) else 'at'} {_place_name(effect.at)}"
 
 
-def _where(place: Place) -> str:
+def _place_name(place: Place) -> str:
     if isinstance(place, Members):
-        return _several("member", [str(number) for number in place.numbers])
+        return _counted("member", [str(number) for number in place.numbers])
     if isinstance(place, Channels):
-        return _several("channel", [str(dof) for dof in place.dofs])
+        return _counted("channel", [str(dof) for dof in place.dofs])
     return str(place)
 
 
-def _several(what: str, names: list[str]) -> str:
-    return f"{what}{'s' if len(names) > 1 else ''} {_listed(names)}"
+def _counted(noun: str, names: list[str]) -> str:
+    return f"{noun}{'s' if len(names) > 1 else ''} {_enumeration(names)}"
 
 
-def where(place: Place, structure: Structure) -> str:
-    """Return a place as one points at it: a node by the members that meet there, a member by its ends."""
+def place_description(place: Place, structure: Structure) -> str:
+    """Return a place as it is found on the structure: a node by its members, a member by its nodes."""
     if isinstance(place, Dof):
-        meeting = [member.number for member in structure.all_members if place.node in member.nodes]
-        way = (
-            f"in rotation {place.direction[1:]}"
-            if place.direction.startswith("R")
-            else f"in {place.direction}"
-        )
-        return f"node {place.node}, {way}; {_between(meeting)}" if meeting else f"node {place.node}, {way}"
+        members = [member.number for member in structure.all_members if place.node in member.nodes]
+        rotation = place.direction.startswith("R")
+        direction = f"in rotation {place.direction[1:]}" if rotation else f"in {place.direction}"
+        description = f"node {place.node}, {direction}"
+        return f"{description}; {_between(members)}" if members else description
     if isinstance(place, Members):
         return "; ".join(
-            f"member {number}, between nodes {_listed([str(n) for n in structure.member(number).nodes])}"
+            f"member {number}, between nodes {_enumeration([str(n) for n in structure.member(number).nodes])}"
             for number in place.numbers
         )
     if isinstance(place, Channels):
-        return _where(place)
+        return _place_name(place)
     return "everywhere"
 
 
 def _between(members: list[int]) -> str:
     if len(members) == 1:
         return f"the end of member {members[0]}"
-    return f"between members {_listed([str(number) for number in members])}"
+    return f"between members {_enumeration([str(number) for number in members])}"
 
 
-def number(parameter: FittedParameter) -> str:
-    """Return a fitted number with its standard error and unit, no more digits than are known."""
+def number_text(parameter: FittedParameter) -> str:
+    """Return a fitted parameter with its standard error and unit, in significant digits."""
     value, error = parameter.value, parameter.standard_error
     unit = "" if parameter.unit == "1" else f" {parameter.unit}"
     if not (math.isfinite(error) and error > 0):
         return f"{value:.6g}{unit}"
     power = math.floor(math.log10(max(abs(value), error)))
-    scale = power if not -3 <= power <= 5 else 0
+    scale = power if not -3 <= power <= 5 else 0  # range of numbers that are read without an exponent
     digits = max(0, 1 - math.floor(math.log10(error / 10.0**scale)))
     text = f"{value / 10.0**scale:.{digits}f} ± {error / 10.0**scale:.{digits}f}"
-    return f"({text})·10{str(scale).translate(RAISED)}{unit}" if scale else f"{text}{unit}"
+    return f"({text})·10{str(scale).translate(SUPERSCRIPTS)}{unit}" if scale else f"{text}{unit}"
 
 
-def tolerated(one: ToleratedParameter) -> tuple[str, str, str]:
-    """Return what may differ a little, what it came to, and its tolerance."""
-    what = one.name.replace("_", " ") if one.mode is None else f"loss factor of mode {one.mode}"
-    fitted = number(FittedParameter(one.value, one.standard_error, one.unit))
-    allowed = f"{one.tolerance:.2g} {one.unit}" if one.unit != "1" else f"{100 * one.tolerance:.2g} %"
-    return what if one.at is None else f"{what}, {_where(one.at)}", fitted, f"± {allowed}"
+def tolerated_row(nuisance: ToleratedParameter) -> tuple[str, str, str]:
+    """Return name, fitted value and tolerance of a nuisance parameter."""
+    name = f"loss factor of mode {nuisance.mode}" if nuisance.mode else nuisance.name.replace("_", " ")
+    fitted = number_text(FittedParameter(nuisance.value, nuisance.standard_error, nuisance.unit))
+    relative = nuisance.unit == "1"
+    tolerance = (
+        f"{100 * nuisance.tolerance:.2g} %" if relative else f"{nuisance.tolerance:.2g} {nuisance.unit}"
+    )
+    place = "" if nuisance.at is None else f", {_place_name(nuisance.at)}"
+    return f"{name}{place}", fitted, f"± {tolerance}"
 
 
-def size(effect: FittedEffect) -> str:
-    """Return all fitted numbers of an effect."""
-    return ", ".join(f"{key} {text}" for key, text in numbers(effect))
+def parameter_list(effect: FittedEffect) -> str:
+    """Return all fitted parameters of an effect in one line."""
+    return ", ".join(f"{name} {text}" for name, text in parameter_rows(effect))
 
 
-def numbers(effect: FittedEffect) -> list[tuple[str, str]]:
-    """Return all fitted numbers of an effect, each with what it is called."""
-    return [(key.replace("_", " "), number(value)) for key, value in effect.parameters.items()]
+def parameter_rows(effect: FittedEffect) -> list[tuple[str, str]]:
+    """Return name and value of each fitted parameter of an effect."""
+    return [(name.replace("_", " "), number_text(value)) for name, value in effect.parameters.items()]
 
 
-def gap(value: float) -> str:
-    """Return a gap with three digits, plain."""
+def gap_text(value: float) -> str:
+    """Return a gap with three significant digits, without an exponent."""
     return f"{value:,.0f}" if value >= 100 else f"{value:.3g}" if value >= 10 else f"{value:.2f}"
 
 
-def closing(before: float, after: float) -> str:
-    """Return by how much a gap was closed, in one piece."""
-    return f"{gap(before)}\N{NO-BREAK SPACE}→\N{NO-BREAK SPACE}{gap(after)}"
+def gap_reduction(initial: float, final: float) -> str:
+    """Return the reduction of a gap, without a line break."""
+    return f"{gap_text(initial)}\N{NO-BREAK SPACE}→\N{NO-BREAK SPACE}{gap_text(final)}"
 
 
-def share(probability: float) -> str:
-    """Return a probability as a percentage that never claims certainty."""
+def probability_text(probability: float) -> str:
+    """Return a probability in per cent, never 0 or 100 %."""
     if probability > 0.999:
         return "> 99.9 %"
     return "< 0.1 %" if probability < 0.001 else f"{100 * probability:.1f} %"
@@ -134,91 +136,97 @@ def share(probability: float) -> str:
 
 def headline(diagnosis: Diagnosis) -> str:
     """Return the verdict in one sentence."""
-    found = _listed([name(step.effect) for step in diagnosis.steps])
+    steps = diagnosis.steps
+    effects = _enumeration([effect_name(step.effect) for step in steps])
     if diagnosis.verdict is Verdict.NOTHING_MISSING:
         return "Nothing is missing."
     if diagnosis.verdict is Verdict.EXPLAINED:
-        return f"Explained. What was missing: {found}."
+        return f"Explained. Missing effect{'s' if len(steps) > 1 else ''}: {effects}."
     if diagnosis.verdict is Verdict.AMBIGUOUS:
-        return f"Explained, but not by one cause alone: {found}, or what looks the same."
-    if steps := diagnosis.steps:
-        s = "s" if len(steps) == 1 else ""
-        if steps[-1].gap_after - 1 > LITTLE * (steps[0].gap_before - 1):
-            return f"Unexplained: {found} close{s} little of the gap, and need not be there."
-        return f"Not wholly explained: {found} help{s}, and something else is left."
-    return "Unexplained: no suspect accounts for the difference."
+        return f"Explained, but not uniquely: {effects}, or an equivalent effect."
+    if not steps:
+        return "Unexplained: no suspect accounts for the difference."
+    verb = "reduces" if len(steps) == 1 else "reduce"
+    if steps[-1].gap_after - 1 > REPORT.little_reduction * (steps[0].gap_before - 1):
+        return f"Unexplained: {effects} {verb} the gap little and may not be present."
+    return f"Partly explained: {effects} {verb} the gap, but another effect is still missing."
 
 
-def verdict(diagnosis: Diagnosis) -> str:
-    """Return what the gap did, in a few sentences."""
-    left = f"{gap(diagnosis.remaining_gap)} (± {diagnosis.remaining_scatter:.2f} by chance)"
+def verdict_text(diagnosis: Diagnosis) -> str:
+    """Return the reduction of the gap in a few sentences."""
+    remaining = f"{gap_text(diagnosis.remaining_gap)} (random error ± {diagnosis.remaining_scatter:.2f})"
     if diagnosis.verdict is Verdict.NOTHING_MISSING:
-        return f"Model and log book predict this test as well as its random error allows: the gap is {left}."
+        return f"Model and log book predict this test within its random error: the gap is {remaining}."
     if not diagnosis.steps:
-        return f"The gap is {left}; each suspect was fitted everywhere it could be, and none closes it."
-    words = [_closing(diagnosis.steps), f"What remains over all FRFs is {left}."]
+        return (
+            f"The gap is {remaining}; every suspect was fitted at every possible place, and none closes it."
+        )
+    words = [_reduction(diagnosis.steps), f"The remaining gap over all FRFs is {remaining}."]
     if diagnosis.verdict is Verdict.AMBIGUOUS:
-        others = [name(other) for step in diagnosis.steps for other in step.rivals_alike]
-        words.append(f"This measurement cannot tell it from {_listed(others, 'or')}.")
+        equivalents = [effect_name(effect) for step in diagnosis.steps for effect in step.rivals_alike]
+        words.append(f"This measurement cannot distinguish it from {_enumeration(equivalents, 'or')}.")
     return " ".join(words)
 
 
-def sure(step: Step) -> str:
-    """Return how probable a step is, and what comes next."""
-    chance = f"{share(step.probability)} of the belief"
-    others = [rival for rival in step.rivals if (rival.kind, rival.at) != (step.effect.kind, step.effect.at)]
-    if not others:
-        return chance
-    best = max(others, key=lambda rival: rival.probability)
+def probability_statement(step: Step) -> str:
+    """Return the probability of a step, and of its most probable rival."""
+    probability = f"probability {probability_text(step.probability)}"
+    accepted = (step.effect.kind, step.effect.at)
+    rivals = [rival for rival in step.rivals if (rival.kind, rival.at) != accepted]
+    if not rivals:
+        return probability
+    best = max(rivals, key=lambda rival: rival.probability)
     return (
-        f"{chance}; next {name(best)}, {share(best.probability)}, which leaves a gap of {gap(best.gap_after)}"
+        f"{probability}; next best: {effect_name(best)}, {probability_text(best.probability)}, "
+        f"with a remaining gap of {gap_text(best.gap_after)}"
     )
 
 
-def alike(step: Step) -> str:
-    """Return what a measurement cannot tell from the effect of a step."""
-    others = _listed([name(other) for other in step.rivals_alike], "or")
-    return f"this measurement cannot tell it from {others}"
+def equivalence_statement(step: Step) -> str:
+    """Return the effects that this measurement cannot distinguish from the effect of a step."""
+    equivalents = _enumeration([effect_name(effect) for effect in step.rivals_alike], "or")
+    return f"this measurement cannot distinguish it from {equivalents}"
 
 
-def whereabouts(found: Localisation) -> list[str]:
-    """Return in sentences where the model as given parts from the measurement."""
+def location_statements(localisation: Localisation) -> list[str]:
+    """Return statements on where the model without added effects disagrees with the measurement."""
     lines = []
-    if found.bands:
-        lines.append(f"at {_listed([_band(*band) for band in found.bands])}")
-    if found.modes:
-        names = [str(mode) for mode in found.modes]
-        lines.append(f"at the model's elastic mode{'s' if len(names) > 1 else ''} {_listed(names)}")
-    # That most responses disagree tells nothing of where.
-    if found.dofs and not len(found.dofs) > len(found.responses) / 2 > 0:
-        lines.append(f"most at {_listed([str(dof) for dof in found.dofs])}")
-    # Bands, responses and the gap by part are said already.
-    said = ("bands:", "responses:", "mean squared residual")
-    return lines + [words for words in found.words if not words.startswith(said)]
+    if localisation.bands:
+        lines.append(f"frequency bands: {_enumeration([_band(*band) for band in localisation.bands])}")
+    if localisation.modes:
+        lines.append(
+            f"elastic modes of the model: {_enumeration([str(mode) for mode in localisation.modes])}"
+        )
+    # If most responses disagree, their list does not locate anything.
+    if localisation.dofs and not len(localisation.dofs) > len(localisation.responses) / 2 > 0:
+        lines.append(f"responses that disagree most: {_enumeration([str(dof) for dof in localisation.dofs])}")
+    # Bands, responses and the gap by part are stated elsewhere.
+    repeated = ("bands:", "responses:", "mean squared residual")
+    return lines + [words for words in localisation.words if not words.startswith(repeated)]
 
 
 def _band(low: float, high: float) -> str:
     return f"{low:.4g} to {high:.4g} Hz" if high > low else f"{low:.4g} Hz"
 
 
-def next_test(test: NextTest) -> str:
-    """Return the further measurement that is proposed, why, and what it tells apart."""
+def next_test_text(test: NextTest) -> str:
+    """Return the proposed further test, its reason, and the effects that it distinguishes."""
     kinds = list(dict.fromkeys(kind.replace("_", " ") for kind in test.separates))
-    told = f" It tells {_listed(kinds)} apart." if kinds else ""
+    purpose = f" It distinguishes {_enumeration(kinds)}." if kinds else ""
     if len(kinds) == 1:
-        told = f" It tells one {kinds[0]} from another."
+        purpose = f" It distinguishes one {kinds[0]} from another."
     if math.isfinite(test.expected_separation):
-        told += f" Expected is a difference of {gap(test.expected_separation)} standard deviations."
-    return f"Measure again with {follow_up(test.change)}: {test.why}.{told}"
+        purpose += f" The expected difference is {gap_text(test.expected_separation)} standard deviations."
+    return f"Measure again with {changes_text(test.change)}: {test.why}.{purpose}"
 
 
-def follow_up(change: Mapping[str, object]) -> str:
-    """Return what was changed for a further test."""
-    return _listed([_change(key, value) for key, value in change.items()]) or "nothing changed"
+def changes_text(change: Mapping[str, object]) -> str:
+    """Return the changes of a further test."""
+    return _enumeration([_change(key, value) for key, value in change.items()]) or "no change"
 
 
-def shift(value: float, error: float) -> str:
-    """Return a share with its standard error in per cent; a dash where it is not known."""
+def shift_text(value: float, error: float) -> str:
+    """Return a relative shift with its standard error in per cent; a dash where it is not known."""
     if not math.isfinite(value):
         return "\N{EM DASH}"
     if not (math.isfinite(error) and error > 0):
@@ -234,22 +242,23 @@ def _change(key: str, value: object) -> str:
     if isinstance(value, float):
         text = f"{value:g}"
     elif isinstance(value, (list, tuple)):
-        text = _listed([str(one) for one in value])
+        text = _enumeration([str(entry) for entry in value])
     else:
         text = str(value).replace("_", " ")
     return CHANGES[key].format(text) if key in CHANGES else f"{key.replace('_', ' ')} {text}"
 
 
-def _closing(steps: tuple[Step, ...]) -> str:
+def _reduction(steps: tuple[Step, ...]) -> str:
     first, last = steps[0], steps[-1]
+    subject = "the added effect" if len(steps) == 1 else "the added effects"
     return (
-        f"With it in the prediction the gap falls from {gap(first.gap_before)} to {gap(last.gap_after)}; "
-        f"on FRFs that took no part in the fit, from {gap(first.held_out_gap_before)} "
-        f"to {gap(last.held_out_gap_after)} (± {last.held_out_scatter:.2f} by chance)."
+        f"With {subject} the gap falls from {gap_text(first.gap_before)} to {gap_text(last.gap_after)}; "
+        f"on FRFs that took no part in the fit, from {gap_text(first.held_out_gap_before)} "
+        f"to {gap_text(last.held_out_gap_after)} (random error ± {last.held_out_scatter:.2f})."
     )
 
 
-def _listed(names: list[str], last: str = "and") -> str:
+def _enumeration(names: list[str], last: str = "and") -> str:
     if len(names) < 2:
         return "".join(names)
     return f"{', '.join(names[:-1])} {last} {names[-1]}"

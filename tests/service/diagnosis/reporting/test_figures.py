@@ -5,13 +5,14 @@ from dataclasses import replace
 
 import numpy as np
 
-from modallab.diagnosis.reporting.figures import MOST, all_curves, clearest, enlarged
+from modallab.diagnosis.reporting.figures import all_curves, enlarged, largest_difference
+from modallab.diagnosis.reporting.settings import REPORT
 from tests.diagnosed import curves
 
 
 def test_the_enlargement_is_of_a_held_out_response_about_the_resonance() -> None:
     found = curves(401)
-    shown = clearest(found)
+    shown = largest_difference(found)
     assert shown is not None
     channel, lines = shown
     assert found.held_out[channel]
@@ -21,7 +22,7 @@ def test_the_enlargement_is_of_a_held_out_response_about_the_resonance() -> None
 
 def test_a_fault_of_a_fitted_channel_alone_is_enlarged_where_it_is() -> None:
     found = replace(curves(), before=curves().after)  # only 5:+Y is off, by its factor, and was fitted
-    shown = clearest(found)
+    shown = largest_difference(found)
     assert shown is not None
     assert shown[0] == 3
 
@@ -29,14 +30,14 @@ def test_a_fault_of_a_fitted_channel_alone_is_enlarged_where_it_is() -> None:
 def test_curves_that_agree_are_not_enlarged() -> None:
     found = curves()
     same = replace(found, measured=found.after, before=found.after)
-    assert clearest(same) is None
+    assert largest_difference(same) is None
     assert enlarged(same, added=False) == ""
 
 
 def test_an_enlargement_of_many_lines_has_no_more_dots_than_can_be_seen() -> None:
-    shown = clearest(curves(60_001))
+    shown = largest_difference(curves(60_001))
     assert shown is not None
-    assert len(shown[1]) <= 2 * MOST + 1
+    assert len(shown[1]) <= 2 * REPORT.most_lines + 1
 
 
 def test_magnitude_phase_and_difference_stand_above_each_other_with_units() -> None:
@@ -77,4 +78,4 @@ def test_a_difference_that_no_curve_shows_is_drawn_as_a_ratio_in_per_cent_and_de
     down = [float(one.get("cy", 0)) for one in turn.iter("circle")]
     assert len(down) <= 200
     assert (np.diff(down) >= 0).all(), "the phase falls with frequency"
-    assert "Response 5:+Y / 1:+Y: measured over predicted as given." in "".join(page.itertext())
+    assert "Response 5:+Y / 1:+Y: measured over initial prediction." in "".join(page.itertext())

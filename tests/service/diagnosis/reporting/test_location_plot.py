@@ -8,7 +8,7 @@ import numpy as np
 
 from modallab.core.dof import Dof
 from modallab.core.place import Members
-from modallab.diagnosis.reporting.location_plot import where_drawn
+from modallab.diagnosis.reporting.location_plot import location_drawings
 from modallab.diagnosis.result import Diagnosis, FittedEffect, Verdict
 from modallab.fe.assembly import assemble
 from modallab.fe.imported_elements import GroupMatrices, of_groups
@@ -19,7 +19,7 @@ from tests.diagnosed import STEP, curves, diagnosis
 
 def drawings(found: Diagnosis) -> list[ET.Element]:
     """Return the drawings, which must be well-formed."""
-    return list(ET.fromstring(f"<div>{where_drawn(found)}</div>").iter("svg"))
+    return list(ET.fromstring(f"<div>{location_drawings(found)}</div>").iter("svg"))
 
 
 def cells(drawing: ET.Element, level: int) -> list[ET.Element]:
@@ -58,7 +58,7 @@ def test_the_structure_shows_the_response_that_is_off_and_rings_what_was_added()
 def test_without_additions_there_is_one_map() -> None:
     titles = [one.get("aria-label", "") for one in drawings(diagnosis(Verdict.NOTHING_MISSING, ()))]
     assert len(titles) == 2
-    assert "as given" in titles[0]
+    assert "initial prediction" in titles[0]
     assert "structure" in titles[1]
 
 

@@ -6,9 +6,9 @@ import pytest
 
 from modallab.core.dof import Dof
 from modallab.core.place import Channels, Members
-from modallab.diagnosis.reporting.figures import telling
+from modallab.diagnosis.reporting.figures import shown_channels
 from modallab.diagnosis.reporting.report import report
-from modallab.diagnosis.reporting.text import number
+from modallab.diagnosis.reporting.text import number_text
 from modallab.diagnosis.result import (
     EquivalentEffect,
     FittedEffect,
@@ -30,7 +30,7 @@ def text_of(page: str) -> str:
 
 def test_the_page_says_what_was_missing_where_and_how_sure() -> None:
     words = text_of(report(diagnosis()))
-    assert "What was missing: extra mass at 4:+Y" in words
+    assert "Missing effect: extra mass at 4:+Y" in words
     assert "mass 0.03000 ± 0.00040 kg" in words
     assert "97.3 %" in words
     assert "from 812 to 1.04" in words
@@ -47,9 +47,9 @@ def test_the_next_test_and_those_that_were_done_are_told() -> None:
     done = ({"level_factor": 3.0}, {"added_mass": {"at": "5:+Y", "mass": 0.05}})
     made = {"structure_id": "s", "measurement_id": "m", "follow_up_1": "m1", "follow_up_2": "m2"}
     found = replace(diagnosis(Verdict.AMBIGUOUS), next_test=test, follow_ups=done)
-    words = text_of(report(found, made=made))
+    words = text_of(report(found, provenance=made))
     assert "Measure again with a hammer as the exciter: a hammer leaves nothing behind." in words
-    assert "a difference of 12.3 standard deviations" in words
+    assert "The expected difference is 12.3 standard deviations" in words
     assert "with 3 times the force level" in words
     assert "a known mass of 0.05 kg at 5:+Y" in words
     assert '{"measurement_id": "m1", "changed": {"level_factor": 3.0}}' in words
@@ -75,16 +75,16 @@ def test_what_comes_from_outside_cannot_become_markup() -> None:
     [
         (Verdict.NOTHING_MISSING, (), "Nothing is missing."),
         (Verdict.UNEXPLAINED, (), "Unexplained: no suspect accounts for the difference."),
-        (Verdict.UNEXPLAINED, (STEP,), "something else is left"),
+        (Verdict.UNEXPLAINED, (STEP,), "another effect is still missing"),
         (
             Verdict.UNEXPLAINED,
             (replace(STEP, gap_after=700.0),),
-            "Unexplained: extra mass at 4:+Y closes little of the gap, and need not be there.",
+            "Unexplained: extra mass at 4:+Y reduces the gap little and may not be present.",
         ),
         (
             Verdict.AMBIGUOUS,
             (replace(STEP, rivals_alike=(EquivalentEffect("density_error", Members((3,))),)),),
-            "cannot tell it from density error at member 3",
+            "cannot distinguish it from density error at member 3",
         ),
     ],
 )
@@ -94,9 +94,9 @@ def test_every_ending_is_said_in_plain_words(verdict: Verdict, steps: tuple[Step
 
 def test_what_was_missing_is_claimed_only_where_it_explains_the_test() -> None:
     said = {one: text_of(report(diagnosis(one))) for one in (Verdict.EXPLAINED, Verdict.UNEXPLAINED)}
-    assert "What was missing" in said[Verdict.EXPLAINED]
-    assert "What was missing" not in said[Verdict.UNEXPLAINED]
-    assert "What was added" in said[Verdict.UNEXPLAINED]
+    assert "Missing effect" in said[Verdict.EXPLAINED]
+    assert "Missing effect" not in said[Verdict.UNEXPLAINED]
+    assert "Added effects" in said[Verdict.UNEXPLAINED]
 
 
 def test_effects_of_later_rounds_are_shown_with_their_own_rivals() -> None:
@@ -113,8 +113,8 @@ def test_effects_of_later_rounds_are_shown_with_their_own_rivals() -> None:
 def test_what_a_low_probability_of_one_of_a_pair_means_is_said() -> None:
     second = replace(STEP, effect=FittedEffect("leakage", None, {"share": FittedParameter(0.02, 0.001, "1")}))
     pair = text_of(report(diagnosis(steps=(replace(STEP, probability=1e-9), second))))
-    assert "it does not weigh what they explain together" in pair
-    assert "it does not weigh" not in text_of(report(diagnosis(steps=(STEP, second))))
+    assert "it says nothing about the combination" in pair
+    assert "it says nothing about" not in text_of(report(diagnosis(steps=(STEP, second))))
 
 
 def test_shifts_of_modes_stand_in_a_table_and_further_tests_in_words() -> None:
@@ -141,17 +141,17 @@ def test_the_page_says_by_which_call_it_is_repeated() -> None:
 
 
 def test_the_channels_shown_are_the_drive_point_the_worst_and_one_held_out() -> None:
-    shown = telling(curves())
+    shown = shown_channels(curves())
     assert shown[0] == "drive point"
-    assert shown[3] == "worst of the fitted"
-    assert shown[2] == "held out of every fit"
+    assert shown[3] == "largest residual of the fitted responses"
+    assert shown[2] == "largest residual of the held-out responses"
 
 
 def test_a_response_that_was_not_measured_is_drawn_as_predicted() -> None:
     found = curves()
     unmeasured = replace(found, predicted=found.after[:, :1], predicted_outputs=(Dof(3, "Y"),))
     words = text_of(report(replace(diagnosis(), curves=unmeasured)))
-    assert "Response 3:+Y / 1:+Y, not measured: predicted." in words
+    assert "Response 3:+Y / 1:+Y, not measured: prediction." in words
 
 
 def test_a_page_of_many_lines_stays_small() -> None:
@@ -168,7 +168,7 @@ def test_a_page_of_many_lines_stays_small() -> None:
     ],
 )
 def test_a_number_has_the_digits_that_are_known(value: float, error: float, unit: str, words: str) -> None:
-    assert number(FittedParameter(value, error, unit)) == words
+    assert number_text(FittedParameter(value, error, unit)) == words
 
 
 def test_what_may_differ_a_little_stands_in_a_table_where_it_was_tolerated() -> None:
@@ -179,4 +179,4 @@ def test_what_may_differ_a_little_stands_in_a_table_where_it_was_tolerated() -> 
     words = text_of(report(replace(diagnosis(), tolerated=tolerated)))
     assert "loss factor of mode 3 1.1834 ± 0.0021 ± 20 %" in words
     assert "delay, channel 4:+Y (-1.200 ± 0.020)·10⁻⁶ s ± 1e-06 s" in words
-    assert "What may differ a little" not in text_of(report(diagnosis()))
+    assert "Parameters within tolerances" not in text_of(report(diagnosis()))

@@ -7,7 +7,7 @@ import numpy as np
 
 from modallab.core.place import EffectSpec
 from modallab.diagnosis.diagnose import diagnose
-from modallab.diagnosis.reporting.spectra_plot import spectra_drawn
+from modallab.diagnosis.reporting.spectra_plot import spectra_drawings
 from modallab.diagnosis.result_curves import Spectra
 from modallab.rig.effect import build
 from tests.diagnosed import curves
@@ -23,10 +23,10 @@ def spectra(factor: float) -> Spectra:
 
 
 def test_the_channel_that_is_furthest_off_is_drawn_level_above_difference() -> None:
-    page = ET.fromstring(f"<div>{spectra_drawn(replace(curves(), force=spectra(1.5)), added=True)}</div>")
+    page = ET.fromstring(f"<div>{spectra_drawings(replace(curves(), force=spectra(1.5)), added=True)}</div>")
     (figure,) = page.iter("figure")
     words = " ".join(" ".join(figure.itertext()).split())
-    assert "The spectrum of the force, response 5:+Y." in words
+    assert "Force spectrum, response 5:+Y." in words
     assert "dB re 1 N²/Hz" in words
     level, difference = figure.iter("svg")
     assert {one.get("class") for one in level.iter("path")} >= {"measured", "before", "after"}
@@ -43,8 +43,8 @@ def mean_height(path: ET.Element) -> float:
 
 
 def test_spectra_that_agree_or_were_not_measured_are_not_drawn() -> None:
-    assert spectra_drawn(replace(curves(), force=spectra(1.0), incoherent=spectra(1.0)), added=True) == ""
-    assert spectra_drawn(curves(), added=True) == ""
+    assert spectra_drawings(replace(curves(), force=spectra(1.0), incoherent=spectra(1.0)), added=True) == ""
+    assert spectra_drawings(curves(), added=True) == ""
 
 
 def test_an_undeclared_armature_shows_in_the_force_alone() -> None:

@@ -3,21 +3,20 @@
 from dataclasses import replace
 
 from modallab.core.dof import Dof
-from modallab.diagnosis.reporting.summary import WIDTH, summary
+from modallab.diagnosis.reporting.settings import TERMINAL
+from modallab.diagnosis.reporting.summary import summary
 from modallab.diagnosis.result import EquivalentEffect, NextTest, Verdict
 from tests.diagnosed import STEP, diagnosis
 
 
 def test_a_terminal_is_told_what_where_how_large_how_sure_and_what_is_left() -> None:
     lines = summary(diagnosis()).splitlines()
-    assert lines[0] == "Explained. What was missing: extra mass at 4:+Y."
-    assert "where      at 118 to 126 Hz" in lines
+    assert lines[0] == "Explained. Missing effect: extra mass at 4:+Y."
+    assert "where      frequency bands: 118 to 126 Hz" in lines
     assert "missing 1  extra mass at 4:+Y: mass 0.03000 ± 0.00040 kg" in lines
-    assert "sure       97.3 % of the belief" in lines
-    assert any(
-        "812\N{NO-BREAK SPACE}→\N{NO-BREAK SPACE}1.04 on the FRFs that were fitted" in x for x in lines
-    )
-    assert max(map(len, lines)) <= WIDTH
+    assert "certainty  probability 97.3 %" in lines
+    assert any("812\N{NO-BREAK SPACE}→\N{NO-BREAK SPACE}1.04 on the fitted FRFs" in x for x in lines)
+    assert max(map(len, lines)) <= TERMINAL.width
 
 
 def test_look_alikes_and_the_test_that_would_tell_are_told() -> None:
@@ -27,7 +26,9 @@ def test_look_alikes_and_the_test_that_would_tell_are_told() -> None:
     test = NextTest("it moves", {"drive": Dof(9, "Y")}, ("extra_mass", "drift"))
     words = summary(replace(diagnosis(Verdict.AMBIGUOUS, (step,)), next_test=test, notes=("noted",)))
     said = " ".join(words.split())
-    assert "alike this measurement cannot tell it from force transducer mass or drift everywhere" in said
+    assert (
+        "rivals this measurement cannot distinguish it from force transducer mass or drift everywhere" in said
+    )
     assert "next test Measure again with the force at 9:+Y: it moves." in said
     assert "note noted" in said
 

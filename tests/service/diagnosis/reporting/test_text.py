@@ -4,7 +4,7 @@ import pytest
 
 from modallab.core.dof import Dof
 from modallab.core.place import Channels, Members, Place
-from modallab.diagnosis.reporting import text as wording
+from modallab.diagnosis.reporting import text
 from modallab.diagnosis.result import EquivalentEffect, Localisation, NextTest, Rival, Step
 from tests.diagnosed import STEP
 from tests.diagnosing import model
@@ -23,7 +23,7 @@ from tests.diagnosing import model
     ],
 )
 def test_an_effect_is_named_with_its_place(kind: str, at: Place, words: str) -> None:
-    assert wording.name(EquivalentEffect(kind, at)) == words
+    assert text.effect_name(EquivalentEffect(kind, at)) == words
 
 
 @pytest.mark.parametrize(
@@ -38,22 +38,22 @@ def test_an_effect_is_named_with_its_place(kind: str, at: Place, words: str) -> 
     ],
 )
 def test_a_place_is_pointed_at(at: Place, words: str) -> None:
-    assert wording.where(at, model()) == words
+    assert text.place_description(at, model()) == words
 
 
 def test_a_gap_keeps_its_three_digits() -> None:
-    assert [wording.gap(x) for x in (9687.4, 812.3, 11.53, 1.043)] == ["9,687", "812", "11.5", "1.04"]
+    assert [text.gap_text(x) for x in (9687.4, 812.3, 11.53, 1.043)] == ["9,687", "812", "11.5", "1.04"]
 
 
 def test_a_probability_never_claims_to_be_certain() -> None:
-    assert [wording.share(x) for x in (1.0, 0.973, 1e-9)] == ["> 99.9 %", "97.3 %", "< 0.1 %"]
+    assert [text.probability_text(x) for x in (1.0, 0.973, 1e-9)] == ["> 99.9 %", "97.3 %", "< 0.1 %"]
 
 
 def test_sureness_names_the_next_best_and_what_it_leaves() -> None:
     rivals = (Rival("extra_mass", Dof(4, "Y"), 0.97, 1.04), Rival("drift", None, 0.03, 31.0))
     step = Step(**{**vars(STEP), "rivals": rivals})
-    words = "97.3 % of the belief; next drift everywhere, 3.0 %, which leaves a gap of 31"
-    assert wording.sure(step) == words
+    words = "probability 97.3 %; next best: drift everywhere, 3.0 %, with a remaining gap of 31"
+    assert text.probability_statement(step) == words
 
 
 @pytest.mark.parametrize(
@@ -70,23 +70,23 @@ def test_sureness_names_the_next_best_and_what_it_leaves() -> None:
     ],
 )
 def test_a_further_test_is_told_by_what_it_changes(change: dict[str, object], words: str) -> None:
-    told = wording.next_test(NextTest("because", change, ("extra_mass", "force_transducer_mass")))
+    told = text.next_test_text(NextTest("because", change, ("extra_mass", "force_transducer_mass")))
     assert (
-        told == f"Measure again with {words}: because. It tells extra mass and force transducer mass apart."
+        told == f"Measure again with {words}: because. It distinguishes extra mass and force transducer mass."
     )
 
 
 def test_a_shift_is_told_in_per_cent_with_the_digits_that_are_known() -> None:
-    assert wording.shift(-0.00252, 0.00003) == "-0.2520 ± 0.0030 %"
-    assert wording.shift(float("nan"), float("nan")) == "\N{EM DASH}"
+    assert text.shift_text(-0.00252, 0.00003) == "-0.2520 ± 0.0030 %"
+    assert text.shift_text(float("nan"), float("nan")) == "\N{EM DASH}"
 
 
 def test_what_is_said_of_bands_modes_and_responses_is_said_once() -> None:
     repeated = ("bands: 20 to 24 Hz", "responses: 5:+Y", "mean squared residual: FRFs 30")
     found = Localisation(((20.0, 24.0), (31.0, 31.0)), (Dof(5, "Y"),), (1, 2), (*repeated, "mode 1 is lower"))
-    assert wording.whereabouts(found) == [
-        "at 20 to 24 Hz and 31 Hz",
-        "at the model's elastic modes 1 and 2",
-        "most at 5:+Y",
+    assert text.location_statements(found) == [
+        "frequency bands: 20 to 24 Hz and 31 Hz",
+        "elastic modes of the model: 1 and 2",
+        "responses that disagree most: 5:+Y",
         "mode 1 is lower",
     ]
