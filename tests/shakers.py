@@ -9,8 +9,9 @@ from modallab.core.dof import Dof
 from modallab.fe.assembly import assemble
 from modallab.fe.structure import Member, PointMass, Structure
 from modallab.fe.system import DynamicSystem
-from modallab.rig.drive import RIGID, Drive
+from modallab.rig.drive import Drive
 from modallab.rig.hardware import Coil
+from modallab.rig.settings import DRIVE
 from tests.rigs import BAR, STEEL
 
 
@@ -74,9 +75,9 @@ def solved(
             point, tip = system.index(one.dof), n + 3 * i
             armature, current = tip + 1, tip + 2
             z[point, point] -= omega**2 * one.cancelled
-            spring = one.gauge * (1 + 1j * RIGID)
+            spring = one.gauge * (1 + 1j * DRIVE.joint_loss_factor)
             z[np.ix_([point, tip], [point, tip])] += spring * np.array([[1, -1], [-1, 1]])
-            spring = one.stinger * (1 + 1j * RIGID)
+            spring = one.stinger * (1 + 1j * DRIVE.joint_loss_factor)
             t = omega * np.sqrt(one.rod / spring)  # dynamic stiffness of a rod: waves along it
             rod = spring * t * np.array([[1 / np.tan(t), -1 / np.sin(t)], [-1 / np.sin(t), 1 / np.tan(t)]])
             z[np.ix_([tip, armature], [tip, armature])] += rod
@@ -87,7 +88,7 @@ def solved(
             right[current, i] = one.resistance / one.force_factor  # the voltage of 1 N at rest
         x = np.linalg.solve(z, right)
         points, currents = [system.index(one.dof) for one in shakers], n + 3 * np.arange(n_in) + 2
-        springs = np.array([one.gauge * (1 + 1j * RIGID) for one in shakers])[:, None]
+        springs = np.array([one.gauge * (1 + 1j * DRIVE.joint_loss_factor) for one in shakers])[:, None]
         inertia = np.array([one.cancelled for one in shakers])[:, None] * omega**2
         forces.append(springs * (x[currents - 2] - x[points]) + inertia * x[points])
         motions.append(x[:n])

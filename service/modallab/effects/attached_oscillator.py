@@ -10,12 +10,11 @@ from modallab.core.dof import Dof
 from modallab.core.parameters import parameter
 from modallab.core.place import Place
 from modallab.correlation.evidence import Evidence
+from modallab.effects.settings import OSCILLATOR_SCAN
 from modallab.fe.structure import Structure
 from modallab.fe.system import DynamicSystem
 from modallab.rig.effect import EFFECTS, Effect, Stage
 from modallab.rig.setup import AcquisitionRun, RigSetup
-
-IN_BAND = np.arange(0.03, 1.0, 0.03)  # shares of the band at which a first look is taken
 
 
 @EFFECTS.register("attached_oscillator")
@@ -61,7 +60,13 @@ class AttachedOscillator(Effect):
         top = setup.analyser.freq[-1]
         weight = float(system.mass.diagonal()[[dof.translational for dof in system.dofs]].sum())
         masses = [m for share in (1e-3, 1e-2, 1e-1) if (m := share * weight) <= self.specs()["mass"].upper]
-        return {"frequency": [float(share * top) for share in IN_BAND], "mass": masses}
+        return {
+            "frequency": [
+                float(share * top)
+                for share in np.arange(OSCILLATOR_SCAN.band_step, 1.0, OSCILLATOR_SCAN.band_step)
+            ],
+            "mass": masses,
+        }
 
     @classmethod
     def signature(cls, evidence: Evidence) -> float:

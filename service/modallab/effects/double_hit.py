@@ -10,12 +10,11 @@ from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.parameters import parameter
 from modallab.core.place import Place
 from modallab.correlation.evidence import Evidence
+from modallab.effects.settings import DOUBLE_HIT_SCAN
 from modallab.fe.system import DynamicSystem
 from modallab.rig.effect import EFFECTS, Effect, Stage
 from modallab.rig.setup import RigSetup
 from modallab.rig.source import Source
-
-LOOKS = 100  # delays worth a first look, half a period of the band's top apart
 
 
 @EFFECTS.register("double_hit")
@@ -58,7 +57,7 @@ class DoubleHit(Effect):
     def scan_values(self, system: DynamicSystem, setup: RigSetup) -> Mapping[str, Sequence[float]]:
         """Return delays so close that between two of them a ripple stays in step over the band."""
         band = setup.analyser.frequency_max
-        return {"delay": tuple(np.arange(1, LOOKS + 1) / (2 * band)), "ratio": (0.4,)}
+        return {"delay": tuple(np.arange(1, DOUBLE_HIT_SCAN.n_delays + 1) / (2 * band)), "ratio": (0.4,)}
 
     @classmethod
     def signature(cls, evidence: Evidence) -> float:

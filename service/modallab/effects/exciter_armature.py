@@ -8,13 +8,15 @@ from typing import ClassVar, Self
 from modallab.core.dof import Dof
 from modallab.core.parameters import parameter
 from modallab.correlation.evidence import Evidence
+from modallab.effects.settings import ARMATURE_SCAN
 from modallab.rig.drive import Drive
 from modallab.rig.effect import EFFECTS, Effect, Stage
 from modallab.rig.setup import RigSetup
 
-# Armature and structure resonate together, and the peaks move with the mass: a step of a fifth stays within
-# one valley of what is left of the force spectrum.
-TRIES = tuple(5.0 * 10.0 ** (-i / 12) for i in range(64))
+_TRIAL_MASSES = tuple(
+    ARMATURE_SCAN.max_mass * 10.0 ** (-i / ARMATURE_SCAN.values_per_decade)
+    for i in range(ARMATURE_SCAN.n_values)
+)
 
 
 @EFFECTS.register("exciter_armature")
@@ -31,7 +33,12 @@ class ExciterArmature(Effect):
     allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Dof)
     at_drive: ClassVar[bool] = True
     mass: float = parameter(
-        0.02, unit="kg", lower=0.0, upper=5.0, doc="moving mass behind the force gauge", scan_values=TRIES
+        0.02,
+        unit="kg",
+        lower=0.0,
+        upper=5.0,
+        doc="moving mass behind the force gauge",
+        scan_values=_TRIAL_MASSES,
     )
 
     def on_drive(self, drive: Drive) -> Drive:

@@ -9,8 +9,8 @@ from modallab.core.dof import Dof
 from modallab.core.parameters import parameter
 from modallab.rig.drive import Drive
 from modallab.rig.effect import EFFECTS, Effect, Stage
+from modallab.rig.settings import STINGER
 from modallab.rig.setup import RigSetup
-from modallab.rig.stinger import SOFTEST, STIFFEST
 
 
 @EFFECTS.register("force_transducer_stiffness")
@@ -32,15 +32,15 @@ class ForceTransducerStiffness(Effect):
     stiffness: float = parameter(
         1e8,
         unit="N/m",
-        lower=SOFTEST,
-        upper=STIFFEST,
-        absent=STIFFEST,
+        lower=STINGER.min_stiffness,
+        upper=STINGER.max_stiffness,
+        absent=STINGER.max_stiffness,
         scan_values=(1e6, 1e7, 1e8),
         doc="along the gauge's axis",
     )
 
     def on_drive(self, drive: Drive) -> Drive:
-        if not self.acts_on(drive.dof) or self.stiffness == STIFFEST:
+        if not self.acts_on(drive.dof) or self.stiffness == STINGER.max_stiffness:
             return drive
         return replace(drive, gauge_compliance=drive.gauge_compliance + 1 / self.stiffness)
 

@@ -10,13 +10,12 @@ from modallab.core.dof import Dof
 from modallab.core.parameters import parameter
 from modallab.core.place import Place
 from modallab.correlation.evidence import Evidence
+from modallab.effects.settings import FRICTION_SCAN
 from modallab.fe.system import DynamicSystem
 from modallab.rig.effect import EFFECTS, Effect, Stage
 from modallab.rig.likely_motion import distortion, likely_motion
 from modallab.rig.local_force import LocalForce
 from modallab.rig.setup import RigSetup
-
-STICKING = 0.1  # of a motion's own velocity, at which a first look supposes friction to let go
 
 
 @EFFECTS.register("friction")
@@ -62,7 +61,7 @@ class Friction(Effect):
         motion = likely_motion(system, setup, self.at)
         whole = motion.viscous * motion.velocity * np.sqrt(np.pi / 2)
         top = self.specs()["force"].upper
-        sticking = float(np.clip(STICKING * motion.velocity, 1e-9, 1e3))
+        sticking = float(np.clip(FRICTION_SCAN.sticking_ratio * motion.velocity, 1e-9, 1e3))
         forces = [min(share * whole, top) for share in (1e-3, 1e-2, 1e-1, 1.0)]
         return {"force": forces, "sticking": [sticking]}
 

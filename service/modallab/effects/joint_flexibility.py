@@ -10,12 +10,11 @@ from modallab.core.dof import Dof
 from modallab.core.parameters import parameter
 from modallab.core.place import Place
 from modallab.correlation.evidence import Evidence
+from modallab.effects.settings import JOINT_SCAN
 from modallab.fe.structure import JointSpring, Structure
 from modallab.fe.system import DynamicSystem
 from modallab.rig.effect import EFFECTS, Effect, Stage
 from modallab.rig.setup import AcquisitionRun, RigSetup
-
-LOOKS = np.logspace(-1.5, 2.5, 9)  # flexibility of the joint over that of one member's end
 
 
 @EFFECTS.register("joint_flexibility")
@@ -75,7 +74,9 @@ class JointFlexibility(Effect):
         upper = self.specs()["flexibility"].upper
         return {
             "flexibility": [
-                float(end_flexibility * share) for share in LOOKS if end_flexibility * share <= upper
+                float(end_flexibility * share)
+                for share in np.logspace(*JOINT_SCAN.decades, JOINT_SCAN.n_values)
+                if end_flexibility * share <= upper
             ]
         }
 

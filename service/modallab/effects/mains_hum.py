@@ -11,14 +11,12 @@ from modallab.core.arrays import BoolArray, FloatArray
 from modallab.core.parameters import parameter
 from modallab.core.place import Channels, Place
 from modallab.correlation.evidence import Evidence
+from modallab.effects.settings import MAINS
 from modallab.estimation.spectra import CrossSpectra
 from modallab.fe.system import DynamicSystem
 from modallab.rig.acquisition import Acquisition, Batch, samples_of
 from modallab.rig.effect import EFFECTS, Effect, Stage
 from modallab.rig.setup import RigSetup
-
-ORDERS = np.array([1, 3, 5, 7])  # harmonics of a current that both half waves of the mains distort alike
-MAINS = (50.0, 60.0)
 
 
 @EFFECTS.register("mains_hum")
@@ -46,7 +44,13 @@ class MainsHum(Effect):
         scan_values=(1e-3, 1e-2, 0.1),
     )
     frequency: float = parameter(
-        50.0, unit="Hz", lower=10.0, upper=500.0, doc="of the mains", absent=None, scan_values=MAINS
+        50.0,
+        unit="Hz",
+        lower=10.0,
+        upper=500.0,
+        doc="of the mains",
+        absent=None,
+        scan_values=MAINS.frequencies,
     )
 
     def on_spectra(self, spectra: CrossSpectra, acquisition: Acquisition) -> CrossSpectra:
@@ -62,15 +66,15 @@ class MainsHum(Effect):
         """Return the samples with the hum on them, which all channels of a record hear at one phase."""
         orders = self._orders(acquisition)
         n_block, _, n_samples = batch.samples.shape
-        start = rng.uniform(0, 2 * np.pi, (n_block, len(ORDERS)))[:, : len(orders), None]
+        start = rng.uniform(0, 2 * np.pi, (n_block, len(np.array(MAINS.harmonics))))[:, : len(orders), None]
         turn = 2 * np.pi * self.frequency / acquisition.sample_rate * np.arange(n_samples)
         hum = np.sqrt(2) * ((1 / orders) @ np.sin(orders[:, None] * turn + start))
         rms = (self.ratio * acquisition.rms * self._hums(acquisition))[batch.run]
         return np.asarray(batch.samples + rms[:, None] * hum[:, None, :])
 
     def _orders(self, acquisition: Acquisition) -> FloatArray:
-        inside = ORDERS * self.frequency <= acquisition.analyser.frequency_max
-        return ORDERS[inside].astype(float)
+        inside = np.array(MAINS.harmonics) * self.frequency <= acquisition.analyser.frequency_max
+        return np.array(MAINS.harmonics)[inside].astype(float)
 
     def _hums(self, acquisition: Acquisition) -> BoolArray:
         return acquisition.where(lambda channel: not channel.force and self.acts_on(channel.dof))
@@ -93,5 +97,5 @@ class MainsHum(Effect):
     def signature(cls, evidence: Evidence) -> float:
         """Coherence is lower than it should be at the mains frequency, and not in general."""
         drop = np.maximum(evidence.coherence_drop, 0.0).max(axis=1)
-        at_mains = max(float(drop[np.abs(evidence.freq - f).argmin()]) for f in MAINS)
+        at_mains = max(float(drop[np.abs(evidence.freq - f).argmin()]) for f in MAINS.frequencies)
         return at_mains / (at_mains + 3 * float(drop.mean()) + 1e-12)

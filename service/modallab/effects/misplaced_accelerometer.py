@@ -14,7 +14,7 @@ from modallab.rig.channel import Channel
 from modallab.rig.effect import EFFECTS, Effect, Stage
 from modallab.rig.setup import RigSetup
 
-BESIDE = "channels at nodes of bars, whose shape says how a point beside the node moves"
+_ALLOWED_CHANNELS = "channels at nodes of bars, whose shape says how a point beside the node moves"
 
 
 @EFFECTS.register("misplaced_accelerometer")
@@ -47,7 +47,7 @@ class MisplacedAccelerometer(Effect):
             return channel
         dof = channel.dof
         if not system.members.has_bar(dof.node):
-            raise self._misplaced(BESIDE)
+            raise self._misplaced(_ALLOWED_CHANNELS)
         channel = channel.hearing(dof, -1.0)
         for row, weight in point_motion(system.members, dof.node, self.distance, dof.direction):
             channel = channel.hearing(system.dofs[row], dof.sign * weight)
@@ -59,7 +59,7 @@ class MisplacedAccelerometer(Effect):
         channels = self.at.dofs if isinstance(self.at, Channels) else ()
         nodes = {node for m in structure.members for node in m.nodes}
         if any(dof.node in structure.nodes and dof.node not in nodes for dof in channels):
-            raise self._misplaced(BESIDE)
+            raise self._misplaced(_ALLOWED_CHANNELS)
 
     @classmethod
     def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:

@@ -11,6 +11,7 @@ from modallab.core.arrays import FloatArray
 from modallab.core.parameters import parameter
 from modallab.core.place import Channels, Place
 from modallab.correlation.evidence import Evidence
+from modallab.effects.settings import OVERLOAD
 from modallab.estimation.clipping import clipped_spectra
 from modallab.estimation.spectra import CrossSpectra
 from modallab.fe.system import DynamicSystem
@@ -18,8 +19,6 @@ from modallab.rig.acquisition import Acquisition, Batch
 from modallab.rig.effect import EFFECTS, Effect, Stage
 from modallab.rig.excitation import EXCITATIONS
 from modallab.rig.setup import RigSetup
-
-ABSENT = 100.0
 
 
 @EFFECTS.register("overload")
@@ -44,8 +43,8 @@ class Overload(Effect):
         1.5,
         unit="1",
         lower=0.5,
-        upper=ABSENT,
-        absent=ABSENT,
+        upper=OVERLOAD.max_level,
+        absent=OVERLOAD.max_level,
         doc="range of the converter over the rms of the channel's signal",
         scan_values=(1.0, 1.25, 1.5, 1.75, 2.0, 2.25, 2.5, 2.75, 3.0, 3.25, 3.5, 3.75, 4.0),
     )

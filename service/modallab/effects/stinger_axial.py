@@ -10,8 +10,8 @@ from modallab.core.parameters import parameter
 from modallab.correlation.evidence import Evidence
 from modallab.rig.drive import Drive
 from modallab.rig.effect import EFFECTS, Effect, Stage
+from modallab.rig.settings import STINGER
 from modallab.rig.setup import RigSetup
-from modallab.rig.stinger import SOFTEST, STIFFEST
 
 
 @EFFECTS.register("stinger_axial")
@@ -31,15 +31,15 @@ class StingerAxial(Effect):
     stiffness: float = parameter(
         2e6,
         unit="N/m",
-        lower=SOFTEST,
-        upper=STIFFEST,
-        absent=STIFFEST,
+        lower=STINGER.min_stiffness,
+        upper=STINGER.max_stiffness,
+        absent=STINGER.max_stiffness,
         scan_values=(3e4, 1e5, 3e5, 1e6, 3e6, 1e7, 1e8),
         doc="along the stinger's axis",
     )
 
     def on_drive(self, drive: Drive) -> Drive:
-        if not self.acts_on(drive.dof) or self.stiffness == STIFFEST:
+        if not self.acts_on(drive.dof) or self.stiffness == STINGER.max_stiffness:
             return drive
         return replace(drive, compliance=drive.compliance + 1 / self.stiffness)
 

@@ -13,8 +13,9 @@ from modallab.correlation.evidence import Evidence
 from modallab.fe.attachment import Attachment
 from modallab.fe.system import DynamicSystem
 from modallab.rig.effect import EFFECTS, Effect, Stage
+from modallab.rig.settings import STINGER
 from modallab.rig.setup import AcquisitionRun, RigSetup
-from modallab.rig.stinger import LONGEST, SHORTEST, STIFFEST_BENDING, lateral_ends
+from modallab.rig.stinger import lateral_ends
 
 
 @EFFECTS.register("stinger_bending")
@@ -34,13 +35,13 @@ class StingerBending(Effect):
     allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Dof)
     at_drive: ClassVar[bool] = True
     stiffness: float = parameter(
-        10.0, unit="N m/rad", lower=0.0, upper=STIFFEST_BENDING, doc="moment per rotation, 4EI/L"
+        10.0, unit="N m/rad", lower=0.0, upper=STINGER.max_bending_stiffness, doc="moment per rotation, 4EI/L"
     )
     length: float = parameter(
         0.05,
         unit="m",
-        lower=SHORTEST,
-        upper=LONGEST,
+        lower=STINGER.min_length,
+        upper=STINGER.max_length,
         absent=None,
         doc="of the rod: its lateral stiffness is three times the one in rotation, over length^2",
     )

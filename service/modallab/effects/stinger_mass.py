@@ -13,8 +13,9 @@ from modallab.fe.attachment import Attachment
 from modallab.fe.system import DynamicSystem
 from modallab.rig.drive import Drive
 from modallab.rig.effect import EFFECTS, Effect, Stage
+from modallab.rig.settings import STINGER
 from modallab.rig.setup import AcquisitionRun, RigSetup
-from modallab.rig.stinger import HEAVIEST, LONGEST, SHORTEST, lateral_ends
+from modallab.rig.stinger import lateral_ends
 
 
 @EFFECTS.register("stinger_mass")
@@ -36,9 +37,14 @@ class StingerMass(Effect):
     allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Dof)
     at_drive: ClassVar[bool] = True
     suspected: ClassVar[bool] = False
-    mass: float = parameter(1e-3, unit="kg", lower=0.0, upper=HEAVIEST, doc="of the whole stinger")
+    mass: float = parameter(1e-3, unit="kg", lower=0.0, upper=STINGER.max_mass, doc="of the whole stinger")
     length: float = parameter(
-        0.05, unit="m", lower=SHORTEST, upper=LONGEST, absent=None, doc="from armature to force gauge"
+        0.05,
+        unit="m",
+        lower=STINGER.min_length,
+        upper=STINGER.max_length,
+        absent=None,
+        doc="from armature to force gauge",
     )
 
     def on_system(self, system: DynamicSystem, shot: AcquisitionRun) -> DynamicSystem:

@@ -6,9 +6,8 @@ from typing import ClassVar
 import numpy as np
 
 from modallab.rig.mounting import reading, useful_frequency
+from modallab.rig.settings import CHECK
 from modallab.rig.setup import RigSetup
-
-TOLERATED = 0.1  # of a reading
 
 
 @dataclass(frozen=True)
@@ -40,7 +39,8 @@ def accelerometer_checks(setup: RigSetup) -> tuple[AccelerometerCheck, ...]:
     top = setup.analyser.frequency_max
     relative_reading = np.abs(reading(np.array([top / mounting.frequency]), mounting.loss))[0]
     limit_5_percent, limit_10_percent = (
-        useful_frequency(mounting.frequency, share, mounting.loss) for share in (0.05, TOLERATED)
+        useful_frequency(mounting.frequency, share, mounting.loss)
+        for share in (CHECK.strict_reading_tolerance, CHECK.reading_tolerance)
     )
     return (
         AccelerometerCheck(

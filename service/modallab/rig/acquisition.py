@@ -9,13 +9,14 @@ import scipy.fft
 from modallab.core.arrays import BoolArray, FloatArray, IntArray
 from modallab.rig.analyser import Analyser
 from modallab.rig.channel import Channel
-
-RATE = 2.56  # sample rate over the top of the band, as analysers have it
+from modallab.rig.settings import ACQUISITION
 
 
 def samples_of(analyser: Analyser) -> int:
     """Return the number of samples of a record."""
-    return int(scipy.fft.next_fast_len(int(np.ceil(RATE * (analyser.n_lines - 1))), real=True))
+    return int(
+        scipy.fft.next_fast_len(int(np.ceil(ACQUISITION.rate_ratio * (analyser.n_lines - 1))), real=True)
+    )
 
 
 def sample_rate_of(analyser: Analyser) -> float:

@@ -18,13 +18,9 @@ from modallab.rig.drive import Drive, reaction, transmission
 from modallab.rig.effect import EFFECTS, Effect, build
 from modallab.rig.excitation import EXCITATIONS
 from modallab.rig.run import Run, filtered
+from modallab.rig.settings import CHAIN
 from modallab.rig.setup import AcquisitionRun, RigSetup
 from modallab.rig.source import NoiseLevels, Source
-
-# Of a line: 0 Hz is taken as a limit, where inertance stays finite. Near enough to be within 1e-6 of it,
-# far enough for omega^2 to stand above the rounding in a free body's modal damping.
-DC_LIMIT = 1e-3
-AT_ONCE = 2048  # frequencies at which the structure is asked at once: what then lies in the cache
 
 
 def _at_work(runs: Sequence[Run], omega: FloatArray, alpha: ComplexArray) -> ComplexArray:
@@ -104,14 +100,14 @@ class Chain:
     def _answer(self, freq: FloatArray) -> ChannelResponse:
         """Return both side by side."""
         top = float(freq.max())
-        part = self._part(freq[:AT_ONCE], top)
-        if len(freq) <= AT_ONCE:
+        part = self._part(freq[: CHAIN.frequency_block], top)
+        if len(freq) <= CHAIN.frequency_block:
             return part
         firsts = (part.force, part.response, part.moved)
         shapes = [(array.shape[0], len(freq), *array.shape[2:]) for array in firsts]
         force, response, displacement = (np.empty(shape, complex) for shape in shapes)
-        for start in range(0, len(freq), AT_ONCE):
-            block = slice(start, start + AT_ONCE)
+        for start in range(0, len(freq), CHAIN.frequency_block):
+            block = slice(start, start + CHAIN.frequency_block)
             part = part if start == 0 else self._part(freq[block], top)
             force[:, block], response[:, block], displacement[:, block] = (
                 part.force,
@@ -121,7 +117,7 @@ class Chain:
         return ChannelResponse(force, response, displacement)
 
     def _part(self, freq: FloatArray, top: float) -> ChannelResponse:
-        omega = 2 * np.pi * np.maximum(freq, DC_LIMIT * self.setup.analyser.spacing)
+        omega = 2 * np.pi * np.maximum(freq, CHAIN.dc_line_fraction * self.setup.analyser.spacing)
         n_in = self.n_in
         force: list[ComplexArray] = [np.zeros(0, complex)] * len(self.runs)
         response, displacement = list(force), list(force)

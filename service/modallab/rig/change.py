@@ -13,10 +13,10 @@ from modallab.rig.compatibility import check_compatible
 from modallab.rig.effect import build
 from modallab.rig.effects_in_other_test import effects_in_other_test
 from modallab.rig.hardware import Exciter, ForceTransducer
+from modallab.rig.settings import CHANGE
 from modallab.rig.setup import RigSetup
 
 SENSORS = "sensors"
-SAME = 1e-6  # relative difference within which two log books mean the same number
 _USUAL = {"shaker": "periodic_random", "hammer": "impact"}
 
 
@@ -28,7 +28,7 @@ class AddedMass:
     at: Dof | None = None  # None: on every accelerometer, and moves with it
 
     def __post_init__(self) -> None:
-        if not 0 < self.mass <= 100:  # NaN fails too
+        if not 0 < self.mass <= CHANGE.max_mass:  # NaN fails too
             raise InvalidInputError(
                 "an added mass weighs something", field="added_mass.mass", value=self.mass, allowed="0 to 100"
             )
@@ -52,7 +52,7 @@ class Change:
     def __post_init__(self) -> None:
         for name in ("level_factor", "averages_factor"):
             value = getattr(self, name)
-            if value is not None and not 1e-6 <= value <= 1e6:
+            if value is not None and not CHANGE.min_factor <= value <= CHANGE.max_factor:
                 raise InvalidInputError(
                     f"{name} is out of bounds", field=f"changed.{name}", value=value, allowed="1e-6 to 1e6"
                 )
@@ -158,7 +158,7 @@ def _plain(value: Any) -> Any:
 
 def _same(a: Any, b: Any) -> bool:
     if isinstance(a, (int, float)) and isinstance(b, (int, float)):
-        return bool(np.isclose(a, b, rtol=SAME, atol=0.0))
+        return bool(np.isclose(a, b, rtol=CHANGE.relative_tolerance, atol=0.0))
     return bool(a == b)
 
 

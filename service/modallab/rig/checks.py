@@ -10,10 +10,9 @@ from modallab.fe.structure import Structure
 from modallab.fe.system import DynamicSystem
 from modallab.rig.accelerometer_check import accelerometer_checks
 from modallab.rig.effect import EFFECTS, build
+from modallab.rig.settings import CHECK
 from modallab.rig.setup import AcquisitionRun, RigSetup
 from modallab.rig.stinger_check import stinger_checks
-
-SOFT = 0.1  # of the first elastic frequency, which rigid-body modes on a suspension should stay below
 
 
 class Check(Protocol):
@@ -41,7 +40,7 @@ class SuspensionCheck:
     @property
     def fulfilled(self) -> bool:
         """Whether the structure is as good as free."""
-        return self.ratio < SOFT
+        return self.ratio < CHECK.rigid_elastic_ratio
 
 
 def suspension_check(structure: Structure, setup: RigSetup) -> SuspensionCheck:
@@ -71,9 +70,9 @@ def suspension_check(structure: Structure, setup: RigSetup) -> SuspensionCheck:
 
 def _lowest(system: DynamicSystem, count: int) -> FloatArray:
     # A large structure is solved up to a frequency, not for a number: widen until there are enough.
-    limit = 1.0  # Hz
+    limit = CHECK.initial_frequency
     while len(frequencies := system.modes(limit).frequencies) < count:
-        limit *= 4
+        limit *= CHECK.frequency_step
     return frequencies
 
 

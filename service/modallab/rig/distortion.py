@@ -13,16 +13,10 @@ from modallab.rig.analyser import Analyser
 from modallab.rig.drive import reaction, transmission
 from modallab.rig.equivalent_linearisation import Taken, at_work, equivalents, left_over
 from modallab.rig.local_force import Linearised, LocalForce
+from modallab.rig.nonlinear_settings import DISTORTION
 from modallab.rig.run import Run
 from modallab.rig.source import Source
 from modallab.rig.view import refined
-
-STRONG = 1.0  # mean square of the motion by residuals, over that by sources, at which first order ends
-NARROWEST = 1e-6  # of a line, that quadrature takes a resonance to be
-REFINEMENTS = 40  # of the quadrature towards resonances that nonlinear forces have moved
-PANELS = 8  # that the band is cut into before
-AT_ONCE = 512  # frequencies of all runs that lie in the cache together
-FINEST = 64  # grid points a line at most where a spectrum is steep
 
 
 def with_equivalents(
@@ -99,7 +93,7 @@ def _by_quadrature(
     Frequencies are fine where the resonances are that a motion gives, the motion follows from them, and
     so on. A run begins where the one before it ended: they differ by an accelerometer.
     """
-    lines, panels = analyser.freq[1:], replace(analyser, n_lines=PANELS + 1)
+    lines, panels = analyser.freq[1:], replace(analyser, n_lines=DISTORTION.initial_panels + 1)
     power = np.full(len(lines), (1 - share) * _power_of_line(analyser))
     if share == 1:
         lines, power = lines[:0], power[:0]
@@ -107,7 +101,7 @@ def _by_quadrature(
     for run in runs:
         start_run = run if rms is None else _with_lines(run, _lines(forces, rms))
         resonances = start_run.resonances(analyser.frequency_max)
-        for _ in range(REFINEMENTS):
+        for _ in range(DISTORTION.max_refinements):
             nodes, hertz = refined(panels, *resonances)
             weights = np.concatenate([power, share * _density(analyser) * hertz])
             omega = 2 * np.pi * np.concatenate([lines, nodes])
@@ -138,7 +132,10 @@ def _resolved(
     """Return whether every resonance lies within its half bandwidth of one known to be as narrow."""
     (frequency, half_width), (refined_frequency, refined_width) = resonances, refined_resonances
     inside = frequency < analyser.frequency_max + analyser.spacing
-    frequency, half_width = frequency[inside], np.maximum(half_width[inside], NARROWEST * analyser.spacing)
+    frequency, half_width = (
+        frequency[inside],
+        np.maximum(half_width[inside], DISTORTION.min_half_width * analyser.spacing),
+    )
     near = np.abs(frequency[:, None] - refined_frequency) <= half_width[:, None]
     return bool((near & (refined_width <= 2 * half_width[:, None])).any(axis=1).all())
 
@@ -176,7 +173,7 @@ def check_first_order(runs: Sequence[Run], analyser: Analyser, source: Source) -
     residual_density = residuals(runs, analyser, source, lines).density
     by_residuals = (np.abs(fed_back) ** 2 * residual_density[:, :, None, :]).sum(axis=(1, 3))
     by_sources = _density(analyser) * (np.abs(driven) ** 2).sum(axis=(1, 3))
-    strong = by_residuals > STRONG * by_sources
+    strong = by_residuals > DISTORTION.first_order_limit * by_sources
     if strong.any():
         worst = forces[int(strong.any(axis=0).argmax())].dof
         raise InvalidInputError(
@@ -196,7 +193,11 @@ class Residuals:
 
 
 def residuals(
-    runs: Sequence[Run], analyser: Analyser, source: Source, freq: FloatArray, finest: int = FINEST
+    runs: Sequence[Run],
+    analyser: Analyser,
+    source: Source,
+    freq: FloatArray,
+    finest: int = DISTORTION.max_points_per_line,
 ) -> Residuals:
     """Return what the nonlinear forces of runs leave at `freq` (n_freq,) Hz.
 
@@ -231,9 +232,9 @@ def _on_even_lines(
         return analyser.freq, spectra
     frequencies, widths = np.concatenate([run.resonances(analyser.frequency_max) for run in runs], axis=1)
     narrow = widths[frequencies < analyser.frequency_max].min(initial=analyser.spacing)
-    finer = int(np.clip(np.ceil(analyser.spacing / max(narrow, 1e-9)), 1, finest))
+    finer = int(np.clip(np.ceil(analyser.spacing / max(narrow, DISTORTION.min_width)), 1, finest))
     lines = np.linspace(0.0, analyser.frequency_max, finer * (analyser.n_lines - 1) + 1)
-    parts = np.array_split(2 * np.pi * lines[1:], np.ceil(len(lines) / AT_ONCE))
+    parts = np.array_split(2 * np.pi * lines[1:], np.ceil(len(lines) / DISTORTION.frequency_block))
     driven, fed_back = zip(*(motions(runs, forces, omega) for omega in parts), strict=True)
     receptances = np.concatenate(driven, axis=1), np.concatenate(fed_back, axis=1)
     return lines, _taken(forces, *receptances, 2 * np.pi * lines[1:], analyser)

@@ -9,9 +9,7 @@ from modallab.core.dof import Dof
 from modallab.fe.attachment import Attachment
 from modallab.fe.system import DynamicSystem
 from modallab.rig.hardware import Coil
-
-RIGID = 0.01  # loss factor of what joins armature and structure: keeps their resonance finite
-FAR = 2 * np.pi * 1e6  # rad/s: what resonates on its joint above that moves as if joined rigidly
+from modallab.rig.settings import DRIVE
 
 
 @dataclass(frozen=True)
@@ -60,7 +58,9 @@ class Drive:
     def stations(self, omega: FloatArray) -> list[tuple[ComplexArray, ComplexArray]]:
         """Return the ladder outwards: C (n_freq,) m/N before a mass, and Z (n_freq,) N/m of the mass."""
         zeros = np.zeros(len(omega), complex)
-        gauge, stinger = (c / (1 + 1j * RIGID) for c in (self.gauge_compliance, self.compliance))
+        gauge, stinger = (
+            c / (1 + 1j * DRIVE.joint_loss_factor) for c in (self.gauge_compliance, self.compliance)
+        )
         half_turn = omega / 2 * np.sqrt(self.stinger_mass * stinger) / np.pi
         half = -(omega**2) * self.stinger_mass / 2 * np.sinc(half_turn) / np.cos(np.pi * half_turn)
         return [
@@ -92,7 +92,12 @@ class Drive:
             mass[i : i + 2, i : i + 2] -= along / 6 * element  # a third at either end, a sixth across
         return system.attach(
             Attachment(
-                system.selection((self.dof,)), mass, stiffness + k, RIGID * k, viscous, inner=len(joints)
+                system.selection((self.dof,)),
+                mass,
+                stiffness + k,
+                DRIVE.joint_loss_factor * k,
+                viscous,
+                inner=len(joints),
             )
         )
 
@@ -112,7 +117,7 @@ class Drive:
         lumps, joints, compliance_sum = [np.zeros(3)], [], 0.0
         for compliance, along, values in ladder:
             compliance_sum += compliance
-            if values[0] * compliance_sum * FAR**2 < 1:
+            if values[0] * compliance_sum * DRIVE.rigid_rate**2 < 1:
                 share = 1 / (1 + compliance_sum * values[1])  # of the inner end's motion that arrives
                 lumps[-1] = lumps[-1] + np.array(values) * [1.0, share, share**2]
             else:

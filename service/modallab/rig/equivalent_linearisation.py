@@ -8,13 +8,12 @@ import scipy.fft
 
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray
 from modallab.rig.local_force import Linearised, LocalForce
+from modallab.rig.nonlinear_settings import LINEARISATION
 
-SETTLED = 1e-10  # relative change of a root mean square at which it is found
-ROUNDS = 100
-LOOKED_AT = np.geomspace(0.01, 8.0, 28)  # shares of the motion without the force, from the least up
-FARTHER = np.geomspace(1e2, 1.0, 9)[:-1]  # times below and above, where that is not enough
-REACH = 0.5  # of a logarithm, from where a motion is looked for nearby
-FINER = 4  # samples of an autocorrelation per one of a signal over the band: room for third harmonics
+_TRIAL_RATIOS = np.geomspace(*LINEARISATION.trial_range, LINEARISATION.n_trials)
+_EXTENSION_RATIOS = np.geomspace(LINEARISATION.extension_range, 1.0, LINEARISATION.n_extension_trials + 1)[
+    :-1
+]
 
 
 def equivalents(
@@ -54,13 +53,13 @@ def equivalents(
     if len(forces) == 1:
         return _settled(forces[0], _motion(driven, fed_back, power), initial_rms)
     rms = np.zeros((len(driven), len(forces))) if initial_rms is None else initial_rms.copy()
-    for _ in range(ROUNDS):
+    for _ in range(LINEARISATION.max_rounds):
         previous_rms = rms.copy()
         for i, force in enumerate(forces):
             receptances = _beside(forces, rms, driven, fed_back, i)
             initial = None if initial_rms is None else rms[:, i : i + 1]
             rms[:, i : i + 1] = _settled(force, _motion(*receptances, power), initial)
-        if (np.abs(rms - previous_rms) <= SETTLED * rms).all():
+        if (np.abs(rms - previous_rms) <= LINEARISATION.rms_tolerance * rms).all():
             break
     return rms
 
@@ -131,7 +130,7 @@ def _settled(force: LocalForce, motion: _Motion, initial_rms: FloatArray | None)
     """Return the least root mean square (n_run, 1) that a force allows under its own straight line.
 
     The first change of sign of ln(allowed/supposed) from small motions up, then Newton's method
-    between its ends; or within `REACH` of a motion near it.
+    between its ends; or within `LINEARISATION.log_bracket` of a motion near it.
     """
     open_loop_rms = motion.rms(np.zeros(motion.n_run))
     if not (moving := open_loop_rms > 0).all():
@@ -146,8 +145,8 @@ def _settled(force: LocalForce, motion: _Motion, initial_rms: FloatArray | None)
         log_rms = (low + high) / 2
     else:
         log_rms = np.log(initial_rms[:, 0])
-        low, high = log_rms - REACH, log_rms + REACH
-    for _ in range(ROUNDS):
+        low, high = log_rms - LINEARISATION.log_bracket, log_rms + LINEARISATION.log_bracket
+    for _ in range(LINEARISATION.max_rounds):
         rms = np.exp(log_rms)
         k, coefficient_slope = force.lines(rms)
         resulting_rms, log_slope = motion.slope(k)
@@ -157,14 +156,14 @@ def _settled(force: LocalForce, motion: _Motion, initial_rms: FloatArray | None)
         newton_point = log_rms + step
         inside = (newton_point >= low) & (newton_point <= high)
         log_rms, previous = np.where(inside, newton_point, (low + high) / 2), log_rms
-        if (np.abs(log_rms - previous) <= SETTLED).all():
+        if (np.abs(log_rms - previous) <= LINEARISATION.rms_tolerance).all():
             break
     return np.asarray(np.exp(log_rms))[:, None]
 
 
 def _bracket(force: LocalForce, motion: _Motion, open_loop_rms: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return logarithms of motions, the force allowing more than the first and less than the second."""
-    trial_rms = LOOKED_AT * open_loop_rms.max()
+    trial_rms = _TRIAL_RATIOS * open_loop_rms.max()
     while True:
         coefficients = force.lines(trial_rms)[0]
         resulting_rms = np.array(
@@ -172,9 +171,9 @@ def _bracket(force: LocalForce, motion: _Motion, open_loop_rms: FloatArray) -> t
         )
         is_smaller = resulting_rms <= trial_rms[:, None]
         if is_smaller[0].any():
-            trial_rms = np.concatenate([trial_rms[0] / FARTHER, trial_rms])
+            trial_rms = np.concatenate([trial_rms[0] / _EXTENSION_RATIOS, trial_rms])
         elif not is_smaller[-1].all():
-            trial_rms = np.concatenate([trial_rms, trial_rms[-1] * FARTHER[::-1]])
+            trial_rms = np.concatenate([trial_rms, trial_rms[-1] * _EXTENSION_RATIOS[::-1]])
         else:
             break
     first = is_smaller.argmax(axis=0)
@@ -250,7 +249,7 @@ def left_over(
     (n_lines,) each; the second in force per displacement or velocity, whichever the force takes.
     """
     n_lines = len(spectrum)
-    n = int(scipy.fft.next_fast_len(FINER * (n_lines - 1), real=True))
+    n = int(scipy.fft.next_fast_len(LINEARISATION.oversampling * (n_lines - 1), real=True))
     two_sided = np.zeros(n + 1)
     two_sided[:n_lines] = spectrum / 2
     two_sided[0] = spectrum[0]

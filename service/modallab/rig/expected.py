@@ -8,13 +8,16 @@ from modallab.estimation.spectra import CrossSpectra
 from modallab.rig.acquisition import Acquisition
 from modallab.rig.chain import Chain
 from modallab.rig.channel_response import ChannelResponse
-from modallab.rig.distortion import FINEST, residuals
+from modallab.rig.distortion import residuals
 from modallab.rig.equivalent_linear_feedback import with_equivalent_feedback
 from modallab.rig.excitation import EXCITATIONS
-from modallab.rig.free_decay import FORGOTTEN, NEARLY, transient_of, transient_spectra
+from modallab.rig.free_decay import transient_of, transient_spectra
 from modallab.rig.leakage_kernel import LeakageKernel
+from modallab.rig.nonlinear_settings import DISTORTION
 from modallab.rig.periodic import fixed_signals
-from modallab.rig.view import COARSE, THIN, View, coarse_view, periodic_view, refined_view
+from modallab.rig.settings import FREE_DECAY
+from modallab.rig.spectrum_settings import QUADRATURE
+from modallab.rig.view import View, coarse_view, periodic_view, refined_view
 
 
 def expected_spectra(chain: Chain, view: LeakageKernel | None = None) -> CrossSpectra:
@@ -37,7 +40,7 @@ def thin_view(chain: Chain) -> LeakageKernel | None:
     """Return how lines see what does not repeat, good enough to differentiate with; None if all does."""
     if not chain.source.continuous > 0:
         return None
-    return refined_view(chain.setup.analyser, *chain.poles(), THIN)
+    return refined_view(chain.setup.analyser, *chain.poles(), QUADRATURE.derivative_points)
 
 
 def coarse_spectra(chain: Chain, step: int) -> CrossSpectra:
@@ -69,7 +72,7 @@ def noise_free(chain: Chain, step: int | None = None, view: LeakageKernel | None
         parts.append((1 - share) * _repeating(chain, step or 1))
     if share > 0:
         if step is not None:
-            parts.append(share * _through(coarse_view(analyser, step), chain, COARSE))
+            parts.append(share * _through(coarse_view(analyser, step), chain, QUADRATURE.coarse_points))
         else:
             parts.append(share * _through(view or refined_view(analyser, *chain.poles()), chain))
     return np.asarray(sum(parts[1:], parts[0]))
@@ -78,7 +81,9 @@ def noise_free(chain: Chain, step: int | None = None, view: LeakageKernel | None
 def _repeating(chain: Chain, step: int) -> ComplexArray:
     """Return the same of what repeats with the record, or begins and ends within it, at full power."""
     if transient_of(chain) is not None:
-        spectra = transient_spectra(chain, FORGOTTEN if step == 1 else NEARLY)
+        spectra = transient_spectra(
+            chain, FREE_DECAY.decay_threshold if step == 1 else FREE_DECAY.screening_decay_threshold
+        )
         return spectra[:, ::step] + _distorted(chain, step)
     lines = fixed_signals(chain)
     if lines is not None:
@@ -95,7 +100,9 @@ def _distorted(chain: Chain, step: int) -> ComplexArray | float:
     return view.through(_powers(chain.distort(view.nodes), residual.density))
 
 
-def _through(view: View | LeakageKernel, chain: Chain, finest: int = FINEST) -> ComplexArray:
+def _through(
+    view: View | LeakageKernel, chain: Chain, finest: int = DISTORTION.max_points_per_line
+) -> ComplexArray:
     analyser = chain.setup.analyser
     density = np.full((1, 1, chain.n_in), analyser.excitation.level**2 / analyser.frequency_max)
     driven, distorted = chain.answers(view.nodes)

@@ -10,15 +10,11 @@ from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.errors import InvalidInputError
 from modallab.estimation.averaging import Averager
 from modallab.rig.acquisition import sample_rate_of, samples_of
-from modallab.rig.chain import DC_LIMIT, Chain
+from modallab.rig.chain import Chain
 from modallab.rig.excitation import EXCITATIONS, Transient
 from modallab.rig.hammer_misalignment import misalignment_responses
 from modallab.rig.impulse_responses import ImpulseResponses
-
-FORGOTTEN = 1e-6  # amplitude below which a mode has rung out
-NEARLY = 0.03  # the same for a first look over many hypotheses
-LONGEST = 2**26  # samples of all channels, 0.5 GB
-AT_ONCE = 2**22  # samples of all channels of the runs that are solved for together
+from modallab.rig.settings import CHAIN, FREE_DECAY
 
 
 def transient_of(chain: Chain) -> Transient | None:
@@ -38,14 +34,14 @@ def answers_of(chain: Chain, run: int) -> ImpulseResponses:
     InvalidInputError
         If a mode rings too long.
     """
-    return _answers(replace(chain, runs=(chain.runs[run],)), FORGOTTEN)[0]
+    return _answers(replace(chain, runs=(chain.runs[run],)), FREE_DECAY.decay_threshold)[0]
 
 
-def all_answers(chain: Chain, forgotten: float = FORGOTTEN) -> Iterator[ImpulseResponses]:
+def all_answers(chain: Chain, forgotten: float = FREE_DECAY.decay_threshold) -> Iterator[ImpulseResponses]:
     """Yield the same of every run; runs that fit into memory share their solutions."""
     n_fft = samples_of(chain.setup.analyser) * _repeats(replace(chain, runs=chain.runs[:1]), forgotten)
     n_ch = chain.n_in + len(chain.runs[0].responses)
-    runs_per_group = max(1, AT_ONCE // (n_fft * n_ch))
+    runs_per_group = max(1, FREE_DECAY.solution_block // (n_fft * n_ch))
     for first in range(0, len(chain.runs), runs_per_group):
         yield from _answers(replace(chain, runs=chain.runs[first : first + runs_per_group]), forgotten)
 
@@ -56,7 +52,7 @@ def _answers(group: Chain, forgotten: float) -> list[ImpulseResponses]:
     n, rate, setting = samples_of(analyser), sample_rate_of(analyser), analyser.excitation
     n_fft = n * _repeats(group, forgotten)
     freq = scipy.fft.rfftfreq(n_fft, 1 / rate)
-    omega = 2 * np.pi * np.maximum(freq, DC_LIMIT * analyser.spacing)
+    omega = 2 * np.pi * np.maximum(freq, CHAIN.dc_line_fraction * analyser.spacing)
     source_spectrum = transient.spectrum(omega, setting) * _anti_alias(freq, analyser.frequency_max, rate / 2)
     for shaping in group.source.shaping:
         source_spectrum = source_spectrum * shaping(omega)
@@ -74,7 +70,7 @@ def _answers(group: Chain, forgotten: float) -> list[ImpulseResponses]:
     return responses
 
 
-def transient_spectra(chain: Chain, forgotten: float = FORGOTTEN) -> ComplexArray:
+def transient_spectra(chain: Chain, forgotten: float = FREE_DECAY.decay_threshold) -> ComplexArray:
     """Return the expected G_ff, G_fx and G_xx side by side, (n_run, n_lines, n_in^2 + n_in n_out + n_out).
 
     Parameters
@@ -112,7 +108,7 @@ def _repeats(group: Chain, forgotten: float) -> int:
     frequencies, widths = group.poles()
     slowest = widths[frequencies < analyser.frequency_max + analyser.spacing].min(initial=np.inf)
     decay_records = -np.log(forgotten) / (2 * np.pi * slowest) * analyser.spacing if slowest > 0 else np.inf
-    max_records = LONGEST / ((1 + len(group.runs[0].responses)) * samples_of(analyser))
+    max_records = FREE_DECAY.max_samples / ((1 + len(group.runs[0].responses)) * samples_of(analyser))
     if decay_records > max_records:
         raise InvalidInputError(
             f"a mode rings for {decay_records:.3g} records: too long to follow what a transient leaves",

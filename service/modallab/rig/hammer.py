@@ -4,6 +4,7 @@ import numpy as np
 from scipy.optimize import brentq
 
 from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.rig.settings import HAMMER
 
 
 def pulse_width(tip_stiffness: float, hammer_mass: float) -> float:
@@ -34,13 +35,13 @@ def pulse_spectrum(omega: FloatArray, width: float) -> ComplexArray:
         s.
     """
     x = omega * width / 2
-    far = np.abs(2 * x / np.pi - 1) > 1e-6
+    far = np.abs(2 * x / np.pi - 1) > HAMMER.series_distance
     shape = np.full(len(omega), np.pi / 4)  # where both cosine and denominator vanish
     shape[far] = np.cos(x[far]) / (1 - (2 * x[far] / np.pi) ** 2)
     return np.asarray(shape * np.exp(-1j * x))
 
 
-def reach(width: float, drop: float = 20.0) -> float:
+def reach(width: float, drop: float = HAMMER.band_drop) -> float:
     """Return up to what frequency, Hz, a pulse's auto spectrum lies less than `drop` dB below its start.
 
     Parameters

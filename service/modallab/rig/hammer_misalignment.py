@@ -7,10 +7,9 @@ from modallab.core.dof import TRANSLATIONS, Dof
 from modallab.fe.interpolation import point_motion
 from modallab.fe.receptance import receptance
 from modallab.fe.system import DynamicSystem
-from modallab.rig.chain import DC_LIMIT, Chain
+from modallab.rig.chain import Chain
 from modallab.rig.run import filtered
-
-STEP = 1e-4  # m, to either side, for the slope of the shape functions at a node
+from modallab.rig.settings import CHAIN, HAMMER
 
 
 def lateral(system: DynamicSystem, drive: Dof) -> tuple[Dof, ...]:
@@ -28,7 +27,7 @@ def misalignment_responses(single_run: Chain, freq: FloatArray) -> ComplexArray:
     run = single_run.runs[0]
     drive, spacing = run.shot.drive, single_run.setup.analyser.spacing
     columns = np.column_stack([_lever(run.system, drive), run.system.selection(lateral(run.system, drive))])
-    omega = 2 * np.pi * np.maximum(freq, DC_LIMIT * spacing)
+    omega = 2 * np.pi * np.maximum(freq, CHAIN.dc_line_fraction * spacing)
     alpha = receptance(run.system, omega / (2 * np.pi), run.system.selection(run.motions), columns)
     responses = filtered(run.mixed(-(omega**2)[:, None, None] * alpha), run.responses, omega)
     return np.concatenate([np.zeros((len(freq), 1, columns.shape[1])), responses], axis=1)
@@ -41,6 +40,6 @@ def _lever(system: DynamicSystem, drive: Dof) -> FloatArray:
     if table is None or drive.direction not in ("X", "Y") or not table.has_bar(drive.node):
         return column
     for sign in (1, -1):
-        for row, weight in point_motion(table, drive.node, sign * STEP, drive.direction):
-            column[row] += sign * drive.sign * weight / (2 * STEP)
+        for row, weight in point_motion(table, drive.node, sign * HAMMER.slope_step, drive.direction):
+            column[row] += sign * drive.sign * weight / (2 * HAMMER.slope_step)
     return column

@@ -9,13 +9,7 @@ from scipy.sparse import coo_array, csr_array
 
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.estimation.windows import WINDOWS, Window
-
-# A line shape is sin^2 times a rational function with poles at whole offsets. That far from the last of
-# them it is a polynomial over one line, to 1e-9 (Bernstein ellipse: 16^-10, for poles of sixth order
-# together some hundred times that): what lies there need not be known node by node, but only by this
-# many values a line.
-NEAR = 4
-DEGREE = 10
+from modallab.rig.spectrum_settings import LEAKAGE_KERNEL
 
 
 @dataclass(frozen=True, eq=False)
@@ -28,8 +22,8 @@ class LeakageKernel:
     nodes: FloatArray  # (n_nodes,) Hz
     near: csr_array  # (n_lines, n_nodes)
     mirrored: csr_array
-    gather: csr_array  # (DEGREE * n_lines, n_nodes): onto points about every line
-    far: ComplexArray  # (DEGREE, n_fft // 2 + 1, 1): transform of what a line takes from such points
+    gather: csr_array  # (n_points * n_lines, n_nodes): onto the interpolation points of every line
+    far: ComplexArray  # (n_points, n_fft // 2 + 1, 1): transform of the line shape at them
     n_fft: int
 
     def through(self, spectrum: ComplexArray) -> ComplexArray:
@@ -44,7 +38,7 @@ class LeakageKernel:
         sign = np.ones(parts.shape[1])
         sign[n_real:] = -1.0  # of the mirror
         near_part = self.near @ parts + sign * (self.mirrored @ parts)
-        far_points = (self.gather @ parts).reshape(DEGREE, n_lines, -1)
+        far_points = (self.gather @ parts).reshape(LEAKAGE_KERNEL.n_points, n_lines, -1)
         sources = np.zeros((self.n_fft, parts.shape[1]))
         lines = np.zeros((self.far.shape[1], parts.shape[1]), complex)
         for far, points, mirror in zip(
@@ -106,9 +100,9 @@ def leak_spectrum(
             n_lines,
         ),
         matrix(
-            line_index + n_lines * np.arange(DEGREE)[:, None],
+            line_index + n_lines * np.arange(LEAKAGE_KERNEL.n_points)[:, None],
             _lagrange(offset) * node_weight,
-            DEGREE * n_lines,
+            LEAKAGE_KERNEL.n_points * n_lines,
         ),
         _far(window, n_lines, n_samples),
         _n_fft(n_lines),
@@ -116,26 +110,30 @@ def leak_spectrum(
 
 
 def _nearby(window: Window, n_lines: int) -> int:
-    reach = NEAR + len(window.coefficients) - 1
+    reach = LEAKAGE_KERNEL.near_lines + len(window.coefficients) - 1
     # The poles of a sampled line shape come again after n_samples: among few lines nowhere is far from all.
     return reach if n_lines > 2 * reach else 2 * n_lines
 
 
 def _points() -> FloatArray:
     """Chebyshev points over one line, symmetric about it."""
-    return np.asarray(-0.5 * np.cos(np.pi * (np.arange(DEGREE) + 0.5) / DEGREE))
+    return np.asarray(
+        -0.5 * np.cos(np.pi * (np.arange(LEAKAGE_KERNEL.n_points) + 0.5) / LEAKAGE_KERNEL.n_points)
+    )
 
 
 def _lagrange(offset: FloatArray) -> FloatArray:
-    """Return the polynomials that are 1 at one point and 0 at the others, (DEGREE, n) at `offset` (n,)."""
+    """Return the Lagrange polynomials of the points, (n_points, n) at `offset` (n,) lines."""
     points = _points()
     distance = offset - points[:, None]
-    denominator = np.where(np.eye(DEGREE, dtype=bool), 1.0, points[:, None] - points).prod(axis=1)
+    denominator = np.where(np.eye(LEAKAGE_KERNEL.n_points, dtype=bool), 1.0, points[:, None] - points).prod(
+        axis=1
+    )
     lower_product, upper_product = (
         np.ones_like(distance),
         np.ones_like(distance),
     )  # products over the points on either side
-    for i in range(1, DEGREE):
+    for i in range(1, LEAKAGE_KERNEL.n_points):
         lower_product[i] = lower_product[i - 1] * distance[i - 1]
         upper_product[-1 - i] = upper_product[-i] * distance[-i]
     return np.asarray(lower_product * upper_product / denominator[:, None])
@@ -146,7 +144,7 @@ def _far(window: str, n_lines: int, n_samples: int | None) -> ComplexArray:
     """Return the transform of what a line takes from points about lines that are not near."""
     n_fft = _n_fft(n_lines)
     steps = np.arange(1 - n_lines, 2 * n_lines - 1)
-    kernel = np.zeros((DEGREE, n_fft))
+    kernel = np.zeros((LEAKAGE_KERNEL.n_points, n_fft))
     far_lines = steps[np.abs(steps) >= _nearby(WINDOWS[window], n_lines)]
     kernel[:, far_lines % n_fft] = WINDOWS[window].envelope(far_lines - _points()[:, None], n_samples)
     return np.asarray(scipy.fft.rfft(kernel, axis=1)[:, :, None])

@@ -8,11 +8,8 @@ from modallab.core.dof import Dof
 from modallab.correlation.evidence import Evidence
 from modallab.fe.receptance import receptance
 from modallab.fe.system import DynamicSystem
+from modallab.rig.nonlinear_settings import DISTORTION_EVIDENCE
 from modallab.rig.setup import RigSetup
-
-UNHEARD = 0.2  # suspicion where no response spectrum was measured that could speak for it or against it
-OTHERWISE = 0.1  # where the spectrum of what is not coherent is wrong, but no stronger on the whole
-AGREES = 1.2  # mean squared residual below which a spectrum is as it should be
 
 
 @dataclass(frozen=True)
@@ -48,6 +45,10 @@ def distortion(evidence: Evidence) -> float:
     at resonances than it adds beside them.
     """
     if evidence.response is None:
-        return UNHEARD
-    wrong = OTHERWISE if evidence.gaps["response"] > AGREES else 0.0
+        return DISTORTION_EVIDENCE.unmeasured
+    wrong = (
+        DISTORTION_EVIDENCE.misfit_only
+        if evidence.gaps["response"] > DISTORTION_EVIDENCE.misfit_limit
+        else 0.0
+    )
     return max(wrong, min(1.0, evidence.excess))

@@ -8,10 +8,7 @@ import numpy as np
 
 from modallab.core.arrays import FloatArray
 from modallab.core.dof import Dof
-
-ORDERS = 200  # of the Hermite series that is kept: 2 % of the residual power of dry friction lies beyond
-FARTHEST, POINTS = 9.0, 2000  # of the quadrature behind it: a normal density ends to rounding there
-ANGLES = 1001  # at which a long series is added up; between, straight lines are within 1e-6 of it
+from modallab.rig.nonlinear_settings import HERMITE
 
 
 @dataclass(frozen=True, eq=False)
@@ -114,8 +111,8 @@ def _angles() -> tuple[FloatArray, FloatArray]:
     Evenly spaced angles: where the series ends like a square root, as the arcsine does, its sum runs
     straight in the angle.
     """
-    sines = np.sin(np.linspace(0.0, np.pi / 2, ANGLES))
-    return sines, sines[:, None] ** np.arange(1, ORDERS, 2)
+    sines = np.sin(np.linspace(0.0, np.pi / 2, HERMITE.n_angles))
+    return sines, sines[:, None] ** np.arange(1, HERMITE.n_orders, 2)
 
 
 @lru_cache(maxsize=8)
@@ -124,7 +121,7 @@ def _normal(degree: int | None) -> tuple[FloatArray, FloatArray]:
     if degree is not None:
         z, weights = np.polynomial.hermite_e.hermegauss(2 * (max(degree, 3) // 2 + 1))
         return z[z > 0], 2 * weights[z > 0] / weights.sum()
-    z = np.linspace(0.0, FARTHEST, POINTS + 1)[1:]
+    z = np.linspace(0.0, HERMITE.upper_limit, HERMITE.n_points + 1)[1:]
     return z, 2 * np.exp(-(z**2) / 2) / np.sqrt(2 * np.pi) * z[0]
 
 
@@ -132,7 +129,7 @@ def _normal(degree: int | None) -> tuple[FloatArray, FloatArray]:
 def _polynomials(degree: int | None) -> FloatArray:
     """Return the normalised Hermite polynomials 1, 3, 5.. times the weights of the mean, (., n_points)."""
     z, weights = _normal(degree)
-    terms = np.zeros((ORDERS if degree is None else max(degree, 3) + 1, len(z)))
+    terms = np.zeros((HERMITE.n_orders if degree is None else max(degree, 3) + 1, len(z)))
     terms[0], terms[1] = 1.0, z
     for n in range(2, len(terms)):
         terms[n] = (z * terms[n - 1] - np.sqrt(n - 1) * terms[n - 2]) / np.sqrt(n)

@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 from modallab.core.arrays import FloatArray, frozen
 from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfKind, FrfSet
+from modallab.core.numerics import COMPARISON_ROUNDING
 from modallab.rig.setup import RigSetup
 
 
@@ -43,7 +44,7 @@ class Measurement:
             if value is not None:
                 object.__setattr__(self, name, frozen(value, float, array_shape, name=name))
         if self.coherence is not None and not (
-            (self.coherence >= 0).all() and (self.coherence <= 1 + 1e-9).all()
+            (self.coherence >= 0).all() and (self.coherence <= 1 + COMPARISON_ROUNDING).all()
         ):
             raise InvalidInputError("coherence lies between 0 and 1", field="coherence")
         for name in ("force_spectrum", "response_spectrum"):

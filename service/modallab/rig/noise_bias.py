@@ -7,9 +7,9 @@ from modallab.core.frf import FrfKind, FrfSet
 from modallab.estimation.force_noise import ForceChannelNoise
 from modallab.rig.excitation import EXCITATIONS
 from modallab.rig.measurement import Measurement
+from modallab.rig.spectrum_settings import NOISE_BIAS
 
-UNKNOWN = 2  # averages up to which coherence says nothing
-OF_H1 = {"h1": 0.0, "h2": 1.0, "hv": 0.5}  # power of the coherence that makes an estimate H1
+_H1_EXPONENTS = {"h1": 0.0, "h2": 1.0, "hv": 0.5}  # power of the coherence that makes an estimate H1
 
 
 def without_noise_bias(measurement: Measurement) -> tuple[FrfSet, FloatArray | None]:
@@ -23,10 +23,10 @@ def without_noise_bias(measurement: Measurement) -> tuple[FrfSet, FloatArray | N
     frf, g2, force = measurement.frf, measurement.coherence, measurement.force_spectrum
     ambiguous = g2 is None or (g2.ndim == 2 and len(frf.inputs) > 1)
     leaks = EXCITATIONS[measurement.setup.analyser.excitation.kind].continuous > 0
-    if g2 is None or force is None or ambiguous or leaks or measurement.averages <= UNKNOWN:
+    if g2 is None or force is None or ambiguous or leaks or measurement.averages <= NOISE_BIAS.min_averages:
         return frf, None
     g2 = g2.reshape(frf.values.shape)
-    h1_factor = g2 ** OF_H1[measurement.setup.analyser.estimator]
+    h1_factor = g2 ** _H1_EXPONENTS[measurement.setup.analyser.estimator]
     force = np.where(force > 0, force, 1.0)
     response_power = np.abs(frf.to(FrfKind.INERTANCE).values * h1_factor) ** 2 * force
     columns = (len(frf.freq), -1)
@@ -39,6 +39,6 @@ def without_noise_bias(measurement: Measurement) -> tuple[FrfSet, FloatArray | N
     uncorrelated = measurement.setup.accelerometers.roving or len(frf.outputs) < 2
     values, variance = (
         frf.values * h1_factor * (1 + noise_ratio),
-        noise_ratio / (2 * (measurement.averages - UNKNOWN)),
+        noise_ratio / (2 * (measurement.averages - NOISE_BIAS.min_averages)),
     )
     return FrfSet(frf.freq, values, frf.outputs, frf.inputs, frf.kind), None if uncorrelated else variance

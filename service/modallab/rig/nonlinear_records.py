@@ -9,15 +9,12 @@ import scipy.fft
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray
 from modallab.rig.acquisition import samples_of
 from modallab.rig.analyser import Analyser
-from modallab.rig.chain import DC_LIMIT, Chain
+from modallab.rig.chain import Chain
 from modallab.rig.distortion import motions
+from modallab.rig.nonlinear_settings import NONLINEAR_RECORDS
 from modallab.rig.run import Run
+from modallab.rig.settings import CHAIN
 from modallab.rig.time_stepping import ModalFeedback, Stepper, check_bounded, residual_forces
-
-FINER = 4  # steps per sample of the analyser: third harmonics of half the band, 1 % of the force at its top
-FORGOTTEN = 0.05  # share of a residual's effect that may be missing where a record begins
-LONGEST = 12  # records of lead-in at most
-SIDE_BY_SIDE = 2**23  # samples of all records that are stepped together, lead-in included
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +54,7 @@ class Distorter:
         self._runs = [chain.runs[run] for run in runs]
         self._n = samples_of(analyser)
         self._leads = [lead_in(run, analyser) for run in self._runs]
-        step = 1 / (FINER * self._n * analyser.spacing)
+        step = 1 / (NONLINEAR_RECORDS.oversampling * self._n * analyser.spacing)
         self._of_velocity = [linearised_force.force.of_velocity for linearised_force in self._runs[0].local]
         feedbacks = feedbacks_of(self._runs)
         self._stepper = Stepper(feedbacks, self._of_velocity, step)
@@ -85,20 +82,26 @@ class Distorter:
         residuals = residual_forces(
             [run.local for run in self._runs],
             lambda start, end: np.stack([motion(start, end) for motion in motions], axis=1),
-            (1 + longest) * self._n * FINER,
+            (1 + longest) * self._n * NONLINEAR_RECORDS.oversampling,
             self._stepper,
         )
         return [
-            self._told(residuals[(longest - lead) * self._n * FINER :, i], channel_response)
+            self._told(
+                residuals[(longest - lead) * self._n * NONLINEAR_RECORDS.oversampling :, i], channel_response
+            )
             for i, (lead, channel_response) in enumerate(zip(self._leads, self._heard, strict=True))
         ]
 
     def _told(self, residuals: FloatArray, channel_response: ComplexArray) -> FloatArray:
         """Return the channels' records of residuals (n_fine, n, r), lead-in first."""
-        lines = scipy.fft.rfft(residuals, axis=0)[: channel_response.shape[-1]] / FINER
+        lines = (
+            scipy.fft.rfft(residuals, axis=0)[: channel_response.shape[-1]] / NONLINEAR_RECORDS.oversampling
+        )
         # The residual is a force against the structure's motion: on the structure it acts the other way.
         channel_lines = -np.einsum("crf,fnr->ncf", channel_response, lines, optimize=True)
-        return np.asarray(scipy.fft.irfft(channel_lines, len(residuals) // FINER)[..., -self._n :])
+        return np.asarray(
+            scipy.fft.irfft(channel_lines, len(residuals) // NONLINEAR_RECORDS.oversampling)[..., -self._n :]
+        )
 
     def _motion(
         self, run: Run, played: Sequence[Played], lead: int, longest: int
@@ -108,13 +111,16 @@ class Distorter:
         Nothing moves before a run's own lead-in begins.
         """
         samples = [self._samples(run, signal) for signal in played]
-        first_sample = (longest - lead) * self._n * FINER
+        first_sample = (longest - lead) * self._n * NONLINEAR_RECORDS.oversampling
 
         def between(start: int, end: int) -> FloatArray:
             time = np.arange(start, end)
             parts = []
             for signal, motion in zip(played, samples, strict=True):
-                position = FINER * signal.starts + (time - longest * self._n * FINER)[:, None]
+                position = (
+                    NONLINEAR_RECORDS.oversampling * signal.starts
+                    + (time - longest * self._n * NONLINEAR_RECORDS.oversampling)[:, None]
+                )
                 position %= len(motion)
                 parts.append(motion[position, signal.which])
             total = sum(parts[1:], parts[0])
@@ -128,14 +134,14 @@ class Distorter:
         """Return what the forces of a run take, (n_samples, n, r), over a period of what is played."""
         n_lines = played.lines.shape[-1]
         freq = np.linspace(0.0, self._analyser.frequency_max, n_lines)
-        n_period = played.n_records * self._n * FINER
-        omega = 2 * np.pi * np.maximum(freq, DC_LIMIT * self._analyser.spacing)
+        n_period = played.n_records * self._n * NONLINEAR_RECORDS.oversampling
+        omega = 2 * np.pi * np.maximum(freq, CHAIN.dc_line_fraction * self._analyser.spacing)
         driven = motions([run], [linearised_force.force for linearised_force in run.local], omega)[0][0]
         driven[0] = 0.0  # a free body's place is no part of its vibration
         driven = driven * np.where(self._of_velocity, 1j * omega[:, None], 1.0)[..., None]
         lines = np.einsum("fri,nif->fnr", driven, played.lines)
         density = played.share * self._analyser.excitation.level**2 / self._analyser.frequency_max
-        rate = FINER * self._n * self._analyser.spacing
+        rate = NONLINEAR_RECORDS.oversampling * self._n * self._analyser.spacing
         return np.asarray(scipy.fft.irfft(lines, n_period, axis=0) * np.sqrt(density * rate * n_period / 2))
 
 
@@ -160,11 +166,19 @@ def lead_in(run: Run, analyser: Analyser) -> int:
     """Return how many records it takes until a start from rest is forgotten."""
     frequencies, widths = run.resonances(analyser.frequency_max)
     slowest = widths[frequencies < analyser.frequency_max].min(initial=np.inf)
-    decay_records = -np.log(FORGOTTEN) / (2 * np.pi * max(slowest, 1e-12)) * analyser.spacing
-    return int(np.clip(np.ceil(decay_records), 1, LONGEST))
+    decay_records = (
+        -np.log(NONLINEAR_RECORDS.decay_threshold)
+        / (2 * np.pi * max(slowest, NONLINEAR_RECORDS.min_half_width))
+        * analyser.spacing
+    )
+    return int(np.clip(np.ceil(decay_records), 1, NONLINEAR_RECORDS.max_lead_in))
 
 
 def side_by_side(chain: Chain) -> int:
     """Return how many records of runs with nonlinear forces are stepped together."""
     longest = 1 + max(lead_in(run, chain.setup.analyser) for run in chain.runs)
-    return max(1, SIDE_BY_SIDE // (FINER * samples_of(chain.setup.analyser) * longest))
+    return max(
+        1,
+        NONLINEAR_RECORDS.parallel_samples
+        // (NONLINEAR_RECORDS.oversampling * samples_of(chain.setup.analyser) * longest),
+    )

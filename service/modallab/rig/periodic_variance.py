@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.core.numerics import COMPARISON_ROUNDING
 from modallab.estimation.coherence import coherence
 from modallab.estimation.estimators.h1 import h1
 from modallab.estimation.spectra import CrossSpectra
@@ -12,8 +13,6 @@ from modallab.rig.chain import Chain
 from modallab.rig.expected import noise_densities, noise_free
 from modallab.rig.periodic import PeriodicSignal, steady_runs
 from modallab.rig.wishart_periodic import gain_of
-
-ROUNDING = 1e-9  # share of a response below which what is not coherent is rounding
 
 
 @dataclass(frozen=True, eq=False)
@@ -57,7 +56,7 @@ def periodic_factors(chain: Chain, spectra: CrossSpectra) -> VarianceFactors | N
     noise_shares = chain.setup.analyser.line_window.noise_shares(chain.n_in, len(chain.runs[0].responses))
     noise = (noise_densities(chain, clean) * noise_shares)[:, 0]
     h, force = h1(spectra)[..., 0], spectra.ff[:, :, 0, 0].real
-    incoherent = spectra.xx * (1 - coherence(spectra) + ROUNDING)
+    incoherent = spectra.xx * (1 - coherence(spectra) + COMPARISON_ROUNDING)
     sizes = np.exp(4 * chain.setup.analyser.excitation.level_scatter**2) - 1 if _blown(signals) else 0.0
     shares = [
         _shares(signal, gain_of(spectra, clean[run], noise[run], run), h[run], force[run], incoherent[run])

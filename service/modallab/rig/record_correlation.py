@@ -7,15 +7,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.core.numerics import COMPARISON_ROUNDING
 from modallab.estimation.coherence import coherence
 from modallab.estimation.estimators.h1 import h1
 from modallab.estimation.spectra import CrossSpectra
 from modallab.rig.chain import Chain
+from modallab.rig.spectrum_settings import RECORD_CORRELATION
 from modallab.rig.view import refined_view
-
-RECORDS = 4  # how many records ahead are worked out: Gauss points resolve that many turns a line
-FINE = 4096  # samples of a window for its overlap with itself: exact for sums of cosines at this length
-ROUNDING = 1e-9  # share of a response below which what is not coherent is rounding
 
 
 def correlated_excess_variance(chain: Chain, spectra: CrossSpectra) -> FloatArray:
@@ -41,14 +39,16 @@ def correlated_excess_variance(chain: Chain, spectra: CrossSpectra) -> FloatArra
     Factors (n_run, n_freq, n_out); 1 where nothing leaks.
     """
     analyser, n = chain.setup.analyser, chain.setup.analyser.averages
-    incoherent = spectra.xx * (1 - coherence(spectra) + ROUNDING)
+    incoherent = spectra.xx * (1 - coherence(spectra) + COMPARISON_ROUNDING)
     if chain.source.continuous == 0:
         return np.ones_like(incoherent)
-    lags = np.arange(1, int(np.ceil(RECORDS / (1 - chain.overlap))) + 1)
+    lags = np.arange(1, int(np.ceil(RECORD_CORRELATION.n_records / (1 - chain.overlap))) + 1)
     hop = (1 - chain.overlap) * analyser.record_length
     leaked = np.array(list(leaked_covariances(chain, spectra, len(lags))))
     # The rest comes anew at every instant: records have it in common as far as they overlap.
-    window_overlap = _overlapping(analyser.line_window.samples(FINE), hop / analyser.record_length * lags)
+    window_overlap = _overlapping(
+        analyser.line_window.samples(RECORD_CORRELATION.window_samples), hop / analyser.record_length * lags
+    )
     overlap_correlation = window_overlap[:, None] * np.exp(2j * np.pi * analyser.freq * lags[:, None] * hop)
     covariance = leaked[1:] + overlap_correlation[:, None, :, None] * (incoherent - leaked[0].real)
     ratio = np.abs(covariance / incoherent) ** 2
@@ -96,7 +96,10 @@ def _least_width(chain: Chain) -> float:
     """Return half the half-power bandwidth, Hz, of the sharpest resonance within the band."""
     frequencies, widths = chain.poles()
     inside = frequencies < chain.setup.analyser.frequency_max
-    return max(float(widths[inside].min(initial=np.inf)), 1e-3 * chain.setup.analyser.spacing)
+    return max(
+        float(widths[inside].min(initial=np.inf)),
+        RECORD_CORRELATION.min_half_width * chain.setup.analyser.spacing,
+    )
 
 
 def _overlapping(window: FloatArray, shifts: NDArray[np.floating[Any]]) -> FloatArray:

@@ -15,13 +15,7 @@ from modallab.rig.free_decay import answers_of, transient_of
 from modallab.rig.impulse_responses import ImpulseResponses
 from modallab.rig.nonlinear_records import Distorter, Played, side_by_side
 from modallab.rig.periodic import fixed_lines
-
-FORGOTTEN = 1e-6  # amplitude below which a mode has rung out
-LONGEST = 2**26  # samples of all channels of one stretch, 0.5 GB
-TOGETHER = 2**18  # samples of noise made at once for records that do not go on
-IN_CACHE = 2**15  # samples of the records handed out at once
-KEPT = 2**24  # samples of all channels of runs that are stepped side by side
-RECORDS = 32  # lengths of a record in a stretch, where the averages ask for so many
+from modallab.rig.settings import RECORDS
 
 Draft = tuple[Batch, list[Played]]  # records without what nonlinear forces add, and what was played in them
 
@@ -42,13 +36,13 @@ class Recorder:
         self._hop = max(1, round(self.n_samples * (1 - chain.overlap)))
         n_ch = chain.n_in + len(chain.runs[0].responses)
         self.shape = (n_ch, self.n_samples)
-        self._batch = max(1, IN_CACHE // (n_ch * self.n_samples))
-        self._per_stretch = min(self._averages, max(1, TOGETHER // (n_ch * self.n_samples)))
+        self._batch = max(1, RECORDS.record_block // (n_ch * self.n_samples))
+        self._per_stretch = min(self._averages, max(1, RECORDS.noise_block // (n_ch * self.n_samples)))
         self._repeats = self._per_stretch
         self._repeating = self._stationary = None
         if share > 0:
             decay_records = _ringing(chain) / analyser.record_length
-            max_records = LONGEST / (n_ch * self.n_samples)
+            max_records = RECORDS.max_samples / (n_ch * self.n_samples)
             if decay_records > max_records / 2:
                 raise InvalidInputError(
                     f"a mode rings for {decay_records:.3g} records: too long to simulate stationary ones",
@@ -57,7 +51,8 @@ class Recorder:
                     allowed="a periodic excitation, or more damping",
                 )
             self._repeats = self._lay_out(
-                min(max(RECORDS, decay_records), max_records - decay_records), decay_records
+                min(max(RECORDS.records_per_stretch, decay_records), max_records - decay_records),
+                decay_records,
             )
             freq = np.linspace(0.0, analyser.frequency_max, (analyser.n_lines - 1) * self._repeats + 1)
             self._length = self._repeats * self.n_samples
@@ -103,7 +98,9 @@ class Recorder:
                 for batch, _ in self._drafts(run, noise[run], rng):
                     yield batch
             return
-        max_pending = min(side_by_side(self._chain), KEPT // (self.shape[0] * self.shape[1]))
+        max_pending = min(
+            side_by_side(self._chain), RECORDS.parallel_samples // (self.shape[0] * self.shape[1])
+        )
         runs_per_group = max(1, max_pending // self._averages)
         for first in runs[::runs_per_group]:
             group = runs[first : first + runs_per_group]
@@ -228,7 +225,7 @@ def _ringing(chain: Chain) -> float:
     frequencies, widths = chain.poles()
     analyser = chain.setup.analyser
     slowest = widths[frequencies < analyser.frequency_max + analyser.spacing].min(initial=np.inf)
-    return float(-np.log(FORGOTTEN) / (2 * np.pi * slowest)) if slowest > 0 else np.inf
+    return float(-np.log(RECORDS.decay_threshold) / (2 * np.pi * slowest)) if slowest > 0 else np.inf
 
 
 def _per_source(chain: Chain, freq: FloatArray, samples: float) -> ComplexArray:

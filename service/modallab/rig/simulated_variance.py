@@ -9,6 +9,7 @@ from scipy.special import digamma, polygamma
 
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.errors import DivergedError, InvalidInputError
+from modallab.core.numerics import COHERENCE_ROUNDING
 from modallab.estimation.averaging import Averager, effective_averages
 from modallab.estimation.coherence import coherence
 from modallab.estimation.estimators.h1 import h1
@@ -21,16 +22,9 @@ from modallab.rig.periodic_variance import VarianceFactors
 from modallab.rig.record_correlation import correlated_excess_variance
 from modallab.rig.records import Recorder
 from modallab.rig.setup import RigSetup
+from modallab.rig.spectrum_settings import SIMULATED_VARIANCE
 
 Numbers = TypeVar("Numbers", FloatArray, ComplexArray)
-
-REPEATS = 12  # tests that are gone through: of four the scatter is known to a factor of two only
-STEPPED = 4  # the same for weights alone where nonlinear forces are stepped through, which takes far longer
-LONGEST = 50  # averages of each at most
-FINENESS = 2  # values of a parameter to its double that are told apart
-CHANCE = 1.75  # times the variance of Gaussian records that so few lines show by chance
-SMOOTHED = 5  # lines that squares are averaged over
-ROUNDING = 1e-8  # share of a response below which what is not coherent is rounding
 
 
 def is_intermittent(effects: Sequence[Effect], setup: RigSetup) -> bool:
@@ -59,7 +53,9 @@ class SimulatedVariance:
             Tests that are gone through; None for as many as weights ask for.
         """
         if repeats is None:
-            repeats = STEPPED if chain.runs[0].local else REPEATS
+            repeats = (
+                SIMULATED_VARIANCE.n_stepped_tests if chain.runs[0].local else SIMULATED_VARIANCE.n_tests
+            )
         key = (repeats, *sorted((e.kind, str(e.at), *_about(e)) for e in effects if e.intermittent))
         if key not in self._known:
             self.made += repeats
@@ -73,11 +69,11 @@ class SimulatedVariance:
 def _about(effect: Effect) -> list[int]:
     """Return the sizes of an effect's parameters, roughly."""
     values = np.maximum(np.abs(list(effect.parameters.values())), np.finfo(float).tiny)
-    return [int(size) for size in np.rint(FINENESS * np.log2(values))]
+    return [int(size) for size in np.rint(SIMULATED_VARIANCE.values_per_octave * np.log2(values))]
 
 
 def simulated_factors(
-    chain: Chain, spectra: CrossSpectra, repeats: int = REPEATS, seed: int = 0
+    chain: Chain, spectra: CrossSpectra, repeats: int = SIMULATED_VARIANCE.n_tests, seed: int = 0
 ) -> VarianceFactors:
     """Return by how much more spectra lie off their expectation than averages of Gaussian records do.
 
@@ -97,7 +93,7 @@ def simulated_factors(
     repeats
         Tests that are gone through.
     """
-    n = min(chain.setup.analyser.averages, LONGEST)
+    n = min(chain.setup.analyser.averages, SIMULATED_VARIANCE.max_averages)
     if len(chain.runs) > 1:
         chain = _all_at_once(chain)
         single_run_spectra = expected_spectra(chain)
@@ -106,10 +102,12 @@ def simulated_factors(
     effective = effective_averages(n, chain.overlap, chain.setup.analyser.line_window)
     share = effective / spectra.averages
     g2 = coherence(spectra)
-    incoherent = spectra.xx * (1 - g2 + ROUNDING)
+    incoherent = spectra.xx * (1 - g2 + COHERENCE_ROUNDING)
     # Of H1 in one average, as a test tells it of itself: where it came out noisy its lines weigh less.
     test_coherence = np.array([coherence(test) for test in tests])
-    error = np.sqrt((1 - test_coherence + ROUNDING) / np.maximum(test_coherence, ROUNDING))
+    error = np.sqrt(
+        (1 - test_coherence + COHERENCE_ROUNDING) / np.maximum(test_coherence, COHERENCE_ROUNDING)
+    )
     force, response = (np.array(part) for part in zip(*(_powers(test) for test in tests), strict=True))
     # Less what the logarithm of an average of Gaussian records is off in the mean.
     force = np.log(force / spectra.ff[:, :, 0, 0].real) - digamma(effective) + np.log(effective)
@@ -131,7 +129,7 @@ def simulated_factors(
 
 def _powers(spectra: CrossSpectra) -> tuple[FloatArray, FloatArray]:
     """Return G_ff of one force and the incoherent response spectra."""
-    return spectra.ff[:, :, 0, 0].real, spectra.xx * (1 - coherence(spectra) + ROUNDING)
+    return spectra.ff[:, :, 0, 0].real, spectra.xx * (1 - coherence(spectra) + COHERENCE_ROUNDING)
 
 
 def _all_at_once(chain: Chain) -> Chain:
@@ -191,12 +189,12 @@ def _factor(deviation: FloatArray | ComplexArray, variance: float, share: float)
     scatter = (np.abs(deviation - mean) ** 2).sum(axis=0) / (len(deviation) - 1)
     bias = np.maximum(_smooth(np.abs(mean) ** 2 - scatter / len(deviation)), 0.0)
     total = _smooth(scatter) / variance + bias / (share * variance)
-    return np.where(total > CHANCE, total, 1.0)
+    return np.where(total > SIMULATED_VARIANCE.significance_ratio, total, 1.0)
 
 
 def _smooth(squares: FloatArray) -> FloatArray:
     """Return running means over lines, the second axis."""
-    width = min(SMOOTHED, squares.shape[1])
+    width = min(SIMULATED_VARIANCE.smoothing_lines, squares.shape[1])
     squares = np.concatenate([squares[:, 1:2], squares[:, 1:]], axis=1)  # nothing is seen at 0 Hz
     padded = np.pad(
         squares, [(0, 0), (width // 2, (width - 1) // 2), *[(0, 0)] * (squares.ndim - 2)], mode="reflect"

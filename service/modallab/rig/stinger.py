@@ -11,12 +11,7 @@ from modallab.core.arrays import FloatArray
 from modallab.core.dof import TRANSLATIONS, Dof
 from modallab.fe.system import DynamicSystem
 from modallab.rig.hardware import within
-
-CLAMPED = 4.730040744862704  # first root of cosh x cos x = 1
-SOFTEST, STIFFEST = 1e3, 1e12  # N/m, along the axis; the stiffest is taken as rigid
-STIFFEST_BENDING = 1e7  # N m/rad
-SHORTEST, LONGEST = 1e-3, 1e3  # m; of the longest nothing lateral is left
-HEAVIEST = 5.0  # kg
+from modallab.rig.settings import STINGER
 
 
 @dataclass(frozen=True)
@@ -30,13 +25,18 @@ class StingerRod:
 
     def __post_init__(self) -> None:
         within("stinger.diameter", self.diameter, 1e-5, 0.1)
-        within("stinger.length", self.length, SHORTEST, 10.0)
+        within("stinger.length", self.length, STINGER.min_length, 10.0)
         within("stinger.modulus", self.modulus, 1e6, 1e13)
         within("stinger.density", self.density, 1.0, 1e5)
         # Together they make a spring and a mass that effects can be.
-        within("axial stiffness of the stinger", self.axial_stiffness, SOFTEST, STIFFEST)
-        within("bending stiffness of the stinger", self.bending_stiffness, 0.0, STIFFEST_BENDING)
-        within("mass of the stinger", self.mass, 0.0, HEAVIEST)
+        within(
+            "axial stiffness of the stinger",
+            self.axial_stiffness,
+            STINGER.min_stiffness,
+            STINGER.max_stiffness,
+        )
+        within("bending stiffness of the stinger", self.bending_stiffness, 0.0, STINGER.max_bending_stiffness)
+        within("mass of the stinger", self.mass, 0.0, STINGER.max_mass)
 
     @property
     def mass(self) -> float:
@@ -61,7 +61,7 @@ class StingerRod:
         thesis [D.3] has 0.883 = (3 pi/2)^2/(8 pi): cosh x cos x = 1 solved as cos x = 0, 0.7 % lower.
         """
         speed = np.sqrt(self.modulus / self.density)
-        return float(CLAMPED**2 / (8 * np.pi) * self.diameter / self.length**2 * speed)
+        return float(STINGER.clamped_root**2 / (8 * np.pi) * self.diameter / self.length**2 * speed)
 
 
 @dataclass(frozen=True)
@@ -76,9 +76,13 @@ class StingerStiffness:
 
     def __post_init__(self) -> None:
         if self.axial_stiffness is not None:
-            within("stinger.axial_stiffness", self.axial_stiffness, SOFTEST, STIFFEST)
-        within("stinger.bending_stiffness", self.bending_stiffness, 0.0, STIFFEST_BENDING)
-        least, most = (3 * self.bending_stiffness / length**2 for length in (LONGEST, SHORTEST))
+            within(
+                "stinger.axial_stiffness", self.axial_stiffness, STINGER.min_stiffness, STINGER.max_stiffness
+            )
+        within("stinger.bending_stiffness", self.bending_stiffness, 0.0, STINGER.max_bending_stiffness)
+        least, most = (
+            3 * self.bending_stiffness / length**2 for length in (STINGER.max_length, STINGER.min_length)
+        )
         if self.lateral_stiffness != 0:
             within("stinger.lateral_stiffness", self.lateral_stiffness, least, most)
 
@@ -86,7 +90,7 @@ class StingerStiffness:
     def length(self) -> float:
         """Of the rod with this bending and this lateral stiffness, 4EI/L and 12EI/L^3, m."""
         if self.lateral_stiffness == 0:
-            return LONGEST
+            return STINGER.max_length
         return float(np.sqrt(3 * self.bending_stiffness / self.lateral_stiffness))
 
 

@@ -9,14 +9,10 @@ from scipy.linalg import expm
 from modallab.core.arrays import FloatArray
 from modallab.core.dof import Dof
 from modallab.core.errors import DivergedError
+from modallab.core.numerics import COMPARISON_ROUNDING
 from modallab.fe.system import DynamicSystem
 from modallab.rig.local_force import Linearised
-
-STILL = 1e-3  # rad/s: what moves slower is a rigid body
-NEWTON = 2  # steps to the force at the end of a time step: the motion hardly feels it within one
-LOUD = 7.0  # times its usual size: a motion that no record of Gaussian noise has
-AT_REST = 1e-6  # of the highest mode: growth that is rounding, of modes which do not ring
-BLOCK = 16  # time steps between which modes are turned: within, motions answer forces by convolution
+from modallab.rig.nonlinear_settings import TIME_STEPPING
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,10 +35,12 @@ class ModalFeedback:
         shapes = columns.T @ basis.shapes[: len(columns)].real
         omega = 2 * np.pi * basis.frequencies
         modal_damping = basis.eigenvalues.imag
-        damping = np.divide(modal_damping, omega, out=np.zeros_like(omega), where=omega > STILL)
+        damping = np.divide(
+            modal_damping, omega, out=np.zeros_like(omega), where=omega > TIME_STEPPING.rigid_body_rate
+        )
         if basis.viscous is not None:
             damping = damping + np.diag(basis.viscous).real
-        participates = np.abs(shapes).max(axis=0) > 1e-9 * np.abs(shapes).max()
+        participates = np.abs(shapes).max(axis=0) > COMPARISON_ROUNDING * np.abs(shapes).max()
         return cls(shapes[:, participates], omega[participates], damping[participates])
 
 
@@ -56,10 +54,10 @@ def check_bounded(feedback: ModalFeedback, linearised: Sequence[Linearised]) -> 
     Raises
     ------
     DivergedError
-        If a motion `LOUD` times the usual one grows.
+        If a motion `TIME_STEPPING.loud_ratio` times the usual one grows.
     """
     loud_coefficients = [
-        float(linearised_force.force.lines(np.array(LOUD * linearised_force.rms))[0])
+        float(linearised_force.force.lines(np.array(TIME_STEPPING.loud_ratio * linearised_force.rms))[0])
         if linearised_force.rms > 0
         else 0.0
         for linearised_force in linearised
@@ -76,7 +74,7 @@ def check_bounded(feedback: ModalFeedback, linearised: Sequence[Linearised]) -> 
     ]
     stiffness, damping = np.diag(omega**2) + modal_matrices[0], np.diag(feedback.damping) + modal_matrices[1]
     state = np.block([[np.zeros_like(stiffness), np.eye(len(omega))], [-stiffness, -damping]])
-    if np.linalg.eigvals(state).real.max() > AT_REST * omega.max():
+    if np.linalg.eigvals(state).real.max() > TIME_STEPPING.growth_tolerance * omega.max():
         strongest = linearised[int(coefficient_drop.argmin())].force.dof
         raise DivergedError(
             f"the nonlinear force at {strongest} holds too hard to be stepped through time at this level",
@@ -94,7 +92,11 @@ class Stepper:
     """
 
     def __init__(
-        self, feedbacks: Sequence[ModalFeedback], of_velocity: Sequence[bool], step: float, block: int = BLOCK
+        self,
+        feedbacks: Sequence[ModalFeedback],
+        of_velocity: Sequence[bool],
+        step: float,
+        block: int = TIME_STEPPING.block_steps,
     ) -> None:
         most = max(feedback.shapes.shape[1] for feedback in feedbacks)
         parts = [_turned(_padded(feedback, most), of_velocity, step, block) for feedback in feedbacks]
@@ -245,12 +247,12 @@ class _Balance:
         force = guess
         if len(self._laws) == 1:
             law, soft, line = self._laws[0], self._own, self._lines
-            for _ in range(NEWTON):
+            for _ in range(TIME_STEPPING.newton_iterations):
                 x = free + soft * force
                 imbalance = force + law.law(x) - line * x
                 force = force - imbalance / (1 + soft * (law.slope(x) - line))
             return force
-        for _ in range(NEWTON):
+        for _ in range(TIME_STEPPING.newton_iterations):
             x = free + force @ self._own.swapaxes(1, 2)
             laws = list(enumerate(self._laws))
             imbalance = force + np.stack([law.law(x[..., i]) for i, law in laws], axis=-1) - self._lines * x

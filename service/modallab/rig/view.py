@@ -11,10 +11,7 @@ from modallab.core.arrays import ComplexArray, FloatArray, IntArray
 from modallab.rig.acquisition import samples_of
 from modallab.rig.analyser import Analyser
 from modallab.rig.leakage_kernel import LeakageKernel, leak_spectrum
-
-POINTS = 10  # Gauss points a panel: 1e-8 of a spectrum for panels no longer than `refined` makes them
-THIN = 5  # of them for derivatives: 1e-3 of a spectrum at the worst line
-COARSE = 2  # points a line of the unrefined grid, for a first look over many hypotheses
+from modallab.rig.spectrum_settings import QUADRATURE
 
 
 @dataclass(frozen=True, eq=False)
@@ -73,7 +70,7 @@ def periodic_view(analyser: Analyser, step: int = 1) -> View:
 
 
 def refined_view(
-    analyser: Analyser, poles: FloatArray, widths: FloatArray, points: int = POINTS
+    analyser: Analyser, poles: FloatArray, widths: FloatArray, points: int = QUADRATURE.gauss_points
 ) -> LeakageKernel:
     """Return how the lines see a stationary signal, by quadrature refined towards resonances.
 
@@ -96,23 +93,28 @@ def coarse_view(analyser: Analyser, step: int) -> View:
     Even steps of half a line: of smooth functions no rule of as many points is better, and a window's
     line shape squared holds no finer detail.
     """
-    positions = (np.arange(COARSE * (analyser.n_lines - 1)) + 0.5) / COARSE
+    positions = (
+        np.arange(QUADRATURE.coarse_points * (analyser.n_lines - 1)) + 0.5
+    ) / QUADRATURE.coarse_points
     window = analyser.line_window
     lines = np.arange(0, analyser.n_lines, step, dtype=float)
     n = samples_of(analyser)
-    near, mirrored = (window.line_shapes(lines, position, n) / COARSE for position in (positions, -positions))
+    near, mirrored = (
+        window.line_shapes(lines, position, n) / QUADRATURE.coarse_points
+        for position in (positions, -positions)
+    )
     return View(positions * analyser.spacing, near, mirrored)
 
 
 def refined(
-    analyser: Analyser, poles: FloatArray, widths: FloatArray, points: int = POINTS
+    analyser: Analyser, poles: FloatArray, widths: FloatArray, points: int = QUADRATURE.gauss_points
 ) -> tuple[FloatArray, FloatArray]:
     """Return Gauss nodes and weights, (n_nodes,) Hz, from 0 Hz to the top of the band.
 
     Panels of one line are halved until none is longer than twice its distance from any pole, which
     makes the error of a panel fall by 2.4^-20 or more with ten points (Bernstein ellipse).
     """
-    flat, half = poles.ravel(), np.maximum(widths.ravel(), 1e-6 * analyser.spacing)
+    flat, half = poles.ravel(), np.maximum(widths.ravel(), QUADRATURE.min_half_width * analyser.spacing)
     inside = (flat > -analyser.spacing) & (flat < analyser.frequency_max + analyser.spacing)
     flat, half = flat[inside], half[inside]
     lower, upper = analyser.freq[:-1], analyser.freq[1:]

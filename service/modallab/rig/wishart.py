@@ -3,12 +3,10 @@
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.core.numerics import PRODUCT_ROUNDING
 from modallab.estimation.spectra import CrossSpectra
+from modallab.rig.spectrum_settings import WISHART
 from modallab.rig.wishart_forces import wishart_of_several_forces
-
-IN_CACHE = 2**14  # spectral values drawn at once: larger batches run at the speed of memory
-ROUNDING = 1e-12  # share of a force below which what is no signal is rounding
-FEWEST = 2  # averages that leave something beside the force and what it does not explain of the signal
 
 
 def wishart_spectra(
@@ -44,7 +42,7 @@ def wishart_spectra(
     xx = np.empty((n_tests, n_run, n_freq, n_out))
     hidden = None if signal is None or n_out == 1 else _hidden(spectra, signal)
     law = _Law(spectra) if hidden is None else _SharedLaw(spectra, hidden)
-    batch = max(1, IN_CACHE // (n_run * n_freq * n_out))
+    batch = max(1, WISHART.single_force_block // (n_run * n_freq * n_out))
     for start in range(0, n_tests, batch):
         part = slice(start, start + batch)
         law.fill(rng, ff[part], fx[part], xx[part])
@@ -95,7 +93,7 @@ def _hidden(spectra: CrossSpectra, signal: FloatArray) -> ComplexArray | None:
     Of unit power: (n_run, n_freq, n_out). For few averages, where there is nothing of it to draw, None too.
     """
     share = signal / spectra.ff[:, :, 0, 0].real
-    if spectra.averages < FEWEST or (1 - share).max() < ROUNDING:
+    if spectra.averages < WISHART.min_averages or (1 - share).max() < PRODUCT_ROUNDING:
         return None
     safe = np.where(signal > 0, signal, 1.0)
     root = np.sqrt(np.clip(1 - share, 0.0, 1.0) / safe)

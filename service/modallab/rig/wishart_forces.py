@@ -5,8 +5,7 @@ import numpy as np
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.estimation.condition import independent_condition
 from modallab.estimation.spectra import CrossSpectra
-
-TOGETHER = 2**16  # spectral values drawn at once: enough to make little of the calls, few enough for a cache
+from modallab.rig.spectrum_settings import WISHART
 
 
 def wishart_of_several_forces(spectra: CrossSpectra, rng: np.random.Generator, n_tests: int) -> CrossSpectra:
@@ -35,7 +34,7 @@ def wishart_of_several_forces(spectra: CrossSpectra, rng: np.random.Generator, n
     ff = np.empty((n_tests, n_run, n_freq, n_in, n_in), complex)
     fx = np.empty((n_tests, n_run, n_freq, n_in, n_out), complex)
     xx = np.empty((n_tests, n_run, n_freq, n_out))
-    batch = max(1, TOGETHER // (n_run * n_freq * n_in * n_out))
+    batch = max(1, WISHART.multiple_force_block // (n_run * n_freq * n_in * n_out))
     for start in range(0, n_tests, batch):
         part = slice(start, start + batch)
         law.fill(rng, ff[part], fx[part], xx[part])

@@ -6,10 +6,9 @@ from dataclasses import dataclass
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.core.numerics import PRODUCT_ROUNDING
 from modallab.estimation.spectra import CrossSpectra
 from modallab.rig.periodic import PeriodicSignal
-
-ROUNDING = 1e-12  # share of a spectrum below which what does not come back is rounding
 
 
 def wishart_about(
@@ -102,7 +101,7 @@ class _Rest:
             [spectra.ff[run, :, 0], spectra.fx[run, :, 0], spectra.xx[run]], axis=1
         )
         random_spectra = np.where(
-            np.abs(total_spectra - periodic_spectra) > ROUNDING * np.abs(total_spectra),
+            np.abs(total_spectra - periodic_spectra) > PRODUCT_ROUNDING * np.abs(total_spectra),
             total_spectra - periodic_spectra,
             0.0,
         )

@@ -8,8 +8,8 @@ from modallab.effects.exciter_armature import ExciterArmature
 from modallab.effects.force_transducer_stiffness import ForceTransducerStiffness
 from modallab.effects.stinger_axial import StingerAxial
 from modallab.rig.chain import chain
-from modallab.rig.drive import RIGID
 from modallab.rig.hardware import Exciter, ForceTransducer
+from modallab.rig.settings import DRIVE
 from modallab.rig.setup import RigSetup
 from tests.shakers import block
 
@@ -22,7 +22,7 @@ ARMATURE = ExciterArmature(mass=0.1)
 def test_an_armature_on_a_soft_gauge_is_two_masses_on_a_spring() -> None:
     mass, stiffness = 0.5, 4e5
     omega = 2 * np.pi * FREQ
-    wanted = 1 / (1 + 0.1 / mass - 0.1 * omega**2 / (stiffness * (1 + 1j * RIGID)))
+    wanted = 1 / (1 + 0.1 / mass - 0.1 * omega**2 / (stiffness * (1 + 1j * DRIVE.joint_loss_factor)))
     found = chain(block(mass), SETUP, [ARMATURE, ForceTransducerStiffness(stiffness=stiffness)])
     # rigid to 1e-4
     np.testing.assert_allclose(found.respond(FREQ).force[0, :, 0, 0], wanted, rtol=1e-3)

@@ -7,7 +7,7 @@ from modallab.core.dof import Dof
 from modallab.effects.exciter_armature import ExciterArmature
 from modallab.effects.stinger_axial import StingerAxial
 from modallab.rig.chain import chain
-from modallab.rig.drive import RIGID
+from modallab.rig.settings import DRIVE
 from modallab.rig.setup import RigSetup
 from tests.rigs import beam_system, rig
 from tests.shakers import block
@@ -20,7 +20,7 @@ FREQ = np.linspace(5.0, 800.0, 1600)
 def test_the_force_is_that_of_two_masses_on_a_spring() -> None:
     mass, armature, stiffness = 0.5, 0.1, 3e5
     omega = 2 * np.pi * FREQ
-    spring = stiffness * (1 + 1j * RIGID)
+    spring = stiffness * (1 + 1j * DRIVE.joint_loss_factor)
     wanted = 1 / (1 + armature / mass - armature * omega**2 / spring)
     effects = [ExciterArmature(mass=armature), StingerAxial(at=HERE[0], stiffness=stiffness)]
     found = chain(block(mass), SETUP, effects).respond(FREQ)
@@ -36,7 +36,7 @@ def test_on_a_block_that_holds_still_the_armature_resonates_where_the_thesis_has
     effects = [ExciterArmature(mass=0.02), StingerAxial(stiffness=5.460e6)]
     near = np.linspace(2500.0, 2800.0, 3001)
     held = chain(block(2.0, 1e12), SETUP, effects).respond(near).force[0, :, 0, 0]
-    # line spacing 0.1 Hz; damping shifts the peak by RIGID^2/4; printed to the hertz
+    # line spacing 0.1 Hz; damping shifts the peak by DRIVE.joint_loss_factor^2/4; printed to the hertz
     assert near[np.abs(held).argmax()] == pytest.approx(2630, abs=0.6)
 
 

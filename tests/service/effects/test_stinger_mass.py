@@ -7,7 +7,7 @@ from modallab.effects.exciter_armature import ExciterArmature
 from modallab.effects.stinger_axial import StingerAxial
 from modallab.effects.stinger_mass import StingerMass
 from modallab.rig.chain import chain
-from modallab.rig.drive import RIGID
+from modallab.rig.settings import DRIVE
 from modallab.rig.setup import RigSetup
 from modallab.rig.stinger import StingerRod
 from tests.shakers import block
@@ -22,7 +22,7 @@ def test_it_is_a_rod_beyond_its_own_resonance() -> None:
     freq = np.linspace(5.0, 2000.0, 400)
     omega = 2 * np.pi * freq
     # u = cos(qx) + B sin(qx) between two masses, u = 1 at the block; what moves the block is E A u'
-    modulus, area = ROD.modulus * (1 + 1j * RIGID), np.pi / 4 * ROD.diameter**2
+    modulus, area = ROD.modulus * (1 + 1j * DRIVE.joint_loss_factor), np.pi / 4 * ROD.diameter**2
     q = omega * np.sqrt(ROD.density / modulus)
     b = -BLOCK * omega**2 / (modulus * area * q)
     armature = np.cos(q * ROD.length) + b * np.sin(q * ROD.length)

@@ -27,6 +27,7 @@ from modallab.rig.expected import expected_spectra
 from modallab.rig.hardware import Accelerometers, Exciter
 from modallab.rig.measure import Route, measure
 from modallab.rig.sampled import sampled_spectra
+from modallab.rig.settings import RECORDS
 from modallab.rig.setup import RigSetup
 from tests.rigs import dofs, steel_beam
 
@@ -115,7 +116,7 @@ def test_runs_that_are_stepped_side_by_side_are_as_each_alone(monkeypatch: pytes
         return sampled_spectra(whole, np.random.default_rng(3), silent)
 
     together = measured()
-    monkeypatch.setattr(records, "KEPT", 1)
+    monkeypatch.setattr(records, "RECORDS", replace(RECORDS, parallel_samples=1))
     alone = measured()
     # rounding, which a start from rest does not let grow
     np.testing.assert_allclose(together.fx, alone.fx, rtol=1e-9, atol=1e-9 * np.abs(alone.fx).max())

@@ -10,7 +10,8 @@ from modallab.core.errors import DivergedError
 from modallab.effects.cubic_stiffness import CubicStiffness
 from modallab.effects.friction import Friction
 from modallab.rig.local_force import Linearised, LocalForce
-from modallab.rig.time_stepping import LOUD, ModalFeedback, Stepper, check_bounded, residual_forces
+from modallab.rig.nonlinear_settings import TIME_STEPPING
+from modallab.rig.time_stepping import ModalFeedback, Stepper, check_bounded, residual_forces
 
 M, F0, ZETA = 2.0, 20.0, 0.03  # one mode: kg, Hz, damping ratio
 W0 = 2 * np.pi * F0
@@ -160,7 +161,9 @@ def test_what_is_refused_as_too_hard_a_hold_grows_in_steps_and_nothing_else_does
 ) -> None:
     feedback, one = held_by_friction(share)
     moved = np.zeros((20_000, 1, 1, 1))  # 20 s: what a push begins is forgotten
-    moved[:1000] = 2 * LOUD * one.rms * np.sin(35.0 * 1e-3 * np.arange(1000))[:, None, None, None]
+    moved[:1000] = (
+        2 * TIME_STEPPING.loud_ratio * one.rms * np.sin(35.0 * 1e-3 * np.arange(1000))[:, None, None, None]
+    )
     left = np.abs(residuals_of([feedback], [[one]], moved)[:, 0, 0, 0])
     if refused:
         with pytest.raises(DivergedError, match="1:\\+Y holds too hard"):

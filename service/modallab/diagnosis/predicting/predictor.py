@@ -30,7 +30,8 @@ from modallab.rig.measurement import Measurement
 from modallab.rig.periodic_variance import VarianceFactors, periodic_factors
 from modallab.rig.record_correlation import correlated_excess_variance
 from modallab.rig.setup import RigSetup
-from modallab.rig.simulated_variance import REPEATS, SimulatedVariance, is_intermittent
+from modallab.rig.simulated_variance import SimulatedVariance, is_intermittent
+from modallab.rig.spectrum_settings import SIMULATED_VARIANCE
 
 GOLDEN = (5**0.5 - 1) / 2
 GLIMPSED = 130  # lines that a first look uses
@@ -153,7 +154,7 @@ class Predictor:
             return None
         whole = self.chain(effects)
         spectra = expected_spectra(whole)
-        found = self._rehearsed(whole, spectra, effects, REPEATS)
+        found = self._rehearsed(whole, spectra, effects, SIMULATED_VARIANCE.n_tests)
         return None if found is None else VarianceRatios.of(found, spectra)
 
     def _rehearsed(

@@ -15,9 +15,9 @@ from modallab.diagnosis.searching.attached_stiffness import AttachedStiffness
 from modallab.fe.attachment import Attachment
 from modallab.fe.receptance import attached, solve_small
 from modallab.fe.receptance_map import ReceptanceMap
-from modallab.rig.chain import DC_LIMIT
 from modallab.rig.effect import Effect
 from modallab.rig.run import Run
+from modallab.rig.settings import CHAIN
 
 FAINT = 1e-12  # share of a difference, beside a logarithm, that is left out
 SLIGHT = 1e-6  # share of an exchange over which residuals are differentiated
@@ -157,7 +157,7 @@ class _Test:
         analyser = predictor.setup.analyser
         freq = analyser.freq[:: predictor.step]
         self._runs = predictor.chain(accepted).runs
-        self.omega = 2 * np.pi * np.maximum(freq, DC_LIMIT * analyser.spacing)
+        self.omega = 2 * np.pi * np.maximum(freq, CHAIN.dc_line_fraction * analyser.spacing)
         self._hanging = AttachedStiffness(self._runs[0], self.omega)
         self._reaches = [_reach(runs, self.omega) for runs in _alike(self._runs)]
         first = [run.system.selection(run.shot.drives[:1]) for run in self._runs]

@@ -8,10 +8,7 @@ import scipy.fft
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.rig.excitation import EXCITATIONS, Excitation, ExcitationSetting
 from modallab.rig.impulse_responses import ImpulseResponses
-
-MOMENTS = 512  # of a burst for its mean spectra: exact to as many samples, resonances resolved beyond
-AT_ONCE = 2**20  # samples of the records handed out at once
-GOLDEN = 0.6180339887498949
+from modallab.rig.settings import BURST
 
 
 class Burst:
@@ -32,12 +29,12 @@ class Burst:
     def typical(self, answers: ImpulseResponses, setting: ExcitationSetting) -> Iterator[FloatArray]:
         """Yield the records of single impulses."""
         length, n = self._samples(answers, setting), answers.n_samples
-        edges = np.linspace(0, length, min(length, MOMENTS) + 1)
+        edges = np.linspace(0, length, min(length, BURST.n_impulses) + 1)
         # One moment of each equal part, at no equal distances: these would take fast beats for slow ones.
-        place = (GOLDEN * np.arange(len(edges) - 1)) % 1.0
+        place = (BURST.golden_ratio * np.arange(len(edges) - 1)) % 1.0
         moments = np.floor(edges[:-1] + place * np.diff(edges)).astype(int)
         size = np.sqrt(n * answers.n_in)
-        batch = max(1, AT_ONCE // (n * answers.samples.shape[0] * answers.samples.shape[1]))
+        batch = max(1, BURST.record_block // (n * answers.samples.shape[0] * answers.samples.shape[1]))
         for start in range(0, len(moments), batch):
             records = answers.after(moments[start : start + batch])
             yield size * records.reshape(-1, *records.shape[2:])

@@ -1,0 +1,104 @@
+"""Settings of the effects, with unit, meaning and origin."""
+
+from dataclasses import dataclass
+
+from modallab.core.settings import Settings, setting
+
+
+@dataclass(frozen=True)
+class OscillatorScan(Settings):
+    """Scan of an attached oscillator."""
+
+    band_step: float = setting(
+        0.03,
+        unit="1",
+        doc="step of trial frequencies over the top of the band",
+        derived="oscillator of that frequency in every part of the band",
+    )
+
+
+@dataclass(frozen=True)
+class JointScan(Settings):
+    """Scan of a joint's flexibility."""
+
+    decades: tuple[float, float] = setting(
+        (-1.5, 2.5),
+        unit="1",
+        doc="decimal logarithms of the flexibility over that of a member's end",
+        tuned="simulated tests of the suite",
+    )
+    n_values: int = setting(9, unit="values", doc="trial flexibilities", derived="two a decade")
+
+
+@dataclass(frozen=True)
+class MainsSettings(Settings):
+    """Mains hum."""
+
+    harmonics: tuple[int, ...] = setting(
+        (1, 3, 5, 7),
+        unit="1",
+        doc="harmonics of the mains current",
+        derived="both half waves are distorted alike: odd harmonics alone",
+    )
+    frequencies: tuple[float, ...] = setting(
+        (50.0, 60.0), unit="Hz", doc="mains frequencies", derived="national grids"
+    )
+
+
+@dataclass(frozen=True)
+class OverloadSettings(Settings):
+    """Overload of the converter."""
+
+    max_level: float = setting(
+        100.0,
+        unit="1",
+        doc="range over rms at which nothing is clipped",
+        derived="no sample of a Gaussian signal is so large",
+    )
+
+
+@dataclass(frozen=True)
+class FrictionScan(Settings):
+    """Scan of dry friction."""
+
+    sticking_ratio: float = setting(
+        0.1,
+        unit="1",
+        doc="sticking velocity over the rms of the velocity",
+        tuned="simulated tests of the suite",
+    )
+
+
+@dataclass(frozen=True)
+class ArmatureScan(Settings):
+    """Scan of the armature's mass."""
+
+    max_mass: float = setting(5.0, unit="kg", doc="highest trial mass", derived="bound of the parameter")
+    values_per_decade: int = setting(
+        12,
+        unit="values",
+        doc="trial masses a decade",
+        derived="a step of a fifth stays within one local minimum of the force spectrum's misfit",
+    )
+    n_values: int = setting(64, unit="values", doc="trial masses", derived="down to some tens of milligrams")
+
+
+@dataclass(frozen=True)
+class DoubleHitScan(Settings):
+    """Scan of a second blow."""
+
+    n_delays: int = setting(
+        100,
+        unit="values",
+        doc="trial delays, half a period of the band's top apart",
+        derived="between two of them the ripple stays in phase over the band",
+    )
+
+
+OSCILLATOR_SCAN = OscillatorScan()
+JOINT_SCAN = JointScan()
+MAINS = MainsSettings()
+OVERLOAD = OverloadSettings()
+FRICTION_SCAN = FrictionScan()
+ARMATURE_SCAN = ArmatureScan()
+DOUBLE_HIT_SCAN = DoubleHitScan()

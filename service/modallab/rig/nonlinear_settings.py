@@ -1,0 +1,215 @@
+"""Settings of nonlinear forces: linearisation, distortion and time integration."""
+
+from dataclasses import dataclass
+
+from modallab.core.settings import Settings, setting
+
+
+@dataclass(frozen=True)
+class DistortionSettings(Settings):
+    """Nonlinear forces in expected spectra."""
+
+    first_order_limit: float = setting(
+        1.0,
+        unit="1",
+        doc="mean square of the motion by residual forces over that by sources",
+        derived="first-order theory needs it below one",
+    )
+    min_half_width: float = setting(
+        1e-6,
+        unit="lines",
+        doc="narrowest half bandwidth that quadrature resolves",
+        derived="far below any resonance that a line shows",
+    )
+    max_refinements: int = setting(
+        40,
+        unit="rounds",
+        doc="refinements of the quadrature towards shifted resonances",
+        tuned="simulated tests of the suite",
+    )
+    initial_panels: int = setting(
+        8, unit="panels", doc="panels of the band before refinement", derived="only the cost depends on it"
+    )
+    frequency_block: int = setting(
+        512, unit="frequencies", doc="frequencies of all runs solved for in one call", derived="cache size"
+    )
+    max_points_per_line: int = setting(
+        64,
+        unit="points",
+        doc="grid points of a line where a spectrum is steep",
+        tuned="simulated tests of the suite",
+    )
+    min_width: float = setting(
+        1e-9,
+        unit="Hz",
+        doc="half bandwidth below which the grid is not refined for it",
+        derived="guards a division",
+    )
+
+
+@dataclass(frozen=True)
+class LinearisationSettings(Settings):
+    """Equivalent linearisation of nonlinear forces."""
+
+    rms_tolerance: float = setting(
+        1e-10,
+        unit="1",
+        doc="relative change of a root mean square at convergence",
+        derived="Newton's method converges quadratically, so the last step is below it",
+    )
+    max_rounds: int = setting(
+        100, unit="rounds", doc="iterations at most", derived="several times what bisection needs"
+    )
+    trial_range: tuple[float, float] = setting(
+        (0.01, 8.0),
+        unit="1",
+        doc="trial motions over the motion without the force",
+        tuned="simulated tests of the suite",
+    )
+    n_trials: int = setting(
+        28, unit="motions", doc="trial motions in that range", tuned="simulated tests of the suite"
+    )
+    extension_range: float = setting(
+        100.0,
+        unit="1",
+        doc="factor by which the range is extended while no solution lies in it",
+        derived="only the cost depends on it",
+    )
+    n_extension_trials: int = setting(
+        8, unit="motions", doc="trial motions in an extension", derived="four a decade"
+    )
+    log_bracket: float = setting(
+        0.5,
+        unit="1",
+        doc="half width of the bracket about a known motion, of its logarithm",
+        tuned="simulated tests of the suite",
+    )
+    oversampling: int = setting(
+        4,
+        unit="1",
+        doc="samples of an autocorrelation over those of a signal in the band",
+        derived="third harmonics of the band",
+    )
+
+
+@dataclass(frozen=True)
+class HermiteSettings(Settings):
+    """Hermite series of a nonlinear force under Gaussian motion."""
+
+    n_orders: int = setting(
+        200,
+        unit="orders",
+        doc="orders of the series that are kept",
+        derived="2 % of the residual power of dry friction lies beyond",
+    )
+    upper_limit: float = setting(
+        9.0,
+        unit="standard deviations",
+        doc="end of the quadrature",
+        derived="the normal density is rounding there",
+    )
+    n_points: int = setting(
+        2000, unit="points", doc="points of the quadrature", derived="resolves the highest order kept"
+    )
+    n_angles: int = setting(
+        1001,
+        unit="angles",
+        doc="angles at which a long series is summed",
+        derived="interpolation within 1e-6 of the series",
+    )
+
+
+@dataclass(frozen=True)
+class TimeSteppingSettings(Settings):
+    """Time integration of nonlinear forces."""
+
+    rigid_body_rate: float = setting(
+        1e-3,
+        unit="rad/s",
+        doc="natural frequency below which a mode is a rigid body",
+        derived="far below any elastic mode",
+    )
+    newton_iterations: int = setting(
+        2,
+        unit="iterations",
+        doc="Newton iterations on the force at the end of a step",
+        derived="the motion hardly depends on the force within one step",
+    )
+    loud_ratio: float = setting(
+        7.0,
+        unit="1",
+        doc="motion over its root mean square at which stability is checked",
+        derived="7 sigma: no record of Gaussian noise has it",
+    )
+    growth_tolerance: float = setting(
+        1e-6,
+        unit="1",
+        doc="growth rate over the highest natural frequency that is rounding",
+        derived="rounding of eigenvalues of undamped modes",
+    )
+    block_steps: int = setting(
+        16, unit="steps", doc="time steps between two propagations of the modes", derived="computing time"
+    )
+
+
+@dataclass(frozen=True)
+class NonlinearRecordSettings(Settings):
+    """Time records with nonlinear forces."""
+
+    oversampling: int = setting(
+        4,
+        unit="1",
+        doc="time steps over samples of the analyser",
+        derived="third harmonics of half the band; 1 % of the force at its top",
+    )
+    decay_threshold: float = setting(
+        0.05,
+        unit="1",
+        doc="share of the response to a residual force that may be missing where a record begins",
+        derived="the residual force is small against the force itself",
+    )
+    max_lead_in: int = setting(12, unit="records", doc="lead-in before a record", derived="computing time")
+    parallel_samples: int = setting(
+        2**23,
+        unit="samples",
+        doc="samples of all records stepped in parallel, lead-in included",
+        derived="memory",
+    )
+    min_half_width: float = setting(
+        1e-12,
+        unit="Hz",
+        doc="half bandwidth below which a mode counts as undamped",
+        derived="guards a division",
+    )
+
+
+@dataclass(frozen=True)
+class DistortionEvidenceSettings(Settings):
+    """Suspicion of nonlinear forces."""
+
+    unmeasured: float = setting(
+        0.2,
+        unit="1",
+        doc="suspicion without a measured response spectrum",
+        tuned="simulated tests of the suite",
+    )
+    misfit_only: float = setting(
+        0.1,
+        unit="1",
+        doc="suspicion where the incoherent spectrum is wrong, but no larger on the whole",
+        tuned="simulated tests of the suite",
+    )
+    misfit_limit: float = setting(
+        1.2,
+        unit="1",
+        doc="mean squared residual up to which a spectrum agrees",
+        tuned="simulated tests of the suite",
+    )
+
+
+DISTORTION = DistortionSettings()
+LINEARISATION = LinearisationSettings()
+HERMITE = HermiteSettings()
+TIME_STEPPING = TimeSteppingSettings()
+NONLINEAR_RECORDS = NonlinearRecordSettings()
+DISTORTION_EVIDENCE = DistortionEvidenceSettings()

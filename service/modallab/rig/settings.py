@@ -1,0 +1,248 @@
+"""Settings of the rig: chain, exciters, records and checks, with unit, meaning and origin."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+from modallab.core.settings import Settings, setting
+
+
+@dataclass(frozen=True)
+class AcquisitionSettings(Settings):
+    """Sampling of the analyser."""
+
+    rate_ratio: float = setting(
+        2.56,
+        unit="1",
+        doc="sample rate over the top of the band",
+        derived="convention of FFT analysers: room for the roll-off of the anti-alias filter",
+    )
+
+
+@dataclass(frozen=True)
+class ChainSettings(Settings):
+    """Frequency responses of the measuring chain."""
+
+    dc_line_fraction: float = setting(
+        1e-3,
+        unit="lines",
+        doc="frequency at which the limit of inertance at 0 Hz is taken",
+        derived="within 1e-6 of the limit; omega^2 is still above the rounding of a free body's damping",
+    )
+    frequency_block: int = setting(
+        2048, unit="frequencies", doc="frequencies solved for in one call", derived="cache size"
+    )
+
+
+@dataclass(frozen=True)
+class CheckSettings(Settings):
+    """Checks of a rig."""
+
+    reading_tolerance: float = setting(
+        0.1,
+        unit="1",
+        doc="error of a reading at the top of the band",
+        derived="the 10 % rule of thumb for accelerometers",
+    )
+    strict_reading_tolerance: float = setting(
+        0.05,
+        unit="1",
+        doc="error of a reading that a check reports beside it",
+        derived="the 5 % rule of thumb for accelerometers",
+    )
+    rigid_elastic_ratio: float = setting(
+        0.1,
+        unit="1",
+        doc="highest rigid-body frequency over the first elastic one",
+        derived="Ewins, Modal Testing (2000), chapter 3",
+    )
+    initial_frequency: float = setting(
+        1.0,
+        unit="Hz",
+        doc="first upper limit of the modes that are solved for",
+        derived="only the cost depends on it",
+    )
+    frequency_step: float = setting(
+        4.0,
+        unit="1",
+        doc="factor on that limit while modes are missing",
+        derived="only the cost depends on it",
+    )
+
+
+@dataclass(frozen=True)
+class ChangeSettings(Settings):
+    """Comparison of two log books."""
+
+    relative_tolerance: float = setting(
+        1e-6,
+        unit="1",
+        doc="relative difference within which two numbers are the same",
+        derived="numbers that were written as text and read again",
+    )
+    min_factor: float = setting(
+        1e-6,
+        unit="1",
+        doc="lowest factor on level or averages",
+        derived="bound of input, far beyond any test",
+    )
+    max_factor: float = setting(
+        1e6,
+        unit="1",
+        doc="highest factor on level or averages",
+        derived="bound of input, far beyond any test",
+    )
+    max_mass: float = setting(
+        100.0, unit="kg", doc="highest added mass", derived="bound of input, far beyond any test"
+    )
+
+
+@dataclass(frozen=True)
+class DriveSettings(Settings):
+    """Moving parts of an exciter."""
+
+    joint_loss_factor: float = setting(
+        0.01,
+        unit="1",
+        doc="loss factor of stinger and force gauge",
+        derived="keeps the resonance of armature and structure finite",
+    )
+    rigid_rate: float = setting(
+        2 * np.pi * 1e6,
+        unit="rad/s",
+        doc="rate above which a mass on its joint moves as if joined rigidly",
+        derived="far above any band",
+    )
+
+
+@dataclass(frozen=True)
+class RecordSettings(Settings):
+    """Simulated time records."""
+
+    decay_threshold: float = setting(
+        1e-6,
+        unit="1",
+        doc="amplitude at which a free decay has ended",
+        derived="below the rounding of a measured spectrum",
+    )
+    max_samples: int = setting(
+        2**26, unit="samples", doc="samples of all channels of one stretch", derived="memory: 0.5 GB"
+    )
+    noise_block: int = setting(
+        2**18, unit="samples", doc="noise samples generated in one call", derived="cache size"
+    )
+    record_block: int = setting(
+        2**15, unit="samples", doc="samples of the records in one batch", derived="cache size"
+    )
+    parallel_samples: int = setting(
+        2**24, unit="samples", doc="samples of all channels of runs stepped in parallel", derived="memory"
+    )
+    records_per_stretch: int = setting(
+        32,
+        unit="records",
+        doc="length of a stretch of stationary signals",
+        derived="the lead that is discarded costs little beside it",
+    )
+
+
+@dataclass(frozen=True)
+class FreeDecaySettings(Settings):
+    """Impulse responses of the channels."""
+
+    decay_threshold: float = setting(
+        1e-6,
+        unit="1",
+        doc="amplitude at which a free decay has ended",
+        derived="below the rounding of a measured spectrum",
+    )
+    screening_decay_threshold: float = setting(
+        0.03,
+        unit="1",
+        doc="the same of approximate spectra for screening",
+        derived="screening needs some per cent",
+    )
+    max_samples: int = setting(2**26, unit="samples", doc="samples of all channels", derived="memory: 0.5 GB")
+    solution_block: int = setting(
+        2**22, unit="samples", doc="samples of all channels of runs that share a solution", derived="memory"
+    )
+
+
+@dataclass(frozen=True)
+class HammerSettings(Settings):
+    """Impact of a hammer."""
+
+    slope_step: float = setting(
+        1e-4,
+        unit="m",
+        doc="step of the central difference of shape functions at a node",
+        derived="truncation and rounding errors are both below 1e-6",
+    )
+    band_drop: float = setting(
+        20.0,
+        unit="dB",
+        doc="drop of the force spectrum at the end of the useful band",
+        derived="convention of impact testing",
+    )
+    series_distance: float = setting(
+        1e-6,
+        unit="1",
+        doc="distance from the removable singularity of the pulse spectrum",
+        derived="the limit is used within it",
+    )
+
+
+@dataclass(frozen=True)
+class BurstSettings(Settings):
+    """Expected spectra of burst random."""
+
+    n_impulses: int = setting(
+        512,
+        unit="impulses",
+        doc="impulse times of a burst",
+        derived="exact up to as many samples; resonances are resolved beyond",
+    )
+    record_block: int = setting(
+        2**20, unit="samples", doc="samples of the records in one batch", derived="memory"
+    )
+    golden_ratio: float = setting(
+        0.6180339887498949,
+        unit="1",
+        doc="step of the low-discrepancy sequence of impulse times",
+        derived="(sqrt(5) - 1)/2",
+    )
+
+
+@dataclass(frozen=True)
+class StingerSettings(Settings):
+    """Bounds of a declared stinger."""
+
+    min_stiffness: float = setting(1e3, unit="N/m", doc="lowest axial stiffness", derived="bound of input")
+    max_stiffness: float = setting(
+        1e12, unit="N/m", doc="highest axial stiffness, which counts as rigid", derived="bound of input"
+    )
+    max_bending_stiffness: float = setting(
+        1e7, unit="N m/rad", doc="highest bending stiffness", derived="bound of input"
+    )
+    min_length: float = setting(1e-3, unit="m", doc="lowest length", derived="bound of input")
+    max_length: float = setting(
+        1e3, unit="m", doc="highest length", derived="no lateral stiffness is left there"
+    )
+    max_mass: float = setting(5.0, unit="kg", doc="highest mass", derived="bound of input")
+    clamped_root: float = setting(
+        4.730040744862704,
+        unit="1",
+        doc="first root of cosh x cos x = 1",
+        derived="Bernoulli beam clamped at both ends",
+    )
+
+
+ACQUISITION = AcquisitionSettings()
+CHAIN = ChainSettings()
+CHECK = CheckSettings()
+CHANGE = ChangeSettings()
+DRIVE = DriveSettings()
+RECORDS = RecordSettings()
+FREE_DECAY = FreeDecaySettings()
+HAMMER = HammerSettings()
+BURST = BurstSettings()
+STINGER = StingerSettings()
