@@ -27,7 +27,7 @@ from modallab.extraction.preprocessing.leakage import WindowLeakage
 from modallab.extraction.preprocessing.line_noise import has_coherence, line_weights
 from modallab.extraction.preprocessing.responses import Responses
 from modallab.extraction.single_mode.method import EXTRACTION_METHODS
-from modallab.extraction.single_mode.plan import law_of
+from modallab.extraction.single_mode.plan import damping_choice
 from modallab.extraction.single_mode_extraction import SMEARED, extract_mode_by_mode
 
 BEGIN = "dobson"  # undoes leakage of modes apart
@@ -99,7 +99,7 @@ def extract_globally(
     progress(FITTED, "modes of all FRFs")
     choices = {
         "max_order": charts[-1].why,
-        "damping": law_of(options),
+        "damping": damping_choice(options),
         "range": searched.said(responses.freq),
     }
     model = modal_model(fits, responses, method=method, n_modes=n_modes, choices=choices)

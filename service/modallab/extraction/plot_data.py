@@ -15,9 +15,9 @@ from modallab.extraction.preprocessing.fit_windows import Windows, without_neare
 from modallab.extraction.preprocessing.leakage import WindowLeakage
 from modallab.extraction.preprocessing.responses import Responses
 from modallab.extraction.single_mode.damping_models import DAMPING_MODELS, DampingModel
-from modallab.extraction.single_mode.fitting import Data, Settled, fit_all, gather
+from modallab.extraction.single_mode.fitting import ConvergedFits, FitData, fit_all, window_data
 from modallab.extraction.single_mode.method import EXTRACTION_METHODS, ModeFit
-from modallab.extraction.single_mode.plan import taken
+from modallab.extraction.single_mode.plan import choice_value
 
 CURVE = 201  # points to draw a fit with
 TINY = 1e-300
@@ -86,8 +86,8 @@ def fit_plot_data(
     for name, value, n in (("mode", mode, len(ends)), ("row", row, ends.shape[1])):
         if not 0 <= value < n:
             raise InvalidInputError(f"no such {name}", field=name, value=value, allowed=f"0 to {n - 1}")
-    damping = Damping(taken(model.choices, "damping") or Damping.STRUCTURAL)
-    data = _lines_again(responses, ends[mode], int(taken(model.choices, "leave_out") or 0), leakage)
+    damping = Damping(choice_value(model.choices, "damping") or Damping.STRUCTURAL)
+    data = _lines_again(responses, ends[mode], int(choice_value(model.choices, "leave_out") or 0), leakage)
     settled, place = _again(DAMPING_MODELS[damping], model, mode, row, data)
     table, mean = settled.table, model.modes[mode]
     found = bool(table.frequency[0, place] > 0)  # where it was not, the modal constant is of the mean mode
@@ -106,7 +106,9 @@ def fit_plot_data(
     return _drawn(model, damping, fit, seen, factor * data.receptance[inside])
 
 
-def _again(law: DampingModel, model: ModalModel, mode: int, row: int, data: Data) -> tuple[Settled, int]:
+def _again(
+    law: DampingModel, model: ModalModel, mode: int, row: int, data: FitData
+) -> tuple[ConvergedFits, int]:
     """Return the fit of one FRF once more, and its place among those done for it.
 
     All FRFs decided together which kind of response the mode was fitted on: it is the one that gives the
@@ -120,7 +122,7 @@ def _again(law: DampingModel, model: ModalModel, mode: int, row: int, data: Data
         return fit_all(method, law, data, _known(law, model, mode, data, rows)), row
     drive = None if data.leakage is None else data.drive
     rows = np.unique([row] if drive is None else [row, drive])
-    some = Data(
+    some = FitData(
         data.freq[:, rows],
         data.receptance[:, rows],
         data.weight[:, rows],
@@ -162,9 +164,9 @@ def _drawn(
 
     residual = complex((weight * (frf - alone(freq))).sum() / max(weight.sum(), TINY))
     curve_freq = np.linspace(freq[0], freq[-1], CURVE)
-    pole = frf - law.beside(freq, eigenvalue, constant, order)
+    pole = frf - law.image_terms(freq, eigenvalue, constant, order)
     enough = (weight > 0).sum() >= MIN_LINES
-    details = method.plot_with_options(options)(law.variable(freq), pole, weight) if enough else {}
+    details = method.plot_with_options(options)(law.abscissa(freq), pole, weight) if enough else {}
     again = law.fit(method.with_options(options), freq[None], frf[None], weight[None], order[None])
     return FitPlotData(
         method=model.method,
@@ -207,7 +209,9 @@ def _ends(responses: Responses, model: ModalModel) -> IntArray:
     return model.fitted_lines
 
 
-def _lines_again(responses: Responses, ends: IntArray, leave_out: int, leakage: WindowLeakage | None) -> Data:
+def _lines_again(
+    responses: Responses, ends: IntArray, leave_out: int, leakage: WindowLeakage | None
+) -> FitData:
     """Return the lines of one mode in every FRF, as they were fitted; `ends` (n_frf, 2)."""
     count = ends[:, 1:] - ends[:, :1] + 1
     offset = np.arange(count.max())
@@ -218,10 +222,10 @@ def _lines_again(responses: Responses, ends: IntArray, leave_out: int, leakage: 
         used = without_nearest(np.abs(responses.mobility)[index, columns], used, leave_out)
     windows = Windows(index[None], used[None], ends[None])
     receptance, variance = responses.receptance, responses.variance
-    return gather(responses.freq, receptance, variance, windows, leakage, responses.drive_row)
+    return window_data(responses.freq, receptance, variance, windows, leakage, responses.drive_row)
 
 
-def _known(law: DampingModel, model: ModalModel, mode: int, data: Data, rows: IntArray) -> ComplexArray:
+def _known(law: DampingModel, model: ModalModel, mode: int, data: FitData, rows: IntArray) -> ComplexArray:
     """Return the receptance of all other modes of the model, (1, n_rows, n_lines); `data` of these rows."""
     known = np.zeros_like(data.receptance)
     if model.modal_constant is None or model.fitted_frequency is None or model.fitted_loss_factor is None:

@@ -22,9 +22,9 @@ from modallab.extraction.preprocessing.leakage import WindowLeakage
 from modallab.extraction.preprocessing.line_noise import has_coherence
 from modallab.extraction.preprocessing.responses import Responses
 from modallab.extraction.single_mode.damping_models import DAMPING_MODELS
-from modallab.extraction.single_mode.fitting import Table, fit_all, gather
-from modallab.extraction.single_mode.leaked_covariance import line_spectra
-from modallab.extraction.single_mode.leaked_fits import allowing_for_leakage
+from modallab.extraction.single_mode.fitting import FitTable, fit_all, window_data
+from modallab.extraction.single_mode.leaked_covariance import line_accuracy
+from modallab.extraction.single_mode.leaked_fits import with_leakage_errors
 from modallab.extraction.single_mode.method import SingleModeMethod
 from modallab.extraction.single_mode.plan import plan
 
@@ -63,11 +63,11 @@ def extract_mode_by_mode(
         leave_out=decided.leave_out,
     )
     progress(0.2, f"fitting {len(found)} modes in {len(dofs)} FRFs")
-    data = gather(freq, responses.receptance, responses.variance, windows, leakage, responses.drive_row)
+    data = window_data(freq, responses.receptance, responses.variance, windows, leakage, responses.drive_row)
     settled = fit_all(fit, DAMPING_MODELS[options.law], data, progress=part(progress, 0.2, 0.9))
     if leakage is not None:
-        known = line_spectra(responses, windows.index) if has_coherence(responses) else None
-        settled = allowing_for_leakage(fit, DAMPING_MODELS[options.law], data, leakage, settled, known)
+        known = line_accuracy(responses, windows.index) if has_coherence(responses) else None
+        settled = with_leakage_errors(fit, DAMPING_MODELS[options.law], data, leakage, settled, known)
     table = replace(settled.table, lines=windows.ends)
     notes = [*peaks.notes, *_missing(table, freq, found, given=bands is not None)]
     if not registered.exact:
@@ -95,11 +95,11 @@ def extract_mode_by_mode(
     return with_resynthesis(model, responses, found, smeared=0 if leakage is None else SMEARED)
 
 
-def _missing(table: Table, freq: FloatArray, bands: Sequence[Band], *, given: bool) -> list[str]:
+def _missing(table: FitTable, freq: FloatArray, bands: Sequence[Band], *, given: bool) -> list[str]:
     """Return a note on every band found that proved empty; raise if it was given, or if all are."""
-    line_spectra = np.asarray(table.screening.good.any(axis=1))
-    empty = [band for band, shown in zip(bands, line_spectra.tolist(), strict=True) if not shown]
-    if empty and not given and not line_spectra.any():
+    line_accuracy = np.asarray(table.screening.good.any(axis=1))
+    empty = [band for band, shown in zip(bands, line_accuracy.tolist(), strict=True) if not shown]
+    if empty and not given and not line_accuracy.any():
         raise NoModeInBandError(
             f"no FRF shows a mode at any of {len(empty)} peaks beyond its random error; bands may help",
             field="bands",

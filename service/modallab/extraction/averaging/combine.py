@@ -22,7 +22,7 @@ from modallab.extraction.averaging.notes import (
     why_outlying,
 )
 from modallab.extraction.averaging.reference_shapes import ReferenceShapes, reference_shapes
-from modallab.extraction.single_mode.fitting import Table
+from modallab.extraction.single_mode.fitting import FitTable
 
 NODE = 3.0  # standard errors: a smaller modal constant may as well be zero
 SMALL = 0.02  # and so may one of this part of the largest, which the tails of other modes reach
@@ -30,7 +30,7 @@ NOTHING: Mapping[str, str] = {}
 
 
 def combine_fits(
-    table: Table,
+    table: FitTable,
     dofs: Sequence[Dof],
     references: Sequence[Dof],
     *,
@@ -105,7 +105,7 @@ def combine_fits(
     )
 
 
-def _order(table: Table) -> IntArray:
+def _order(table: FitTable) -> IntArray:
     """Return the modes that some FRF shows, in rising frequency."""
     good = table.screening.good
     seen = np.flatnonzero(good.any(axis=1))
@@ -124,7 +124,7 @@ def _averaging(wander: FrequencyInconsistency | None, r: int) -> Averaging:
 
 
 def _mode(
-    table: Table,
+    table: FitTable,
     m: int,
     averaging: Averaging,
     shared: float,
@@ -172,7 +172,7 @@ def _spread(values: FloatArray) -> Spread:
     return Spread(float(values.min()), float(values.max()), float(values.mean()), sd, len(values))
 
 
-def _unused(table: Table, m: int, names: Sequence[str]) -> list[str]:
+def _unused(table: FitTable, m: int, names: Sequence[str]) -> list[str]:
     """Return why an FRF has no part in the means: it contradicts them, or hardly shows the mode."""
     size, error = np.abs(table.modal_constant[m]), table.modal_constant_error[m]
     node = size < np.maximum(NODE * error, SMALL * size.max())

@@ -2,10 +2,10 @@
 
 from collections.abc import Iterator, Mapping
 
-from modallab.extraction.single_mode.fitting import Table
+from modallab.extraction.single_mode.fitting import FitTable
 
 
-def leakage_bias_of(table: Table, m: int) -> dict[str, float]:
+def leakage_bias_of(table: FitTable, m: int) -> dict[str, float]:
     """Return by what leakage may still move the mean over the FRFs: frequency, Hz, and loss factor.
 
     Parameters

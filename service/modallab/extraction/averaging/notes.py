@@ -7,7 +7,7 @@ import numpy as np
 from modallab.core.arrays import FloatArray, IntArray
 from modallab.core.frequency_inconsistency import FrequencyInconsistency, InconsistencyCause
 from modallab.extraction.averaging.reference_shapes import ReferenceShapes
-from modallab.extraction.single_mode.fitting import Table
+from modallab.extraction.single_mode.fitting import FitTable
 
 SHOWN = 0.05  # of the random error: less than that in common is hardly told from none
 
@@ -100,7 +100,7 @@ def _range(shift: FloatArray, names: Sequence[str]) -> str | None:
     )
 
 
-def why_outlying(table: Table, order: IntArray, names: Sequence[str]) -> Iterator[str]:
+def why_outlying(table: FitTable, order: IntArray, names: Sequence[str]) -> Iterator[str]:
     """Yield for each outlier how far it is from the fits that count; `order` are the modes as listed."""
     for number, m in enumerate(order.tolist(), start=1):
         good = table.screening.good[m]

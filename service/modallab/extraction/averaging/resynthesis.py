@@ -16,7 +16,7 @@ from modallab.extraction.preprocessing.bands import Band
 from modallab.extraction.preprocessing.line_noise import has_coherence
 from modallab.extraction.preprocessing.responses import Responses
 from modallab.extraction.single_mode.damping_models import DAMPING_MODELS
-from modallab.extraction.single_mode.plan import taken
+from modallab.extraction.single_mode.plan import choice_value
 
 APART = 0.01  # relative error granted to the modes: residuals shall not mend what they lack at resonance
 NOTED = 0.1  # of an FRF: less is left by the random error and leakage of ordinary tests
@@ -154,7 +154,7 @@ def relative_error(
 
 def _modes(model: ModalModel, freq: FloatArray, pole: ComplexArray, constant: ComplexArray) -> ComplexArray:
     """Return the receptance of all modes, (n_freq, n_frf); pole and constant (n_modes, n_frf)."""
-    law = DAMPING_MODELS[Damping(taken(model.choices, "damping") or Damping.STRUCTURAL)]
+    law = DAMPING_MODELS[Damping(choice_value(model.choices, "damping") or Damping.STRUCTURAL)]
     values = np.zeros((len(freq), constant.shape[1]), complex)
     for one, size in zip(pole, constant, strict=True):  # one at a time: together they may not fit into memory
         values += law.response(freq[:, None], one, size)

@@ -4,12 +4,13 @@ import numpy as np
 
 from modallab.core.arrays import IntArray
 from modallab.extraction.single_mode.damping_models import DampingModel
-from modallab.extraction.single_mode.fitting import TINY, Data, Settled
+from modallab.extraction.single_mode.fitting import ConvergedFits, FitData
+from modallab.extraction.single_mode.settings import SINGLE_MODE_FIT
 
 FEW = 20  # pairs of lines: fewer do not tell a correlation
 
 
-def shared_noise_fraction(law: DampingModel, data: Data, settled: Settled, index: IntArray) -> float:
+def shared_noise_fraction(law: DampingModel, data: FitData, settled: ConvergedFits, index: IntArray) -> float:
     """Return the correlation of the errors of different FRFs near resonances, 0 to 1.
 
     Responses recorded together are all divided by one force, and what is wrong with its record moves a mode
@@ -34,7 +35,9 @@ def shared_noise_fraction(law: DampingModel, data: Data, settled: Settled, index
         np.where(good, own, 1 + 1j)[:, :, None],
         np.where(good, table.modal_constant, 1.0)[:, :, None],
     )
-    factor = np.where(settled.inertance[:, None, None], np.maximum(data.x, TINY), 1.0)
+    factor = np.where(
+        settled.inertance[:, None, None], np.maximum(data.x, SINGLE_MODE_FIT.smallest_eigenvalue), 1.0
+    )
     weight = np.where(good[:, :, None], data.weight / factor**2, 0.0)
     left = factor * (settled.cleaned - mode)
     total = weight.sum(axis=2, keepdims=True)

@@ -113,6 +113,15 @@ class LeakageSettings(Settings):
 
 
 @dataclass(frozen=True)
+class LeakedLineSettings(Settings):
+    """Covariance of leaked lines."""
+
+    pairs_in_memory: int = setting(
+        2**18, unit="pairs of lines", doc="Pairs that are treated together.", derived="memory: 4 MiB an array"
+    )
+
+
+@dataclass(frozen=True)
 class LineNoiseSettings(Settings):
     """Variance of the random error of lines."""
 
@@ -195,6 +204,7 @@ BANDS = BandSettings()
 COMMON_PEAKS = CommonPeakSettings()
 FIT_WINDOWS = FitWindowSettings()
 LEAKAGE = LeakageSettings()
+LEAKED_LINES = LeakedLineSettings()
 LINE_NOISE = LineNoiseSettings()
 LOW_COHERENCE = LowCoherenceSettings()
 NOISE_BIAS = NoiseBiasSettings()

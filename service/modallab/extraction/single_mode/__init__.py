@@ -1,1 +1,1 @@
-"""One mode from a window of one FRF, for many windows at once."""
+"""Single-mode methods: one mode from a window of one FRF, for many windows in one call."""

@@ -1,4 +1,4 @@
-"""How a mode is one pole near its resonance: in omega^2 if its damping is structural, in omega if viscous."""
+"""Structural and viscous damping: how a mode is one pole near its resonance, in omega^2 or in omega."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -9,28 +9,26 @@ import numpy as np
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray
 from modallab.extraction.options import Damping
 from modallab.extraction.single_mode.method import ExtractionMethod, ModeFits
-
-ROUNDS = 4  # the mirror pole is taken off by its last fit; each round wins two digits where damping is 5 %
-TINY = 1e-12  # (rad/s)^2, below any mode
-MOST = 0.99  # damping ratio: above, a mode has no resonance
+from modallab.extraction.single_mode.settings import SINGLE_MODE_FIT, VISCOUS_FIT
 
 
 class DampingModel(Protocol):
-    """A law of damping. Eigenvalues are `omega_r^2 (1 + i eta_r)` whatever the law, `eta_r = 2 zeta_r`.
+    """Damping law. Eigenvalues are `omega_r^2 (1 + i eta_r)` for every law, with `eta_r = 2 zeta_r`.
 
-    Array arguments take any shapes that go together.
+    Array arguments are broadcast against each other.
     """
 
-    loss_per_pole: float  # loss factor over the ratio of imaginary to real part of the pole, lightly damped
+    loss_per_pole: float
+    """Loss factor over the ratio of imaginary to real part of the pole, for light damping."""
 
-    def variable(self, freq: FloatArray) -> FloatArray:
-        """Return the frequency that a method must be told, so that it sees a pole in `(2 pi freq)^2`, Hz."""
+    def abscissa(self, freq: FloatArray) -> FloatArray:
+        """Return the frequency f, Hz, for which the pole of a mode is a pole in `(2 pi f)^2`."""
         ...
 
-    def beside(
+    def image_terms(
         self, freq: FloatArray, eigenvalue: ComplexArray, constant: ComplexArray, order: IntArray
     ) -> ComplexArray:
-        """Return what a mode adds to its pole, but for constants, in receptance derived `order` times."""
+        """Return the mode without its pole and constants, in receptance differentiated `order` times."""
         ...
 
     def fit(
@@ -43,7 +41,7 @@ class DampingModel(Protocol):
     ) -> ModeFits:
         """Return the fits of `method`; `order` (n_fits,): 0 receptance, 1 mobility, 2 inertance.
 
-        The modal constant is that of the response given: `-L A` in inertance, L as in `pole`.
+        The modal constant is that of the response given: `-L A` in inertance, with L as in `pole`.
         """
         ...
 
@@ -52,24 +50,24 @@ class DampingModel(Protocol):
         ...
 
     def pole(self, eigenvalue: ComplexArray, constant: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
-        """Return square L of the pole in omega, and a: near resonance receptance is `a/(L - omega^2)`."""
+        """Return L, the squared pole in omega, and a: near resonance receptance is `a/(L - omega^2)`."""
         ...
 
 
 @dataclass(frozen=True)
 class StructuralDampingModel:
-    """`A/(lambda_r - omega^2)`: a pole in omega^2, in inertance too."""
+    """Structural damping, `A/(lambda_r - omega^2)`: a pole in omega^2, in inertance too."""
 
     loss_per_pole = 1.0
 
-    def variable(self, freq: FloatArray) -> FloatArray:
+    def abscissa(self, freq: FloatArray) -> FloatArray:
         """Return the frequency itself."""
         return freq
 
-    def beside(
+    def image_terms(
         self, freq: FloatArray, eigenvalue: ComplexArray, constant: ComplexArray, order: IntArray
     ) -> ComplexArray:
-        """Return nothing: `-omega^2 A/(lambda - omega^2) = A - lambda A/(lambda - omega^2)`."""
+        """Return zeros: `-omega^2 A/(lambda - omega^2) = A - lambda A/(lambda - omega^2)`."""
         return np.zeros(np.broadcast_shapes(freq.shape, eigenvalue.shape), complex)
 
     def fit(
@@ -80,7 +78,7 @@ class StructuralDampingModel:
         weight: FloatArray,
         order: IntArray,
     ) -> ModeFits:
-        """Return the fits of the method as they are."""
+        """Return the fits of the method unchanged."""
         return method(freq, frf, weight)
 
     def response(self, freq: FloatArray, eigenvalue: ComplexArray, constant: ComplexArray) -> ComplexArray:
@@ -88,30 +86,30 @@ class StructuralDampingModel:
         return np.asarray(constant / (eigenvalue - (2 * np.pi * freq) ** 2))
 
     def pole(self, eigenvalue: ComplexArray, constant: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
-        """Return both unchanged."""
+        """Return both arguments unchanged."""
         return eigenvalue, constant
 
 
 @dataclass(frozen=True)
 class ViscousDampingModel:
-    """`c/(p - omega) + conj(c)/(conj(p) + omega)`, a pole in omega and its mirror image.
+    """Viscous damping, `c/(p - omega) + conj(c)/(conj(p) + omega)`: a pole in omega and its mirror image.
 
-    `p = omega_r (sqrt(1 - zeta_r^2) + i zeta_r)`, `A = 2 Re(p) c`; of a mode with a real constant it is
-    `A/(omega_r^2 - omega^2 + 2 i zeta_r omega_r omega)`. With the mirror image off, what is left is a
-    circle, and the inverse of it a line, in omega instead of omega^2: every method works on as it is.
-    Mobility is `i omega` times as much, again a pole, its mirror image and a constant.
+    `p = omega_r (sqrt(1 - zeta_r^2) + i zeta_r)` and `A = 2 Re(p) c`; with a real constant the mode is
+    `A/(omega_r^2 - omega^2 + 2 i zeta_r omega_r omega)`. Without the mirror image the response is a circle
+    and its inverse a line, in omega instead of omega^2, so that every single-mode method applies unchanged.
+    Mobility is `i omega` times receptance, again a pole, its mirror image and a constant.
     """
 
     loss_per_pole = 2.0
 
-    def variable(self, freq: FloatArray) -> FloatArray:
+    def abscissa(self, freq: FloatArray) -> FloatArray:
         """Return `sqrt(omega)/(2 pi)`."""
         return np.asarray(np.sqrt(2 * np.pi * freq) / (2 * np.pi))
 
-    def beside(
+    def image_terms(
         self, freq: FloatArray, eigenvalue: ComplexArray, constant: ComplexArray, order: IntArray
     ) -> ComplexArray:
-        """Return the mirror image, and how the derivative of the pole differs from a pole."""
+        """Return the mirror image, and the difference of the pole's derivative from a pole."""
         omega, p = 2 * np.pi * freq, _pole(eigenvalue)
         c = constant / (2 * p.real)
         pole = c / (p - omega)
@@ -126,17 +124,17 @@ class ViscousDampingModel:
         weight: FloatArray,
         order: IntArray,
     ) -> ModeFits:
-        """Return fits in omega; the mirror image is taken off by the fit before."""
-        across = self.variable(freq)
-        fits = method(across, frf, weight)
-        for _ in range(ROUNDS - 1):
-            found = _physical(fits)
+        """Return fits in omega; each subtracts the mirror image of the previous one."""
+        abscissa = self.abscissa(freq)
+        fits = method(abscissa, frf, weight)
+        for _ in range(VISCOUS_FIT.mirror_iterations - 1):
+            physical = _physical(fits)
             eigenvalue = np.where(
-                fits.found, (2 * np.pi * found.frequency) ** 2 * (1 + 1j * found.loss_factor), 1j
+                fits.found, (2 * np.pi * physical.frequency) ** 2 * (1 + 1j * physical.loss_factor), 1j
             )
-            receptance = np.where(fits.found, found.modal_constant, 0) / (1j * _pole(eigenvalue)) ** order
-            beside = self.beside(freq, eigenvalue[:, None], receptance[:, None], order[:, None])
-            fits = method(across, frf - beside, weight)
+            receptance = np.where(fits.found, physical.modal_constant, 0) / (1j * _pole(eigenvalue)) ** order
+            image = self.image_terms(freq, eigenvalue[:, None], receptance[:, None], order[:, None])
+            fits = method(abscissa, frf - image, weight)
         return _physical(fits)
 
     def response(self, freq: FloatArray, eigenvalue: ComplexArray, constant: ComplexArray) -> ComplexArray:
@@ -152,27 +150,30 @@ class ViscousDampingModel:
 
 
 def _pole(eigenvalue: ComplexArray) -> ComplexArray:
-    stiffness = np.maximum(eigenvalue.real, TINY)
-    ratio = np.clip(eigenvalue.imag / stiffness / 2, -MOST, MOST)
+    """Return the pole p in omega of a viscous mode, rad/s."""
+    stiffness = np.maximum(eigenvalue.real, SINGLE_MODE_FIT.smallest_eigenvalue)
+    ratio = np.clip(
+        eigenvalue.imag / stiffness / 2, -VISCOUS_FIT.largest_damping_ratio, VISCOUS_FIT.largest_damping_ratio
+    )
     return np.asarray(np.sqrt(stiffness) * (np.sqrt(1 - ratio**2) + 1j * ratio))
 
 
 def _physical(fits: ModeFits) -> ModeFits:
-    """Return fits in omega, whose `frequency` is `sqrt(Re p)/(2 pi)`, as those of modes."""
-    across = (2 * np.pi * fits.frequency) ** 2
-    p = across * (1 + 1j * fits.loss_factor)
-    omega = np.abs(p)
-    # the error of either part of the pole, from that of its real part
+    """Return fits in omega, with `frequency` equal to `sqrt(Re p)/(2 pi)`, as fits of modes."""
+    real_part = (2 * np.pi * fits.frequency) ** 2
+    pole = real_part * (1 + 1j * fits.loss_factor)
+    omega = np.abs(pole)
+    # standard error of the real and of the imaginary part of the pole
     error = fits.frequency_error * 8 * np.pi**2 * fits.frequency
     safe = np.where(omega > 0, omega, 1.0)
     return replace(
         fits,
         frequency=omega / (2 * np.pi),
-        loss_factor=2 * p.imag / safe,
-        modal_constant=2 * across * fits.modal_constant,
+        loss_factor=2 * pole.imag / safe,
+        modal_constant=2 * real_part * fits.modal_constant,
         frequency_error=error / (2 * np.pi),
-        loss_factor_error=2 * error / safe * across / safe,
-        modal_constant_error=2 * across * fits.modal_constant_error,
+        loss_factor_error=2 * error / safe * real_part / safe,
+        modal_constant_error=2 * real_part * fits.modal_constant_error,
     )
 
 

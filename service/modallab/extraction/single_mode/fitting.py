@@ -1,4 +1,4 @@
-"""Every mode in every FRF: fitted together, each freed of the others in turn."""
+"""Single-mode fits of every mode in every FRF, with the other modes subtracted iteratively."""
 
 from dataclasses import dataclass, replace
 
@@ -11,41 +11,50 @@ from modallab.extraction.preprocessing.leakage import SinglePole, WindowLeakage
 from modallab.extraction.single_mode.damping_models import DampingModel
 from modallab.extraction.single_mode.method import ExtractionMethod, ModeFits
 from modallab.extraction.single_mode.screening import Screening, screen
-
-ROUNDS = 3  # what neighbours leave after one subtraction is second order; the later ones settle it
-LEAKY_ROUNDS = 16  # the correction for leakage needs the mode that it corrects; H1 settles slowest
-# Leaked lines err most where the response is highest, and in proportion to its square: with this much
-# at the peak the fit rests on the flanks, from where the correction converges for 0.1 line wide modes.
-LEAKED = 0.1
-TINY = 1e-12  # (rad/s)^2, below any line above 0 Hz
+from modallab.extraction.single_mode.settings import SINGLE_MODE_FIT
 
 
 @dataclass(frozen=True, eq=False)
-class Table:
-    """Modes by FRFs; every array (n_modes, n_frf). Errors are standard errors, widened by the misfit."""
+class FitTable:
+    """Fits of all modes in all FRFs; every array (n_modes, n_frf), standard errors include the misfit."""
 
-    frequency: FloatArray  # Hz
+    frequency: FloatArray
+    """Hz."""
     loss_factor: FloatArray
-    modal_constant: ComplexArray  # 1/kg, of receptance; at the other FRFs' eigenvalue where not good
+    """Structural loss factor."""
+    modal_constant: ComplexArray
+    """1/kg, of receptance; at the mean eigenvalue of the other FRFs where the fit is not good."""
     frequency_error: FloatArray
+    """Hz, standard error."""
     loss_factor_error: FloatArray
+    """Standard error."""
     modal_constant_error: FloatArray
+    """1/kg, standard error."""
     screening: Screening
-    lines: IntArray | None = None  # (n_modes, n_frf, 2) first and last that each fit drew on
-    # (n_modes, n_frf, 2) what leakage may still move frequency, Hz, and loss factor by; None where none leaks
+    """Acceptance of every fit."""
+    lines: IntArray | None = None
+    """(n_modes, n_frf, 2) first and last line of each fit."""
     leakage_bias: FloatArray | None = None
+    """(n_modes, n_frf, 2) remaining bias by leakage of frequency, Hz, and loss factor; None without
+    leakage."""
 
 
 @dataclass(frozen=True, eq=False)
-class Data:
-    """The lines of every fit, (n_modes, n_frf, n_lines), and how they were taken."""
+class FitData:
+    """Lines of every fit, (n_modes, n_frf, n_lines)."""
 
-    freq: FloatArray  # Hz
-    receptance: ComplexArray  # m/N
-    weight: FloatArray  # one over E|error|^2, 0 for a line not used
-    spacing: float  # of the lines, Hz
+    freq: FloatArray
+    """Hz."""
+    receptance: ComplexArray
+    """m/N."""
+    weight: FloatArray
+    """(N/m)^2, one over E|error|^2; 0 for a line that is not used."""
+    spacing: float
+    """Hz, frequency resolution."""
     leakage: WindowLeakage | None
-    drive: int | None  # which FRF is that of the drive point
+    """Leakage of the window; None without leakage."""
+    drive: int | None
+    """Index of the drive-point FRF; None if there is none."""
 
     @property
     def x(self) -> FloatArray:
@@ -53,107 +62,144 @@ class Data:
         return (2 * np.pi * self.freq) ** 2
 
 
-def gather(
+def window_data(
     freq: FloatArray,
     receptance: ComplexArray,
     variance: FloatArray,
     windows: Windows,
     leakage: WindowLeakage | None,
     drive: int | None,
-) -> Data:
-    """Return the lines inside the windows; `freq` (n_freq,), the others (n_freq, n_frf)."""
+) -> FitData:
+    """Return the lines inside the windows.
+
+    Leaked lines have their largest errors where the response is highest, in proportion to its square: with
+    the setting `leakage_error` at the peak, the fit depends on the flanks, and the correction converges for
+    modes down to 0.1 lines wide.
+
+    Parameters
+    ----------
+    freq
+        (n_freq,) Hz.
+    receptance, variance
+        (n_freq, n_frf) m/N, and E|error|^2.
+    windows
+        From `place_windows`.
+    leakage
+        Of the window; None without leakage.
+    drive
+        Index of the drive-point FRF; None if there is none.
+    """
     column = np.arange(receptance.shape[1])[None, :, None]
     values = receptance[windows.index, column]
     noise = variance[windows.index, column]
     if leakage is not None:
-        inside = windows.index <= windows.ends[:, :, 1:]  # lines left out, next to the peak, tell its height
+        inside = (
+            windows.index <= windows.ends[:, :, 1:]
+        )  # includes lines left out, which give the peak height
         power = np.where(inside, np.abs(values) ** 2, 0.0)
         peak = power.max(axis=2, keepdims=True)
-        noise = noise + LEAKED**2 * power * (power / np.where(peak > 0, peak, 1.0))
+        noise = noise + SINGLE_MODE_FIT.leakage_error**2 * power * (power / np.where(peak > 0, peak, 1.0))
     usable = windows.used & np.isfinite(noise) & (noise > 0)
     weight = np.where(usable, 1 / np.where(usable, noise, 1.0), 0.0)
     spacing = float(np.median(np.diff(freq)))
-    return Data(freq[windows.index], values, weight, spacing, leakage, drive)
+    return FitData(freq[windows.index], values, weight, spacing, leakage, drive)
 
 
 @dataclass(frozen=True, eq=False)
-class Settled:
-    """Fits that do not change any more, and what the last of them saw."""
+class ConvergedFits:
+    """Converged fits with the lines of the final iteration."""
 
-    table: Table
-    cleaned: ComplexArray  # (n_modes, n_frf, n_lines) m/N, freed of leakage and other modes
-    others: ComplexArray  # (n_modes, n_frf, n_lines) m/N, the other modes
-    inertance: BoolArray  # (n_modes,) True where the mode was fitted on inertance
+    table: FitTable
+    """Fits of all modes in all FRFs."""
+    cleaned: ComplexArray
+    """(n_modes, n_frf, n_lines) m/N, lines without leakage and without the other modes."""
+    other_modes: ComplexArray
+    """(n_modes, n_frf, n_lines) m/N, response of the other modes."""
+    inertance: BoolArray
+    """(n_modes,) True where the mode was fitted to inertance."""
 
 
 def fit_all(
     method: ExtractionMethod,
     law: DampingModel,
-    data: Data,
-    known: ComplexArray | float = 0.0,
+    data: FitData,
+    fixed_modes: ComplexArray | float = 0.0,
     progress: Progress = silent,
     inertance: BoolArray | None = None,
-) -> Settled:
-    """Return every mode in every FRF.
+) -> ConvergedFits:
+    """Return the fits of every mode in every FRF.
 
-    One window at a time, a single mode and a constant are fitted; then the other modes are taken off every
-    window and the fits repeated. The constant stands for what lies outside the range: it is one in
-    inertance for rigid bodies, in receptance for higher modes, so both are tried and each mode keeps the
-    kind with the smaller misfit. In inertance too a mode is a mode and a constant. An FRF that does
-    not show a mode has its modal constant from linear least squares at the eigenvalue of the others.
+    Each window is fitted with a single mode and a constant; then the other modes are subtracted from every
+    window and the fits are repeated. The constant represents residuals of modes outside the range: rigid-body
+    modes are a constant in inertance, higher modes in receptance. Both kinds are fitted and each mode keeps
+    the one with the smaller misfit; in inertance, too, a mode is a pole and a constant. In an FRF that does
+    not show a mode, its modal constant follows from linear least squares at the mean eigenvalue of the other
+    FRFs.
 
     Parameters
     ----------
     method, law
-        How a mode is fitted, and what its damping does.
-    known
-        (n_modes, n_frf, n_lines) receptance of modes that are not to be fitted again, m/N.
+        Single-mode method and damping law.
+    data
+        From `window_data`.
+    fixed_modes
+        (n_modes, n_frf, n_lines) receptance of modes that are not fitted, m/N.
     progress
-        Told of every round.
+        Called at every iteration.
     inertance
-        (n_modes,) True where a mode is to be fitted on inertance; None: the better kind, as above.
+        (n_modes,) True where a mode is to be fitted to inertance; None: the kind with the smaller misfit.
     """
-    others = np.zeros_like(data.receptance) + known
-    undone = np.ones_like(data.receptance)
-    rounds = ROUNDS if data.leakage is None else LEAKY_ROUNDS
-    for n in range(rounds):
-        progress(n / (rounds + 1), f"round {n + 1} of {rounds + 1}")
-        now = fit_once(method, law, data, data.receptance * undone - others, inertance)
-        others = _others(law, data, now.table.modal_constant, now.eigenvalue) + known
+    other_modes = np.zeros_like(data.receptance) + fixed_modes
+    correction = np.ones_like(data.receptance)
+    n_iterations = SINGLE_MODE_FIT.iterations if data.leakage is None else SINGLE_MODE_FIT.leaked_iterations
+    for n in range(n_iterations):
+        progress(n / (n_iterations + 1), f"round {n + 1} of {n_iterations + 1}")
+        iteration = fit_once(method, law, data, data.receptance * correction - other_modes, inertance)
+        other_modes = (
+            _other_modes(law, data, iteration.table.modal_constant, iteration.eigenvalue) + fixed_modes
+        )
         if data.leakage is not None:
-            step = undoing(law, data, data.leakage, now, now.rest + others)
-            # modes much narrower than a line swing about the answer unless the late steps are halved
-            share = 1.0 if n < LEAKY_ROUNDS // 2 else 0.5
-            undone = (1 - share) * undone + share * step
-    # the lines as they are now have no leakage left
-    cleaned = data.receptance * undone - others
-    last = fit_once(method, law, replace(data, leakage=None), cleaned, inertance)
-    return Settled(last.table, cleaned, others, last.inertance)
+            new_correction = leakage_corrections(
+                law, data, data.leakage, iteration, iteration.residual + other_modes
+            )
+            share = 1.0 if n < SINGLE_MODE_FIT.leaked_iterations // 2 else SINGLE_MODE_FIT.late_step
+            correction = (1 - share) * correction + share * new_correction
+    # the lines are free of leakage after correction
+    cleaned = data.receptance * correction - other_modes
+    final = fit_once(method, law, replace(data, leakage=None), cleaned, inertance)
+    return ConvergedFits(final.table, cleaned, other_modes, final.inertance)
 
 
 @dataclass(frozen=True, eq=False)
-class Round:
-    """One fit of every window."""
+class FitIteration:
+    """Fits of one iteration."""
 
-    table: Table
-    eigenvalue: ComplexArray  # (n_modes, n_frf)
-    rest: ComplexArray  # receptance beside each mode, as `Data`
-    inertance: BoolArray  # (n_modes,)
-    widened: FloatArray  # (n_modes, n_frf) what the misfit has widened the errors by
+    table: FitTable
+    """Fits of all modes in all FRFs."""
+    eigenvalue: ComplexArray
+    """(n_modes, n_frf) (rad/s)^2."""
+    residual: ComplexArray
+    """(n_modes, n_frf, n_lines) m/N, receptance of the constant beside each mode."""
+    inertance: BoolArray
+    """(n_modes,) True where the mode was fitted to inertance."""
+    misfit_factor: FloatArray
+    """(n_modes, n_frf) factor by which the misfit increases the standard errors."""
 
 
 def fit_once(
     method: ExtractionMethod,
     law: DampingModel,
-    data: Data,
+    data: FitData,
     target: ComplexArray,
     inertance: BoolArray | None = None,
-) -> Round:
+) -> FitIteration:
     """Return a mode and a constant fitted to every window of `target`, (n_modes, n_frf, n_lines) m/N."""
     n_modes, n_frf, n_lines = data.freq.shape
-    asked = slice(None) if inertance is None else (inertance.astype(np.int64), np.arange(n_modes))
-    frf = np.stack([target, -data.x * target])[asked]
-    weight = np.stack([data.weight, data.weight / np.maximum(data.x, TINY) ** 2])[asked]
+    selection = slice(None) if inertance is None else (inertance.astype(np.int64), np.arange(n_modes))
+    frf = np.stack([target, -data.x * target])[selection]
+    weight = np.stack(
+        [data.weight, data.weight / np.maximum(data.x, SINGLE_MODE_FIT.smallest_eigenvalue) ** 2]
+    )[selection]
     rows = (frf.size // n_lines, n_lines)
     freq = np.broadcast_to(data.freq, frf.shape)
     order = np.repeat([0, 2], n_modes * n_frf) if inertance is None else np.repeat(2 * inertance, n_frf)
@@ -164,55 +210,57 @@ def fit_once(
     else:
         kind, first = inertance.astype(np.int64), np.arange(n_modes)
     pick = first[:, None] * n_frf + np.arange(n_frf)
-    return _complete(law, data, fits, pick, frf.reshape(rows)[pick], weight.reshape(rows)[pick], kind == 1)
+    return _tabulate(law, data, fits, pick, frf.reshape(rows)[pick], weight.reshape(rows)[pick], kind == 1)
 
 
 def _better_kind(misfit: FloatArray) -> IntArray:
-    """Return 0 or 1 a mode: which kind leaves the lower median misfit; `misfit` (2, n_modes, n_frf)."""
+    """Return the kind with the lower median misfit, 0 or 1, (n_modes,); `misfit` (2, n_modes, n_frf)."""
     middle = np.sort(misfit, axis=2)[:, :, (misfit.shape[2] - 1) // 2]
     better: IntArray = (middle[1] < middle[0]).astype(np.int64)
     return better
 
 
-def _complete(
+def _tabulate(
     law: DampingModel,
-    data: Data,
+    data: FitData,
     fits: ModeFits,
     pick: IntArray,
     frf: ComplexArray,
     weight: FloatArray,
     inertance: BoolArray,
-) -> Round:
-    """Return what `fit_once` does, from the fits picked, (n_modes, n_frf), and their lines."""
-    widened = np.sqrt(np.maximum(fits.misfit[pick], 1))
+) -> FitIteration:
+    """Return the iteration of `fit_once` from the selected fits, (n_modes, n_frf), and their lines."""
+    misfit_factor = np.sqrt(np.maximum(fits.misfit[pick], 1))
     frequency, loss_factor = fits.frequency[pick], fits.loss_factor[pick]
-    errors = fits.frequency_error[pick] * widened, fits.loss_factor_error[pick] * widened
+    errors = fits.frequency_error[pick] * misfit_factor, fits.loss_factor_error[pick] * misfit_factor
     screening = screen(frequency, loss_factor, *errors, fits.found[pick], data.spacing)
-    found = fits.found[pick]
-    # before neighbours and leakage are off, perhaps none is good: those found serve until then
-    good = np.where(screening.good.any(axis=1, keepdims=True), screening.good, found)
-    own = (2 * np.pi * frequency) ** 2 * (1 + 1j * loss_factor)
+    identified = fits.found[pick]
+    # before neighbours and leakage are removed, perhaps no fit is good: all identified ones serve until then
+    good = np.where(screening.good.any(axis=1, keepdims=True), screening.good, identified)
+    fitted_eigenvalue = (2 * np.pi * frequency) ** 2 * (1 + 1j * loss_factor)
     n_good = good.sum(axis=1, keepdims=True)
-    shared = (good * own).sum(axis=1, keepdims=True) / np.maximum(n_good, 1)
+    mean_eigenvalue = (good * fitted_eigenvalue).sum(axis=1, keepdims=True) / np.maximum(n_good, 1)
     if data.leakage is not None:
-        good = found  # a line's leakage is that of the fit through it, good or not
-    eigenvalue = np.where(good, own, np.where(n_good > 0, shared, 1j))
+        good = identified  # the leakage of a line is that of its own fit, good or not
+    eigenvalue = np.where(good, fitted_eigenvalue, np.where(n_good > 0, mean_eigenvalue, 1j))
     # back from inertance: divide the response by -omega^2, the modal constant by that at the pole
-    factor = np.where(inertance[:, None, None], -np.maximum(data.x, TINY), 1)
+    factor = np.where(inertance[:, None, None], -np.maximum(data.x, SINGLE_MODE_FIT.smallest_eigenvalue), 1)
     divisor = np.where(inertance[:, None], -law.pole(eigenvalue, eigenvalue)[0], 1)
     shape = law.response(data.freq, eigenvalue[:, :, None], np.ones(1, complex))
-    held, held_error = _held(frf, weight, factor * shape)
-    constant = np.where(good, fits.modal_constant[pick] / divisor, held) * (n_good > 0)
-    error = np.where(good, fits.modal_constant_error[pick] * widened / np.abs(divisor), held_error)
+    linear_constant, linear_error = _constant_at_eigenvalue(frf, weight, factor * shape)
+    constant = np.where(good, fits.modal_constant[pick] / divisor, linear_constant) * (n_good > 0)
+    error = np.where(good, fits.modal_constant_error[pick] * misfit_factor / np.abs(divisor), linear_error)
     mode = law.response(data.freq, eigenvalue[:, :, None], constant[:, :, None])
     total = weight.sum(axis=2, keepdims=True)
     residual = (weight * (frf - factor * mode)).sum(axis=2, keepdims=True) / np.where(total > 0, total, 1)
-    table = Table(frequency, loss_factor, constant, *errors, error, screening)
-    return Round(table, eigenvalue, residual / factor, inertance, widened)
+    table = FitTable(frequency, loss_factor, constant, *errors, error, screening)
+    return FitIteration(table, eigenvalue, residual / factor, inertance, misfit_factor)
 
 
-def _held(frf: ComplexArray, weight: FloatArray, shape: ComplexArray) -> tuple[ComplexArray, FloatArray]:
-    """Return the modal constant and its error, (n_modes, n_frf), of modes of known `shape`."""
+def _constant_at_eigenvalue(
+    frf: ComplexArray, weight: FloatArray, shape: ComplexArray
+) -> tuple[ComplexArray, FloatArray]:
+    """Return modal constants and errors, (n_modes, n_frf), of modes of frequency response `shape`."""
     total = weight.sum(axis=2, keepdims=True)
     share = weight / np.where(total > 0, total, 1)
     shape = shape - (share * shape).sum(axis=2, keepdims=True)
@@ -220,54 +268,64 @@ def _held(frf: ComplexArray, weight: FloatArray, shape: ComplexArray) -> tuple[C
     power = (weight * np.abs(shape) ** 2).sum(axis=2)
     safe = np.where(power > 0, power, np.inf)
     constant = (weight * shape.conj() * flat).sum(axis=2) / safe
-    left = flat - constant[:, :, None] * shape
-    misfit = (weight * np.abs(left) ** 2).sum(axis=2) / np.maximum((weight > 0).sum(axis=2) - 2, 1)
+    remainder = flat - constant[:, :, None] * shape
+    misfit = (weight * np.abs(remainder) ** 2).sum(axis=2) / np.maximum((weight > 0).sum(axis=2) - 2, 1)
     return constant, np.sqrt(np.maximum(misfit, 1) / 2 / safe)
 
 
-def undoing(
-    law: DampingModel, data: Data, leakage: WindowLeakage, now: Round, rest: ComplexArray
+def leakage_corrections(
+    law: DampingModel, data: FitData, leakage: WindowLeakage, fits: FitIteration, residual: ComplexArray
 ) -> ComplexArray:
-    """Return what to multiply the measured lines by, as `data`; `rest` is the receptance beside each mode."""
-    # a mode at a time, as each line has a hundred nodes of quadrature
-    each = [
-        leakage.correction(data.freq[m], data.spacing, *one)
-        for m, one in enumerate(poles(law, data, now, rest))
+    """Return the ratio of true to leaked receptance of every line, (n_modes, n_frf, n_lines).
+
+    `residual` is the receptance beside each mode, m/N.
+    """
+    # one mode after another, because each line needs a hundred quadrature nodes
+    corrections = [
+        leakage.correction(data.freq[m], data.spacing, *pole_pair)
+        for m, pole_pair in enumerate(inertance_poles(law, data, fits, residual))
     ]
-    return np.stack(each)
+    return np.stack(corrections)
 
 
-def poles(
-    law: DampingModel, data: Data, now: Round, rest: ComplexArray
+def inertance_poles(
+    law: DampingModel, data: FitData, fits: FitIteration, residual: ComplexArray
 ) -> list[tuple[SinglePole, SinglePole]]:
-    """Return each mode as a pole in inertance, in all FRFs and at the drive point; else as `undoing`."""
-    squared, constant = law.pole(now.eigenvalue, now.table.modal_constant)
-    mode = law.response(data.freq, now.eigenvalue[:, :, None], now.table.modal_constant[:, :, None])
-    # turned to inertance, a mode is a pole and its modal constant
+    """Return each mode as a pole in inertance, in all FRFs and at the drive point.
+
+    Parameters as in `leakage_corrections`.
+    """
+    squared, constant = law.pole(fits.eigenvalue, fits.table.modal_constant)
+    mode = law.response(data.freq, fits.eigenvalue[:, :, None], fits.table.modal_constant[:, :, None])
+    # in inertance a mode is a pole and its modal constant
     pole = constant[:, :, None] / (squared[:, :, None] - data.x)
-    inertance = constant[:, :, None] - data.x * (rest + mode - pole)
-    at = data.drive
-    if at is None:
-        drive, beside = np.zeros_like(constant), np.zeros_like(rest)
+    inertance = constant[:, :, None] - data.x * (residual + mode - pole)
+    drive_row = data.drive
+    if drive_row is None:
+        drive, drive_residual = np.zeros_like(constant), np.zeros_like(residual)
     else:
-        used = data.weight[:, at] > 0
-        mean = (used * inertance[:, at]).sum(axis=1) / np.maximum(used.sum(axis=1), 1)
-        drive = np.broadcast_to(constant[:, at, None], constant.shape)
-        beside = np.broadcast_to(mean[:, None, None], rest.shape)
+        used = data.weight[:, drive_row] > 0
+        mean = (used * inertance[:, drive_row]).sum(axis=1) / np.maximum(used.sum(axis=1), 1)
+        drive = np.broadcast_to(constant[:, drive_row, None], constant.shape)
+        drive_residual = np.broadcast_to(mean[:, None, None], residual.shape)
     return [
         (
             SinglePole(squared[m], -squared[m] * constant[m], inertance[m]),
-            SinglePole(squared[m], -squared[m] * drive[m], beside[m]),
+            SinglePole(squared[m], -squared[m] * drive[m], drive_residual[m]),
         )
         for m in range(len(squared))
     ]
 
 
-def _others(law: DampingModel, data: Data, constant: ComplexArray, eigenvalue: ComplexArray) -> ComplexArray:
-    """Return the receptance of all modes but its own in every window, (n_modes, n_frf, n_lines)."""
-    others = np.zeros_like(data.receptance)
-    for m in range(len(constant)):  # all at once would be the square of the modes in memory
-        each = law.response(data.freq, eigenvalue[m][:, None], constant[m][:, None])
-        each[m] = 0
-        others += each
-    return others
+def _other_modes(
+    law: DampingModel, data: FitData, constant: ComplexArray, eigenvalue: ComplexArray
+) -> ComplexArray:
+    """Return the receptance of all other modes in every window, (n_modes, n_frf, n_lines)."""
+    total = np.zeros_like(data.receptance)
+    for m in range(
+        len(constant)
+    ):  # all in one array would need memory proportional to the squared number of modes
+        mode = law.response(data.freq, eigenvalue[m][:, None], constant[m][:, None])
+        mode[m] = 0
+        total += mode
+    return total

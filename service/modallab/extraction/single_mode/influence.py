@@ -1,4 +1,4 @@
-"""How a fitted mode follows each of the lines that it is fitted to."""
+"""Influence functions: derivatives of a fitted mode with respect to each of its lines."""
 
 from dataclasses import replace
 
@@ -6,46 +6,47 @@ import numpy as np
 
 from modallab.core.arrays import ComplexArray
 from modallab.extraction.single_mode.damping_models import DampingModel
-from modallab.extraction.single_mode.fitting import Data, Round, fit_once
+from modallab.extraction.single_mode.fitting import FitData, FitIteration, fit_once
 from modallab.extraction.single_mode.method import ExtractionMethod
-
-STEP = 1e-6  # of the highest line: curvature and rounding are both far below it
+from modallab.extraction.single_mode.settings import INFLUENCE
 
 
 def influence(
-    method: ExtractionMethod, law: DampingModel, data: Data, now: Round, m: int, frfs: slice
+    method: ExtractionMethod, law: DampingModel, data: FitData, fits: FitIteration, m: int, frfs: slice
 ) -> ComplexArray:
-    """Return g: an error e of the lines moves a part of a mode by `Re(sum_k g_k e_k)`, (n_frf, 4, n_lines).
+    """Return the influence g, (n_frf, 4, n_lines): errors e of lines shift a parameter by `Re(sum g e)`.
 
-    Parts are real and imaginary part of the eigenvalue, (rad/s)^2, and of the modal constant, 1/kg. From
-    differences of fits to lines that the mode and a constant explain, where no weight depends on an error:
-    each method by its own.
+    Parameters are real and imaginary part of the eigenvalue, (rad/s)^2, and of the modal constant, 1/kg. The
+    influence is the difference quotient of fits of the same method to exact lines of the mode and a constant,
+    where no weight depends on an error.
 
     Parameters
     ----------
     method, law
-        How the mode was fitted, and what its damping does.
-    data, now
+        Single-mode method and damping law.
+    data, fits
         Lines, and the fits to them.
     m, frfs
-        Which mode, in which FRFs.
+        Index of the mode, and its FRFs.
     """
-    found = now.table.frequency[m, frfs, None] > 0
-    freq, weight = data.freq[m, frfs], np.where(found, data.weight[m, frfs], 0.0)
-    eigenvalue, constant = now.eigenvalue[m, frfs, None], now.table.modal_constant[m, frfs, None]
-    exact = law.response(freq, eigenvalue, constant) + now.rest[m, frfs]
+    identified = fits.table.frequency[m, frfs, None] > 0
+    freq, weight = data.freq[m, frfs], np.where(identified, data.weight[m, frfs], 0.0)
+    eigenvalue, constant = fits.eigenvalue[m, frfs, None], fits.table.modal_constant[m, frfs, None]
+    exact = law.response(freq, eigenvalue, constant) + fits.residual[m, frfs]
     n_frf, n_lines = freq.shape
-    step = STEP * np.abs(exact).max(axis=1)
-    moves = np.concatenate([np.zeros((1, n_lines)), np.eye(n_lines), 1j * np.eye(n_lines)])
-    lines = exact[:, None, :] + step[:, None, None] * moves
-    every = (1, n_frf * len(moves), n_lines)
+    step = INFLUENCE.step * np.abs(exact).max(axis=1)
+    perturbations = np.concatenate([np.zeros((1, n_lines)), np.eye(n_lines), 1j * np.eye(n_lines)])
+    lines = exact[:, None, :] + step[:, None, None] * perturbations
+    batch = (1, n_frf * len(perturbations), n_lines)
     repeated = replace(
         data,
-        freq=np.repeat(freq, len(moves), axis=0).reshape(every),
-        weight=np.repeat(weight, len(moves), axis=0).reshape(every),
+        freq=np.repeat(freq, len(perturbations), axis=0).reshape(batch),
+        weight=np.repeat(weight, len(perturbations), axis=0).reshape(batch),
     )
-    fits = fit_once(method, law, repeated, lines.reshape(every), now.inertance[m : m + 1])
-    moved = np.stack([fits.eigenvalue, fits.table.modal_constant], axis=-1).reshape(n_frf, len(moves), 2)
-    slope = (moved[:, 1:] - moved[:, :1]) / np.where(step > 0, step, 1.0)[:, None, None]
+    refits = fit_once(method, law, repeated, lines.reshape(batch), fits.inertance[m : m + 1])
+    perturbed = np.stack([refits.eigenvalue, refits.table.modal_constant], axis=-1).reshape(
+        n_frf, len(perturbations), 2
+    )
+    slope = (perturbed[:, 1:] - perturbed[:, :1]) / np.where(step > 0, step, 1.0)[:, None, None]
     parts = np.stack([slope.real, slope.imag], axis=-1).reshape(n_frf, 2, n_lines, 4)
     return np.asarray((parts[:, 0] - 1j * parts[:, 1]).swapaxes(1, 2))

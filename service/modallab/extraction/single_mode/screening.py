@@ -1,29 +1,23 @@
-"""Which single-FRF fits may speak for a mode."""
+"""Screening of single-FRF fits: imprecise fits and outliers."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
 from modallab.core.arrays import BoolArray, FloatArray
-
-SURE = 0.5  # of a bandwidth or a line: a mode less surely placed may be none
-PLACED = 0.1  # of a bandwidth or a line: what all FRFs together must place a mode to
-FAR = 5.0  # robust standard deviations: one clean fit in a million lies so far out by chance
-CLOSE = 0.02  # of a bandwidth, or of the damping: fits that agree so well are not parted further
-VAGUE = 10.0  # times the usual standard error: a plain mean would inherit it
-TO_SD = 1.4826  # median absolute deviation of a normal law, to its standard deviation
+from modallab.extraction.single_mode.settings import SCREENING
 
 
 @dataclass(frozen=True, eq=False)
 class Screening:
-    """Verdict on every fit, (n_modes, n_frf).
-
-    `unsure` fits are too inexact to use, `outlying` ones contradict the rest.
-    """
+    """Acceptance of every fit; every array (n_modes, n_frf)."""
 
     good: BoolArray
+    """True for fits that represent the mode."""
     unsure: BoolArray
+    """True for fits that are too imprecise."""
     outlying: BoolArray
+    """True for fits that contradict the others."""
 
 
 def screen(
@@ -31,55 +25,69 @@ def screen(
     loss_factor: FloatArray,
     frequency_error: FloatArray,
     loss_factor_error: FloatArray,
-    found: BoolArray,
+    identified: BoolArray,
     spacing: float,
 ) -> Screening:
-    """Return which fits are good, all arrays (n_modes, n_frf), errors being standard errors.
+    """Return which fits are accepted.
 
-    `spacing` is that of the lines, Hz.
+    An FRF near a node fits noise and other modes: its standard errors show this, and it is rejected before
+    the robust comparison of the others.
 
-    An FRF near a node fits noise and other modes' tails: its standard errors say so, and it is left out
-    before the robust comparison of the rest.
+    Parameters
+    ----------
+    frequency, loss_factor, frequency_error, loss_factor_error
+        (n_modes, n_frf), Hz, with standard errors.
+    identified
+        (n_modes, n_frf) True where a fit has a mode.
+    spacing
+        Hz, frequency resolution.
     """
     width = loss_factor * frequency
-    sure = found & (frequency_error < SURE * np.maximum(width, spacing)) & (loss_factor_error < loss_factor)
-    width, damping = _median(width, sure), _median(loss_factor, sure)
-    sure &= ~(
-        _vague(frequency, frequency_error, CLOSE * width, sure)
-        | _vague(loss_factor, loss_factor_error, CLOSE * damping, sure)
+    precise = (
+        identified
+        & (frequency_error < SCREENING.largest_error * np.maximum(width, spacing))
+        & (loss_factor_error < loss_factor)
     )
-    far = _far(frequency, frequency_error, CLOSE * width, sure)
-    far |= _far(loss_factor, loss_factor_error, CLOSE * damping, sure)
-    good = sure & ~far
+    width, damping = _median(width, precise), _median(loss_factor, precise)
+    precise &= ~(
+        _imprecise(frequency, frequency_error, SCREENING.smallest_scatter * width, precise)
+        | _imprecise(loss_factor, loss_factor_error, SCREENING.smallest_scatter * damping, precise)
+    )
+    outlying = _outlying(frequency, frequency_error, SCREENING.smallest_scatter * width, precise)
+    outlying |= _outlying(loss_factor, loss_factor_error, SCREENING.smallest_scatter * damping, precise)
+    good = precise & ~outlying
     error = np.sqrt((good * frequency_error**2).sum(axis=1)) / np.maximum(good.sum(axis=1), 1)
-    placed = error < PLACED * np.maximum(width, spacing)
-    return Screening(good=good & placed[:, None], unsure=~sure, outlying=far)
+    located = error < SCREENING.largest_mean_error * np.maximum(width, spacing)
+    return Screening(good=good & located[:, None], unsure=~precise, outlying=outlying)
 
 
-def _vague(values: FloatArray, errors: FloatArray, floor: FloatArray, sure: BoolArray) -> BoolArray:
-    """Return which errors are unusual, and wider than the values differ among themselves."""
-    usual = np.maximum(VAGUE * _median(errors, sure), _scatter(values, floor, sure))
-    vague: BoolArray = errors > usual[:, None]
-    return vague
+def _imprecise(values: FloatArray, errors: FloatArray, floor: FloatArray, precise: BoolArray) -> BoolArray:
+    """Return which errors are unusually large, and larger than the scatter of the values."""
+    limit = np.maximum(SCREENING.imprecision * _median(errors, precise), _scatter(values, floor, precise))
+    imprecise: BoolArray = errors > limit[:, None]
+    return imprecise
 
 
-def _far(values: FloatArray, errors: FloatArray, floor: FloatArray, sure: BoolArray) -> BoolArray:
-    away = np.abs(values - _median(values, sure)[:, None])
-    far: BoolArray = sure & (away > FAR * np.hypot(_scatter(values, floor, sure)[:, None], errors))
-    return far
+def _outlying(values: FloatArray, errors: FloatArray, floor: FloatArray, precise: BoolArray) -> BoolArray:
+    """Return which values are far from the median, in robust standard deviations."""
+    deviation = np.abs(values - _median(values, precise)[:, None])
+    outlying: BoolArray = precise & (
+        deviation > SCREENING.outlier_deviations * np.hypot(_scatter(values, floor, precise)[:, None], errors)
+    )
+    return outlying
 
 
-def _scatter(values: FloatArray, floor: FloatArray, sure: BoolArray) -> FloatArray:
+def _scatter(values: FloatArray, floor: FloatArray, precise: BoolArray) -> FloatArray:
     """Return the robust standard deviation of each row, at least `floor`."""
-    away = np.abs(values - _median(values, sure)[:, None])
-    return np.maximum(TO_SD * _median(away, sure), floor)
+    deviation = np.abs(values - _median(values, precise)[:, None])
+    return np.maximum(SCREENING.mad_to_deviation * _median(deviation, precise), floor)
 
 
 def _median(values: FloatArray, among: BoolArray) -> FloatArray:
-    """Return the median of each row over the entries that count, 0 where none does."""
+    """Return the median of each row over the entries of `among`, 0 where there are none."""
     n = among.sum(axis=1)
     ranked = np.sort(np.where(among, values, np.inf), axis=1)
     rows = np.arange(len(values))
-    # of an even number the two in the middle, else the same one twice
+    # the two middle values of an even number; the same value twice of an odd number
     middle = (ranked[rows, np.maximum(n - 1, 0) // 2] + ranked[rows, np.minimum(n // 2, n - (n > 0))]) / 2
     return np.asarray(np.where(n > 0, middle, 0.0))

@@ -7,18 +7,18 @@ from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.dof import Dof
 from modallab.core.frequency_inconsistency import InconsistencyCause
 from modallab.extraction.averaging.combine import combine_fits
-from modallab.extraction.single_mode.fitting import Table
+from modallab.extraction.single_mode.fitting import FitTable
 from modallab.extraction.single_mode.screening import Screening
 
 DOFS = tuple(Dof(node, "Y") for node in range(1, 5))
 
 
-def table(constants: ComplexArray, *, outlying: tuple[int, ...] = ()) -> Table:
+def table(constants: ComplexArray, *, outlying: tuple[int, ...] = ()) -> FitTable:
     """Two modes, the higher one first, in four FRFs."""
     shape = (2, 4)
     far = np.zeros(shape, bool)
     far[:, list(outlying)] = True
-    return Table(
+    return FitTable(
         frequency=np.array([[20.0, 20.1, 20.2, 25.0], [10.0, 10.0, 10.0, 10.4]]),
         loss_factor=np.full(shape, 0.01),
         modal_constant=constants,
@@ -104,13 +104,13 @@ def test_a_still_drive_point_leaves_no_shape_rather_than_nan() -> None:
     assert np.isfinite(combine_fits(table(0 * constants), DOFS, (Dof(9, "Y"),), method="dobson").shapes).all()
 
 
-def one_structure(seed: int, errors: FloatArray, frequency: FloatArray | float = 100.0) -> Table:
+def one_structure(seed: int, errors: FloatArray, frequency: FloatArray | float = 100.0) -> FitTable:
     """Return one mode in many FRFs, each with its own random error of frequency and damping, Hz."""
     rng = np.random.default_rng(seed)
     n = len(errors)
     of_damping = 2e-4 * errors
     everywhere = np.ones((1, n), bool)
-    return Table(
+    return FitTable(
         frequency=(frequency + errors * rng.standard_normal(n))[None],
         loss_factor=(0.01 + of_damping * rng.standard_normal(n))[None],
         modal_constant=np.ones((1, n), complex),

@@ -12,7 +12,7 @@ from modallab.extraction.preprocessing.bands import find_bands, mode_indicator
 from modallab.extraction.preprocessing.fit_windows import place_windows
 from modallab.extraction.preprocessing.responses import responses_of
 from modallab.extraction.single_mode.damping_models import DAMPING_MODELS
-from modallab.extraction.single_mode.fitting import fit_all, gather
+from modallab.extraction.single_mode.fitting import fit_all, window_data
 from modallab.extraction.single_mode.method import EXTRACTION_METHODS
 from tests.service.extraction.conftest import Beam
 
@@ -43,7 +43,7 @@ def test_what_errors_have_in_common_is_found(plain_beam: Beam, freq: FloatArray,
         windows = place_windows(
             responses.mobility, indicator, find_bands(indicator), base=8, widths=3.0, leave_out=0
         )
-        data = gather(responses.freq, responses.receptance, responses.variance, windows, None, 0)
+        data = window_data(responses.freq, responses.receptance, responses.variance, windows, None, 0)
         law = DAMPING_MODELS[Damping.STRUCTURAL]
         settled = fit_all(EXTRACTION_METHODS["dobson"], law, data)
         found.append(shared_noise_fraction(law, data, settled, windows.index))

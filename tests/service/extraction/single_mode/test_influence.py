@@ -7,7 +7,7 @@ from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.extraction.options import Damping
 from modallab.extraction.preprocessing.leaked_lines import LineErrors
 from modallab.extraction.single_mode.damping_models import DAMPING_MODELS
-from modallab.extraction.single_mode.fitting import Data, fit_once
+from modallab.extraction.single_mode.fitting import FitData, fit_once
 from modallab.extraction.single_mode.influence import influence
 from modallab.extraction.single_mode.method import EXTRACTION_METHODS
 
@@ -19,11 +19,11 @@ NOISE = 1e-3
 RECEPTANCE_ALONE = np.array([False])
 
 
-def data(receptance: ComplexArray) -> Data:
+def data(receptance: ComplexArray) -> FitData:
     """Return one mode in two FRFs."""
     weight = 1 / (NOISE * np.abs(RECEPTANCE)) ** 2
     lines = np.broadcast_to(FREQ, receptance.shape)
-    return Data(lines[None], receptance[None], weight[None], 1.0, None, None)
+    return FitData(lines[None], receptance[None], weight[None], 1.0, None, None)
 
 
 def parts(method: str, receptance: ComplexArray) -> FloatArray:

@@ -27,7 +27,7 @@ def linear(slope: FloatArray) -> Refit:
 def test_lines_that_are_corrected_by_no_mode_have_no_feedback() -> None:
     back = feedback(linear(np.zeros((2, 2))), TRUTH)
     np.testing.assert_allclose(back.gain[0, 0], np.eye(2), atol=1e-9)  # rounding of differences
-    np.testing.assert_allclose(back.settled(HELD), HELD, atol=1e-9)  # rounding of differences
+    np.testing.assert_allclose(back.converged_covariance(HELD), HELD, atol=1e-9)  # rounding of differences
     assert back.strength[0, 0] == pytest.approx(1.0)
     assert back.remainder[0, 0] == 0
 
@@ -45,7 +45,7 @@ def test_an_error_grows_as_the_fixed_point_of_a_linear_map_says() -> None:
     along = CONSTANT * ((settled[:, :2] @ slope.T) @ np.array([1, 1j]))
     settled[:, 2:] += np.stack([along.real, along.imag], axis=1)
     expected = settled.T @ settled
-    found = back.settled((errors.T @ errors)[None, None])[0, 0]
+    found = back.converged_covariance((errors.T @ errors)[None, None])[0, 0]
     np.testing.assert_allclose(found, expected, rtol=1e-5, atol=1e-6 * expected.max())  # of differences
 
 
@@ -57,11 +57,11 @@ def test_what_further_rounds_would_change_is_the_whole_way_to_where_they_end() -
 
 def test_feedback_that_lessens_errors_counts_as_strong() -> None:
     back = feedback(linear(np.diag([-9.0, 0.0])), TRUTH)
-    assert back.settled(HELD)[0, 0, 0, 0] == pytest.approx(0.01, rel=1e-6)
+    assert back.converged_covariance(HELD)[0, 0, 0, 0] == pytest.approx(0.01, rel=1e-6)
     assert back.strength[0, 0] == pytest.approx(10.0)
 
 
 def test_lines_that_agree_with_any_mode_leave_a_large_but_finite_error() -> None:
     back = feedback(linear(np.eye(2)), TRUTH)
     # one over the least that 1 - J counts for, squared
-    np.testing.assert_allclose(back.settled(HELD)[0, 0, :2, :2], 2500 * np.eye(2), rtol=1e-6)
+    np.testing.assert_allclose(back.converged_covariance(HELD)[0, 0, :2, :2], 2500 * np.eye(2), rtol=1e-6)

@@ -2,7 +2,7 @@ import numpy as np
 
 from modallab.extraction.options import Damping, DistantLinesOptions, SingleModeOptions
 from modallab.extraction.preprocessing.leakage import WindowLeakage
-from modallab.extraction.single_mode.plan import plan, taken
+from modallab.extraction.single_mode.plan import choice_value, plan
 
 OPEN, OPEN_NEAR = DistantLinesOptions(), SingleModeOptions()
 
@@ -17,8 +17,8 @@ def test_what_leaks_is_read_from_more_lines_and_the_choice_says_why() -> None:
     assert "do not leak" in periodic.choices["lines"]
     assert "leaks" in leaked.choices["lines"]
     assert "h2" in leaked.choices["leave_out"]
-    assert taken(leaked.choices, "lines") == "12"
-    assert taken(leaked.choices, "leave_out") == "0"
+    assert choice_value(leaked.choices, "lines") == "12"
+    assert choice_value(leaked.choices, "leave_out") == "0"
 
 
 def test_of_leaked_h1_the_nearest_lines_are_left_out_by_the_methods_that_can() -> None:
@@ -38,7 +38,7 @@ def test_what_the_user_decides_is_kept_to_the_line() -> None:
         "leave_out": "3: as asked",
         "damping": "viscous: as asked",
     }
-    assert taken(asked.choices, "order") is None
+    assert choice_value(asked.choices, "order") is None
 
 
 def test_lines_left_out_are_made_up_for_where_their_number_is_open() -> None:

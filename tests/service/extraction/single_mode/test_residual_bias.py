@@ -5,9 +5,9 @@ import numpy as np
 from modallab.core.arrays import ComplexArray
 from modallab.extraction.options import Damping
 from modallab.extraction.single_mode.damping_models import DAMPING_MODELS
-from modallab.extraction.single_mode.fitting import Data, fit_all, fit_once
+from modallab.extraction.single_mode.fitting import FitData, fit_all, fit_once
 from modallab.extraction.single_mode.method import EXTRACTION_METHODS
-from modallab.extraction.single_mode.residual_bias import moved_by_rest
+from modallab.extraction.single_mode.residual_bias import residual_shift
 
 METHOD, LAW = EXTRACTION_METHODS["dobson"], DAMPING_MODELS[Damping.STRUCTURAL]
 FREQUENCY = np.array([40.0, 80.0, 130.0, 190.0])
@@ -22,10 +22,10 @@ def read(n_modes: int, *, rest: bool) -> tuple[ComplexArray, ComplexArray]:
     values = (1 / (EIGENVALUE[:n_modes] - x[..., None])).sum(axis=-1)
     if rest:
         values = values - 0.5 / x + 1 / (ABOVE - x)
-    data = Data(freq, values, np.full(freq.shape, 1e20), 1.0, None, None)
+    data = FitData(freq, values, np.full(freq.shape, 1e20), 1.0, None, None)
     settled = fit_all(METHOD, LAW, data)
     now = fit_once(METHOD, LAW, data, settled.cleaned, settled.inertance)
-    moved = moved_by_rest(METHOD, LAW, data, settled, now)
+    moved = residual_shift(METHOD, LAW, data, settled, now)
     constant = now.table.modal_constant
     return constant[:, 0], constant[:, 0] + moved[:, 0, 2] + 1j * moved[:, 0, 3]
 

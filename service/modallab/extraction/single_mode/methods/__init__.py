@@ -1,4 +1,4 @@
-"""One file a method; each registers itself in `EXTRACTION_METHODS`."""
+"""Single-mode methods, one module each; every module registers its method in `EXTRACTION_METHODS`."""
 
 from modallab.core.registry import discover
 

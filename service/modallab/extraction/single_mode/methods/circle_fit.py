@@ -1,31 +1,28 @@
-"""Circle-fit: the Nyquist plot of one mode is a circle run through at a known rate."""
+"""Circle fit: circle through the Nyquist plot of one mode, swept at a known rate."""
 
 import numpy as np
 
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray
-from modallab.extraction.single_mode.lines import Lines, conclude, one_row, scale
+from modallab.core.numerics import SAFE_SQUARED_DIVISOR
+from modallab.extraction.single_mode.lines import Lines, physical_fits, scale, single_window
 from modallab.extraction.single_mode.method import (
     EXTRACTION_METHODS,
     ModeFits,
     SingleModeMethod,
     in_blocks,
 )
-
-TINY = 1e-100
-FARTHEST = 1e8  # tan(theta/2) of a line on the far side of the circle, to rounding
-AROUND = 181  # points to draw the circle with
-ROUNDS = 4  # Gauss-Newton steps of the circle: quadratic from an algebraic start
+from modallab.extraction.single_mode.settings import CIRCLE_FIT
 
 
 @in_blocks
 def circle_fit(freq: FloatArray, frf: ComplexArray, weight: FloatArray) -> ModeFits:
-    """Circle through the lines, resonance where they run fastest, damping from every pair of them.
+    """Circle through the lines, resonance at the largest sweep rate, damping from every pair of lines.
 
     With theta the angle from resonance, `tan(theta/2) = (1 - (omega/omega_r)^2)/eta`. Resonance is where
-    d(theta)/d(omega^2) is greatest; each pair a above, b below it gives
+    d(theta)/d(omega^2) is greatest; each pair of lines, a above and b below it, gives
     `eta = (omega_a^2 - omega_b^2) / (omega_r^2 (tan|theta_a/2| + tan|theta_b/2|))`, and
     `A = 2 i eta omega_r^2 (z_res - centre)`. The residual is the displacement of the circle from the origin.
-    `quality` holds the variation of radius and damping, both in %.
+    `quality` contains the variation of radius and damping, both in %.
 
     Parameters
     ----------
@@ -45,29 +42,29 @@ def circle_fit(freq: FloatArray, frf: ComplexArray, weight: FloatArray) -> ModeF
     width, variation = _damping_pairs(lines, at, half_tan)
     eigenvalue = at + 1j * np.where(running, width, -width)
     to_resonance = radius * np.exp(1j * resonance)
-    left = np.abs(spoke) / radius[:, None] - 1
-    spread = np.sqrt((lines.weight * left**2).sum(axis=1) / lines.weight.sum(axis=1))
+    radial_error = np.abs(spoke) / radius[:, None] - 1
+    spread = np.sqrt((lines.weight * radial_error**2).sum(axis=1) / lines.weight.sum(axis=1))
     quality = {"radius_variation": 100 * spread, "damping_variation": 100 * variation}
-    return conclude(lines, eigenvalue, 2j * width * to_resonance, centre - to_resonance, quality)
+    return physical_fits(lines, eigenvalue, 2j * width * to_resonance, centre - to_resonance, quality)
 
 
 def circle_fit_plot(
     freq: FloatArray, frf: ComplexArray, weight: FloatArray
 ) -> dict[str, FloatArray | ComplexArray]:
-    """The Nyquist circle with its points, how fast it is run through, and the loss factor of every pair.
+    """Return the Nyquist circle with its points, the sweep rate, and the loss factor of every pair of lines.
 
-    `sweep_rate` is that of the angle (n_lines,) between the lines; `damping_surface` (n_above, n_below).
+    `sweep_rate` is that of the angle between neighbouring lines; `damping_surface` (n_above, n_below).
     """
-    lines, x, points = one_row(freq, frf, weight)
+    lines, x, points = single_window(freq, frf, weight)
     centre, radius = _circle(lines)
     spoke = lines.z - centre[:, None]
     at, resonance, _ = _resonance(lines, spoke)
     turned = spoke / np.exp(1j * resonance)[:, None]
-    away, half_tan = (lines.x - at[:, None])[0], _half_tan(turned)[0]
-    above, below = np.flatnonzero(away > 0), np.flatnonzero(away < 0)
-    width = (away[above, None] - away[below]) / _not_zero(half_tan[above, None] + half_tan[below])
+    offset, half_tan = (lines.x - at[:, None])[0], _half_tan(turned)[0]
+    upper, lower = np.flatnonzero(offset > 0), np.flatnonzero(offset < 0)
+    width = (offset[upper, None] - offset[lower]) / _not_zero(half_tan[upper, None] + half_tan[lower])
     turn = np.angle(turned[0, 1:] * turned[0, :-1].conj())
-    around = np.exp(1j * np.linspace(0, 2 * np.pi, AROUND))
+    circle = np.exp(1j * np.linspace(0, 2 * np.pi, CIRCLE_FIT.plot_points))
     size = lines.size
     stiffness = lines.centre + lines.half * at
     return {
@@ -75,20 +72,20 @@ def circle_fit_plot(
         "points": points,
         "centre": size * centre,
         "radius": size * radius,
-        "circle": size * (centre + radius * around),
+        "circle": size * (centre + radius * circle),
         "resonance": size * (centre + radius * np.exp(1j * resonance)),
         "x_resonance": stiffness,
         "angle": np.angle(turned[0]),
         "x_sweep": (x[1:] + x[:-1]) / 2,
         "sweep_rate": turn / np.diff(x),
-        "x_above": x[above],
-        "x_below": x[below],
+        "x_above": x[upper],
+        "x_below": x[lower],
         "damping_surface": lines.half * width / stiffness,
     }
 
 
 def _circle(lines: Lines) -> tuple[ComplexArray, FloatArray]:
-    """Return centre and radius, (n_fits,): least squares on |z - c|^2 = R^2, then on the distances."""
+    """Return centre and radius, (n_fits,), by least squares on |z - c|^2 = R^2, then on the distances."""
     w = lines.weight / lines.weight.sum(axis=1, keepdims=True)
     mean = (w * lines.z).sum(axis=1)
     z = lines.z - mean[:, None]
@@ -100,7 +97,7 @@ def _circle(lines: Lines) -> tuple[ComplexArray, FloatArray]:
     determinant = _not_zero(xx * yy - xy**2)
     centre = ((yy * px - xy * py) + 1j * (xx * py - xy * px)) / (2 * determinant)
     radius = np.sqrt(xx + yy + np.abs(centre) ** 2)
-    for _ in range(ROUNDS):
+    for _ in range(CIRCLE_FIT.gauss_newton_steps):
         centre, radius = _geometric_step(z, w, centre, radius)
     return centre + mean, radius
 
@@ -119,18 +116,18 @@ def _geometric_step(
     px, py = (w * u.real * distance).sum(axis=1), (w * u.imag * distance).sum(axis=1)
     determinant = _not_zero(xx * yy - xy**2)
     step = ((yy * px - xy * py) + 1j * (xx * py - xy * px)) / determinant
-    # a step beyond the radius means that the lines hardly show a circle: stay near
+    # a step longer than the radius means that the lines hardly show a circle: it is limited
     step *= np.minimum(1, radius / _not_zero(np.abs(step)))
     centre = centre + step
     return centre, (w * np.abs(z - centre[:, None])).sum(axis=1)
 
 
 def _resonance(lines: Lines, spoke: ComplexArray) -> tuple[FloatArray, FloatArray, BoolArray]:
-    """Return where the sweep is fastest, the angle there, and whether it runs clockwise as damping asks.
+    """Return the place of the largest sweep rate, the angle there, and whether the sweep is clockwise.
 
-    One mode maps the line x onto the circle by `tan(angle/2) = (a x + b)/(c x + 1)`, angles being taken
-    from the line next to x = 0. That is linear in a, b, c; the sweep rate
-    `2 (a - bc)/((ax + b)^2 + (cx + 1)^2)` is greatest where its denominator is least.
+    One mode maps the line x onto the circle by `tan(angle/2) = (a x + b)/(c x + 1)`, with angles measured
+    from the line next to x = 0. That is linear in a, b, c; the sweep rate `2 (a - bc)/((ax + b)^2 + (cx +
+    1)^2)` is greatest at the minimum of its denominator. Positive damping makes the sweep clockwise.
     """
     nearest = np.argmin(np.where(lines.weight > 0, np.abs(lines.x), np.inf), axis=1)
     origin = spoke[np.arange(len(spoke)), nearest]
@@ -138,7 +135,7 @@ def _resonance(lines: Lines, spoke: ComplexArray) -> tuple[FloatArray, FloatArra
     cosine, sine = np.cos(half_angle), np.sin(half_angle)
     columns = (cosine * lines.x, cosine, -sine * lines.x)
     weight = lines.weight
-    for _ in range(2):  # the denominator scales each row's error, and is known only after one fit
+    for _ in range(2):  # the denominator scales each row's error and is known after the first fit
         a, b, c = _solve(columns, sine, weight)
         sweep = (a[:, None] * lines.x + b[:, None]) ** 2 + (c[:, None] * lines.x + 1) ** 2
         weight = lines.weight / _not_zero(sweep)
@@ -150,7 +147,7 @@ def _resonance(lines: Lines, spoke: ComplexArray) -> tuple[FloatArray, FloatArra
 def _solve(
     columns: tuple[FloatArray, FloatArray, FloatArray], right: FloatArray, weight: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return the weighted least-squares solution of each row's three unknowns, by cofactors."""
+    """Return the weighted least-squares solution of the three unknowns of each row, by cofactors."""
     p, q, r = (weight * column for column in columns)
     u, v, w = columns
     pp, pq, pr = (p * u).sum(axis=1), (p * v).sum(axis=1), (p * w).sum(axis=1)
@@ -159,7 +156,7 @@ def _solve(
     ff, fg, fh = qq * rr - qr**2, pr * qr - pq * rr, pq * qr - pr * qq
     gg, gh, hh = pp * rr - pr**2, pq * pr - pp * qr, pp * qq - pq**2
     determinant = pp * ff + pq * fg + pr * fh
-    determinant = np.where(np.abs(determinant) < TINY, np.inf, determinant)
+    determinant = np.where(np.abs(determinant) < SAFE_SQUARED_DIVISOR, np.inf, determinant)
     return (
         (ff * f + fg * g + fh * h) / determinant,
         (fg * f + gg * g + gh * h) / determinant,
@@ -168,15 +165,15 @@ def _solve(
 
 
 def _damping_pairs(lines: Lines, at: FloatArray, half_tan: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return eta omega_r^2 on the scale of x, mean over all pairs, and its relative standard deviation."""
-    away = lines.x - at[:, None]
+    """Return the mean of eta omega_r^2 over all pairs, on the scale of x, and its relative deviation."""
+    offset = lines.x - at[:, None]
     # an error e of an angle moves tan(theta/2) by e (1 + tan^2)/2
     noise = (1 + half_tan**2) ** 2 / np.where(lines.weight > 0, lines.weight, 1.0)
-    above = (lines.weight > 0) & (away > 0)
-    below = (lines.weight > 0) & (away < 0)
-    pairs = above[:, :, None] & below[:, None, :]
+    upper = (lines.weight > 0) & (offset > 0)
+    lower = (lines.weight > 0) & (offset < 0)
+    pairs = upper[:, :, None] & lower[:, None, :]
     tangents = np.where(pairs, half_tan[:, :, None] + half_tan[:, None, :], 1.0)
-    width = np.where(pairs, away[:, :, None] - away[:, None, :], 0.0) / _not_zero(tangents)
+    width = np.where(pairs, offset[:, :, None] - offset[:, None, :], 0.0) / _not_zero(tangents)
     trust = np.where(pairs, (tangents / _not_zero(width)) ** 2, 0.0)
     trust = trust / (noise[:, :, None] + noise[:, None, :])
     total = _not_zero(trust.sum(axis=(1, 2)))
@@ -186,15 +183,15 @@ def _damping_pairs(lines: Lines, at: FloatArray, half_tan: FloatArray) -> tuple[
 
 
 def _half_tan(turned: ComplexArray) -> FloatArray:
-    """Return tan|theta/2| of the angle of complex numbers, without a branch."""
+    """Return tan|theta/2| of the angle theta of complex numbers, without a branch cut."""
     size = np.abs(turned)
     values = np.abs(turned.imag) / _not_zero(size + turned.real)
-    return np.minimum(values, FARTHEST)
+    return np.minimum(values, CIRCLE_FIT.largest_half_tangent)
 
 
 def _not_zero(values: FloatArray) -> FloatArray:
-    """Return the values, zeros replaced by the smallest number that can be divided by."""
-    return np.where(np.abs(values) < TINY, TINY, values)
+    """Return the values, with zeros replaced by the smallest admissible divisor."""
+    return np.where(np.abs(values) < SAFE_SQUARED_DIVISOR, SAFE_SQUARED_DIVISOR, values)
 
 
 EXTRACTION_METHODS.register("circle_fit")(SingleModeMethod(fit=circle_fit, plot=circle_fit_plot))

@@ -1,15 +1,16 @@
-"""Dobson's method: lines through the slopes of a difference quotient."""
+"""Dobson's method: straight lines through the slopes of difference quotients."""
 
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.core.numerics import UNIT_ROUNDING
 from modallab.extraction.options import DistantLinesOptions
 from modallab.extraction.single_mode.lines import (
     Lines,
-    conclude,
-    leave_residual,
-    one_row,
+    mean_residual,
+    physical_fits,
     scale,
+    single_window,
     weighted_line,
 )
 from modallab.extraction.single_mode.method import (
@@ -18,18 +19,16 @@ from modallab.extraction.single_mode.method import (
     SingleModeMethod,
     in_blocks,
 )
-
-TINY = 1e-15  # of values of order one
-ROUNDS = 3  # the weights settle to three digits in two
+from modallab.extraction.single_mode.settings import DOBSON
 
 
 @in_blocks
 def dobson(freq: FloatArray, frf: ComplexArray, weight: FloatArray) -> ModeFits:
-    """Difference quotients turned into straight lines; a constant residual drops out.
+    """Straight lines through difference quotients, from which a constant residual cancels.
 
-    With a reference line W, `Delta = (omega^2 - W^2) / (alpha(omega) - alpha(W))` is a line in
-    omega^2 whose slope is `u W^2 + v`, `u = 1/A`, `v = -lambda_r/A`. Both complex at once, so that no
-    branch is needed for real or imaginary constants.
+    With a reference line W, `Delta = (omega^2 - W^2) / (alpha(omega) - alpha(W))` is a straight line in
+    omega^2 with slope `u W^2 + v`, `u = 1/A`, `v = -lambda_r/A`. Complex slopes are fitted directly, so that
+    real and imaginary modal constants need no separate treatment.
 
     Parameters
     ----------
@@ -43,32 +42,32 @@ def dobson(freq: FloatArray, frf: ComplexArray, weight: FloatArray) -> ModeFits:
     """
     lines = scale(freq, frf, weight)
     delta, final = _quotients(lines)
-    slope, _, sure = _slopes(lines.x, delta, final)
-    eigenvalue, constant = _mode(lines.x, slope, sure)
-    return conclude(lines, eigenvalue, constant, leave_residual(lines, eigenvalue, constant))
+    slope, _, certainty = _slopes(lines.x, delta, final)
+    eigenvalue, constant = _mode(lines.x, slope, certainty)
+    return physical_fits(lines, eigenvalue, constant, mean_residual(lines, eigenvalue, constant))
 
 
 def dobson_plot(
     freq: FloatArray, frf: ComplexArray, weight: FloatArray
 ) -> dict[str, FloatArray | ComplexArray]:
-    """The difference quotients of every reference line and their lines; the slopes of these and theirs.
+    """Return the difference quotients of every reference line with their fits, and the slopes with theirs.
 
-    `delta` (n_lines, n_lines - 1), by reference: no line has a quotient with itself; `slopes` (n_lines,).
+    `delta` (n_lines, n_lines - 1), one row for each reference; `slopes` (n_lines,).
     """
-    lines, x, points = one_row(freq, frf, weight)
+    lines, x, points = single_window(freq, frf, weight)
     delta, final = _quotients(lines)
-    slope, level, sure = _slopes(lines.x, delta, final)
-    u, v, _ = weighted_line(lines.x, slope, sure)
-    drawn = slope[0, :, None] * lines.x[0] + level[0, :, None]
-    apart = ~np.eye(len(x), dtype=bool)
+    slope, level, certainty = _slopes(lines.x, delta, final)
+    u, v, _ = weighted_line(lines.x, slope, certainty)
+    fitted_lines = slope[0, :, None] * lines.x[0] + level[0, :, None]
+    off_diagonal = ~np.eye(len(x), dtype=bool)
     shape = (len(x), len(x) - 1)
     scale_of_delta = lines.half / lines.size
     return {
         "x": x,
         "points": points,
-        "x_delta": np.broadcast_to(x, apart.shape)[apart].reshape(shape),
-        "delta": delta[0][apart].reshape(shape) * scale_of_delta,
-        "delta_lines": drawn[apart].reshape(shape) * scale_of_delta,
+        "x_delta": np.broadcast_to(x, off_diagonal.shape)[off_diagonal].reshape(shape),
+        "delta": delta[0][off_diagonal].reshape(shape) * scale_of_delta,
+        "delta_lines": fitted_lines[off_diagonal].reshape(shape) * scale_of_delta,
         "slopes": slope[0] / lines.size,
         "slope_line": (u * lines.x[0] + v) / lines.size,
     }
@@ -78,21 +77,21 @@ def _quotients(lines: Lines) -> tuple[ComplexArray, FloatArray]:
     """Return Delta and its weights, (n_fits, n_lines, n_lines), references along the second axis."""
     x, used = lines.x, lines.weight > 0
     noise = np.where(used, 1 / np.where(used, lines.weight, 1.0), np.inf)
-    sure = 1 / (noise[:, :, None] + noise[:, None, :])
+    pair_weight = 1 / (noise[:, :, None] + noise[:, None, :])
     dx = x[:, :, None] - x[:, None, :]
     dz = lines.z[:, :, None] - lines.z[:, None, :]
     square, power = dx**2, dz.real**2 + dz.imag**2
     inverse = 1 / np.where(power > 0, power, np.inf)
     delta = np.asarray(dz.conj() * (dx * inverse), complex)
-    # an error n of a line moves Delta by Delta^2 n / dx; the first round has only the noisy quotients to
-    # judge by, the later ones their fitted values
-    trust = np.where(power > 0, sure * square, 0.0)
+    # an error n of a line changes Delta by Delta^2 n / dx; the first iteration takes Delta from the noisy
+    # quotients, later ones from the fit
+    trust = np.where(power > 0, pair_weight * square, 0.0)
     weight = power * power
-    weight *= sure / np.where(square > 0, square, np.inf)
-    for _ in range(ROUNDS - 1):
-        slope, _, steep = _slopes(x, delta, weight)
-        gap = _mode(x, slope, steep)[0][:, None] - x
-        flank = 1 / np.maximum(gap.real**2 + gap.imag**2, TINY**2) ** 2
+    weight *= pair_weight / np.where(square > 0, square, np.inf)
+    for _ in range(DOBSON.weight_iterations - 1):
+        slope, _, certainty = _slopes(x, delta, weight)
+        gap = _mode(x, slope, certainty)[0][:, None] - x
+        flank = 1 / np.maximum(gap.real**2 + gap.imag**2, UNIT_ROUNDING**2) ** 2
         np.multiply(trust, flank[:, :, None], out=weight)
         weight *= flank[:, None, :]
     return delta, weight
@@ -101,20 +100,20 @@ def _quotients(lines: Lines) -> tuple[ComplexArray, FloatArray]:
 def _slopes(
     x: FloatArray, delta: ComplexArray, weight: FloatArray
 ) -> tuple[ComplexArray, ComplexArray, FloatArray]:
-    """Return slope, level at x = 0 and certainty of every reference's line, each (n_fits, n_lines)."""
+    """Return slope, level at x = 0 and one over the slope's variance, each (n_fits, n_lines)."""
     powers = np.stack([np.ones_like(x), x, x**2], axis=2)
     total, mean, square = np.moveaxis(weight @ powers, 2, 0)
     level, tilt = np.moveaxis((weight * delta) @ powers[:, :, :2], 2, 0)
     total = np.where(total > 0, total, 1.0)
-    sure = np.maximum(square - mean**2 / total, 0.0)
-    slope = (tilt - level * mean / total) / np.where(sure > 0, sure, np.inf)
-    return slope, (level - slope * mean) / total, sure
+    certainty = np.maximum(square - mean**2 / total, 0.0)
+    slope = (tilt - level * mean / total) / np.where(certainty > 0, certainty, np.inf)
+    return slope, (level - slope * mean) / total, certainty
 
 
-def _mode(x: FloatArray, slope: ComplexArray, sure: FloatArray) -> tuple[ComplexArray, ComplexArray]:
-    """Return eigenvalue and modal constant from the line on which the slopes lie."""
-    u, v, _ = weighted_line(x, slope, sure)
-    u = np.where(u == 0, TINY, u)
+def _mode(x: FloatArray, slope: ComplexArray, certainty: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+    """Return eigenvalue and modal constant from the straight line through the slopes."""
+    u, v, _ = weighted_line(x, slope, certainty)
+    u = np.where(u == 0, UNIT_ROUNDING, u)
     return -v / u, 1 / u
 
 

@@ -1,8 +1,8 @@
-"""Linear fit: mode and residual from one least-squares problem that is linear in its unknowns."""
+"""Linear fit: mode and residual from Levy's equation, linear in its unknowns."""
 
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.extraction.options import DistantLinesOptions
-from modallab.extraction.single_mode.lines import conclude, mode_beside_constant, one_row, scale
+from modallab.extraction.single_mode.lines import fit_mode_and_constant, physical_fits, scale, single_window
 from modallab.extraction.single_mode.method import (
     EXTRACTION_METHODS,
     ModeFits,
@@ -13,11 +13,11 @@ from modallab.extraction.single_mode.method import (
 
 @in_blocks
 def linear_fit(freq: FloatArray, frf: ComplexArray, weight: FloatArray) -> ModeFits:
-    """Mode and constant residual at once, from an equation linear in its three unknowns.
+    """Mode and constant residual from one equation that is linear in its three unknowns.
 
-    `alpha = A/(lambda_r - omega^2) + R` times its denominator is
-    `alpha omega^2 = lambda_r alpha + c + R omega^2`, `c = -(A + R lambda_r)`. The errors of the lines come
-    multiplied by the denominator, which the weights allow for and which is renewed with every solution.
+    `alpha = A/(lambda_r - omega^2) + R` times its denominator is `alpha omega^2 = lambda_r alpha + c + R
+    omega^2`, `c = -(A + R lambda_r)`. This multiplies the errors of the lines by the denominator, for which
+    the weights compensate; they are renewed with every solution.
 
     Parameters
     ----------
@@ -30,15 +30,15 @@ def linear_fit(freq: FloatArray, frf: ComplexArray, weight: FloatArray) -> ModeF
     and Koerner, J. (1963), IEEE Transactions on Automatic Control 8, 56-58, the renewed weights.
     """
     lines = scale(freq, frf, weight)
-    return conclude(lines, *mode_beside_constant(lines))
+    return physical_fits(lines, *fit_mode_and_constant(lines))
 
 
 def linear_fit_plot(
     freq: FloatArray, frf: ComplexArray, weight: FloatArray
 ) -> dict[str, FloatArray | ComplexArray]:
-    """The two sides of the equation: `alpha omega^2`, and the sum of three terms fitted to it."""
-    lines, x, points = one_row(freq, frf, weight)
-    eigenvalue, constant, residual = mode_beside_constant(lines)
+    """Return both sides of the equation: `alpha omega^2`, and the fitted sum of three terms."""
+    lines, x, points = single_window(freq, frf, weight)
+    eigenvalue, constant, residual = fit_mode_and_constant(lines)
     pole = lines.centre + lines.half * eigenvalue
     left_over = lines.size * residual
     level = -(lines.half * lines.size * constant + left_over * pole)
