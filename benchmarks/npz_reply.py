@@ -35,7 +35,7 @@ def run() -> list[tuple[str, float, float]]:
         @app.get("/constant/{id}")
         def answer(id: IdPath, store: StoreDep) -> Response:
             store.measurements.check(id)
-            return Response(constant, media_type="application/x-npz")
+            return Response(constant, media_type="application/octet-stream")
 
         ours, peer = f"/v1/measurements/{stored}/arrays", f"/constant/{stored}"
         found = ratio(partial(anyio.run, _ask, app, ours), partial(anyio.run, _ask, app, peer))

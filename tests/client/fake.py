@@ -22,7 +22,7 @@ def npz(**arrays: Any) -> httpx.Response:
     """Return an npz reply."""
     file = io.BytesIO()
     np.savez(file, **arrays)
-    return httpx.Response(200, content=file.getvalue(), headers={"content-type": "application/x-npz"})
+    return httpx.Response(200, content=file.getvalue(), headers={"content-type": "application/octet-stream"})
 
 
 def events(*states: Mapping[str, Any]) -> httpx.Response:

@@ -70,6 +70,11 @@ def build(app: FastAPI) -> Json:
     schemas |= problem.pop("$defs") | {"Problem": problem}
     for _, method, operation in operations(document):
         _add_errors(method, operation)
+        for reply in operation["responses"].values():
+            for content in reply.get("content", {}).values():
+                if name := content["schema"].get("x-component"):
+                    schemas[name] = {key: v for key, v in content["schema"].items() if key != "x-component"}
+                    content["schema"] = {"$ref": _REF + name}
     renamed: Json = _rename(document, {name: _short(name) for name in schemas})
     _strip_titles(renamed["components"])
     _strip_titles(renamed["paths"])

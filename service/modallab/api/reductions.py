@@ -6,7 +6,7 @@ from typing import Annotated, Any
 import numpy as np
 from fastapi import Query
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, Field
 
 from modallab.api.wire import DofText, Number, Text, Wire
 from modallab.core.dof import Dof
@@ -49,8 +49,6 @@ def check_size(system: DynamicSystem, n_masters: int, field: str) -> None:
 
 class ReducedWanted(BaseModel):
     """The DoFs that are kept, and how the others follow them."""
-
-    model_config = ConfigDict(extra="forbid")
 
     masters: list[DofText] = Field(min_length=1, max_length=1_000)
     kind: Text = "guyan"

@@ -111,7 +111,7 @@ def test_the_same_question_is_answered_by_the_same_further_test(service: Any, be
 
 def uploaded(service: Any, rig: str, measurement: str) -> str:
     content = service.request("GET", f"/v1/measurements/{measurement}/arrays").content
-    files = {"file": ("test.npz", io.BytesIO(content), "application/x-npz")}
+    files = {"file": ("test.npz", io.BytesIO(content), "application/octet-stream")}
     reply = service.request("POST", "/v1/measurements/import", files=files, data={"rig_id": rig})
     assert reply.status_code == 201, reply.text
     return str(reply.json()["id"])

@@ -10,7 +10,7 @@ import pytest
 def npz(service: Any, path: str) -> Any:
     reply = service.request("GET", path)
     assert reply.status_code == 200, reply.text
-    assert reply.headers["content-type"] == "application/x-npz"
+    assert reply.headers["content-type"] == "application/octet-stream"
     return np.load(io.BytesIO(reply.content))
 
 

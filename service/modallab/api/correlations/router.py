@@ -5,7 +5,8 @@ from typing import Annotated
 from fastapi import APIRouter, status
 from starlette.responses import Response
 
-from modallab.api.arrays import NPZ, Precision, npz_of
+from modallab.api import array_tables
+from modallab.api.arrays import ArraysFormatDep
 from modallab.api.correlations.schemas import CorrelationIn, CorrelationOut, arrays_out, small
 from modallab.api.deps import IdPath, OwnerDep, StoreDep
 from modallab.api.examples import examples
@@ -54,10 +55,13 @@ def get_correlation(id: IdPath, store: StoreDep) -> CorrelationOut:
 
 
 @router.get(
-    "/{id}/arrays", response_class=Response, responses=NPZ, summary="All matrices, and the FDAC by line: npz"
+    "/{id}/arrays",
+    response_class=Response,
+    responses=array_tables.CORRELATION,
+    summary="All matrices, and the FDAC by line",
 )
-def get_correlation_arrays(id: IdPath, store: StoreDep, precision: Precision = "double") -> Response:
-    return npz_of(arrays_out(store.correlations.get(id)), precision)
+def get_correlation_arrays(id: IdPath, store: StoreDep, form: ArraysFormatDep) -> Response:
+    return form.reply(arrays_out(store.correlations.get(id)))
 
 
 add_routes(router, "correlations", "correlation")

@@ -6,7 +6,8 @@ from typing import Annotated, Any
 from fastapi import APIRouter, status
 from starlette.responses import HTMLResponse, Response
 
-from modallab.api.arrays import NPZ, Precision, npz_reply
+from modallab.api import array_tables
+from modallab.api.arrays import ArraysFormatDep
 from modallab.api.deps import IdPath, JobsDep, OwnerDep, StoreDep
 from modallab.api.diagnoses.follow_ups import check_follow_ups
 from modallab.api.diagnoses.replies import DiagnosisReply, diagnosis_reply
@@ -52,9 +53,14 @@ def get_diagnosis(id: IdPath, store: StoreDep) -> Any:
     return diagnosis_reply(store.diagnoses.get(id), store.diagnoses.entry(id))
 
 
-@router.get("/{id}/arrays", response_class=Response, responses=NPZ, summary="Measured, predicted FRFs: npz")
-def get_diagnosis_arrays(id: IdPath, store: StoreDep, precision: Precision = "double") -> Response:
-    return npz_reply(store.diagnoses.npz(id), precision)
+@router.get(
+    "/{id}/arrays",
+    response_class=Response,
+    responses=array_tables.DIAGNOSIS,
+    summary="Measured, predicted FRFs",
+)
+def get_diagnosis_arrays(id: IdPath, store: StoreDep, form: ArraysFormatDep) -> Response:
+    return form.reply_npz(store.diagnoses.npz(id))
 
 
 @router.get("/{id}/report", response_class=HTMLResponse, summary="What was found, as a page")

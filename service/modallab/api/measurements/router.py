@@ -6,7 +6,8 @@ import numpy as np
 from fastapi import APIRouter, File, Form, Query, UploadFile, status
 from starlette.responses import Response
 
-from modallab.api.arrays import NPZ, Precision, npz_of, npz_reply
+from modallab.api import array_tables
+from modallab.api.arrays import ArraysFormatDep
 from modallab.api.deps import Id, IdPath, JobsDep, OwnerDep, SettingsDep, StoreDep
 from modallab.api.examples import example
 from modallab.api.files import FRF_TEXT, HDF5, UFF, frf_text_reply, hdf5_reply, origin, uff_reply
@@ -82,14 +83,19 @@ def get_measurement(id: IdPath, store: StoreDep) -> MeasurementOut:
     return MeasurementOut.of(store.measurements.get(id), store.measurements.entry(id))
 
 
-@router.get("/{id}/arrays", response_class=Response, responses=NPZ, summary="FRFs, coherence, spectra: npz")
+@router.get(
+    "/{id}/arrays",
+    response_class=Response,
+    responses=array_tables.MEASUREMENT,
+    summary="FRFs, coherence, spectra",
+)
 def get_measurement_arrays(
-    id: IdPath, store: StoreDep, precision: Precision = "double", kind: KindWanted = None
+    id: IdPath, store: StoreDep, form: ArraysFormatDep, kind: KindWanted = None
 ) -> Response:
     if kind is None:
-        return npz_reply(store.measurements.npz(id), precision)
+        return form.reply_npz(store.measurements.npz(id))
     measurement = measured_as(kind, store.measurements.get(id))
-    return npz_of(arrays_of(measurement) | {"notes": np.array(measurement.notes, dtype=str)}, precision)
+    return form.reply(arrays_of(measurement) | {"notes": np.array(measurement.notes, dtype=str)})
 
 
 @router.get("/{id}/arrays.h5", response_class=Response, responses=HDF5, summary="The same as an HDF5 file")

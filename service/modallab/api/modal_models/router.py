@@ -5,12 +5,14 @@ from typing import Annotated
 from fastapi import APIRouter, File, UploadFile, status
 from starlette.responses import Response
 
-from modallab.api.arrays import NPZ, Precision, npz_of, npz_reply
+from modallab.api import array_tables
+from modallab.api.arrays import ArraysFormatDep
 from modallab.api.deps import IdPath, JobsDep, OwnerDep, SettingsDep, StoreDep
 from modallab.api.examples import example
 from modallab.api.files import FILE, UFF, FormRoute, origin, uff_reply
 from modallab.api.jobs import JobOut
 from modallab.api.kinds import KindWanted, measured_as
+from modallab.api.media import CsvWanted, csv_replies, csv_reply
 from modallab.api.modal_models.fits import (
     MODE,
     REFERENCE,
@@ -23,6 +25,7 @@ from modallab.api.modal_models.fits import (
 from modallab.api.modal_models.found import ModalModelOut
 from modallab.api.modal_models.reciprocal import OTHER, ModalReciprocityOut
 from modallab.api.modal_models.schemas import ModalModelIn, ModalModelStart
+from modallab.api.modal_models.table import COLUMNS, mode_rows
 from modallab.api.shelves import add_routes
 from modallab.api.thinning import Points
 from modallab.core.dof import Dof
@@ -88,16 +91,27 @@ def import_modal_model(
     return _stored(body.to_domain(), store, owner)
 
 
-@router.get("/{id}", summary="Modes without their shapes")
-def get_modal_model(id: IdPath, store: StoreDep) -> ModalModelOut:
-    return ModalModelOut.of(store.modal_models.get(id), store.modal_models.entry(id))
+@router.get(
+    "/{id}",
+    summary="Modes without their shapes",
+    response_model=ModalModelOut,
+    responses=csv_replies(COLUMNS),
+)
+def get_modal_model(id: IdPath, store: StoreDep, as_csv: CsvWanted) -> ModalModelOut | Response:
+    model = store.modal_models.get(id)
+    if as_csv:
+        return csv_reply(COLUMNS, mode_rows(model))
+    return ModalModelOut.of(model, store.modal_models.entry(id))
 
 
 @router.get(
-    "/{id}/arrays", response_class=Response, responses=NPZ, summary="Shapes, constants of each FRF: npz"
+    "/{id}/arrays",
+    response_class=Response,
+    responses=array_tables.MODAL_MODEL,
+    summary="Shapes, constants of each FRF",
 )
-def get_modal_model_arrays(id: IdPath, store: StoreDep, precision: Precision = "double") -> Response:
-    return npz_reply(store.modal_models.npz(id), precision)
+def get_modal_model_arrays(id: IdPath, store: StoreDep, form: ArraysFormatDep) -> Response:
+    return form.reply_npz(store.modal_models.npz(id))
 
 
 @router.get("/{id}/fits", summary="One mode in one FRF, to be drawn: lines, curve, what the method drew")
@@ -118,15 +132,15 @@ def get_chart(id: IdPath, store: StoreDep, points: Points = 800) -> ChartOut:
 @router.get(
     "/{id}/frf",
     response_class=Response,
-    responses=NPZ,
-    summary="FRFs that the modes make, on the measurement's lines: npz",
+    responses=array_tables.FRFS,
+    summary="FRFs that the modes make, on the measurement's lines",
 )
 def get_resynthesised(
-    id: IdPath, store: StoreDep, precision: Precision = "double", kind: KindWanted = None
+    id: IdPath, store: StoreDep, form: ArraysFormatDep, kind: KindWanted = None
 ) -> Response:
     model = store.modal_models.get(id)
     measurement = measured_as(kind, measured_for(id, model, store))
-    return npz_of(frf_arrays(resynthesised(measurement, model)), precision)
+    return form.reply(frf_arrays(resynthesised(measurement, model)))
 
 
 @router.get("/{id}/reciprocity", summary="Modal constants beside those of a test driven at the response")

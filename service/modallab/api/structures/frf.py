@@ -6,7 +6,7 @@ from typing import Annotated, Any
 import numpy as np
 from fastapi import Query
 from numpy.typing import NDArray
-from pydantic import BaseModel, ConfigDict, Field
+from pydantic import BaseModel, Field
 
 from modallab.api.wire import DofText
 from modallab.core.dof import Dof
@@ -21,8 +21,6 @@ MOST_DOFS = 1_000  # of a structure that is solved while its reader waits
 
 class FrfWanted(BaseModel):
     """A drive point, responses, lines, and the kind of FRF."""
-
-    model_config = ConfigDict(extra="forbid")
 
     drive: DofText
     responses: list[DofText] = Field(min_length=1, max_length=1_000)

@@ -6,10 +6,12 @@ import numpy as np
 from fastapi import APIRouter, File, Form, Query, UploadFile, status
 from starlette.responses import Response
 
-from modallab.api.arrays import NPZ, Precision, npz_of
+from modallab.api import array_tables
+from modallab.api.arrays import ArraysFormatDep
 from modallab.api.deps import IdPath, OwnerDep, SettingsDep, StoreDep
 from modallab.api.examples import example, examples
 from modallab.api.files import UFF, origin, uff_reply
+from modallab.api.media import CsvWanted, csv_replies, csv_reply
 from modallab.api.modal_models.found import ModalModelOut
 from modallab.api.modal_models.schemas import SyntheticIn
 from modallab.api.reductions import ReducedQuery, check_size, reduction_in
@@ -31,6 +33,7 @@ from modallab.store.base import Store
 router = APIRouter(prefix="/structures", tags=["structures"])
 Count = Annotated[int, Query(ge=1, le=100, description="how many elastic modes at most")]
 
+_MODE_COLUMNS = ("mode", "frequency", "loss_factor")
 _SECTION = {"area": 5e-4, "second_moment": 4.1667e-9}
 _STEEL = {"modulus": 2.09e11, "density": 7800.0}
 _BEAM = {"kind": "beam", "length": 1.5, "n_elements": 20, "section": _SECTION, "material": _STEEL}
@@ -116,9 +119,19 @@ def change_structure(
     return _out(store, store.structures.add(changed, owner=owner, inputs={"structure_id": id}))
 
 
-@router.get("/{id}/modes", summary="Elastic modes")
-def get_modes(id: IdPath, store: StoreDep, count: Count = 10) -> ModesOut:
+@router.get(
+    "/{id}/modes", summary="Elastic modes", response_model=ModesOut, responses=csv_replies(_MODE_COLUMNS)
+)
+def get_modes(id: IdPath, store: StoreDep, as_csv: CsvWanted, count: Count = 10) -> ModesOut | Response:
     basis, n_rigid_body = lowest_modes(as_modelled(store.structures.get(id)), count)
+    if as_csv:
+        columns = (
+            range(1, len(basis.frequencies) + 1),
+            basis.frequencies.tolist(),
+            basis.loss_factors.tolist(),
+        )
+        rows = (dict(zip(_MODE_COLUMNS, row, strict=True)) for row in zip(*columns, strict=True))
+        return csv_reply(_MODE_COLUMNS, rows)
     return ModesOut(
         **ModesOut.fields(store.structures.entry(id)),
         frequencies=basis.frequencies.tolist(),
@@ -127,19 +140,24 @@ def get_modes(id: IdPath, store: StoreDep, count: Count = 10) -> ModesOut:
     )
 
 
-@router.get("/{id}/modes/arrays", response_class=Response, responses=NPZ, summary="Modes with shapes, npz")
-def get_mode_arrays(
-    id: IdPath, store: StoreDep, count: Count = 10, precision: Precision = "double"
-) -> Response:
+@router.get(
+    "/{id}/modes/arrays",
+    response_class=Response,
+    responses=array_tables.STRUCTURE_MODES,
+    summary="Modes with shapes",
+)
+def get_mode_arrays(id: IdPath, store: StoreDep, form: ArraysFormatDep, count: Count = 10) -> Response:
     structure = store.structures.get(id)
     basis, _ = lowest_modes(as_modelled(structure), count)
     dofs = np.array([str(dof) for dof in structure.dofs])
-    return npz_of({"frequencies": basis.frequencies, "shapes": basis.shapes, "dofs": dofs}, precision)
+    return form.reply({"frequencies": basis.frequencies, "shapes": basis.shapes, "dofs": dofs})
 
 
-@router.get("/{id}/frf", response_class=Response, responses=NPZ, summary="Exact FRFs without a rig: npz")
-def get_frf(id: IdPath, store: StoreDep, wanted: FrfQuery) -> Response:
-    return npz_of(wanted.arrays(store.structures.get(id)))
+@router.get(
+    "/{id}/frf", response_class=Response, responses=array_tables.FRFS, summary="Exact FRFs without a rig"
+)
+def get_frf(id: IdPath, store: StoreDep, wanted: FrfQuery, form: ArraysFormatDep) -> Response:
+    return form.reply(wanted.arrays(store.structures.get(id)))
 
 
 @router.get(
@@ -178,10 +196,13 @@ def expand_modes(
 
 
 @router.get(
-    "/{id}/reduced", response_class=Response, responses=NPZ, summary="Mass and stiffness at some DoFs: npz"
+    "/{id}/reduced",
+    response_class=Response,
+    responses=array_tables.REDUCED,
+    summary="Mass and stiffness at some DoFs",
 )
-def get_reduced(id: IdPath, store: StoreDep, wanted: ReducedQuery) -> Response:
-    return npz_of(wanted.arrays(as_modelled(store.structures.get(id))))
+def get_reduced(id: IdPath, store: StoreDep, wanted: ReducedQuery, form: ArraysFormatDep) -> Response:
+    return form.reply(wanted.arrays(as_modelled(store.structures.get(id))))
 
 
 add_routes(router, "structures", "structure")

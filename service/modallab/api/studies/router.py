@@ -5,7 +5,8 @@ from typing import Annotated
 from fastapi import APIRouter, status
 from starlette.responses import Response
 
-from modallab.api.arrays import NPZ, npz_of
+from modallab.api import array_tables
+from modallab.api.arrays import ArraysFormatDep
 from modallab.api.deps import IdPath, JobsDep, OwnerDep, StoreDep
 from modallab.api.examples import example
 from modallab.api.jobs import JobOut
@@ -40,9 +41,11 @@ def get_study(id: IdPath, store: StoreDep) -> StudyOut:
     return StudyOut.of(store.studies.get(id), store.studies.entry(id))
 
 
-@router.get("/{id}/arrays", response_class=Response, responses=NPZ, summary="Coefficients of all runs: npz")
-def get_study_arrays(id: IdPath, store: StoreDep) -> Response:
-    return npz_of(study_arrays(store.studies.get(id)), "double")
+@router.get(
+    "/{id}/arrays", response_class=Response, responses=array_tables.STUDY, summary="Coefficients of all runs"
+)
+def get_study_arrays(id: IdPath, store: StoreDep, form: ArraysFormatDep) -> Response:
+    return form.reply(study_arrays(store.studies.get(id)))
 
 
 add_routes(router, "studies", "study")

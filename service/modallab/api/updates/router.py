@@ -5,7 +5,8 @@ from typing import Annotated
 from fastapi import APIRouter, status
 from starlette.responses import Response
 
-from modallab.api.arrays import NPZ, Precision, npz_of
+from modallab.api import array_tables
+from modallab.api.arrays import ArraysFormatDep
 from modallab.api.deps import IdPath, JobsDep, OwnerDep, StoreDep
 from modallab.api.examples import examples
 from modallab.api.jobs import JobOut
@@ -75,31 +76,42 @@ def get_update(id: IdPath, store: StoreDep) -> UpdateOut:
 
 
 @router.get(
-    "/{id}/arrays", response_class=Response, responses=NPZ, summary="Matrices of a direct method: npz"
+    "/{id}/arrays",
+    response_class=Response,
+    responses=array_tables.UPDATED_MATRICES,
+    summary="Matrices of a direct method",
 )
-def get_update_arrays(id: IdPath, store: StoreDep, precision: Precision = "double") -> Response:
+def get_update_arrays(id: IdPath, store: StoreDep, form: ArraysFormatDep) -> Response:
     result = store.updates.get(id)
     if not isinstance(result, DirectResult):
         raise NotFoundError("this update has coefficients of members, and no matrices", field="id", value=id)
-    return npz_of(direct_arrays(result), precision)
+    return form.reply(direct_arrays(result))
 
 
 @router.get(
-    "/{id}/covariance", response_class=Response, responses=NPZ, summary="Covariance of coefficients: npz"
+    "/{id}/covariance",
+    response_class=Response,
+    responses=array_tables.COVARIANCE,
+    summary="Covariance of coefficients",
 )
-def get_update_covariance(id: IdPath, store: StoreDep) -> Response:
+def get_update_covariance(id: IdPath, store: StoreDep, form: ArraysFormatDep) -> Response:
     result = store.updates.get(id)
     if not isinstance(result, UpdateResult) or result.identifiability is None:
         raise NotFoundError("this update has no coefficients that were free to move", field="id", value=id)
-    return npz_of(identified_arrays(result.identifiability), "double")
+    return form.reply(identified_arrays(result.identifiability))
 
 
-@router.get("/{id}/sample", response_class=Response, responses=NPZ, summary="Draws from the posterior: npz")
-def get_update_sample(id: IdPath, store: StoreDep) -> Response:
+@router.get(
+    "/{id}/sample",
+    response_class=Response,
+    responses=array_tables.POSTERIOR,
+    summary="Draws from the posterior",
+)
+def get_update_sample(id: IdPath, store: StoreDep, form: ArraysFormatDep) -> Response:
     result = store.updates.get(id)
     if not isinstance(result, UpdateResult) or result.posterior is None:
         raise NotFoundError("this update has no draws: `samples` asks for them", field="id", value=id)
-    return npz_of(posterior_arrays(result.posterior), "double")
+    return form.reply(posterior_arrays(result.posterior))
 
 
 add_routes(router, "updates", "update")
