@@ -12,7 +12,7 @@ from modallab.core.arrays import BoolArray
 from modallab.core.dof import Dof
 from modallab.core.errors import ModalLabError
 from modallab.core.place import Channels, Place
-from modallab.diagnosis.residuals.observed import Predicted
+from modallab.diagnosis.residuals.predicted import Predicted
 from modallab.diagnosis.result import Diagnosis, FittedEffect, Verdict
 from modallab.rig.effect import EFFECTS, Effect
 from modallab.rig.measurement import Measurement

@@ -11,7 +11,8 @@ from modallab.diagnosis.optimisation.fit_parameters import ParameterVector
 from modallab.diagnosis.optimisation.tolerances import LIMIT
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.residuals.line_correlation import LineCorrelation
-from modallab.diagnosis.residuals.observed import Observed, Predicted, VarianceRatios
+from modallab.diagnosis.residuals.observed import Observed
+from modallab.diagnosis.residuals.predicted import Predicted, VarianceRatios
 from modallab.diagnosis.residuals.residual import Residual, residual
 from modallab.rig.effect import Effect
 
@@ -125,9 +126,9 @@ def _weighed(
 
 def _rehearsed(observed: Observed, left: Residual, factors: VarianceRatios) -> FloatArray | None:
     """Return residuals (n_tests, n_data) of tests that were gone through with distortion in bursts."""
-    if factors.tests is None:
+    if factors.deviations is None:
         return None
-    force, frf, response = factors.tests
+    force, frf, response = factors.deviations
     spread = observed.incoherent_variance
     return np.array(
         [

@@ -17,7 +17,7 @@ from modallab.diagnosis.optimisation.least_squares import Descent
 from modallab.diagnosis.optimisation.tolerances import LIMIT
 from modallab.diagnosis.predicting.coarse_prediction import CoarsePrediction
 from modallab.diagnosis.predicting.predictor import Predictor
-from modallab.diagnosis.residuals.observed import Predicted
+from modallab.diagnosis.residuals.predicted import Predicted
 from modallab.diagnosis.residuals.residual import Residual, error_ratio, inflation_weights, residual
 from modallab.rig.effect import Effect
 

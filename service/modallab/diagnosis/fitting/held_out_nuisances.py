@@ -8,7 +8,7 @@ from scipy.optimize import lsq_linear
 from modallab.core.arrays import FloatArray, IntArray
 from modallab.diagnosis.optimisation.tolerances import LIMIT
 from modallab.diagnosis.predicting.predictor import Predictor
-from modallab.diagnosis.residuals.observed import Predicted
+from modallab.diagnosis.residuals.predicted import Predicted
 from modallab.diagnosis.residuals.residual import Residual, residual
 from modallab.rig.effect import Effect
 

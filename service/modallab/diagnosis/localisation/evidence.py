@@ -9,7 +9,8 @@ from modallab.core.numerics import SAFE_DIVISOR
 from modallab.correlation.evidence import Evidence
 from modallab.diagnosis.localisation.settings import EVIDENCE
 from modallab.diagnosis.predicting.predictor import Predictor
-from modallab.diagnosis.residuals.observed import Observed, Predicted
+from modallab.diagnosis.residuals.observed import Observed
+from modallab.diagnosis.residuals.predicted import Predicted
 from modallab.diagnosis.residuals.residual import residual
 from modallab.rig.effect import Effect
 

@@ -11,7 +11,8 @@ from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.parameters import parameter
 from modallab.core.place import Channels, Place
-from modallab.diagnosis.residuals.observed import Observed, Predicted
+from modallab.diagnosis.residuals.observed import Observed
+from modallab.diagnosis.residuals.predicted import Predicted
 from modallab.fe.attachment import Attachment
 from modallab.fe.system import DynamicSystem
 from modallab.rig.effect import EFFECTS, Effect, Stage

@@ -12,7 +12,7 @@ from modallab.core.arrays import FloatArray
 from modallab.diagnosis.optimisation.fit_parameters import ParameterVector
 from modallab.diagnosis.optimisation.linear_nuisances import REACH, LinearNuisances, NuisanceProjection
 from modallab.diagnosis.optimisation.tolerances import LIMIT
-from modallab.diagnosis.residuals.observed import Predicted
+from modallab.diagnosis.residuals.predicted import Predicted
 from modallab.diagnosis.residuals.residual import inflation_weights, residual
 from modallab.rig.effect import Effect
 

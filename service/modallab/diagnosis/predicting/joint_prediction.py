@@ -14,7 +14,8 @@ from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.diagnosis.predicting.coarse_prediction import CoarsePrediction
 from modallab.diagnosis.predicting.predictor import GLIMPSED, Predictor
-from modallab.diagnosis.residuals.observed import Observed, Predicted, SimulatedDeviations, VarianceRatios
+from modallab.diagnosis.residuals.observed import Observed
+from modallab.diagnosis.residuals.predicted import Predicted, SimulatedDeviations, VarianceRatios
 from modallab.fe.modes import ModalBasis
 from modallab.rig.chain import Chain
 from modallab.rig.change import Change
@@ -214,7 +215,7 @@ class JointPredictor(Predictor):
             self._of_runs([one.force * share for one, share in zip(each, shares, strict=True)]),
             self.stack_channels([one.frf for one in each], 1.0),
             self.stack_channels([one.response for one in each], 1.0),
-            self._together([one.tests for one in each]),
+            self._together([one.deviations for one in each]),
         )
 
     def _together(self, each: Sequence[SimulatedDeviations | None]) -> SimulatedDeviations | None:
@@ -237,7 +238,7 @@ class JointPredictor(Predictor):
             held_out_lines=np.concatenate([part.held_out_lines for part in parts]),
             correlation_length=max(part.correlation_length for part in parts),
             averages=min(part.averages for part in parts),
-            floor=max(part.floor for part in parts),
+            variance_floor=max(part.variance_floor for part in parts),
             **self._spectra(parts),
         )
 

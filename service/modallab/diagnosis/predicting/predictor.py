@@ -15,7 +15,8 @@ from modallab.core.errors import InvalidInputError
 from modallab.diagnosis.optimisation.tolerances import Nuisances, split_by_scope
 from modallab.diagnosis.predicting.coarse_prediction import CoarsePrediction
 from modallab.diagnosis.predicting.prediction_budget import PredictionBudget
-from modallab.diagnosis.residuals.observed import Observed, Predicted, VarianceRatios
+from modallab.diagnosis.residuals.observed import Observed
+from modallab.diagnosis.residuals.predicted import Predicted, VarianceRatios
 from modallab.diagnosis.residuals.residual import Residual, residual
 from modallab.estimation.spectra import CrossSpectra
 from modallab.fe.assembly import assemble

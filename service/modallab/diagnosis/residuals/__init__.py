@@ -1,1 +1,1 @@
-"""A measurement in logarithms with its random errors, and what a prediction leaves of it."""
+"""Whitened residuals: logarithmic ratios of measurement to prediction over their random errors."""

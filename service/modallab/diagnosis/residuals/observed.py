@@ -1,6 +1,6 @@
-"""A measurement as the fit sees it: logarithms, their random errors, what is held out."""
+"""A measurement as a fit sees it: spectra, their random errors, the data held out."""
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -9,10 +9,8 @@ from modallab.core.arrays import BoolArray, ComplexArray, FloatArray
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfKind
+from modallab.diagnosis.residuals.predicted import VarianceRatios
 from modallab.diagnosis.residuals.random_error import (
-    INCOHERENT,
-    NUMERICAL,
-    RealOrComplex,
     coherence_and_variance,
     force_spectrum,
     incoherent_spectrum,
@@ -20,197 +18,139 @@ from modallab.diagnosis.residuals.random_error import (
     shared_noise,
     weak_line_factor,
 )
-from modallab.estimation.coherence import coherence
-from modallab.estimation.estimators.h1 import h1
+from modallab.diagnosis.residuals.settings import RANDOM_ERROR
 from modallab.estimation.settings import FORCE_NOISE
-from modallab.estimation.spectra import CrossSpectra
 from modallab.estimation.windows import WINDOWS
 from modallab.rig.measurement import Measurement
-from modallab.rig.periodic_variance import VarianceFactors
-
-
-def _side_by_side(runs: RealOrComplex) -> RealOrComplex:
-    """Return the channels (n_run, n_freq, n_out) of all runs as (n_freq, n_run n_out)."""
-    out: RealOrComplex = runs.swapaxes(0, 1).reshape(runs.shape[1], -1)
-    return out
-
-
-SimulatedDeviations = tuple[FloatArray, ComplexArray, FloatArray]  # of the three below, by test
-
-
-@dataclass(frozen=True, eq=False)
-class VarianceRatios:
-    """Variances over those of averages of Gaussian records drawn anew, by line and channel."""
-
-    force: FloatArray  # (n_freq, n_run) of ln G_ff
-    frf: FloatArray  # (n_freq, n_out) of H1
-    response: FloatArray  # (n_freq, n_out) of ln of the incoherent spectrum
-    # How far off their expectation the three lie in some tests, (n_tests, ..), see `VarianceFactors`.
-    tests: SimulatedDeviations | None = None
-
-    @classmethod
-    def of(cls, runs: VarianceFactors | None, spectra: CrossSpectra) -> "VarianceRatios":
-        """Return the factors of all runs side by side; 1 where all is drawn anew."""
-        if runs is None:
-            nothing = np.ones(spectra.xx.shape)
-            return cls(nothing[..., 0].T, *2 * (_side_by_side(nothing),))
-        tests = None
-        if runs.tests is not None:
-            force, frf, response = runs.tests
-            h = np.array([_side_by_side(one) for one in frf])
-            tests = (force.swapaxes(1, 2), h, np.array([_side_by_side(one) for one in response]))
-        return cls(runs.force.T, _side_by_side(runs.frf), _side_by_side(runs.response), tests)
-
-
-@dataclass(frozen=True, eq=False)
-class Predicted:
-    """Expected spectra by response channel, as `Observed` holds the measured ones."""
-
-    h: ComplexArray  # (n_freq, n_out) H1, inertance
-    coherence: FloatArray  # (n_freq, n_out)
-    force: FloatArray  # (n_freq, n_run) N^2/Hz
-    incoherent: FloatArray  # (n_freq, n_out) G_xx (1 - coherence), floored at rounding
-    # Where power leaks: by how much more the incoherent spectrum scatters than from independent records,
-    # (n_freq, n_out), worked out when a gap is judged, as it costs more than the prediction itself.
-    excess_variance: Callable[[], FloatArray] | None = None
-    # Where signals come back in every average: how much less the spectra scatter; worked out as late.
-    variance_ratios: Callable[[], VarianceRatios] | None = None
-    lines_correlated: bool = False  # whether lines share random numbers beyond what a window mixes
-
-    @classmethod
-    def of(
-        cls,
-        spectra: CrossSpectra,
-        excess: Callable[[], FloatArray] | None = None,
-        steady: Callable[[], VarianceFactors | None] | None = None,
-        *,
-        lines_correlated: bool = False,
-    ) -> "Predicted":
-        """Return the channels of all runs side by side; `excess_variance` gives (n_run, n_freq, n_out)."""
-        g2 = coherence(spectra)
-        loose = spectra.xx * (1 - g2 + INCOHERENT)
-        h: ComplexArray = h1(spectra)[..., 0].swapaxes(0, 1).reshape(len(spectra.freq), -1)
-        return cls(
-            h,
-            _side_by_side(g2),
-            spectra.ff[:, :, 0, 0].real.T,
-            _side_by_side(loose),
-            None if excess is None else lambda: _side_by_side(excess()),
-            None if steady is None else lambda: VarianceRatios.of(steady(), spectra),
-            lines_correlated,
-        )
 
 
 @dataclass(frozen=True, eq=False)
 class Observed:
     """Measured H1, force and incoherent response spectra with the variance of their logarithms.
 
-    By Bartlett's factors of the Wishart law the three are independent: G_ff is Gamma(n), H1 normal
-    given G_ff, and the incoherent response spectrum Gamma(n - 1). Of a force that comes back in every
-    average, G_ff varies by its noise alone, of which coherence tells at most how much there is.
+    By Bartlett's factorisation of the Wishart distribution the three are independent: G_ff has a
+    Gamma(n) distribution, H1 given G_ff a normal one, the incoherent response spectrum Gamma(n - 1). If
+    the force repeats in every average, G_ff varies by its noise alone, which coherence bounds from above.
     """
 
     freq: FloatArray
+    """(n_freq,) Hz."""
     outputs: tuple[Dof, ...]
-    h: ComplexArray  # (n_freq, n_out)
-    error: FloatArray  # (n_freq, n_out) random error of |H| and of its phase
+    """Responses, n_out of them."""
+    h: ComplexArray
+    """(n_freq, n_out) H1 as inertance, 1/kg."""
+    error: FloatArray
+    """(n_freq, n_out) relative random error of |H|, and of its phase in rad."""
     coherence: FloatArray
-    force: FloatArray | None  # (n_freq, n_run), expectation of the logarithm made unbiased
-    force_variance: FloatArray | float  # (n_freq, n_run) of its logarithm
-    incoherent: FloatArray | None  # (n_freq, n_out)
+    """(n_freq, n_out), 1 where it is unknown."""
+    force: FloatArray | None
+    """(n_freq, n_run), N^2/Hz, the expectation of its logarithm unbiased."""
+    force_variance: FloatArray | float
+    """(n_freq, n_run), variance of the logarithm of `force`."""
+    incoherent: FloatArray | None
+    """(n_freq, n_out), (m/s^2)^2/Hz, response spectrum times 1 - coherence."""
     incoherent_variance: FloatArray | None
-    usable: BoolArray  # (n_freq, n_out)
-    held_out: BoolArray  # (n_out,)
-    held_out_lines: BoolArray  # (n_freq,)
-    correlation_length: float  # how many lines one independent line stands for
-    bias: FloatArray | float = 0.0  # (n_freq, n_out) of ln |H|, weighed by its error
+    """(n_freq, n_out), variance of its logarithm."""
+    usable: BoolArray
+    """(n_freq, n_out), entries with enough coherence."""
+    held_out: BoolArray
+    """(n_out,), responses excluded from every fit."""
+    held_out_lines: BoolArray
+    """(n_freq,), lines excluded from every fit."""
+    correlation_length: float
+    """Lines per independent line, by the window."""
+    bias: FloatArray | float = 0.0
+    """(n_freq, n_out), bias of ln |H| when weighted by its measured error."""
     averages: float = np.inf
-    floor: float = NUMERICAL**2  # variance that the logarithm of an auto spectrum has in any case
-    # (n_freq, n_out): share of an FRF's random variance that is the force's noise, the same in all channels.
+    """Effective number of averages."""
+    variance_floor: float = RANDOM_ERROR.prediction_error**2
+    """Least variance of the logarithm of an auto spectrum."""
     shared_noise: FloatArray | None = None
+    """(n_freq, n_out), share of an FRF's variance that the force's noise has, common to all channels."""
 
     @property
     def fitted(self) -> BoolArray:
-        """(n_freq, n_out): what the fit may see."""
+        """(n_freq, n_out): entries that a fit may use."""
         return np.asarray(self.usable & ~self.held_out & ~self.held_out_lines[:, None])
 
     @property
     def held_out_mask(self) -> BoolArray:
-        """(n_freq, n_out): what is held out."""
+        """(n_freq, n_out): usable entries that are held out."""
         return np.asarray(self.usable & ~self.fitted)
 
-    def with_variance_ratios(self, factors: VarianceRatios) -> "Observed":
-        """Return the same with variances that are so many times as large."""
+    def with_variance_ratios(self, ratios: VarianceRatios) -> "Observed":
+        """Return the measurement with its variances multiplied by ratios."""
         incoherent = self.incoherent_variance
         return replace(
             self,
-            error=self.error * np.sqrt(factors.frf),
-            force_variance=self.force_variance * factors.force,
-            incoherent_variance=None if incoherent is None else incoherent * factors.response,
+            error=self.error * np.sqrt(ratios.frf),
+            force_variance=self.force_variance * ratios.force,
+            incoherent_variance=None if incoherent is None else incoherent * ratios.response,
         )
 
     def decimated(self, step: int) -> "Observed":
         """Return every `step`-th line."""
-        every = slice(None, None, step)
+        lines = slice(None, None, step)
         return replace(
             self,
-            freq=self.freq[every],
-            h=self.h[every],
-            error=self.error[every],
-            bias=_every(self.bias, every),
-            force_variance=_every(self.force_variance, every),
-            coherence=self.coherence[every],
-            force=None if self.force is None else self.force[every],
-            incoherent=None if self.incoherent is None else self.incoherent[every],
-            incoherent_variance=None if self.incoherent_variance is None else self.incoherent_variance[every],
-            usable=self.usable[every],
-            held_out_lines=self.held_out_lines[every],
-            shared_noise=None if self.shared_noise is None else self.shared_noise[every],
+            freq=self.freq[lines],
+            h=self.h[lines],
+            error=self.error[lines],
+            bias=self.bias if isinstance(self.bias, float) else self.bias[lines],
+            force_variance=self._force_variance_at(lines),
+            coherence=self.coherence[lines],
+            force=_rows(self.force, lines),
+            incoherent=_rows(self.incoherent, lines),
+            incoherent_variance=_rows(self.incoherent_variance, lines),
+            usable=self.usable[lines],
+            held_out_lines=self.held_out_lines[lines],
+            shared_noise=_rows(self.shared_noise, lines),
         )
 
+    def _force_variance_at(self, lines: slice) -> FloatArray | float:
+        variance = self.force_variance
+        return variance if isinstance(variance, float) else variance[lines]
 
-def _every(values: FloatArray | float, every: slice) -> FloatArray | float:
-    return values if isinstance(values, float) else values[every]
+
+def _rows(array: FloatArray | None, lines: slice) -> FloatArray | None:
+    return None if array is None else array[lines]
 
 
-def _on_the_axis(measurement: Measurement) -> Measurement:
-    """Return a measurement that starts above 0 Hz with a line there of which nothing is known."""
+def _from_zero_frequency(measurement: Measurement) -> Measurement:
+    """Return a measurement with an unusable line at 0 Hz, where its frequency axis starts above it."""
     if measurement.frf.freq[0] == 0:
         return measurement
     return measurement.by_line(lambda array: np.concatenate([np.zeros_like(array[:1]), array]))
 
 
 def observe(measurement: Measurement, held_out: Sequence[Dof], *, fraction: float) -> Observed:
-    """Return what the fit sees of a measurement.
+    """Return the measured spectra, their random errors and the split into fitted and held-out data.
 
     Parameters
     ----------
     held_out
-        Responses kept out of every fit; with none, every 1/fraction-th line is held out instead.
+        Responses excluded from every fit; with none, every 1/fraction-th line is held out instead.
 
     Raises
     ------
     InvalidInputError
-        If no random error is known, see `check_weighable`; or if no line is left to fit.
+        If no random error is known, see `check_random_error_known`; or if no line is left to fit.
     """
-    measurement = _on_the_axis(measurement.to(FrfKind.INERTANCE))
-    g2, chance = coherence_and_variance(measurement)
-    stated = measurement.noise_floor or 0.0
-    analyser = measurement.setup.analyser
-    frf, n = measurement.frf, measurement.averages
+    measurement = _from_zero_frequency(measurement.to(FrfKind.INERTANCE))
+    g2, coherence_variance = coherence_and_variance(measurement)
+    noise_floor = measurement.noise_floor or 0.0
+    analyser, frf = measurement.setup.analyser, measurement.frf
     # H1, whatever the estimator was: H2 = H1 / g2 and Hv = H1 / g.
     power = {"h1": 0.0, "h2": 1.0, "hv": 0.5}[analyser.estimator]
     h = frf.values[:, :, 0] * g2**power
-    usable = (g2 > FORCE_NOISE.min_coherence) & (frf.freq > 0)[:, None] & (np.abs(h) > 0)
-    error = np.sqrt(chance + (stated * weak_line_factor(h)) ** 2 + NUMERICAL**2)
-    least = 4 * (stated**2 + NUMERICAL**2)  # power has twice the relative error of amplitude
-    incoherent, spread = incoherent_spectrum(measurement, least)
-    force, force_variance = force_spectrum(measurement, least)
-    out = np.array([d.point in {h.point for h in held_out} for d in frf.outputs])
-    lines = np.zeros(len(frf.freq), bool)
-    if not out.any() and fraction > 0:
-        lines[2 :: max(2, round(1 / fraction))] = True
-    window = WINDOWS[analyser.window].samples(256) ** 2
+    prediction_error = RANDOM_ERROR.prediction_error
+    error = np.sqrt(coherence_variance + (noise_floor * weak_line_factor(h)) ** 2 + prediction_error**2)
+    # Power has twice the relative error of amplitude.
+    variance_floor = 4 * (noise_floor**2 + prediction_error**2)
+    incoherent, incoherent_variance = incoherent_spectrum(measurement, variance_floor)
+    force, force_variance = force_spectrum(measurement, variance_floor)
+    channels, lines = _held_out(measurement, held_out, fraction)
+    window = WINDOWS[analyser.window].samples(RANDOM_ERROR.window_samples) ** 2
     observed = Observed(
         freq=frf.freq,
         outputs=frf.outputs,
@@ -220,21 +160,34 @@ def observe(measurement: Measurement, held_out: Sequence[Dof], *, fraction: floa
         force=force,
         force_variance=force_variance,
         incoherent=incoherent,
-        incoherent_variance=spread,
-        usable=usable,
-        held_out=out,
+        incoherent_variance=incoherent_variance,
+        usable=(g2 > FORCE_NOISE.min_coherence) & (frf.freq > 0)[:, None] & (np.abs(h) > 0),
+        held_out=channels,
         held_out_lines=lines,
         correlation_length=float((window**2).mean() / window.mean() ** 2),
-        bias=2 * chance**2 / error**2,
-        averages=n,
-        floor=least,
+        bias=2 * coherence_variance**2 / error**2,
+        averages=measurement.averages,
+        variance_floor=variance_floor,
         shared_noise=shared_noise(measurement),
     )
-    _check_something_is_left(observed)
+    _check_fittable(observed)
     return observed
 
 
-def _check_something_is_left(observed: Observed) -> None:
+def _held_out(
+    measurement: Measurement, held_out: Sequence[Dof], fraction: float
+) -> tuple[BoolArray, BoolArray]:
+    """Return the held-out responses (n_out,) and lines (n_freq,)."""
+    frf = measurement.frf
+    points = {dof.point for dof in held_out}
+    channels = np.array([dof.point in points for dof in frf.outputs])
+    lines = np.zeros(len(frf.freq), bool)
+    if not channels.any() and fraction > 0:
+        lines[2 :: max(2, round(1 / fraction))] = True
+    return channels, lines
+
+
+def _check_fittable(observed: Observed) -> None:
     if not observed.usable.any():
         raise InvalidInputError(
             "no line shows a response",
@@ -243,7 +196,7 @@ def _check_something_is_left(observed: Observed) -> None:
             allowed=f"> {FORCE_NOISE.min_coherence:g}",
         )
     if not observed.fitted.any():
-        held = [str(dof) for dof, out in zip(observed.outputs, observed.held_out, strict=True) if out]
+        responses = [str(dof) for dof, out in zip(observed.outputs, observed.held_out, strict=True) if out]
         raise InvalidInputError(
-            "with these held out nothing is left to fit", field="hold_out", value=", ".join(held)
+            "with these held out nothing is left to fit", field="hold_out", value=", ".join(responses)
         )

@@ -8,37 +8,49 @@ import numpy as np
 from scipy.special import polygamma
 
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, logarithm
-from modallab.diagnosis.residuals.observed import Observed, Predicted, VarianceRatios
-from modallab.diagnosis.residuals.random_error import NUMERICAL
+from modallab.core.numerics import SAFE_DIVISOR
+from modallab.diagnosis.residuals.observed import Observed
+from modallab.diagnosis.residuals.predicted import Predicted, VarianceRatios
+from modallab.diagnosis.residuals.settings import RANDOM_ERROR, RESIDUAL
 from modallab.estimation.force_noise import decorrelated
-
-COARSE = 0.02  # squared relative error of H beyond which its logarithm gives way to the difference
 
 
 @dataclass(frozen=True, eq=False)
 class Residual:
-    """Logarithmic ratios measured over predicted, each part over its own error: mean square 1 at best."""
+    """Logarithmic ratios of measurement to prediction, over their random errors: mean square 1 at best."""
 
-    frf: ComplexArray  # (n_freq, n_out)
-    force: FloatArray | None  # (n_freq, n_run)
-    response: FloatArray | None  # (n_freq, n_out)
-    excess_variance: Callable[[], FloatArray] | None = None  # of the response's variance, where power leaks
-    variance_ratios: Callable[[], VarianceRatios] | None = None  # of all variances, where signals come back
-    force_variance: FloatArray | float = 1.0  # that `force` is over
+    frf: ComplexArray
+    """(n_freq, n_out), complex, of mean squared magnitude 1."""
+    force: FloatArray | None
+    """(n_freq, n_run) of the force spectra."""
+    response: FloatArray | None
+    """(n_freq, n_out) of the incoherent response spectra."""
+    excess_variance: Callable[[], FloatArray] | None = None
+    """Variance ratio of `response` where power leaks, see `Predicted`."""
+    variance_ratios: Callable[[], VarianceRatios] | None = None
+    """Variance ratios of all parts, see `Predicted`."""
+    force_variance: FloatArray | float = 1.0
+    """Variance that `force` is scaled by."""
     averages: float = np.inf
-    floor: float = NUMERICAL**2  # variance that a force has in any case
-    lines_correlated: bool = False  # whether lines share random numbers beyond what a window mixes
-    shared_noise: FloatArray | None = None  # see `Observed.shared_noise`
+    """Effective number of averages."""
+    variance_floor: float = RANDOM_ERROR.prediction_error**2
+    """Least variance of the logarithm of a force spectrum."""
+    lines_correlated: bool = False
+    """Whether lines share random numbers beyond those that a window mixes."""
+    shared_noise: FloatArray | None = None
+    """Share of the FRFs' variance common to all channels, see `Observed.shared_noise`."""
 
     @property
     def parts(self) -> dict[str, ComplexArray | FloatArray]:
-        """The parts that were measured, by name."""
-        every = {"frf": self.frf, "force": self.force, "response": self.response}
-        return {name: part for name, part in every.items() if part is not None}
+        """The measured parts by name."""
+        parts = {"frf": self.frf, "force": self.force, "response": self.response}
+        return {name: part for name, part in parts.items() if part is not None}
 
     def vector(self, where: BoolArray) -> FloatArray:
-        """Return all residuals at the lines and channels of `where` (n_freq, n_out), independent and of
-        unit variance each: what channels have in common through the force is taken once."""
+        """Return the residuals (n_data,) at the entries of `where` (n_freq, n_out), decorrelated.
+
+        Each has unit variance; noise of the force that channels have in common is counted once.
+        """
         frf, response = self.frf, self.response
         if self.shared_noise is not None:
             frf = decorrelated(frf, self.shared_noise, where)
@@ -46,35 +58,36 @@ class Residual:
         frf = frf[where]
         parts = [np.sqrt(2) * frf.real, np.sqrt(2) * frf.imag]
         if self.force is not None:
-            parts.append(self.force[_of_runs(where, self.force.shape[1])])
+            parts.append(self.force[_by_run(where, self.force.shape[1])])
         if response is not None:
             parts.append(response[where])
         return np.concatenate(parts)
 
     @cached_property
     def rescaled(self) -> dict[str, ComplexArray | FloatArray]:
-        """The parts, each over what it scatters by in truth, records that share their power included.
+        """The parts over their true standard deviation, that of leaking, periodic or burst signals included.
 
-        A fit goes without: its weights would depend on its parameters.
+        A fit uses the parts themselves: with these its weights would depend on its parameters.
         """
         parts = self.parts
         if self.response is not None and self.excess_variance is not None:
             parts["response"] = self.response / np.sqrt(self.excess_variance())
         if self.variance_ratios is None:
             return parts
-        factors = self.variance_ratios()
-        parts["frf"] = self.frf / np.sqrt(factors.frf)
+        ratios = self.variance_ratios()
+        parts["frf"] = self.frf / np.sqrt(ratios.frf)
         if self.response is not None:
-            parts["response"] = parts["response"] / np.sqrt(factors.response)
+            parts["response"] = parts["response"] / np.sqrt(ratios.response)
         if self.force is not None:
-            own = polygamma(1, self.averages / np.maximum(factors.force, NUMERICAL**2)) + self.floor
-            parts["force"] = self.force * np.sqrt(self.force_variance / own)
+            gamma_shape = self.averages / np.maximum(ratios.force, RANDOM_ERROR.prediction_error**2)
+            variance = polygamma(1, gamma_shape) + self.variance_floor
+            parts["force"] = self.force * np.sqrt(self.force_variance / variance)
         return parts
 
     def gaps(self, where: BoolArray) -> dict[str, float]:
-        """Return the mean square of each part at the lines and channels of `where`."""
+        """Return the mean square of each part at the entries of `where`."""
         return {
-            name: float((np.abs(part[_of_runs(where, part.shape[1])]) ** 2).mean()) if where.any() else 0.0
+            name: float((np.abs(part[_by_run(where, part.shape[1])]) ** 2).mean()) if where.any() else 0.0
             for name, part in self.rescaled.items()
         }
 
@@ -83,50 +96,53 @@ class Residual:
         return float(np.mean(list(self.gaps(where).values())))
 
 
-def _of_runs(where: BoolArray, n_run: int) -> BoolArray:
+def _by_run(where: BoolArray, n_run: int) -> BoolArray:
+    """Return a mask (n_freq, n_run): as it is if every channel has its own run, else any channel's."""
     return where if where.shape[1] == n_run else np.asarray(where.any(axis=1, keepdims=True))
 
 
-def residual(observed: Observed, predicted: Predicted, *, widen: float = 0.0) -> Residual:
+def residual(observed: Observed, predicted: Predicted, *, noise_inflation: float = 0.0) -> Residual:
     """Return the whitened residual of a prediction at every line.
 
     Parameters
     ----------
-    widen
-        Relative error added to every random error, so that a fit far from its goal is drawn to the
-        shape of the resonances before it minds their noise.
+    noise_inflation
+        Relative error added to every random error: far from its minimum a fit then follows the shape of
+        the resonances before their noise.
     """
-    frf = normalised_difference(observed, predicted.h) / np.sqrt(2 * (observed.error**2 + widen**2))
+    inflation = noise_inflation**2
+    frf = normalised_difference(observed, predicted.h) / np.sqrt(2 * (observed.error**2 + inflation))
     force = response = None
-    variance = observed.force_variance + widen**2
+    force_variance = observed.force_variance + inflation
     if observed.force is not None:
-        force = np.log(observed.force / predicted.force) / np.sqrt(variance)
+        force = np.log(observed.force / predicted.force) / np.sqrt(force_variance)
     if observed.incoherent is not None and observed.incoherent_variance is not None:
-        spread = np.sqrt(observed.incoherent_variance + widen**2)
-        response = np.log(observed.incoherent / predicted.incoherent) / spread
+        error = np.sqrt(observed.incoherent_variance + inflation)
+        response = np.log(observed.incoherent / predicted.incoherent) / error
     return Residual(
         frf,
         force,
         response,
         predicted.excess_variance,
         predicted.variance_ratios,
-        variance,
+        force_variance,
         observed.averages,
-        observed.floor,
+        observed.variance_floor,
         predicted.lines_correlated,
         observed.shared_noise,
     )
 
 
 def normalised_difference(observed: Observed, h: ComplexArray) -> ComplexArray:
-    """Return by how much of itself a measured H1 differs from one predicted: over its error, of variance 1.
+    """Return the relative difference of a measured from a predicted H1, (n_freq, n_out).
 
-    Given G_ff, H1 is normal about its expectation and independent of G_xx (1 - coherence), by which it is
-    weighed (Goodman 1963): the difference (H_m - H_p)/|H_m| over its error has mean square 1 at any
-    coherence, and a fit that goes by it is not biased. But it has many valleys far from its goal, where
-    ln(H_m/H_p) has one; that has the same law while the error is small, but for a bias: lines that came
-    out large by chance weigh more, which their squared error makes up for. So the logarithm is used where
-    random errors are small, and goes over into the difference where they are not.
+    Over its random error it has unit variance. Given G_ff, H1 is normal about its expectation and
+    independent of G_xx (1 - coherence), which weighs it (Goodman 1963): the difference (H_m - H_p)/|H_m|
+    over its error has mean square 1 at any coherence, and a fit to it is unbiased. But it has many local
+    minima far from the solution, where ln(H_m/H_p) has one. The logarithm has the same distribution while
+    the error is small, up to a bias: lines that are large by chance weigh more, which the bias of their
+    squared error corrects. So the logarithm is used where random errors are small, and passes over into
+    the difference where they are not.
 
     Parameters
     ----------
@@ -135,105 +151,112 @@ def normalised_difference(observed: Observed, h: ComplexArray) -> ComplexArray:
 
     Returns
     -------
-    (n_freq, n_out), 0 where nothing is known.
+    (n_freq, n_out), 0 at entries that are not usable.
     """
     ratio = observed.h / np.where(observed.usable, h, 1.0)
-    share = logarithm_weight(observed.error)
-    of_ratio = logarithm(ratio) - observed.bias
-    return np.where(observed.usable, share * of_ratio + (1 - share) * (1 - 1 / ratio), 0.0)
+    weight = logarithm_weight(observed.error)
+    log_ratio = logarithm(ratio) - observed.bias
+    return np.where(observed.usable, weight * log_ratio + (1 - weight) * (1 - 1 / ratio), 0.0)
 
 
 def logarithm_weight(error: FloatArray) -> FloatArray:
-    """Return the share of the logarithm in `normalised_difference`, by the random error of |H|."""
-    return np.asarray(1 / (1 + (2 * error**2 / COARSE) ** 2))
+    """Return the weight of the logarithm in `normalised_difference`, 0 to 1, by the random error of |H|."""
+    return np.asarray(1 / (1 + (2 * error**2 / RESIDUAL.logarithm_limit) ** 2))
 
 
-def inflation_weights(observed: Observed, where: BoolArray, widen: float) -> FloatArray:
-    """Return what `widen` multiplies each entry of a residual's vector over `where` by."""
-    frf = observed.error / np.sqrt(observed.error**2 + widen**2)
+def inflation_weights(observed: Observed, where: BoolArray, noise_inflation: float) -> FloatArray:
+    """Return the factors (n_data,) of a residual's vector over `where` under inflated random errors."""
+    inflation = noise_inflation**2
+    frf = observed.error / np.sqrt(observed.error**2 + inflation)
     force = response = None
     if observed.force is not None:
-        share = np.sqrt(observed.force_variance / (observed.force_variance + widen**2))
-        force = np.full(observed.force.shape, share)
+        factor = np.sqrt(observed.force_variance / (observed.force_variance + inflation))
+        force = np.full(observed.force.shape, factor)
     if observed.incoherent_variance is not None:
-        response = np.sqrt(observed.incoherent_variance / (observed.incoherent_variance + widen**2))
+        response = np.sqrt(observed.incoherent_variance / (observed.incoherent_variance + inflation))
     return Residual((1 + 1j) / np.sqrt(2) * frf, force, response).vector(where)
 
 
 def error_ratio(narrow: Observed, wide: Observed) -> FloatArray:
-    """Return by what each entry of a residual's vector over what is fitted is less with wider errors."""
+    """Return the ratio (n_data,) of narrow to wide random errors, by entry of the fitted vector."""
     force = response = None
     if narrow.force is not None:
         force = np.full(narrow.force.shape, np.sqrt(narrow.force_variance / wide.force_variance))
     if narrow.incoherent_variance is not None and wide.incoherent_variance is not None:
         response = np.sqrt(narrow.incoherent_variance / wide.incoherent_variance)
-    both = Residual((1 + 1j) / np.sqrt(2) * narrow.error / wide.error, force, response)
-    return both.vector(narrow.fitted)
+    ratios = Residual((1 + 1j) / np.sqrt(2) * narrow.error / wide.error, force, response)
+    return ratios.vector(narrow.fitted)
 
 
-def correlation_lengths(observed: Observed, left: Residual, *, reach: int | None = None) -> dict[str, float]:
-    """Return for each part how many lines one independent line stands for.
+def correlation_lengths(
+    observed: Observed, residual: Residual, *, reach: int | None = None
+) -> dict[str, float]:
+    """Return the number of lines per independent line, by part.
 
-    Of a window alone it is known; leakage spreads the same few random numbers of a resonance over
-    all lines, as do blows that differ, which the residuals' own correlation tells.
+    That of a window is known. Leakage spreads the few random numbers of a resonance over all lines, as do
+    blows of different sizes: there the residuals' autocorrelation gives the number.
 
     Parameters
     ----------
     reach
-        How far apart lines may be that have random numbers in common; any distance by default, but then
-        what is missing and changes slowly from line to line looks like leakage too.
+        Largest distance, in lines, of correlated lines; None for any distance, but then a missing effect
+        that changes slowly from line to line looks like leakage too.
     """
-    if not left.lines_correlated:
-        return dict.fromkeys(left.parts, observed.correlation_length)
+    if not residual.lines_correlated:
+        return dict.fromkeys(residual.parts, observed.correlation_length)
     return {
-        name: _correlation(np.where(_of_runs(observed.usable, part.shape[1]), part, 0.0), reach)
-        for name, part in left.rescaled.items()
+        name: _correlation_length(np.where(_by_run(observed.usable, part.shape[1]), part, 0.0), reach)
+        for name, part in residual.rescaled.items()
     }
 
 
 def gap_errors(
-    observed: Observed, left: Residual, where: BoolArray, *, reach: int | None = None
+    observed: Observed, residual: Residual, where: BoolArray, *, reach: int | None = None
 ) -> dict[str, float]:
-    """Return the random error of each part's gap over `where` if nothing is missing; `reach` as above."""
+    """Return the standard error of each part's gap over `where` if no effect is missing.
+
+    `reach` as in `correlation_lengths`.
+    """
     errors: dict[str, float] = {}
-    for name, correlation in correlation_lengths(observed, left, reach=reach).items():
-        part = left.parts[name]
-        # A complex residual has two numbers in it, so its mean square scatters less.
-        # It is weighed by a coherence that was measured: its square over that is an F-distributed one.
-        weighed = 1 + 2 / max(observed.averages - 3, 0.1)
-        squares = weighed if np.iscomplexobj(part) else 2.0
-        seen = _of_runs(where, part.shape[1])
-        count = max(int(seen.sum()), 1)
-        shared = _shared(np.where(seen, left.rescaled[name], 0.0))
-        errors[name] = float(np.sqrt(squares * correlation * shared / count))
+    for name, length in correlation_lengths(observed, residual, reach=reach).items():
+        part = residual.parts[name]
+        # A complex residual holds two numbers, so its mean square scatters less. Its error is from a
+        # measured coherence: the square over that has an F distribution.
+        f_variance = 1 + 2 / max(observed.averages - 3, RESIDUAL.min_freedom)
+        square_variance = f_variance if np.iscomplexobj(part) else 2.0
+        mask = _by_run(where, part.shape[1])
+        count = max(int(mask.sum()), 1)
+        channels = _dependent_channels(np.where(mask, residual.rescaled[name], 0.0))
+        errors[name] = float(np.sqrt(square_variance * length * channels / count))
     return errors
 
 
-def gap_error(observed: Observed, left: Residual, where: BoolArray) -> float:
-    """Return the random error of the whole gap over `where` if nothing is missing."""
-    errors = np.array(list(gap_errors(observed, left, where).values()))
+def gap_error(observed: Observed, residual: Residual, where: BoolArray) -> float:
+    """Return the standard error of the whole gap over `where` if no effect is missing."""
+    errors = np.array(list(gap_errors(observed, residual, where).values()))
     return float(np.sqrt((errors**2).sum()) / len(errors))
 
 
-def _shared(part: ComplexArray | FloatArray) -> float:
-    """Return how many channels one independent channel stands for: noise of a force is in all of its run."""
-    own = np.einsum("fi,fj->ij", part.conj(), part)
-    size = np.sqrt(np.maximum(own.diagonal().real, 1e-300))
-    likeness = np.abs(own / np.outer(size, size)) ** 2 - 1 / max(len(part), 1)  # that chance alone leaves
-    np.fill_diagonal(likeness, 1.0)
-    return float(np.maximum(likeness, 0.0).sum() / len(likeness))
+def _dependent_channels(part: ComplexArray | FloatArray) -> float:
+    """Return the number of channels per independent channel: noise of a force is in all of its run."""
+    products = np.einsum("fi,fj->ij", part.conj(), part)
+    size = np.sqrt(np.maximum(products.diagonal().real, SAFE_DIVISOR))
+    by_chance = 1 / max(len(part), 1)
+    coherence = np.abs(products / np.outer(size, size)) ** 2 - by_chance
+    np.fill_diagonal(coherence, 1.0)
+    return float(np.maximum(coherence, 0.0).sum() / len(coherence))
 
 
 def autocovariance(part: ComplexArray | FloatArray) -> ComplexArray:
-    """Return the sums of products of residuals (n_freq, n) so many lines apart, (n_freq,)."""
+    """Return the sums of products of residuals (n_freq, n) at every lag in lines, (n_freq,)."""
     spectrum = np.fft.fft(part, 2 * len(part), axis=0)
     return np.asarray(np.fft.ifft((np.abs(spectrum) ** 2).sum(axis=1))[: len(part)])
 
 
-def _correlation(part: ComplexArray | FloatArray, reach: int | None) -> float:
-    """Return how many lines one independent line stands for: 1 + 2 sum (1 - k/n) |rho_k|^2 over the lags."""
+def _correlation_length(part: ComplexArray | FloatArray, reach: int | None) -> float:
+    """Return the lines per independent line: 1 + 2 sum (1 - k/n) |rho_k|^2 over the lags k."""
     n = len(part)
     covariance = autocovariance(part)
-    seen = 1 - np.arange(1, n) / n  # of n lines only n - k pairs are k apart
-    rho = np.abs(covariance[1:]) / max(float(np.abs(covariance[0])), 1e-300) / seen
-    return float(1 + 2 * (seen * np.minimum(rho, 1.0) ** 2)[:reach].sum())
+    pairs = 1 - np.arange(1, n) / n  # of n lines only n - k pairs are k apart
+    rho = np.abs(covariance[1:]) / max(float(np.abs(covariance[0])), SAFE_DIVISOR) / pairs
+    return float(1 + 2 * (pairs * np.minimum(rho, 1.0) ** 2)[:reach].sum())

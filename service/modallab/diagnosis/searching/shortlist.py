@@ -149,7 +149,7 @@ def _worst_channels(glimpses: CoarsePrediction, accepted: Sequence[Effect]) -> s
     observed, predicted = glimpses.observed, glimpses.predict(accepted)
     worst: set[Dof] = set()
     for widen in NOISE_INFLATIONS:
-        left = residual(observed, predicted, widen=widen)
+        left = residual(observed, predicted, noise_inflation=widen)
         squares = [np.abs(left.frf) ** 2, *([] if left.response is None else [left.response**2])]
         each = [HEAVY_TAIL * np.log1p(one / HEAVY_TAIL) * observed.fitted for one in squares]
         order = np.argsort(-np.sum(each, axis=(0, 1)))

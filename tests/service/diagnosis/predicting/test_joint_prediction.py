@@ -11,7 +11,8 @@ from modallab.core.errors import InvalidInputError
 from modallab.diagnosis.fitting.fit import fit
 from modallab.diagnosis.predicting.joint_prediction import FollowUp, FollowUpPredictor, JointPredictor
 from modallab.diagnosis.predicting.predictor import Predictor
-from modallab.diagnosis.residuals.observed import SimulatedDeviations, observe
+from modallab.diagnosis.residuals.observed import observe
+from modallab.diagnosis.residuals.predicted import SimulatedDeviations
 from modallab.effects.extra_mass import ExtraMass
 from modallab.effects.force_transducer_mass import ForceTransducerMass
 from modallab.effects.overload import Overload
@@ -133,8 +134,8 @@ def test_bursts_of_several_tests_are_draws_of_their_own() -> None:
     def bursts(of: Predictor) -> SimulatedDeviations:
         found = of.simulate_variance((clipped,))
         assert found is not None
-        assert found.tests is not None
-        return found.tests
+        assert found.deviations is not None
+        return found.deviations
 
     for part, one, other in zip(bursts(joint), *map(bursts, joint.tests), strict=True):
         n = one.shape[1]

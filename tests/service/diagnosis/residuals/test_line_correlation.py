@@ -2,12 +2,13 @@ import numpy as np
 import pytest
 
 from modallab.core.arrays import FloatArray
-from modallab.diagnosis.residuals.line_correlation import LAGS, LineCorrelation
+from modallab.diagnosis.residuals.line_correlation import LineCorrelation
 from modallab.diagnosis.residuals.residual import Residual
+from modallab.diagnosis.residuals.settings import LINE_CORRELATION
 
 N_LINES, N_OUT = 1500, 3
 EVERY = np.ones((N_LINES, N_OUT), bool)
-TAPER = LAGS / (LAGS + 1)  # of the nearest neighbours
+TAPER = 1 - 1 / (LINE_CORRELATION.pooled_lags + 1)  # of the nearest neighbours
 
 
 def mixed(seed: int, *, mix: bool) -> Residual:

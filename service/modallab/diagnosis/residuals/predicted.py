@@ -1,0 +1,109 @@
+"""Expected spectra of a test, and the variance of their estimates."""
+
+from collections.abc import Callable
+from dataclasses import dataclass
+
+import numpy as np
+
+from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.core.numerics import COHERENCE_ROUNDING
+from modallab.diagnosis.residuals.random_error import RealOrComplex
+from modallab.estimation.coherence import coherence
+from modallab.estimation.estimators.h1 import h1
+from modallab.estimation.spectra import CrossSpectra
+from modallab.rig.periodic_variance import VarianceFactors
+
+SimulatedDeviations = tuple[FloatArray, ComplexArray, FloatArray]
+"""Deviations of force, FRF and response from their expectations in simulated tests, (n_tests, ..) each."""
+
+
+def _side_by_side(runs: RealOrComplex) -> RealOrComplex:
+    """Return the channels (n_run, n_freq, n_out) of all runs as (n_freq, n_run n_out)."""
+    out: RealOrComplex = runs.swapaxes(0, 1).reshape(runs.shape[1], -1)
+    return out
+
+
+@dataclass(frozen=True, eq=False)
+class VarianceRatios:
+    """Variances of estimates over those of averages of independent Gaussian records, by line and channel."""
+
+    force: FloatArray
+    """(n_freq, n_run) of ln G_ff."""
+    frf: FloatArray
+    """(n_freq, n_out) of H1."""
+    response: FloatArray
+    """(n_freq, n_out) of the logarithm of the incoherent response spectrum."""
+    deviations: SimulatedDeviations | None = None
+    """Deviations of the three in simulated tests, see `VarianceFactors`; None if none were simulated."""
+
+    @classmethod
+    def of(cls, runs: VarianceFactors | None, spectra: CrossSpectra) -> "VarianceRatios":
+        """Return the ratios of all runs side by side; 1 where all records are independent."""
+        if runs is None:
+            ones = np.ones(spectra.xx.shape)
+            return cls(ones[..., 0].T, *2 * (_side_by_side(ones),))
+        deviations = None
+        if runs.tests is not None:
+            force, frf, response = runs.tests
+            h = np.array([_side_by_side(test) for test in frf])
+            incoherent = np.array([_side_by_side(test) for test in response])
+            deviations = (force.swapaxes(1, 2), h, incoherent)
+        return cls(runs.force.T, _side_by_side(runs.frf), _side_by_side(runs.response), deviations)
+
+
+@dataclass(frozen=True, eq=False)
+class Predicted:
+    """Expected spectra by response channel, as `Observed` holds the measured ones."""
+
+    h: ComplexArray
+    """(n_freq, n_out) H1 as inertance, 1/kg."""
+    coherence: FloatArray
+    """(n_freq, n_out)."""
+    force: FloatArray
+    """(n_freq, n_run), N^2/Hz."""
+    incoherent: FloatArray
+    """(n_freq, n_out) G_xx (1 - coherence), (m/s^2)^2/Hz, floored at rounding."""
+    excess_variance: Callable[[], FloatArray] | None = None
+    """Variance ratio (n_freq, n_out) of the incoherent spectrum where power leaks.
+
+    Computed on demand, as it costs more than the prediction itself.
+    """
+    variance_ratios: Callable[[], VarianceRatios] | None = None
+    """Variance ratios where signals repeat in every average or come in bursts; computed on demand."""
+    lines_correlated: bool = False
+    """Whether lines share random numbers beyond those that a window mixes."""
+
+    @classmethod
+    def of(
+        cls,
+        spectra: CrossSpectra,
+        excess_variance: Callable[[], FloatArray] | None = None,
+        variance_factors: Callable[[], VarianceFactors | None] | None = None,
+        *,
+        lines_correlated: bool = False,
+    ) -> "Predicted":
+        """Return the channels of all runs side by side.
+
+        Parameters
+        ----------
+        spectra
+            Expected cross spectra of every run.
+        excess_variance
+            Variance ratio of the incoherent spectra, (n_run, n_freq, n_out).
+        variance_factors
+            Variance factors of every run.
+        lines_correlated
+            Whether lines share random numbers beyond those that a window mixes.
+        """
+        g2 = coherence(spectra)
+        incoherent = spectra.xx * (1 - g2 + COHERENCE_ROUNDING)
+        h: ComplexArray = h1(spectra)[..., 0].swapaxes(0, 1).reshape(len(spectra.freq), -1)
+        return cls(
+            h,
+            _side_by_side(g2),
+            spectra.ff[:, :, 0, 0].real.T,
+            _side_by_side(incoherent),
+            None if excess_variance is None else lambda: _side_by_side(excess_variance()),
+            None if variance_factors is None else lambda: VarianceRatios.of(variance_factors(), spectra),
+            lines_correlated,
+        )
