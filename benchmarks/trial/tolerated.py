@@ -8,12 +8,8 @@ import numpy as np
 from benchmarks.trial.hidden import Gauge, spectra_of
 from benchmarks.trial.rigs import Bench
 from modallab.diagnosis.fitting.fit import fit
-from modallab.diagnosis.optimisation.tolerances import (
-    Nuisances,
-    Tolerances,
-    draw_positions,
-    nuisance_parameters,
-)
+from modallab.diagnosis.optimisation.nuisances import Nuisances, draw_positions, nuisance_parameters
+from modallab.diagnosis.optimisation.tolerances import Tolerances
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.residuals.observed import observe
 from modallab.fe.assembly import assemble

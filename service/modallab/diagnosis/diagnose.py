@@ -9,7 +9,8 @@ from modallab.core.progress import Progress, Pulse, part, silent
 from modallab.diagnosis.fitting.fit import fit
 from modallab.diagnosis.localisation.evidence import collect_evidence
 from modallab.diagnosis.localisation.locate import locate
-from modallab.diagnosis.optimisation.tolerances import NO_TOLERANCES, Tolerances, nuisance_parameters
+from modallab.diagnosis.optimisation.nuisances import nuisance_parameters
+from modallab.diagnosis.optimisation.tolerances import NO_TOLERANCES, Tolerances
 from modallab.diagnosis.predicting.held_out import outlying_responses, select_held_out
 from modallab.diagnosis.predicting.joint_prediction import FollowUp, FollowUpPredictor, JointPredictor
 from modallab.diagnosis.predicting.limitations import limitations

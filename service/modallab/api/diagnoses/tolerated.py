@@ -5,14 +5,16 @@ from typing import Annotated
 from pydantic import Field
 
 from modallab.api.wire import NO_CONVERSION, Wire
-from modallab.diagnosis.optimisation.tolerances import LATEST, WIDEST
+from modallab.diagnosis.optimisation.settings import TOLERANCE
 
 Relative = Annotated[
     float,
-    Field(ge=0, le=WIDEST, description="one standard deviation, relative"),
+    Field(ge=0, le=TOLERANCE.max_relative, description="one standard deviation, relative"),
     NO_CONVERSION,
 ]
-Late = Annotated[float, Field(ge=0, le=LATEST, description="one standard deviation, s"), NO_CONVERSION]
+Late = Annotated[
+    float, Field(ge=0, le=TOLERANCE.max_delay, description="one standard deviation, s"), NO_CONVERSION
+]
 
 
 class TolerancesIn(Wire):

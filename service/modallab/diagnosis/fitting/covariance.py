@@ -8,7 +8,7 @@ import numpy as np
 
 from modallab.core.arrays import FloatArray
 from modallab.diagnosis.optimisation.fit_parameters import ParameterVector
-from modallab.diagnosis.optimisation.tolerances import LIMIT
+from modallab.diagnosis.optimisation.settings import NUISANCE
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.residuals.line_correlation import LineCorrelation
 from modallab.diagnosis.residuals.observed import Observed
@@ -64,8 +64,10 @@ def standard_errors(
         return ParameterErrors(tuple({} for _ in effects), np.zeros(0))
     chosen, own = nuisances.split(observed.outputs, observed.held_out)
     slopes, n_fitted = _slopes(predictor, fixed, panel, with_kept=len(own) > 0)
-    room = [knob.room(value) for knob, value in zip(panel.parameters, panel.values(), strict=True)]
-    rooms = np.array([*room, *(LIMIT - np.abs(predictor.position))])
+    room = [
+        knob.distance_to_bound(value) for knob, value in zip(panel.parameters, panel.values(), strict=True)
+    ]
+    rooms = np.array([*room, *(NUISANCE.max_deviation - np.abs(predictor.position))])
     weighing, lines = _weighed(observed, left, predictor.simulate_variance([*fixed, *effects]))
     common = np.concatenate([np.arange(n), n + chosen])
     covariance = _covariance(slopes[:n_fitted, common], rooms[common], len(chosen), weighing, lines)

@@ -13,8 +13,8 @@ from modallab.core.arrays import FloatArray
 from modallab.diagnosis.fitting.covariance import ParameterErrors, standard_errors
 from modallab.diagnosis.fitting.held_out_nuisances import fit_held_out_nuisances
 from modallab.diagnosis.optimisation.fit_parameters import ParameterVector
-from modallab.diagnosis.optimisation.least_squares import Descent
-from modallab.diagnosis.optimisation.tolerances import LIMIT
+from modallab.diagnosis.optimisation.least_squares import BoundedGaussNewton
+from modallab.diagnosis.optimisation.settings import NUISANCE
 from modallab.diagnosis.predicting.coarse_prediction import CoarsePrediction
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.residuals.predicted import Predicted
@@ -106,17 +106,19 @@ def coarse_fit(
     how = np.concatenate([[knob.spec.absent is None for knob in panel.parameters], np.zeros(len(here), bool)])
     if how.any() and not how[:n].all():
         # How much before how: while the amount is wrong it draws the rest to where nothing tells it any more.
-        amounts = Descent(vector, slopes, start, (np.where(how, start, low), np.where(how, start, high)))
-        amounts.go(evaluations=4, enough=NEAR, weights=weights(stages[0]))
+        amounts = BoundedGaussNewton(
+            vector, slopes, start, (np.where(how, start, low), np.where(how, start, high))
+        )
+        amounts.minimise(evaluations=4, tolerance=NEAR, weights=weights(stages[0]))
         start = amounts.position
-    descent = Descent(vector, slopes, start, (low, high))
+    descent = BoundedGaussNewton(vector, slopes, start, (low, high))
     for widen in stages:
-        descent.go(evaluations=4, enough=NEAR, weights=weights(widen))
+        descent.minimise(evaluations=4, tolerance=NEAR, weights=weights(widen))
     return panel.with_values(descent.position[:n])[0], float(descent.vector @ descent.vector)
 
 
 def _sides(panel: ParameterVector) -> tuple[tuple[FloatArray, float], tuple[FloatArray, float]]:
-    return (panel.low, -LIMIT), (panel.high, LIMIT)
+    return (panel.low, -NUISANCE.max_deviation), (panel.high, NUISANCE.max_deviation)
 
 
 def _beside(own: FloatArray, also: FloatArray, prior: FloatArray) -> FloatArray:
@@ -143,10 +145,10 @@ def fit(predictor: Predictor, effects: Sequence[Effect], *, fixed: Sequence[Effe
     start = np.concatenate([task.panel.start, predictor.position[task.free]])
     if len(start):
         low, high = (np.concatenate([s, np.full(len(task.free), end)]) for s, end in _sides(task.panel))
-        descent = Descent(task.vector, task.derivatives, start, (low, high))
-        descent.go(evaluations=PATIENCE, enough=NEAR)
+        descent = BoundedGaussNewton(task.vector, task.derivatives, start, (low, high))
+        descent.minimise(evaluations=PATIENCE, tolerance=NEAR)
         if float(descent.vector @ descent.vector) < NEARLY * len(descent.vector):
-            descent.go(evaluations=PATIENCE, enough=THERE)
+            descent.minimise(evaluations=PATIENCE, tolerance=THERE)
         start, slopes = descent.position, descent.jacobian[: len(descent.vector) - len(task.free)]
     else:
         task.vector(start)

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.optimize import lsq_linear
 
 from modallab.core.arrays import FloatArray, IntArray
-from modallab.diagnosis.optimisation.tolerances import LIMIT
+from modallab.diagnosis.optimisation.settings import NUISANCE
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.residuals.predicted import Predicted
 from modallab.diagnosis.residuals.residual import Residual, residual
@@ -41,6 +41,6 @@ def fit_held_out_nuisances(
     prior = np.sqrt(observed.correlation_length) * np.eye(len(own))
     rows = np.vstack([slopes, prior])
     target = -np.concatenate([left.vector(where), prior @ position[own]])
-    bounds = (-LIMIT - 1e-9 - position[own], LIMIT + 1e-9 - position[own])
+    bounds = (-NUISANCE.max_deviation - 1e-9 - position[own], NUISANCE.max_deviation + 1e-9 - position[own])
     position[own] += lsq_linear(rows, target, bounds, method="bvls").x
-    return position.clip(-LIMIT, LIMIT)
+    return position.clip(-NUISANCE.max_deviation, NUISANCE.max_deviation)

@@ -1,1 +1,1 @@
-"""The numbers that a fit may move: of effects, and within tolerances."""
+"""Parameters of effects and nuisance parameters in least squares: coordinates, bounds, derivatives, steps."""

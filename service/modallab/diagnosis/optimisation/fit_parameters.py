@@ -1,4 +1,4 @@
-"""The numbers of effects as coordinates of a fit."""
+"""The parameters of effects as coordinates of a fit."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -7,65 +7,79 @@ from functools import partial
 import numpy as np
 
 from modallab.core.arrays import FloatArray
+from modallab.core.numerics import SAFE_DIVISOR
 from modallab.core.parameters import ParameterSpec
 from modallab.diagnosis.optimisation.least_squares import finite_difference
+from modallab.diagnosis.optimisation.settings import DIFFERENCE
 from modallab.rig.effect import Effect
 
-STEP = 3e-6  # of a logarithm: far above rounding; at 1e-4 sharp resonances show their curvature
-FARTHEST = 0.1  # of a logarithm, that a number which says where rather than how much is looked at aside
-
-Residuals = Callable[[Sequence[Effect]], FloatArray]
+EffectResiduals = Callable[[Sequence[Effect]], FloatArray]
 
 
 @dataclass(frozen=True)
 class FitParameter:
-    """One number of one effect, fitted on a logarithmic scale, or on its own where it may be negative."""
+    """One parameter of one effect, on a logarithmic axis, or over its scale where it may be negative."""
 
     effect: int
+    """Index of its effect."""
     name: str
+    """Name of the parameter."""
     spec: ParameterSpec
-    unit: float  # of its own scale: a believable size
+    """Bounds, unit and neutral value."""
+    scale: float
+    """Typical magnitude, in the parameter's unit."""
 
     @property
     def bounds(self) -> tuple[float, float]:
-        """Of its position."""
+        """The bounds of its coordinate."""
         if self.spec.signed:
-            return self.spec.lower / self.unit, self.spec.upper / self.unit
-        low = max(self.spec.lower, 1e-12 * self.unit)  # upper bounds may lie far beyond what is believable
+            return self.spec.lower / self.scale, self.spec.upper / self.scale
+        low = max(self.spec.lower, DIFFERENCE.lower_bound * self.scale)
         return float(np.log(low)), float(np.log(self.spec.upper))
 
     def position(self, value: float) -> float:
-        """Return where a value lies on its scale."""
-        return value / self.unit if self.spec.signed else float(np.log(max(value, 1e-300)))
+        """Return the coordinate of a value."""
+        return value / self.scale if self.spec.signed else float(np.log(max(value, SAFE_DIVISOR)))
 
     def value(self, position: float) -> float:
-        """Return the value at a position."""
-        value = position * self.unit if self.spec.signed else np.exp(position)
+        """Return the value at a coordinate, within its bounds."""
+        value = position * self.scale if self.spec.signed else np.exp(position)
         return float(np.clip(value, self.spec.lower, self.spec.upper))
 
-    def aside(self, value: float) -> float:
-        """Return a step from a value to take a difference over."""
-        step = STEP * max(abs(value), 0.1 * self.unit)
+    def difference_step(self, value: float) -> float:
+        """Return the step of a finite difference at a value, in the parameter's unit."""
+        step = DIFFERENCE.step * max(abs(value), DIFFERENCE.min_value * self.scale)
         return step if value + step <= self.spec.upper else -step
 
-    def slope(
-        self, moved: Callable[[float], FloatArray], here: FloatArray, step: float, scale: float
+    def derivative(
+        self, shifted: Callable[[float], FloatArray], base: FloatArray, step: float, scale: float
     ) -> FloatArray:
-        """Return the derivative (n_data,) of residuals by the number, `scale` being the unit of a step.
+        """Return the derivative (n_data,) of residuals by the parameter.
 
-        How much of something there is acts in a nearly straight line; where something is need not.
+        Residuals are nearly linear in an amount; in a place or a shape they need not be.
+
+        Parameters
+        ----------
+        shifted
+            Residuals at a shift of the parameter.
+        base
+            Residuals without a shift.
+        step
+            Small step, with sign.
+        scale
+            Unit of the step: 1 on the fitted axis.
         """
         if self.spec.absent is not None:
-            return np.asarray((moved(step) - here) / step)
-        return finite_difference(moved, here, step, FARTHEST * scale)
+            return np.asarray((shifted(step) - base) / step)
+        return finite_difference(shifted, base, step, DIFFERENCE.max_step * scale)
 
-    def room(self, value: float) -> float:
-        """Return how far a value lies from the nearer bound."""
+    def distance_to_bound(self, value: float) -> float:
+        """Return the distance of a value to the nearer bound, in the parameter's unit."""
         return min(value - self.spec.lower, self.spec.upper - value)
 
 
 class ParameterVector:
-    """The knobs of some effects, and the effects with the knobs turned."""
+    """The parameters of several effects as one vector of coordinates."""
 
     def __init__(self, effects: Sequence[Effect]) -> None:
         self.effects = tuple(effects)
@@ -74,65 +88,70 @@ class ParameterVector:
             for i, effect in enumerate(effects)
             for name, spec in effect.specs().items()
         ]
-        self.low, self.high = np.array([k.bounds for k in self.parameters]).reshape(-1, 2).T
-        start = np.array([k.position(effects[k.effect].parameters[k.name]) for k in self.parameters])
+        self.low, self.high = np.array([p.bounds for p in self.parameters]).reshape(-1, 2).T
+        start = np.array([p.position(effects[p.effect].parameters[p.name]) for p in self.parameters])
         self.start = start.clip(self.low, self.high)
 
     def __len__(self) -> int:
         return len(self.parameters)
 
     def with_values(self, u: FloatArray) -> list[Effect]:
-        """Return the effects at a position (n_knobs,)."""
+        """Return the effects at coordinates (n_parameters,)."""
         out = list(self.effects)
-        for knob, position in zip(self.parameters, u, strict=True):
-            out[knob.effect] = out[knob.effect].with_parameters({knob.name: knob.value(float(position))})
+        for parameter, position in zip(self.parameters, u, strict=True):
+            value = parameter.value(float(position))
+            out[parameter.effect] = out[parameter.effect].with_parameters({parameter.name: value})
         return out
 
-    def derivatives(self, u: FloatArray, vector: Residuals, here: FloatArray) -> FloatArray:
-        """Return the derivatives (n_data, n_knobs) of residuals at a position (n_knobs,).
+    def derivatives(self, u: FloatArray, vector: EffectResiduals, base: FloatArray) -> FloatArray:
+        """Return the derivatives (n_data, n_parameters) of residuals by the coordinates.
 
         Parameters
         ----------
+        u
+            (n_parameters,) coordinates.
         vector
-            Residuals of the effects turned.
-        here
-            Those at the position.
+            Residuals of effects.
+        base
+            Residuals at the coordinates.
         """
-        out = np.zeros((len(here), len(u)))
-        for i, (knob, step) in enumerate(zip(self.parameters, self._aside(u), strict=True)):
-            out[:, i] = knob.slope(partial(self._moved, vector, u, i), here, step, 1.0)
+        out = np.zeros((len(base), len(u)))
+        for i, (parameter, step) in enumerate(zip(self.parameters, self._steps(u), strict=True)):
+            out[:, i] = parameter.derivative(partial(self._at_coordinate, vector, u, i), base, step, 1.0)
         return out
 
-    def physical_derivatives(self, vector: Residuals, here: FloatArray) -> FloatArray:
-        """Return the derivatives (n_data, n_knobs) of residuals by each number on its own scale."""
-        out = np.zeros((len(here), len(self)))
-        for i, (knob, value) in enumerate(zip(self.parameters, self.values(), strict=True)):
-            step = knob.aside(value)
-            out[:, i] = knob.slope(partial(self._changed, vector, i), here, step, abs(step) / STEP)
+    def physical_derivatives(self, vector: EffectResiduals, base: FloatArray) -> FloatArray:
+        """Return the derivatives (n_data, n_parameters) of residuals by the parameters in their units."""
+        out = np.zeros((len(base), len(self)))
+        for i, (parameter, value) in enumerate(zip(self.parameters, self.values(), strict=True)):
+            step = parameter.difference_step(value)
+            scale = abs(step) / DIFFERENCE.step
+            out[:, i] = parameter.derivative(partial(self._at_value, vector, i), base, step, scale)
         return out
 
     def perturbed(self, u: FloatArray) -> list[tuple[list[Effect], float]]:
-        """Return the effects with each knob in turn a little aside of a position, and by how much."""
-        return [(self.with_values(_shifted(u, i, step)), step) for i, step in enumerate(self._aside(u))]
+        """Return the effects with one coordinate after the other perturbed, and the perturbation."""
+        return [(self.with_values(_shifted(u, i, step)), step) for i, step in enumerate(self._steps(u))]
 
-    def _aside(self, u: FloatArray) -> list[float]:
-        return [STEP if one + STEP < high else -STEP for one, high in zip(u, self.high, strict=True)]
+    def _steps(self, u: FloatArray) -> list[float]:
+        step = DIFFERENCE.step
+        return [step if x + step < high else -step for x, high in zip(u, self.high, strict=True)]
 
-    def _moved(self, vector: Residuals, u: FloatArray, which: int, step: float) -> FloatArray:
-        return vector(self.with_values(_shifted(u, which, step)))
+    def _at_coordinate(self, vector: EffectResiduals, u: FloatArray, index: int, step: float) -> FloatArray:
+        return vector(self.with_values(_shifted(u, index, step)))
 
-    def _changed(self, vector: Residuals, which: int, step: float) -> FloatArray:
-        knob, effects = self.parameters[which], list(self.effects)
-        value = self.values()[which] + step
-        effects[knob.effect] = effects[knob.effect].with_parameters(
-            {knob.name: float(np.clip(value, knob.spec.lower, knob.spec.upper))}
+    def _at_value(self, vector: EffectResiduals, index: int, step: float) -> FloatArray:
+        parameter, effects = self.parameters[index], list(self.effects)
+        value = self.values()[index] + step
+        effects[parameter.effect] = effects[parameter.effect].with_parameters(
+            {parameter.name: float(np.clip(value, parameter.spec.lower, parameter.spec.upper))}
         )
         return vector(effects)
 
     def values(self) -> list[float]:
-        """Return the numbers as they are."""
-        return [self.effects[k.effect].parameters[k.name] for k in self.parameters]
+        """Return the values of the parameters, each in its unit."""
+        return [self.effects[p.effect].parameters[p.name] for p in self.parameters]
 
 
-def _shifted(u: FloatArray, which: int, step: float) -> FloatArray:
-    return np.asarray(u + step * (np.arange(len(u)) == which))
+def _shifted(u: FloatArray, index: int, step: float) -> FloatArray:
+    return np.asarray(u + step * (np.arange(len(u)) == index))

@@ -1,4 +1,4 @@
-"""Bounded least squares that asks for few evaluations: each is a prediction of a whole measurement."""
+"""Bounded least squares with few evaluations: each is a prediction of a whole measurement."""
 
 from collections.abc import Callable
 
@@ -7,32 +7,27 @@ from scipy.optimize import lsq_linear
 
 from modallab.core.arrays import FloatArray
 from modallab.core.errors import InvalidInputError
+from modallab.core.numerics import PRODUCT_ROUNDING
+from modallab.diagnosis.optimisation.settings import DIFFERENCE, LEAST_SQUARES
 
-REACH = 1.0  # of a first step in any coordinate
-POOR = 0.25  # share of the promised gain below which derivatives are taken anew
-ROUNDS = 5  # of which the last is only looked for, the first the cut one
-PLAIN = 0.1  # of a random error: change over a small step that needs no second look
-STRAIGHT = 2.0  # times what a slope promises that residuals change by at most
-NEARER = 6  # tries to find the step that changes them by about one random error
-SLOW = 0.1  # share of the last promise above which the next says that they are no longer right
-
-Function = Callable[[FloatArray], FloatArray]
-Slopes = Callable[[FloatArray, FloatArray], FloatArray]  # of a position and the residuals there
+ResidualFunction = Callable[[FloatArray], FloatArray]
+JacobianFunction = Callable[[FloatArray, FloatArray], FloatArray]
+"""Derivatives (n_data, n) at a position (n,) with residuals (n_data,)."""
 
 
-class Descent:
-    """A sum of squares on its way down, between bounds.
+class BoundedGaussNewton:
+    """Minimisation of a sum of squares between bounds.
 
-    Gauss-Newton steps in a box that is the trust region and keeps the bounds, so that a number can come
-    to lie on one: Stark and Parker, Bounded-variable least squares, Computational Statistics 10 (1995).
-    Between derivatives, which cost an evaluation a number, each step corrects them by what it showed:
-    Broyden, Mathematics of Computation 19 (1965), 577, with lengths of steps taken in residuals.
+    Gauss-Newton steps in a box that is the trust region and keeps the bounds, so that a parameter can end
+    on one: Stark and Parker, Bounded-variable least squares, Computational Statistics 10 (1995). Derivatives
+    cost an evaluation per parameter; between two of them each step corrects the Jacobian by the residuals it
+    found: Broyden, Mathematics of Computation 19 (1965), 577, with step lengths measured in residuals.
     """
 
     def __init__(
         self,
-        function: Function,
-        differentiate: Slopes,
+        function: ResidualFunction,
+        differentiate: JacobianFunction,
         start: FloatArray,
         bounds: tuple[FloatArray, FloatArray],
     ) -> None:
@@ -47,65 +42,68 @@ class Descent:
         self._metric = self.jacobian.T @ self.jacobian
         self._fresh = True
 
-    def go(self, *, evaluations: int, enough: float, weights: FloatArray | None = None) -> None:
-        """Go down until a step promises no more than `enough` of a squared random error.
+    def minimise(self, *, evaluations: int, tolerance: float, weights: FloatArray | None = None) -> None:
+        """Take steps until one predicts a gain below `tolerance`, in squared standard deviations.
 
         Parameters
         ----------
+        evaluations
+            Largest number of steps.
         weights
             (n_data,) of the residuals; all 1 if none are given.
         """
-        reach, before = REACH, np.inf
+        reach, last_gain = LEAST_SQUARES.first_step, np.inf
         for _ in range(evaluations):
-            step, promised = self._step(reach, weights)
-            if not self._fresh and promised > max(SLOW * before, enough):
+            step, predicted_gain = self._step(reach, weights)
+            if not self._fresh and predicted_gain > max(LEAST_SQUARES.slow_gain * last_gain, tolerance):
                 self._renew()
-                step, promised = self._step(reach, weights)
-            before = promised
+                step, predicted_gain = self._step(reach, weights)
+            last_gain = predicted_gain
             cost = self._cost(self.vector, weights)
-            if not promised > enough * max(1.0, cost / len(self.vector)):
+            if not predicted_gain > tolerance * max(1.0, cost / len(self.vector)):
                 return
             target = (self.position + step).clip(self._low, self._high)
-            there = self._tried(target)
-            gained = -np.inf if there is None else cost - self._cost(there, weights)
-            good = np.isfinite(gained) and gained > 0
-            if there is not None and good:
-                self._move(target, there)
-                reach = max(reach, 2 * float(np.abs(step).max()))
+            vector = self._evaluate(target)
+            gain = -np.inf if vector is None else cost - self._cost(vector, weights)
+            successful = np.isfinite(gain) and gain > 0
+            longest = float(np.abs(step).max())
+            if vector is not None and successful:
+                self._move(target, vector)
+                reach = max(reach, LEAST_SQUARES.growth * longest)
             else:
-                reach = float(np.abs(step).max()) / 4
-            if not self._fresh and not (good and gained > POOR * promised):
+                reach = longest / LEAST_SQUARES.shrinkage
+            if not self._fresh and not (successful and gain > LEAST_SQUARES.poor_gain * predicted_gain):
                 self._renew()
 
-    def _tried(self, target: FloatArray) -> FloatArray | None:
-        """Return the residuals there; None where nothing can be predicted."""
+    def _evaluate(self, target: FloatArray) -> FloatArray | None:
+        """Return the residuals at a position; None where no prediction exists."""
         try:
             return self._function(target)
         except InvalidInputError:
             return None
 
-    def _move(self, target: FloatArray, there: FloatArray) -> None:
+    def _move(self, target: FloatArray, vector: FloatArray) -> None:
         step = target - self.position
-        missed = there - self.vector - self.jacobian @ step
-        along = self._metric @ step
-        if (length := float(step @ along)) > 0:
-            self.jacobian = self.jacobian + np.outer(missed, along / length)
+        deviation = vector - self.vector - self.jacobian @ step
+        direction = self._metric @ step
+        if (length := float(step @ direction)) > 0:
+            self.jacobian = self.jacobian + np.outer(deviation, direction / length)
         self.position = target
-        self.vector, self._fresh = there, False
+        self.vector, self._fresh = vector, False
 
     def _step(self, reach: float, weights: FloatArray | None) -> tuple[FloatArray, float]:
-        """Return the best step within bounds and reach, and how much the sum of squares should fall."""
-        both = np.column_stack([self.jacobian, self.vector])
+        """Return the best step within bounds and trust region, and its predicted gain."""
+        system = np.column_stack([self.jacobian, self.vector])
         if weights is not None:
-            both *= weights[:, None]
-        triangle = np.asarray(np.linalg.qr(both, mode="r"))
-        finite_difference, left = triangle[:, :-1], triangle[:, -1]
+            system *= weights[:, None]
+        triangle = np.asarray(np.linalg.qr(system, mode="r"))
+        jacobian, vector = triangle[:, :-1], triangle[:, -1]
         low = np.maximum(self._low - self.position, -reach)
         high = np.minimum(self._high - self.position, reach)
-        # A number on its bound still needs a box that is not empty.
-        step = lsq_linear(finite_difference, -left, (low, np.maximum(high, low + 1e-12)), method="bvls").x
-        step = np.asarray(step.clip(low, high))
-        return step, float(left @ left - np.sum((left + finite_difference @ step) ** 2))
+        # A parameter on its bound still needs a box that is not empty.
+        box = low, np.maximum(high, low + PRODUCT_ROUNDING)
+        step = np.asarray(lsq_linear(jacobian, -vector, box, method="bvls").x.clip(low, high))
+        return step, float(vector @ vector - np.sum((vector + jacobian @ step) ** 2))
 
     @staticmethod
     def _cost(vector: FloatArray, weights: FloatArray | None) -> float:
@@ -113,41 +111,43 @@ class Descent:
 
 
 def finite_difference(
-    moved: Callable[[float], FloatArray], here: FloatArray, step: float, most: float
+    shifted: Callable[[float], FloatArray], base: FloatArray, step: float, max_step: float
 ) -> FloatArray:
-    """Return how residuals change with one number, (n_data,) a unit.
+    """Return the derivative (n_data,) of residuals by one parameter.
 
-    The difference over a small step; but where residuals are flat and curved, which shows one standard
-    error away, over the step that changes them by about one random error. A fit would else let such a
-    number loose, and trust nothing when that proves wrong.
+    The difference over a small step; but where residuals are flat and curved over one standard error, the
+    difference over the step that changes them by about one standard deviation. A fit would otherwise move
+    such a parameter far, and shrink its trust region when that proves wrong.
 
     Parameters
     ----------
-    moved
-        Residuals so far aside.
+    shifted
+        Residuals at a shift of the parameter.
+    base
+        Residuals without a shift.
     step
-        Small; its sign is the side that is looked at.
-    most
-        Size of the largest step that is looked at.
+        Small step; its sign is the side of the difference.
+    max_step
+        Size of the longest step.
     """
-    change = moved(step) - here
+    change = shifted(step) - base
     size = float(np.linalg.norm(change))
-    if not 0 < size < PLAIN:
+    if not 0 < size < DIFFERENCE.linear_change:
         return np.asarray(change / step)
-    far = float(np.copysign(max(min(abs(step) / size, most), abs(step)), step))
-    seen = moved(far) - here
-    if float(np.linalg.norm(seen)) < STRAIGHT:
+    long_step = float(np.copysign(max(min(abs(step) / size, max_step), abs(step)), step))
+    long_change = shifted(long_step) - base
+    if float(np.linalg.norm(long_change)) < DIFFERENCE.linearity:
         return np.asarray(change / step)
-    for _ in range(NEARER):
-        far /= np.sqrt(np.linalg.norm(seen))
-        seen = moved(far) - here
-        if 1 / STRAIGHT < np.linalg.norm(seen) < STRAIGHT:
+    for _ in range(DIFFERENCE.max_refinements):
+        long_step /= np.sqrt(np.linalg.norm(long_change))
+        long_change = shifted(long_step) - base
+        if 1 / DIFFERENCE.linearity < np.linalg.norm(long_change) < DIFFERENCE.linearity:
             break
-    return np.asarray(seen / far)
+    return np.asarray(long_change / long_step)
 
 
-class Curvature:
-    """Of a function d.pull + d.curvature.d/2 whose least value is looked for between bounds, many times.
+class BoundedQuadratic:
+    """A quadratic form d.gradient + d.curvature.d/2, minimised between bounds for many gradients.
 
     Parameters
     ----------
@@ -159,39 +159,43 @@ class Curvature:
         self._curvature = curvature
         self._inverse = np.linalg.inv(curvature)
 
-    def boxed(self, pull: FloatArray, low: FloatArray, high: FloatArray) -> FloatArray:
-        """Return steps d (..., n) between bounds (n,) that make the function small.
+    def minimise(self, gradient: FloatArray, low: FloatArray, high: FloatArray) -> FloatArray:
+        """Return steps d (..., n) between bounds (n,) that reduce the form.
 
-        For many at once: Newton's step; where bounds cut it, a few more of the numbers that are free.
-        Never worse than no step.
+        All at once: Newton's step; where bounds clip it, a few steps of the free parameters. Never worse
+        than no step.
 
         Parameters
         ----------
-        pull
+        gradient
             (..., n).
+        low, high
+            (n,) bounds of d.
         """
-        newton = -(pull @ self._inverse)
+        newton = -(gradient @ self._inverse)
         step = newton.clip(low, high)
-        cut = np.asarray((step != newton).any(axis=-1))
-        if cut.any():
-            step[cut] = self._held(pull[cut], step[cut], low, high)
+        clipped = np.asarray((step != newton).any(axis=-1))
+        if clipped.any():
+            step[clipped] = self._projected_newton(gradient[clipped], step[clipped], low, high)
         return np.asarray(step)
 
-    def _held(self, pull: FloatArray, step: FloatArray, low: FloatArray, high: FloatArray) -> FloatArray:
-        """Return better steps (n_steps, n) than those cut at the bounds: by Newton's projected step.
+    def _projected_newton(
+        self, gradient: FloatArray, step: FloatArray, low: FloatArray, high: FloatArray
+    ) -> FloatArray:
+        """Return improved steps (n_steps, n) by projected Newton.
 
-        Numbers that are pulled against a bound stay there; Bertsekas, SIAM Journal on Control and
-        Optimization 20 (1982), 221, without its search along the line: the best step seen is kept.
+        Parameters whose gradient points out of a bound stay there; Bertsekas, SIAM Journal on Control and
+        Optimization 20 (1982), 221, without its line search: the best step is returned.
         """
-        best, least, alone = np.zeros_like(step), np.zeros(len(step)), np.eye(step.shape[1])
-        for _ in range(ROUNDS):
-            finite_difference = pull + step @ self._curvature
-            value = np.sum(step * (pull + finite_difference), axis=-1)
-            better = value < least
-            best[better], least[better] = step[better], value[better]
-            free = ~(((step <= low) & (finite_difference > 0)) | ((step >= high) & (finite_difference < 0)))
-            both = free[:, :, None] & free[:, None, :]
-            rest = np.where(free, finite_difference, 0.0)[..., None]
-            newton = np.linalg.solve(np.where(both, self._curvature, alone), rest)[..., 0]
+        best, minimum, identity = np.zeros_like(step), np.zeros(len(step)), np.eye(step.shape[1])
+        for _ in range(LEAST_SQUARES.projected_steps):
+            slope = gradient + step @ self._curvature
+            value = np.sum(step * (gradient + slope), axis=-1)
+            better = value < minimum
+            best[better], minimum[better] = step[better], value[better]
+            free = ~(((step <= low) & (slope > 0)) | ((step >= high) & (slope < 0)))
+            free_pairs = free[:, :, None] & free[:, None, :]
+            target = np.where(free, slope, 0.0)[..., None]
+            newton = np.linalg.solve(np.where(free_pairs, self._curvature, identity), target)[..., 0]
             step = (step - newton).clip(low, high)
         return best

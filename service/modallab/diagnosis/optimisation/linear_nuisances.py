@@ -1,61 +1,61 @@
-"""Numbers that move along with a suspect's own in a first look: of effects accepted before, and tolerated."""
+"""Linear nuisance parameters beside a candidate: those of accepted effects and of tolerances."""
 
 from dataclasses import dataclass
 
 import numpy as np
 
 from modallab.core.arrays import FloatArray
-from modallab.diagnosis.optimisation.least_squares import Curvature
-
-REACH = 1.0  # that a number of an accepted effect moves by at most, on its own scale
+from modallab.diagnosis.optimisation.least_squares import BoundedQuadratic
 
 
 @dataclass(frozen=True, eq=False)
 class LinearNuisances:
-    """What residuals owe to numbers a little off, in straight lines, and how far these may go."""
+    """Residuals as a linear function of nuisance parameters, with their prior and bounds."""
 
-    derivatives: FloatArray  # (n_residuals, n)
-    position: FloatArray  # (n,) where they are
-    precision: FloatArray  # (n,) of their prior, which is about 0
-    low: FloatArray  # (n,) bounds of their position
+    derivatives: FloatArray
+    """(n_residuals, n) of the residuals by the parameters."""
+    position: FloatArray
+    """(n,) linearisation point."""
+    precision: FloatArray
+    """(n,) inverse variance of the prior, whose mean is 0."""
+    low: FloatArray
+    """(n,) lower bounds of the position."""
     high: FloatArray
+    """(n,) upper bounds of the position."""
 
     def __len__(self) -> int:
         return len(self.position)
 
     def weighted(self, weights: FloatArray) -> "NuisanceProjection":
-        """Return what clears residuals that were multiplied by weights (n_residuals,)."""
+        """Return the projection of residuals that were multiplied by weights (n_residuals,)."""
         return NuisanceProjection(self, weights)
 
 
 class NuisanceProjection:
-    """Takes out of residuals, all weighed alike, what numbers a little off could explain."""
+    """Projects equally weighted residuals onto the complement of the nuisance parameters."""
 
-    def __init__(self, freedom: LinearNuisances, weights: FloatArray) -> None:
-        self._freedom = freedom
-        if len(freedom):
-            self._slopes = weights[:, None] * freedom.derivatives
-            self._curvature = Curvature(self._slopes.T @ self._slopes + np.diag(freedom.precision))
+    def __init__(self, nuisances: LinearNuisances, weights: FloatArray) -> None:
+        self._nuisances = nuisances
+        if len(nuisances):
+            self._derivatives = weights[:, None] * nuisances.derivatives
+            curvature = self._derivatives.T @ self._derivatives + np.diag(nuisances.precision)
+            self._quadratic = BoundedQuadratic(curvature)
 
     def __call__(self, vectors: FloatArray) -> FloatArray:
-        """Return residuals less what these numbers could explain.
+        """Return residuals less the part that the nuisance parameters explain, (..., n_residuals + n).
 
-        By least squares with their prior, whose residuals stand behind the others; what would lie beyond
-        the bounds is held there.
+        By least squares with the prior within the bounds; the residuals of the prior are appended.
 
         Parameters
         ----------
         vectors
-            (..., n_residuals), weighed.
-
-        Returns
-        -------
-        (..., n_residuals + n).
+            (..., n_residuals), weighted.
         """
-        own = self._freedom
-        if not len(own):
+        nuisances = self._nuisances
+        if not len(nuisances):
             return vectors
-        pull = vectors @ self._slopes + own.precision * own.position
-        off = self._curvature.boxed(pull, own.low - own.position, own.high - own.position)
-        prior = np.sqrt(own.precision) * (own.position + off)
-        return np.concatenate([vectors + off @ self._slopes.T, prior], axis=-1)
+        position, precision = nuisances.position, nuisances.precision
+        gradient = vectors @ self._derivatives + precision * position
+        step = self._quadratic.minimise(gradient, nuisances.low - position, nuisances.high - position)
+        prior = np.sqrt(precision) * (position + step)
+        return np.concatenate([vectors + step @ self._derivatives.T, prior], axis=-1)

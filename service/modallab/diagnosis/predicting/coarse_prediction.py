@@ -10,8 +10,8 @@ import numpy as np
 
 from modallab.core.arrays import FloatArray
 from modallab.diagnosis.optimisation.fit_parameters import ParameterVector
-from modallab.diagnosis.optimisation.linear_nuisances import REACH, LinearNuisances, NuisanceProjection
-from modallab.diagnosis.optimisation.tolerances import LIMIT
+from modallab.diagnosis.optimisation.linear_nuisances import LinearNuisances, NuisanceProjection
+from modallab.diagnosis.optimisation.settings import NUISANCE
 from modallab.diagnosis.residuals.predicted import Predicted
 from modallab.diagnosis.residuals.residual import inflation_weights, residual
 from modallab.rig.effect import Effect
@@ -87,13 +87,14 @@ class CoarsePrediction:
             here = vector(self.base)
             columns = [(vector(near) - here) / step for near, step in panel.perturbed(panel.start)]
             blocks.insert(0, np.array(columns).T)
-        near = np.clip([panel.low - panel.start, panel.high - panel.start], -REACH, REACH)
+        reach = NUISANCE.parameter_range
+        near = np.clip([panel.low - panel.start, panel.high - panel.start], -reach, reach)
         return LinearNuisances(
             np.hstack(blocks) if blocks else np.zeros((0, 0)),
             np.concatenate([np.zeros(n), also]),
-            np.concatenate([np.full(n, 1 / REACH**2), prior]),
-            np.concatenate([near[0], np.full(len(also), -LIMIT)]),
-            np.concatenate([near[1], np.full(len(also), LIMIT)]),
+            np.concatenate([np.full(n, 1 / NUISANCE.parameter_range**2), prior]),
+            np.concatenate([near[0], np.full(len(also), -NUISANCE.max_deviation)]),
+            np.concatenate([near[1], np.full(len(also), NUISANCE.max_deviation)]),
         )
 
     def project_out(self, vectors: FloatArray, widening: float) -> FloatArray:

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
-from modallab.diagnosis.optimisation.tolerances import Nuisances, split_by_scope
+from modallab.diagnosis.optimisation.nuisances import Nuisances, split_by_scope
 from modallab.diagnosis.predicting.coarse_prediction import CoarsePrediction
 from modallab.diagnosis.predicting.prediction_budget import PredictionBudget
 from modallab.diagnosis.residuals.observed import Observed

@@ -4,7 +4,12 @@ from scipy.optimize import lsq_linear
 
 from modallab.core.arrays import FloatArray
 from modallab.core.errors import InvalidInputError
-from modallab.diagnosis.optimisation.least_squares import Curvature, Descent, Slopes, finite_difference
+from modallab.diagnosis.optimisation.least_squares import (
+    BoundedGaussNewton,
+    BoundedQuadratic,
+    JacobianFunction,
+    finite_difference,
+)
 
 TIME = np.linspace(0.0, 4.0, 50)
 FREE = (np.full(3, -10.0), np.full(3, 10.0))
@@ -26,7 +31,7 @@ class Counted:
         return 1e3 * (self.model(u) - self.measured)  # random error 1e-3
 
     @property
-    def derivatives(self) -> Slopes:
+    def derivatives(self) -> JacobianFunction:
         step = 1e-6 * np.eye(3)
         return lambda u, here: np.array([(self.residual(u + one) - here) / 1e-6 for one in step]).T
 
@@ -34,8 +39,8 @@ class Counted:
 def test_a_nonlinear_fit_comes_home_in_few_evaluations() -> None:
     true = np.array([0.1, 0.2, 0.3])
     problem = Counted(true)
-    descent = Descent(problem.residual, problem.derivatives, np.array([0.2, 0.0, 0.25]), FREE)
-    descent.go(evaluations=20, enough=1e-4)
+    descent = BoundedGaussNewton(problem.residual, problem.derivatives, np.array([0.2, 0.0, 0.25]), FREE)
+    descent.minimise(evaluations=20, tolerance=1e-4)
     # Stops when a step promises 1e-4 of a squared error: within a hundredth of a standard error, 1e-3.
     np.testing.assert_allclose(descent.position, true, atol=1e-4)
     # Six steps at derivatives by differences alone would ask for 1 + 6 (3 + 1).
@@ -46,8 +51,8 @@ def test_a_number_comes_to_lie_on_its_bound_and_the_others_make_the_best_of_it()
     true = np.array([0.1, 0.2, 0.3])
     bounds = (FREE[0], np.array([10.0, 0.1, 10.0]))
     problem = Counted(true)
-    descent = Descent(problem.residual, problem.derivatives, np.array([0.2, 0.0, 0.25]), bounds)
-    descent.go(evaluations=20, enough=1e-6)
+    descent = BoundedGaussNewton(problem.residual, problem.derivatives, np.array([0.2, 0.0, 0.25]), bounds)
+    descent.minimise(evaluations=20, tolerance=1e-6)
     assert descent.position[1] == 0.1
     # What is free has no slope left: a residual of 1e3 times what is missed is orthogonal to it.
     jacobian = problem.derivatives(descent.position, descent.vector)[:, [0, 2]]
@@ -68,8 +73,8 @@ def test_where_nothing_can_be_predicted_a_step_is_cut_short() -> None:
         return problem.residual(u)
 
     start = np.array([-0.8, 0.2, 0.3])  # from where the first step goes too far: amplitudes are exponents
-    descent = Descent(residual, problem.derivatives, start, FREE)
-    descent.go(evaluations=20, enough=1e-4)
+    descent = BoundedGaussNewton(residual, problem.derivatives, start, FREE)
+    descent.minimise(evaluations=20, tolerance=1e-4)
     assert max(asked) > 0.15
     # As where all can be predicted: within a hundredth of a standard error, 1e-3.
     np.testing.assert_allclose(descent.position, true, atol=1e-4)
@@ -79,19 +84,19 @@ def test_weights_say_whose_errors_count() -> None:
     problem = Counted(np.array([0.1, 0.2, 0.3]))
     early = (TIME < 2.0).astype(float)
     problem.measured = problem.measured + (1 - early)  # nonsense where nothing counts
-    descent = Descent(problem.residual, problem.derivatives, np.array([0.2, 0.0, 0.25]), FREE)
-    descent.go(evaluations=20, enough=1e-4, weights=early)
+    descent = BoundedGaussNewton(problem.residual, problem.derivatives, np.array([0.2, 0.0, 0.25]), FREE)
+    descent.minimise(evaluations=20, tolerance=1e-4, weights=early)
     np.testing.assert_allclose(descent.position, [0.1, 0.2, 0.3], atol=1e-3)  # half as many lines
 
 
 def test_a_number_that_nothing_depends_on_stays_where_it_is() -> None:
-    descent = Descent(
+    descent = BoundedGaussNewton(
         lambda u: np.array([u[0] - 3.0, 0.0 * u[1]]),
         lambda *_: np.array([[1.0, 0.0], [0.0, 0.0]]),
         np.array([0.0, 0.5]),
         (np.full(2, -10.0), np.full(2, 10.0)),
     )
-    descent.go(evaluations=10, enough=1e-4)
+    descent.minimise(evaluations=10, tolerance=1e-4)
     assert descent.position == pytest.approx([3.0, 0.5])
 
 
@@ -100,7 +105,7 @@ def test_many_steps_in_a_box_are_nearly_the_best_ones() -> None:
     slopes, vectors = rng.normal(size=(60, 5)), 3.0 * rng.normal(size=(20, 60))
     slopes[:, 1] += slopes[:, 0]  # two that look alike
     low, high = -rng.random(5), rng.random(5)
-    steps = Curvature(slopes.T @ slopes).boxed(vectors @ slopes, low, high)
+    steps = BoundedQuadratic(slopes.T @ slopes).minimise(vectors @ slopes, low, high)
     assert (steps >= low).all()
     assert (steps <= high).all()
     for vector, step in zip(vectors, steps, strict=True):
@@ -114,7 +119,7 @@ def test_many_steps_in_a_box_are_nearly_the_best_ones() -> None:
 
 def test_one_step_that_no_bound_cuts_is_newtons() -> None:
     curvature, pull = np.array([[2.0, 1.0], [1.0, 3.0]]), np.array([0.4, -0.2])
-    step = Curvature(curvature).boxed(pull, np.full(2, -1.0), np.full(2, 1.0))
+    step = BoundedQuadratic(curvature).minimise(pull, np.full(2, -1.0), np.full(2, 1.0))
     np.testing.assert_allclose(curvature @ step, -pull, atol=1e-12)
 
 

@@ -7,13 +7,9 @@ from modallab.core.arrays import FloatArray
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.diagnosis.fitting.fit import Fit, coarse_fit, fit
-from modallab.diagnosis.optimisation.tolerances import (
-    LIMIT,
-    Nuisances,
-    Tolerances,
-    draw_positions,
-    nuisance_parameters,
-)
+from modallab.diagnosis.optimisation.nuisances import Nuisances, draw_positions, nuisance_parameters
+from modallab.diagnosis.optimisation.settings import NUISANCE
+from modallab.diagnosis.optimisation.tolerances import Tolerances
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.residuals.residual import residual
 from modallab.diagnosis.searching.acceptance import is_noise_only
@@ -113,10 +109,10 @@ def test_an_effect_that_changes_what_a_tolerance_does_is_fitted_with_it_from_any
 def test_limits_hold_against_any_amount_of_data() -> None:
     predictor, numbers = allowing(rig(), np.zeros(40), (StiffnessError(factor=1.05),))
     found = fit(predictor, ())
-    assert np.abs(found.nuisance_position).max() == LIMIT
+    assert np.abs(found.nuisance_position).max() == NUISANCE.max_deviation
     assert not is_noise_only(predictor, found.residual)
     assert numbers.parameters[0].name == "modulus"
-    assert found.nuisance_position[0] == LIMIT
+    assert found.nuisance_position[0] == NUISANCE.max_deviation
 
 
 def test_an_effect_like_what_is_tolerated_is_the_whole_departure_and_carries_the_tolerance() -> None:
@@ -187,7 +183,7 @@ def test_truths_lie_within_limits_and_follow_from_the_seed() -> None:
     assert first == again
     gains = [e.factor for e in first if e.kind == "gain_error"]  # type: ignore[attr-defined]
     assert len(gains) == len(setup.responses)
-    assert np.abs(np.array(gains) - 1).max() <= LIMIT * 0.005
+    assert np.abs(np.array(gains) - 1).max() <= NUISANCE.max_deviation * 0.005
     assert varied(Tolerances(), setup, 4) == ()
 
 

@@ -6,7 +6,8 @@ import pytest
 from modallab.core.dof import Dof
 from modallab.core.progress import silent
 from modallab.diagnosis.fitting.fit import Fit, fit
-from modallab.diagnosis.optimisation.tolerances import Tolerances, nuisance_parameters
+from modallab.diagnosis.optimisation.nuisances import nuisance_parameters
+from modallab.diagnosis.optimisation.tolerances import Tolerances
 from modallab.diagnosis.predicting.joint_prediction import FollowUpPredictor, JointPredictor
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.residuals.observed import observe

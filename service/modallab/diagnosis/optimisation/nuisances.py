@@ -1,0 +1,193 @@
+"""Nuisance parameters: deviations within tolerances that every fit estimates under a prior."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from modallab.core.arrays import BoolArray, FloatArray, IntArray
+from modallab.core.dof import Dof
+from modallab.core.place import Channels, Place
+from modallab.diagnosis.optimisation.settings import NUISANCE
+from modallab.diagnosis.optimisation.tolerance_effects import AccelerometerTolerance, LossTolerance
+from modallab.diagnosis.optimisation.tolerances import Tolerances
+from modallab.diagnosis.residuals.observed import Observed
+from modallab.diagnosis.residuals.predicted import Predicted
+from modallab.fe.system import DynamicSystem
+from modallab.rig.effect import EFFECTS, Effect
+from modallab.rig.setup import RigSetup
+
+
+@dataclass(frozen=True)
+class Nuisance:
+    """One nuisance parameter."""
+
+    name: str
+    """As in `Tolerances`."""
+    standard_deviation: float
+    """One standard deviation of its prior, in `unit`."""
+    declared: float
+    """Value that model and log book declare, in `unit`."""
+    unit: str
+    """s of a delay, 1 of a ratio to the declared value."""
+    at: Place = None
+    """Its channel; None for all."""
+    mode: int | None = None
+    """Elastic mode of the model, from 1; None for a parameter of no single mode."""
+
+    def value(self, position: float) -> float:
+        """Return the value at a position in standard deviations."""
+        return self.declared + self.standard_deviation * position
+
+    def channel_prediction(self, predicted: Predicted, observed: Observed) -> Predicted | None:
+        """Return the prediction with a channel's parameter perturbed; None for one of the structure.
+
+        The correction of the force by an acceleration is neglected: it is small.
+        """
+        if self.name not in ("sensitivity", "delay"):
+            return None
+        points = {dof.point for dof in self.at.dofs} if isinstance(self.at, Channels) else None
+        acts = np.array([points is None or dof.point in points for dof in observed.outputs])
+        change = self.standard_deviation * NUISANCE.difference_step * acts
+        if self.name == "delay":
+            return replace(predicted, h=predicted.h * np.exp(-2j * np.pi * observed.freq[:, None] * change))
+        gain = 1 + change
+        return replace(predicted, h=predicted.h * gain, incoherent=predicted.incoherent * gain**2)
+
+
+@dataclass(frozen=True, eq=False)
+class Nuisances:
+    """All nuisance parameters of a test, and their effects on it.
+
+    A position (n,) counts standard deviations from what model and log book declare. Fits hold it by a
+    prior, one residual per parameter, and within `NUISANCE.max_deviation`: a few prior residuals cannot
+    hold against 20,000 of data. An effect of the same kind and place remains a suspect. Beside it the prior
+    draws the tolerance back to the declared value, so that the effect is the whole deviation and its
+    standard error holds the tolerance; without it the tolerance ends on its limit and a gap remains.
+    """
+
+    parameters: tuple[Nuisance, ...] = ()
+    mass: float = 0.0
+    """kg, declared mass of an accelerometer."""
+    loss_factors: tuple[float, ...] = ()
+    """Loss factors of the model's elastic modes in the band."""
+
+    def __len__(self) -> int:
+        return len(self.parameters)
+
+    def split(self, outputs: Sequence[Dof], held_out: BoolArray) -> tuple[IntArray, IntArray]:
+        """Return the indices of parameters that fitted channels determine, and of the others.
+
+        The others belong to a held-out channel alone.
+        """
+        points = {dof.point for dof, out in zip(outputs, held_out, strict=True) if out}
+        places = [nuisance.at for nuisance in self.parameters]
+        alone = [isinstance(at, Channels) and {dof.point for dof in at.dofs} <= points for at in places]
+        return np.flatnonzero(~np.array(alone, bool)), np.flatnonzero(np.array(alone, bool))
+
+    def derivatives(
+        self,
+        predict: Callable[[Sequence[Effect]], Predicted],
+        vector: Callable[[Predicted], FloatArray],
+        base: Predicted,
+        observed: Observed,
+        indices: IntArray,
+    ) -> FloatArray:
+        """Return the derivatives (n_data, n) of residuals by the positions of some parameters.
+
+        Parameters
+        ----------
+        predict
+            Predictions with additional effects, which act before all others as they belong to the model.
+        vector
+            Residuals of a prediction.
+        base
+            Prediction without additional effects.
+        indices
+            (n,) indices of the parameters.
+        """
+        residuals, step = vector(base), NUISANCE.difference_step
+        columns = np.zeros((len(residuals), len(indices)))
+        for i, index in enumerate(indices):
+            perturbed = self.parameters[index].channel_prediction(base, observed)
+            if perturbed is None:
+                perturbed = predict(self.effects(step * (np.arange(len(self)) == index)))
+            columns[:, i] = (vector(perturbed) - residuals) / step
+        return columns
+
+    def effects(self, position: FloatArray) -> tuple[Effect, ...]:
+        """Return the effects of the parameters at a position (n,); none for those at the declared value."""
+        effects: list[Effect] = []
+        loss = np.zeros(len(self.loss_factors))
+        for nuisance, deviation in zip(self.parameters, position, strict=True):
+            value = nuisance.value(float(deviation))
+            if value == nuisance.declared:
+                continue
+            if nuisance.mode is not None:
+                loss[nuisance.mode - 1] = self.loss_factors[nuisance.mode - 1] * (value - 1)
+            else:
+                effects.append(self._effect(nuisance, value))
+        return (*effects, LossTolerance(more=tuple(loss.tolist()))) if loss.any() else tuple(effects)
+
+    def _effect(self, nuisance: Nuisance, value: float) -> Effect:
+        if nuisance.name == "accelerometer_mass":
+            return AccelerometerTolerance(more=self.mass * (value - 1))
+        (cls,) = (cls for cls in EFFECTS.values() if cls.tolerance == nuisance.name)
+        amount = next(iter(cls.specs()))
+        return cls(at=nuisance.at).with_parameters({amount: value})
+
+
+def split_by_scope(effects: Sequence[Effect]) -> tuple[list[Effect], list[Effect]]:
+    """Return the effects on the whole structure, equal in every run, and all others."""
+    scopes = [effect.structural and effect.tolerance is not None for effect in effects]
+    return (
+        [effect for effect, whole in zip(effects, scopes, strict=True) if whole],
+        [effect for effect, whole in zip(effects, scopes, strict=True) if not whole],
+    )
+
+
+def nuisance_parameters(tolerances: Tolerances, system: DynamicSystem, setup: RigSetup) -> Nuisances:
+    """Return the nuisance parameters of a test.
+
+    A roving accelerometer has one sensitivity and one delay; of several accelerometers each has its own.
+
+    Parameters
+    ----------
+    system
+        The model without transducers.
+    """
+    places: list[Place] = [None] if setup.accelerometers.roving else [Channels((d,)) for d in setup.responses]
+    nuisances: list[Nuisance] = []
+    if tolerances.modulus:
+        nuisances.append(Nuisance("modulus", tolerances.modulus, 1.0, "1"))
+    if tolerances.density:
+        nuisances.append(Nuisance("density", tolerances.density, 1.0, "1"))
+    if tolerances.sensitivity:
+        nuisances += [Nuisance("sensitivity", tolerances.sensitivity, 1.0, "1", at) for at in places]
+    if tolerances.accelerometer_mass and setup.accelerometers.mass:
+        nuisances.append(Nuisance("accelerometer_mass", tolerances.accelerometer_mass, 1.0, "1"))
+    if tolerances.delay:
+        nuisances += [Nuisance("delay", tolerances.delay, 0.0, "s", at) for at in places]
+    loss_factors: tuple[float, ...] = ()
+    if tolerances.modal_loss_factor:
+        loss_factors = _loss_factors(system, setup.analyser.frequency_max)
+        deviation = tolerances.modal_loss_factor
+        modes = [i for i, eta in enumerate(loss_factors, 1) if eta > 0]
+        nuisances += [Nuisance("modal_loss_factor", deviation, 1.0, "1", mode=i) for i in modes]
+    return Nuisances(tuple(nuisances), setup.accelerometers.mass, loss_factors)
+
+
+def _loss_factors(system: DynamicSystem, frequency_max: float) -> tuple[float, ...]:
+    basis = system.modes(frequency_max).elastic()
+    return tuple(basis.loss_factors[basis.frequencies <= frequency_max].tolist())
+
+
+def draw_positions(n: int, rng: np.random.Generator) -> FloatArray:
+    """Return random positions (n,) of nuisance parameters, in standard deviations.
+
+    Normal, truncated at `NUISANCE.max_deviation`.
+    """
+    position = rng.standard_normal(n)
+    while (outside := np.abs(position) > NUISANCE.max_deviation).any():
+        position[outside] = rng.standard_normal(int(outside.sum()))
+    return position

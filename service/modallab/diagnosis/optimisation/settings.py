@@ -1,0 +1,124 @@
+"""Settings of least squares: differences, steps, priors and bounds of nuisance parameters."""
+
+from dataclasses import dataclass
+
+from modallab.core.settings import Settings, setting
+
+TESTS = "simulated tests of the suite"
+
+
+@dataclass(frozen=True)
+class DifferenceSettings(Settings):
+    """Finite differences of residuals."""
+
+    step: float = setting(
+        3e-6,
+        doc="step of a parameter on its fitted (logarithmic or scaled) axis",
+        derived="far above rounding; at 1e-4 sharp resonances show their curvature",
+    )
+    min_value: float = setting(
+        0.1,
+        doc="share of a parameter's scale below which its step on the physical axis shrinks no further",
+        derived="keeps the step of a parameter near zero finite",
+    )
+    max_step: float = setting(
+        0.1,
+        doc="largest step, on the fitted axis, of a parameter that is a place or shape and not an amount",
+        tuned=TESTS,
+    )
+    linear_change: float = setting(
+        0.1,
+        unit="standard deviations",
+        doc="change of the residuals over the small step above which it is taken for linear",
+        tuned=TESTS,
+    )
+    linearity: float = setting(
+        2.0,
+        doc="change over the long step, in terms of the predicted one, up to which residuals are linear",
+        tuned=TESTS,
+    )
+    max_refinements: int = setting(
+        6,
+        unit="evaluations",
+        doc="trials for the step over which the residuals change by about one standard deviation",
+        tuned=TESTS,
+    )
+    lower_bound: float = setting(
+        1e-12,
+        doc="least value of a parameter on a logarithmic axis, over its scale",
+        derived="a positive number so small that its effect is rounding",
+    )
+
+
+@dataclass(frozen=True)
+class LeastSquaresSettings(Settings):
+    """Bounded Gauss-Newton minimisation."""
+
+    first_step: float = setting(
+        1.0,
+        doc="first trust region, of any coordinate",
+        derived="a factor e of a parameter on a logarithmic axis, one scale of any other",
+    )
+    poor_gain: float = setting(
+        0.25, doc="share of the predicted gain below which the derivatives are renewed", tuned=TESTS
+    )
+    slow_gain: float = setting(
+        0.1,
+        doc="share of the last predicted gain above which corrected derivatives are renewed",
+        tuned=TESTS,
+    )
+    shrinkage: float = setting(
+        4.0, doc="divisor of the trust region after a step that does not reduce the cost", tuned=TESTS
+    )
+    growth: float = setting(
+        2.0, doc="trust region after a successful step, over the step", derived="doubling, as is usual"
+    )
+    projected_steps: int = setting(
+        5,
+        unit="steps",
+        doc="projected Newton steps on a bounded quadratic form, the clipped Newton step included",
+        tuned=TESTS,
+    )
+
+
+@dataclass(frozen=True)
+class NuisanceSettings(Settings):
+    """Nuisance parameters: what may differ a little from model and log book."""
+
+    max_deviation: float = setting(
+        3.0,
+        unit="standard deviations",
+        doc="largest deviation of a nuisance parameter",
+        derived="3 sigma: one of 370 by chance; a prior alone cannot hold against 20,000 data",
+    )
+    difference_step: float = setting(
+        1e-3,
+        unit="standard deviations",
+        doc="step of the finite difference by a nuisance parameter",
+        derived="tolerances are small, so that residuals are linear over a thousandth of one",
+    )
+    parameter_range: float = setting(
+        1.0,
+        doc="change of an accepted effect's parameter, on its fitted axis, beside a candidate",
+        derived="a factor e of a parameter on a logarithmic axis, one scale of any other",
+    )
+
+
+@dataclass(frozen=True)
+class ToleranceSettings(Settings):
+    """Largest tolerances that a request may state."""
+
+    max_relative: float = setting(
+        0.3,
+        doc="largest relative tolerance, one standard deviation",
+        derived="three standard deviations leave a tenth of the value",
+    )
+    max_delay: float = setting(
+        3e-3, unit="s", doc="largest tolerance of a delay, one standard deviation", tuned=TESTS
+    )
+
+
+DIFFERENCE = DifferenceSettings()
+LEAST_SQUARES = LeastSquaresSettings()
+NUISANCE = NuisanceSettings()
+TOLERANCE = ToleranceSettings()
