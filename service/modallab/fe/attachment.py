@@ -8,10 +8,11 @@ import numpy as np
 from scipy.sparse import csc_array
 
 from modallab.core.arrays import ComplexArray, FloatArray, frozen
-from modallab.fe.cache import cached
+from modallab.fe.cache import Cache, CacheSlot
 from modallab.fe.settings import CACHE, RECEPTANCE
 
 MATRIX_NAMES = ("mass", "stiffness", "damping", "viscous")
+DYNAMIC_STIFFNESS: CacheSlot[ComplexArray] = CacheSlot("dynamic stiffness", CACHE.frequency_axes)
 
 
 @dataclass(frozen=True, eq=False)
@@ -55,13 +56,11 @@ class Attachment:
         """
         if len(omega) * self.columns.shape[1] ** 2 > CACHE.dynamic_stiffness_values:
             return self._stiffness(omega)
-        return cached(
-            self._kept, "stiffness", omega.tobytes(), lambda: self._stiffness(omega), CACHE.frequency_axes
-        )
+        return self._cache.compute(DYNAMIC_STIFFNESS, omega.tobytes(), lambda: self._stiffness(omega))
 
     @cached_property
-    def _kept(self) -> dict[str, object]:
-        return {}
+    def _cache(self) -> Cache:
+        return Cache()
 
     def _stiffness(self, omega: FloatArray) -> ComplexArray:
         z: ComplexArray = dynamic_stiffnesses([self], omega)[0]

@@ -10,7 +10,7 @@ from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.errors import InvalidInputError
 from modallab.core.numerics import PRODUCT_ROUNDING
 from modallab.fe.attachment import unique_columns
-from modallab.fe.cache import cached
+from modallab.fe.cache import Cache, CacheSlot
 from modallab.fe.complex_modes import damped_modes
 from modallab.fe.eigen_refinement import refined_modes
 from modallab.fe.losses import Losses
@@ -19,6 +19,9 @@ from modallab.fe.modal_damping import ModalLossFactors
 from modallab.fe.settings import CACHE, DAMPED_MODES, EIGENSOLUTION
 from modallab.fe.truncation import ModalTruncation
 from modallab.fe.viscous_modes import CoupledModes
+
+BETWEEN_COLUMNS: CacheSlot[ComplexArray] = CacheSlot("between columns")
+RESPONSES: "CacheSlot[ModalResponse]" = CacheSlot("responses", CACHE.modal_responses)
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +38,7 @@ class ModalBasis:
     viscous: FloatArray | ComplexArray | None = None  # (m, m) Phi^T C Phi, 1/s
     frequency_max: float = np.inf  # Hz
     remainder: ModalTruncation | None = None
-    _kept: dict[str, object] = field(default_factory=dict, init=False, repr=False)
+    _cache: Cache = field(default_factory=Cache, init=False, repr=False)
 
     def elastic(self, count: int | None = None) -> "ModalBasis":
         """Return the first `count` elastic modes alone; damping between modes is left out."""
@@ -102,13 +105,7 @@ class ModalBasis:
         """
         if omega.size * len(self.eigenvalues) > CACHE.response_values:
             return ModalResponse(self, omega)
-        return cached(
-            self._kept,
-            "responses",
-            omega.tobytes(),
-            lambda: ModalResponse(self, omega),
-            CACHE.modal_responses,
-        )
+        return self._cache.compute(RESPONSES, omega.tobytes(), lambda: ModalResponse(self, omega))
 
 
 class ModalResponse:
@@ -116,7 +113,7 @@ class ModalResponse:
 
     def __init__(self, basis: ModalBasis, omega: FloatArray) -> None:
         self.basis, self.omega = basis, omega
-        self._kept: dict[str, object] = {}
+        self._cache = Cache()
         direct = basis.eigenvalues - (omega**2)[:, None]
         c = basis.viscous
         self._coupled: CoupledModes | None = None
@@ -157,7 +154,7 @@ class ModalResponse:
         size = len(self.omega) * motions.shape[1] ** 2
         if size > CACHE.response_values:
             return self._between_columns(motions)
-        return cached(self._kept, "among", motions.tobytes(), lambda: self._between_columns(motions), 1)
+        return self._cache.compute(BETWEEN_COLUMNS, motions.tobytes(), lambda: self._between_columns(motions))
 
     def _between_columns(self, motions: FloatArray) -> ComplexArray:
         if self._coupled is not None or self.basis.remainder is not None:

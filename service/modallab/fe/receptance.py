@@ -12,13 +12,14 @@ from scipy.sparse.linalg import splu
 
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray
 from modallab.fe.attachment import Attachment, attached_stiffness, merged, stacked_columns, unique_columns
-from modallab.fe.cache import cached
+from modallab.fe.cache import CacheSlot
 from modallab.fe.modes import ModalResponse
 from modallab.fe.settings import CACHE, EIGENSOLUTION, RECEPTANCE
 from modallab.fe.system import DynamicSystem
 
 # Columns times frequencies over degrees of freedom, up to which it is cheaper than one solution for modes.
 Key = tuple[object, ...]  # of an attachment
+FOLDED_SYSTEMS: CacheSlot[DynamicSystem] = CacheSlot("folded systems", CACHE.folded_systems)
 
 
 def attached(
@@ -204,7 +205,7 @@ def condense_if_cheaper(system: DynamicSystem, n_freq: float = np.inf) -> Dynami
         return system
     plain = tuple(a for a in system.attachments if a.inner == 0)
     folded = replace(system, attachments=plain).folded()
-    cached(system.shared, "folded", tuple(a.key for a in plain), lambda: folded, CACHE.folded_systems)
+    system.cache.compute(FOLDED_SYSTEMS, tuple(a.key for a in plain), lambda: folded)
     return replace(folded, attachments=tuple(a for a in system.attachments if a.inner))
 
 
@@ -214,8 +215,8 @@ def _n_motions(system: DynamicSystem) -> int:
 
 def _cached_folding(system: DynamicSystem) -> DynamicSystem | None:
     """Return the system with those of its attachments folded that were before, if few are left."""
-    known: dict[tuple[Key, ...], DynamicSystem] = system.shared.get("folded", {})  # type: ignore[assignment]
-    for keys, folded in reversed(known.items()):
+    entries: dict[tuple[Key, ...], DynamicSystem] = system.cache.entries(FOLDED_SYSTEMS)
+    for keys, folded in reversed(entries.items()):
         _, remaining = _split_by_key(system.attachments, Counter(keys))
         again = replace(folded, attachments=remaining)
         if (

@@ -4,8 +4,10 @@ import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.numerics import SOLUTION_ROUNDING
-from modallab.fe.cache import cached
+from modallab.fe.cache import Cache, CacheSlot
 from modallab.fe.settings import CACHE, DAMPED_MODES
+
+MODAL_RESPONSES: CacheSlot[ComplexArray] = CacheSlot("modal responses", CACHE.modal_forces)
 
 
 class CoupledModes:
@@ -33,7 +35,7 @@ class CoupledModes:
         self._far_coupling = coupling.copy()  # between modes that are not solved for together
         self._far_coupling[np.ix_(self._near, self._near)] = 0.0
         self._inverse_direct, self._velocity_factor = np.ascontiguousarray(1 / direct.T), -1j * omega
-        self._kept: dict[str, object] = {}
+        self._cache = Cache()
 
     def _dynamic_stiffness(self, modes: np.ndarray) -> ComplexArray:
         """Return the dynamic stiffness of some modes, (n_freq, k, k)."""
@@ -54,7 +56,7 @@ class CoupledModes:
     def _cached_response(self, force: FloatArray | ComplexArray) -> ComplexArray:
         """Return the modal answers (m, n_freq) to modal forces (m,)."""
         key = (force.dtype.char, force.tobytes())
-        return cached(self._kept, "answers", key, lambda: self._response(force), CACHE.modal_forces)
+        return self._cache.compute(MODAL_RESPONSES, key, lambda: self._response(force))
 
     def _response(self, force: FloatArray | ComplexArray) -> ComplexArray:
         """Return the modal answers (m, n_freq) to modal forces (m,)."""

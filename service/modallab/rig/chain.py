@@ -12,7 +12,7 @@ from modallab.fe.receptance import attached, attached_variants
 from modallab.fe.system import DynamicSystem
 from modallab.rig.cancellation import cancelled
 from modallab.rig.channel import Channel
-from modallab.rig.channel_response import Answered, ChannelResponse
+from modallab.rig.channel_response import ANSWERED, Answered, ChannelResponse
 from modallab.rig.distortion import with_equivalents
 from modallab.rig.drive import Drive, reaction, transmission
 from modallab.rig.effect import EFFECTS, Effect, build
@@ -151,12 +151,12 @@ class Chain:
 
         Asked for again of structures that are loaded alike, as where effects are of channels, it is known.
         """
-        cache = runs[0].system.shared
-        cached_receptance = cache.get("answered")
-        if isinstance(cached_receptance, Answered) and cached_receptance.holds(runs, omega):
-            return cached_receptance.alpha
+        cache = runs[0].system.cache
+        latest = cache.get(ANSWERED)
+        if latest is not None and latest.holds(runs, omega):
+            return latest.alpha
         alpha = self._solved(runs, omega, top)
-        cache["answered"] = Answered(tuple(runs), omega, alpha)
+        cache.put(ANSWERED, Answered(tuple(runs), omega, alpha))
         return alpha
 
     def _solved(self, runs: Sequence[Run], omega: FloatArray, top: float) -> ComplexArray:

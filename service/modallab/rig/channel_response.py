@@ -6,6 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.fe.cache import CacheSlot
 from modallab.rig.run import Run
 
 
@@ -45,10 +46,13 @@ class Answered:
         return same_runs and np.array_equal(omega, self.omega)
 
 
+ANSWERED: CacheSlot[Answered] = CacheSlot("receptance of the latest runs")
+
+
 def _asks_alike(first: Run, second: Run) -> bool:
     first_system, second_system = first.system, second.system
     return (
-        first_system.shared is second_system.shared
+        first_system.cache is second_system.cache
         and first.motions == second.motions
         and first.n_at_work == second.n_at_work
         and len(first_system.attachments) == len(second_system.attachments)

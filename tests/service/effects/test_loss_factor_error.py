@@ -107,7 +107,7 @@ def test_everywhere_modes_are_not_solved_for_again_and_one_member_is_two_columns
 ) -> None:
     system = assemble(steel_beam())
     system.base_modes(800.0)
-    monkeypatch.setattr("modallab.fe.system.undamped_basis", None)  # calling it would raise
+    monkeypatch.setattr("modallab.fe.system_matrices.undamped_basis", None)  # calling it would raise
     chain(system, rig(1, 7), [LossFactorError(factor=3.0)]).respond(FREQ)
     one = LossFactorError(at=Members((4,)), factor=3.0).on_system(system, SHOT)
     assert one.stacked_columns.shape[1] == 2  # a beam strains in two ways

@@ -7,6 +7,7 @@ import pytest
 
 from modallab.core.dof import Dof
 from modallab.fe.attachment import Attachment
+from modallab.fe.cache import Cache
 from modallab.fe.damping import Damping, StructuralDamping, ViscousDamping
 from modallab.fe.loaded_modes import only_loads
 from modallab.fe.system import DynamicSystem
@@ -33,7 +34,9 @@ def test_resonances_are_those_of_matrices_with_the_loads_in_them(law: Damping) -
     assert only_loads(system.attachments)
     basis = whole.base_modes(800.0).elastic()
     frequencies, half = system.resonances(800.0)
-    undamped = replace(whole, damping=None, viscous=None, shared={}).base_modes(800.0).elastic().frequencies
+    undamped = (
+        replace(whole, damping=None, viscous=None, cache=Cache()).base_modes(800.0).elastic().frequencies
+    )
     # rounding, 1e-16, times the ratio of the greatest eigenvalue to that of the first mode, 1e8
     np.testing.assert_allclose(frequencies, undamped, rtol=1e-7)
     light = basis.loss_factors < 0.02  # where the width is that of the complex pole, to the square of this
@@ -61,7 +64,7 @@ def test_resonances_on_springs_are_those_of_matrices_with_the_springs_in_them(
     for node in where:
         system = system.add_spring(Dof(node, "Y"), 2e4)
     frequencies, _ = system.resonances(800.0)
-    whole = replace(system.folded(), damping=None, viscous=None, shared={}).base_modes(800.0)
+    whole = replace(system.folded(), damping=None, viscous=None, cache=Cache()).base_modes(800.0)
     # One rigid-body mode less for every place that is held, two at most: a free beam has two.
     assert whole.n_rigid_body == max(2 - len(set(where)), 0)
     # rounding of the greatest eigenvalue, 1e8 of the first mode's and of that on springs

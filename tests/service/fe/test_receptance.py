@@ -163,7 +163,7 @@ def test_many_attachments_at_few_frequencies_are_not_folded_and_give_the_direct_
 
 def test_a_few_sets_of_attachments_stay_folded_beside_one_another() -> None:
     system, other = many_masses(), many_masses()
-    other = replace(other, attachments=system.attachments[:11], shared=system.shared)
+    other = replace(other, attachments=system.attachments[:11], cache=system.cache)
     first = condense_if_cheaper(system).mass
     assert condense_if_cheaper(other).mass is not first
     assert condense_if_cheaper(system).mass is first

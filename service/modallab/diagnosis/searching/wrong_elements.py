@@ -162,7 +162,7 @@ class _Factors:
             now = effect.on_system(now, shot)
         twice = [self._at(i, np.log(2.0)).on_system(now, shot) for i in range(len(self))]
         each = zip(twice, self._members, strict=True)
-        return [(system.altered[number][1], now.altered[number][1]) for system, number in each]
+        return [(system.alterations[number][1], now.alterations[number][1]) for system, number in each]
 
     def together(self, one: Sequence[int], other: Sequence[int]) -> bool:
         """Return whether factors, by their places, may be one number: of one kind, of members that meet."""
