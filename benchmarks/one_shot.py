@@ -17,7 +17,8 @@ from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.changes import MemberChange, MemberProperty, change
 from modallab.fe.structure import Structure
 from modallab.fe.synthetic_modes import ModeNoise, synthetic_modes
-from modallab.updating.method import UPDATERS, UpdateOptions, UpdateResult
+from modallab.updating.method import UPDATERS, UpdateResult
+from modallab.updating.options import UpdateOptions
 from modallab.updating.parameterisation import parameterise
 
 BAY = STRUCTURES["bay"]()

@@ -23,7 +23,8 @@ from modallab.fe.modes import first_basis, undamped_basis
 from modallab.fe.plate import plate
 from modallab.fe.structure import Material, Structure
 from modallab.fe.synthetic_modes import ModeNoise, synthetic_modes
-from modallab.updating.method import UPDATERS, UpdateOptions
+from modallab.updating.method import UPDATERS
+from modallab.updating.options import UpdateOptions
 from modallab.updating.parameterisation import Parameterisation, parameterise
 from modallab.updating.sensitivity import PartMatrices, derivatives, part_matrices
 

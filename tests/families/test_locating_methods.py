@@ -9,7 +9,8 @@ from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError, UnderdeterminedError, UnknownDofError
 from modallab.fe.changes import MemberChange, MemberProperty, change
 from modallab.updating.error_location.method import LOCATORS
-from modallab.updating.error_location.run import LocationOptions, locate
+from modallab.updating.error_location.run import locate
+from modallab.updating.options import LocationOptions
 from modallab.updating.parameterisation import parameterise
 from tests.service.updating.cases import BEAM, BEAM_DOFS, modes_of
 

@@ -14,7 +14,9 @@ from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.changes import MemberChange, MemberProperty, change
 from modallab.fe.structure import Structure
 from modallab.fe.synthetic_modes import ModeNoise, synthetic_modes
-from modallab.updating.method import UPDATERS, UpdateOptions, UpdateResult, parts_of
+from modallab.updating.method import UPDATERS, UpdateResult
+from modallab.updating.method_options import parts_of
+from modallab.updating.options import UpdateOptions
 from modallab.updating.parameterisation import Part, parameterise
 from modallab.updating.partitioning import automatic_groups
 

@@ -12,7 +12,9 @@ from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.changes import MemberChange, MemberProperty, change
 from modallab.fe.structure import Structure
 from modallab.fe.synthetic_modes import ModeNoise, synthetic_modes
-from modallab.updating.method import UPDATERS, UpdateOptions, UpdateResult
+from modallab.updating.method import UPDATERS, UpdateResult
+from modallab.updating.modal_residuals import Balance
+from modallab.updating.options import ComplexTwoStageOptions, TwoStageOptions
 from modallab.updating.parameterisation import parameterise
 from tests.published import roving
 from tests.published.tables import table
@@ -51,7 +53,7 @@ def test_updating_the_noisy_bay_takes_more_than_one_or_two_shapes(n_shapes: int,
     noise = ModeNoise(eigenvalue=0.005, eigenvector=0.05)
     truth, dofs = damped_bay(0.0)
     target = synthetic_modes(assemble(truth), 10, dofs, noise=noise, rng=np.random.default_rng(0))
-    options = UpdateOptions(n_shapes=n_shapes)
+    options = TwoStageOptions(n_shapes=n_shapes)
     method = UPDATERS["inverse_eigensensitivity"]
     assert method(structure, parameterise(case["macro_1"]), target, options=options).converged is converged
 
@@ -59,7 +61,7 @@ def test_updating_the_noisy_bay_takes_more_than_one_or_two_shapes(n_shapes: int,
 def test_rows_balanced_by_the_size_of_shapes_too_miss_the_printed_location() -> None:
     """Why eq. [3.22] is no default: 8 Hz from table 6.4, where eigenvalue rows alone are 0.1 Hz from it."""
     truth, dofs = damped_bay(0.0)
-    macros, options = parameterise(FRAMES["table_3_1"]["macro_1"]), UpdateOptions(balance="both")
+    macros, options = parameterise(FRAMES["table_3_1"]["macro_1"]), TwoStageOptions(balance=Balance.BOTH)
     method = UPDATERS["inverse_eigensensitivity"]
     found = method(STRUCTURES["bay"](), macros, exact_modes(truth, 10, dofs), options=options)
     away = np.abs(found.frequencies.location - FRAMES["table_6_4"]["located"])
@@ -83,7 +85,7 @@ def updated_with_damping(case: int) -> UpdateResult:
     parameters = parameterise(FRAMES["table_3_1"]["macro_1"], ("mass", "stiffness", "damping"))
     method = UPDATERS["complex_inverse_eigensensitivity"]
     # the default ends location one iteration before the five and six that are printed
-    options = UpdateOptions(location_tolerance=3e-3)
+    options = TwoStageOptions(location_tolerance=3e-3)
     return method(STRUCTURES["bay"](), parameters, exact_modes(truth, 10, dofs), options=options)
 
 
@@ -189,8 +191,8 @@ def test_a_threshold_of_the_largest_loss_would_lose_a_lesser_one_beside_it() -> 
     measured = exact_modes(truth, 10, dofs)
     parameters = parameterise(FRAMES["table_3_1"]["macro_1"], ("mass", "stiffness", "damping"))
     method, found = UPDATERS["complex_inverse_eigensensitivity"], {}
-    for threshold in (UpdateOptions().damping_threshold, 0.06):
-        options = UpdateOptions(damping_threshold=threshold)
+    for threshold in (ComplexTwoStageOptions().damping_threshold, 0.06):
+        options = ComplexTwoStageOptions(damping_threshold=threshold)
         found[threshold] = method(STRUCTURES["bay"](), parameters, measured, options=options)
     usual, high = (one.coefficients["damping"] for one in found.values())
     # noise-free: quadratic convergence below the last step's tolerance of 1e-4

@@ -8,7 +8,6 @@ from typing import Any, Literal
 from fastapi import APIRouter
 from pydantic import BaseModel
 
-from modallab.api.updates.schemas import METHODS
 from modallab.core.options import OptionSpec
 from modallab.estimation.estimator import ESTIMATORS
 from modallab.estimation.windows import WINDOWS
@@ -40,7 +39,7 @@ FAMILIES: Mapping[FamilyName, Mapping[str, Any]] = {
     "windows": WINDOWS,
     "estimators": ESTIMATORS,
     "extraction-methods": {**EXTRACTION_METHODS, **GLOBAL_METHODS},
-    "updating-methods": METHODS,
+    "updating-methods": updating.METHODS,
     "reductions": REDUCTIONS,
 }
 # What a method may be told, of families that have options.

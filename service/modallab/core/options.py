@@ -1,11 +1,11 @@
 """Options of tasks and methods: default, unit, bounds, choices and meaning, declared once with the field."""
 
 import math
-from collections.abc import Mapping
+from collections.abc import Iterable, Mapping
 from dataclasses import MISSING, Field, dataclass, field, fields, replace
 from enum import StrEnum
 from functools import cache
-from typing import Any, get_args, get_type_hints
+from typing import Any, TypeVar, get_args, get_type_hints
 
 from modallab.core.errors import InvalidInputError
 
@@ -147,3 +147,55 @@ def bounds_text(spec: OptionSpec) -> str:
     if spec.lower is None:
         return f"{spec.upper} or less{unit}"
     return f"{spec.lower} to {spec.upper}{unit}"
+
+
+OptionsT = TypeVar("OptionsT", bound=Options)
+
+
+def converted(
+    options: Options | None, expected: type[OptionsT], method: str, reasons: Mapping[str, str] | None = None
+) -> OptionsT:
+    """Return options as those of a method.
+
+    Parameters
+    ----------
+    options
+        Of the type expected, or with some of its fields, as a base class that methods have in common; None
+        for the defaults.
+    expected
+        Options dataclass of the method.
+    method
+        Name of the method, for a refusal.
+    reasons
+        Why the method has no option of a name.
+
+    Raises
+    ------
+    InvalidInputError
+        If an option was given that the method does not have.
+    """
+    if type(options) is expected:
+        return options
+    given = {} if options is None else {name: getattr(options, name) for name in options.specs()}
+    allowed = expected.specs()
+    for name in given.keys() - allowed.keys():
+        if given[name] != options.specs()[name].default and given[name]:  # type: ignore[union-attr]
+            raise unknown_option(method, name, given[name], allowed, reasons)
+    return expected(**{name: value for name, value in given.items() if name in allowed})
+
+
+def unknown_option(
+    method: str,
+    name: str,
+    value: Any,
+    allowed: Iterable[str],
+    reasons: Mapping[str, str] | None = None,
+) -> InvalidInputError:
+    """Return the error of an option that a method does not have."""
+    reason = (reasons or {}).get(name, "")
+    return InvalidInputError(
+        f"{method} has no option {name!r}{reason and ': '}{reason}",
+        field=name,
+        value=value,
+        allowed=", ".join(allowed),
+    )

@@ -5,7 +5,6 @@ from functools import cache
 from typing import Any
 
 from modallab.core.errors import InvalidInputError
-from modallab.core.options import OptionSpec
 
 
 @dataclass(frozen=True)
@@ -54,14 +53,6 @@ class Parameterised:
         """Return the specification of every fitted number by name."""
         own: Any = cls
         return dict(_specs(own))
-
-    @classmethod
-    def as_options(cls) -> dict[str, OptionSpec]:
-        """Return the same with the defaults, for those who set a method's options."""
-        return {
-            name: OptionSpec(spec.doc, spec.unit, spec.lower, spec.upper, default=getattr(cls, name))
-            for name, spec in cls.specs().items()
-        }
 
     def __post_init__(self) -> None:
         for name, spec in self.specs().items():

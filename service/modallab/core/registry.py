@@ -1,6 +1,7 @@
 """Families: named sets of interchangeable parts, one file a part."""
 
 import importlib
+import inspect
 import pkgutil
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from typing import TypeVar
@@ -56,6 +57,11 @@ class Family(Mapping[str, T]):
 
     def __len__(self) -> int:
         return len(self._known())
+
+
+def first_line(documented: object) -> str:
+    """Return the first line of a docstring; empty where there is none."""
+    return (inspect.getdoc(documented) or "").split("\n")[0]
 
 
 def discover(package: str, path: Iterable[str]) -> None:

@@ -1,10 +1,9 @@
 """Options of each extraction method, by the method's name."""
 
 from collections.abc import Mapping
-from dataclasses import fields
 
 from modallab.core.errors import InvalidInputError
-from modallab.core.options import OptionSpec
+from modallab.core.options import OptionSpec, converted
 from modallab.extraction.multi_mode.global_method import GLOBAL_METHODS
 from modallab.extraction.options import ExtractionOptions
 from modallab.extraction.single_mode.method import EXTRACTION_METHODS
@@ -53,20 +52,6 @@ def options_for(method: str, options: ExtractionOptions | None) -> ExtractionOpt
         If there is no such method, or the options are those of another one.
     """
     expected = options_type(method)
-    if options is None:
-        return expected()
-    if type(options) is expected:
-        return options
-    allowed = expected.specs()
-    for f in fields(options):
-        value = getattr(options, f.name)
-        if f.name not in allowed and value:  # leaving out no line is what every method can do
-            near = f.name == "leave_out" and method in EXTRACTION_METHODS
-            why = f": {method} needs the lines nearest resonance" if near else ""
-            raise InvalidInputError(
-                f"{method} has no option {f.name!r}{why}",
-                field=f.name,
-                value=value,
-                allowed=", ".join(allowed),
-            )
-    return expected(**{f.name: getattr(options, f.name) for f in fields(options) if f.name in allowed})
+    single_mode = method in EXTRACTION_METHODS
+    reasons = {"leave_out": f"{method} needs the lines nearest resonance"} if single_mode else {}
+    return converted(options, expected, method, reasons)

@@ -15,8 +15,9 @@ from modallab.updating.direct.method import DIRECT_METHODS, DirectOptions
 from modallab.updating.direct.result import DirectResult
 from modallab.updating.direct.run import update_directly
 from modallab.updating.error_location.method import LOCATORS, LocationResult
-from modallab.updating.error_location.run import LocationOptions, locate
-from modallab.updating.method import UPDATERS, UpdateOptions, UpdateResult
+from modallab.updating.error_location.run import locate
+from modallab.updating.method import UPDATERS, UpdateResult
+from modallab.updating.options import LocationOptions, UpdateOptions
 from modallab.updating.parameterisation import Parameterisation
 from modallab.updating.responses.method import RESPONSE_UPDATERS
 from modallab.updating.responses.target import TargetResponses, target_responses

@@ -115,9 +115,22 @@ def _decode_union(options: tuple[Any, ...], tree: Json, arrays: Mapping[str, NDA
     raise _misfit(path, " | ".join(map(str, options)))
 
 
+def _class_named(cls: type, name: object) -> type | None:
+    """Return the class itself or the subclass of it that has this name; None if there is none."""
+    if cls.__name__ == name:
+        return cls
+    subclasses: list[type] = type.__subclasses__(cls)
+    for subclass in subclasses:
+        if (named := _class_named(subclass, name)) is not None:
+            return named
+    return None
+
+
 def _decode_dataclass(cls: Any, tree: Json, arrays: Mapping[str, NDArray[Any]], path: str) -> Any:
-    if not isinstance(tree, dict) or tree.get(_TYPE) != cls.__name__:
+    named = _class_named(cls, tree.get(_TYPE)) if isinstance(tree, dict) else None
+    if named is None:
         raise _misfit(path, cls.__name__)
+    cls = named
     hints = _hints(cls)
     names = {field.name for field in fields(cls) if field.init}
     if unknown := set(tree) - names - {_TYPE}:

@@ -1,48 +1,44 @@
-"""What each updating method may be told: for those who choose one."""
+"""All updating methods by name, with their options."""
 
 from collections.abc import Mapping
 
 from modallab.core.errors import InvalidInputError
 from modallab.core.options import OptionSpec
-from modallab.fe.reduction import REDUCTIONS
-from modallab.updating.direct.method import DIRECT_METHODS, EXPANSION, DirectOptions
-from modallab.updating.error_location.method import LOCATORS
-from modallab.updating.error_location.run import LocationOptions
-from modallab.updating.method import UPDATERS, options_of
-from modallab.updating.responses.method import RESPONSE_UPDATERS
+from modallab.updating.direct.method import DIRECT_METHODS, RegisteredDirectMethod
+from modallab.updating.error_location.method import LOCATORS, ErrorLocationMethod
+from modallab.updating.method import UPDATERS, ModalUpdatingMethod
+from modallab.updating.part import Part
+from modallab.updating.responses.method import RESPONSE_UPDATERS, ResponseUpdatingMethod
 
-DIRECT: Mapping[str, OptionSpec] = {
-    "completion": OptionSpec(
-        "shapes expanded to all DoFs of the model, or the model reduced to measured ones",
-        choices=(EXPANSION, *REDUCTIONS),
-        default=EXPANSION,
-    ),
-    "expansion": OptionSpec(
-        "the reduction by which shapes are expanded",
-        choices=tuple(REDUCTIONS),
-        default=DirectOptions.expansion,
-    ),
-    "n_modes": OptionSpec("lowest measured modes that are used; all by default", "-", lower=1),
-}
+Method = ModalUpdatingMethod | ResponseUpdatingMethod | ErrorLocationMethod | RegisteredDirectMethod
+
+METHODS: Mapping[str, Method] = {**UPDATERS, **RESPONSE_UPDATERS, **DIRECT_METHODS, **LOCATORS}
 
 
-def method_options(method: str) -> Mapping[str, OptionSpec]:
-    """Return the options of a method by name.
+def method_called(name: str) -> Method:
+    """Return a method by name.
 
     Raises
     ------
     InvalidInputError
         If there is no such method.
     """
-    if method in UPDATERS or method in RESPONSE_UPDATERS:
-        return options_of(method)
-    if method in LOCATORS:
-        return LocationOptions.as_options()
-    if method in DIRECT_METHODS:
-        return DIRECT
-    raise InvalidInputError(
-        f"no updating method called {method!r}",
-        field="method",
-        value=method,
-        allowed=", ".join(sorted([*UPDATERS, *RESPONSE_UPDATERS, *LOCATORS, *DIRECT_METHODS])),
-    )
+    if name not in METHODS:
+        raise InvalidInputError(
+            f"no updating method called {name!r}",
+            field="method",
+            value=name,
+            allowed=", ".join(sorted(METHODS)),
+        )
+    return METHODS[name]
+
+
+def method_options(method: str) -> Mapping[str, OptionSpec]:
+    """Return the specifications of a method's options by name; raises as `method_called`."""
+    return method_called(method).options.specs()
+
+
+def parts_of(method: str) -> tuple[Part, ...]:
+    """Return the parts that a method corrects where none are named, none of a direct method."""
+    registered = method_called(method)
+    return () if isinstance(registered, RegisteredDirectMethod) else registered.parts

@@ -8,9 +8,10 @@ from modallab.fe.assembly import Assembly
 from modallab.fe.structure import Structure
 from modallab.updating.identifiability import Identifiability, identify
 from modallab.updating.iteration import IterationPath, StopReason
-from modallab.updating.method import REGULARISED, Stages, UpdateOptions, UpdateResult
+from modallab.updating.method import Stages, UpdateResult
 from modallab.updating.modal_residuals import ModalResiduals
 from modallab.updating.one_stage_path import OneStagePath, OneStageRule, correct, least_squares_step
+from modallab.updating.options import OneStageOptions, Underdetermined
 from modallab.updating.parameterisation import Parameterisation, by_member
 from modallab.updating.quantities import quantities
 from modallab.updating.sampling import sample
@@ -23,7 +24,7 @@ def update_in_one_stage(
     structure: Structure,
     parameterisation: Parameterisation,
     measured: TargetModes,
-    options: UpdateOptions,
+    options: OneStageOptions,
     progress: Progress,
 ) -> UpdateResult:
     """Return the model corrected to the modes, and how it was found."""
@@ -34,7 +35,7 @@ def update_in_one_stage(
         parameterisation,
         measured,
         0.0,
-        regularised=options.underdetermined == REGULARISED,
+        regularised=options.underdetermined is Underdetermined.REGULARISED,
     )
     rule = OneStageRule(Prior(options.prior), options.tolerance, options.max_iterations, options.rank_jump)
     # Draws take much longer than the path to where they begin.
@@ -105,7 +106,7 @@ def _with_pairing_check(stage_path: OneStagePath, min_mac: float) -> OneStagePat
 
 
 def _identifiability(
-    fit: ModalResiduals, stage_path: OneStagePath, options: UpdateOptions
+    fit: ModalResiduals, stage_path: OneStagePath, options: OneStageOptions
 ) -> Identifiability:
     """Return what the data say without the prior, each block as uncertain as it turned out to be."""
     state, posterior = stage_path.iterations.final, stage_path.posterior

@@ -10,8 +10,9 @@ from modallab.fe.structure import Structure
 from modallab.updating.covariance import coefficient_covariance
 from modallab.updating.iteration import IterationPath, StopReason, StopRule, iterate
 from modallab.updating.location import Suspicion, suspect_members
-from modallab.updating.method import Stages, UpdateOptions, UpdateResult
+from modallab.updating.method import Stages, UpdateResult
 from modallab.updating.modal_residuals import Balance, ModalResiduals, ModelState
+from modallab.updating.options import TwoStageOptions
 from modallab.updating.parameterisation import Parameterisation, Part, by_member
 from modallab.updating.quantities import quantities
 from modallab.updating.target import TargetModes
@@ -21,7 +22,7 @@ def update_in_two_stages(
     structure: Structure,
     parameterisation: Parameterisation,
     measured: TargetModes,
-    options: UpdateOptions,
+    options: TwoStageOptions,
     progress: Progress,
 ) -> UpdateResult:
     """Return the model corrected to the modes, and how it was found.
@@ -39,7 +40,7 @@ def update_in_two_stages(
     rule = StopRule(options.location_tolerance, np.inf, options.max_iterations, options.rank_jump)
     location_path = iterate(macro_residuals, start, rule, stage="location", progress=part(progress, 0.0, 0.5))
     suspicion = suspect_members(
-        parameterisation, location_path.final.values, options.suspect_threshold, options.damping_threshold
+        parameterisation, location_path.final.values, options.suspect_threshold, options.loss_factor_threshold
     )
     if location_path.stop_reason is StopReason.DIVERGED:
         fit, path = (
@@ -70,7 +71,7 @@ def _result(
     fit: ModalResiduals,
     path: IterationPath,
     parts: tuple[Part, ...],
-    options: UpdateOptions,
+    options: TwoStageOptions,
 ) -> UpdateResult:
     final, parameterisation = path.final, fit.parameterisation
     covariance = coefficient_covariance(fit, final, jump=options.rank_jump, within=options.identified_within)

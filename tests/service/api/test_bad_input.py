@@ -228,7 +228,7 @@ EXTRACTIONS: dict[str, tuple[dict[str, Any], str, str]] = {
     "order of a chart that is not drawn": ({"options": {"max_order": 20}}, "invalid_input", "max_order"),
     "lines of a fit of all": ({"method": "lscf", "options": {"lines": 12}}, "invalid_input", "lines"),
     "order beyond bounds": ({"method": "lscf", "options": {"max_order": 1000}}, "invalid_input", "max_order"),
-    "unknown damping": ({"options": {"damping": "dry"}}, "invalid_request", "body.options.damping"),
+    "unknown damping": ({"options": {"damping": "dry"}}, "invalid_input", "damping"),
     "unknown option": ({"options": {"order": 4}}, "invalid_request", "body.options.order"),
     "a word for a count": ({"options": {"lines": "8"}}, "invalid_request", "body.options.lines"),
 }

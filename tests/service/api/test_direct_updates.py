@@ -112,7 +112,7 @@ REFUSED: dict[str, tuple[dict[str, Any], str]] = {
     "a step that a direct method does not take": ({"options": {"max_step": 0.1}}, "max_step"),
     "coefficients": ({"parameterisation": {"macros": [[1, 2]]}}, "parameterisation"),
     "no such completion": ({"options": {"completion": "guess"}}, "completion"),
-    "no such expansion": ({"options": {"expansion": "guess"}}, "reduction"),
+    "no such expansion": ({"options": {"expansion": "guess"}}, "expansion"),
     "both at once": ({"options": {"completion": "guyan", "expansion": "serep"}}, "expansion"),
     "numbers without a reduction": (
         {"options": {"completion": {"kind": "expansion", "parameters": {"modes": 3}}}},

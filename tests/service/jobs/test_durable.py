@@ -23,7 +23,7 @@ from modallab.jobs.durable import DurableRunner, JobPlace
 from modallab.jobs.runner import Job, JobState
 from modallab.store.place import StorePlace, engine_of, open_store
 from modallab.store.plain import to_plain
-from modallab.updating.method import UpdateOptions
+from modallab.updating.options import TwoStageOptions, UpdateOptions
 from modallab.updating.parameterisation import parameterise
 from modallab.updating.partitioning import automatic_groups
 from modallab.updating.studies.plan import NOISE_LEVELS, Division, Level, StudyPlan
@@ -36,7 +36,7 @@ pytestmark = pytest.mark.filterwarnings(
 Places = tuple[StorePlace, JobPlace]
 Work = Callable[[DurableRunner], Awaitable[None]]
 # What noise pulls far is a thousand small steps away: such an update runs to its last iteration.
-ENDLESS = UpdateOptions(
+ENDLESS = TwoStageOptions(
     max_iterations=1000, location_tolerance=1e-12, tolerance=1e-12, suspect_threshold=0.0, max_step=1e-3
 )
 

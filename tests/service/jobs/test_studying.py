@@ -15,7 +15,7 @@ from modallab.jobs.runner import JobState
 from modallab.jobs.work import ShareReporter, count_shares, perform, perform_share
 from modallab.store.place import StorePlace, open_store
 from modallab.store.plain import to_plain
-from modallab.updating.method import UpdateOptions
+from modallab.updating.options import UpdateOptions
 from modallab.updating.parameterisation import parameterise
 from modallab.updating.studies.plan import NOISE_LEVELS, Division, Level, StudyPlan
 

@@ -20,8 +20,8 @@ from modallab.store.sql import SqlStore
 from modallab.updating.direct.method import DirectOptions
 from modallab.updating.direct.result import DirectResult
 from modallab.updating.error_location.method import LocationResult
-from modallab.updating.error_location.run import LocationOptions
-from modallab.updating.method import UpdateOptions, UpdateResult
+from modallab.updating.method import UpdateResult
+from modallab.updating.options import LocationOptions, UpdateOptions
 from modallab.updating.parameterisation import parameterise
 
 PAIRS = to_plain(parameterise([[n, n + 1] for n in range(1, 20, 2)], ["stiffness"]))[0]

@@ -20,7 +20,8 @@ from modallab.fe.structure import JointSpring, Structure
 from modallab.fe.system import DynamicSystem
 from modallab.rig.exact import as_modelled, with_effects
 from modallab.updating.corrected_model import CorrectedModel
-from modallab.updating.method import UPDATERS, UpdateOptions
+from modallab.updating.method import UPDATERS
+from modallab.updating.options import UpdateOptions
 from modallab.updating.parameterisation import Part, at_nodes, parameterise
 from modallab.updating.responses.method import RESPONSE_UPDATERS
 from tests.service.updating.cases import BAY_DOFS, BEAM_DOFS, modes_of

@@ -5,32 +5,27 @@ from typing import Any
 import pytest
 
 from modallab.core.errors import InvalidInputError
-from modallab.updating.direct.method import DIRECT_METHODS, DirectOptions
-from modallab.updating.error_location.method import LOCATORS
-from modallab.updating.error_location.run import LocationOptions
-from modallab.updating.method import UPDATERS, UpdateOptions
-from modallab.updating.method_options import method_options
+from modallab.updating.method_options import METHODS, method_options
 
 
-@pytest.mark.parametrize("method", [*UPDATERS, *LOCATORS, *DIRECT_METHODS])
-def test_the_defaults_that_are_told_are_those_of_a_run(method: str) -> None:
-    kind: Any = UpdateOptions if method in UPDATERS else LocationOptions
-    kind = DirectOptions if method in DIRECT_METHODS else kind
-    told = {name: spec.default for name, spec in method_options(method).items()}
-    assert told
-    assert kind(**told) == kind()
+@pytest.mark.parametrize("method", METHODS)
+def test_the_defaults_of_the_specifications_are_those_of_a_run(method: str) -> None:
+    options: Any = METHODS[method].options
+    defaults = {name: spec.default for name, spec in method_options(method).items()}
+    assert defaults
+    assert options(**defaults) == options()
 
 
-@pytest.mark.parametrize("method", [*UPDATERS, *LOCATORS])
+@pytest.mark.parametrize("method", METHODS)
 def test_bounds_are_those_that_are_kept(method: str) -> None:
-    kind: Any = UpdateOptions if method in UPDATERS else LocationOptions
+    options: Any = METHODS[method].options
     for name, spec in method_options(method).items():
         beyond: float | str = "neither"
         if not spec.choices:
             assert spec.upper is not None
             beyond = 2 * spec.upper
         with pytest.raises(InvalidInputError) as refused:
-            kind(**{name: beyond})
+            options(**{name: beyond})
         assert refused.value.context["field"] == name
 
 

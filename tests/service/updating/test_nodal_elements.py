@@ -11,8 +11,9 @@ from modallab.core.errors import InvalidInputError
 from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.damping import StructuralDamping
 from modallab.fe.structure import GroundSpringElement, PointMass, Structure
-from modallab.updating.method import UPDATERS, UpdateOptions
+from modallab.updating.method import UPDATERS
 from modallab.updating.nodal_elements import nodal_values, node_matrices, with_scaled_nodes
+from modallab.updating.options import UpdateOptions
 from modallab.updating.parameterisation import MacroElement, Part, at_nodes, parameterise
 from modallab.updating.studies.truth import true_coefficients
 from tests.service.updating.cases import BEAM_DOFS, modes_of

@@ -14,7 +14,8 @@ from modallab.fe.imported_elements import GroupMatrices, of_groups
 from modallab.fe.plate import plate
 from modallab.fe.structure import Material
 from modallab.fe.synthetic_modes import ModeNoise
-from modallab.updating.method import UPDATERS, UpdateOptions, UpdateResult
+from modallab.updating.method import UPDATERS, UpdateResult
+from modallab.updating.options import UpdateOptions
 from modallab.updating.parameterisation import parameterise
 from modallab.updating.partitioning import automatic_groups
 from modallab.updating.quantities import Quantity, quantities

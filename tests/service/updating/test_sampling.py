@@ -14,9 +14,10 @@ from modallab.fe.changes import MemberChange, MemberProperty, change
 from modallab.fe.structure import Material, Section
 from modallab.fe.synthetic_modes import ModeNoise
 from modallab.updating.log_coefficients import from_log_changes, log_changes
-from modallab.updating.method import UPDATERS, UpdateOptions
+from modallab.updating.method import UPDATERS
 from modallab.updating.modal_residuals import ModalResiduals
 from modallab.updating.one_stage_path import OneStagePath, OneStageRule, correct
+from modallab.updating.options import OneStageOptions
 from modallab.updating.parameterisation import Parameterisation, parameterise
 from modallab.updating.posterior import PosteriorSample
 from modallab.updating.sampling import sample
@@ -132,7 +133,7 @@ def test_an_update_brings_its_draws_along() -> None:
         MODEL,
         parameterise(THIRDS, ("stiffness",)),
         target,
-        options=UpdateOptions(samples=300, seed=2, prior="range"),
+        options=OneStageOptions(samples=300, seed=2, prior=Prior.RANGE),
         progress=hear,
     )
     assert result.posterior is not None

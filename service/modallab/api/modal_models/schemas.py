@@ -7,12 +7,13 @@ import numpy as np
 from pydantic import Field
 
 from modallab.api.deps import Id
-from modallab.api.wire import NO_CONVERSION, Count, DofText, ModeCount, Number, Seed, Text, Wire
+from modallab.api.derived import OptionsByMethod, body_of, options_from
+from modallab.api.schema import OneOf
+from modallab.api.wire import NO_CONVERSION, DofText, ModeCount, Number, Seed, Text, Wire
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.modal_model import ModalModel, Mode
-from modallab.extraction.method_options import options_type
-from modallab.extraction.options import Damping, ExtractionOptions
+from modallab.extraction.method_options import OPTIONS, options_type
 from modallab.fe.synthetic_modes import Distribution, ModeNoise
 from modallab.store.plain import to_plain
 
@@ -58,26 +59,10 @@ class SyntheticIn(Wire):
 Band = tuple[Number, Number]
 
 
-class ExtractionOptionsIn(Wire):
-    """How an extraction goes about it; what is left out is chosen from the data."""
-
-    lines: Count | None = Field(default=None, description="around each resonance; of single-mode methods")
-    leave_out: Count | None = Field(default=None, description="of these, the nearest to resonance")
-    damping: Damping | None = Field(default=None, description="law of a mode's damping")
-    max_order: Count | None = Field(default=None, description="of the stabilisation chart; of global methods")
-
-    def to_domain(self, method: str) -> ExtractionOptions:
-        """Return the options of a method; `InvalidInputError` if it has no such option."""
-        options = options_type(method)
-        given = self.model_dump(exclude_none=True)
-        for name in given.keys() - options.specs().keys():
-            raise InvalidInputError(
-                f"{method} has no option {name!r}",
-                field=name,
-                value=given[name],
-                allowed=", ".join(options.specs()),
-            )
-        return options(**given)
+EXTRACTION_BODIES = {cls: body_of(cls) for cls in dict.fromkeys(OPTIONS.values())}
+ExtractionOptionsBody = Annotated[
+    Wire, OptionsByMethod({method: EXTRACTION_BODIES[cls] for method, cls in OPTIONS.items()})
+]
 
 
 class ModalModelStart(Wire):
@@ -87,8 +72,12 @@ class ModalModelStart(Wire):
     """
 
     measurement_id: Id
-    method: Text = Field(default="dobson", description="one of `/catalog/extraction-methods`")
-    options: ExtractionOptionsIn = ExtractionOptionsIn()
+    method: Annotated[Text, OneOf(lambda: OPTIONS)] = Field(
+        default="dobson", description="extraction method, as `/catalog/extraction-methods` lists them"
+    )
+    options: ExtractionOptionsBody = Field(
+        default_factory=dict, validate_default=True, description="options of the method"
+    )
     bands: Literal["auto"] | Annotated[list[Band], Field(min_length=1, max_length=500)] = "auto"
     n_modes: Annotated[int, Field(ge=1, le=500), NO_CONVERSION] | None = None
     correct_window_damping: bool = Field(
@@ -103,8 +92,8 @@ class ModalModelStart(Wire):
         InvalidInputError
             If the method is unknown, or cannot do what is asked of it.
         """
-        options = self.options.to_domain(self.method)
-        arguments = self.model_dump(mode="json") | {"options": to_plain(options)[0]}
+        options = options_from(options_type(self.method), self.options)
+        arguments = self.model_dump(mode="json", exclude={"options"}) | {"options": to_plain(options)[0]}
         return arguments | {"bands": None if self.bands == "auto" else self.bands}
 
 

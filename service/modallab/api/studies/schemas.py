@@ -7,9 +7,10 @@ from numpy.typing import NDArray
 from pydantic import BaseModel, Field
 
 from modallab.api.deps import Id
+from modallab.api.derived import OptionsByMethod
 from modallab.api.modal_models.schemas import Dofs, ModeNoiseIn, distinct
 from modallab.api.updates.parameterisation import Macros, ParameterisationIn, Parts
-from modallab.api.updates.schemas import UpdateOptionsIn, refuse
+from modallab.api.updates.schemas import UPDATE_BODIES, coefficient_options, refuse
 from modallab.api.wire import EntryOut, ModeCount, Number, Seed, Text, Wire
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
@@ -17,7 +18,9 @@ from modallab.fe.structure import Structure
 from modallab.rig.exact import as_modelled
 from modallab.store.base import Entry
 from modallab.store.plain import to_plain
-from modallab.updating.method import SAMPLING
+from modallab.updating.error_location.method import LOCATORS
+from modallab.updating.method import UPDATERS
+from modallab.updating.options import SAMPLING
 from modallab.updating.studies.plan import NOISE_LEVELS, Division, Level, StudyPlan, check_method
 from modallab.updating.studies.run import StudyUpdate
 from modallab.updating.studies.settings import STUDY
@@ -50,6 +53,12 @@ def _level(given: str | LevelIn) -> Level:
     return Level(given, NOISE_LEVELS[given])
 
 
+STUDY_METHODS = {**UPDATERS, **LOCATORS}
+StudyOptionsBody = Annotated[
+    Wire, OptionsByMethod({name: UPDATE_BODIES[method.options] for name, method in STUDY_METHODS.items()})
+]
+
+
 class StudyStart(Wire):
     """A method to be tried on modes of a known structure: levels of noise x divisions x seeds."""
 
@@ -70,7 +79,9 @@ class StudyStart(Wire):
     parts: Parts = None
     lower: Number = 0.05
     upper: Number = 10.0
-    options: UpdateOptionsIn = UpdateOptionsIn()
+    options: StudyOptionsBody = Field(
+        default_factory=dict, validate_default=True, description="options of the method"
+    )
 
     def to_arguments(self, model: Structure, truth: Structure) -> dict[str, Any]:
         """Return the task's arguments, checked as far as can be before the work.
@@ -82,7 +93,7 @@ class StudyStart(Wire):
             seed comes twice, there are too many runs, or the true structure is no changed copy of the model.
         """
         check_method(self.method)
-        refuse({name for name in SAMPLING if getattr(self.options, name) is not None}, "a study")
+        refuse(self.options.model_fields_set & set(SAMPLING), "a study")
         plan = StudyPlan(
             method=self.method,
             levels=tuple(_level(one) for one in self.levels),
@@ -93,7 +104,7 @@ class StudyStart(Wire):
             seeds=tuple(self.seeds),
             count=self.count,
             dofs=distinct(self.dofs),
-            options=self.options.to_domain(self.method),
+            options=coefficient_options(self.method, self.options),
         )
         true = true_coefficients(model, truth, plan.parts)
         _check_size(plan.n_runs, sum(map(len, true.values())))

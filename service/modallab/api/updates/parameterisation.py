@@ -6,7 +6,7 @@ from pydantic import Field
 
 from modallab.api.wire import NO_CONVERSION, Count, Number, Text, Wire
 from modallab.fe.structure import Structure
-from modallab.updating.method import parts_of
+from modallab.updating.method_options import parts_of
 from modallab.updating.parameterisation import (
     Parameterisation,
     Part,

@@ -1,111 +1,76 @@
 """Wire types of updates."""
 
 from collections.abc import Set
-from typing import Annotated, Any, Self
+from typing import Annotated, Any, Self, cast
 
 from pydantic import Field
 
 from modallab.api.deps import Id
+from modallab.api.derived import OptionsByMethod, body_of, options_from, refuse_foreign
 from modallab.api.reductions import Reduced, ReductionIn
+from modallab.api.schema import OneOf
 from modallab.api.updates.direct import DirectOut, direct_fields
 from modallab.api.updates.identified import IdentifiabilityOut, QuantityOut
 from modallab.api.updates.located import LocatedOut, located_fields, number
 from modallab.api.updates.parameterisation import ParameterisationIn
 from modallab.api.updates.posterior import PosteriorOut
 from modallab.api.updates.responses import ResponsesOut
-from modallab.api.wire import NO_CONVERSION, EntryOut, NoiseFloor, Number, Seed, Text, Wire
+from modallab.api.wire import EntryOut, NoiseFloor, Text, Wire
 from modallab.core.errors import InvalidInputError
 from modallab.fe.structure import Structure
 from modallab.store.base import Entry
 from modallab.store.plain import to_plain
 from modallab.updating.direct.method import DIRECT_METHODS, EXPANSION, DirectOptions
 from modallab.updating.direct.result import DirectResult
-from modallab.updating.error_location.method import LOCATORS, LocationResult
-from modallab.updating.error_location.run import LocationOptions
+from modallab.updating.error_location.method import LocationResult
 from modallab.updating.iteration import Iteration
-from modallab.updating.method import UPDATERS, Stages, UpdateOptions, UpdateResult
-from modallab.updating.method_options import DIRECT, method_options
+from modallab.updating.method import Stages, UpdateResult
+from modallab.updating.method_options import METHODS, method_called
+from modallab.updating.options import LocationOptions, OneStageOptions, UpdateOptions
 from modallab.updating.responses.method import RESPONSE_UPDATERS
 from modallab.updating.sampling import require_sampler
 
-METHODS = {**UPDATERS, **RESPONSE_UPDATERS, **DIRECT_METHODS, **LOCATORS}
 Completion = Annotated[
     Text | ReductionIn,
     Field(description="`expansion` of shapes to all DoFs, or a reduction of the model to measured ones"),
 ]
-Floor = NoiseFloor | None
-UpTo1000 = Annotated[int, Field(ge=1, le=1000), NO_CONVERSION]
+_TYPES = dict.fromkeys(method.options for method in METHODS.values())
+UPDATE_BODIES = {
+    cls: body_of(cls, completion=Completion, expansion=Reduced) if cls is DirectOptions else body_of(cls)
+    for cls in _TYPES
+}
+UpdateOptionsBody = Annotated[
+    Wire, OptionsByMethod({name: UPDATE_BODIES[method.options] for name, method in METHODS.items()})
+]
 
 
-class UpdateOptionsIn(Wire):
-    """How an update is run; what is left out has the method's default."""
+def coefficient_options(method: str, body: Wire) -> UpdateOptions | LocationOptions:
+    """Return the options of a method that moves coefficients, or locates errors by one step.
 
-    max_iterations: UpTo1000 | None = None
-    location_tolerance: Number | None = None
-    tolerance: Number | None = None
-    suspect_threshold: Number | None = None
-    damping_threshold: Number | None = None
-    max_step: Number | None = None
-    n_shapes: Annotated[int, Field(ge=0, le=1000), NO_CONVERSION] | None = Field(
-        default=None,
-        description="lowest modes whose shapes count, of a method with a location stage; left out: all",
-    )
-    balance: Text | None = Field(
-        default=None,
-        description="`eigenvalues` or `both`: rows divided by their size, of a method with a location stage",
-    )
-    rank_jump: Number | None = None
-    min_mac: Number | None = None
-    identified_within: Number | None = None
-    prior: Text | None = Field(
-        default=None, description="`sparse`, `common` or `range`, of a method that corrects all at once"
-    )
-    underdetermined: Text | None = Field(
-        default=None, description="`refused` or `regularised`, of a method that has a prior"
-    )
-    samples: Annotated[int, Field(ge=0, le=2**31), NO_CONVERSION] | None = Field(
-        default=None,
-        description="draws from the posterior, of a method that corrects modes all at once",
-    )
-    seed: Seed | None = None
-    completion: Completion | None = None
-    expansion: Reduced | None = None
-    n_modes: UpTo1000 | None = Field(
-        default=None, description="lowest measured modes that a direct method uses"
-    )
-
-    def to_domain(self, method: str) -> UpdateOptions | LocationOptions:
-        """Return the options of a method that moves coefficients, or locates errors by one step.
-
-        Raises
-        ------
-        InvalidInputError
-            If one is out of bounds, or means nothing to the method.
-        """
-        given = self.model_dump(exclude_none=True)
-        refuse(given.keys() & DIRECT.keys(), "a method that moves coefficients")
-        if method in LOCATORS:
-            refuse(given.keys() - LocationOptions.specs().keys(), "a method that locates errors by one step")
-            return LocationOptions(**given)
-        refuse(given.keys() - method_options(method).keys(), method)
-        options = UpdateOptions(**given)
-        if options.samples:
-            require_sampler()  # known now: no job fails for it later
-        return options
-
-    def to_direct(self) -> DirectOptions:
-        """Return the options of a direct method; `InvalidInputError` where one is wrong."""
-        given = self.model_dump(exclude_none=True).keys()
-        refuse(given - DIRECT.keys(), "a direct method")
-        completion, numbers = _named(self.completion or EXPANSION)
-        if completion != EXPANSION:
-            refuse(given & {"expansion"}, "a method on a reduced model")
-            return DirectOptions(completion, reduction_parameters=numbers, n_modes=self.n_modes)
-        refuse(numbers.keys(), "an expansion without a reduction, which `expansion` takes")
-        return DirectOptions(EXPANSION, *_named(self.expansion or DirectOptions.expansion), self.n_modes)
+    Raises
+    ------
+    InvalidInputError
+        If one is out of bounds, or draws are asked for where nothing can draw them.
+    """
+    options = options_from(method_called(method).options, body)
+    if isinstance(options, OneStageOptions) and options.samples:
+        require_sampler()  # known now: no job fails for it later
+    return cast(UpdateOptions | LocationOptions, options)
 
 
-def _named(given: str | ReductionIn) -> tuple[str, dict[str, float]]:
+def direct_options(body: Any) -> DirectOptions:
+    """Return the options of a direct method; `InvalidInputError` where one is wrong."""
+    refuse_foreign(body)
+    completion, parameters = _kind_and_parameters(body.completion)
+    if completion != EXPANSION:
+        refuse(body.model_fields_set & {"expansion"}, "a method on a reduced model")
+        return DirectOptions(completion, reduction_parameters=parameters, n_modes=body.n_modes)
+    refuse(parameters.keys(), "an expansion without a reduction, which `expansion` takes")
+    kind, parameters = _kind_and_parameters(body.expansion)
+    return DirectOptions(EXPANSION, kind, body.n_modes, parameters)
+
+
+def _kind_and_parameters(given: str | ReductionIn) -> tuple[str, dict[str, float]]:
     return (given, {}) if isinstance(given, str) else (given.kind, given.parameters)
 
 
@@ -122,13 +87,18 @@ class UpdateStart(Wire):
     structure_id: Id
     modal_model_id: Id | None = Field(default=None, description="of every method but those that take FRFs")
     measurement_id: Id | None = Field(default=None, description="of a method that takes FRFs: frf_residual")
-    noise_floor: Floor = Field(
+    noise_floor: NoiseFloor | None = Field(
         default=None,
         description="relative random error of every measured FRF, beside what coherence and averages tell",
     )
-    method: Text = "inverse_eigensensitivity"
+    method: Annotated[Text, OneOf(lambda: METHODS)] = Field(
+        default="inverse_eigensensitivity",
+        description="updating method, as `/catalog/updating-methods` lists them",
+    )
     parameterisation: ParameterisationIn = ParameterisationIn()
-    options: UpdateOptionsIn = UpdateOptionsIn()
+    options: UpdateOptionsBody = Field(
+        default_factory=dict, validate_default=True, description="options of the method"
+    )
 
     def to_arguments(self, structure: Structure) -> dict[str, Any]:
         """Return the task's arguments, checked as far as can be before the work.
@@ -138,18 +108,12 @@ class UpdateStart(Wire):
         InvalidInputError
             If the method, a part, a member or an option is unknown or out of bounds.
         """
-        if self.method not in METHODS:
-            raise InvalidInputError(
-                f"no updating method called {self.method!r}",
-                field="method",
-                value=self.method,
-                allowed=", ".join(sorted(METHODS)),
-            )
+        method_called(self.method)
         arguments = {"structure_id": self.structure_id, "method": self.method, **self._measured()}
         if self.method in DIRECT_METHODS:
             refuse(self.model_fields_set & {"parameterisation"}, "a direct method")
-            return arguments | {"options": to_plain(self.options.to_direct())[0]}
-        options = self.options.to_domain(self.method)
+            return arguments | {"options": to_plain(direct_options(self.options))[0]}
+        options = coefficient_options(self.method, self.options)
         return arguments | {
             "parameterisation": to_plain(self.parameterisation.to_domain(structure, self.method))[0],
             "options": to_plain(options)[0],

@@ -6,7 +6,7 @@ from typing import Protocol
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray, frozen
-from modallab.core.registry import Family
+from modallab.core.registry import Family, first_line
 from modallab.extraction.options import GlobalOptions
 
 
@@ -83,6 +83,11 @@ class RegisteredGlobalMethod:
     """Poles of all FRFs together at rising orders."""
     options: type[GlobalOptions] = GlobalOptions
     """Options dataclass of the method."""
+
+    @property
+    def summary(self) -> str:
+        """First line of the method's description."""
+        return first_line(self.find)
 
     def __call__(self, freq: FloatArray, frf: ComplexArray, weight: FloatArray, orders: IntArray) -> Poles:
         return self.find(freq, frf, weight, orders)

@@ -10,7 +10,7 @@ import numpy as np
 
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from modallab.core.errors import NoModeInBandError
-from modallab.core.registry import Family
+from modallab.core.registry import Family, first_line
 from modallab.extraction.options import DistantLinesOptions, ExtractionOptions, SingleModeOptions
 
 
@@ -134,6 +134,11 @@ class SingleModeMethod:
     """Names of the options that `fit` and `plot` take as keywords."""
     exact: bool = True
     """Whether clean lines of one mode and a constant give back that mode."""
+
+    @property
+    def summary(self) -> str:
+        """First line of the method's description."""
+        return first_line(self.fit)
 
     def __call__(self, freq: FloatArray, frf: ComplexArray, weight: FloatArray) -> ModeFits:
         return self.fit(freq, frf, weight)

@@ -8,8 +8,8 @@ import numpy as np
 
 from modallab.core.arrays import FloatArray, IntArray, frozen
 from modallab.core.dof import Dof
-from modallab.core.errors import InvalidInputError
-from modallab.core.registry import Family
+from modallab.core.options import Options, option
+from modallab.core.registry import Family, first_line
 from modallab.fe.reduction import REDUCTIONS, reduction_of
 
 
@@ -96,15 +96,12 @@ class DirectMethod(Protocol):
         ...
 
 
-DIRECT_METHODS: Family[DirectMethod] = Family("updating method", home="modallab.updating.direct.methods")
-
-
 EXPANSION = "expansion"
 
 
 @dataclass(frozen=True)
-class DirectOptions:
-    """How a direct method comes by shapes at all degrees of freedom of a model, and which modes it uses.
+class DirectOptions(Options):
+    """Options of every direct method.
 
     Raises
     ------
@@ -112,26 +109,55 @@ class DirectOptions:
         If there is no such completion, or the reduction or its numbers do not exist.
     """
 
-    # "expansion": shapes to all DoFs of the model; or the kind of a reduction of the model to measured DoFs
-    completion: str = EXPANSION
-    expansion: str = "dynamic"  # the reduction by which shapes are expanded
-    reduction_parameters: Mapping[str, float] = field(default_factory=dict)  # of either
-    n_modes: int | None = None  # lowest measured modes that are used, the others held against the result
+    completion: str = option(
+        EXPANSION,
+        doc="measured shapes expanded to all DoFs of the model, or the model reduced to measured ones",
+        choices=(EXPANSION, *REDUCTIONS),
+    )
+    expansion: str = option(
+        "dynamic", doc="the reduction by which shapes are expanded", choices=tuple(REDUCTIONS)
+    )
+    n_modes: int | None = option(
+        None,
+        unit="1",
+        lower=1,
+        upper=1000,
+        doc="number of lowest measured modes that are used; all by default",
+    )
+    reduction_parameters: Mapping[str, float] = field(default_factory=dict)
+    """Numbers of the reduction by name: of `completion`, or else of `expansion`."""
 
     def __post_init__(self) -> None:
-        if self.completion != EXPANSION and self.completion not in REDUCTIONS:
-            raise InvalidInputError(
-                "shapes are expanded, or the model is reduced",
-                field="completion",
-                value=self.completion,
-                allowed=", ".join((EXPANSION, *REDUCTIONS)),
-            )
+        super().__post_init__()
         reduction_of(self.reduction, self.reduction_parameters)
 
     @property
     def reduction(self) -> str:
         """The kind of reduction by which either is done."""
         return self.expansion if self.completion == EXPANSION else self.completion
+
+
+@dataclass(frozen=True)
+class RegisteredDirectMethod:
+    """A direct method with its options; called, it solves its problem."""
+
+    solve: DirectMethod
+    """Updated matrices, or errors by degree of freedom."""
+    options: type[DirectOptions] = DirectOptions
+    """Options dataclass of the method."""
+
+    @property
+    def summary(self) -> str:
+        """First line of the method's description."""
+        return first_line(self.solve)
+
+    def __call__(self, problem: DirectProblem) -> Correction | ErrorLocation:
+        return self.solve(problem)
+
+
+DIRECT_METHODS: Family[RegisteredDirectMethod] = Family(
+    "updating method", home="modallab.updating.direct.methods"
+)
 
 
 def relative_row_norms(change: FloatArray, reference: FloatArray, scale: FloatArray) -> FloatArray:

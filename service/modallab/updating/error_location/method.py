@@ -5,7 +5,8 @@ from dataclasses import dataclass
 from typing import Protocol
 
 from modallab.core.arrays import BoolArray, FloatArray, frozen
-from modallab.core.registry import Family
+from modallab.core.registry import Family, first_line
+from modallab.updating.options import LocationOptions
 from modallab.updating.part import Part
 
 LOCATED = "errors are located, nothing is corrected"
@@ -54,7 +55,29 @@ class Locator(Protocol):
         ...
 
 
-LOCATORS: Family[Locator] = Family("updating method", home="modallab.updating.error_location.methods")
+@dataclass(frozen=True)
+class ErrorLocationMethod:
+    """A method of error location with its options; called, it locates errors."""
+
+    locate: Locator
+    """Suspected coefficients of one linear step."""
+    options: type[LocationOptions] = LocationOptions
+    """Options dataclass of the method."""
+    parts: tuple[Part, ...] = (Part.MASS, Part.STIFFNESS)
+    """Parts of the members' matrices that are looked at where none are named."""
+
+    @property
+    def summary(self) -> str:
+        """First line of the method's description."""
+        return first_line(self.locate)
+
+    def __call__(self, problem: LinearProblem, *, threshold: float, jump: float) -> LinearLocation:
+        return self.locate(problem, threshold=threshold, jump=jump)
+
+
+LOCATORS: Family[ErrorLocationMethod] = Family(
+    "updating method", home="modallab.updating.error_location.methods"
+)
 
 
 @dataclass(frozen=True, eq=False)

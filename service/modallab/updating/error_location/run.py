@@ -1,35 +1,17 @@
 """Locate errors by one linear step from a model as it stands."""
 
-from dataclasses import dataclass
-
 import numpy as np
 
 from modallab.core.modal_model import ModalModel
-from modallab.core.parameters import Parameterised, parameter
 from modallab.core.progress import Progress, silent
 from modallab.fe.assembly import Assembly
 from modallab.fe.structure import Structure
 from modallab.updating.error_location.method import LOCATORS, LinearLocation, LinearProblem, LocationResult
 from modallab.updating.iteration import check_sensitivity
 from modallab.updating.modal_residuals import ModalResiduals, ModelState
+from modallab.updating.options import LocationOptions
 from modallab.updating.parameterisation import Parameterisation, by_member
 from modallab.updating.target import real_modes
-
-
-@dataclass(frozen=True)
-class LocationOptions(Parameterised):
-    """How errors are located."""
-
-    suspect_threshold: float = parameter(
-        0.08, unit="-", lower=0.0, upper=10.0, doc="change of a coefficient from which it is suspected"
-    )
-    rank_jump: float = parameter(
-        1e3, unit="-", lower=2.0, upper=1e15, doc="ratio of consecutive singular values that ends the rank"
-    )
-    min_mac: float = parameter(
-        0.3, unit="-", lower=0.0, upper=1.0, doc="MAC below which a measured and a model mode do not pair"
-    )
-
 
 DEFAULTS = LocationOptions()
 

@@ -3,22 +3,21 @@
 from modallab.core.modal_model import ModalModel
 from modallab.core.progress import Progress, silent
 from modallab.fe.structure import Structure
-from modallab.updating.method import DEFAULTS, PARTS, UPDATERS, UpdateOptions, UpdateResult
-from modallab.updating.parameterisation import Parameterisation, Part
+from modallab.updating.method import MASS_STIFFNESS_AND_DAMPING, UPDATERS, ModalUpdatingMethod, UpdateResult
+from modallab.updating.options import ComplexTwoStageOptions
+from modallab.updating.parameterisation import Parameterisation
 from modallab.updating.target import complex_modes
 from modallab.updating.two_stage import update_in_two_stages
 
-METHOD = "complex_inverse_eigensensitivity"
-PARTS.register(METHOD)((Part.MASS, Part.STIFFNESS, Part.DAMPING))
+DEFAULTS = ComplexTwoStageOptions()
 
 
-@UPDATERS.register(METHOD)
 def complex_inverse_eigensensitivity(
     structure: Structure,
     parameterisation: Parameterisation,
     target: ModalModel,
     *,
-    options: UpdateOptions = DEFAULTS,
+    options: ComplexTwoStageOptions = DEFAULTS,
     progress: Progress = silent,
 ) -> UpdateResult:
     """Correct mass, stiffness and damping of elements from measured complex modes, located first.
@@ -46,3 +45,10 @@ def complex_inverse_eigensensitivity(
         If the structure lacks a measured DoF.
     """
     return update_in_two_stages(structure, parameterisation, complex_modes(target), options, progress)
+
+
+UPDATERS.register("complex_inverse_eigensensitivity")(
+    ModalUpdatingMethod(
+        complex_inverse_eigensensitivity, ComplexTwoStageOptions, parts=MASS_STIFFNESS_AND_DAMPING
+    )
+)

@@ -3,31 +3,21 @@
 from modallab.core.modal_model import ModalModel
 from modallab.core.progress import Progress, silent
 from modallab.fe.structure import Structure
-from modallab.updating.method import (
-    DEFAULTS,
-    PARTS,
-    TWO_STAGE,
-    UNUSED_OPTIONS,
-    UPDATERS,
-    UpdateOptions,
-    UpdateResult,
-)
+from modallab.updating.method import MASS_STIFFNESS_AND_DAMPING, UPDATERS, ModalUpdatingMethod, UpdateResult
 from modallab.updating.one_stage import update_in_one_stage
-from modallab.updating.parameterisation import Parameterisation, Part
+from modallab.updating.options import OneStageOptions
+from modallab.updating.parameterisation import Parameterisation
 from modallab.updating.target import complex_modes
 
-METHOD = "complex_one_shot"
-UNUSED_OPTIONS.register(METHOD)(TWO_STAGE)
-PARTS.register(METHOD)((Part.MASS, Part.STIFFNESS, Part.DAMPING))
+DEFAULTS = OneStageOptions()
 
 
-@UPDATERS.register(METHOD)
 def complex_one_shot(
     structure: Structure,
     parameterisation: Parameterisation,
     target: ModalModel,
     *,
-    options: UpdateOptions = DEFAULTS,
+    options: OneStageOptions = DEFAULTS,
     progress: Progress = silent,
 ) -> UpdateResult:
     """Correct mass, stiffness and damping of all elements at once from measured complex modes.
@@ -52,3 +42,8 @@ def complex_one_shot(
         If the structure lacks a measured DoF.
     """
     return update_in_one_stage(structure, parameterisation, complex_modes(target), options, progress)
+
+
+UPDATERS.register("complex_one_shot")(
+    ModalUpdatingMethod(complex_one_shot, OneStageOptions, parts=MASS_STIFFNESS_AND_DAMPING)
+)

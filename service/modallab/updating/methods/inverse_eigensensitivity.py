@@ -3,19 +3,21 @@
 from modallab.core.modal_model import ModalModel
 from modallab.core.progress import Progress, silent
 from modallab.fe.structure import Structure
-from modallab.updating.method import DEFAULTS, UPDATERS, UpdateOptions, UpdateResult
+from modallab.updating.method import UPDATERS, ModalUpdatingMethod, UpdateResult
+from modallab.updating.options import TwoStageOptions
 from modallab.updating.parameterisation import Parameterisation
 from modallab.updating.target import real_modes
 from modallab.updating.two_stage import update_in_two_stages
 
+DEFAULTS = TwoStageOptions()
 
-@UPDATERS.register("inverse_eigensensitivity")
+
 def inverse_eigensensitivity(
     structure: Structure,
     parameterisation: Parameterisation,
     target: ModalModel,
     *,
-    options: UpdateOptions = DEFAULTS,
+    options: TwoStageOptions = DEFAULTS,
     progress: Progress = silent,
 ) -> UpdateResult:
     """Correct mass and stiffness of elements from measured frequencies and shapes, located first.
@@ -39,3 +41,6 @@ def inverse_eigensensitivity(
         If the structure lacks a measured DoF.
     """
     return update_in_two_stages(structure, parameterisation, real_modes(target), options, progress)
+
+
+UPDATERS.register("inverse_eigensensitivity")(ModalUpdatingMethod(inverse_eigensensitivity, TwoStageOptions))

@@ -3,29 +3,21 @@
 from modallab.core.modal_model import ModalModel
 from modallab.core.progress import Progress, silent
 from modallab.fe.structure import Structure
-from modallab.updating.method import (
-    DEFAULTS,
-    TWO_STAGE,
-    UNUSED_OPTIONS,
-    UPDATERS,
-    UpdateOptions,
-    UpdateResult,
-)
+from modallab.updating.method import UPDATERS, ModalUpdatingMethod, UpdateResult
 from modallab.updating.one_stage import update_in_one_stage
+from modallab.updating.options import OneStageOptions
 from modallab.updating.parameterisation import Parameterisation
 from modallab.updating.target import real_modes
 
-METHOD = "one_shot"
-UNUSED_OPTIONS.register(METHOD)(TWO_STAGE)
+DEFAULTS = OneStageOptions()
 
 
-@UPDATERS.register(METHOD)
 def one_shot(
     structure: Structure,
     parameterisation: Parameterisation,
     target: ModalModel,
     *,
-    options: UpdateOptions = DEFAULTS,
+    options: OneStageOptions = DEFAULTS,
     progress: Progress = silent,
 ) -> UpdateResult:
     """Correct mass and stiffness of all elements at once, with a prior as wide as the data ask for.
@@ -51,3 +43,6 @@ def one_shot(
         If the structure lacks a measured DoF.
     """
     return update_in_one_stage(structure, parameterisation, real_modes(target), options, progress)
+
+
+UPDATERS.register("one_shot")(ModalUpdatingMethod(one_shot, OneStageOptions))

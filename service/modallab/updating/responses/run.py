@@ -10,8 +10,9 @@ from modallab.fe.structure import Structure
 from modallab.updating.corrected_model import CorrectedModel
 from modallab.updating.identifiability import Identifiability, identify
 from modallab.updating.iteration import StopReason
-from modallab.updating.method import REGULARISED, Stages, UpdateOptions, UpdateResult
+from modallab.updating.method import Stages, UpdateResult
 from modallab.updating.one_stage_path import OneStageRule, least_squares_step
+from modallab.updating.options import ResponseUpdateOptions, Underdetermined
 from modallab.updating.parameterisation import Parameterisation, by_member
 from modallab.updating.quantities import quantities
 from modallab.updating.responses.correct import ResponsePath, correct
@@ -28,7 +29,7 @@ def update_on_responses(
     structure: Structure,
     parameterisation: Parameterisation,
     target: TargetResponses,
-    options: UpdateOptions,
+    options: ResponseUpdateOptions,
     progress: Progress,
 ) -> UpdateResult:
     """Return the model corrected to the responses, and how it was found."""
@@ -68,9 +69,9 @@ def update_on_responses(
     )
 
 
-def check_determined(target: TargetResponses, n_params: int, options: UpdateOptions) -> None:
+def check_determined(target: TargetResponses, n_params: int, options: ResponseUpdateOptions) -> None:
     """Raise `UnderdeterminedError` if there are too few measured numbers, unless the prior is to decide."""
-    if target.n_numbers < n_params and options.underdetermined != REGULARISED:
+    if target.n_numbers < n_params and options.underdetermined is not Underdetermined.REGULARISED:
         raise UnderdeterminedError(
             f"{target.n_numbers} measured numbers cannot determine {n_params} coefficients",
             field="macros",
@@ -87,7 +88,7 @@ def _misfit_note(path: ResponsePath) -> str:
 
 
 def _identifiability(
-    parameterisation: Parameterisation, path: ResponsePath, options: UpdateOptions
+    parameterisation: Parameterisation, path: ResponsePath, options: ResponseUpdateOptions
 ) -> Identifiability:
     """Return what the data say without the prior, each band as uncertain as it turned out to be."""
     linear = path.linear

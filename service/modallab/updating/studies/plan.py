@@ -7,8 +7,8 @@ from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.fe.synthetic_modes import ModeNoise
 from modallab.updating.error_location.method import LOCATORS
-from modallab.updating.error_location.run import LocationOptions
-from modallab.updating.method import UPDATERS, UpdateOptions
+from modallab.updating.method import UPDATERS
+from modallab.updating.options import LocationOptions, UpdateOptions
 from modallab.updating.parameterisation import Parameterisation, Part
 from modallab.updating.studies.settings import STUDY
 

@@ -13,8 +13,9 @@ from modallab.fe.structure import Structure
 from modallab.fe.synthetic_modes import lowest_modes, synthetic_modes
 from modallab.fe.system import DynamicSystem
 from modallab.updating.error_location.method import LOCATED, LocationResult
-from modallab.updating.error_location.run import LocationOptions, locate
+from modallab.updating.error_location.run import locate
 from modallab.updating.method import UPDATERS, UpdateResult
+from modallab.updating.options import LocationOptions
 from modallab.updating.parameterisation import Part
 from modallab.updating.studies.plan import Division, StudyPlan
 from modallab.updating.studies.truth import Values, erroneous_coefficients

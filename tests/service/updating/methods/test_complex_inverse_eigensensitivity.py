@@ -12,8 +12,10 @@ from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.changes import MemberChange, MemberProperty, change
 from modallab.fe.structure import Structure
 from modallab.fe.synthetic_modes import Distribution, ModeNoise
-from modallab.updating.method import UPDATERS, UpdateOptions, UpdateResult, parts_of
+from modallab.updating.method import UPDATERS, UpdateResult
+from modallab.updating.method_options import parts_of
 from modallab.updating.methods.complex_inverse_eigensensitivity import complex_inverse_eigensensitivity
+from modallab.updating.options import ComplexTwoStageOptions
 from modallab.updating.parameterisation import parameterise
 from modallab.updating.partitioning import automatic_groups
 from tests.service.updating.cases import BAY, BAY_DOFS, BEAM, BEAM_DOFS, WRONG_BAY, modes_of
@@ -94,7 +96,7 @@ def noisy(structure: Structure, seed: int) -> ModalModel:
 
 def test_standard_errors_of_loss_factors_are_the_scatter_of_repeated_tests() -> None:
     parameters = parameterise([(9, 10), (11, 12), (13, 14)], ("stiffness", "damping"))
-    options = UpdateOptions(suspect_threshold=0.0, damping_threshold=0.0)
+    options = ComplexTwoStageOptions(suspect_threshold=0.0, damping_threshold=0.0)
     lossy = change(BEAM, [LOSSY])
     found = [
         complex_inverse_eigensensitivity(BEAM, parameters, noisy(lossy, seed), options=options)

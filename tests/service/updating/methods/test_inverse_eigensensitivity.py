@@ -10,8 +10,9 @@ from modallab.core.errors import UnderdeterminedError
 from modallab.core.modal_model import ModalModel
 from modallab.fe.changes import MemberChange, MemberProperty, change
 from modallab.fe.synthetic_modes import Distribution, ModeNoise
-from modallab.updating.method import UpdateOptions, UpdateResult
+from modallab.updating.method import UpdateResult
 from modallab.updating.methods.inverse_eigensensitivity import inverse_eigensensitivity
+from modallab.updating.options import TwoStageOptions
 from modallab.updating.parameterisation import parameterise
 from modallab.updating.partitioning import automatic_groups
 from tests.service.updating.cases import BAY, BAY_DOFS, BEAM, BEAM_DOFS, WRONG_BEAM, modes_of
@@ -64,7 +65,7 @@ def test_standard_errors_are_the_scatter_of_repeated_tests() -> None:
     stiffer = change(BEAM, [MemberChange((11, 12), MemberProperty.MODULUS, factor=1.5)])
     parameters = parameterise([(9, 10), (11, 12), (13, 14)], ("stiffness",))
     noise = ModeNoise(eigenvalue=1e-3, eigenvector=1e-2, distribution=Distribution.NORMAL)
-    options = UpdateOptions(suspect_threshold=0.0)
+    options = TwoStageOptions(suspect_threshold=0.0)
     found = [
         inverse_eigensensitivity(
             BEAM, parameters, modes_of(stiffer, 8, BEAM_DOFS, noise, seed), options=options
@@ -159,7 +160,8 @@ def test_frequencies_alone_do_where_they_are_more_than_the_coefficients() -> Non
     exact = modes_of(stiffer, 8, BEAM_DOFS)
     spoilt = modes_of(stiffer, 8, BEAM_DOFS, ModeNoise(eigenvector=0.5), 1)
     without, with_shapes = (
-        inverse_eigensensitivity(BEAM, parameters, spoilt, options=UpdateOptions(n_shapes=n)) for n in (0, 8)
+        inverse_eigensensitivity(BEAM, parameters, spoilt, options=TwoStageOptions(n_shapes=n))
+        for n in (0, 8)
     )
     # clamped nowhere, the beam is alike from both ends, and so are its frequencies: 9 and 10 are like 11, 12
     assert without.converged, without.stopped_because
@@ -173,13 +175,13 @@ def test_fewer_shapes_leave_fewer_numbers() -> None:
     # eight eigenvalues and one shape at eleven places
     with pytest.raises(UnderdeterminedError, match="19 measured numbers cannot determine 40"):
         inverse_eigensensitivity(
-            BEAM, parameterise([(n,) for n in range(1, 21)]), target, options=UpdateOptions(n_shapes=1)
+            BEAM, parameterise([(n,) for n in range(1, 21)]), target, options=TwoStageOptions(n_shapes=1)
         )
 
 
 def test_errors_of_shapes_that_are_left_out_do_not_count() -> None:
     stiffer = change(BEAM, [MemberChange((11, 12), MemberProperty.MODULUS, factor=1.5)])
-    parameters, options = parameterise([(11, 12)], ("stiffness",)), UpdateOptions(n_shapes=0)
+    parameters, options = parameterise([(11, 12)], ("stiffness",)), TwoStageOptions(n_shapes=0)
     noise = ModeNoise(eigenvalue=1e-3, eigenvector=1e-2)
     exact_shapes = ModeNoise(eigenvalue=1e-3, eigenvector=1e-3)
     one, other = (

@@ -2,6 +2,7 @@
 
 from dataclasses import replace
 from functools import cache
+from typing import Any
 
 import numpy as np
 import pytest
@@ -10,9 +11,11 @@ from benchmarks.one_shot import CLOSE, ITERATIONS, NL3, SEEDS, WRONG, exact, gar
 from modallab.core.errors import InvalidInputError, UnderdeterminedError
 from modallab.fe.changes import MemberChange, MemberProperty, change
 from modallab.fe.synthetic_modes import ModeNoise
-from modallab.updating.method import UpdateOptions, UpdateResult
+from modallab.updating.method import UpdateResult
 from modallab.updating.methods.one_shot import one_shot
+from modallab.updating.options import OneStageOptions, Underdetermined
 from modallab.updating.parameterisation import parameterise
+from modallab.updating.sparse_bayes import Prior
 from tests.service.updating.cases import BAY, BEAM, BEAM_DOFS, WRONG_BEAM, modes_of
 
 EACH = parameterise([(member.number,) for member in BAY.members])
@@ -79,7 +82,7 @@ def test_many_small_errors_are_found_by_a_prior_common_to_all() -> None:
     target = measured(wrong, ModeNoise(eigenvalue=0.001, eigenvector=0.01), 4)
 
     def rms(prior: str) -> float:
-        found = one_shot(BAY, EACH, target, options=UpdateOptions(prior=prior)).coefficients
+        found = one_shot(BAY, EACH, target, options=OneStageOptions(prior=Prior(prior))).coefficients
         return float(np.sqrt(np.mean([(found[part][n] - wrong[part, n]) ** 2 for part, n in wrong])))
 
     assert rms("common") < 0.07  # of errors of 0.1; the data leave single directions open
@@ -118,7 +121,9 @@ def test_fewer_numbers_than_coefficients_are_refused_with_their_count_or_regular
     target = modes_of(WRONG_BEAM, 3, BEAM_DOFS)
     with pytest.raises(UnderdeterminedError, match="36 measured numbers cannot determine 40 coefficients"):
         one_shot(BEAM, BEAM_EACH, target)
-    result = one_shot(BEAM, BEAM_EACH, target, options=UpdateOptions(underdetermined="regularised"))
+    result = one_shot(
+        BEAM, BEAM_EACH, target, options=OneStageOptions(underdetermined=Underdetermined.REGULARISED)
+    )
     assert result.converged, result.stopped_because
     assert result.frequencies.measured is not None
     np.testing.assert_allclose(result.frequencies.after, result.frequencies.measured, rtol=1e-4)
@@ -177,6 +182,7 @@ def test_an_impossible_target_ends_with_a_reason_and_finite_numbers() -> None:
 
 
 def test_an_unknown_prior_is_refused_by_name() -> None:
+    unknown: dict[str, Any] = {"prior": "flat"}
     with pytest.raises(InvalidInputError, match="no prior 'flat'") as refused:
-        UpdateOptions(prior="flat")
+        OneStageOptions(**unknown)
     assert refused.value.context["allowed"] == "sparse, common, range"

@@ -10,8 +10,9 @@ from modallab.fe.assembly import assemble
 from modallab.fe.changes import MemberChange, MemberProperty, change
 from modallab.fe.structure import Structure
 from modallab.updating.error_location.method import LOCATORS
-from modallab.updating.error_location.run import LocationOptions, locate
-from modallab.updating.method import UPDATERS, UpdateOptions
+from modallab.updating.error_location.run import locate
+from modallab.updating.method import UPDATERS
+from modallab.updating.options import LocationOptions, UpdateOptions
 from modallab.updating.parameterisation import Part, parameterise
 from modallab.updating.partitioning import automatic_groups
 from modallab.updating.studies.plan import NOISE_LEVELS, Division, Level, StudyPlan

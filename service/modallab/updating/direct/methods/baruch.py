@@ -1,10 +1,9 @@
 """Stiffness corrected on the model's own mass."""
 
 from modallab.updating.direct.constrained import constrained_stiffness, mass_orthonormal
-from modallab.updating.direct.method import DIRECT_METHODS, Correction, DirectProblem
+from modallab.updating.direct.method import DIRECT_METHODS, Correction, DirectProblem, RegisteredDirectMethod
 
 
-@DIRECT_METHODS.register("baruch")
 def baruch(problem: DirectProblem) -> Correction:
     """Stiffness nearest to the model's that has the measured modes; the mass is taken to be right.
 
@@ -21,3 +20,6 @@ def baruch(problem: DirectProblem) -> Correction:
     shapes = mass_orthonormal(problem.shapes, problem.mass)
     stiffness = constrained_stiffness(problem.stiffness, problem.mass, shapes, problem.squares)
     return Correction(problem.mass, stiffness, changed=("stiffness",))
+
+
+DIRECT_METHODS.register("baruch")(RegisteredDirectMethod(baruch))

@@ -3,10 +3,9 @@
 import numpy as np
 
 from modallab.updating.direct.constrained import constrained_stiffness, modal_mass
-from modallab.updating.direct.method import DIRECT_METHODS, Correction, DirectProblem
+from modallab.updating.direct.method import DIRECT_METHODS, Correction, DirectProblem, RegisteredDirectMethod
 
 
-@DIRECT_METHODS.register("berman_nagy")
 def berman_nagy(problem: DirectProblem) -> Correction:
     """Mass nearest to the model's in which measured shapes are orthonormal, then a stiffness with the modes.
 
@@ -24,3 +23,6 @@ def berman_nagy(problem: DirectProblem) -> Correction:
     mass = problem.mass + lifted.T @ (np.eye(len(small)) - small) @ lifted
     mass = (mass + mass.T) / 2  # symmetric but for rounding
     return Correction(mass, constrained_stiffness(problem.stiffness, mass, problem.shapes, problem.squares))
+
+
+DIRECT_METHODS.register("berman_nagy")(RegisteredDirectMethod(berman_nagy))

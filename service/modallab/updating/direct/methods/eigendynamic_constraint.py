@@ -11,11 +11,11 @@ from modallab.updating.direct.method import (
     Correction,
     DirectProblem,
     Elements,
+    RegisteredDirectMethod,
     diagonal_scaling,
 )
 
 
-@DIRECT_METHODS.register("eigendynamic_constraint")
 def eigendynamic_constraint(problem: DirectProblem) -> Correction:
     """Mass and stiffness of every member such that measured modes fulfil its equation of motion.
 
@@ -93,3 +93,6 @@ def _check_mass(mass: FloatArray, coefficients: dict[int, float]) -> None:
         value=worst,
         allowed="shapes near enough to those of a structure of these members",
     )
+
+
+DIRECT_METHODS.register("eigendynamic_constraint")(RegisteredDirectMethod(eigendynamic_constraint))

@@ -9,12 +9,12 @@ from modallab.updating.direct.method import (
     DIRECT_METHODS,
     DirectProblem,
     ErrorLocation,
+    RegisteredDirectMethod,
     diagonal_scaling,
     relative_row_norms,
 )
 
 
-@DIRECT_METHODS.register("error_matrix")
 def error_matrix(problem: DirectProblem) -> ErrorLocation:
     """First-order errors of stiffness and mass, as far as the measured modes show them.
 
@@ -72,3 +72,6 @@ def _error(
     model_part, measured_part = matrix @ model_shapes, matrix @ measured
     model_matrix = model_part @ model_part.T
     return model_matrix - measured_part @ measured_part.T, model_matrix
+
+
+DIRECT_METHODS.register("error_matrix")(RegisteredDirectMethod(error_matrix))

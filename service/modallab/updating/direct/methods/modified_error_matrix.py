@@ -2,10 +2,14 @@
 
 import numpy as np
 
-from modallab.updating.direct.method import DIRECT_METHODS, DirectProblem, ErrorLocation
+from modallab.updating.direct.method import (
+    DIRECT_METHODS,
+    DirectProblem,
+    ErrorLocation,
+    RegisteredDirectMethod,
+)
 
 
-@DIRECT_METHODS.register("modified_error_matrix")
 def modified_error_matrix(problem: DirectProblem) -> ErrorLocation:
     """Rows of the force balance that are not zero: DoFs where mass or stiffness is wrong.
 
@@ -27,3 +31,6 @@ def modified_error_matrix(problem: DirectProblem) -> ErrorLocation:
     return ErrorLocation(
         {"force_balance": imbalance @ problem.shapes.T}, {"force_balance": np.asarray(share)}
     )
+
+
+DIRECT_METHODS.register("modified_error_matrix")(RegisteredDirectMethod(modified_error_matrix))

@@ -2,12 +2,16 @@
 
 import numpy as np
 
-from modallab.updating.error_location.method import LOCATORS, LinearLocation, LinearProblem
+from modallab.updating.error_location.method import (
+    LOCATORS,
+    ErrorLocationMethod,
+    LinearLocation,
+    LinearProblem,
+)
 from modallab.updating.error_location.settings import ERROR_LOCATION
 from modallab.updating.solve import balanced_step
 
 
-@LOCATORS.register("zhang_sensitivity")
 def zhang_sensitivity(problem: LinearProblem, *, threshold: float, jump: float) -> LinearLocation:
     """Coefficients that a linear step moves far, unless hardly anything feels them.
 
@@ -23,3 +27,6 @@ def zhang_sensitivity(problem: LinearProblem, *, threshold: float, jump: float) 
         weight > ERROR_LOCATION.min_weight * weight.max(initial=0.0)
     )
     return LinearLocation(step.parameters, weight, suspected, np.zeros(0), step.rank, step.condition_number)
+
+
+LOCATORS.register("zhang_sensitivity")(ErrorLocationMethod(zhang_sensitivity))

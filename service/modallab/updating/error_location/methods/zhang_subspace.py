@@ -2,12 +2,16 @@
 
 import numpy as np
 
-from modallab.updating.error_location.method import LOCATORS, LinearLocation, LinearProblem
+from modallab.updating.error_location.method import (
+    LOCATORS,
+    ErrorLocationMethod,
+    LinearLocation,
+    LinearProblem,
+)
 from modallab.updating.error_location.settings import ERROR_LOCATION
 from modallab.updating.solve import balanced_step
 
 
-@LOCATORS.register("zhang_subspace")
 def zhang_subspace(problem: LinearProblem, *, threshold: float, jump: float) -> LinearLocation:
     """The coefficients of the subspace that, grown one by one, leaves least of the difference.
 
@@ -51,3 +55,6 @@ def zhang_subspace(problem: LinearProblem, *, threshold: float, jump: float) -> 
     return LinearLocation(
         change, weight, np.abs(change) > threshold, np.array(remaining), step.rank, step.condition_number
     )
+
+
+LOCATORS.register("zhang_subspace")(ErrorLocationMethod(zhang_subspace))

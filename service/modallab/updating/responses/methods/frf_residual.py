@@ -2,32 +2,22 @@
 
 from modallab.core.progress import Progress, silent
 from modallab.fe.structure import Structure
-from modallab.updating.method import (
-    DEFAULTS,
-    PARTS,
-    SAMPLING,
-    TWO_STAGE,
-    UNUSED_OPTIONS,
-    UpdateOptions,
-    UpdateResult,
-)
-from modallab.updating.parameterisation import Parameterisation, Part
-from modallab.updating.responses.method import RESPONSE_UPDATERS
+from modallab.updating.method import UpdateResult
+from modallab.updating.options import ResponseUpdateOptions
+from modallab.updating.parameterisation import Parameterisation
+from modallab.updating.responses.method import RESPONSE_UPDATERS, ResponseUpdatingMethod
 from modallab.updating.responses.run import update_on_responses
 from modallab.updating.responses.target import TargetResponses
 
-METHOD = "frf_residual"
-UNUSED_OPTIONS.register(METHOD)((*TWO_STAGE, *SAMPLING, "min_mac"))
-PARTS.register(METHOD)((Part.MASS, Part.STIFFNESS, Part.DAMPING))
+DEFAULTS = ResponseUpdateOptions()
 
 
-@RESPONSE_UPDATERS.register(METHOD)
 def frf_residual(
     structure: Structure,
     parameterisation: Parameterisation,
     target: TargetResponses,
     *,
-    options: UpdateOptions = DEFAULTS,
+    options: ResponseUpdateOptions = DEFAULTS,
     progress: Progress = silent,
 ) -> UpdateResult:
     """Correct mass, stiffness and damping of all elements at once on measured frequency responses.
@@ -53,3 +43,6 @@ def frf_residual(
         If the structure lacks a measured DoF.
     """
     return update_on_responses(structure, parameterisation, target, options, progress)
+
+
+RESPONSE_UPDATERS.register("frf_residual")(ResponseUpdatingMethod(frf_residual))

@@ -18,7 +18,8 @@ from modallab.rig.hardware import Noise
 from modallab.rig.measure import Route, measure
 from modallab.rig.noise_bias import without_noise_bias
 from modallab.rig.setup import RigSetup
-from modallab.updating.method import UpdateOptions, UpdateResult
+from modallab.updating.method import UpdateResult
+from modallab.updating.options import ResponseUpdateOptions, Underdetermined
 from modallab.updating.parameterisation import Parameterisation, parameterise
 from modallab.updating.responses import run
 from modallab.updating.responses.methods.frf_residual import frf_residual
@@ -188,7 +189,9 @@ def test_too_few_numbers_are_refused_with_their_count() -> None:
 
 
 def test_too_few_numbers_are_left_to_the_prior_where_asked() -> None:
-    result = frf_residual(BEAM, BEAM_EACH, few(), options=UpdateOptions(underdetermined="regularised"))
+    result = frf_residual(
+        BEAM, BEAM_EACH, few(), options=ResponseUpdateOptions(underdetermined=Underdetermined.REGULARISED)
+    )
     assert result.rank <= 20
     assert result.identifiability is not None
     assert result.identifiability.directions

@@ -1,0 +1,150 @@
+"""Request models derived from options dataclasses, so that an option is declared in one place."""
+
+from collections.abc import Iterable, Mapping
+from dataclasses import MISSING, Field, fields
+from enum import StrEnum
+from types import NoneType, UnionType
+from typing import Annotated, Any, TypeVar, Union, get_args, get_origin, get_type_hints
+
+from pydantic import Field as WireField
+from pydantic import GetCoreSchemaHandler, ValidationInfo, ValidatorFunctionWrapHandler, create_model
+from pydantic_core import CoreSchema, core_schema
+
+from modallab.api.schema import Limits, OneOf
+from modallab.api.wire import NO_CONVERSION, Count, Number, Text, Wire
+from modallab.core.options import Options, OptionSpec, unknown_option
+
+OptionsT = TypeVar("OptionsT", bound=Options)
+
+_LARGE = 2**31  # above the limit of `Count`, an integer has the bounds of its own option
+
+
+def body_of(cls: type[Options], **wire_types: Any) -> type[Wire]:
+    """Return the request model of an options dataclass: same names, defaults, bounds, choices and texts.
+
+    Bounds and choices stand in the JSON schema; the dataclass enforces them, and names the option.
+
+    Parameters
+    ----------
+    wire_types
+        Types of options whose JSON is not that of their annotation.
+    """
+    hints = get_type_hints(cls)
+    specs = cls.specs()
+    declared = {
+        f.name: (
+            wire_types.get(f.name, _wire_type(hints[f.name], specs[f.name], f)),
+            _field(f, specs[f.name]),
+        )
+        for f in fields(cls)  # type: ignore[arg-type]
+        if f.name in specs
+    }
+    model: Any = create_model(cls.__name__, __base__=Wire, __doc__=cls.__doc__, **declared)  # type: ignore[call-overload]
+    return model  # type: ignore[no-any-return]
+
+
+def options_from(cls: type[OptionsT], body: Wire) -> OptionsT:
+    """Return the options that a request states; those left out have their defaults.
+
+    Raises
+    ------
+    InvalidInputError
+        If one is out of bounds, or an option of another method.
+    """
+    refuse_foreign(body)
+    hints = get_type_hints(cls)
+    stated = {name: getattr(body, name) for name in body.model_fields_set}
+    return cls(**{name: _value(hints[name], value) for name, value in stated.items()})
+
+
+def refuse_foreign(body: Wire) -> None:
+    """Raise `InvalidInputError` where an option of another method was given."""
+    if isinstance(body, ForeignOption):
+        raise unknown_option(body.method, body.name, body.value, body.allowed)
+
+
+class ForeignOption(Wire):
+    """An option of another method than the one named: refused by whoever reads the body."""
+
+    method: str
+    name: str
+    value: Any
+    allowed: list[str]
+
+
+class OptionsByMethod:
+    """Annotation of a field `options` that holds those of the method named by the field `method`.
+
+    The JSON schema is one of the methods' option models; a method that does not exist is left to whoever
+    reads the body.
+    """
+
+    def __init__(self, bodies: Mapping[str, type[Wire]]) -> None:
+        self._bodies = bodies
+
+    def __get_pydantic_core_schema__(self, source: Any, handler: GetCoreSchemaHandler) -> CoreSchema:
+        models = tuple(dict.fromkeys(self._bodies.values()))
+        alternatives = handler.generate_schema(Union[models])  # noqa: UP007
+        return core_schema.with_info_wrap_validator_function(self._validate, alternatives)
+
+    def _validate(self, value: Any, handler: ValidatorFunctionWrapHandler, info: ValidationInfo) -> Any:
+        method = info.data.get("method")
+        if not isinstance(method, str) or method not in self._bodies:
+            return Wire()
+        body = self._bodies[method]
+        if isinstance(value, Mapping):
+            elsewhere = self._known() - body.model_fields.keys()
+            for name in value.keys() & elsewhere:
+                return ForeignOption(
+                    method=method, name=name, value=value[name], allowed=[*body.model_fields]
+                )
+        return body.model_validate(value)
+
+    def _known(self) -> set[str]:
+        """Return the names of all methods' options."""
+        return {name for body in self._bodies.values() for name in body.model_fields}
+
+
+def _field(declared: Field[Any], spec: OptionSpec) -> Any:
+    unit = f", {spec.unit}" if spec.unit not in ("", "1", "-") else ""
+    described = f"{spec.doc}{unit}"
+    if declared.default_factory is not MISSING:
+        return WireField(default_factory=declared.default_factory, description=described)
+    default = declared.default.value if isinstance(declared.default, StrEnum) else declared.default
+    return WireField(default=default, description=described)
+
+
+def _wire_type(hint: Any, spec: OptionSpec, declared: Field[Any]) -> Any:
+    """Return the type of a request's field from that of a dataclass."""
+    if get_origin(hint) in (Union, UnionType):
+        alternatives = [
+            None if one is NoneType else _wire_type(one, spec, declared) for one in get_args(hint)
+        ]
+        return Union[tuple(alternatives)]  # noqa: UP007
+    if spec.choices:
+        return Annotated[Text, OneOf(_names(spec.choices))]
+    if hint is bool:
+        return bool
+    if hint is int and (spec.upper or 0) > _LARGE:
+        return Annotated[int, WireField(ge=spec.lower, le=spec.upper), NO_CONVERSION]
+    if hint in (int, float):
+        lower, above = (spec.lower, False) if spec.above is None else (spec.above, True)
+        return Annotated[Count if hint is int else Number, Limits(lower, spec.upper, above=above)]
+    if hint is str:
+        return Text
+    if isinstance(hint, type) and issubclass(hint, Options):
+        return body_of(hint)
+    if get_origin(hint) is tuple:
+        longest = declared.metadata["max_items"]
+        return Annotated[list[_wire_type(get_args(hint)[0], spec, declared)], WireField(max_length=longest)]  # type: ignore[misc]
+    raise TypeError(f"{declared.name}: no request field is derived from {hint}")
+
+
+def _names(choices: Iterable[str]) -> Any:
+    return lambda: choices
+
+
+def _value(hint: Any, value: Any) -> Any:
+    if isinstance(value, Wire) and isinstance(hint, type) and issubclass(hint, Options):
+        return options_from(hint, value)
+    return tuple(value) if isinstance(value, list) else value
