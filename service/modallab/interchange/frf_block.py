@@ -10,18 +10,15 @@ from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.dof import DIRECTIONS, Dof
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.interchange.measured import MeasuredFile
-from modallab.interchange.uff_split import MOST_LINES, refusal
+from modallab.interchange.settings import FRF_TEXT_FILE, UNIVERSAL
+from modallab.interchange.uff_split import refusal
 
 KINDS = (FrfKind.RECEPTANCE, FrfKind.MOBILITY, FrfKind.INERTANCE)  # 1, 2, 3 in a file
-_MOST_BLOCKS = 6_000
-_LARGEST_NODE = 999_999_999
-_HIGHEST = 1e9  # Hz
-_A_ROW = 10  # frequencies; the last row may be filled up
 _STRANGE = re.compile(r"[^0-9+\-.eEdD \t]")
 # Of F7.1, which the program lists frequencies in.
 _TOUCHING_LISTED = re.compile(r"(?<=\.[0-9])(?=[0-9]{5}\.[0-9])")
 _FORTRAN = str.maketrans("dDe", "EEE")
-_COUNTED = re.compile(r"modallab, FRF \d+ of (\d+)")
+_FRF_COUNT = re.compile(r"modallab, FRF \d+ of (\d+)")
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,8 +45,8 @@ def read_blocks(text: str) -> Iterator[FrfBlock]:
     """
     reader = _Reader(text)
     while reader.more():
-        if reader.number > _MOST_BLOCKS:
-            raise refusal("the file has too many FRFs", allowed=_MOST_BLOCKS)
+        if reader.number > FRF_TEXT_FILE.max_blocks:
+            raise refusal("the file has too many FRFs", allowed=FRF_TEXT_FILE.max_blocks)
         yield _block(reader)
 
 
@@ -73,26 +70,26 @@ def assemble(blocks: Sequence[FrfBlock]) -> MeasuredFile:
         raise refusal("the FRFs do not share one frequency axis", field="freq")
     outputs = tuple(dict.fromkeys(block.response for block in blocks))
     inputs = tuple(dict.fromkeys(block.source for block in blocks))
-    found = {(block.response.point, block.source.point): block for block in blocks}
-    wanted = [(output.point, source.point) for output in outputs for source in inputs]
-    if len(found) < len(blocks):
+    blocks_by_pair = {(block.response.point, block.source.point): block for block in blocks}
+    pairs = [(output.point, source.point) for output in outputs for source in inputs]
+    if len(blocks_by_pair) < len(blocks):
         raise refusal("an FRF is in the file twice", field="outputs", value=", ".join(map(str, outputs)))
-    if len(set(wanted)) < len(wanted) or set(wanted) != set(found):
+    if len(set(pairs)) < len(pairs) or set(pairs) != set(blocks_by_pair):
         raise refusal(
             "not every response has an FRF of every drive",
             field="outputs",
             value=len(blocks),
-            allowed=len(wanted),
+            allowed=len(pairs),
         )
-    ordered = [found[pair] for pair in wanted]
+    ordered = [blocks_by_pair[pair] for pair in pairs]
     shape = (-1, len(outputs), len(inputs))
     values = np.stack([block.values for block in ordered], axis=1).reshape(shape)
-    known = [block.coherence for block in ordered if block.coherence is not None]
+    coherences = [block.coherence for block in ordered if block.coherence is not None]
     coherence = None
-    if len(known) == len(ordered):
-        coherence = np.stack(known, axis=1).reshape(shape)
+    if len(coherences) == len(ordered):
+        coherence = np.stack(coherences, axis=1).reshape(shape)
         coherence = coherence[:, :, 0] if len(inputs) == 1 else coherence
-    notes = () if len(known) in (0, len(ordered)) else ("coherence left out: not there for every FRF",)
+    notes = () if len(coherences) in (0, len(ordered)) else ("coherence left out: not there for every FRF",)
     return MeasuredFile(
         frf=FrfSet(freq=first.freq, values=values, outputs=outputs, inputs=inputs, kind=first.kind),
         coherence=coherence,
@@ -113,12 +110,14 @@ def _block(reader: "_Reader") -> FrfBlock:
         raise reader.refusal("has a kind or a coherence flag that does not exist", f"{kind}, {flag}")
     pairs = reader.numbers(2 * count)
     coherence = reader.numbers(count) if flag else None
-    listed = reader.numbers(count, filled=-(-count // _A_ROW) * _A_ROW)
+    listed = reader.numbers(
+        count, filled=-(-count // FRF_TEXT_FILE.others_per_row) * FRF_TEXT_FILE.others_per_row
+    )
     freq: FloatArray = start + step * np.arange(count, dtype=float)
     # The list has a digit or more, the step its own error a line.
     if not (np.abs(listed[:count] - freq) <= 0.06 + step_error * np.arange(count)).all():
         raise reader.refusal("lists other frequencies than start and step give", f"{listed[0]:g}")
-    counted = _COUNTED.match(title)
+    match = _FRF_COUNT.match(title)
     return FrfBlock(
         kind=KINDS[kind - 1],
         source=reader.dof(ends[0], ends[1]),
@@ -127,11 +126,11 @@ def _block(reader: "_Reader") -> FrfBlock:
         axis_error=step_error / step if step else 0.0,
         values=pairs[::2] + 1j * pairs[1::2],
         coherence=coherence,
-        of=int(counted[1]) if counted else None,
+        of=int(match[1]) if match else None,
     )
 
 
-def _apart(row: str) -> str:
+def _split_columns(row: str) -> str:
     """Return a row with a blank before every number that its minus joins to the one before."""
     # Not by a regular expression: this is what the time goes into.
     return row.translate(_FORTRAN).replace("-", " -").replace("E -", "E-")
@@ -178,10 +177,10 @@ class _Reader:
         if len(fields) != 3 or not fields[0].isdecimal() or len(fields[0]) > 9:
             raise self.refusal("does not say count, start and step of its frequencies", text)
         count = int(fields[0])
-        if not 1 <= count <= MOST_LINES:
+        if not 1 <= count <= UNIVERSAL.max_lines:
             raise self.refusal("declares too many frequencies, or none", str(count))
         start, step = self._parsed(" ".join(fields[1:]), 2)
-        if not (0 <= start <= _HIGHEST and 0 < step <= _HIGHEST):
+        if not (0 <= start <= FRF_TEXT_FILE.max_frequency and 0 < step <= FRF_TEXT_FILE.max_frequency):
             raise self.refusal("has frequencies that do not rise from 0 Hz or above", text)
         mantissa, _, exponent = fields[2].translate(_FORTRAN).partition("E")
         digits = len(mantissa.partition(".")[2]) - int(exponent or 0)
@@ -189,20 +188,20 @@ class _Reader:
 
     def numbers(self, count: int, filled: int = 0) -> FloatArray:
         """Return numbers from as many lines as they take; up to `filled` may stand there."""
-        rows, found = [], 0
-        while found < count:
+        rows, n_read = [], 0
+        while n_read < count:
             row = self.line()
             fields = row.split()
             if row.count(".") > len(fields):  # columns touch
-                row = _TOUCHING_LISTED.sub(" ", row) if filled else _apart(row)
+                row = _TOUCHING_LISTED.sub(" ", row) if filled else _split_columns(row)
                 fields = row.split()
             rows.append(row)
-            found += len(fields)
+            n_read += len(fields)
             if len(rows) > count:
                 raise self.refusal("has empty lines")
-        if found > max(count, filled):
+        if n_read > max(count, filled):
             raise self.refusal("has other numbers in a line than it declares", rows[-1])
-        return self._parsed(" ".join(rows), found)
+        return self._parsed(" ".join(rows), n_read)
 
     def _parsed(self, text: str, count: int) -> FloatArray:
         strange = _STRANGE.search(text)
@@ -218,11 +217,11 @@ class _Reader:
 
     def dof(self, node: int, direction: int) -> Dof:
         """Return a DoF from its node and the number of its direction."""
-        if not 0 <= node <= _LARGEST_NODE or not 1 <= abs(direction) <= len(DIRECTIONS):
+        if not 0 <= node <= FRF_TEXT_FILE.max_node or not 1 <= abs(direction) <= len(DIRECTIONS):
             raise self.refusal("has a coordinate that does not exist", f"{node}, {direction}")
         return Dof(node, DIRECTIONS[abs(direction) - 1], 1 if direction > 0 else -1)
 
-    def refusal(self, what: str, text: str = "") -> Exception:
+    def refusal(self, problem: str, text: str = "") -> Exception:
         """Return the error of this block."""
-        shown = " ".join(text.split())[:30].encode("ascii", "replace").decode()
-        return refusal(f"FRF {self.number} of the file {what}", value=shown, line=self._line)
+        sample = " ".join(text.split())[:30].encode("ascii", "replace").decode()
+        return refusal(f"FRF {self.number} of the file {problem}", value=sample, line=self._line)

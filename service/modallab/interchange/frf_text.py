@@ -12,13 +12,10 @@ from modallab.core.dof import DIRECTIONS, Dof
 from modallab.core.errors import InvalidInputError
 from modallab.interchange.frf_block import KINDS, assemble, read_blocks
 from modallab.interchange.measured import MeasuredFile
+from modallab.interchange.settings import FRF_TEXT_FILE
 from modallab.interchange.uff_split import refusal
 from modallab.rig.measurement import Measurement
 
-LARGEST = 24_000_000  # bytes: 100 responses of 3,201 lines take 11 million, 30 million with all digits
-COLUMNS, ALL = 3, 16  # decimals: as the program wrote, and so that nothing is lost
-_A_ROW = {"values": 8, "coherence": 10, "freq": 10}
-_SMALLEST = 1e-99  # below, an exponent takes a third digit
 _FIRST = re.compile(
     rb"[^\n]*\n[ \t]*[123][ \t]*\r?\n *\d+ +[-+.\dEeDd]+ +[-+.\dEeDd]+[ \t]*\r?\n[ \t]*[01][ \t]*\r?\n"
 )
@@ -29,7 +26,7 @@ def starts(head: bytes) -> bool:
     return _FIRST.match(head) is not None
 
 
-def write(measurement: Measurement, decimals: int = COLUMNS) -> bytes:
+def write(measurement: Measurement, decimals: int = FRF_TEXT_FILE.program_decimals) -> bytes:
     """Return FRFs and coherence, a block each, SI units.
 
     Parameters
@@ -44,9 +41,12 @@ def write(measurement: Measurement, decimals: int = COLUMNS) -> bytes:
     InvalidInputError
         If there are too few or too many decimals.
     """
-    if not COLUMNS <= decimals <= ALL:
+    if not FRF_TEXT_FILE.program_decimals <= decimals <= FRF_TEXT_FILE.all_decimals:
         raise InvalidInputError(
-            "the decimals are out of bounds", field="decimals", value=decimals, allowed=f"{COLUMNS} to {ALL}"
+            "the decimals are out of bounds",
+            field="decimals",
+            value=decimals,
+            allowed=f"{FRF_TEXT_FILE.program_decimals} to {FRF_TEXT_FILE.all_decimals}",
         )
     frf = measurement.frf
     blocks = [(j, i) for j in range(len(frf.outputs)) for i in range(len(frf.inputs))]
@@ -67,12 +67,12 @@ def _block(measurement: Measurement, j: int, i: int, title: str, decimals: int) 
     yield f"{'':7}{len(freq):5d}{_fixed(freq[0], wide, decimals)}{_fixed(spacing, wide, decimals)}"
     yield f" {int(coherence is not None)}"
     yield "".join(
-        f"{one:12d}" for one in (source.node, _direction(source), output.node, _direction(output), 0)
+        f"{integer:12d}" for integer in (source.node, _direction(source), output.node, _direction(output), 0)
     )
     yield " 0 0 0 0 0"
     yield f"{_coordinate(source):12d}{_coordinate(output):12d}"
     pairs = np.ascontiguousarray(frf.values[:, j, i]).view(float)
-    values = np.where(np.abs(pairs) < _SMALLEST, 0.0, pairs)
+    values = np.where(np.abs(pairs) < FRF_TEXT_FILE.smallest_number, 0.0, pairs)
     yield from _rows("values", (f"{value:{wide}.{decimals}E}" for value in values.tolist()), "")
     if coherence is not None:
         curve = coherence[:, j] if coherence.ndim == 2 else coherence[:, j, i]
@@ -81,7 +81,10 @@ def _block(measurement: Measurement, j: int, i: int, title: str, decimals: int) 
 
 
 def _rows(name: str, texts: Iterator[str], margin: str) -> Iterator[str]:
-    fields, size = list(texts), _A_ROW[name]
+    fields, size = (
+        list(texts),
+        FRF_TEXT_FILE.values_per_row if name == "values" else FRF_TEXT_FILE.others_per_row,
+    )
     for at in range(0, len(fields), size):
         yield margin + "".join(fields[at : at + size])
 
@@ -115,7 +118,7 @@ def read(payload: bytes, *, largest: int) -> MeasuredFile:
     InvalidInputError
         If it is cut off or damaged, or its blocks make no measurement.
     """
-    limit = min(largest, LARGEST)
+    limit = min(largest, FRF_TEXT_FILE.max_bytes)
     if len(payload) > limit:
         raise refusal(f"the FRF text file is larger than {limit} bytes", allowed=limit)
     return assemble(list(read_blocks(payload.decode("latin-1"))))

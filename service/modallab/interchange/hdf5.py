@@ -16,12 +16,10 @@ from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfKind
 from modallab.interchange import npz
 from modallab.interchange.measured import MeasuredFile
+from modallab.interchange.settings import HDF5
 from modallab.rig.measurement import Measurement
 
 SIGNATURE = b"\x89HDF\r\n\x1a\n"
-LARGEST = 32_000_000  # bytes of a file, and of its arrays: 100 responses of 3,201 lines take 20 million
-_CHUNK = 1_000_000
-_PATIENCE = 30.0  # s on a busy computer; the reader's own limit is one of processor time
 _MOTIONS = {FrfKind.RECEPTANCE: "m", FrfKind.MOBILITY: "m/s", FrfKind.INERTANCE: "m/s^2"}
 
 
@@ -73,11 +71,11 @@ def read(file: BinaryIO, *, largest: int) -> MeasuredFile:
     InvalidInputError
         If it is no such file, is damaged, its arrays do not fit together, or hold NaN.
     """
-    limit = min(largest, LARGEST)
+    limit = min(largest, HDF5.max_bytes)
     with tempfile.TemporaryDirectory(prefix="modallab-") as folder:
         path = Path(folder) / "measured.h5"
         with path.open("wb") as copy:
-            while chunk := file.read(_CHUNK):
+            while chunk := file.read(HDF5.chunk_bytes):
                 copy.write(chunk)
                 if copy.tell() > limit:
                     raise _refusal(f"the HDF5 file is larger than {limit} bytes")
@@ -95,7 +93,7 @@ def _unpacked(path: Path, limit: int) -> bytes:
             env={**os.environ, **settings},
             stdin=subprocess.DEVNULL,
             capture_output=True,
-            timeout=_PATIENCE,
+            timeout=HDF5.timeout,
             check=False,
         )
     except subprocess.TimeoutExpired:

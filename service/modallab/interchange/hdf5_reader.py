@@ -12,6 +12,8 @@ import h5py
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab.interchange.settings import HDF5
+
 NAMES = (
     "freq",
     "values",
@@ -25,10 +27,6 @@ NAMES = (
 )
 _TEXTS = ("outputs", "inputs", "kind")
 _FILTERS = {1, 2, 3, 32000}  # deflate, shuffle, checksum, lzf: what the library has by itself
-_MOST_TEXTS, _LONGEST_TEXT = 10_000, 100
-_MEMORY = 190_000_000  # bytes of data; the program itself takes 40 million
-_SECONDS = 2  # of a processor
-_PIECES = 20_000  # of a dataset laid down in chunks
 
 
 class RefusedError(Exception):
@@ -61,8 +59,8 @@ def _confine() -> None:
         import resource
     except ImportError:  # not on Windows
         return
-    resource.setrlimit(resource.RLIMIT_CPU, (_SECONDS, _SECONDS + 1))
-    resource.setrlimit(resource.RLIMIT_DATA, (_MEMORY, _MEMORY))
+    resource.setrlimit(resource.RLIMIT_CPU, (HDF5.processor_seconds, HDF5.processor_seconds + 1))
+    resource.setrlimit(resource.RLIMIT_DATA, (HDF5.memory_bytes, HDF5.memory_bytes))
     resource.setrlimit(resource.RLIMIT_FSIZE, (0, 0))
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
 
@@ -86,11 +84,11 @@ def arrays_of(path: str, largest: int) -> dict[str, NDArray[Any]]:
     """
     with h5py.File(path, "r") as file:
         # Not by `name in file`, which follows links.
-        found = {name: _dataset(file, name) for name in NAMES if file.id.links.exists(name.encode())}
-        total = sum(one.size * max(one.dtype.itemsize, 16) for one in found.values())
+        datasets = {name: _dataset(file, name) for name in NAMES if file.id.links.exists(name.encode())}
+        total = sum(dataset.size * max(dataset.dtype.itemsize, 16) for dataset in datasets.values())
         if total > largest:
             raise RefusedError(f"its arrays take {total} bytes, {largest} may be")
-        return {name: _array(one, name) for name, one in found.items()}
+        return {name: _array(dataset, name) for name, dataset in datasets.items()}
 
 
 def _dataset(file: Any, name: str) -> Any:
@@ -110,7 +108,7 @@ def _dataset(file: Any, name: str) -> Any:
         piece = int(np.prod(dataset.chunks, dtype=object))
         along = [-(-n // c) for n, c in zip(dataset.shape, dataset.chunks, strict=True)]
         pieces = int(np.prod(along, dtype=object))
-        if pieces > _PIECES or piece * dataset.dtype.itemsize > 2 * dataset.nbytes + 1_000_000:
+        if pieces > HDF5.max_chunks or piece * dataset.dtype.itemsize > 2 * dataset.nbytes + 1_000_000:
             raise RefusedError(f"{name} is laid down in too many pieces, or too large ones")
     return dataset
 
@@ -121,12 +119,12 @@ def _array(dataset: Any, name: str) -> NDArray[Any]:
             raise RefusedError(f"{name} holds {dataset.dtype}, not numbers")
         return np.asarray(dataset[()])
     about = h5py.check_string_dtype(dataset.dtype)
-    if about is None or dataset.size > _MOST_TEXTS:
+    if about is None or dataset.size > HDF5.max_texts:
         raise RefusedError(f"{name} holds no strings, or too many")
-    if about.length is not None and about.length > _LONGEST_TEXT:
+    if about.length is not None and about.length > HDF5.max_text_length:
         raise RefusedError(f"{name} holds strings that are too long")
     texts = np.asarray(dataset.asstr("utf-8", "replace")[()], dtype=object)
-    if any(len(text) > _LONGEST_TEXT for text in texts.ravel()):
+    if any(len(text) > HDF5.max_text_length for text in texts.ravel()):
         raise RefusedError(f"{name} holds strings that are too long")
     return texts.astype(str)
 

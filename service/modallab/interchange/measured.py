@@ -8,6 +8,7 @@ from modallab.core.arrays import FloatArray
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfSet
+from modallab.interchange.settings import READING
 from modallab.rig.analyser import Analyser
 from modallab.rig.hardware import Exciter
 from modallab.rig.measurement import Measurement
@@ -18,9 +19,6 @@ NO_COHERENCE = (
     "no coherence, which with averages tells random error: that of modes is told by what their fits leave; "
     "a diagnosis, or an update on FRFs, asks for a noise_floor"
 )
-MIN_LINES, MOST_LINES = 8, 20_001  # of an analyser
-MOST_AVERAGES = 100_000.0
-LARGEST = 1e30  # beyond, a number has no meaning in any unit, and its square may be none
 
 
 @dataclass(frozen=True, eq=False)
@@ -33,7 +31,7 @@ class MeasuredFile:
     force_spectrum: FloatArray | None = None  # (n_freq, n_out, n_in) N^2/Hz
     response_spectrum: FloatArray | None = None  # unit^2/Hz, shaped as `coherence`
     notes: tuple[str, ...] = ()
-    axis_error: float = 1e-6  # relative error that the format leaves in the frequencies
+    axis_error: float = READING.axis_error  # relative error that the format leaves in the frequencies
 
     def __post_init__(self) -> None:
         arrays = {
@@ -43,15 +41,15 @@ class MeasuredFile:
         }
         for name, array in arrays.items():
             largest = 0.0 if array is None else float(np.abs(array).max(initial=0.0))
-            if largest > LARGEST:
+            if largest > READING.max_magnitude:
                 raise InvalidInputError(
                     f"{name} holds a number of no size that can be computed with",
                     field=name,
                     value=largest,
-                    allowed=f"up to {LARGEST:g}",
+                    allowed=f"up to {READING.max_magnitude:g}",
                 )
 
-    def taken_on(self, setup: RigSetup, averages: float | None = None) -> Measurement:
+    def on_rig(self, setup: RigSetup, averages: float | None = None) -> Measurement:
         """Return the measurement that the file is, taken on a rig.
 
         Parameters
@@ -75,10 +73,10 @@ class MeasuredFile:
             setup=replace(setup, responses=self._responses(setup)),
             force_spectrum=self.force_spectrum,
             response_spectrum=self._shaped(self.response_spectrum, setup),
-            notes=("imported", *self._unsaid(), *self.notes),
+            notes=("imported", *self._missing_data_notes(), *self.notes),
         )
 
-    def alone(self, averages: float | None = None) -> Measurement:
+    def without_log_book(self, averages: float | None = None) -> Measurement:
         """Return the measurement that the file is, where no log book came with it.
 
         Its rig drives and listens where the file does. Of the analyser the lines are known, roughly if they
@@ -90,38 +88,38 @@ class MeasuredFile:
             If the file's arrays do not fit together.
         """
         counts = (averages, self.averages, Analyser.averages)
-        known = float(next(count for count in counts if count is not None))
+        effective_averages = float(next(count for count in counts if count is not None))
         setup = RigSetup(
             drives=self.frf.inputs,
             responses=self.frf.outputs,
             exciter=Exciter(kind="hammer" if len(self.frf.inputs) > 1 else "shaker"),
-            analyser=self._analyser(known),
+            analyser=self._analyser(effective_averages),
         )
         return Measurement(
             frf=self.frf,
             coherence=self._shaped(self.coherence, setup),
-            averages=known,
+            averages=effective_averages,
             setup=setup,
             force_spectrum=self.force_spectrum,
             response_spectrum=self._shaped(self.response_spectrum, setup),
-            notes=("imported", NO_LOG_BOOK, *self._unsaid(), *self.notes),
+            notes=("imported", NO_LOG_BOOK, *self._missing_data_notes(), *self.notes),
         )
 
-    def _unsaid(self) -> tuple[str, ...]:
+    def _missing_data_notes(self) -> tuple[str, ...]:
         return (NO_COHERENCE,) if self.coherence is None else ()
 
     def _analyser(self, averages: float) -> Analyser:
         freq = self.frf.freq
-        if len(freq) < MIN_LINES:
+        if len(freq) < READING.min_lines:
             raise InvalidInputError(
-                "too few lines", field="freq", value=len(freq), allowed=f"at least {MIN_LINES}"
+                "too few lines", field="freq", value=len(freq), allowed=f"at least {READING.min_lines}"
             )
         spacing = float(np.median(np.diff(freq)))
         n_lines = round(float(freq[-1]) / spacing) + 1
         return Analyser(
             frequency_max=float(freq[-1]),
-            n_lines=min(max(n_lines, MIN_LINES), MOST_LINES),
-            averages=round(min(max(averages, 1.0), MOST_AVERAGES)),
+            n_lines=min(max(n_lines, READING.min_lines), READING.max_lines),
+            averages=round(min(max(averages, 1.0), READING.max_averages)),
         )
 
     def _shaped(self, array: FloatArray | None, setup: RigSetup) -> FloatArray | None:

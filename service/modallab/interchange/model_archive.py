@@ -19,7 +19,7 @@ MARKET, OP4 = ".mtx", ".op4"
 ENDINGS = (MARKET, OP4)
 KINDS = ("mass", "stiffness")
 WHOLE = "model"
-_ALLOWED = (
+_CONTENT = (
     f"{TABLE} and mass{MARKET}, stiffness{MARKET}, the same or one file {OP4}; or a folder of each group"
 )
 
@@ -43,7 +43,7 @@ def read(payload: bytes, *, largest: int, damping: Damping | None = None, name: 
     """
     files = _unpacked(payload, largest)
     if TABLE not in files:
-        raise InvalidInputError(f"the archive lacks {TABLE}", field="file", allowed=_ALLOWED)
+        raise InvalidInputError(f"the archive lacks {TABLE}", field="file", allowed=_CONTENT)
     dofs = _table(files[TABLE])
     parts: dict[str, dict[str, csc_array]] = {}
     for path, content in files.items():
@@ -55,12 +55,12 @@ def read(payload: bytes, *, largest: int, damping: Damping | None = None, name: 
                         f"{path} holds the {kind} again", field=path, value=kind, allowed="each matrix once"
                     )
                 folder[kind] = matrix
-    none = csc_array((len(dofs), len(dofs)))
+    empty = csc_array((len(dofs), len(dofs)))
     for kind in KINDS:
         if not any(kind in part for part in parts.values()):
-            raise InvalidInputError(f"the archive lacks the {kind}", field="file", allowed=_ALLOWED)
+            raise InvalidInputError(f"the archive lacks the {kind}", field="file", allowed=_CONTENT)
     groups = [
-        GroupMatrices(group, part.get("mass", none), part.get("stiffness", none))
+        GroupMatrices(group, part.get("mass", empty), part.get("stiffness", empty))
         for group, part in sorted(parts.items())
     ]
     return of_groups(groups, dofs, damping=damping, name=name)
@@ -75,13 +75,13 @@ def _unpacked(payload: bytes, largest: int) -> dict[str, bytes]:
                 raise InvalidInputError(
                     "the matrices are too large", field="file", value=total, allowed=largest
                 )
-            wanted = [info for info in infos if info.filename.endswith((*ENDINGS, TABLE))]
-            return {info.filename: archive.read(info) for info in wanted}
+            members = [info for info in infos if info.filename.endswith((*ENDINGS, TABLE))]
+            return {info.filename: archive.read(info) for info in members}
     except InvalidInputError:
         raise
     # Any: decompressors raise a dozen kinds at hostile bytes.
     except Exception as error:
-        raise InvalidInputError(f"not a zip archive: {error}", field="file", allowed=_ALLOWED) from None
+        raise InvalidInputError(f"not a zip archive: {error}", field="file", allowed=_CONTENT) from None
 
 
 def _table(content: bytes) -> tuple[Dof, ...]:
@@ -98,11 +98,11 @@ def _matrices(content: bytes, path: str, n: int) -> dict[str, csc_array]:
     if path.endswith(MARKET):
         # others beside them mean nothing to a structure
         return {stem: model_matrix_market.matrix(content, path, n)} if stem in KINDS else {}
-    found = read_op4(content, size=n, path=path)
-    if stem in KINDS and len(found) == 1:
-        return {stem: next(iter(found.values()))}
+    matrices = read_op4(content, size=n, path=path)
+    if stem in KINDS and len(matrices) == 1:
+        return {stem: next(iter(matrices.values()))}
     kinds: dict[str, csc_array] = {}
-    for name, matrix in found.items():
+    for name, matrix in matrices.items():
         kind = {"M": "mass", "K": "stiffness"}.get(name[:1])
         if kind is None or kind in kinds:
             raise InvalidInputError(

@@ -28,13 +28,13 @@ def matrix(content: bytes, path: str, n: int) -> csc_array:
         # A header may claim any size, and all of it would be made room for.
         rows, columns, _, form, *_ = mminfo(io.BytesIO(content))
         fits = (rows, columns) == (n, n) and (form != "array" or n**2 <= INPUT.max_element_values)
-        found: Any = mmread(io.BytesIO(content), spmatrix=False) if fits else np.zeros((0, 0))
+        matrix_read: Any = mmread(io.BytesIO(content), spmatrix=False) if fits else np.zeros((0, 0))
     # Any: its parser raises ValueError, OverflowError and others at hostile bytes.
     except Exception as error:
         raise InvalidInputError(
             f"{path} is no Matrix Market file: {error}", field=path, allowed="Matrix Market"
         ) from None
-    entries = coo_array(found)
+    entries = coo_array(matrix_read)
     if entries.shape != (n, n) or entries.dtype.kind not in "iuf" or not np.isfinite(entries.data).all():
         raise InvalidInputError(
             f"{path} does not fit the degrees of freedom",

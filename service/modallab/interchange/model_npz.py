@@ -15,6 +15,7 @@ from modallab.fe.imported_elements import Element, GroupMatrices, Places, of_ele
 from modallab.fe.structure import Structure
 from modallab.interchange import npz_arrays
 from modallab.interchange.npz_arrays import reals, texts
+from modallab.interchange.settings import MODEL_FILE
 
 _KINDS = ("mass", "stiffness")
 _TRIPLETS = ("rows", "columns", "values")
@@ -28,7 +29,6 @@ NAMES = (
     *(f"{kind}_{part}" for kind in _KINDS for part in (*_TRIPLETS, "groups")),
 )
 WHOLE = "model"  # group of matrices that nobody divided
-APART = 1e-6  # relative to the largest entry, of what elements and whole matrices may differ by
 
 _Arrays = Mapping[str, NDArray[Any]]
 
@@ -106,27 +106,29 @@ def _places(arrays: _Arrays, dofs: tuple[Dof, ...]) -> Places | None:
         return None
     _needed(arrays, "nodes", "coordinates")
     nodes = _wholes(arrays, "nodes", 1, 1, 999_999_999)
-    given = reals(dict(arrays), "coordinates", 2)
-    if len(given) != len(nodes) or given.shape[1] not in (2, 3):
+    coordinates = reals(dict(arrays), "coordinates", 2)
+    if len(coordinates) != len(nodes) or coordinates.shape[1] not in (2, 3):
         raise InvalidInputError(
             "coordinates do not fit nodes",
             field="coordinates",
-            value=str(given.shape),
+            value=str(coordinates.shape),
             allowed=f"({len(nodes)}, 3)",
         )
-    known = {
+    places = {
         int(node): (float(x), float(y), float(z))
-        for node, (x, y, z) in zip(nodes, np.pad(given, ((0, 0), (0, 3 - given.shape[1]))), strict=True)
+        for node, (x, y, z) in zip(
+            nodes, np.pad(coordinates, ((0, 0), (0, 3 - coordinates.shape[1]))), strict=True
+        )
     }
     for dof in dofs:
-        if dof.node not in known:
+        if dof.node not in places:
             raise InvalidInputError(
                 f"node {dof.node} has no place",
                 field="nodes",
                 value=dof.node,
                 allowed="the nodes of all dofs",
             )
-    return known
+    return places
 
 
 def _elements(arrays: _Arrays, n: int) -> list[Element]:
@@ -145,10 +147,10 @@ def _elements(arrays: _Arrays, n: int) -> list[Element]:
     groups = [WHOLE] * n_elements
     if "element_groups" in arrays:
         groups = texts(arrays["element_groups"], "element_groups")
-    for name, given in (("element_numbers", numbers), ("element_groups", groups)):
-        if len(given) != n_elements:
+    for name, column in (("element_numbers", numbers), ("element_groups", groups)):
+        if len(column) != n_elements:
             raise InvalidInputError(
-                f"{name} has the wrong length", field=name, value=len(given), allowed=n_elements
+                f"{name} has the wrong length", field=name, value=len(column), allowed=n_elements
             )
     out = []
     for e in range(n_elements):
@@ -178,12 +180,12 @@ def _check_sum(arrays: _Arrays, elements: list[Element], n: int) -> None:
         c = np.concatenate([np.tile(e.rows, len(e.rows)) for e in elements])
         added = csc_array((np.concatenate([part.ravel() for part in parts]), (r, c)), shape=(n, n))
         off = float(abs(whole - added).max()) / max(float(abs(whole).max()), 1e-300)
-        if off > APART:
+        if off > MODEL_FILE.sum_tolerance:
             raise InvalidInputError(
                 f"the elements do not add up to the {kind}",
                 field=kind,
                 value=off,
-                allowed=f"<= {APART:g} of the largest entry",
+                allowed=f"<= {MODEL_FILE.sum_tolerance:g} of the largest entry",
             )
 
 
@@ -198,7 +200,7 @@ def _groups(arrays: _Arrays, n: int) -> list[GroupMatrices]:
             "two groups share a name, or one has none", field="groups", value=", ".join(names[:10])
         )
     mass, stiffness = (_matrices(arrays, kind, n, len(names)) for kind in _KINDS)
-    return [GroupMatrices(*one) for one in zip(names, mass, stiffness, strict=True)]
+    return [GroupMatrices(*group) for group in zip(names, mass, stiffness, strict=True)]
 
 
 def _matrices(arrays: _Arrays, kind: str, n: int, n_groups: int) -> list[csc_array]:
@@ -220,5 +222,5 @@ def _matrices(arrays: _Arrays, kind: str, n: int, n_groups: int) -> list[csc_arr
             value=", ".join(map(str, (len(rows), len(columns), len(values), len(owner)))),
             allowed="as many rows and columns as values",
         )
-    each = [owner == g for g in range(n_groups)]
-    return [csc_array((values[own], (rows[own], columns[own])), shape=(n, n)) for own in each]
+    masks = [owner == g for g in range(n_groups)]
+    return [csc_array((values[mask], (rows[mask], columns[mask])), shape=(n, n)) for mask in masks]

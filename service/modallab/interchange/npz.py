@@ -10,7 +10,7 @@ from modallab.core.frf import FrfKind, FrfSet
 from modallab.interchange.measured import MeasuredFile
 from modallab.interchange.npz_arrays import dofs, load, numbers, reals, texts
 
-_NEEDED = ("freq", "values", "outputs", "inputs", "kind")
+_REQUIRED = ("freq", "values", "outputs", "inputs", "kind")
 _OPTIONAL = ("coherence", "averages", "force_spectrum", "response_spectrum")
 
 
@@ -30,11 +30,11 @@ def read(payload: bytes, *, largest: int) -> MeasuredFile:
     InvalidInputError
         If it is no such file, its arrays do not fit together, or hold NaN.
     """
-    arrays = load(payload, (*_NEEDED, *_OPTIONAL), largest)
-    missing = [name for name in _NEEDED if name not in arrays]
+    arrays = load(payload, (*_REQUIRED, *_OPTIONAL), largest)
+    missing = [name for name in _REQUIRED if name not in arrays]
     if missing:
         raise InvalidInputError(
-            f"the file lacks {', '.join(missing)}", field="file", allowed=", ".join(_NEEDED)
+            f"the file lacks {', '.join(missing)}", field="file", allowed=", ".join(_REQUIRED)
         )
     frf = FrfSet(
         freq=reals(arrays, "freq", 1),

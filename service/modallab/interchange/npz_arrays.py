@@ -37,8 +37,8 @@ def load(payload: bytes, names: Collection[str], largest: int) -> Arrays:
                 raise InvalidInputError(
                     "the arrays are too large", field="file", value=total, allowed=largest
                 )
-            wanted = [name for name in names if name in members]
-            return {name: _array(archive, members[name]) for name in wanted}
+            requested = [name for name in names if name in members]
+            return {name: _array(archive, members[name]) for name in requested}
     except (
         zipfile.BadZipFile,
         zipfile.LargeZipFile,

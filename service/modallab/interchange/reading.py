@@ -6,11 +6,11 @@ from modallab.core.errors import InvalidInputError
 from modallab.core.modal_model import ModalModel
 from modallab.interchange import frf_text, hdf5, npz, uff, uff_modes
 from modallab.interchange.measured import MeasuredFile
+from modallab.interchange.settings import FRF_TEXT_FILE, READING, UNIVERSAL
 from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
 
 _ZIP = b"PK"
-_HEAD = 1_024  # bytes that tell what a file is
 
 
 def read_measurement(
@@ -35,23 +35,25 @@ def read_measurement(
     InvalidInputError
         If the file is none of these, is damaged, holds NaN, or contradicts the rig.
     """
-    found = _measured(file, largest)
-    return found.alone(averages) if setup is None else found.taken_on(setup, averages)
+    measured_file = _measured(file, largest)
+    return (
+        measured_file.without_log_book(averages) if setup is None else measured_file.on_rig(setup, averages)
+    )
 
 
 def _measured(file: BinaryIO, largest: int) -> MeasuredFile:
     """Return what the file holds, by its first bytes."""
-    head = file.read(_HEAD)
+    head = file.read(READING.head_bytes)
     if head.startswith(_ZIP):
         return npz.read(head + file.read(), largest=largest)
     if uff.starts(head):
-        limit = min(largest, uff.LARGEST)
+        limit = min(largest, UNIVERSAL.max_bytes)
         return uff.read(head + file.read(limit), largest=limit)
     if head.startswith(hdf5.SIGNATURE):
         file.seek(0)
         return hdf5.read(file, largest=largest)
     if frf_text.starts(head):
-        limit = min(largest, frf_text.LARGEST)
+        limit = min(largest, FRF_TEXT_FILE.max_bytes)
         return frf_text.read(head + file.read(limit), largest=limit)
     raise InvalidInputError(
         "the file is neither a universal file nor npz, HDF5 or FRF text",
@@ -75,8 +77,8 @@ def read_modal_model(file: BinaryIO, *, largest: int) -> ModalModel:
     InvalidInputError
         If it is no universal file, is damaged, or holds no modes.
     """
-    head = file.read(_HEAD)
+    head = file.read(READING.head_bytes)
     if not uff.starts(head):
         raise InvalidInputError("the file is no universal file", field="file", allowed="universal file (55)")
-    limit = min(largest, uff.LARGEST)
+    limit = min(largest, UNIVERSAL.max_bytes)
     return uff_modes.read(head + file.read(limit), largest=limit)

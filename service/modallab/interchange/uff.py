@@ -9,6 +9,7 @@ from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.dof import Dof
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.interchange.measured import MeasuredFile
+from modallab.interchange.settings import UNIVERSAL
 from modallab.interchange.uff_companions import Companions, not_si, same_axis
 from modallab.interchange.uff_contents import contents, data_type
 from modallab.interchange.uff_format import (
@@ -24,14 +25,13 @@ from modallab.interchange.uff_format import (
     encode,
 )
 from modallab.interchange.uff_records import UNITS, read_sets
-from modallab.interchange.uff_split import FUNCTION, LARGEST, refusal, starts
+from modallab.interchange.uff_split import FUNCTION, refusal, starts
 from modallab.interchange.uff_text import NOWHERE, Origin, foreign, front
 from modallab.rig.measurement import Measurement
 
-__all__ = ["LARGEST", "read", "starts", "write"]
+__all__ = ["read", "starts", "write"]
 
 _LABELS = {FrfKind.RECEPTANCE: "m", FrfKind.MOBILITY: "m/s", FrfKind.INERTANCE: "m/s^2"}
-_AXIS_ERROR = 1e-5  # the format has six digits for the line spacing
 
 
 def write(measurement: Measurement, origin: Origin = NOWHERE) -> bytes:
@@ -112,37 +112,37 @@ def read(payload: bytes, *, largest: int) -> MeasuredFile:
             value=len(functions),
             allowed=short[0],
         )
-    found = [function for function in functions if function.type == FRF]
-    if not found:
+    frf_functions = [function for function in functions if function.type == FRF]
+    if not frf_functions:
         raise refusal(
             f"the file holds no FRF; what it holds: {contents(payload)}",
             allowed="dataset 58 with function type 4",
         )
-    frf = _frf(found, units)
-    reader = Companions(functions, found, frf, units)
+    frf = _frf(frf_functions, units)
+    reader = Companions(functions, frf_functions, frf, units)
     return MeasuredFile(
         frf=frf,
         coherence=reader.coherence(),
         force_spectrum=reader.force_spectrum(),
         response_spectrum=reader.response_spectrum(),
         notes=(*foreign(program), *reader.notes),
-        axis_error=_AXIS_ERROR,
+        axis_error=UNIVERSAL.axis_error,
     )
 
 
-def _frf(found: Sequence[Function], units: tuple[float, float]) -> FrfSet:
-    kind = _kind(found, units)
-    ends = [(f.response, f.reference) for f in found]
+def _frf(functions: Sequence[Function], units: tuple[float, float]) -> FrfSet:
+    kind = _kind(functions, units)
+    ends = [(f.response, f.reference) for f in functions]
     outputs = tuple(dict.fromkeys(response for response, _ in ends if response is not None))
     inputs = tuple(dict.fromkeys(reference for _, reference in ends if reference is not None))
     if any(response is None or reference is None for response, reference in ends):
         raise refusal("an FRF has no response or reference direction", allowed="X, Y, Z, RX, RY, RZ")
-    _whole(ends, outputs, inputs)
-    freq = found[0].freq
-    if not all(same_axis(f.freq, freq) for f in found):
+    _check_complete(ends, outputs, inputs)
+    freq = functions[0].freq
+    if not all(same_axis(f.freq, freq) for f in functions):
         raise refusal("the FRFs do not share one frequency axis", field="freq")
     length, force = units
-    curves = {(f.response, f.reference): f.data for f in found}
+    curves = {(f.response, f.reference): f.data for f in functions}
     values: ComplexArray = np.empty((len(freq), len(outputs), len(inputs)), complex)
     for j, output in enumerate(outputs):
         for i, source in enumerate(inputs):
@@ -151,12 +151,12 @@ def _frf(found: Sequence[Function], units: tuple[float, float]) -> FrfSet:
     return FrfSet(freq=freq, values=values, outputs=outputs, inputs=inputs, kind=kind)
 
 
-def _whole(
+def _check_complete(
     ends: Sequence[tuple[Dof | None, Dof | None]], outputs: Sequence[Dof], inputs: Sequence[Dof]
 ) -> None:
     """Raise unless there is one FRF of each response and reference."""
     points = [{dof.point for dof in dofs} for dofs in (outputs, inputs)]
-    if len(set(ends)) < len(ends) or [len(outputs), len(inputs)] != [len(one) for one in points]:
+    if len(set(ends)) < len(ends) or [len(outputs), len(inputs)] != [len(point_set) for point_set in points]:
         raise refusal("an FRF is in the file twice", field="outputs", value=", ".join(map(str, outputs)))
     if len(ends) < len(outputs) * len(inputs):
         raise refusal(
@@ -167,20 +167,22 @@ def _whole(
         )
 
 
-def _kind(found: Sequence[Function], units: tuple[float, float]) -> FrfKind:
-    kinds = {(f.numerator, f.denominator) for f in found}
+def _kind(functions: Sequence[Function], units: tuple[float, float]) -> FrfKind:
+    kinds = {(f.numerator, f.denominator) for f in functions}
     motion, source = min(kinds)
     if len(kinds) > 1 or source != FORCE or motion not in MOTIONS.values():
-        named = ", ".join(f"{data_type(motion)} per {data_type(source)}" for motion, source in sorted(kinds))
-        label = " ".join(dict.fromkeys(f.units[0] for f in found))
+        quantities = ", ".join(
+            f"{data_type(motion)} per {data_type(source)}" for motion, source in sorted(kinds)
+        )
+        label = " ".join(dict.fromkeys(f.units[0] for f in functions))
         raise refusal(
             "the FRFs must all be displacement, all velocity or all acceleration, per force; by their data "
-            f"types they are {named}, by their labels {label!r}",
+            f"types they are {quantities}, by their labels {label!r}",
             field="kind",
             value=", ".join(f"{motion} per {source}" for motion, source in sorted(kinds)),
             allowed="data types 8, 11 or 12 per 13",
         )
-    strange = [label for f in found for label in f.units if not_si(label, units)]
+    strange = [label for f in functions for label in f.units if not_si(label, units)]
     if strange:
         raise refusal(
             f"the FRFs are not in SI units: {strange[0]!r}",

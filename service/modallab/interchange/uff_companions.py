@@ -8,6 +8,7 @@ import numpy as np
 
 from modallab.core.arrays import FloatArray
 from modallab.core.frf import FrfSet
+from modallab.interchange.settings import UNIVERSAL
 from modallab.interchange.uff_format import (
     AUTO_SPECTRUM,
     COHERENCE,
@@ -20,13 +21,11 @@ from modallab.interchange.uff_format import (
 
 # Units often met, which would pass for SI without a word.
 _NOT_SI = re.compile(r"(?<![A-Za-z])(g|gn|mm|um|cm|in|inch|ft|mil|ips|lb|lbf|kN|mN|dB|V|mV)(?![A-Za-z])")
-_AXIS_ERROR = 1e-5  # the format has six digits for the line spacing
-_ROUNDED = 1e-6  # by so much a coherence of 1 may exceed it in single precision
 
 
-def same_axis(freq: FloatArray, other: FloatArray) -> bool:
+def same_axis(freq: FloatArray, reference: FloatArray) -> bool:
     """Return whether two axes are the same but for rounding."""
-    return len(freq) == len(other) and np.allclose(freq, other, rtol=_AXIS_ERROR, atol=0.0)
+    return len(freq) == len(reference) and np.allclose(freq, reference, rtol=UNIVERSAL.axis_error, atol=0.0)
 
 
 def not_si(label: str, units: tuple[float, float]) -> bool:
@@ -40,12 +39,12 @@ class Companions:
     def __init__(
         self,
         functions: Sequence[Function],
-        found: Sequence[Function],
+        frf_functions: Sequence[Function],
         frf: FrfSet,
         units: tuple[float, float],
     ) -> None:
         self._functions = [f for f in functions if same_axis(f.freq, frf.freq)]
-        runs = {(f.response, f.reference): f.run for f in found}
+        runs = {(f.response, f.reference): f.run for f in frf_functions}
         self._runs = [[runs[output, source] for source in frf.inputs] for output in frf.outputs]
         self._outputs = [dof.point for dof in frf.outputs]
         self._inputs = [dof.point for dof in frf.inputs]
@@ -73,7 +72,7 @@ class Companions:
             values = self._stacked("coherence", ours, pairs)
         if values is None:
             return None
-        return np.where((values > 1) & (values <= 1 + _ROUNDED), 1.0, values)
+        return np.where((values > 1) & (values <= 1 + UNIVERSAL.coherence_rounding), 1.0, values)
 
     def response_spectrum(self) -> FloatArray | None:
         """Return the auto spectrum of each response, or in the run of each FRF, unit^2/Hz."""
@@ -109,14 +108,14 @@ class Companions:
         spectra = [
             f for f in self._functions if f.type in (AUTO_SPECTRUM, DENSITY) and f.numerator == numerator
         ]
-        kept = [
+        densities = [
             f
             for f in spectra
             if (f.type == DENSITY or "/Hz" in f.units[0]) and not not_si(f.units[0], self._units)
         ]
-        if len(kept) < len(spectra):
+        if len(densities) < len(spectra):
             self.notes.append("auto spectra left out: not per Hz and in SI units")
-        return kept
+        return densities
 
     def _stacked(
         self,

@@ -7,19 +7,14 @@ from dataclasses import dataclass
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.interchange.settings import UNIVERSAL
 from modallab.interchange.uff_split import refusal
-from modallab.interchange.uff_text import WIDTH
 
 _NORMAL, _COMPLEX = 2, (3, 7)  # analysis types
-_LARGEST = 1_500_000  # characters: as many nodes as may be, twelve values each
-_RECORDS = 8  # lines before the first node
-_MOST_NODES = 5_000
-_LARGEST_NODE = 999_999_999
 _VALUES = (1, 2, 3, 6)  # of a node
 _STRANGE = re.compile(r"[^0-9+\-.eEdD ]")
-_COUNTED = re.compile(r"modallab, mode \d+ of (\d+)")
+_MODE_COUNT = re.compile(r"modallab, mode \d+ of (\d+)")
 _FORTRAN = str.maketrans("dD", "EE")
-_A_ROW = 6
 
 
 @dataclass(frozen=True, eq=False)
@@ -49,8 +44,8 @@ def read_shape(text: str, index: int) -> NodalShape | None:
     InvalidInputError
         If a record is missing, or holds what is no number.
     """
-    if len(text) > _LARGEST:
-        raise refusal(f"mode {index} has too many nodes", allowed=f"1 to {_MOST_NODES}")
+    if len(text) > UNIVERSAL.max_shape_characters:
+        raise refusal(f"mode {index} has too many nodes", allowed=f"1 to {UNIVERSAL.max_shape_nodes}")
     lines = [line.rstrip() for line in text.split("\n")]
     while lines and not lines[-1]:
         lines.pop()
@@ -71,14 +66,14 @@ def read_shape(text: str, index: int) -> NodalShape | None:
     values = entries.astype(complex) if form == 2 else entries[:, ::2] + 1j * entries[:, 1::2]
     table = np.zeros((len(nodes), 6 if width == 6 else 3), complex)
     table[:, :width] = values
-    counted = _COUNTED.match(lines[1])
+    match = _MODE_COUNT.match(lines[1])
     frequency, loss_factor, mass = (_normal if analysis == _NORMAL else _complex)(reader.numbers(7))
     # Velocities and accelerations have another scale than the displacements of the modal mass.
     scaled = kinds[3] in (0, 8) and mass
     if not np.isfinite([frequency, loss_factor, np.abs(mass or 0.0)]).all():
         raise refusal(f"mode {index} is out of bounds", field="frequency", value=f"{frequency:g} Hz")
     return NodalShape(
-        frequency, loss_factor, mass if scaled else None, nodes, table, int(counted[1]) if counted else None
+        frequency, loss_factor, mass if scaled else None, nodes, table, int(match[1]) if match else None
     )
 
 
@@ -101,8 +96,10 @@ class _Reader:
 
     def __init__(self, lines: Sequence[str], index: int) -> None:
         self._lines, self._index = lines, index
-        if len(lines) <= _RECORDS:
-            raise refusal(f"mode {index} is cut short", value=len(lines), allowed=f"more than {_RECORDS}")
+        if len(lines) <= UNIVERSAL.shape_records:
+            raise refusal(
+                f"mode {index} is cut short", value=len(lines), allowed=f"more than {UNIVERSAL.shape_records}"
+            )
 
     def integers(self, line: int, count: int) -> list[int]:
         """Return the first whole numbers of a line."""
@@ -129,24 +126,24 @@ class _Reader:
 
     def nodes(self, count: int) -> tuple[tuple[int, ...], FloatArray]:
         """Return node numbers, and as many values at each."""
-        step = 1 + -(-count // _A_ROW)
-        n_nodes, rest = divmod(len(self._lines) - _RECORDS, step)
-        if rest or not 1 <= n_nodes <= _MOST_NODES:
+        step = 1 + -(-count // UNIVERSAL.numbers_per_row)
+        n_nodes, remainder = divmod(len(self._lines) - UNIVERSAL.shape_records, step)
+        if remainder or not 1 <= n_nodes <= UNIVERSAL.max_shape_nodes:
             raise refusal(
                 f"mode {self._index} is cut short, or has too many nodes",
                 value=n_nodes,
-                allowed=f"1 to {_MOST_NODES}",
+                allowed=f"1 to {UNIVERSAL.max_shape_nodes}",
             )
-        nodes, entries = self._apart(n_nodes, count) or self._in_columns(step, count)
+        nodes, entries = self._split_at_blanks(n_nodes, count) or self._in_columns(step, count)
         if len(set(nodes)) < len(nodes):
             raise refusal(f"mode {self._index} has a node twice", field="nodes")
         if not np.isfinite(entries).all():
             raise refusal(f"mode {self._index} holds a value that is not finite", field="shape")
         return nodes, entries
 
-    def _apart(self, n_nodes: int, count: int) -> tuple[tuple[int, ...], FloatArray] | None:
+    def _split_at_blanks(self, n_nodes: int, count: int) -> tuple[tuple[int, ...], FloatArray] | None:
         """Return nodes and values where blanks stand between all numbers, which is read at once."""
-        text = " ".join(self._lines[_RECORDS:])
+        text = " ".join(self._lines[UNIVERSAL.shape_records :])
         fields = text.translate(_FORTRAN).split()
         if len(fields) != n_nodes * (1 + count) or _STRANGE.search(text):
             return None
@@ -158,7 +155,7 @@ class _Reader:
 
     def _in_columns(self, step: int, count: int) -> tuple[tuple[int, ...], FloatArray]:
         nodes, entries = [], []
-        for start in range(_RECORDS, len(self._lines), step):
+        for start in range(UNIVERSAL.shape_records, len(self._lines), step):
             nodes.append(self._node(self._lines[start].strip()))
             entry = [value for line in range(start + 1, start + step) for value in self.numbers(line)]
             if len(entry) != count:
@@ -172,14 +169,14 @@ class _Reader:
         return tuple(nodes), np.array(entries)
 
     def _node(self, text: str) -> int:
-        if not text.isascii() or not text.isdigit() or int(text) > _LARGEST_NODE:
+        if not text.isascii() or not text.isdigit() or int(text) > UNIVERSAL.max_node:
             raise self._no_number(text)
         return int(text)
 
     def _no_number(self, text: str) -> Exception:
-        shown = text.strip()[:20]
-        return refusal(f"mode {self._index} holds what is no number: {shown!r}", value=shown)
+        sample = text.strip()[:20]
+        return refusal(f"mode {self._index} holds what is no number: {sample!r}", value=sample)
 
 
 def _columns(text: str) -> Iterator[str]:
-    yield from (text[at : at + WIDTH] for at in range(0, len(text), WIDTH))
+    yield from (text[at : at + UNIVERSAL.number_width] for at in range(0, len(text), UNIVERSAL.number_width))

@@ -11,13 +11,13 @@ from numpy.typing import NDArray
 from modallab.core.arrays import FloatArray
 from modallab.core.dof import DIRECTIONS, Dof
 from modallab.core.frf import FrfKind
+from modallab.interchange.settings import UNIVERSAL
 from modallab.interchange.uff_text import number
 
 AUTO_SPECTRUM, FRF, COHERENCE, DENSITY, MULTIPLE_COHERENCE = 2, 4, 6, 9, 26  # function types
 KINDS = (AUTO_SPECTRUM, FRF, COHERENCE, DENSITY, MULTIPLE_COHERENCE)  # of which a measurement is made
 FORCE, FREQUENCY = 13, 18  # specific data types
 MOTIONS = {FrfKind.RECEPTANCE: 8, FrfKind.MOBILITY: 11, FrfKind.INERTANCE: 12}
-_MOST_NODES = 999_999_999
 _RECORD = re.compile(r"modallab, record \d+ of (\d+)")
 
 
@@ -39,7 +39,7 @@ class Function:
 
 def decode(dataset: dict[str, Any]) -> Function:
     """Return the function that pyuff has read."""
-    counted = _RECORD.match(dataset.get("id2", ""))
+    match = _RECORD.match(dataset.get("id2", ""))
     return Function(
         type=dataset["func_type"],
         run=dataset["ver_num"],
@@ -50,19 +50,19 @@ def decode(dataset: dict[str, Any]) -> Function:
         units=(dataset["ordinate_axis_units_lab"], dataset["orddenom_axis_units_lab"]),
         freq=np.asarray(dataset["x"], float),
         data=np.asarray(dataset["data"]),
-        of=int(counted[1]) if counted else None,
+        of=int(match[1]) if match else None,
     )
 
 
 def _dof(node: int, direction: int) -> Dof | None:
-    if direction == 0 or abs(direction) > len(DIRECTIONS) or not 0 <= node <= _MOST_NODES:
+    if direction == 0 or abs(direction) > len(DIRECTIONS) or not 0 <= node <= UNIVERSAL.max_node:
         return None
     return Dof(node, DIRECTIONS[abs(direction) - 1], 1 if direction > 0 else -1)
 
 
 def encode(functions: Sequence[Function]) -> bytes:
     """Return functions as a universal file: dataset 58b, double precision, little-endian."""
-    return b"".join(_encoded(one, i + 1, len(functions)) for i, one in enumerate(functions))
+    return b"".join(_encoded(function, i + 1, len(functions)) for i, function in enumerate(functions))
 
 
 def _encoded(function: Function, record: int, of: int) -> bytes:

@@ -9,12 +9,10 @@ from itertools import chain
 
 from modallab.fe.members import sides
 from modallab.fe.structure import Structure
+from modallab.interchange.settings import UNIVERSAL
 from modallab.interchange.uff_text import NOWHERE, Origin, dataset, front, label, rows
 
 NODES, TRACE_LINE = 15, 82
-_LONGEST = 250  # nodes of a trace line, pen lifts counted
-_A_ROW = 8
-_LIFT = 0
 
 
 def write(structure: Structure, origin: Origin = NOWHERE) -> bytes:
@@ -42,8 +40,8 @@ def _node(number: int, place: Sequence[float]) -> str:
 def _trace(number: int, name: str, nodes: Sequence[int]) -> Iterator[str]:
     yield f"{number:10d}{len(nodes):10d}{0:10d}"
     yield name
-    for at in range(0, len(nodes), _A_ROW):
-        yield "".join(f"{node:10d}" for node in nodes[at : at + _A_ROW])
+    for at in range(0, len(nodes), UNIVERSAL.trace_nodes_per_row):
+        yield "".join(f"{node:10d}" for node in nodes[at : at + UNIVERSAL.trace_nodes_per_row])
 
 
 def _trace_lines(members: Sequence[tuple[int, int]]) -> Iterator[list[int]]:
@@ -51,15 +49,15 @@ def _trace_lines(members: Sequence[tuple[int, int]]) -> Iterator[list[int]]:
     strokes: list[list[int]] = []
     for first, second in members:
         last = strokes[-1] if strokes else []
-        if last and last[-1] == first and len(last) < _LONGEST:
+        if last and last[-1] == first and len(last) < UNIVERSAL.max_trace_nodes:
             last.append(second)
         else:
             strokes.append([first, second])
     line: list[int] = []
     for stroke in strokes:
-        if line and len(line) + 1 + len(stroke) > _LONGEST:
+        if line and len(line) + 1 + len(stroke) > UNIVERSAL.max_trace_nodes:
             yield line
             line = []
-        line = list(chain(line, [_LIFT] if line else [], stroke))
+        line = list(chain(line, [UNIVERSAL.pen_lift] if line else [], stroke))
     if line:
         yield line

@@ -11,16 +11,14 @@ import numpy as np
 from modallab.core.arrays import ComplexArray
 from modallab.core.dof import DIRECTIONS, TRANSLATIONS, Dof
 from modallab.core.modal_model import ModalModel, Mode
+from modallab.interchange.settings import UNIVERSAL
 from modallab.interchange.uff_contents import contents
 from modallab.interchange.uff_data_at_nodes import NodalShape, read_shape
-from modallab.interchange.uff_records import HEADER, SMALL, UNITS, factors, read_texts
-from modallab.interchange.uff_split import LARGEST, refusal
+from modallab.interchange.uff_records import HEADER, UNITS, factors, read_texts
+from modallab.interchange.uff_split import refusal
 from modallab.interchange.uff_text import NOWHERE, Origin, dataset, foreign, front, label, program_of, rows
 
 MODE = 55
-MOST_MODES = 500
-MOST_DOFS = 5_000
-MOST_ENTRIES = 500_000  # of all shapes together, what a file pads with zeros counted
 
 
 def write(model: ModalModel, origin: Origin = NOWHERE) -> bytes:
@@ -69,7 +67,7 @@ def _mode(model: ModalModel, index: int, table: ComplexArray, is_complex: bool) 
         "shapes mass-normalised, 1/sqrt(kg)" if mass else "shapes of any length",
         "NONE",
         "".join(f"{kind:10d}" for kind in kinds),
-        "".join(f"{one:10d}" for one in specific),
+        "".join(f"{integer:10d}" for integer in specific),
         *rows(values),
     ]
     for node, entry in zip(nodes, entries.tolist(), strict=True):
@@ -99,22 +97,29 @@ def read(payload: bytes, *, largest: int) -> ModalModel:
     shapes: list[NodalShape] = []
     notes: list[str] = []
     units = (1.0, 1.0)
-    wanted = {MODE: LARGEST, UNITS: SMALL, HEADER: SMALL}
-    for number, text in read_texts(payload, largest, wanted):
+    text_limits = {
+        MODE: UNIVERSAL.max_bytes,
+        UNITS: UNIVERSAL.max_small_bytes,
+        HEADER: UNIVERSAL.max_small_bytes,
+    }
+    for number, text in read_texts(payload, largest, text_limits):
         if number == HEADER:
             notes += foreign(program_of(text))
         elif number == UNITS:
             units = factors(text)
         elif (shape := read_shape(text, len(shapes) + 1)) is not None:
             shapes.append(shape)
-            if len(shapes) > MOST_MODES or sum(one.values.size for one in shapes) > MOST_ENTRIES:
-                allowed = f"{MOST_MODES} modes, {MOST_ENTRIES} entries of shapes"
-                raise refusal("the file has too many modes", value=len(shapes), allowed=allowed)
+            if (
+                len(shapes) > UNIVERSAL.max_modes
+                or sum(entry.values.size for entry in shapes) > UNIVERSAL.max_shape_entries
+            ):
+                limits = f"{UNIVERSAL.max_modes} modes, {UNIVERSAL.max_shape_entries} entries of shapes"
+                raise refusal("the file has too many modes", value=len(shapes), allowed=limits)
     _check(shapes)
-    told = len(shapes)
+    n_read = len(shapes)
     # Where a complex mode comes with its conjugate, one of them says it all.
     shapes = [shape for shape in shapes if shape.frequency > 0]
-    if len(shapes) < told:
+    if len(shapes) < n_read:
         notes.append("left out: modes at 0 Hz, and conjugates")
     if not shapes:
         raise refusal(
@@ -141,22 +146,22 @@ def _model(shapes: Sequence[NodalShape], units: tuple[float, float], notes: Sequ
     length, force = units
     # A rotation goes with lengths in the file's unit, a modal mass with its forces and lengths.
     table[:, :, 3:] *= length
-    known = all(shape.modal_mass for shape in shapes)
-    if known:
+    mass_normalised = all(shape.modal_mass for shape in shapes)
+    if mass_normalised:
         masses = np.array([shape.modal_mass for shape in shapes]) * length / force
         with np.errstate(all="ignore"):  # what overflows is refused with the shape
             table /= np.sqrt(masses)[:, None, None]
     dofs = list(_moving(table, nodes))
     if not dofs:
         raise refusal("no mode moves", field="shape")
-    if len(dofs) > MOST_DOFS:
-        raise refusal("the shapes have too many entries", value=len(dofs), allowed=MOST_DOFS)
+    if len(dofs) > UNIVERSAL.max_dofs:
+        raise refusal("the shapes have too many entries", value=len(dofs), allowed=UNIVERSAL.max_dofs)
     index = tuple(np.array([(places[d.node], DIRECTIONS.index(d.direction)) for d in dofs]).T)
     modes = [Mode(s.frequency, s.loss_factor, entry[index]) for s, entry in zip(shapes, table, strict=True)]
     return ModalModel(
         tuple(sorted(modes, key=lambda mode: mode.frequency)),
         tuple(dofs),
-        "mass" if known else "none",
+        "mass" if mass_normalised else "none",
         method="imported",
         notes=tuple(notes),
     )

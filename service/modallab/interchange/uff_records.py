@@ -9,11 +9,11 @@ import numpy as np
 import pyuff
 from numpy.typing import NDArray
 
-from modallab.interchange.uff_split import FUNCTION, LARGEST, refusal, split
+from modallab.interchange.settings import UNIVERSAL
+from modallab.interchange.uff_split import FUNCTION, refusal, split
 from modallab.interchange.uff_text import program_of
 
 UNITS, HEADER = 164, 151
-SMALL = 1_000  # bytes that header and units may have; larger ones pass by
 
 
 def read_sets(payload: bytes, largest: int, kinds: Collection[int]) -> Iterator[dict[str, Any]]:
@@ -38,18 +38,22 @@ def read_sets(payload: bytes, largest: int, kinds: Collection[int]) -> Iterator[
     with tempfile.TemporaryDirectory(prefix="modallab-") as folder:
         path = Path(folder) / "tidy.uff"
         with path.open("wb") as file:
-            for one in split(_limited(payload, largest), {UNITS: SMALL, HEADER: SMALL}, kinds):
-                if one.text is None:
+            for dataset in split(
+                _limited(payload, largest),
+                {UNITS: UNIVERSAL.max_small_bytes, HEADER: UNIVERSAL.max_small_bytes},
+                kinds,
+            ):
+                if dataset.text is None:
                     continue
                 # Not by pyuff: it refuses headers with lines missing, of which no harm comes.
-                if one.number == HEADER:
-                    yield {"type": HEADER, "program": program_of(one.text.decode("ascii", "replace"))}
-                elif one.number == UNITS:
-                    length, force = factors(one.text.decode("ascii", "replace"))
+                if dataset.number == HEADER:
+                    yield {"type": HEADER, "program": program_of(dataset.text.decode("ascii", "replace"))}
+                elif dataset.number == UNITS:
+                    length, force = factors(dataset.text.decode("ascii", "replace"))
                     yield {"type": UNITS, "length": length, "force": force}
                 else:
-                    file.write(one.text)
-                    counts.append(one.count)
+                    file.write(dataset.text)
+                    counts.append(dataset.count)
         try:
             reader = pyuff.UFF(str(path))
         except Exception as error:  # pyuff raises nothing narrower
@@ -60,7 +64,7 @@ def read_sets(payload: bytes, largest: int, kinds: Collection[int]) -> Iterator[
             yield _parsed(reader, index, count)
 
 
-def read_texts(payload: bytes, largest: int, wanted: Mapping[int, int]) -> Iterator[tuple[int, str]]:
+def read_texts(payload: bytes, largest: int, text_limits: Mapping[int, int]) -> Iterator[tuple[int, str]]:
     """Yield the number and the lines of text datasets, without mark and number.
 
     Parameters
@@ -69,7 +73,7 @@ def read_texts(payload: bytes, largest: int, wanted: Mapping[int, int]) -> Itera
         The file.
     largest
         Bytes it may have.
-    wanted
+    text_limits
         The datasets' numbers, and the bytes beyond which each passes by.
 
     Raises
@@ -77,9 +81,9 @@ def read_texts(payload: bytes, largest: int, wanted: Mapping[int, int]) -> Itera
     InvalidInputError
         If it is no universal file, or is cut off.
     """
-    for one in split(_limited(payload, largest), wanted, ()):
-        if one.text is not None:
-            yield one.number, one.text.decode("ascii", "replace")
+    for dataset in split(_limited(payload, largest), text_limits, ()):
+        if dataset.text is not None:
+            yield dataset.number, dataset.text.decode("ascii", "replace")
 
 
 def factors(units: str) -> tuple[float, float]:
@@ -101,7 +105,7 @@ def factors(units: str) -> tuple[float, float]:
 
 
 def _limited(payload: bytes, largest: int) -> bytes:
-    limit = min(largest, LARGEST)
+    limit = min(largest, UNIVERSAL.max_bytes)
     if len(payload) > limit:
         raise refusal(
             f"the universal file is larger than {limit / 1e6:g} MB; what does not belong to FRFs, such as "

@@ -5,19 +5,14 @@ from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 
 from modallab.core.errors import InvalidInputError
+from modallab.interchange.settings import UNIVERSAL
 
-LARGEST = 24_000_000  # bytes of a file: 100 responses of 3,201 lines with all spectra take 13 million
-MOST_LINES = 100_000  # of one function
-MOST_SETS = 6_000
 FUNCTION = 58
 
 _OPEN = re.compile(rb"    -1 *\r?\n")
 _CLOSE = re.compile(rb"\n    -1 *\r?(?:\n|\Z)")
 _CLOSE_BINARY = re.compile(rb"[\r\n]*    -1 *\r?(?:\n|\Z)")
 _BLANK = re.compile(rb"\s*")
-_LONGEST_HEADER = 400  # bytes of a line; 80 characters by the format, some write more
-_LONGEST_ROW = 100  # bytes of a line of numbers
-_HEADER_LINES = 12
 _CONTROL = bytes(range(32)) + b"\x7f"
 _HEADER = bytes.maketrans(_CONTROL, b" " * len(_CONTROL))
 _FORTRAN = bytes.maketrans(b"dD", b"EE")
@@ -72,12 +67,12 @@ def starts(payload: bytes) -> bool:
     return payload[first : first + 2] == b"-1"
 
 
-def split(payload: bytes, wanted: Mapping[int, int], kinds: Collection[int]) -> Iterator[Dataset]:
+def split(payload: bytes, text_limits: Mapping[int, int], kinds: Collection[int]) -> Iterator[Dataset]:
     """Yield every dataset; what is not wanted passes by, whatever its size.
 
     Parameters
     ----------
-    wanted
+    text_limits
         Numbers of text datasets, and the bytes beyond which each passes by.
     kinds
         Types of the functions (dataset 58) wanted.
@@ -88,7 +83,7 @@ def split(payload: bytes, wanted: Mapping[int, int], kinds: Collection[int]) -> 
         If the file is no universal file, is cut off, or a function declares other numbers than it holds.
     """
     position = 0
-    for index in range(MOST_SETS + 1):
+    for index in range(UNIVERSAL.max_datasets + 1):
         text = _BLANK.match(payload, position).end()  # type: ignore[union-attr]
         if text == len(payload):
             return
@@ -106,12 +101,12 @@ def split(payload: bytes, wanted: Mapping[int, int], kinds: Collection[int]) -> 
             yield dataset
             continue
         end, position = _text(payload, begin, index)
-        if end - begin < wanted.get(number, 0):
+        if end - begin < text_limits.get(number, 0):
             first = payload.find(b"\n", begin, end) + 1
             yield Dataset(number, text=payload[first:end])
         else:
             yield Dataset(number)
-    raise refusal("the file has too many datasets", allowed=MOST_SETS)
+    raise refusal("the file has too many datasets", allowed=UNIVERSAL.max_datasets)
 
 
 def _text(payload: bytes, begin: int, index: int) -> tuple[int, int]:
@@ -129,8 +124,8 @@ def _cut_off(index: int) -> InvalidInputError:
 def _function(payload: bytes, begin: int, kinds: Collection[int], index: int) -> tuple[Dataset, int]:
     """Return a function, and where the next dataset begins."""
     lines = []
-    for _ in range(_HEADER_LINES):
-        stop = payload.find(b"\n", begin, begin + _LONGEST_HEADER)
+    for _ in range(UNIVERSAL.header_lines):
+        stop = payload.find(b"\n", begin, begin + UNIVERSAL.max_header_bytes)
         if stop < 0:
             raise _cut_off(index)
         lines.append(payload[begin:stop].translate(_HEADER).rstrip())
@@ -143,12 +138,12 @@ def _function(payload: bytes, begin: int, kinds: Collection[int], index: int) ->
     if kind is not None and kind not in kinds:
         position = _closed(payload, begin, form, index) if form.binary else _text(payload, begin, index)[1]
         return Dataset(FUNCTION, kind), position
-    if not 1 <= form.count <= MOST_LINES:
+    if not 1 <= form.count <= UNIVERSAL.max_lines:
         raise refusal(
             f"dataset {index + 1} declares {form.count} values",
             dataset=index + 1,
             value=form.count,
-            allowed=f"1 to {MOST_LINES}",
+            allowed=f"1 to {UNIVERSAL.max_lines}",
         )
     data, position = (_bytes if form.binary else _rows)(payload, begin, form, index)
     tidy = b"\n".join([b"    -1", *lines, data]) + b"    -1\n"
@@ -195,15 +190,15 @@ def _rows(payload: bytes, begin: int, form: _Form, index: int) -> tuple[bytes, i
     if closing is None:
         raise _cut_off(index)
     size = closing.start() - begin
-    if size > _LONGEST_ROW * form.n_rows:
+    if size > UNIVERSAL.max_row_bytes * form.n_rows:
         raise refusal(f"dataset {index + 1} is longer than it declares", dataset=index + 1, value=size)
     text = payload[begin : closing.start() + 1].translate(_FORTRAN)
     strange = text.translate(None, _OF_NUMBERS)
     if strange:
         row = text.count(b"\n", 0, text.index(strange[:1])) + 1
-        shown = strange[:20].decode("ascii", "replace")
+        sample = strange[:20].decode("ascii", "replace")
         raise refusal(
-            f"dataset {index + 1} holds what is no number, in row {row} of its values: {shown!r}",
+            f"dataset {index + 1} holds what is no number, in row {row} of its values: {sample!r}",
             dataset=index + 1,
             row=row,
             allowed="numbers in columns, without separators",

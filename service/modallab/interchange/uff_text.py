@@ -4,11 +4,9 @@ from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from datetime import datetime
 
-WIDTH = 13  # columns of a number
+from modallab.interchange.settings import UNIVERSAL
+
 _MONTHS = ("Jan", "Feb", "Mar", "Apr", "May", "Jun", "Jul", "Aug", "Sep", "Oct", "Nov", "Dec")
-_A_ROW = 6  # numbers
-_LONGEST = 80  # characters of a line
-_SMALLEST = 1e-99  # below, an exponent takes a third digit
 PROGRAM = "modallab"
 
 
@@ -19,7 +17,7 @@ class Origin:
     name: str = ""
     content: str = ""
     version: str = ""  # of the program that made it
-    made: datetime | None = None  # when the content was made, which never changes after
+    created: datetime | None = None  # when the content was made, which never changes after
 
 
 NOWHERE = Origin()
@@ -34,7 +32,7 @@ def label(text: str) -> str:
     """Return a line of free text: ASCII, 80 characters, nothing that could pass for a mark."""
     # A single blank between words: a mark has four before its -1.
     plain = " ".join(text.split()).encode("ascii", "replace").decode()
-    return plain[:_LONGEST] or "NONE"
+    return plain[: UNIVERSAL.text_width] or "NONE"
 
 
 def front(origin: Origin) -> bytes:
@@ -44,7 +42,7 @@ def front(origin: Origin) -> bytes:
     that no file would be the same twice.
     """
     program = label(f"{PROGRAM} {origin.version}")
-    date = "" if origin.made is None else _date(origin.made)
+    date = "" if origin.created is None else _date(origin.created)
     header = [label(origin.name), label(origin.content), program, f"{date:<20}{0:10d}{0:10d}{0:10d}"]
     units = [f"{1:10d}{'SI: Meter (newton)':<20}{2:10d}", _factors(1.0, 1.0, 1.0), _factors(273.15)]
     return dataset(151, [*header, date, program, date]) + dataset(164, units)
@@ -73,17 +71,20 @@ def foreign(program: str) -> tuple[str, ...]:
 
 def number(value: float) -> str:
     """Return a number in 13 columns with as many digits as fit: E13.5 would keep six."""
-    if abs(value) < _SMALLEST:
-        return f"{'0.0':>{WIDTH}}"
+    if abs(value) < UNIVERSAL.smallest_number:
+        return f"{'0.0':>{UNIVERSAL.number_width}}"
     digits = 11
     text = f"{value:#.{digits}g}"
-    while len(text) >= WIDTH:  # a column stays blank, for readers that split at blanks
-        digits -= len(text) - WIDTH + 1
+    while len(text) >= UNIVERSAL.number_width:  # a column stays blank, for readers that split at blanks
+        digits -= len(text) - UNIVERSAL.number_width + 1
         text = f"{value:#.{digits}g}"
-    return f"{text:>{WIDTH}}"
+    return f"{text:>{UNIVERSAL.number_width}}"
 
 
 def rows(values: Sequence[float]) -> list[str]:
     """Return numbers in lines of six."""
     texts = [number(value) for value in values]
-    return ["".join(texts[i : i + _A_ROW]) for i in range(0, len(texts), _A_ROW)]
+    return [
+        "".join(texts[i : i + UNIVERSAL.numbers_per_row])
+        for i in range(0, len(texts), UNIVERSAL.numbers_per_row)
+    ]

@@ -17,6 +17,7 @@ from modallab.api.structures.schemas import StructureIn
 from modallab.core.dof import Dof
 from modallab.core.place import EffectSpec
 from modallab.interchange import frf_text, hdf5, uff
+from modallab.interchange.settings import FRF_TEXT_FILE
 from modallab.rig.effect import build
 from modallab.rig.measure import Route, measure
 from modallab.rig.measurement import Measurement
@@ -52,7 +53,7 @@ def folder(tmp_path_factory: pytest.TempPathFactory, test_of_the_beam: Measureme
     (place / "rig.json").write_text(json.dumps(RIG), encoding="utf-8")
     (place / "frf.uff").write_bytes(uff.write(test_of_the_beam))
     (place / "frf.h5").write_bytes(hdf5.write(test_of_the_beam))
-    (place / "frf.frf").write_bytes(frf_text.write(test_of_the_beam, frf_text.ALL))
+    (place / "frf.frf").write_bytes(frf_text.write(test_of_the_beam, FRF_TEXT_FILE.all_decimals))
     (place / "frf.npz").write_bytes(pack(arrays_of(test_of_the_beam)))
     return place
 

@@ -14,6 +14,7 @@ from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfKind
 from modallab.interchange import frf_text, reading
 from modallab.interchange.measured import MeasuredFile
+from modallab.interchange.settings import FRF_TEXT_FILE
 from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
 from tests.rigs import rig
@@ -35,7 +36,7 @@ def taken(payload: bytes, setup: RigSetup) -> Measurement:
 @pytest.mark.parametrize("kind", list(FrfKind))
 def test_with_all_digits_what_is_written_is_read_with_equal_arrays(kind: FrfKind) -> None:
     given_ = measured(kind)
-    back = read(frf_text.write(given_, frf_text.ALL))
+    back = read(frf_text.write(given_, FRF_TEXT_FILE.all_decimals))
     assert (back.frf.outputs, back.frf.inputs, back.frf.kind) == (OUTPUTS, (DRIVE,), kind)
     np.testing.assert_array_equal(back.frf.freq, given_.frf.freq)
     np.testing.assert_array_equal(back.frf.values, given_.frf.values)
@@ -151,7 +152,7 @@ def test_a_roving_hammers_frfs_come_back_with_a_coherence_each() -> None:
     values = rng.normal(size=(33, 1, 2)).astype(complex)
     frf = replace(given_.frf, values=values, inputs=drives, outputs=OUTPUTS[:1])
     test = Measurement(frf, np.round(rng.uniform(size=(33, 1, 2)), 3), 10.0, setup)
-    back = taken(frf_text.write(test, frf_text.ALL), setup)
+    back = taken(frf_text.write(test, FRF_TEXT_FILE.all_decimals), setup)
     np.testing.assert_array_equal(back.frf.values, values)
     np.testing.assert_array_equal(back.coherence, test.coherence)
 

@@ -21,6 +21,7 @@ from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfKind
 from modallab.interchange import hdf5, hdf5_reader, reading
 from modallab.interchange.measured import MeasuredFile
+from modallab.interchange.settings import HDF5
 from modallab.rig.measurement import Measurement
 from tests.rigs import rig
 from tests.service.interchange.test_uff import DRIVE, OUTPUTS, measured
@@ -201,7 +202,7 @@ def test_what_is_no_array_of_this_file_is_refused(case: str, tmp_path: Path) -> 
     path = tmp_path / "hostile.h5"
     path.write_bytes(REFUSED[case])
     with pytest.raises(hdf5_reader.RefusedError):
-        hdf5_reader.arrays_of(str(path), hdf5.LARGEST)
+        hdf5_reader.arrays_of(str(path), HDF5.max_bytes)
 
 
 HOSTILE: dict[str, bytes] = {
@@ -256,7 +257,7 @@ def test_the_readers_process_has_little_memory_and_time(case: str, tmp_path: Pat
     path.write_bytes(HOSTILE[case])
     # From a small process: a child inherits the peak of who starts it.
     run = subprocess.run(
-        [sys.executable, "-c", _MEASURED, str(path), str(hdf5.LARGEST)],
+        [sys.executable, "-c", _MEASURED, str(path), str(HDF5.max_bytes)],
         env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},
         capture_output=True,
         text=True,

@@ -18,7 +18,7 @@ from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.interchange import reading, uff
 from modallab.interchange.measured import NO_COHERENCE, MeasuredFile
-from modallab.interchange.uff_split import MOST_LINES
+from modallab.interchange.settings import UNIVERSAL
 from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
 from tests.rigs import rig
@@ -367,7 +367,7 @@ TIME = {"func_type": 1, "abscissa_spec_data_type": 17}
 def test_a_long_record_beside_frfs_passes_by_whatever_its_length(
     foreign: Callable[..., bytes], binary: int
 ) -> None:
-    count = MOST_LINES + 7
+    count = UNIVERSAL.max_lines + 7
     record = function(1, data=np.ones(count), x=np.arange(count) * 1e-4, binary=binary, **TIME)
     back = read(foreign(record, function(1), record))
     np.testing.assert_allclose(back.frf.values[:, 0, 0], CURVES[1], rtol=1e-11)
@@ -450,7 +450,7 @@ def test_frfs_of_other_quantities_are_refused_with_what_they_are(foreign: Callab
 
 def test_a_file_that_is_too_large_says_what_may_be_left_out_of_it() -> None:
     with pytest.raises(InvalidInputError, match=r"larger than 24 MB; .* time records"):
-        read(b"    -1\n    58\n".ljust(uff.LARGEST + 1))
+        read(b"    -1\n    58\n".ljust(UNIVERSAL.max_bytes + 1))
 
 
 # --- damaged files ---------------------------------------------------------------------------------

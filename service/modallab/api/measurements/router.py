@@ -20,6 +20,7 @@ from modallab.api.shelves import add_routes
 from modallab.api.thinning import Points
 from modallab.interchange import frf_text, hdf5, uff
 from modallab.interchange.reading import read_measurement
+from modallab.interchange.settings import FRF_TEXT_FILE
 from modallab.store.codec import arrays_of
 
 router = APIRouter(prefix="/measurements", tags=["measurements"])
@@ -33,8 +34,8 @@ RigId = Annotated[
 Decimals = Annotated[
     int,
     Query(
-        ge=frf_text.COLUMNS,
-        le=frf_text.ALL,
+        ge=FRF_TEXT_FILE.program_decimals,
+        le=FRF_TEXT_FILE.all_decimals,
         description="of every number: 3 keeps to the program's columns, 16 loses nothing",
     ),
 ]
@@ -118,7 +119,7 @@ def get_measurement_uff(id: IdPath, store: StoreDep, kind: KindWanted = None) ->
     summary="FRFs as the thesis program has them",
 )
 def get_measurement_frf_text(
-    id: IdPath, store: StoreDep, decimals: Decimals = frf_text.COLUMNS, kind: KindWanted = None
+    id: IdPath, store: StoreDep, decimals: Decimals = FRF_TEXT_FILE.program_decimals, kind: KindWanted = None
 ) -> Response:
     return frf_text_reply(frf_text.write(measured_as(kind, store.measurements.get(id)), decimals), id)
 

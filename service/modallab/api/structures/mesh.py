@@ -5,7 +5,7 @@ from pydantic import Field, TypeAdapter, ValidationError
 from modallab.api.faults import wrong_json
 from modallab.api.structures.schemas import Directions, MaterialIn, SectionIn
 from modallab.api.wire import Number, Text, Wire
-from modallab.interchange.mesh.described import BarMade, Held, MeshDescription, PlateMade
+from modallab.interchange.mesh.description import HeldGroup, MeshBar, MeshDescription, MeshPlate
 
 _MOST = 1000  # groups
 
@@ -29,10 +29,10 @@ class BarsIn(Wire):
     material: MaterialIn
     section: LineSectionIn
 
-    def to_domain(self) -> BarMade:
+    def to_domain(self) -> MeshBar:
         """Return what the lines are made of."""
         own = self.section
-        return BarMade(
+        return MeshBar(
             self.material.to_domain(), own.to_domain(), own.second_moment_across, own.torsion, own.upright
         )
 
@@ -43,9 +43,9 @@ class PlatesIn(Wire):
     material: MaterialIn
     thickness: Number
 
-    def to_domain(self) -> PlateMade:
+    def to_domain(self) -> MeshPlate:
         """Return what the cells are made of."""
-        return PlateMade(self.material.to_domain(), self.thickness)
+        return MeshPlate(self.material.to_domain(), self.thickness)
 
 
 class HeldIn(Wire):
@@ -69,7 +69,7 @@ class MeshIn(Wire):
         """Return the description."""
         return MeshDescription(
             {name: one.to_domain() for name, one in self.groups.items()},
-            tuple(Held(one.group, tuple(one.directions)) for one in self.supports),
+            tuple(HeldGroup(one.group, tuple(one.directions)) for one in self.supports),
             tuple(self.left_out),
             self.length_unit,
         )

@@ -102,7 +102,7 @@ def import_structure(
     law = None if damping is None else damping_of(damping)
     described = None if mesh is None else mesh_of(mesh)
     limit = settings.upload_limit
-    read = read_model(file.file, largest=limit, damping=law, name=name, described=described)
+    read = read_model(file.file, largest=limit, damping=law, name=name, description=described)
     return _out(store, store.structures.add(read, owner=owner))
 
 

@@ -12,9 +12,8 @@ import numpy as np
 
 from modallab.core.arrays import FloatArray, IntArray
 from modallab.core.errors import InvalidInputError
+from modallab.interchange.settings import MODEL_FILE
 
-LARGEST = 200_000_000  # bytes
-FARTHEST = 1e12  # of its units of length
 # meshio's own names of groups that say nothing of what cells are
 _INTERNAL = ("gmsh:bounding_entities", "gmsh:geometrical")
 _DIMENSION = {"vertex": 0, "line": 1, "triangle": 2, "quad": 2}
@@ -75,8 +74,8 @@ def read_mesh(payload: bytes) -> Mesh:
         raise
     # Any: the parsers of meshio raise a dozen kinds at hostile bytes.
     except Exception as error:
-        said = f"{type(error).__name__}: {error}"[:300]
-        raise InvalidInputError(f"not a mesh of {name}: {said}", field="file", allowed=name) from None
+        reason = f"{type(error).__name__}: {error}"[:300]
+        raise InvalidInputError(f"not a mesh of {name}: {reason}", field="file", allowed=name) from None
 
 
 def _format(head: bytes) -> str | None:
@@ -127,7 +126,7 @@ def _plain_abaqus(payload: bytes) -> bytes:
 
 def _checked(mesh: Any) -> Mesh:
     points = np.asarray(mesh.points, float).reshape(len(mesh.points), -1)
-    if not len(points) or points.shape[1] > 3 or not np.abs(points).max() <= FARTHEST:
+    if not len(points) or points.shape[1] > 3 or not np.abs(points).max() <= MODEL_FILE.max_coordinate:
         raise InvalidInputError(
             "the mesh has no points, or no places for them", field="file", value=len(points)
         )
@@ -147,22 +146,22 @@ def _checked(mesh: Any) -> Mesh:
 def _groups(mesh: Any, blocks: Sequence[Cells], sizes: Sequence[int]) -> Iterator[tuple[str, IntArray]]:
     """Yield groups of cells: sets, physical names, or the numbers that cells carry."""
     first = np.cumsum([0, *sizes])
-    told = set()
+    names = set()
     for name, parts in mesh.cell_sets.items():
         if name not in _INTERNAL:
-            told.add(name)
-            given = [np.asarray([] if part is None else part, int) for part in parts]
-            yield name, np.concatenate([start + part for start, part in zip(first, given, strict=False)])
+            names.add(name)
+            members = [np.asarray([] if part is None else part, int) for part in parts]
+            yield name, np.concatenate([start + part for start, part in zip(first, members, strict=False)])
     tags = mesh.cell_data.get("gmsh:physical", ())
     for name, (tag, dimension) in mesh.field_data.items():
-        if name not in told and tags:
-            told.add(name)
-            own = [
+        if name not in names and tags:
+            names.add(name)
+            is_member = [
                 (np.asarray(part) == tag) & (_DIMENSION.get(block.type, 3) == dimension)
                 for part, block in zip(tags, blocks, strict=True)
             ]
-            yield name, np.flatnonzero(np.concatenate(own))
-    if told:
+            yield name, np.flatnonzero(np.concatenate(is_member))
+    if names:
         return
     for array, parts in mesh.cell_data.items():
         values = np.concatenate(

@@ -21,12 +21,12 @@ from modallab.fe.spatial import (
     warp,
 )
 from modallab.fe.structure import Structure, Support
-from modallab.interchange.mesh.described import BarMade, Made, PlateMade
+from modallab.interchange.mesh.description import CellProperty, MeshBar, MeshPlate
+from modallab.interchange.settings import MODEL_FILE
 
 Rim = tuple[int, ...]
 Matrices = tuple[FloatArray, FloatArray, FloatArray]  # mass, axial or membrane, and bending stiffness
-UPRIGHT, BESIDE = (0.0, 0.0, 1.0), (0.0, 1.0, 0.0)
-STEEP = 1e-6  # of a bar's direction, by which it must stand off Z for Z to turn it
+Z_AXIS, Y_AXIS = (0.0, 0.0, 1.0), (0.0, 1.0, 0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -35,7 +35,7 @@ class SpaceCell:
 
     number: int
     group: str
-    made: Made
+    cell_property: CellProperty
     rim: Rim
 
 
@@ -58,12 +58,12 @@ def in_space(
     first = {node: 6 * i for i, node in enumerate(places)}
     elements: list[Element] = []
     for size in (2, 3, 4):
-        alike = [cell for cell in cells if len(cell.rim) == size]
-        if not alike:
+        same_type = [cell for cell in cells if len(cell.rim) == size]
+        if not same_type:
             continue
-        corners = np.array([[places[node] for node in cell.rim] for cell in alike])
-        matrices = _bars(alike, corners) if size == 2 else _shells(alike, corners)
-        for cell, mass, axial, bending in zip(alike, *matrices, strict=True):
+        corners = np.array([[places[node] for node in cell.rim] for cell in same_type])
+        matrices = _bars(same_type, corners) if size == 2 else _shells(same_type, corners)
+        for cell, mass, axial, bending in zip(same_type, *matrices, strict=True):
             rows = [first[node] + i for node in cell.rim for i in range(6)]
             elements.append(Element(cell.number, cell.group, rows, mass, axial, bending))
     elements.sort(key=lambda element: element.number)
@@ -71,40 +71,44 @@ def in_space(
 
 
 def _bars(cells: Sequence[SpaceCell], ends: FloatArray) -> Matrices:
-    made = [cell.made for cell in cells if isinstance(cell.made, BarMade)]
+    bar_properties = [cell.cell_property for cell in cells if isinstance(cell.cell_property, MeshBar)]
     along = ends[:, 1] - ends[:, 0]
     length = np.linalg.norm(along, axis=1)
     _refuse(cells, np.asarray(length > 0), "a bar without length", "two points apart")
-    steep = np.abs(along[:, 2]) > (1 - STEEP) * length
-    usual = np.where(steep[:, None], BESIDE, UPRIGHT)
-    own = np.array([np.full(3, np.nan) if one.upright is None else one.upright for one in made], float)
-    area = np.array([one.section.area for one in made])
-    second = np.array([_second_moments(one) for one in made])
-    density = np.array([one.material.density for one in made])
+    steep = np.abs(along[:, 2]) > (1 - MODEL_FILE.steepness) * length
+    usual = np.where(steep[:, None], Y_AXIS, Z_AXIS)
+    stated = np.array(
+        [np.full(3, np.nan) if bar.upright is None else bar.upright for bar in bar_properties], float
+    )
+    area = np.array([bar.section.area for bar in bar_properties])
+    second = np.array([_second_moments(bar) for bar in bar_properties])
+    density = np.array([bar.material.density for bar in bar_properties])
     bars = SpatialBars(
         along=along,
-        upright=np.where(np.isnan(own), usual, own),
-        modulus=np.array([one.material.modulus for one in made]),
-        shear_modulus=np.array([one.material.shear_modulus for one in made]),
+        upright=np.where(np.isnan(stated), usual, stated),
+        modulus=np.array([bar.material.modulus for bar in bar_properties]),
+        shear_modulus=np.array([bar.material.shear_modulus for bar in bar_properties]),
         area=area,
         second_moments=second,
-        torsion=np.array([sum(_second_moments(one)) if one.torsion is None else one.torsion for one in made]),
+        torsion=np.array(
+            [sum(_second_moments(bar)) if bar.torsion is None else bar.torsion for bar in bar_properties]
+        ),
         line_mass=density * area,
         polar_mass=density * second.sum(axis=1),
-        shear_coefficients=np.zeros((len(made), 2)),
+        shear_coefficients=np.zeros((len(bar_properties), 2)),
     )
     turned = np.asarray(np.isfinite(bar_axes(bars)).all(axis=(1, 2)))
     _refuse(cells, turned, "a bar along the vector that turns it", "an `upright` across the bar")
     return bars_in_space(bars)
 
 
-def _second_moments(made: BarMade) -> tuple[float, float]:
-    own = made.section.second_moment
-    return own, own if made.second_moment_across is None else made.second_moment_across
+def _second_moments(bar: MeshBar) -> tuple[float, float]:
+    in_plane = bar.section.second_moment
+    return in_plane, in_plane if bar.second_moment_across is None else bar.second_moment_across
 
 
 def _shells(cells: Sequence[SpaceCell], corners: FloatArray) -> Matrices:
-    made = [cell.made for cell in cells if isinstance(cell.made, PlateMade)]
+    plate_properties = [cell.cell_property for cell in cells if isinstance(cell.cell_property, MeshPlate)]
     _refuse(cells, convex(corners), "a folded, hollow or flat cell", "corners round a convex shape")
     _refuse(
         cells,
@@ -114,20 +118,20 @@ def _shells(cells: Sequence[SpaceCell], corners: FloatArray) -> Matrices:
     )
     plates = SpatialPlates(
         corners=corners,
-        thickness=np.array([one.thickness for one in made]),
-        modulus=np.array([one.material.modulus for one in made]),
-        density=np.array([one.material.density for one in made]),
-        poisson_ratio=np.array([one.material.poisson_ratio for one in made]),
+        thickness=np.array([plate.thickness for plate in plate_properties]),
+        modulus=np.array([plate.material.modulus for plate in plate_properties]),
+        density=np.array([plate.material.density for plate in plate_properties]),
+        poisson_ratio=np.array([plate.material.poisson_ratio for plate in plate_properties]),
     )
     return plates_in_space(plates)
 
 
-def _refuse(cells: Sequence[SpaceCell], good: BoolArray, what: str, allowed: str) -> None:
-    wrong = [cell for cell, fine in zip(cells, good, strict=True) if not fine]
+def _refuse(cells: Sequence[SpaceCell], accepted: BoolArray, problem: str, requirement: str) -> None:
+    wrong = [cell for cell, fine in zip(cells, accepted, strict=True) if not fine]
     if wrong:
         raise InvalidInputError(
-            f"{what}: member {wrong[0].number} of {len(wrong)} such, of group {wrong[0].group}",
+            f"{problem}: member {wrong[0].number} of {len(wrong)} such, of group {wrong[0].group}",
             field="mesh",
             value=", ".join(map(str, wrong[0].rim)),
-            allowed=allowed,
+            allowed=requirement,
         )

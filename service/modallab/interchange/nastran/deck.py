@@ -10,7 +10,6 @@ from dataclasses import dataclass
 
 from modallab.core.errors import InvalidInputError
 
-LARGEST = 100_000_000  # bytes of text
 _NAME = re.compile(r"[A-Za-z][A-Za-z0-9]*")
 _REAL = re.compile(r"([+-]?(?:[0-9]+\.?[0-9]*|\.[0-9]+))(?:[eEdD]?([+-][0-9]+)|[eEdD]([0-9]+))?")
 _MATRIX = re.compile(r"\s*([ABKM]4?2(?:GG|PP))\s*=\s*(.+)", re.I)  # case control's direct input
@@ -63,18 +62,18 @@ class Card:
             raise self.wrong(at, "a size that can be computed with, <= 1e30")
         return value
 
-    def must_be(self, at: int, values: Sequence[float], what: str) -> None:
+    def must_be(self, at: int, values: Sequence[float], feature: str) -> None:
         """Raise `InvalidInputError` unless a field is blank or has one of the values."""
         if self.text(at) and not any(abs(self.real(at) - v) <= 1e-3 * abs(v) for v in values):
-            raise self.wrong(at, f"{' or '.join(f'{value:g}' for value in values)}: {what} is not read")
+            raise self.wrong(at, f"{' or '.join(f'{value:g}' for value in values)}: {feature} is not read")
 
-    def wrong(self, at: int, allowed: str) -> InvalidInputError:
+    def wrong(self, at: int, requirement: str) -> InvalidInputError:
         """Return the error of a field, by card, line and place."""
         return InvalidInputError(
             f"{self.name} in line {self.line}, field {at + 1}: {self.text(at)!r}",
             field=f"{self.name} {self.fields[0] if self.fields else ''}".strip(),
             value=self.text(at),
-            allowed=allowed,
+            allowed=requirement,
             line=self.line,
         )
 
@@ -163,11 +162,11 @@ def _cards(lines: Sequence[tuple[int, str]]) -> Iterator[Card]:
 def _fields(line: str, number: int) -> tuple[str, list[str]]:
     """Return a line's first field, and the others that hold data, as many as there is room for."""
     if "," in line:
-        head, *rest = (part.strip() for part in line.split(","))
+        head, *data = (part.strip() for part in line.split(","))
         wide = head.endswith("*") or head.startswith("*")
         size = 4 if wide else 8
         # the one behind them may name the line that continues it
-        if any(rest[size + 1 :]) or (rest[size:] and rest[size] and rest[size][0] not in "+*"):
+        if any(data[size + 1 :]) or (data[size:] and data[size] and data[size][0] not in "+*"):
             raise InvalidInputError(
                 f"line {number} has more than {size} fields",
                 field=head,
@@ -179,9 +178,9 @@ def _fields(line: str, number: int) -> tuple[str, list[str]]:
         head = line[:8].strip()
         wide = head.endswith("*") or head.startswith("*")
         size, width = (4, 16) if wide else (8, 8)
-        rest = [line[8 + i * width : 8 + (i + 1) * width].strip() for i in range(size)]
+        data = [line[8 + i * width : 8 + (i + 1) * width].strip() for i in range(size)]
     name = head if head == "*" else head.removesuffix("*")
-    return name, (rest + [""] * size)[:size]
+    return name, (data + [""] * size)[:size]
 
 
 def _trimmed(fields: list[str]) -> tuple[str, ...]:

@@ -53,8 +53,8 @@ def direct_matrices(deck: Deck) -> DirectMatrices | None:
     chosen = _chosen(deck, tuple(cards))
     if not chosen:
         return None
-    found = {kind: _entries(cards[name]) for kind, name in chosen.items()}
-    return DirectMatrices(found.get("mass", {}), found.get("stiffness", {}))
+    matrices = {kind: _entries(cards[name]) for kind, name in chosen.items()}
+    return DirectMatrices(matrices.get("mass", {}), matrices.get("stiffness", {}))
 
 
 def _chosen(deck: Deck, names: Sequence[str]) -> dict[str, str]:
@@ -93,18 +93,18 @@ def _entries(cards: Sequence[Card]) -> Entries:
         raise head.wrong(3, "1: square, 6: symmetric")
     if head.integer(4) not in REAL:
         raise head.wrong(4, "1 or 2: real")
-    found: Entries = {}
+    entries: Entries = {}
     for card in cards:
         if card is head:
             continue
         column = _motion(card, 2)
         for at, row, value in _column(card):
-            if (row, column) in found:
+            if (row, column) in entries:
                 raise card.wrong(at, "each entry once, of a symmetric matrix on one side")
-            found[row, column] = value
+            entries[row, column] = value
             if form == SYMMETRIC:
-                found[column, row] = value
-    return found
+                entries[column, row] = value
+    return entries
 
 
 def _column(card: Card) -> Iterator[tuple[int, Motion, float]]:

@@ -21,19 +21,19 @@ def components(card: Card, at: int) -> tuple[str, ...]:
 
 def grid_points(cards: Sequence[Card]) -> tuple[dict[int, Place], list[Support]]:
     """Return where grid points are, m, and what they hold by themselves."""
-    of_all = next((card for card in cards if card.name == "GRDSET"), None)
+    default_card = next((card for card in cards if card.name == "GRDSET"), None)
     places: dict[int, Place] = {}
-    held: list[Support] = []
+    supports: list[Support] = []
     for number, card in by_number([card for card in cards if card.name == "GRID"], "grid points").items():
-        for at, what in ((2, "CP"), (6, "CD")):
-            own = card if card.text(at) else of_all or card
-            if own.text(at) and own.integer(at) != 0:
-                raise own.wrong(at, f"0 or blank: other systems of coordinates ({what}) are not read")
+        for at, system in ((2, "CP"), (6, "CD")):
+            source = card if card.text(at) else default_card or card
+            if source.text(at) and source.integer(at) != 0:
+                raise source.wrong(at, f"0 or blank: other systems of coordinates ({system}) are not read")
         places[number] = (card.real(3, 0.0), card.real(4, 0.0), card.real(5, 0.0))
-        own = card if card.text(7) else of_all or card
-        if held_here := components(own, 7):
-            held.append(Support(number, held_here))
-    return places, held
+        source = card if card.text(7) else default_card or card
+        if held_here := components(source, 7):
+            supports.append(Support(number, held_here))
+    return places, supports
 
 
 def supports(deck: Deck, places: Mapping[int, Place]) -> list[Support]:
@@ -57,18 +57,18 @@ def supports(deck: Deck, places: Mapping[int, Place]) -> list[Support]:
                 allowed="SPC = n in its case control, or one set",
             )
         chosen = next(iter(sums))
-    wanted = set(sets) if chosen is None else {chosen}
+    set_numbers = set(sets) if chosen is None else {chosen}
     if chosen in sums:
         add = sums[chosen]
-        wanted = {add.integer(at) for at in range(2, len(add.fields) + 1) if add.text(at)}
-    if missing := sorted(wanted - set(sets)):
+        set_numbers = {add.integer(at) for at in range(2, len(add.fields) + 1) if add.text(at)}
+    if missing := sorted(set_numbers - set(sets)):
         raise InvalidInputError(
             f"there is no set of constraints {missing[0]}",
             field="SPC",
             value=missing[0],
             allowed=f"the sets of this file: {', '.join(map(str, sets)) or 'none'}",
         )
-    return [support for card in cards if card.integer(1) in wanted for support in _held(card, places)]
+    return [support for card in cards if card.integer(1) in set_numbers for support in _held(card, places)]
 
 
 def _held(card: Card, places: Mapping[int, Place]) -> Iterable[Support]:
@@ -78,12 +78,12 @@ def _held(card: Card, places: Mapping[int, Place]) -> Iterable[Support]:
                 card.must_be(at + 2, (0.0,), "a prescribed motion")
                 yield Support(card.integer(at), components(card, at + 1))
         return
-    held = components(card, 2)
+    directions = components(card, 2)
     if card.text(4).upper() == "THRU":
         # of a range those that there are: it may be of any length
         first, last = card.integer(3), card.integer(5)
-        yield from (Support(number, held) for number in places if first <= number <= last)
+        yield from (Support(number, directions) for number in places if first <= number <= last)
         return
     for at in range(3, len(card.fields) + 1):
         if card.text(at):
-            yield Support(card.integer(at), held)
+            yield Support(card.integer(at), directions)

@@ -8,6 +8,7 @@ import numpy as np
 
 from modallab.core.dof import DIRECTIONS, Dof
 from modallab.core.errors import InvalidInputError
+from modallab.core.numerics import PRODUCT_ROUNDING
 from modallab.fe.damping import Damping, StructuralDamping
 from modallab.fe.imported_elements import Element, elements_of_groups, of_elements
 from modallab.fe.structure import Structure, Support
@@ -17,7 +18,7 @@ from modallab.interchange.nastran.direct import DirectMatrices, direct_matrices
 from modallab.interchange.nastran.grid import Place, grid_points, supports
 from modallab.interchange.nastran.properties import BARS
 
-READ = frozenset(
+READ_CARDS = frozenset(
     [
         "GRID",
         "GRDSET",
@@ -34,7 +35,7 @@ READ = frozenset(
     ]
 )
 # Loads, requests and tables: nothing of mass, stiffness or how it is held.
-LEFT_OUT = frozenset(
+IGNORED_CARDS = frozenset(
     """
     ASET ASET1 CORD1R CORD2R CORD1C CORD2C CORD1S CORD2S DAREA DLOAD EIGB EIGC EIGR EIGRL FORCE FORCE1
     FORCE2 FREQ FREQ1 FREQ2 FREQ3 FREQ4 FREQ5 GRAV LOAD MOMENT MOMENT1 MOMENT2 PLOAD PLOAD1 PLOAD2 PLOAD4
@@ -42,7 +43,6 @@ LEFT_OUT = frozenset(
     TLOAD1 TLOAD2 TSTEP USET USET1
     """.split()  # noqa: SIM905
 )
-STIFFLESS = 1e-12  # of the largest stiffness of its kind, below which a degree of freedom has none
 
 
 def read(payload: bytes, *, damping: Damping | None = None, name: str = "") -> Structure:
@@ -60,9 +60,9 @@ def read(payload: bytes, *, damping: Damping | None = None, name: str = "") -> S
     deck = read_deck(payload)
     _refuse_unknown(deck)
     direct = direct_matrices(deck)
-    places, held = _grid_points(deck, direct)
-    held = [*held, *supports(deck, places)]
-    for support in held:
+    places, held_points = _grid_points(deck, direct)
+    held_points = [*held_points, *supports(deck, places)]
+    for support in held_points:
         if support.node not in places:
             raise InvalidInputError(
                 f"there is no grid point {support.node} to hold",
@@ -71,23 +71,23 @@ def read(payload: bytes, *, damping: Damping | None = None, name: str = "") -> S
                 allowed="grid points of this file",
             )
     cards = [card for card in deck.cards if card.name in made.CARDS]
-    ends = {made.known_point(card, at, places) for card in cards for at in made.ends_of(card)}
+    ends = {made.grid_point_of(card, at, places) for card in cards for at in made.point_fields(card)}
     used = sorted(ends.union(direct.points if direct else ()))
     table = [Dof(node, direction) for node in used for direction in DIRECTIONS]
     row = {(dof.node, dof.direction): i for i, dof in enumerate(table)}
-    found = made.build(cards, made.given(deck, places, row))
+    members = made.build(cards, made.element_references(deck, places, row))
     scale, loss = _parameters(deck)
-    found = [replace(one, mass=scale * one.mass) for one in found]
+    members = [replace(element, mass=scale * element.mass) for element in members]
     if direct:
         # What a DMIG has is in units of mass already.
-        first = max((one.number for one in found), default=0) + 1
-        found += elements_of_groups([direct.group(row)], table, first=first)
-    elements, dofs = _with_stiffness(found, table)
+        first = max((element.number for element in members), default=0) + 1
+        members += elements_of_groups([direct.group(row)], table, first=first)
+    elements, dofs = _with_stiffness(members, table)
     return of_elements(
         elements,
         dofs,
         {dof.node: places[dof.node] for dof in dofs},
-        supports=_merged(held, dofs),
+        supports=_merged(held_points, dofs),
         damping=damping or StructuralDamping(stiffness_coefficient=loss),
         name=name,
     )
@@ -95,7 +95,7 @@ def read(payload: bytes, *, damping: Damping | None = None, name: str = "") -> S
 
 def _grid_points(deck: Deck, direct: DirectMatrices | None) -> tuple[Mapping[int, Place], Sequence[Support]]:
     """Return where grid points are, m, and what they hold; of matrices alone they may be left out."""
-    places, held = grid_points(deck.cards)
+    places, supports = grid_points(deck.cards)
     points = direct.points if direct else {}
     if not places:
         places = dict.fromkeys(points, (0.0, 0.0, 0.0))
@@ -107,18 +107,18 @@ def _grid_points(deck: Deck, direct: DirectMatrices | None) -> tuple[Mapping[int
             value=missing or 0,
             allowed="grid points of this file, one or more",
         )
-    return places, held
+    return places, supports
 
 
 def _refuse_unknown(deck: Deck) -> None:
-    unknown = Counter(card.name for card in deck.cards if card.name not in READ | LEFT_OUT)
+    unknown = Counter(card.name for card in deck.cards if card.name not in READ_CARDS | IGNORED_CARDS)
     if unknown:
         listed = ", ".join(f"{name} ({n})" for name, n in sorted(unknown.items())[:20])
         raise InvalidInputError(
             f"cards that are not read: {listed}",
             field="file",
             value=listed,
-            allowed=", ".join(sorted(READ)),
+            allowed=", ".join(sorted(READ_CARDS)),
             line=next(card.line for card in deck.cards if card.name in unknown),
         )
 
@@ -143,38 +143,38 @@ def _with_stiffness(
 ) -> tuple[list[Element], tuple[Dof, ...]]:
     """Return elements and degrees of freedom without those that no element makes stiff."""
     diagonal = np.zeros(len(table))
-    for one in elements:
-        stiffness = one.axial if one.bending is None else one.axial + one.bending
-        np.add.at(diagonal, one.rows, np.diag(stiffness))
-    kept = np.zeros(len(table), bool)
+    for element in elements:
+        stiffness = element.axial if element.bending is None else element.axial + element.bending
+        np.add.at(diagonal, element.rows, np.diag(stiffness))
+    is_stiff = np.zeros(len(table), bool)
     translational = np.array([dof.translational for dof in table], bool)
     for kind in (translational, ~translational):
-        kept |= kind & (diagonal > STIFFLESS * diagonal[kind].max(initial=0.0))
-    place = np.cumsum(kept) - 1
-    out = []
-    for one in elements:
-        own = np.flatnonzero(kept[list(one.rows)])
-        if not len(own):
+        is_stiff |= kind & (diagonal > PRODUCT_ROUNDING * diagonal[kind].max(initial=0.0))
+    place = np.cumsum(is_stiff) - 1
+    reduced = []
+    for element in elements:
+        entries = np.flatnonzero(is_stiff[list(element.rows)])
+        if not len(entries):
             continue
-        at = np.ix_(own, own)
-        out.append(
+        at = np.ix_(entries, entries)
+        reduced.append(
             replace(
-                one,
-                rows=place[np.array(one.rows)[own]].tolist(),
-                mass=one.mass[at],
-                axial=one.axial[at],
-                bending=None if one.bending is None else one.bending[at],
+                element,
+                rows=place[np.array(element.rows)[entries]].tolist(),
+                mass=element.mass[at],
+                axial=element.axial[at],
+                bending=None if element.bending is None else element.bending[at],
             )
         )
-    return out, tuple(dof for dof, there in zip(table, kept, strict=True) if there)
+    return reduced, tuple(dof for dof, stiff in zip(table, is_stiff, strict=True) if stiff)
 
 
-def _merged(held: Sequence[Support], dofs: Sequence[Dof]) -> tuple[Support, ...]:
+def _merged(supports: Sequence[Support], dofs: Sequence[Dof]) -> tuple[Support, ...]:
     """Return the supports of degrees of freedom there are, one for each node."""
-    there = set(dofs)
+    existing = set(dofs)
     by_node: dict[int, dict[str, None]] = {}
-    for support in held:
+    for support in supports:
         for direction in support.directions:
-            if Dof(support.node, direction) in there:
+            if Dof(support.node, direction) in existing:
                 by_node.setdefault(support.node, {})[direction] = None
     return tuple(Support(node, tuple(directions)) for node, directions in by_node.items())

@@ -16,10 +16,10 @@ from scipy.sparse import csc_array
 
 from modallab.core.arrays import FloatArray
 from modallab.core.errors import InvalidInputError
+from modallab.interchange.settings import MODEL_FILE
 
 SQUARE, SYMMETRIC = 1, 6  # forms that are stored entry by entry
 SINGLE, DOUBLE = 1, 2  # types of real numbers
-BIG = 65_536  # rows from which a string of a sparse matrix has a number of its own for its row
 _FORMAT = re.compile(r"([0-9]{1,2})[ED]([0-9]{1,2})\.", re.I)
 
 
@@ -73,14 +73,14 @@ def read_op4(payload: bytes, *, size: int, path: str = "file") -> dict[str, csc_
     InvalidInputError
         If it is no such file, is damaged, or a matrix is complex, of another size or form, or there twice.
     """
-    found: dict[str, csc_array] = {}
+    matrices: dict[str, csc_array] = {}
     try:
         tape = _Binary(payload) if _order(payload) else _Text(payload)
         while header := tape.header():
             _check(header, size, path)
-            if header.name in found:
+            if header.name in matrices:
                 _refuse(path, f"matrix {header.name} is there twice", header.name)
-            found[header.name] = _matrix(header, tape, path)
+            matrices[header.name] = _matrix(header, tape, path)
     except InvalidInputError:
         raise
     # What is cut off, or no such file, fails where a number is taken from it.
@@ -88,15 +88,15 @@ def read_op4(payload: bytes, *, size: int, path: str = "file") -> dict[str, csc_
         raise InvalidInputError(
             f"{path} is no OUTPUT4 file: {error}", field=path, allowed="an OUTPUT4 file"
         ) from None
-    if not found:
+    if not matrices:
         _refuse(path, "it holds no matrix", 0)
-    return found
+    return matrices
 
 
 def _refuse(
-    path: str, what: str, value: object, allowed: str = "real square matrices, each once"
+    path: str, problem: str, value: object, requirement: str = "real square matrices, each once"
 ) -> NoReturn:
-    raise InvalidInputError(f"{path}: {what}", field=path, value=str(value), allowed=allowed)
+    raise InvalidInputError(f"{path}: {problem}", field=path, value=str(value), allowed=requirement)
 
 
 def _check(header: _Header, size: int, path: str) -> None:
@@ -119,7 +119,7 @@ def _matrix(header: _Header, tape: _Tape, path: str) -> csc_array:
     ]
     if not strings:
         return csc_array((size, size))
-    row, column = np.array([where for *where, _ in strings]).T
+    row, column = np.array([position for *position, _ in strings]).T
     lengths = np.array([len(values) for *_, values in strings])
     if row.min() < 1 or (row + lengths).max() > size + 1:
         _refuse(path, f"matrix {header.name} has entries beyond its rows", int((row + lengths).max() - 1))
@@ -148,7 +148,7 @@ def _strings(header: _Header, tape: _Tape, first: int, words: int) -> Iterator[t
         yield first, tape.reals(words, dense=True)
         return
     while words > 0:
-        if header.rows < 0 or header.rows >= BIG:
+        if header.rows < 0 or header.rows >= MODEL_FILE.large_matrix_rows:
             length, row = tape.wholes(2)
             words -= 1
         else:
@@ -171,8 +171,8 @@ class _Text:
         line = self._line().rstrip()
         columns, rows, form, kind = (int(line[at : at + 8]) for at in range(0, 32, 8))
         self._per_line, self._width, self._words = 5, 16, 2 if kind % 2 == 0 else 1
-        if told := _FORMAT.search(line[40:]):
-            self._per_line, self._width = int(told[1]), int(told[2])
+        if number_format := _FORMAT.search(line[40:]):
+            self._per_line, self._width = int(number_format[1]), int(number_format[2])
         return _Header(columns, rows, form, kind, line[32:40].strip().upper())
 
     def column(self) -> tuple[int, int, int]:
@@ -187,8 +187,8 @@ class _Text:
 
     def reals(self, words: int, *, dense: bool = False) -> FloatArray:
         count = words if dense else words // self._words  # a dense column counts numbers
-        there = self._lines[self._at : self._at + max(-(-count // self._per_line), 0)]
-        lines = [line.rstrip() for line in takewhile(lambda line: "." in line, there)]
+        candidates = self._lines[self._at : self._at + max(-(-count // self._per_line), 0)]
+        lines = [line.rstrip() for line in takewhile(lambda line: "." in line, candidates)]
         text = "".join(lines).upper().replace("D", "E")
         n = len(text) // self._width
         if n < 1 or n != count:
@@ -232,17 +232,17 @@ class _Binary:
 
     def wholes(self, count: int) -> list[int]:
         layout = struct.Struct(f"{self._order}{count}{self._whole}")
-        found = layout.unpack_from(self._record, self._within)
+        integers = layout.unpack_from(self._record, self._within)
         self._within += layout.size
-        return list(found)
+        return list(integers)
 
     def reals(self, words: int, *, dense: bool = False) -> FloatArray:
         count = words // self._words
         if count < 1:
             raise ValueError(f"a string of {count} numbers")
-        found = np.frombuffer(self._record, self._real, count, self._within)
-        self._within += found.nbytes
-        return found.astype(float)
+        numbers = np.frombuffer(self._record, self._real, count, self._within)
+        self._within += numbers.nbytes
+        return numbers.astype(float)
 
     def end(self) -> None:
         pass  # the record of the column holds it

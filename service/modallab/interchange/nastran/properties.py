@@ -49,21 +49,21 @@ class PlateProperty:
 
 def material(card: Card) -> Mat:
     """Return a MAT1; of E, G and nu two suffice."""
-    given = [bool(card.text(at)) for at in (2, 3, 4)]
-    if sum(given) < 2:
+    is_given = [bool(card.text(at)) for at in (2, 3, 4)]
+    if sum(is_given) < 2:
         raise card.wrong(2, "two of E, G and NU")
     for at in (2, 3):
         if card.text(at) and card.real(at) <= 0:
             raise card.wrong(at, "> 0")
-    if given[0]:
+    if is_given[0]:
         modulus = card.real(2)
-        nu = card.real(4) if given[2] else modulus / (2 * card.real(3)) - 1
+        nu = card.real(4) if is_given[2] else modulus / (2 * card.real(3)) - 1
     else:
         nu = card.real(4)
         modulus = 2 * card.real(3) * (1 + nu)
     if not -0.99 <= nu < 0.5:
         raise card.wrong(4, "-0.99 to 0.5")
-    shear = card.real(3) if given[1] else modulus / (2 * (1 + nu))
+    shear = card.real(3) if is_given[1] else modulus / (2 * (1 + nu))
     density = _not_negative(card, 5)
     loss = _not_negative(card, 8) if card.text(8) else None
     return Mat(modulus, shear, nu, density, loss)
@@ -85,12 +85,12 @@ def _of(card: Card, at: int, materials: Mapping[int, Mat]) -> Mat:
 
 def _sheared(card: Card, at: int, default: float) -> tuple[float, float]:
     """Return shear coefficients from a field and the next; what has no area does not shear."""
-    both = card.real(at, default), card.real(at + 1, default)
-    if min(both) < 0:
+    coefficients = card.real(at, default), card.real(at + 1, default)
+    if min(coefficients) < 0:
         raise card.wrong(at, ">= 0")
-    if max(both) > 0 and card.real(3, 0.0) == 0:
+    if max(coefficients) > 0 and card.real(3, 0.0) == 0:
         raise card.wrong(3, "> 0 of what shears")
-    return both
+    return coefficients
 
 
 def pbar(card: Card, materials: Mapping[int, Mat]) -> BarProperty:
@@ -134,8 +134,8 @@ def _check_station(card: Card, first: int) -> None:
     """Raise unless a station has the section of the first end."""
     # SO, X/XB, A, I1, I2, I12, J, NSM against A, I1, I2, I12, J, NSM of the first end
     for offset in range(6):
-        at, own = first + 2 + offset, card.real(3 + offset, 0.0)
-        if card.text(at) and abs(card.real(at) - own) > 1e-6 * abs(own):
+        at, first_value = first + 2 + offset, card.real(3 + offset, 0.0)
+        if card.text(at) and abs(card.real(at) - first_value) > 1e-6 * abs(first_value):
             raise card.wrong(at, "the section of the first end: tapered beams are not read")
 
 
@@ -192,12 +192,14 @@ def pbarl(card: Card, materials: Mapping[int, Mat]) -> BarProperty:
     for i, size in enumerate(sizes):
         if size < 0 or (size == 0 and i == 0):
             raise card.wrong(9 + i, "> 0")
-    area, one, other, torsion = shape(sizes)
-    if min(area, one, other, torsion) <= 0:
+    area, first_moment, second_moment, torsion = shape(sizes)
+    if min(area, first_moment, second_moment, torsion) <= 0:
         raise card.wrong(9, "sizes that leave a section")
     name = f"PBARL {card.integer(1)}"
     more = _not_negative(card, 9 + count)
-    return BarProperty(name, _of(card, 2, materials), area, (one, other), torsion, more, (0.0, 0.0))
+    return BarProperty(
+        name, _of(card, 2, materials), area, (first_moment, second_moment), torsion, more, (0.0, 0.0)
+    )
 
 
 def prod(card: Card, materials: Mapping[int, Mat]) -> BarProperty:
@@ -218,9 +220,9 @@ def pshell(card: Card, materials: Mapping[int, Mat]) -> PlateProperty:
     chosen = [at for at in (2, 4) if card.text(at)]
     if not chosen:
         raise card.wrong(2, "MID1 or MID2")
-    own = _of(card, chosen[0], materials)
+    plate_material = _of(card, chosen[0], materials)
     for at in (4, 6):
-        if card.text(at) and _of(card, at, materials) != own:
+        if card.text(at) and _of(card, at, materials) != plate_material:
             raise card.wrong(at, "the material of MID1: others are not read")
     card.must_be(5, (1.0,), "another bending stiffness")
     card.must_be(7, (0.833333, 0.8333, 5 / 6), "another shear thickness")
@@ -230,7 +232,9 @@ def pshell(card: Card, materials: Mapping[int, Mat]) -> PlateProperty:
     if thickness <= 0:
         raise card.wrong(3, "> 0")
     name = f"PSHELL {card.integer(1)}"
-    return PlateProperty(name, own, thickness, bool(card.text(2)), bool(card.text(4)), _not_negative(card, 8))
+    return PlateProperty(
+        name, plate_material, thickness, bool(card.text(2)), bool(card.text(4)), _not_negative(card, 8)
+    )
 
 
 BARS: Mapping[str, Callable[[Card, Mapping[int, Mat]], BarProperty]] = {
@@ -241,7 +245,7 @@ BARS: Mapping[str, Callable[[Card, Mapping[int, Mat]], BarProperty]] = {
 }
 
 
-def by_number(cards: Sequence[Card], what: str) -> dict[int, Card]:
+def by_number(cards: Sequence[Card], noun: str) -> dict[int, Card]:
     """Return cards by their first field.
 
     Raises
@@ -249,17 +253,17 @@ def by_number(cards: Sequence[Card], what: str) -> dict[int, Card]:
     InvalidInputError
         If two share a number.
     """
-    out: dict[int, Card] = {}
+    cards_by_number: dict[int, Card] = {}
     for card in cards:
         number = card.integer(1)
         if not 1 <= number <= 999_999_999:
             raise card.wrong(1, "1 to 999999999")
-        if number in out:
+        if number in cards_by_number:
             raise InvalidInputError(
-                f"two {what} have number {number}, in lines {out[number].line} and {card.line}",
+                f"two {noun} have number {number}, in lines {cards_by_number[number].line} and {card.line}",
                 field=f"{card.name} {number}",
                 value=number,
                 allowed="each number once",
             )
-        out[number] = card
-    return out
+        cards_by_number[number] = card
+    return cards_by_number

@@ -15,15 +15,15 @@ from modallab.fe.members import Material, Plate, Section
 from modallab.fe.plate import Edge, Holding, plate
 from modallab.fe.structure import Structure
 from modallab.fe.synthetic_modes import lowest_modes
-from modallab.interchange.mesh.described import BarMade, Held, MeshDescription, PlateMade
+from modallab.interchange.mesh.description import HeldGroup, MeshBar, MeshDescription, MeshPlate
 from modallab.interchange.mesh.reading import Cells, Mesh, read_mesh
 from modallab.interchange.mesh.structure import structure_of_mesh
 from modallab.interchange.nastran import model as nastran
 
 HERE = Path(__file__).parent
 STEEL = Material(2.09e11, 7800.0)
-SKIN = PlateMade(STEEL, 0.004)
-RIB = BarMade(STEEL, Section(2e-4, 6.7e-9), second_moment_across=1.7e-9, torsion=4e-9)
+SKIN = MeshPlate(STEEL, 0.004)
+RIB = MeshBar(STEEL, Section(2e-4, 6.7e-9), second_moment_across=1.7e-9, torsion=4e-9)
 ACROSS = ("Z", "RX", "RY")
 FLAT = plate(length=0.6, width=0.4, thickness=0.004, n_elements=(6, 4), material=STEEL)
 BAY = STRUCTURES["bay"]()
@@ -92,7 +92,7 @@ def test_a_plate_of_every_format_has_the_modes_of_the_one_described(form: str, t
 
 
 def test_files_of_gmsh_say_the_same_in_every_version() -> None:
-    held = halves(supports=(Held("left", ACROSS),))
+    held = halves(supports=(HeldGroup("left", ACROSS),))
     own, n_rigid_body = frequencies(structure_of_mesh(gmsh(), held))
     assert n_rigid_body == 0
     for name in ("gmsh_41_binary", "gmsh_22"):
@@ -111,7 +111,7 @@ def test_a_clamped_plate_of_gmsh_is_near_a_fine_one() -> None:
         material=STEEL,
         edges={Edge.LEFT: Holding.CLAMPED},
     )
-    found, _ = frequencies(structure_of_mesh(gmsh(), halves(supports=(Held("left", ACROSS),))), 4)
+    found, _ = frequencies(structure_of_mesh(gmsh(), halves(supports=(HeldGroup("left", ACROSS),))), 4)
     # eight by five elements of two kinds: 6 % at 4 across, of mode 4 32 %, as docs/models.md has them
     np.testing.assert_allclose(found, frequencies(fine, 4)[0], rtol=0.1)
 
@@ -129,7 +129,7 @@ def test_a_plate_has_its_modes_wherever_it_lies_in_space() -> None:
 
 def test_a_frame_has_its_modes_in_its_plane_and_in_space() -> None:
     mesh, (first, *_) = of(BAY, "line"), BAY.members
-    bars = BarMade(first.material, first.section)
+    bars = MeshBar(first.material, first.section)
     alike = BAY.of_members(replace(m, section=first.section, material=first.material) for m in BAY.members)
     given = structure_of_mesh(mesh, MeshDescription({"all": bars}))
     assert given.dofs == BAY.dofs
@@ -164,14 +164,14 @@ def test_a_rib_on_a_plate_is_that_of_bulk_data() -> None:
 
 
 def test_a_group_has_a_thickness_that_an_update_may_move() -> None:
-    given = structure_of_mesh(gmsh(), halves(groups={"thin": SKIN, "thick half": PlateMade(STEEL, 0.008)}))
+    given = structure_of_mesh(gmsh(), halves(groups={"thin": SKIN, "thick half": MeshPlate(STEEL, 0.008)}))
     sizes = {member.group: member.thickness for member in given.others if isinstance(member, Plate)}
     assert sizes == {"thin": 0.004, "thick half": 0.008}
 
 
 def test_a_point_group_holds_its_points(tmp_path: Path) -> None:
     mesh = read_mesh(written(tmp_path / "mesh", "abaqus"))
-    held = MeshDescription({"one": SKIN, "two": SKIN}, supports=(Held("left", ACROSS),))
+    held = MeshDescription({"one": SKIN, "two": SKIN}, supports=(HeldGroup("left", ACROSS),))
     clamped = plate(
         length=0.6,
         width=0.4,
@@ -198,7 +198,7 @@ WARPED = Mesh(
     {},
 )
 FOLDED = replace(WARPED, blocks=(Cells("quad", np.array([[0, 2, 1, 3]])),))
-BAR = BarMade(STEEL, Section(1e-4, 1e-9))
+BAR = MeshBar(STEEL, Section(1e-4, 1e-9))
 WRONG = {
     "solids": (SOLID, MeshDescription({"skin": SKIN}), r"tetra \(1\), in body \(1\)"),
     "solids that are described": (SOLID, MeshDescription({"body": SKIN}), r"group body: tetra \(1\)"),
@@ -214,7 +214,7 @@ WRONG = {
         "group again and another",
     ),
     "an unknown group": (gmsh(), halves(groups={"thim": SKIN}), "no group 'thim'"),
-    "an unknown side": (gmsh(), halves(supports=(Held("right", ACROSS),)), "no group 'right'"),
+    "an unknown side": (gmsh(), halves(supports=(HeldGroup("right", ACROSS),)), "no group 'right'"),
     "nothing described": (gmsh(), None, "says nothing of sections"),
     "a bar without length": (LINE, MeshDescription({"a": BAR}), "no length"),
     "a bar along what turns it": (

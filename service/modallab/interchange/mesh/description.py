@@ -7,7 +7,7 @@ from modallab.fe.members import Material, Section, positive
 
 
 @dataclass(frozen=True)
-class BarMade:
+class MeshBar:
     """What lines are made of; what is left out is that of a round bar.
 
     In space bars bend by `section.second_moment` in the plane of their axis and `upright`, and across it by
@@ -27,7 +27,7 @@ class BarMade:
 
 
 @dataclass(frozen=True)
-class PlateMade:
+class MeshPlate:
     """What triangles and quadrilaterals are made of."""
 
     material: Material
@@ -37,12 +37,12 @@ class PlateMade:
         positive(self.thickness, "thickness")
 
 
-Made = BarMade | PlateMade
-TAKES: Mapping[type, tuple[str, ...]] = {BarMade: ("line",), PlateMade: ("triangle", "quad")}
+CellProperty = MeshBar | MeshPlate
+CELL_TYPES: Mapping[type, tuple[str, ...]] = {MeshBar: ("line",), MeshPlate: ("triangle", "quad")}
 
 
 @dataclass(frozen=True)
-class Held:
+class HeldGroup:
     """Directions in which the points of a group are held."""
 
     group: str
@@ -53,8 +53,8 @@ class Held:
 class MeshDescription:
     """What a mesh does not say: what its groups are made of, and the rest of what it takes."""
 
-    groups: Mapping[str, Made]
-    supports: tuple[Held, ...] = ()
+    groups: Mapping[str, CellProperty]
+    supports: tuple[HeldGroup, ...] = ()
     left_out: tuple[str, ...] = ()  # groups, or types of cells
     length_unit: float = 1.0  # m
 
