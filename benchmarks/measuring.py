@@ -80,7 +80,7 @@ def bare_transforms(rig: RigSetup) -> Callable[[], object]:
     records with what it takes for the modes to ring out, of the length that the recorder lays out.
     """
     recorder = Recorder(chain(assemble(STRUCTURES["chapter-5-beam"]()), rig))
-    taken, long = recorder.stretch
+    taken, long = recorder.stretch_layout
     shape = recorder.shape
     stationary = rig.analyser.excitation.kind == "random"
 

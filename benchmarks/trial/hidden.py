@@ -22,7 +22,7 @@ from modallab.rig.effect import EFFECTS, Effect
 from modallab.rig.expected import expected_spectra
 from modallab.rig.likely_motion import likely_motion
 from modallab.rig.measure import measurement_of
-from modallab.rig.nonlinear_records import feedbacks_of
+from modallab.rig.nonlinear_records import modal_feedbacks
 from modallab.rig.setup import RigSetup
 
 GAPS = (2.0, 1e4)
@@ -205,7 +205,7 @@ def _sized(
 def measurable(effect: Effect, bench: Bench) -> Effect:
     """Return the effect; `DivergedError` if records of a bench with it cannot be stepped through time."""
     if effect.on_motion() is not None:
-        feedbacks_of(chain(assemble(bench.structure), bench.setup, [effect]).runs)
+        modal_feedbacks(chain(assemble(bench.structure), bench.setup, [effect]).runs)
     return effect
 
 

@@ -176,7 +176,10 @@ def test_a_structure_with_it_is_the_same_in_every_run(kind: str) -> None:
     # it says so, and chains ask it once for all runs
     last = AcquisitionRun((Dof.parse("16:+Y"),), (Dof.parse("3:+Y"),), elapsed=1.0)
     for effect in examples(kind):
-        one, other = (effect.on_system(SYSTEMS[kind], shot) for shot in (replace(SHOT, elapsed=0.0), last))
+        one, other = (
+            effect.on_system(SYSTEMS[kind], acquisition_run)
+            for acquisition_run in (replace(SHOT, elapsed=0.0), last)
+        )
         assert one.mass is other.mass
         assert one.stiffness is other.stiffness
         assert [a.key for a in one.attachments] == [a.key for a in other.attachments]

@@ -46,7 +46,7 @@ class AcCoupling(Effect):
     def on_channel(self, channel: Channel, system: DynamicSystem) -> Channel:
         if not self.acts_on_channel(channel):
             return channel
-        return channel.through(lambda omega: np.asarray(1 / (1 - 2j * np.pi * self.corner / omega)))
+        return channel.with_filter(lambda omega: np.asarray(1 / (1 - 2j * np.pi * self.corner / omega)))
 
     @classmethod
     def from_setup(cls, setup: RigSetup) -> Sequence[Self]:

@@ -29,8 +29,12 @@ class AccelerometerMass(Effect):
     allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Dof)
     mass: float = parameter(0.02, unit="kg", lower=0.0, upper=0.5, doc="accelerometer with its stud")
 
-    def on_system(self, system: DynamicSystem, shot: AcquisitionRun) -> DynamicSystem:
-        nodes = [self.at.node] if isinstance(self.at, Dof) else sorted({dof.node for dof in shot.outputs})
+    def on_system(self, system: DynamicSystem, acquisition_run: AcquisitionRun) -> DynamicSystem:
+        nodes = (
+            [self.at.node]
+            if isinstance(self.at, Dof)
+            else sorted({dof.node for dof in acquisition_run.outputs})
+        )
         return system.add_masses(nodes, self.mass)
 
     @classmethod

@@ -38,7 +38,7 @@ class AttachedOscillator(Effect):
     )
     loss_factor: float = parameter(0.05, unit="1", lower=1e-6, upper=2.0, absent=None, doc="of the spring")
 
-    def on_system(self, system: DynamicSystem, shot: AcquisitionRun) -> DynamicSystem:
+    def on_system(self, system: DynamicSystem, acquisition_run: AcquisitionRun) -> DynamicSystem:
         assert isinstance(self.at, Dof)
         if self.mass == 0:
             return system

@@ -48,8 +48,12 @@ class CableMass(Effect):
         scan_values=(20.0, 500.0),
     )
 
-    def on_system(self, system: DynamicSystem, shot: AcquisitionRun) -> DynamicSystem:
-        nodes = [self.at.node] if isinstance(self.at, Dof) else sorted({dof.node for dof in shot.outputs})
+    def on_system(self, system: DynamicSystem, acquisition_run: AcquisitionRun) -> DynamicSystem:
+        nodes = (
+            [self.at.node]
+            if isinstance(self.at, Dof)
+            else sorted({dof.node for dof in acquisition_run.outputs})
+        )
         for node in nodes:
             translations = tuple(dof for dof in system.dofs if dof.node == node and dof.translational)
             mass = self.mass * np.eye(len(translations))

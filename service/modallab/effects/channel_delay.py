@@ -45,7 +45,7 @@ class ChannelDelay(Effect):
     def on_channel(self, channel: Channel, system: DynamicSystem) -> Channel:
         if not self.acts_on_channel(channel):
             return channel
-        return channel.through(lambda omega: np.exp(-1j * omega * self.delay))
+        return channel.with_filter(lambda omega: np.exp(-1j * omega * self.delay))
 
     @classmethod
     def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:

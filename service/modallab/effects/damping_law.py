@@ -44,7 +44,7 @@ class DampingLaw(Effect):
         scan_values=(30.0, 150.0, 750.0),
     )
 
-    def on_system(self, system: DynamicSystem, shot: AcquisitionRun) -> DynamicSystem:
+    def on_system(self, system: DynamicSystem, acquisition_run: AcquisitionRun) -> DynamicSystem:
         return system.converted(self.share, 2 * np.pi * self.frequency) if self.share else system
 
     @classmethod

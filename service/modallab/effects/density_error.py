@@ -34,7 +34,7 @@ class DensityError(Effect):
         1.5, unit="1", lower=0.05, upper=20.0, absent=1.0, doc="true density over the model's"
     )
 
-    def on_system(self, system: DynamicSystem, shot: AcquisitionRun) -> DynamicSystem:
+    def on_system(self, system: DynamicSystem, acquisition_run: AcquisitionRun) -> DynamicSystem:
         if isinstance(self.at, Members):
             for number in self.at.numbers:
                 system = system.change_member(number, mass=self.factor - 1)

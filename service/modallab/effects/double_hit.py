@@ -45,7 +45,7 @@ class DoubleHit(Effect):
     )
 
     def on_source(self, source: Source) -> Source:
-        return source.through(self._shaping)
+        return source.with_filter(self._shaping)
 
     def _shaping(self, omega: FloatArray) -> ComplexArray:
         return np.asarray(1 + self.ratio * np.exp(-1j * omega * self.delay))

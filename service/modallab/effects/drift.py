@@ -31,13 +31,13 @@ class Drift(Effect):
         -0.01, unit="1", lower=-0.3, upper=0.3, doc="of stiffness from the first run to the last, relative"
     )
 
-    def on_system(self, system: DynamicSystem, shot: AcquisitionRun) -> DynamicSystem:
-        return system.scaled(stiffness=1 + self.change * shot.elapsed)
+    def on_system(self, system: DynamicSystem, acquisition_run: AcquisitionRun) -> DynamicSystem:
+        return system.scaled(stiffness=1 + self.change * acquisition_run.elapsed)
 
     @classmethod
     def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:
         """Return everywhere, of a test that takes several runs."""
-        return (None,) if system.members and len(setup.shots) > 1 else ()
+        return (None,) if system.members and len(setup.acquisition_runs) > 1 else ()
 
     @classmethod
     def signature(cls, evidence: Evidence) -> float:

@@ -32,7 +32,7 @@ class ExtraMass(Effect):
     allowed_places: ClassVar[tuple[type, ...]] = (Dof,)
     mass: float = parameter(0.05, unit="kg", lower=0.0, upper=10.0, doc="mass at the node")
 
-    def on_system(self, system: DynamicSystem, shot: AcquisitionRun) -> DynamicSystem:
+    def on_system(self, system: DynamicSystem, acquisition_run: AcquisitionRun) -> DynamicSystem:
         if not isinstance(self.at, Dof):
             raise InvalidInputError("an extra mass sits at a DoF", field="at", value=str(self.at))
         return system.add_mass(self.at.node, self.mass)

@@ -29,8 +29,8 @@ class ForceTransducerMass(Effect):
     at_drive: ClassVar[bool] = True
     mass: float = parameter(0.01, unit="kg", lower=0.0, upper=0.5, doc="mass below the sensing element")
 
-    def on_system(self, system: DynamicSystem, shot: AcquisitionRun) -> DynamicSystem:
-        for drive in shot.drives:
+    def on_system(self, system: DynamicSystem, acquisition_run: AcquisitionRun) -> DynamicSystem:
+        for drive in acquisition_run.drives:
             if self.acts_on(drive):
                 system = system.add_mass(drive.node, self.mass)
         return system

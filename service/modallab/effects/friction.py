@@ -13,7 +13,7 @@ from modallab.correlation.evidence import Evidence
 from modallab.effects.settings import FRICTION_SCAN
 from modallab.fe.system import DynamicSystem
 from modallab.rig.effect import EFFECTS, Effect, Stage
-from modallab.rig.likely_motion import distortion, likely_motion
+from modallab.rig.likely_motion import distortion_suspicion, likely_motion
 from modallab.rig.local_force import LocalForce
 from modallab.rig.setup import RigSetup
 
@@ -68,4 +68,4 @@ class Friction(Effect):
     @classmethod
     def signature(cls, evidence: Evidence) -> float:
         """Part of the response has nothing in common with the force."""
-        return 0.6 * distortion(evidence)
+        return 0.6 * distortion_suspicion(evidence)

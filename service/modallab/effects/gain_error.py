@@ -45,7 +45,7 @@ class GainError(Effect):
     def on_channel(self, channel: Channel, system: DynamicSystem) -> Channel:
         if not self.acts_on_channel(channel):
             return channel
-        return channel.through(lambda omega: np.full(len(omega), self.factor, complex))
+        return channel.with_filter(lambda omega: np.full(len(omega), self.factor, complex))
 
     @classmethod
     def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:

@@ -35,7 +35,7 @@ class GroundSpring(Effect):
         1e4, unit="N/m", lower=0.0, upper=1e12, doc="spring from the DoF to the ground"
     )
 
-    def on_system(self, system: DynamicSystem, shot: AcquisitionRun) -> DynamicSystem:
+    def on_system(self, system: DynamicSystem, acquisition_run: AcquisitionRun) -> DynamicSystem:
         assert isinstance(self.at, Dof)
         return system.add_spring(self.at, self.stiffness)
 

@@ -38,7 +38,7 @@ class JointFlexibility(Effect):
         1e-4, unit="rad/(N m)", lower=0.0, upper=1e6, doc="rotation of one side against the other per moment"
     )
 
-    def on_system(self, system: DynamicSystem, shot: AcquisitionRun) -> DynamicSystem:
+    def on_system(self, system: DynamicSystem, acquisition_run: AcquisitionRun) -> DynamicSystem:
         assert isinstance(self.at, Dof)
         return system.add_joint(self.at.node, self.flexibility)
 

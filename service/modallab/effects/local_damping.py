@@ -34,7 +34,7 @@ class LocalDamping(Effect):
         2.0, unit="N s/m", lower=0.0, upper=1e6, doc="damper from the DoF to the ground"
     )
 
-    def on_system(self, system: DynamicSystem, shot: AcquisitionRun) -> DynamicSystem:
+    def on_system(self, system: DynamicSystem, acquisition_run: AcquisitionRun) -> DynamicSystem:
         assert isinstance(self.at, Dof)
         return system.add_damper(self.at, self.damping)
 

@@ -36,7 +36,7 @@ class LossFactorError(Effect):
         2.0, unit="1", lower=0.0, upper=100.0, absent=1.0, doc="true loss factor over the model's"
     )
 
-    def on_system(self, system: DynamicSystem, shot: AcquisitionRun) -> DynamicSystem:
+    def on_system(self, system: DynamicSystem, acquisition_run: AcquisitionRun) -> DynamicSystem:
         if isinstance(self.at, Members):
             for number in self.at.numbers:
                 system = system.alter(number, Alteration(loss=self.factor))

@@ -77,7 +77,7 @@ class MainsHum(Effect):
         return np.array(MAINS.harmonics)[inside].astype(float)
 
     def _hums(self, acquisition: Acquisition) -> BoolArray:
-        return acquisition.where(lambda channel: not channel.force and self.acts_on(channel.dof))
+        return acquisition.channel_mask(lambda channel: not channel.force and self.acts_on(channel.dof))
 
     @classmethod
     def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:

@@ -48,9 +48,9 @@ class MisplacedAccelerometer(Effect):
         dof = channel.dof
         if not system.members.has_bar(dof.node):
             raise self._misplaced(_ALLOWED_CHANNELS)
-        channel = channel.hearing(dof, -1.0)
+        channel = channel.with_pickup(dof, -1.0)
         for row, weight in point_motion(system.members, dof.node, self.distance, dof.direction):
-            channel = channel.hearing(system.dofs[row], dof.sign * weight)
+            channel = channel.with_pickup(system.dofs[row], dof.sign * weight)
         return channel
 
     def check(self, structure: Structure, setup: RigSetup | None = None) -> None:

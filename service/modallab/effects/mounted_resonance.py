@@ -46,11 +46,11 @@ class MountedResonance(Effect):
     def on_channel(self, channel: Channel, system: DynamicSystem) -> Channel:
         if channel.force or not self.acts_on(channel.dof):
             return channel
-        return channel.through(lambda omega: reading(omega / (2 * np.pi * self.frequency), self.loss))
+        return channel.with_filter(lambda omega: reading(omega / (2 * np.pi * self.frequency), self.loss))
 
     @classmethod
     def from_setup(cls, setup: RigSetup) -> Sequence[Self]:
-        mounting = setup.accelerometers.held
+        mounting = setup.accelerometers.effective_mounting
         return [cls(frequency=mounting.frequency, loss=mounting.loss)] if mounting else []
 
     @classmethod

@@ -60,7 +60,7 @@ class Overload(Effect):
         return np.clip(batch.samples, -level, level)
 
     def _levels(self, acquisition: Acquisition) -> FloatArray:
-        clipped = acquisition.where(
+        clipped = acquisition.channel_mask(
             lambda channel: self.at is None or (not channel.force and self.acts_on(channel.dof))
         )
         return np.where(clipped, self.level, np.inf) * acquisition.rms

@@ -36,7 +36,7 @@ class Polarity(Effect):
     def on_channel(self, channel: Channel, system: DynamicSystem) -> Channel:
         if not self.acts_on_channel(channel):
             return channel
-        return channel.through(lambda omega: np.full(len(omega), -1.0 + 0j))
+        return channel.with_filter(lambda omega: np.full(len(omega), -1.0 + 0j))
 
     @classmethod
     def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:

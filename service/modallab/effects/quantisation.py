@@ -61,7 +61,7 @@ class Quantisation(Effect):
         return np.where(rounds, np.round(batch.samples / whole) * whole, batch.samples)
 
     def _steps(self, acquisition: Acquisition) -> FloatArray:
-        quantised = acquisition.where(
+        quantised = acquisition.channel_mask(
             lambda channel: self.at is None or (not channel.force and self.acts_on(channel.dof))
         )
         return np.asarray(self.step * acquisition.rms * quantised)

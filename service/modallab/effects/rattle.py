@@ -12,7 +12,7 @@ from modallab.core.place import Place
 from modallab.correlation.evidence import Evidence
 from modallab.fe.system import DynamicSystem
 from modallab.rig.effect import EFFECTS, Effect, Stage
-from modallab.rig.likely_motion import distortion
+from modallab.rig.likely_motion import distortion_suspicion
 from modallab.rig.local_force import LocalForce
 from modallab.rig.setup import RigSetup
 
@@ -56,4 +56,4 @@ class Rattle(Effect):
     @classmethod
     def signature(cls, evidence: Evidence) -> float:
         """Frequencies rise, and part of the response has nothing in common with the force."""
-        return distortion(evidence) * (0.5 + 0.3 * evidence.rising)
+        return distortion_suspicion(evidence) * (0.5 + 0.3 * evidence.rising)

@@ -35,7 +35,7 @@ class RotationalGroundSpring(Effect):
         100.0, unit="N m/rad", lower=0.0, upper=1e12, doc="spring from the rotation to the ground"
     )
 
-    def on_system(self, system: DynamicSystem, shot: AcquisitionRun) -> DynamicSystem:
+    def on_system(self, system: DynamicSystem, acquisition_run: AcquisitionRun) -> DynamicSystem:
         assert isinstance(self.at, Dof)
         return system.add_spring(self.at, self.stiffness)
 

@@ -40,7 +40,7 @@ class ShearAndRotaryInertia(Effect):
         scan_values=(0.3, 1.0, 2.0),
     )
 
-    def on_system(self, system: DynamicSystem, shot: AcquisitionRun) -> DynamicSystem:
+    def on_system(self, system: DynamicSystem, acquisition_run: AcquisitionRun) -> DynamicSystem:
         if not isinstance(self.at, Members):
             return system.sheared(self.amount)
         for number in self.at.numbers:

@@ -46,10 +46,10 @@ class StingerBending(Effect):
         doc="of the rod: its lateral stiffness is three times the one in rotation, over length^2",
     )
 
-    def on_system(self, system: DynamicSystem, shot: AcquisitionRun) -> DynamicSystem:
+    def on_system(self, system: DynamicSystem, acquisition_run: AcquisitionRun) -> DynamicSystem:
         reach = self.length
         end = self.stiffness * np.array([[3 / reach**2, 1.5 / reach], [1.5 / reach, 1.0]])
-        for drive in shot.drives:
+        for drive in acquisition_run.drives:
             if self.acts_on(drive):
                 for columns, free in lateral_ends(system, drive):
                     system = system.attach(Attachment(columns, stiffness=end[np.ix_(free, free)]))

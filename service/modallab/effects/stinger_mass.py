@@ -47,10 +47,10 @@ class StingerMass(Effect):
         doc="from armature to force gauge",
     )
 
-    def on_system(self, system: DynamicSystem, shot: AcquisitionRun) -> DynamicSystem:
+    def on_system(self, system: DynamicSystem, acquisition_run: AcquisitionRun) -> DynamicSystem:
         reach = self.length
         end = self.mass / 420 * np.array([[156.0, 22 * reach], [22 * reach, 4 * reach**2]])
-        for drive in shot.drives:
+        for drive in acquisition_run.drives:
             if self.acts_on(drive):
                 for columns, free in lateral_ends(system, drive):
                     system = system.attach(Attachment(columns, mass=end[np.ix_(free, free)]))

@@ -37,7 +37,7 @@ class SuspensionStiffness(Effect):
         0.05, unit="1", lower=0.0, upper=1.0, absent=None, doc="of the band, hysteretic"
     )
 
-    def on_system(self, system: DynamicSystem, shot: AcquisitionRun) -> DynamicSystem:
+    def on_system(self, system: DynamicSystem, acquisition_run: AcquisitionRun) -> DynamicSystem:
         assert isinstance(self.at, Dof)
         spring = np.array([[self.stiffness]])
         return system.attach(

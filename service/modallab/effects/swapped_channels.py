@@ -39,7 +39,7 @@ class SwappedChannels(Effect):
         partner = [dof for dof in channels if dof.point != channel.dof.point]
         if len(partner) != 1:
             raise self._misplaced("two channels")
-        return channel.hearing(channel.dof, -1.0).hearing(partner[0], 1.0)
+        return channel.with_pickup(channel.dof, -1.0).with_pickup(partner[0], 1.0)
 
     def check(self, structure: Structure, setup: RigSetup | None = None) -> None:
         """Raise unless it names two channels, each with the sense it has in the log book."""

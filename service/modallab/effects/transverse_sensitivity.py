@@ -60,7 +60,7 @@ class TransverseSensitivity(Effect):
         shares = self.sensitivity * np.array([np.cos(self.angle), np.sin(self.angle)])
         for dof, share in zip(_across(channel.dof), shares, strict=True):
             if dof in system.dofs:
-                channel = channel.hearing(dof, float(share))
+                channel = channel.with_pickup(dof, float(share))
         return channel
 
     def check(self, structure: Structure, setup: RigSetup | None = None) -> None:

@@ -33,7 +33,7 @@ def accelerometer_checks(setup: RigSetup) -> tuple[AccelerometerCheck, ...]:
 
     1/(1 - r^2 + i loss r) at r = f/f_0, exactly: f_0/3 and f_0/5 are rules of thumb for it.
     """
-    mounting = setup.accelerometers.held
+    mounting = setup.accelerometers.effective_mounting
     if mounting is None:
         return ()
     top = setup.analyser.frequency_max

@@ -39,7 +39,7 @@ class Acquisition:
         """Hz."""
         return sample_rate_of(self.analyser)
 
-    def where(self, concerned: Callable[[Channel], bool]) -> BoolArray:
+    def channel_mask(self, concerned: Callable[[Channel], bool]) -> BoolArray:
         """Return which channels of every run are concerned, (n_run, n_ch)."""
         return np.array([[concerned(channel) for channel in run] for run in self.channels])
 

@@ -64,7 +64,7 @@ class Analyser:
     @property
     def line_window_kind(self) -> str:
         """The window that lines are seen through: none where each is measured on its own."""
-        return "rectangular" if EXCITATIONS[self.excitation.kind].one_by_one else self.window
+        return "rectangular" if EXCITATIONS[self.excitation.kind].line_by_line else self.window
 
     @property
     def line_window(self) -> Window:

@@ -4,7 +4,9 @@ from modallab.core.arrays import ComplexArray
 from modallab.rig.setup import AcquisitionRun
 
 
-def cancelled(force: ComplexArray, response: ComplexArray, shot: AcquisitionRun, mass: float) -> ComplexArray:
+def with_mass_cancelled(
+    force: ComplexArray, response: ComplexArray, acquisition_run: AcquisitionRun, mass: float
+) -> ComplexArray:
     """Return F - m a, with a the reading at the drive point, where that is heard in the same run.
 
     Exact for a mass that moves along the gauge's axis with an accelerometer that reads right; what it
@@ -21,8 +23,8 @@ def cancelled(force: ComplexArray, response: ComplexArray, shot: AcquisitionRun,
     if mass == 0:
         return force
     force = force.copy()
-    channel_by_point = {dof.point: (j, dof.sign) for j, dof in enumerate(shot.outputs)}
-    for i, drive in enumerate(shot.drives):
+    channel_by_point = {dof.point: (j, dof.sign) for j, dof in enumerate(acquisition_run.outputs)}
+    for i, drive in enumerate(acquisition_run.drives):
         if drive.point in channel_by_point:
             j, sign = channel_by_point[drive.point]
             force[:, i] -= mass * drive.sign * sign * response[:, j]

@@ -10,10 +10,10 @@ from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.dof import Dof
 from modallab.fe.receptance import attached, attached_variants
 from modallab.fe.system import DynamicSystem
-from modallab.rig.cancellation import cancelled
+from modallab.rig.cancellation import with_mass_cancelled
 from modallab.rig.channel import Channel
-from modallab.rig.channel_response import ANSWERED, Answered, ChannelResponse
-from modallab.rig.distortion import with_equivalents
+from modallab.rig.channel_response import CACHED_RECEPTANCE, CachedReceptance, ChannelResponse
+from modallab.rig.distortion import with_equivalent_linearisation
 from modallab.rig.drive import Drive, reaction, transmission
 from modallab.rig.effect import EFFECTS, Effect, build
 from modallab.rig.excitation import EXCITATIONS
@@ -23,7 +23,7 @@ from modallab.rig.setup import AcquisitionRun, RigSetup
 from modallab.rig.source import NoiseLevels, Source
 
 
-def _at_work(runs: Sequence[Run], omega: FloatArray, alpha: ComplexArray) -> ComplexArray:
+def _forces_on_structure(runs: Sequence[Run], omega: FloatArray, alpha: ComplexArray) -> ComplexArray:
     """Return the forces on the structure per source and per nonlinear force, (n_run, n_freq, n_w, n_w).
 
     Parameters
@@ -32,13 +32,16 @@ def _at_work(runs: Sequence[Run], omega: FloatArray, alpha: ComplexArray) -> Com
         (n_run, n_freq, n_motions, n_w) receptance, drive points and nonlinear forces first.
     """
     if all(run.drives == runs[0].drives for run in runs):
-        return _forces(runs[0].drives, omega, alpha)
+        return _forces_of_drives(runs[0].drives, omega, alpha)
     return np.array(
-        [_forces(run.drives, omega, receptance[None])[0] for run, receptance in zip(runs, alpha, strict=True)]
+        [
+            _forces_of_drives(run.drives, omega, receptance[None])[0]
+            for run, receptance in zip(runs, alpha, strict=True)
+        ]
     )
 
 
-def _forces(drives: tuple[Drive, ...], omega: FloatArray, alpha: ComplexArray) -> ComplexArray:
+def _forces_of_drives(drives: tuple[Drive, ...], omega: FloatArray, alpha: ComplexArray) -> ComplexArray:
     n, n_w = len(drives), alpha.shape[-1]
     force_transmission = transmission(drives, omega, alpha[:, :, :n, :n])
     if n_w == n:
@@ -66,9 +69,9 @@ class Chain:
         return len(self.runs[0].drives)
 
     @property
-    def response_spectrum(self) -> FloatArray | None:
+    def local_rms(self) -> FloatArray | None:
         """(n_run, r) root mean squares that nonlinear forces take, m or m/s; None where one takes none."""
-        rms = np.array([[force.rms for force in run.local] for run in self.runs])
+        rms = np.array([[force.rms for force in run.local_forces] for run in self.runs])
         return rms if rms.size and rms.all() else None
 
     @property
@@ -82,41 +85,41 @@ class Chain:
 
     def respond(self, freq: FloatArray) -> ChannelResponse:
         """Return what the channels of every run show at `freq` (n_freq,) Hz, per source."""
-        return self.answers(freq)[0]
+        return self.source_and_residual_response(freq)[0]
 
-    def distort(self, freq: FloatArray) -> ChannelResponse:
+    def residual_response(self, freq: FloatArray) -> ChannelResponse:
         """Return what the channels show per newton of each nonlinear force's residual."""
-        return self.answers(freq)[1]
+        return self.source_and_residual_response(freq)[1]
 
-    def answers(self, freq: FloatArray) -> tuple[ChannelResponse, ChannelResponse]:
+    def source_and_residual_response(self, freq: FloatArray) -> tuple[ChannelResponse, ChannelResponse]:
         """Return both, for less than each on its own."""
-        response, n_in = self._answer(freq), self.n_in
-        parts = (response.force, response.response, response.moved)
+        response, n_in = self._responses(freq), self.n_in
+        parts = (response.force, response.response, response.local_displacement)
         return (
             ChannelResponse(*(part[..., :n_in] for part in parts)),
             ChannelResponse(*(part[..., n_in:] for part in parts)),
         )
 
-    def _answer(self, freq: FloatArray) -> ChannelResponse:
+    def _responses(self, freq: FloatArray) -> ChannelResponse:
         """Return both side by side."""
         top = float(freq.max())
-        part = self._part(freq[: CHAIN.frequency_block], top)
+        part = self._responses_of_block(freq[: CHAIN.frequency_block], top)
         if len(freq) <= CHAIN.frequency_block:
             return part
-        firsts = (part.force, part.response, part.moved)
+        firsts = (part.force, part.response, part.local_displacement)
         shapes = [(array.shape[0], len(freq), *array.shape[2:]) for array in firsts]
         force, response, displacement = (np.empty(shape, complex) for shape in shapes)
         for start in range(0, len(freq), CHAIN.frequency_block):
             block = slice(start, start + CHAIN.frequency_block)
-            part = part if start == 0 else self._part(freq[block], top)
+            part = part if start == 0 else self._responses_of_block(freq[block], top)
             force[:, block], response[:, block], displacement[:, block] = (
                 part.force,
                 part.response,
-                part.moved,
+                part.local_displacement,
             )
         return ChannelResponse(force, response, displacement)
 
-    def _part(self, freq: FloatArray, top: float) -> ChannelResponse:
+    def _responses_of_block(self, freq: FloatArray, top: float) -> ChannelResponse:
         omega = 2 * np.pi * np.maximum(freq, CHAIN.dc_line_fraction * self.setup.analyser.spacing)
         n_in = self.n_in
         force: list[ComplexArray] = [np.zeros(0, complex)] * len(self.runs)
@@ -124,18 +127,18 @@ class Chain:
         for group in self._groups():
             runs = [self.runs[i] for i in group]
             alpha = self._receptance(runs, omega, top)
-            forces_at_work = _at_work(runs, omega, alpha)
+            forces_at_work = _forces_on_structure(runs, omega, alpha)
             if forces_at_work.shape[-1] == 1:  # one product instead of a matrix product for every line
                 accelerations = alpha * (-(omega**2)[:, None, None] * forces_at_work)
             else:
                 accelerations = -(omega**2)[None, :, None, None] * (alpha @ forces_at_work)
             for place, i in enumerate(group):
                 run = self.runs[i]
-                response[i] = filtered(run.mixed(accelerations[place]), run.responses, omega)
-                displacement[i] = accelerations[place][:, n_in : run.n_at_work] / -(omega**2)[:, None, None]
+                response[i] = filtered(run.channel_motions(accelerations[place]), run.responses, omega)
+                displacement[i] = accelerations[place][:, n_in : run.n_forces] / -(omega**2)[:, None, None]
                 gauge_forces = filtered(forces_at_work[place, :, :n_in], run.forces, omega)
-                force[i] = cancelled(
-                    gauge_forces, response[i], run.shot, self.setup.analyser.mass_cancellation
+                force[i] = with_mass_cancelled(
+                    gauge_forces, response[i], run.acquisition_run, self.setup.analyser.mass_cancellation
                 )
         return ChannelResponse(np.array(force), np.array(response), np.array(displacement))
 
@@ -143,7 +146,7 @@ class Chain:
         """Return the runs by what is asked of the structure: same drive points, as many motions."""
         groups: dict[tuple[tuple[Dof, ...], int], list[int]] = {}
         for i, run in enumerate(self.runs):
-            groups.setdefault((run.shot.drives, len(run.motions)), []).append(i)
+            groups.setdefault((run.acquisition_run.drives, len(run.motions)), []).append(i)
         return list(groups.values())
 
     def _receptance(self, runs: Sequence[Run], omega: FloatArray, top: float) -> ComplexArray:
@@ -152,16 +155,16 @@ class Chain:
         Asked for again of structures that are loaded alike, as where effects are of channels, it is known.
         """
         cache = runs[0].system.cache
-        latest = cache.get(ANSWERED)
-        if latest is not None and latest.holds(runs, omega):
+        latest = cache.get(CACHED_RECEPTANCE)
+        if latest is not None and latest.matches(runs, omega):
             return latest.alpha
-        alpha = self._solved(runs, omega, top)
-        cache.put(ANSWERED, Answered(tuple(runs), omega, alpha))
+        alpha = self._solve_receptance(runs, omega, top)
+        cache.put(CACHED_RECEPTANCE, CachedReceptance(tuple(runs), omega, alpha))
         return alpha
 
-    def _solved(self, runs: Sequence[Run], omega: FloatArray, top: float) -> ComplexArray:
+    def _solve_receptance(self, runs: Sequence[Run], omega: FloatArray, top: float) -> ComplexArray:
         first = runs[0].system
-        inputs = first.selection(runs[0].motions[: runs[0].n_at_work])
+        inputs = first.selection(runs[0].motions[: runs[0].n_forces])
         outputs = [first.selection(run.motions) for run in runs]
         systems = [run.system for run in runs]
         if all(system.mass is first.mass for system in systems):
@@ -223,7 +226,7 @@ def chain(
         Effects beside those of the declared hardware.
     same_in_all_runs, initial_rms
         Whether nonlinear forces take the same motion in every run, and what they take in a chain very
-        much like it, as `with_equivalents`.
+        much like it, as `with_equivalent_linearisation`.
 
     Raises
     ------
@@ -239,9 +242,11 @@ def chain(
         noise, source = effect.on_noise(noise), effect.on_source(source)
     active_effects = [(effect, stages) for effect in effects if any(stages := _acts_on_runs(effect))]
     latest: dict[int, _Altered] = {}
-    runs = tuple(_run(system, shot, active_effects, latest) for shot in setup.shots)
+    runs = tuple(
+        _run(system, acquisition_run, active_effects, latest) for acquisition_run in setup.acquisition_runs
+    )
     if local := [force for effect in effects if (force := effect.on_motion()) is not None]:
-        runs = with_equivalents(
+        runs = with_equivalent_linearisation(
             runs, local, setup.analyser, source, same_in_all_runs=same_in_all_runs, initial_rms=initial_rms
         )
     return Chain(setup, runs, noise, source, tuple(effects))
@@ -259,7 +264,7 @@ def _acts_on_runs(effect: Effect) -> tuple[bool, bool, bool]:
 
 def _run(
     system: DynamicSystem,
-    shot: AcquisitionRun,
+    acquisition_run: AcquisitionRun,
     effects: Sequence[tuple[Effect, tuple[bool, bool, bool]]],
     altered_systems: dict[int, _Altered],
 ) -> Run:
@@ -270,19 +275,19 @@ def _run(
     altered_systems
         What the effects, by number, made of structures in runs before.
     """
-    drives = [Drive(dof) for dof in shot.drives]
-    forces = [Channel.ideal(dof, force=True) for dof in shot.drives]
-    responses = [Channel.ideal(dof) for dof in shot.outputs]
+    drives = [Drive(dof) for dof in acquisition_run.drives]
+    forces = [Channel.ideal(dof, force=True) for dof in acquisition_run.drives]
+    responses = [Channel.ideal(dof) for dof in acquisition_run.outputs]
     for i, (effect, (to_system, to_drive, to_channel)) in enumerate(effects):
         if to_system and not effect.same_in_all_runs:
-            system = effect.on_system(system, shot)
+            system = effect.on_system(system, acquisition_run)
         elif to_system:
             if i not in altered_systems or altered_systems[i][0] is not system:
-                altered_systems[i] = system, effect.on_system(system, shot)
+                altered_systems[i] = system, effect.on_system(system, acquisition_run)
             system = altered_systems[i][1]
         if to_drive:
             drives = [effect.on_drive(drive) for drive in drives]
         if to_channel:
             forces = [effect.on_channel(channel, system) for channel in forces]
             responses = [effect.on_channel(channel, system) for channel in responses]
-    return Run(shot, system, tuple(drives), tuple(forces), tuple(responses))
+    return Run(acquisition_run, system, tuple(drives), tuple(forces), tuple(responses))

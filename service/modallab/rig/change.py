@@ -17,7 +17,7 @@ from modallab.rig.settings import CHANGE
 from modallab.rig.setup import RigSetup
 
 SENSORS = "sensors"
-_USUAL = {"shaker": "periodic_random", "hammer": "impact"}
+_DEFAULT_SIGNALS = {"shaker": "periodic_random", "hammer": "impact"}
 
 
 @dataclass(frozen=True)
@@ -56,12 +56,12 @@ class Change:
                 raise InvalidInputError(
                     f"{name} is out of bounds", field=f"changed.{name}", value=value, allowed="1e-6 to 1e6"
                 )
-        if self.exciter not in (None, *_USUAL):
+        if self.exciter not in (None, *_DEFAULT_SIGNALS):
             raise InvalidInputError(
                 f"no exciter called {self.exciter!r}",
                 field="changed.exciter",
                 value=str(self.exciter),
-                allowed=", ".join(_USUAL),
+                allowed=", ".join(_DEFAULT_SIGNALS),
             )
 
     @property
@@ -109,9 +109,9 @@ class Change:
             If the rig cannot do it.
         """
         values, changed = self.plain, setup
-        for name in _APPLIED:  # in this order: another exciter brings its own settings
+        for name in _SETTERS:  # in this order: another exciter brings its own settings
             if name in values:
-                changed = _APPLIED[name](changed, self)
+                changed = _SETTERS[name](changed, self)
         check_compatible(changed)
         return _with_its_effects(changed, setup)
 
@@ -131,19 +131,19 @@ class Change:
             If it says something else than the change does.
         """
         values = self.plain
-        for name in (field for field in _APPLIED if field in values):
+        for name in (field for field in _SETTERS if field in values):
             only = Change(**{name: getattr(self, name)})
-            expected, current = _SHOWN[name](only.applied(first), self), _SHOWN[name](declared, self)
-            if _same(current, expected):
+            expected, current = _GETTERS[name](only.applied(first), self), _GETTERS[name](declared, self)
+            if _equal(current, expected):
                 continue
-            if not _same(current, _SHOWN[name](first, self)):
+            if not _equal(current, _GETTERS[name](first, self)):
                 raise InvalidInputError(
                     f"the log book of the further test contradicts what is said to have been changed: {name}",
                     field=f"changed.{name}",
                     value=str(current),
                     allowed=str(expected),
                 )
-            declared = _APPLIED[name](declared, self)
+            declared = _SETTERS[name](declared, self)
         check_compatible(declared)
         return _with_its_effects(declared, first)
 
@@ -156,7 +156,7 @@ def _plain(value: Any) -> Any:
     return [str(dof) for dof in value] if isinstance(value, tuple) else value
 
 
-def _same(a: Any, b: Any) -> bool:
+def _equal(a: Any, b: Any) -> bool:
     if isinstance(a, (int, float)) and isinstance(b, (int, float)):
         return bool(np.isclose(a, b, rtol=CHANGE.relative_tolerance, atol=0.0))
     return bool(a == b)
@@ -170,15 +170,15 @@ def _with_its_effects(setup: RigSetup, first: RigSetup) -> RigSetup:
     )
 
 
-def _analyser(setup: RigSetup, **values: Any) -> RigSetup:
+def _with_analyser(setup: RigSetup, **values: Any) -> RigSetup:
     return replace(setup, analyser=replace(setup.analyser, **values))
 
 
-def _excited(setup: RigSetup, **values: Any) -> RigSetup:
-    return _analyser(setup, excitation=replace(setup.analyser.excitation, **values))
+def _with_excitation(setup: RigSetup, **values: Any) -> RigSetup:
+    return _with_analyser(setup, excitation=replace(setup.analyser.excitation, **values))
 
 
-def _struck(setup: RigSetup, change: Change) -> RigSetup:
+def _with_exciter(setup: RigSetup, change: Change) -> RigSetup:
     """Return the rig with another exciter: with a hammer all that a shaker hangs on the structure is gone."""
     if change.exciter == setup.exciter.kind or change.exciter is None:
         return setup
@@ -190,24 +190,24 @@ def _struck(setup: RigSetup, change: Change) -> RigSetup:
         force_transducer=ForceTransducer(),
     )
     # A shaker's window cuts nothing off; what a blow leaves of it would.
-    return _excited(_analyser(bare, window="rectangular"), kind=_USUAL[change.exciter])
+    return _with_excitation(_with_analyser(bare, window="rectangular"), kind=_DEFAULT_SIGNALS[change.exciter])
 
 
-def _weighted(setup: RigSetup, change: Change) -> RigSetup:
+def _with_added_mass(setup: RigSetup, change: Change) -> RigSetup:
     added = change.added_mass
     assert added is not None
     if added.at is None:
         sensors = setup.accelerometers
         return replace(setup, accelerometers=replace(sensors, mass=sensors.mass + added.mass))
-    return replace(setup, effects=(*setup.effects, _hung(added)))
+    return replace(setup, effects=(*setup.effects, _mass_effect(added)))
 
 
-def _hung(added: AddedMass) -> EffectSpec:
+def _mass_effect(added: AddedMass) -> EffectSpec:
     assert added.at is not None
     return EffectSpec("extra_mass", added.at.point, {"mass": added.mass})
 
 
-def _masses(setup: RigSetup, change: Change) -> float:
+def _declared_mass(setup: RigSetup, change: Change) -> float:
     """Return what the log book says of masses where one is added, kg."""
     added = change.added_mass
     assert added is not None
@@ -217,21 +217,23 @@ def _masses(setup: RigSetup, change: Change) -> float:
     return sum(spec.parameters["mass"] for spec in masses)
 
 
-_APPLIED: Mapping[str, Callable[[RigSetup, Change], RigSetup]] = {
-    "exciter": _struck,
-    "level_factor": lambda s, c: _excited(s, level=s.analyser.excitation.level * (c.level_factor or 1.0)),
-    "averages_factor": lambda s, c: _analyser(
+_SETTERS: Mapping[str, Callable[[RigSetup, Change], RigSetup]] = {
+    "exciter": _with_exciter,
+    "level_factor": lambda s, c: _with_excitation(
+        s, level=s.analyser.excitation.level * (c.level_factor or 1.0)
+    ),
+    "averages_factor": lambda s, c: _with_analyser(
         s, averages=max(1, round(s.analyser.averages * (c.averages_factor or 1.0)))
     ),
-    "n_lines": lambda s, c: _analyser(s, n_lines=c.n_lines),
-    "frequency_max": lambda s, c: _analyser(s, frequency_max=c.frequency_max),
-    "window": lambda s, c: _analyser(s, window=c.window),
-    "excitation": lambda s, c: _excited(s, kind=c.excitation),
+    "n_lines": lambda s, c: _with_analyser(s, n_lines=c.n_lines),
+    "frequency_max": lambda s, c: _with_analyser(s, frequency_max=c.frequency_max),
+    "window": lambda s, c: _with_analyser(s, window=c.window),
+    "excitation": lambda s, c: _with_excitation(s, kind=c.excitation),
     "drive": lambda s, c: replace(s, drives=s.drives if c.drive is None else (c.drive,)),
     "responses": lambda s, c: replace(s, responses=c.responses),
-    "added_mass": _weighted,
+    "added_mass": _with_added_mass,
 }
-_SHOWN: Mapping[str, Callable[[RigSetup, Change], Any]] = {
+_GETTERS: Mapping[str, Callable[[RigSetup, Change], Any]] = {
     "exciter": lambda s, _: s.exciter.kind,
     "level_factor": lambda s, _: s.analyser.excitation.level,
     "averages_factor": lambda s, _: s.analyser.averages,
@@ -241,5 +243,5 @@ _SHOWN: Mapping[str, Callable[[RigSetup, Change], Any]] = {
     "excitation": lambda s, _: s.analyser.excitation.kind,
     "drive": lambda s, _: ", ".join(map(str, s.drives)),
     "responses": lambda s, _: ", ".join(map(str, s.responses)),
-    "added_mass": _masses,
+    "added_mass": _declared_mass,
 }

@@ -29,11 +29,11 @@ class Channel:
         """Return the channel that shows what it is said to show."""
         return cls(dof, force, ((dof, 1.0),))
 
-    def hearing(self, dof: Dof, weight: float) -> "Channel":
+    def with_pickup(self, dof: Dof, weight: float) -> "Channel":
         """Return the channel with one more motion that reaches it."""
         return replace(self, pickups=(*self.pickups, (dof, weight)))
 
-    def through(self, filter_: Filter) -> "Channel":
+    def with_filter(self, filter_: Filter) -> "Channel":
         """Return the channel with one more filter behind it."""
         return replace(self, filters=(*self.filters, filter_))
 

@@ -16,7 +16,7 @@ class ChannelResponse:
 
     force: ComplexArray  # (n_run, n_freq, n_in, n_in)
     response: ComplexArray  # (n_run, n_freq, n_out, n_in) m/s^2 per N of the source
-    moved: ComplexArray  # (n_run, n_freq, r, n_in) m per N of the source, at nonlinear forces
+    local_displacement: ComplexArray  # (n_run, n_freq, r, n_in) m per N of the source, at nonlinear forces
 
     @property
     def channels(self) -> ComplexArray:
@@ -33,28 +33,28 @@ class ChannelResponse:
 
 
 @dataclass(frozen=True, eq=False)
-class Answered:
+class CachedReceptance:
     """What was asked last of a structure, and the answer."""
 
     runs: tuple[Run, ...]
     omega: FloatArray
     alpha: ComplexArray
 
-    def holds(self, runs: Sequence[Run], omega: FloatArray) -> bool:
+    def matches(self, runs: Sequence[Run], omega: FloatArray) -> bool:
         """Return whether the same is asked again."""
-        same_runs = len(runs) == len(self.runs) and all(map(_asks_alike, runs, self.runs))
+        same_runs = len(runs) == len(self.runs) and all(map(_same_request, runs, self.runs))
         return same_runs and np.array_equal(omega, self.omega)
 
 
-ANSWERED: CacheSlot[Answered] = CacheSlot("receptance of the latest runs")
+CACHED_RECEPTANCE: CacheSlot[CachedReceptance] = CacheSlot("receptance of the latest runs")
 
 
-def _asks_alike(first: Run, second: Run) -> bool:
+def _same_request(first: Run, second: Run) -> bool:
     first_system, second_system = first.system, second.system
     return (
         first_system.cache is second_system.cache
         and first.motions == second.motions
-        and first.n_at_work == second.n_at_work
+        and first.n_forces == second.n_forces
         and len(first_system.attachments) == len(second_system.attachments)
         and all(a.equals(b) for a, b in zip(first_system.attachments, second_system.attachments, strict=True))
     )

@@ -11,15 +11,20 @@ from modallab.fe.attachment import Attachment
 from modallab.fe.receptance import attached_variants
 from modallab.rig.analyser import Analyser
 from modallab.rig.drive import reaction, transmission
-from modallab.rig.equivalent_linearisation import Taken, at_work, equivalents, left_over
-from modallab.rig.local_force import Linearised, LocalForce
+from modallab.rig.equivalent_linearisation import (
+    LocalResponseSpectrum,
+    closed_loop_receptances,
+    equivalent_rms,
+    residual_spectrum,
+)
+from modallab.rig.line_kernels import refined_panels
+from modallab.rig.local_force import LinearisedForce, LocalForce
 from modallab.rig.nonlinear_settings import DISTORTION
 from modallab.rig.run import Run
 from modallab.rig.source import Source
-from modallab.rig.view import refined
 
 
-def with_equivalents(
+def with_equivalent_linearisation(
     runs: Sequence[Run],
     forces: Sequence[LocalForce],
     analyser: Analyser,
@@ -43,37 +48,39 @@ def with_equivalents(
         all power lies on the lines: the least motion need not be looked for again.
     """
     if same_in_all_runs and source.continuous == 1:
-        (first,) = with_equivalents(runs[:1], forces, analyser, source)
+        (first,) = with_equivalent_linearisation(runs[:1], forces, analyser, source)
         later_runs = (
-            replace(_with_lines(run, first.local), response_spectrum=first.response_spectrum)
+            replace(_with_linearised(run, first.local_forces), response_spectrum=first.response_spectrum)
             for run in runs[1:]
         )
         return (first, *later_runs)
     if source.continuous > 0:
         return tuple(_by_quadrature(runs, forces, analyser, source.continuous))
     omega, power = 2 * np.pi * analyser.freq[1:], np.full(analyser.n_lines - 1, _power_of_line(analyser))
-    open_loop = motions(runs, forces, omega)
-    rms = equivalents(forces, *open_loop, omega, power, initial_rms)
-    spectra = _taken(forces, *at_work(forces, rms, *open_loop, omega), omega, analyser)
+    open_loop = local_receptances(runs, forces, omega)
+    rms = equivalent_rms(forces, *open_loop, omega, power, initial_rms)
+    spectra = _local_spectra(
+        forces, *closed_loop_receptances(forces, rms, *open_loop, omega), omega, analyser
+    )
     return tuple(
-        replace(_with_lines(run, _lines(forces, run_rms)), response_spectrum=spectrum)
+        replace(_with_linearised(run, _linearised_forces(forces, run_rms)), response_spectrum=spectrum)
         for run, run_rms, spectrum in zip(runs, rms, spectra, strict=True)
     )
 
 
-def _taken(
+def _local_spectra(
     forces: Sequence[LocalForce],
     driven: ComplexArray,
     fed_back: ComplexArray,
     omega: FloatArray,
     analyser: Analyser,
-) -> list[Taken]:
+) -> list[LocalResponseSpectrum]:
     """Return what forces take in each run, at 0 Hz and at `omega` (n,) rad/s.
 
     Parameters
     ----------
     driven, fed_back
-        As of `motions`, the straight lines at work.
+        As of `local_forces_receptances`, the straight lines at work.
     """
     of_velocity = [force.of_velocity for force in forces]
     size = _density(analyser) * (np.abs(driven) ** 2).sum(axis=3)
@@ -82,7 +89,7 @@ def _taken(
     # A motion has no mean; what answers a steady force is real, and about what answers a slow one.
     spectra = np.concatenate([np.zeros_like(size[:, :1]), size], axis=1)
     answers = np.concatenate([answer[:, :1].real, answer], axis=1)
-    return [Taken(*pair) for pair in zip(spectra, answers, strict=True)]
+    return [LocalResponseSpectrum(*pair) for pair in zip(spectra, answers, strict=True)]
 
 
 def _by_quadrature(
@@ -99,24 +106,24 @@ def _by_quadrature(
         lines, power = lines[:0], power[:0]
     rms: FloatArray | None = None
     for run in runs:
-        start_run = run if rms is None else _with_lines(run, _lines(forces, rms))
+        start_run = run if rms is None else _with_linearised(run, _linearised_forces(forces, rms))
         resonances = start_run.resonances(analyser.frequency_max)
         for _ in range(DISTORTION.max_refinements):
-            nodes, hertz = refined(panels, *resonances)
+            nodes, hertz = refined_panels(panels, *resonances)
             weights = np.concatenate([power, share * _density(analyser) * hertz])
             omega = 2 * np.pi * np.concatenate([lines, nodes])
-            driven, fed_back = motions([run], forces, omega)
-            initial_rms = _free(forces, driven, omega, weights) if rms is None else rms
-            rms = equivalents(forces, driven, fed_back, omega, weights, initial_rms[None])[0]
-            loaded = _with_lines(run, _lines(forces, rms))
+            driven, fed_back = local_receptances([run], forces, omega)
+            initial_rms = _open_loop_rms(forces, driven, omega, weights) if rms is None else rms
+            rms = equivalent_rms(forces, driven, fed_back, omega, weights, initial_rms[None])[0]
+            loaded = _with_linearised(run, _linearised_forces(forces, rms))
             loaded_resonances = loaded.resonances(analyser.frequency_max)
-            if _resolved(loaded_resonances, resonances, analyser):
+            if _is_resolved(loaded_resonances, resonances, analyser):
                 break
             resonances = loaded_resonances
         yield loaded
 
 
-def _free(
+def _open_loop_rms(
     forces: Sequence[LocalForce], driven: ComplexArray, omega: FloatArray, power: FloatArray
 ) -> FloatArray:
     """Return the root mean squares of what the forces would take if they did not act, (r,)."""
@@ -124,7 +131,7 @@ def _free(
     return np.asarray(np.sqrt(power @ ((np.abs(driven[0]) ** 2).sum(axis=2) * scale)))
 
 
-def _resolved(
+def _is_resolved(
     resonances: tuple[FloatArray, FloatArray],
     refined_resonances: tuple[FloatArray, FloatArray],
     analyser: Analyser,
@@ -140,18 +147,18 @@ def _resolved(
     return bool((near & (refined_width <= 2 * half_width[:, None])).any(axis=1).all())
 
 
-def _lines(forces: Sequence[LocalForce], rms: FloatArray) -> tuple[Linearised, ...]:
-    return tuple(force.at(float(force_rms)) for force, force_rms in zip(forces, rms, strict=True))
+def _linearised_forces(forces: Sequence[LocalForce], rms: FloatArray) -> tuple[LinearisedForce, ...]:
+    return tuple(force.linearised(float(force_rms)) for force, force_rms in zip(forces, rms, strict=True))
 
 
-def _with_lines(run: Run, linearised: tuple[Linearised, ...]) -> Run:
+def _with_linearised(run: Run, linearised: tuple[LinearisedForce, ...]) -> Run:
     system = run.system
     for linearised_force in linearised:
         column, line = system.selection((linearised_force.force.dof,)), np.array([[linearised_force.slope]])
         of_velocity = linearised_force.force.of_velocity
         attachment = Attachment(column, viscous=line) if of_velocity else Attachment(column, stiffness=line)
         system = system.attach(attachment)
-    return replace(run, system=system, local=linearised)
+    return replace(run, system=system, local_forces=linearised)
 
 
 def check_first_order(runs: Sequence[Run], analyser: Analyser, source: Source) -> None:
@@ -165,12 +172,12 @@ def check_first_order(runs: Sequence[Run], analyser: Analyser, source: Source) -
     InvalidInputError
         If they do not hold.
     """
-    if not runs[0].local:
+    if not runs[0].local_forces:
         return
     lines = analyser.freq[1:]
-    forces = [linearised_force.force for linearised_force in runs[0].local]
-    driven, fed_back = motions(runs, forces, 2 * np.pi * lines)
-    residual_density = residuals(runs, analyser, source, lines).density
+    forces = [linearised_force.force for linearised_force in runs[0].local_forces]
+    driven, fed_back = local_receptances(runs, forces, 2 * np.pi * lines)
+    residual_density = residual_spectra(runs, analyser, source, lines).density
     by_residuals = (np.abs(fed_back) ** 2 * residual_density[:, :, None, :]).sum(axis=(1, 3))
     by_sources = _density(analyser) * (np.abs(driven) ** 2).sum(axis=(1, 3))
     strong = by_residuals > DISTORTION.first_order_limit * by_sources
@@ -185,20 +192,20 @@ def check_first_order(runs: Sequence[Run], analyser: Analyser, source: Source) -
 
 
 @dataclass(frozen=True, eq=False)
-class Residuals:
+class ResidualSpectra:
     """What nonlinear forces leave of their straight lines, (n_run, n_freq, r) each."""
 
     density: FloatArray  # N^2/Hz, one-sided
-    line: ComplexArray  # N/m that it holds against the motion itself
+    feedback: ComplexArray  # N/m that it holds against the motion itself
 
 
-def residuals(
+def residual_spectra(
     runs: Sequence[Run],
     analyser: Analyser,
     source: Source,
     freq: FloatArray,
     finest: int = DISTORTION.max_points_per_line,
-) -> Residuals:
+) -> ResidualSpectra:
     """Return what the nonlinear forces of runs leave at `freq` (n_freq,) Hz.
 
     Parameters
@@ -207,25 +214,27 @@ def residuals(
         Grid points a line at most where spectra are steep.
     """
     forces, shape_of_all = (
-        [local.force for local in runs[0].local],
-        (len(runs), len(freq), len(runs[0].local)),
+        [local.force for local in runs[0].local_forces],
+        (len(runs), len(freq), len(runs[0].local_forces)),
     )
-    if all(run.local is runs[0].local for run in runs):  # taken alike, left alike
+    if all(run.local_forces is runs[0].local_forces for run in runs):  # taken alike, left alike
         runs = runs[:1]
-    lines, spectra = _on_even_lines(runs, forces, analyser, source, finest)
+    lines, spectra = _spectra_on_uniform_grid(runs, forces, analyser, source, finest)
     shape = (len(runs), *shape_of_all[1:])
     density, line = np.empty(shape), np.empty(shape, complex)
     for r, (run, motion) in enumerate(zip(runs, spectra, strict=True)):
-        for i, local in enumerate(run.local):
-            power, feedback = left_over(local, motion.spectrum[:, i], motion.answer[:, i], lines[1])
+        for i, local in enumerate(run.local_forces):
+            power, feedback = residual_spectrum(
+                local, motion.spectrum[:, i], motion.receptance[:, i], lines[1]
+            )
             density[r, :, i], line[r, :, i] = np.interp(freq, lines, power), np.interp(freq, lines, feedback)
     unit = np.where([force.of_velocity for force in forces], 2j * np.pi * freq[:, None], 1.0)
-    return Residuals(np.broadcast_to(density, shape_of_all), np.broadcast_to(line * unit, shape_of_all))
+    return ResidualSpectra(np.broadcast_to(density, shape_of_all), np.broadcast_to(line * unit, shape_of_all))
 
 
-def _on_even_lines(
+def _spectra_on_uniform_grid(
     runs: Sequence[Run], forces: Sequence[LocalForce], analyser: Analyser, source: Source, finest: int
-) -> tuple[FloatArray, list[Taken]]:
+) -> tuple[FloatArray, list[LocalResponseSpectrum]]:
     """Return lines (n_lines,) Hz as fine as spectra are steep, and what is taken in each run there."""
     spectra = [run.response_spectrum for run in runs if run.response_spectrum is not None]
     if source.continuous == 0 and len(spectra) == len(runs):
@@ -235,9 +244,9 @@ def _on_even_lines(
     finer = int(np.clip(np.ceil(analyser.spacing / max(narrow, DISTORTION.min_width)), 1, finest))
     lines = np.linspace(0.0, analyser.frequency_max, finer * (analyser.n_lines - 1) + 1)
     parts = np.array_split(2 * np.pi * lines[1:], np.ceil(len(lines) / DISTORTION.frequency_block))
-    driven, fed_back = zip(*(motions(runs, forces, omega) for omega in parts), strict=True)
+    driven, fed_back = zip(*(local_receptances(runs, forces, omega) for omega in parts), strict=True)
     receptances = np.concatenate(driven, axis=1), np.concatenate(fed_back, axis=1)
-    return lines, _taken(forces, *receptances, 2 * np.pi * lines[1:], analyser)
+    return lines, _local_spectra(forces, *receptances, 2 * np.pi * lines[1:], analyser)
 
 
 def _density(analyser: Analyser) -> float:
@@ -248,7 +257,7 @@ def _power_of_line(analyser: Analyser) -> float:
     return _density(analyser) * analyser.spacing
 
 
-def motions(
+def local_receptances(
     runs: Sequence[Run], forces: Sequence[LocalForce], omega: FloatArray
 ) -> tuple[ComplexArray, ComplexArray]:
     """Return displacement at forces per source (n_run, n, r, n_in) and per force there, m/N.
@@ -257,13 +266,15 @@ def motions(
     """
     first = runs[0]
     if not all(
-        run.drives == first.drives and run.shot.drives == first.shot.drives and _variants(run, first)
+        run.drives == first.drives
+        and run.acquisition_run.drives == first.acquisition_run.drives
+        and _same_structure(run, first)
         for run in runs
     ):
-        by_source, by_force = zip(*(motions([run], forces, omega) for run in runs), strict=True)
+        by_source, by_force = zip(*(local_receptances([run], forces, omega) for run in runs), strict=True)
         return np.concatenate(by_source), np.concatenate(by_force)
     n = len(first.drives)
-    columns = first.system.selection((*first.shot.drives, *(force.dof for force in forces)))
+    columns = first.system.selection((*first.acquisition_run.drives, *(force.dof for force in forces)))
     alpha = attached_variants([run.system for run in runs], omega, [columns] * len(runs), columns)
     at_drives = alpha[:, :, :n, :n]
     driven = alpha[:, :, n:, :n] @ transmission(first.drives, omega, at_drives)
@@ -271,6 +282,6 @@ def motions(
     return driven, alpha[:, :, n:, n:] - alpha[:, :, n:, :n] @ exciter_reaction
 
 
-def _variants(first: Run, second: Run) -> bool:
+def _same_structure(first: Run, second: Run) -> bool:
     """Return whether two runs are of one structure and what hangs on it."""
     return first.system.mass is second.system.mass and first.system.stiffness is second.system.stiffness

@@ -35,13 +35,13 @@ class Drive:
     coils: tuple[Coil, ...] = ()  # whose voltage is kept; where the current is kept they do not react
 
     @property
-    def plain(self) -> bool:
+    def ideal(self) -> bool:
         """Whether nothing moves behind the sensing element: F = P."""
         inert = not (self.mass or self.stinger_mass or self.cancelled_mass)
         return inert and not (self.stiffness or self.viscous or self.coils)
 
     @property
-    def decays(self) -> tuple[float, ...]:
+    def electrical_decay_rates(self) -> tuple[float, ...]:
         """R/L of inductive coils, rad/s: above, they damp less and stiffen more."""
         return tuple(coil.resistance / coil.inductance for coil in self.coils if coil.inductance > 0)
 
@@ -55,7 +55,7 @@ class Drive:
         no_force = np.zeros(len(omega), complex)
         return sum((coil.force_factor**2 / _electrical(coil, omega) for coil in self.coils), no_force)
 
-    def stations(self, omega: FloatArray) -> list[tuple[ComplexArray, ComplexArray]]:
+    def ladder(self, omega: FloatArray) -> list[tuple[ComplexArray, ComplexArray]]:
         """Return the ladder outwards: C (n_freq,) m/N before a mass, and Z (n_freq,) N/m of the mass."""
         zeros = np.zeros(len(omega), complex)
         gauge, stinger = (
@@ -81,9 +81,9 @@ class Drive:
 
         Inductive coils are taken as the spring and the damper that they are at `omega`, rad/s.
         """
-        if self.plain:
+        if self.ideal:
             return system
-        lumps, joints = self._reduced(omega)
+        lumps, joints = self._lumped(omega)
         mass, stiffness, viscous = (np.diag(values) for values in lumps.T)
         k = np.zeros_like(stiffness)
         for i, (joint, along) in enumerate(joints):
@@ -101,7 +101,7 @@ class Drive:
             )
         )
 
-    def _reduced(self, omega: float) -> tuple[FloatArray, list[tuple[float, float]]]:
+    def _lumped(self, omega: float) -> tuple[FloatArray, list[tuple[float, float]]]:
         """Return mass, stiffness, viscous damping of what moves on its own, (n, 3), and what joins it.
 
         What has no mass, or too little to move on its joint, goes to its neighbour inwards.
@@ -146,9 +146,9 @@ def transmission(drives: tuple[Drive, ...], omega: FloatArray, alpha: ComplexArr
     """
     n_in = len(drives)
     unit = np.broadcast_to(np.eye(n_in, dtype=complex), alpha.shape)
-    if all(drive.plain for drive in drives):
+    if all(drive.ideal for drive in drives):
         return unit
-    force = _outwards(drives, omega, unit, alpha)
+    force = _at_source_end(drives, omega, unit, alpha)
     shaping = np.array([drive.shaping(omega) for drive in drives]).T
     if n_in == 1:  # one division instead of a solver call for every line
         return np.asarray(shaping[:, :, None] / force)
@@ -167,8 +167,8 @@ def reaction(drives: tuple[Drive, ...], omega: FloatArray, alpha: ComplexArray) 
         As for `transmission`.
     """
     unit = np.broadcast_to(np.eye(len(drives), dtype=complex), alpha.shape)
-    reaction_force = _outwards(drives, omega, np.zeros_like(unit), unit)
-    transmitted_force = _outwards(drives, omega, unit, alpha)
+    reaction_force = _at_source_end(drives, omega, np.zeros_like(unit), unit)
+    transmitted_force = _at_source_end(drives, omega, unit, alpha)
     return np.asarray(
         reaction_force / transmitted_force
         if len(drives) == 1
@@ -176,11 +176,11 @@ def reaction(drives: tuple[Drive, ...], omega: FloatArray, alpha: ComplexArray) 
     )
 
 
-def _outwards(
+def _at_source_end(
     drives: tuple[Drive, ...], omega: FloatArray, force: ComplexArray, motion: ComplexArray
 ) -> ComplexArray:
     """Return the force at the sources' end of the ladders from force and motion at the structure's."""
-    for ladder in zip(*(drive.stations(omega) for drive in drives), strict=True):
+    for ladder in zip(*(drive.ladder(omega) for drive in drives), strict=True):
         compliances = np.array([compliance for compliance, _ in ladder]).T
         z = np.array([impedance for _, impedance in ladder]).T
         if compliances.any():

@@ -58,7 +58,7 @@ class Effect(Parameterised):
     tolerance: ClassVar[str | None] = None  # name of the model tolerance that its first parameter may have
     at: Place = None
 
-    def on_system(self, system: DynamicSystem, shot: AcquisitionRun) -> DynamicSystem:
+    def on_system(self, system: DynamicSystem, acquisition_run: AcquisitionRun) -> DynamicSystem:
         """Stage `STRUCTURE`: return the structure with what the effect adds to it in this run."""
         return system
 

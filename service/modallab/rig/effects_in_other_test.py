@@ -8,7 +8,7 @@ from modallab.core.place import Channels
 from modallab.rig.effect import Effect, Stage
 from modallab.rig.setup import RigSetup
 
-_CONTACT = (Stage.STRUCTURE, Stage.DRIVE)  # stages of what stands between a shaker and the structure
+_CONTACT_STAGES = (Stage.STRUCTURE, Stage.DRIVE)  # stages of what stands between a shaker and the structure
 
 
 def effects_in_other_test(effects: Sequence[Effect], first: RigSetup, second: RigSetup) -> list[Effect]:
@@ -17,11 +17,11 @@ def effects_in_other_test(effects: Sequence[Effect], first: RigSetup, second: Ri
     What sits at the drive point goes where the shaker goes, and goes away with it; what sits in a
     channel or under an accelerometer is there where that DoF is measured. The structure keeps its own.
     """
-    transferred = (_carried_over(effect, first, second) for effect in effects)
+    transferred = (_transferred(effect, first, second) for effect in effects)
     return [effect for effect in transferred if effect is not None]
 
 
-def _carried_over(effect: Effect, first: RigSetup, second: RigSetup) -> Effect | None:
+def _transferred(effect: Effect, first: RigSetup, second: RigSetup) -> Effect | None:
     if effect.structural:
         return effect
     measured_points = {dof.point for dof in second.responses}
@@ -29,18 +29,18 @@ def _carried_over(effect: Effect, first: RigSetup, second: RigSetup) -> Effect |
         return effect if all(dof.point in measured_points for dof in effect.at.dofs) else None
     if effect.at_drive:
         # Another exciter has a force gauge of its own.
-        belongs_to_exciter = effect.stage in _CONTACT or isinstance(effect.at, Dof)
+        belongs_to_exciter = effect.stage in _CONTACT_STAGES or isinstance(effect.at, Dof)
         return (
             None
             if belongs_to_exciter and second.exciter.kind != first.exciter.kind
-            else _at_drive(effect, first, second)
+            else _at_second_drive(effect, first, second)
         )
     if isinstance(effect.at, Dof) and Dof in effect.allowed_places and type(None) in effect.allowed_places:
         return effect if effect.at.point in measured_points else None  # it sits under one accelerometer
     return effect
 
 
-def _at_drive(effect: Effect, first: RigSetup, second: RigSetup) -> Effect:
+def _at_second_drive(effect: Effect, first: RigSetup, second: RigSetup) -> Effect:
     """Return what sits at a drive point at the one that stands in its place."""
     first_points = [dof.point for dof in first.drives]
     if (

@@ -23,12 +23,14 @@ def with_equivalent_feedback(
     feedback
         (n_run, n_freq, r) N/m.
     """
-    beta = distorted.moved
+    beta = distorted.local_displacement
     loop_matrix = np.eye(beta.shape[-1]) + beta * feedback[..., None, :]
-    return _less(driven, distorted, loop_matrix, feedback), _less(distorted, distorted, loop_matrix, feedback)
+    return _closed_loop(driven, distorted, loop_matrix, feedback), _closed_loop(
+        distorted, distorted, loop_matrix, feedback
+    )
 
 
-def _less(
+def _closed_loop(
     open_response: ChannelResponse,
     per_force: ChannelResponse,
     loop_matrix: ComplexArray,
@@ -36,12 +38,14 @@ def _less(
 ) -> ChannelResponse:
     single = loop_matrix.shape[-1] == 1  # one division instead of a solver call for every line
     displacement = (
-        open_response.moved / loop_matrix if single else np.linalg.solve(loop_matrix, open_response.moved)
+        open_response.local_displacement / loop_matrix
+        if single
+        else np.linalg.solve(loop_matrix, open_response.local_displacement)
     )
     feedback_force = feedback[..., None] * displacement
     return replace(
         open_response,
         force=open_response.force - per_force.force @ feedback_force,
         response=open_response.response - per_force.response @ feedback_force,
-        moved=np.asarray(displacement),
+        local_displacement=np.asarray(displacement),
     )

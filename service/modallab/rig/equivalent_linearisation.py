@@ -7,7 +7,7 @@ import numpy as np
 import scipy.fft
 
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray
-from modallab.rig.local_force import Linearised, LocalForce
+from modallab.rig.local_force import LinearisedForce, LocalForce
 from modallab.rig.nonlinear_settings import LINEARISATION
 
 _TRIAL_RATIOS = np.geomspace(*LINEARISATION.trial_range, LINEARISATION.n_trials)
@@ -16,7 +16,7 @@ _EXTENSION_RATIOS = np.geomspace(LINEARISATION.extension_range, 1.0, LINEARISATI
 ]
 
 
-def equivalents(
+def equivalent_rms(
     forces: Sequence[LocalForce],
     driven: ComplexArray,
     fed_back: ComplexArray,
@@ -51,25 +51,25 @@ def equivalents(
     unit = np.where([force.of_velocity for force in forces], 1j * omega[:, None], 1.0)
     driven, fed_back = driven * unit[..., None], fed_back * unit[..., None]
     if len(forces) == 1:
-        return _settled(forces[0], _motion(driven, fed_back, power), initial_rms)
+        return _solve_rms(forces[0], _motion_model(driven, fed_back, power), initial_rms)
     rms = np.zeros((len(driven), len(forces))) if initial_rms is None else initial_rms.copy()
     for _ in range(LINEARISATION.max_rounds):
         previous_rms = rms.copy()
         for i, force in enumerate(forces):
-            receptances = _beside(forces, rms, driven, fed_back, i)
+            receptances = _with_other_loops_closed(forces, rms, driven, fed_back, i)
             initial = None if initial_rms is None else rms[:, i : i + 1]
-            rms[:, i : i + 1] = _settled(force, _motion(*receptances, power), initial)
+            rms[:, i : i + 1] = _solve_rms(force, _motion_model(*receptances, power), initial)
         if (np.abs(rms - previous_rms) <= LINEARISATION.rms_tolerance * rms).all():
             break
     return rms
 
 
-def _beside(
+def _with_other_loops_closed(
     forces: Sequence[LocalForce], rms: FloatArray, driven: ComplexArray, fed_back: ComplexArray, i: int
 ) -> tuple[ComplexArray, ComplexArray]:
     """Return what one force takes per source and per force of its own, the others at work."""
     other_forces = [j for j in range(len(forces)) if j != i]
-    z = _lines([forces[j] for j in other_forces], rms[:, other_forces])[:, None, :]
+    z = _equivalent_coefficients([forces[j] for j in other_forces], rms[:, other_forces])[:, None, :]
     loop_matrix = np.eye(len(other_forces)) + fed_back[:, :, other_forces][..., other_forces] * z[:, :, None]
     right_hand_side = np.concatenate(
         [driven[:, :, other_forces], fed_back[:, :, other_forces, i : i + 1]], axis=3
@@ -83,7 +83,7 @@ def _beside(
     ] - reaction_motion[..., n_in:]
 
 
-class _Motion:
+class _MeanSquareMotion:
     """The mean square of one motion with a spring or a damper k at work: sum of a / (1 + b k + c k^2)."""
 
     def __init__(self, a: FloatArray, b: FloatArray, c: FloatArray) -> None:
@@ -94,9 +94,9 @@ class _Motion:
         """How many runs there are."""
         return len(self._a)
 
-    def of(self, runs: BoolArray) -> "_Motion":
+    def of(self, runs: BoolArray) -> "_MeanSquareMotion":
         """Return the same of some runs."""
-        return _Motion(self._a[runs], self._b[runs], self._c[runs])
+        return _MeanSquareMotion(self._a[runs], self._b[runs], self._c[runs])
 
     def rms(self, k: FloatArray) -> FloatArray:
         """Return the root mean squares (n_run,) with k (n_run,)."""
@@ -118,15 +118,15 @@ class _Motion:
         return out
 
 
-def _motion(driven: ComplexArray, fed_back: ComplexArray, power: FloatArray) -> _Motion:
+def _motion_model(driven: ComplexArray, fed_back: ComplexArray, power: FloatArray) -> _MeanSquareMotion:
     receptance = fed_back[:, :, 0, 0]
     size = driven.real**2 + driven.imag**2
-    return _Motion(
+    return _MeanSquareMotion(
         power * size[:, :, 0].sum(axis=2), 2 * receptance.real, receptance.real**2 + receptance.imag**2
     )
 
 
-def _settled(force: LocalForce, motion: _Motion, initial_rms: FloatArray | None) -> FloatArray:
+def _solve_rms(force: LocalForce, motion: _MeanSquareMotion, initial_rms: FloatArray | None) -> FloatArray:
     """Return the least root mean square (n_run, 1) that a force allows under its own straight line.
 
     The first change of sign of ln(allowed/supposed) from small motions up, then Newton's method
@@ -136,7 +136,7 @@ def _settled(force: LocalForce, motion: _Motion, initial_rms: FloatArray | None)
     if not (moving := open_loop_rms > 0).all():
         rms_of_runs = np.zeros((motion.n_run, 1))
         if moving.any():
-            rms_of_runs[moving] = _settled(
+            rms_of_runs[moving] = _solve_rms(
                 force, motion.of(moving), None if initial_rms is None else initial_rms[moving]
             )
         return rms_of_runs
@@ -148,7 +148,7 @@ def _settled(force: LocalForce, motion: _Motion, initial_rms: FloatArray | None)
         low, high = log_rms - LINEARISATION.log_bracket, log_rms + LINEARISATION.log_bracket
     for _ in range(LINEARISATION.max_rounds):
         rms = np.exp(log_rms)
-        k, coefficient_slope = force.lines(rms)
+        k, coefficient_slope = force.equivalent_coefficients(rms)
         resulting_rms, log_slope = motion.slope(k)
         log_ratio = np.log(resulting_rms) - log_rms
         low, high = np.where(log_ratio > 0, log_rms, low), np.where(log_ratio > 0, high, log_rms)
@@ -161,11 +161,13 @@ def _settled(force: LocalForce, motion: _Motion, initial_rms: FloatArray | None)
     return np.asarray(np.exp(log_rms))[:, None]
 
 
-def _bracket(force: LocalForce, motion: _Motion, open_loop_rms: FloatArray) -> tuple[FloatArray, FloatArray]:
+def _bracket(
+    force: LocalForce, motion: _MeanSquareMotion, open_loop_rms: FloatArray
+) -> tuple[FloatArray, FloatArray]:
     """Return logarithms of motions, the force allowing more than the first and less than the second."""
     trial_rms = _TRIAL_RATIOS * open_loop_rms.max()
     while True:
-        coefficients = force.lines(trial_rms)[0]
+        coefficients = force.equivalent_coefficients(trial_rms)[0]
         resulting_rms = np.array(
             [motion.rms(np.full(motion.n_run, coefficient)) for coefficient in coefficients]
         )
@@ -180,7 +182,7 @@ def _bracket(force: LocalForce, motion: _Motion, open_loop_rms: FloatArray) -> t
     return np.log(trial_rms[first - 1]), np.log(trial_rms[first])
 
 
-def at_work(
+def closed_loop_receptances(
     forces: Sequence[LocalForce],
     rms: FloatArray,
     driven: ComplexArray,
@@ -192,14 +194,14 @@ def at_work(
     Parameters
     ----------
     rms
-        (n_run, r), of `equivalents`, as the rest is.
+        (n_run, r), of `equivalent_rms`, as the rest is.
 
     Returns
     -------
     (n_run, n, r, n_in) and (n_run, n, r, r)
     """
     unit = np.where([force.of_velocity for force in forces], 1j * omega[:, None], 1.0)
-    z = _lines(forces, rms)[:, None, :] * unit
+    z = _equivalent_coefficients(forces, rms)[:, None, :] * unit
     if len(forces) == 1:
         loop_matrix = 1 + fed_back * z[..., None]
         return driven / loop_matrix, fed_back / loop_matrix
@@ -209,25 +211,29 @@ def at_work(
     )
 
 
-def _lines(forces: Sequence[LocalForce], rms: FloatArray) -> FloatArray:
+def _equivalent_coefficients(forces: Sequence[LocalForce], rms: FloatArray) -> FloatArray:
     """Return the straight lines, (n_run, r) N/m or N s/m; 0 of a force that does not move."""
     coefficients = [
-        np.where(force_rms > 0, force.lines(np.maximum(force_rms, np.finfo(float).tiny))[0], 0.0)
+        np.where(
+            force_rms > 0, force.equivalent_coefficients(np.maximum(force_rms, np.finfo(float).tiny))[0], 0.0
+        )
         for force, force_rms in zip(forces, rms.T, strict=True)
     ]
     return np.stack(coefficients, axis=1)
 
 
 @dataclass(frozen=True, eq=False)
-class Taken:
+class LocalResponseSpectrum:
     """What nonlinear forces take on evenly spaced lines from 0 Hz, and how the structure answers them."""
 
     spectrum: FloatArray  # (n_lines, r) one-sided densities of displacement or velocity
-    answer: ComplexArray  # (n_lines, r) of the same per force put on the structure, straight lines at work
+    receptance: (
+        ComplexArray  # (n_lines, r) of the same per force put on the structure, straight lines at work
+    )
 
 
-def left_over(
-    linearised_force: Linearised, spectrum: FloatArray, receptance: ComplexArray, spacing: float
+def residual_spectrum(
+    linearised_force: LinearisedForce, spectrum: FloatArray, receptance: ComplexArray, spacing: float
 ) -> tuple[FloatArray, ComplexArray]:
     """Return the density of a force's residual, N^2/Hz, and what it holds against the motion itself.
 
@@ -240,7 +246,7 @@ def left_over(
     Parameters
     ----------
     spectrum, receptance
-        (n_lines,) of a `Taken`.
+        (n_lines,) of a `LocalResponseSpectrum`.
     spacing
         Of the lines, Hz.
 
@@ -259,7 +265,7 @@ def left_over(
     density = scipy.fft.dct(linearised_force.residual_correlation(correlation), type=1)[:n_lines] / (
         n * spacing
     )
-    correlation_slope = linearised_force.residual_memory(correlation)
+    correlation_slope = linearised_force.residual_correlation_derivative(correlation)
     impulse = scipy.fft.irfft(receptance, 2 * n)
     impulse[: n + 1] *= correlation_slope
     impulse[n + 1 :] *= correlation_slope[-2:0:-1]

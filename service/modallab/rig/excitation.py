@@ -75,18 +75,18 @@ class Transient(Protocol):
     def spectrum(self, omega: FloatArray, setting: ExcitationSetting) -> ComplexArray:
         """Return the spectrum (n_freq,) of what the source plays, over that of a white one or an impulse."""
 
-    def strays(self, setting: ExcitationSetting) -> bool:
+    def misaligned(self, setting: ExcitationSetting) -> bool:
         """Return whether forces beside the intended ones act."""
 
-    def typical(self, answers: ImpulseResponses, setting: ExcitationSetting) -> Iterator[FloatArray]:
+    def expected_records(self, answers: ImpulseResponses, setting: ExcitationSetting) -> Iterator[FloatArray]:
         """Yield records (n, n_ch, n_samples) whose mean spectra are the expected ones, some at a time."""
 
-    def drawn(
+    def random_records(
         self, answers: ImpulseResponses, setting: ExcitationSetting, n: int, rng: np.random.Generator
     ) -> FloatArray:
         """Return n records, (n, n_ch, n_samples)."""
 
-    def recurring(self, answers: ImpulseResponses, setting: ExcitationSetting) -> FloatArray | None:
+    def basis_records(self, answers: ImpulseResponses, setting: ExcitationSetting) -> FloatArray | None:
         """Return the records (k, n_ch, n_samples) that all are weighted sums of; None if Gaussian."""
 
     def weights(
@@ -108,9 +108,11 @@ class Excitation:
     summary: str
     continuous: float = 0.0  # share of its power that does not repeat with the record, and so leaks
     phases: Phases | None = None  # of its lines, all of one size, where every record has the same
-    one_by_one: bool = False  # every line is measured on its own: no window, all of the power in a line
+    line_by_line: bool = False  # every line is measured on its own: no window, all of the power in a line
     transient: Transient | None = None  # it begins and ends within a record, on a structure at rest
-    recurring: bool = False  # of what begins and ends within a record: whether the next has the same
+    deterministic_transient: bool = (
+        False  # of what begins and ends within a record: whether the next has the same
+    )
     settings: tuple[str, ...] = ("level",)  # what of `ExcitationSetting` it asks for
 
     def specs(self) -> dict[str, ParameterSpec]:
@@ -119,13 +121,13 @@ class Excitation:
         return {name: all_specs[name] for name in self.settings}
 
     @property
-    def comes_back(self) -> bool:
+    def deterministic(self) -> bool:
         """Whether every record has the same signal, but for its size: its spectra hardly scatter."""
-        return self.phases is not None or self.recurring
+        return self.phases is not None or self.deterministic_transient
 
     def noise_share(self, n_lines: int) -> float:
         """Return the noise of a line over that of a signal of the same rms spread over the band."""
-        return 1 / (n_lines - 1) if self.one_by_one else 1.0
+        return 1 / (n_lines - 1) if self.line_by_line else 1.0
 
 
 EXCITATIONS: Family[Excitation] = Family("excitation", home="modallab.rig.excitations")

@@ -8,19 +8,19 @@ from modallab.estimation.spectra import CrossSpectra
 from modallab.rig.acquisition import Acquisition
 from modallab.rig.chain import Chain
 from modallab.rig.channel_response import ChannelResponse
-from modallab.rig.distortion import residuals
+from modallab.rig.distortion import residual_spectra
 from modallab.rig.equivalent_linear_feedback import with_equivalent_feedback
 from modallab.rig.excitation import EXCITATIONS
 from modallab.rig.free_decay import transient_of, transient_spectra
 from modallab.rig.leakage_kernel import LeakageKernel
+from modallab.rig.line_kernels import LineKernel, coarse_kernel, periodic_kernel, refined_kernel
 from modallab.rig.nonlinear_settings import DISTORTION
 from modallab.rig.periodic import fixed_signals
 from modallab.rig.settings import FREE_DECAY
 from modallab.rig.spectrum_settings import QUADRATURE
-from modallab.rig.view import View, coarse_view, periodic_view, refined_view
 
 
-def expected_spectra(chain: Chain, view: LeakageKernel | None = None) -> CrossSpectra:
+def expected_spectra(chain: Chain, kernel: LeakageKernel | None = None) -> CrossSpectra:
     """Return the expected averaged spectra of every run.
 
     What repeats with the record is seen through the window at the lines themselves; what does not
@@ -29,18 +29,18 @@ def expected_spectra(chain: Chain, view: LeakageKernel | None = None) -> CrossSp
 
     Parameters
     ----------
-    view
+    kernel
         How the lines see what does not repeat, if not as the chain's own resonances ask for: for
-        differences between chains that are nearly the same, `thin_view` of one of them.
+        differences between chains that are nearly the same, `derivative_kernel` of one of them.
     """
-    return with_noise(chain, noise_free(chain, view=view))
+    return with_noise(chain, noise_free(chain, kernel=kernel))
 
 
-def thin_view(chain: Chain) -> LeakageKernel | None:
+def derivative_kernel(chain: Chain) -> LeakageKernel | None:
     """Return how lines see what does not repeat, good enough to differentiate with; None if all does."""
     if not chain.source.continuous > 0:
         return None
-    return refined_view(chain.setup.analyser, *chain.poles(), QUADRATURE.derivative_points)
+    return refined_kernel(chain.setup.analyser, *chain.poles(), QUADRATURE.derivative_points)
 
 
 def coarse_spectra(chain: Chain, step: int) -> CrossSpectra:
@@ -52,14 +52,14 @@ def coarse_spectra(chain: Chain, step: int) -> CrossSpectra:
     return _with_noise(chain, noise_free(chain, step), chain.setup.analyser.freq[::step])
 
 
-def noise_free(chain: Chain, step: int | None = None, view: LeakageKernel | None = None) -> ComplexArray:
+def noise_free(chain: Chain, step: int | None = None, kernel: LeakageKernel | None = None) -> ComplexArray:
     """Return G_ff, G_fx and G_xx as the lines see them, side by side.
 
     Parameters
     ----------
     step
         None for every line, refined; else every `step`-th line, coarse.
-    view
+    kernel
         In place of the one that the chain's resonances ask for.
 
     Returns
@@ -69,48 +69,50 @@ def noise_free(chain: Chain, step: int | None = None, view: LeakageKernel | None
     analyser, share = chain.setup.analyser, chain.source.continuous
     parts: list[ComplexArray] = []
     if share < 1:
-        parts.append((1 - share) * _repeating(chain, step or 1))
+        parts.append((1 - share) * _periodic_spectra(chain, step or 1))
     if share > 0:
         if step is not None:
-            parts.append(share * _through(coarse_view(analyser, step), chain, QUADRATURE.coarse_points))
+            parts.append(
+                share * _leaked_spectra(coarse_kernel(analyser, step), chain, QUADRATURE.coarse_points)
+            )
         else:
-            parts.append(share * _through(view or refined_view(analyser, *chain.poles()), chain))
+            parts.append(share * _leaked_spectra(kernel or refined_kernel(analyser, *chain.poles()), chain))
     return np.asarray(sum(parts[1:], parts[0]))
 
 
-def _repeating(chain: Chain, step: int) -> ComplexArray:
+def _periodic_spectra(chain: Chain, step: int) -> ComplexArray:
     """Return the same of what repeats with the record, or begins and ends within it, at full power."""
     if transient_of(chain) is not None:
         spectra = transient_spectra(
             chain, FREE_DECAY.decay_threshold if step == 1 else FREE_DECAY.screening_decay_threshold
         )
-        return spectra[:, ::step] + _distorted(chain, step)
+        return spectra[:, ::step] + _residual_part(chain, step)
     lines = fixed_signals(chain)
     if lines is not None:
-        return _products(lines[:, ::step]) + _distorted(chain, step)
-    return _through(periodic_view(chain.setup.analyser, step), chain)
+        return _products(lines[:, ::step]) + _residual_part(chain, step)
+    return _leaked_spectra(periodic_kernel(chain.setup.analyser, step), chain)
 
 
-def _distorted(chain: Chain, step: int) -> ComplexArray | float:
+def _residual_part(chain: Chain, step: int) -> ComplexArray | float:
     """Return what nonlinear forces leave of straight lines, as if of a Gaussian signal of the same power."""
-    if not chain.runs[0].local:
+    if not chain.runs[0].local_forces:
         return 0.0
-    view = periodic_view(chain.setup.analyser, step)
-    residual = residuals(chain.runs, chain.setup.analyser, chain.source, view.nodes)
-    return view.through(_powers(chain.distort(view.nodes), residual.density))
+    view = periodic_kernel(chain.setup.analyser, step)
+    residual = residual_spectra(chain.runs, chain.setup.analyser, chain.source, view.nodes)
+    return view.convolve(_powers(chain.residual_response(view.nodes), residual.density))
 
 
-def _through(
-    view: View | LeakageKernel, chain: Chain, finest: int = DISTORTION.max_points_per_line
+def _leaked_spectra(
+    view: LineKernel | LeakageKernel, chain: Chain, finest: int = DISTORTION.max_points_per_line
 ) -> ComplexArray:
     analyser = chain.setup.analyser
     density = np.full((1, 1, chain.n_in), analyser.excitation.level**2 / analyser.frequency_max)
-    driven, distorted = chain.answers(view.nodes)
-    if not chain.runs[0].local:
-        return view.through(_powers(driven, density))
-    residual = residuals(chain.runs, analyser, chain.source, view.nodes, finest)
-    driven, distorted = with_equivalent_feedback(driven, distorted, residual.line)
-    return view.through(_powers(driven, density) + _powers(distorted, residual.density))
+    driven, distorted = chain.source_and_residual_response(view.nodes)
+    if not chain.runs[0].local_forces:
+        return view.convolve(_powers(driven, density))
+    residual = residual_spectra(chain.runs, analyser, chain.source, view.nodes, finest)
+    driven, distorted = with_equivalent_feedback(driven, distorted, residual.feedback)
+    return view.convolve(_powers(driven, density) + _powers(distorted, residual.density))
 
 
 def _products(lines: ComplexArray) -> ComplexArray:
@@ -148,7 +150,9 @@ def noise_densities(chain: Chain, clean: ComplexArray) -> FloatArray:
     """
     n_ch = len(chain.runs[0].forces) + len(chain.runs[0].responses)
     levels = np.full((len(chain.runs), n_ch), chain.noise.response)
-    levels[:, : chain.n_in] = [[chain.noise.of_gauge(d) for d in run.shot.drives] for run in chain.runs]
+    levels[:, : chain.n_in] = [
+        [chain.noise.of_gauge(d) for d in run.acquisition_run.drives] for run in chain.runs
+    ]
     analyser = chain.setup.analyser
     levels *= EXCITATIONS[analyser.excitation.kind].noise_share(analyser.n_lines)
     return np.asarray(levels * _autos(chain, clean).mean(axis=1))

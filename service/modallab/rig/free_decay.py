@@ -22,7 +22,7 @@ def transient_of(chain: Chain) -> Transient | None:
     return EXCITATIONS[chain.setup.analyser.excitation.kind].transient
 
 
-def answers_of(chain: Chain, run: int) -> ImpulseResponses:
+def impulse_responses_of(chain: Chain, run: int) -> ImpulseResponses:
     """Return the impulse responses of a run's channels to its sources.
 
     Found by frequency, on a grid so fine that they have rung out before they repeat. Hysteretic damping is
@@ -34,19 +34,23 @@ def answers_of(chain: Chain, run: int) -> ImpulseResponses:
     InvalidInputError
         If a mode rings too long.
     """
-    return _answers(replace(chain, runs=(chain.runs[run],)), FREE_DECAY.decay_threshold)[0]
+    return _impulse_responses(replace(chain, runs=(chain.runs[run],)), FREE_DECAY.decay_threshold)[0]
 
 
-def all_answers(chain: Chain, forgotten: float = FREE_DECAY.decay_threshold) -> Iterator[ImpulseResponses]:
+def all_impulse_responses(
+    chain: Chain, forgotten: float = FREE_DECAY.decay_threshold
+) -> Iterator[ImpulseResponses]:
     """Yield the same of every run; runs that fit into memory share their solutions."""
     n_fft = samples_of(chain.setup.analyser) * _repeats(replace(chain, runs=chain.runs[:1]), forgotten)
     n_ch = chain.n_in + len(chain.runs[0].responses)
     runs_per_group = max(1, FREE_DECAY.solution_block // (n_fft * n_ch))
     for first in range(0, len(chain.runs), runs_per_group):
-        yield from _answers(replace(chain, runs=chain.runs[first : first + runs_per_group]), forgotten)
+        yield from _impulse_responses(
+            replace(chain, runs=chain.runs[first : first + runs_per_group]), forgotten
+        )
 
 
-def _answers(group: Chain, forgotten: float) -> list[ImpulseResponses]:
+def _impulse_responses(group: Chain, forgotten: float) -> list[ImpulseResponses]:
     analyser, transient = group.setup.analyser, transient_of(group)
     assert transient is not None  # asked for by transient excitations only
     n, rate, setting = samples_of(analyser), sample_rate_of(analyser), analyser.excitation
@@ -59,7 +63,7 @@ def _answers(group: Chain, forgotten: float) -> list[ImpulseResponses]:
     source_spectrum = source_spectrum * np.sqrt(setting.level**2 / analyser.frequency_max * rate / 2)
     responses = []
     for run, channel_response in zip(group.runs, group.respond(freq).channels, strict=True):
-        if transient.strays(setting):
+        if transient.misaligned(setting):
             channel_response = np.concatenate(
                 [channel_response, misalignment_responses(replace(group, runs=(run,)), freq)], axis=2
             )
@@ -81,7 +85,7 @@ def transient_spectra(chain: Chain, forgotten: float = FREE_DECAY.decay_threshol
     analyser, transient = chain.setup.analyser, transient_of(chain)
     assert transient is not None
     runs = []
-    for answers in all_answers(chain, forgotten):
+    for answers in all_impulse_responses(chain, forgotten):
         shape = answers.samples.shape[1], answers.n_samples
         averager = Averager(
             analyser.line_window,
@@ -90,7 +94,7 @@ def transient_spectra(chain: Chain, forgotten: float = FREE_DECAY.decay_threshol
             n_lines=analyser.n_lines,
             n_in=chain.n_in,
         )
-        for records in transient.typical(answers, analyser.excitation):
+        for records in transient.expected_records(answers, analyser.excitation):
             averager.add(records)
         flat = [part.reshape(analyser.n_lines, -1) for part in averager.densities()]
         runs.append(np.concatenate(flat, axis=1))

@@ -41,7 +41,7 @@ def pulse_spectrum(omega: FloatArray, width: float) -> ComplexArray:
     return np.asarray(shape * np.exp(-1j * x))
 
 
-def reach(width: float, drop: float = HAMMER.band_drop) -> float:
+def band_limit(width: float, drop: float = HAMMER.band_drop) -> float:
     """Return up to what frequency, Hz, a pulse's auto spectrum lies less than `drop` dB below its start.
 
     Parameters
@@ -70,7 +70,9 @@ def tilt_moments(scatter: float, n_lateral: int) -> tuple[float, float, float]:
     return float(along), float(square - along**2), float((1 - np.exp(-2 * scatter**2)) / 2)
 
 
-def tilted(scatter: float, n: int, n_lateral: int, rng: np.random.Generator) -> tuple[FloatArray, FloatArray]:
+def tilt_factors(
+    scatter: float, n: int, n_lateral: int, rng: np.random.Generator
+) -> tuple[FloatArray, FloatArray]:
     """Return the shares of n blows along the axis (n,) and across it (n, n_lateral)."""
     angle = scatter * rng.standard_normal((n, max(n_lateral, 1)))
     return np.cos(angle).prod(axis=1), np.sin(angle)[:, :n_lateral]

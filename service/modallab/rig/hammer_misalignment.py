@@ -25,11 +25,11 @@ def misalignment_responses(single_run: Chain, freq: FloatArray) -> ComplexArray:
     direction across the axis. The gauge sits in the hammer and shows the whole blow, wherever it goes.
     """
     run = single_run.runs[0]
-    drive, spacing = run.shot.drive, single_run.setup.analyser.spacing
+    drive, spacing = run.acquisition_run.drive, single_run.setup.analyser.spacing
     columns = np.column_stack([_lever(run.system, drive), run.system.selection(lateral(run.system, drive))])
     omega = 2 * np.pi * np.maximum(freq, CHAIN.dc_line_fraction * spacing)
     alpha = receptance(run.system, omega / (2 * np.pi), run.system.selection(run.motions), columns)
-    responses = filtered(run.mixed(-(omega**2)[:, None, None] * alpha), run.responses, omega)
+    responses = filtered(run.channel_motions(-(omega**2)[:, None, None] * alpha), run.responses, omega)
     return np.concatenate([np.zeros((len(freq), 1, columns.shape[1])), responses], axis=1)
 
 

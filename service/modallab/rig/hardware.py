@@ -94,7 +94,7 @@ class Accelerometers:
         within("accelerometers.transverse_angle", self.transverse_angle, -math.pi / 2, math.pi / 2)
 
     @property
-    def held(self) -> Mounting | None:
+    def effective_mounting(self) -> Mounting | None:
         """What they ring on; None where that is ideal."""
         mounting = MOUNTINGS.get(self.mounting)
         if self.mounted_frequency is None:

@@ -25,7 +25,7 @@ class ImpulseResponses:
         """Samples of a record."""
         return int(self.samples.shape[-1] // 2)
 
-    def after(self, moments: IntArray) -> FloatArray:
+    def records_after(self, moments: IntArray) -> FloatArray:
         """Return records of impulses at some samples of theirs, (n_moments, n_sources, n_ch, n_samples)."""
         windows = sliding_window_view(self.samples, self.n_samples, axis=-1)
         return np.moveaxis(windows[:, :, self.n_samples - moments], 2, 0)

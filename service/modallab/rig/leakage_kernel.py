@@ -26,7 +26,7 @@ class LeakageKernel:
     far: ComplexArray  # (n_points, n_fft // 2 + 1, 1): transform of the line shape at them
     n_fft: int
 
-    def through(self, spectrum: ComplexArray) -> ComplexArray:
+    def convolve(self, spectrum: ComplexArray) -> ComplexArray:
         """Return a spectrum at the nodes (n_run, n_nodes, k) as the lines see it, (n_run, n_lines, k)."""
         n_run, n_nodes, k = spectrum.shape
         n_lines = self.near.shape[0]

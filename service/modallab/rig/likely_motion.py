@@ -38,7 +38,7 @@ def likely_motion(system: DynamicSystem, setup: RigSetup, dof: Dof) -> LikelyMot
     )
 
 
-def distortion(evidence: Evidence) -> float:
+def distortion_suspicion(evidence: Evidence) -> float:
     """Return how much speaks for a force that is no straight line, 0 to 1: power that no force explains.
 
     A force that damps as well may leave less of it on the whole, where it takes more of what noise makes

@@ -25,23 +25,23 @@ class LocalForce:
     of_velocity: bool = False
     degree: int | None = None  # where the law is a polynomial: a few points then make every mean exact
 
-    def at(self, rms: float) -> "Linearised":
+    def linearised(self, rms: float) -> "LinearisedForce":
         """Return what the force is to a Gaussian motion of this root mean square."""
-        return Linearised(self, rms)
+        return LinearisedForce(self, rms)
 
-    def lines(self, rms: FloatArray) -> tuple[FloatArray, FloatArray]:
+    def equivalent_coefficients(self, rms: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the best straight lines at root mean squares, and how they change with their logarithm.
 
         k = E[f(s z) z]/s and dk/d ln s = E[f(s z) He_3(z)]/s, of the shape of `rms`, N/m or N s/m.
         """
-        z, _ = _normal(self.degree)
-        first, third = _polynomials(self.degree)[:2]
+        z, _ = _gaussian_quadrature(self.degree)
+        first, third = _hermite_polynomials(self.degree)[:2]
         forces = self.law(rms[..., None] * z)
         return forces @ first / rms, np.sqrt(6) * (forces @ third) / rms
 
 
 @dataclass(frozen=True, eq=False)
-class Linearised:
+class LinearisedForce:
     """A local force under a Gaussian motion: its best straight line, and what that leaves.
 
     Statistical linearisation: the slope k = E[f(x) x]/s^2 leaves a residual that is uncorrelated with
@@ -54,13 +54,13 @@ class Linearised:
     @cached_property
     def _series(self) -> FloatArray:
         """a_n = E[f(s z) He_n(z)] / sqrt(n!), n = 1, 3, 5.., of a normal z, so that E[f^2] = sum a_n^2."""
-        z, _ = _normal(self.force.degree)
-        return np.asarray(_polynomials(self.force.degree) @ self.force.law(self.rms * z))
+        z, _ = _gaussian_quadrature(self.force.degree)
+        return np.asarray(_hermite_polynomials(self.force.degree) @ self.force.law(self.rms * z))
 
     @cached_property
     def slope(self) -> float:
         """The equivalent stiffness, N/m, or viscous damping, N s/m."""
-        return float(self.force.lines(np.array(self.rms))[0]) if self.rms > 0 else 0.0
+        return float(self.force.equivalent_coefficients(np.array(self.rms))[0]) if self.rms > 0 else 0.0
 
     def residual(self, x: FloatArray) -> FloatArray:
         """Return the force less its straight line, N."""
@@ -75,11 +75,11 @@ class Linearised:
         if self.force.degree is not None:
             squares = correlation * correlation
             return np.asarray(correlation * np.polynomial.polynomial.polyval(squares, self._powers))
-        sines, terms = _angles()
+        sines, terms = _sine_grid()
         summed = np.interp(np.abs(correlation), sines, terms @ self._powers)
         return np.asarray(np.sign(correlation) * summed)
 
-    def residual_memory(self, correlation: FloatArray) -> FloatArray:
+    def residual_correlation_derivative(self, correlation: FloatArray) -> FloatArray:
         """Return how the residual's autocorrelation grows with the motion's own, N^2 per m^2 or m^2/s^2.
 
         sum_{n >= 3} n a_n^2 rho^(n - 1) / s^2: what a residual moves, times this, is how the next residual
@@ -89,7 +89,7 @@ class Linearised:
         powers = self._powers * orders / self.rms**2 if self.rms > 0 else 0.0 * self._powers
         if self.force.degree is not None:
             return np.asarray(np.polynomial.polynomial.polyval(correlation * correlation, powers))
-        sines, terms = _angles()
+        sines, terms = _sine_grid()
         with np.errstate(
             invalid="ignore"
         ):  # at 0, where only the first power is left, of which there is none
@@ -105,7 +105,7 @@ class Linearised:
 
 
 @lru_cache(maxsize=1)
-def _angles() -> tuple[FloatArray, FloatArray]:
+def _sine_grid() -> tuple[FloatArray, FloatArray]:
     """Return sines of angles up to a quarter turn, and their odd powers (n_angles, n_orders).
 
     Evenly spaced angles: where the series ends like a square root, as the arcsine does, its sum runs
@@ -116,7 +116,7 @@ def _angles() -> tuple[FloatArray, FloatArray]:
 
 
 @lru_cache(maxsize=8)
-def _normal(degree: int | None) -> tuple[FloatArray, FloatArray]:
+def _gaussian_quadrature(degree: int | None) -> tuple[FloatArray, FloatArray]:
     """Return points above 0 and weights for means over a normal number of what is even."""
     if degree is not None:
         z, weights = np.polynomial.hermite_e.hermegauss(2 * (max(degree, 3) // 2 + 1))
@@ -126,9 +126,9 @@ def _normal(degree: int | None) -> tuple[FloatArray, FloatArray]:
 
 
 @lru_cache(maxsize=8)
-def _polynomials(degree: int | None) -> FloatArray:
+def _hermite_polynomials(degree: int | None) -> FloatArray:
     """Return the normalised Hermite polynomials 1, 3, 5.. times the weights of the mean, (., n_points)."""
-    z, weights = _normal(degree)
+    z, weights = _gaussian_quadrature(degree)
     terms = np.zeros((HERMITE.n_orders if degree is None else max(degree, 3) + 1, len(z)))
     terms[0], terms[1] = 1.0, z
     for n in range(2, len(terms)):

@@ -23,11 +23,11 @@ from modallab.rig.distortion import check_first_order
 from modallab.rig.effect import Effect, build
 from modallab.rig.expected import expected_spectra, noise_densities, noise_free, with_noise
 from modallab.rig.measurement import Measurement
-from modallab.rig.periodic import steady_runs
+from modallab.rig.periodic import periodic_signals
 from modallab.rig.sampled import sampled_spectra
 from modallab.rig.setup import RigSetup
 from modallab.rig.wishart import wishart_spectra
-from modallab.rig.wishart_periodic import signal_of, wishart_about
+from modallab.rig.wishart_periodic import noncentral_wishart_spectra, signal_of
 
 
 class Route(StrEnum):
@@ -83,13 +83,13 @@ def measure(
 
 def draw(chain: Chain, rng: np.random.Generator) -> CrossSpectra:
     """Return spectra from the law that averages follow round the expected ones."""
-    clean, steady = noise_free(chain), steady_runs(chain)
+    clean, steady = noise_free(chain), periodic_signals(chain)
     expected = with_noise(chain, clean)
     n_out = len(chain.runs[0].responses)
     noise_shares = chain.setup.analyser.line_window.noise_shares(chain.n_in, n_out)
     noise = (noise_densities(chain, clean) * noise_shares)[:, 0]
     if steady is not None:
-        return wishart_about(expected, clean, noise, steady, rng)
+        return noncentral_wishart_spectra(expected, clean, noise, steady, rng)
     return wishart_spectra(expected, rng, signal=signal_of(expected, clean, noise))
 
 
@@ -150,7 +150,8 @@ class _Table:
         columns = {dof: i for i, dof in enumerate(setup.drives)}
         self._size = len(rows), len(columns)
         self._places = [
-            np.ix_([rows[d] for d in shot.outputs], [columns[d] for d in shot.drives]) for shot in setup.shots
+            np.ix_([rows[d] for d in acquisition_run.outputs], [columns[d] for d in acquisition_run.drives])
+            for acquisition_run in setup.acquisition_runs
         ]
 
     def placed(self, runs: NDArray[Any]) -> NDArray[Any]:

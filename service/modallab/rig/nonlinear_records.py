@@ -10,7 +10,7 @@ from modallab.core.arrays import ComplexArray, FloatArray, IntArray
 from modallab.rig.acquisition import samples_of
 from modallab.rig.analyser import Analyser
 from modallab.rig.chain import Chain
-from modallab.rig.distortion import motions
+from modallab.rig.distortion import local_receptances
 from modallab.rig.nonlinear_settings import NONLINEAR_RECORDS
 from modallab.rig.run import Run
 from modallab.rig.settings import CHAIN
@@ -18,28 +18,26 @@ from modallab.rig.time_stepping import ModalFeedback, Stepper, check_bounded, re
 
 
 @dataclass(frozen=True, eq=False)
-class Played:
-    """What the sources play, line by line: (k, n_in, n_lines), k signals periodic in `n_records` records.
+class SourceSignal:
+    """Signals of the sources, each periodic in `n_records` records, and the records cut from them."""
 
-    `share` of the excitation's power is in it. Each record is cut from the signal `which` (n_block,) says,
-    from the sample `starts` (n_block,) on.
-    """
-
-    lines: ComplexArray
-    share: float
+    lines: ComplexArray  # (k, n_in, n_lines) of k signals
+    share: float  # of the excitation's power
     n_records: int
-    starts: IntArray
-    which: IntArray
+    starts: IntArray  # (n_block,) first sample of each record
+    signal_index: IntArray  # (n_block,) signal of each record
 
     @classmethod
-    def joined(cls, parts: "Sequence[Played]") -> "Played":
+    def joined(cls, parts: "Sequence[SourceSignal]") -> "SourceSignal":
         """Return the records of several, one after the other."""
         offsets = np.cumsum([0, *(len(part.lines) for part in parts)])
         return replace(
             parts[0],
             lines=np.concatenate([part.lines for part in parts]),
             starts=np.concatenate([part.starts for part in parts]),
-            which=np.concatenate([part.which + offset for part, offset in zip(parts, offsets, strict=False)]),
+            signal_index=np.concatenate(
+                [part.signal_index + offset for part, offset in zip(parts, offsets, strict=False)]
+            ),
         )
 
 
@@ -53,20 +51,24 @@ class Distorter:
         self._analyser = analyser = chain.setup.analyser
         self._runs = [chain.runs[run] for run in runs]
         self._n = samples_of(analyser)
-        self._leads = [lead_in(run, analyser) for run in self._runs]
+        self._leads = [lead_in_records(run, analyser) for run in self._runs]
         step = 1 / (NONLINEAR_RECORDS.oversampling * self._n * analyser.spacing)
-        self._of_velocity = [linearised_force.force.of_velocity for linearised_force in self._runs[0].local]
-        feedbacks = feedbacks_of(self._runs)
+        self._of_velocity = [
+            linearised_force.force.of_velocity for linearised_force in self._runs[0].local_forces
+        ]
+        feedbacks = modal_feedbacks(self._runs)
         self._stepper = Stepper(feedbacks, self._of_velocity, step)
-        self._heard = [self._hearing(chain, *pair) for pair in zip(self._runs, self._leads, strict=True)]
+        self._channel_responses = [
+            self._channel_response(chain, *pair) for pair in zip(self._runs, self._leads, strict=True)
+        ]
 
-    def _hearing(self, chain: Chain, run: Run, lead: int) -> ComplexArray:
+    def _channel_response(self, chain: Chain, run: Run, lead: int) -> ComplexArray:
         """Return what channels hear of a newton at a nonlinear force, over lead-in and record together."""
         freq = np.arange((1 + lead) * self._n // 2 + 1) * self._analyser.spacing / (1 + lead)
-        answer = replace(chain, runs=(run,)).distort(freq).channels[0]
+        answer = replace(chain, runs=(run,)).residual_response(freq).channels[0]
         return np.ascontiguousarray(np.moveaxis(answer, 0, -1))
 
-    def added(self, played: Sequence[Sequence[Played]]) -> list[FloatArray]:
+    def distortion(self, played: Sequence[Sequence[SourceSignal]]) -> list[FloatArray]:
         """Return what the channels hear of the residuals in each record, (n_block, n_ch, n_samples) by run.
 
         Parameters
@@ -75,24 +77,26 @@ class Distorter:
             By run, of as many records each.
         """
         longest = max(self._leads)
-        motions = [
+        local_receptances = [
             self._motion(*arguments, longest)
             for arguments in zip(self._runs, played, self._leads, strict=True)
         ]
         residuals = residual_forces(
-            [run.local for run in self._runs],
-            lambda start, end: np.stack([motion(start, end) for motion in motions], axis=1),
+            [run.local_forces for run in self._runs],
+            lambda start, end: np.stack([motion(start, end) for motion in local_receptances], axis=1),
             (1 + longest) * self._n * NONLINEAR_RECORDS.oversampling,
             self._stepper,
         )
         return [
-            self._told(
+            self._channel_records(
                 residuals[(longest - lead) * self._n * NONLINEAR_RECORDS.oversampling :, i], channel_response
             )
-            for i, (lead, channel_response) in enumerate(zip(self._leads, self._heard, strict=True))
+            for i, (lead, channel_response) in enumerate(
+                zip(self._leads, self._channel_responses, strict=True)
+            )
         ]
 
-    def _told(self, residuals: FloatArray, channel_response: ComplexArray) -> FloatArray:
+    def _channel_records(self, residuals: FloatArray, channel_response: ComplexArray) -> FloatArray:
         """Return the channels' records of residuals (n_fine, n, r), lead-in first."""
         lines = (
             scipy.fft.rfft(residuals, axis=0)[: channel_response.shape[-1]] / NONLINEAR_RECORDS.oversampling
@@ -104,7 +108,7 @@ class Distorter:
         )
 
     def _motion(
-        self, run: Run, played: Sequence[Played], lead: int, longest: int
+        self, run: Run, played: Sequence[SourceSignal], lead: int, longest: int
     ) -> Callable[[int, int], FloatArray]:
         """Return the motion at the forces (n, n_block, r) by the samples from one to another.
 
@@ -122,7 +126,7 @@ class Distorter:
                     + (time - longest * self._n * NONLINEAR_RECORDS.oversampling)[:, None]
                 )
                 position %= len(motion)
-                parts.append(motion[position, signal.which])
+                parts.append(motion[position, signal.signal_index])
             total = sum(parts[1:], parts[0])
             if start < first_sample:
                 total[time < first_sample] = 0.0
@@ -130,13 +134,15 @@ class Distorter:
 
         return between
 
-    def _samples(self, run: Run, played: Played) -> FloatArray:
+    def _samples(self, run: Run, played: SourceSignal) -> FloatArray:
         """Return what the forces of a run take, (n_samples, n, r), over a period of what is played."""
         n_lines = played.lines.shape[-1]
         freq = np.linspace(0.0, self._analyser.frequency_max, n_lines)
         n_period = played.n_records * self._n * NONLINEAR_RECORDS.oversampling
         omega = 2 * np.pi * np.maximum(freq, CHAIN.dc_line_fraction * self._analyser.spacing)
-        driven = motions([run], [linearised_force.force for linearised_force in run.local], omega)[0][0]
+        driven = local_receptances(
+            [run], [linearised_force.force for linearised_force in run.local_forces], omega
+        )[0][0]
         driven[0] = 0.0  # a free body's place is no part of its vibration
         driven = driven * np.where(self._of_velocity, 1j * omega[:, None], 1.0)[..., None]
         lines = np.einsum("fri,nif->fnr", driven, played.lines)
@@ -145,7 +151,7 @@ class Distorter:
         return np.asarray(scipy.fft.irfft(lines, n_period, axis=0) * np.sqrt(density * rate * n_period / 2))
 
 
-def feedbacks_of(runs: Sequence[Run]) -> list[ModalFeedback]:
+def modal_feedbacks(runs: Sequence[Run]) -> list[ModalFeedback]:
     """Return how the structure of each run answers its nonlinear forces.
 
     Raises
@@ -154,15 +160,17 @@ def feedbacks_of(runs: Sequence[Run]) -> list[ModalFeedback]:
         If steps in time are known not to follow them.
     """
     feedbacks = [
-        ModalFeedback.of(run.whole, tuple(linearised_force.force.dof for linearised_force in run.local))
+        ModalFeedback.of(
+            run.with_exciters, tuple(linearised_force.force.dof for linearised_force in run.local_forces)
+        )
         for run in runs
     ]
     for run, feedback in zip(runs, feedbacks, strict=True):
-        check_bounded(feedback, run.local)
+        check_bounded(feedback, run.local_forces)
     return feedbacks
 
 
-def lead_in(run: Run, analyser: Analyser) -> int:
+def lead_in_records(run: Run, analyser: Analyser) -> int:
     """Return how many records it takes until a start from rest is forgotten."""
     frequencies, widths = run.resonances(analyser.frequency_max)
     slowest = widths[frequencies < analyser.frequency_max].min(initial=np.inf)
@@ -174,9 +182,9 @@ def lead_in(run: Run, analyser: Analyser) -> int:
     return int(np.clip(np.ceil(decay_records), 1, NONLINEAR_RECORDS.max_lead_in))
 
 
-def side_by_side(chain: Chain) -> int:
+def max_parallel_records(chain: Chain) -> int:
     """Return how many records of runs with nonlinear forces are stepped together."""
-    longest = 1 + max(lead_in(run, chain.setup.analyser) for run in chain.runs)
+    longest = 1 + max(lead_in_records(run, chain.setup.analyser) for run in chain.runs)
     return max(
         1,
         NONLINEAR_RECORDS.parallel_samples

@@ -12,7 +12,7 @@ from modallab.rig.acquisition import sample_rate_of
 from modallab.rig.analyser import Analyser
 from modallab.rig.chain import Chain
 from modallab.rig.excitation import EXCITATIONS, Transient
-from modallab.rig.free_decay import all_answers, transient_of
+from modallab.rig.free_decay import all_impulse_responses, transient_of
 from modallab.rig.impulse_responses import ImpulseResponses
 
 Weights = Callable[[int, np.random.Generator], FloatArray]  # number of averages -> (n, k)
@@ -46,7 +46,7 @@ def fixed_lines(analyser: Analyser) -> ComplexArray | None:
     return None if phases is None else np.exp(1j * phases(analyser.n_lines))
 
 
-def steady_runs(chain: Chain) -> tuple[PeriodicSignal, ...] | None:
+def periodic_signals(chain: Chain) -> tuple[PeriodicSignal, ...] | None:
     """Return what comes back in every average of each run; None where all is drawn anew."""
     transient = transient_of(chain)
     if transient is None:
@@ -54,16 +54,16 @@ def steady_runs(chain: Chain) -> tuple[PeriodicSignal, ...] | None:
         return (
             None
             if signals is None
-            else tuple(PeriodicSignal(share * run[None], np.eye(1), _once) for run in signals)
+            else tuple(PeriodicSignal(share * run[None], np.eye(1), _unit_weights) for run in signals)
         )
-    runs = [_blows(chain, transient, answers) for answers in all_answers(chain)]
+    runs = [_transient_signal(chain, transient, answers) for answers in all_impulse_responses(chain)]
     return None if None in runs else tuple(run for run in runs if run is not None)
 
 
-def _blows(chain: Chain, transient: Transient, answers: ImpulseResponses) -> PeriodicSignal | None:
+def _transient_signal(chain: Chain, transient: Transient, answers: ImpulseResponses) -> PeriodicSignal | None:
     """Return the signals of a run that begin and end within a record; None where they are Gaussian."""
     analyser, setting = chain.setup.analyser, chain.setup.analyser.excitation
-    records = transient.recurring(answers, setting)
+    records = transient.basis_records(answers, setting)
     if records is None:
         return None
     n_ch, n = records.shape[1:]
@@ -86,10 +86,10 @@ def fixed_signals(chain: Chain) -> ComplexArray | None:
         return None
     density = analyser.excitation.level**2 / analyser.frequency_max
     channel_lines = chain.respond(analyser.freq).channels.sum(axis=3)
-    return _through(analyser.line_window, np.sqrt(density) * channel_lines * lines[:, None])
+    return _windowed_lines(analyser.line_window, np.sqrt(density) * channel_lines * lines[:, None])
 
 
-def _through(window: Window, lines: ComplexArray) -> ComplexArray:
+def _windowed_lines(window: Window, lines: ComplexArray) -> ComplexArray:
     """Return the lines (n_run, n_lines, n_ch) of a record through a window, over its root mean square."""
     half_width, n = len(window.coefficients) - 1, lines.shape[1]
     zeros = np.zeros((len(lines), half_width, lines.shape[2]))
@@ -105,5 +105,5 @@ def _through(window: Window, lines: ComplexArray) -> ComplexArray:
     return np.asarray(windowed / np.sqrt(window.power))
 
 
-def _once(n: int, _rng: np.random.Generator) -> FloatArray:
+def _unit_weights(n: int, _rng: np.random.Generator) -> FloatArray:
     return np.ones((n, 1))

@@ -11,7 +11,7 @@ from modallab.estimation.estimators.h1 import h1
 from modallab.estimation.spectra import CrossSpectra
 from modallab.rig.chain import Chain
 from modallab.rig.expected import noise_densities, noise_free
-from modallab.rig.periodic import PeriodicSignal, steady_runs
+from modallab.rig.periodic import PeriodicSignal, periodic_signals
 from modallab.rig.wishart_periodic import gain_of
 
 
@@ -49,7 +49,7 @@ def periodic_factors(chain: Chain, spectra: CrossSpectra) -> VarianceFactors | N
     -------
     None where all is drawn anew.
     """
-    signals = steady_runs(chain)
+    signals = periodic_signals(chain)
     if signals is None:
         return None
     clean = noise_free(chain)
@@ -57,22 +57,26 @@ def periodic_factors(chain: Chain, spectra: CrossSpectra) -> VarianceFactors | N
     noise = (noise_densities(chain, clean) * noise_shares)[:, 0]
     h, force = h1(spectra)[..., 0], spectra.ff[:, :, 0, 0].real
     incoherent = spectra.xx * (1 - coherence(spectra) + COMPARISON_ROUNDING)
-    sizes = np.exp(4 * chain.setup.analyser.excitation.level_scatter**2) - 1 if _blown(signals) else 0.0
+    sizes = (
+        np.exp(4 * chain.setup.analyser.excitation.level_scatter**2) - 1 if _weights_vary(signals) else 0.0
+    )
     shares = [
-        _shares(signal, gain_of(spectra, clean[run], noise[run], run), h[run], force[run], incoherent[run])
+        _periodic_shares(
+            signal, gain_of(spectra, clean[run], noise[run], run), h[run], force[run], incoherent[run]
+        )
         for run, signal in enumerate(signals)
     ]
     a, b, varying_share = (np.array(part) for part in zip(*shares, strict=True))
     return VarianceFactors(1 - a**2 + sizes, 1 - a[..., None] * b, 1 - b**2 + varying_share**2)
 
 
-def _blown(signals: tuple[PeriodicSignal, ...]) -> bool:
+def _weights_vary(signals: tuple[PeriodicSignal, ...]) -> bool:
     """Return whether blows differ from record to record."""
     weights = signals[0].weights(2, np.random.default_rng(0))
     return bool((weights[0] != weights[1]).any())
 
 
-def _shares(
+def _periodic_shares(
     signal: PeriodicSignal, gain: ComplexArray, h: ComplexArray, force: FloatArray, incoherent: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
     """Return which share of G_ff, (n_freq,), and of each loose response, (n_freq, n_out), comes back, and

@@ -12,8 +12,8 @@ from modallab.estimation.coherence import coherence
 from modallab.estimation.estimators.h1 import h1
 from modallab.estimation.spectra import CrossSpectra
 from modallab.rig.chain import Chain
+from modallab.rig.line_kernels import refined_kernel
 from modallab.rig.spectrum_settings import RECORD_CORRELATION
-from modallab.rig.view import refined_view
 
 
 def correlated_excess_variance(chain: Chain, spectra: CrossSpectra) -> FloatArray:
@@ -69,7 +69,7 @@ def leaked_covariances(chain: Chain, spectra: CrossSpectra, lags: int) -> Iterat
     record to the next, over the true spectra of what is stationary; at lag 0 what H1 leaves of its power.
     """
     analyser = chain.setup.analyser
-    view = refined_view(analyser, *chain.poles())
+    view = refined_kernel(analyser, *chain.poles())
     answer = chain.respond(view.nodes)
     f, x = answer.force, answer.response
     density = chain.source.continuous * analyser.excitation.level**2 / analyser.frequency_max
@@ -84,7 +84,7 @@ def leaked_covariances(chain: Chain, spectra: CrossSpectra, lags: int) -> Iterat
     hop = (1 - chain.overlap) * analyser.record_length
     for lag in range(lags + 1):
         lag_phase = np.exp(2j * np.pi * lag * hop * view.nodes)
-        line_spectra = view.through(true_spectra * lag_phase[:, None])
+        line_spectra = view.convolve(true_spectra * lag_phase[:, None])
         ff, fx, xf, xx = np.split(line_spectra, edges, axis=2)
         cross = (part.reshape(*h.shape[:2], n_in, n_out) for part in (fx, xf))
         explained = sum(np.einsum("rloi,rlio->rlo", a, b) for a, b in zip((h.conj(), h), cross, strict=True))

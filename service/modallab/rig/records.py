@@ -11,13 +11,15 @@ from modallab.core.arrays import ComplexArray, FloatArray, IntArray
 from modallab.core.errors import InvalidInputError
 from modallab.rig.acquisition import Batch, sample_rate_of, samples_of
 from modallab.rig.chain import Chain
-from modallab.rig.free_decay import answers_of, transient_of
+from modallab.rig.free_decay import impulse_responses_of, transient_of
 from modallab.rig.impulse_responses import ImpulseResponses
-from modallab.rig.nonlinear_records import Distorter, Played, side_by_side
+from modallab.rig.nonlinear_records import Distorter, SourceSignal, max_parallel_records
 from modallab.rig.periodic import fixed_lines
 from modallab.rig.settings import RECORDS
 
-Draft = tuple[Batch, list[Played]]  # records without what nonlinear forces add, and what was played in them
+Draft = tuple[
+    Batch, list[SourceSignal]
+]  # records without what nonlinear forces add, and what was played in them
 
 
 class Recorder:
@@ -41,7 +43,7 @@ class Recorder:
         self._repeats = self._per_stretch
         self._repeating = self._stationary = None
         if share > 0:
-            decay_records = _ringing(chain) / analyser.record_length
+            decay_records = _decay_time(chain) / analyser.record_length
             max_records = RECORDS.max_samples / (n_ch * self.n_samples)
             if decay_records > max_records / 2:
                 raise InvalidInputError(
@@ -50,33 +52,33 @@ class Recorder:
                     value=analyser.excitation.kind,
                     allowed="a periodic excitation, or more damping",
                 )
-            self._repeats = self._lay_out(
+            self._repeats = self._plan_stretches(
                 min(max(RECORDS.records_per_stretch, decay_records), max_records - decay_records),
                 decay_records,
             )
             freq = np.linspace(0.0, analyser.frequency_max, (analyser.n_lines - 1) * self._repeats + 1)
             self._length = self._repeats * self.n_samples
-            self._stationary = _per_source(chain, freq, share * self._length)
+            self._stationary = _source_lines(chain, freq, share * self._length)
             self._stationary[..., -1] *= np.sqrt(0.5)  # half of the last fine line lies beyond the band
         self._transient, self._fixed = transient_of(chain), fixed_lines(analyser)
-        if self._transient is not None and chain.runs[0].local:
+        if self._transient is not None and chain.runs[0].local_forces:
             raise InvalidInputError(
                 "nonlinear forces are not stepped through signals that end within a record",
                 field="excitation.kind",
                 value=analyser.excitation.kind,
                 allowed="an excitation that goes on, or the route expected",
             )
-        if chain.runs[0].local:
-            self._batch = max(1, min(self._per_stretch, side_by_side(chain)))
+        if chain.runs[0].local_forces:
+            self._batch = max(1, min(self._per_stretch, max_parallel_records(chain)))
         if share < 1 and self._transient is None:
-            self._repeating = _per_source(chain, analyser.freq, (1 - share) * self.n_samples)
+            self._repeating = _source_lines(chain, analyser.freq, (1 - share) * self.n_samples)
 
     @property
-    def stretch(self) -> tuple[int, int]:
+    def stretch_layout(self) -> tuple[int, int]:
         """How many records are taken out of what is made at once, and how many lengths of one that has."""
         return self._per_stretch, self._repeats
 
-    def _lay_out(self, records: float, decay_records: float) -> int:
+    def _plan_stretches(self, records: float, decay_records: float) -> int:
         """Share the averages out to equal stretches of about `records`; return what one takes."""
         steps = max(0, int((records - 1) * self.n_samples / self._hop))
         n_stretches = -(-self._averages // (steps + 1))
@@ -93,13 +95,13 @@ class Recorder:
             (n_run, n_ch) one-sided densities of the white noise of each channel, unit^2/Hz.
         """
         runs = range(len(self._chain.runs))
-        if not self._chain.runs[0].local:
+        if not self._chain.runs[0].local_forces:
             for run in runs:
                 for batch, _ in self._drafts(run, noise[run], rng):
                     yield batch
             return
         max_pending = min(
-            side_by_side(self._chain), RECORDS.parallel_samples // (self.shape[0] * self.shape[1])
+            max_parallel_records(self._chain), RECORDS.parallel_samples // (self.shape[0] * self.shape[1])
         )
         runs_per_group = max(1, max_pending // self._averages)
         for first in runs[::runs_per_group]:
@@ -107,20 +109,20 @@ class Recorder:
             distorter = Distorter(self._chain, group)
             drafts = [self._drafts(run, noise[run], rng) for run in group]
             if len(group) > 1:  # drawn run by run, stepped side by side
-                yield from _distorted(distorter, [list(run_drafts) for run_drafts in drafts])
+                yield from _with_distortion(distorter, [list(run_drafts) for run_drafts in drafts])
                 continue
             pending: list[Draft] = []  # what one run has may already be too much at once
             for draft in drafts[0]:
                 if pending and sum(len(batch.samples) for batch, _ in (*pending, draft)) > max_pending:
-                    yield from _distorted(distorter, [pending])
+                    yield from _with_distortion(distorter, [pending])
                     pending = []
                 pending.append(draft)
-            yield from _distorted(distorter, [pending])
+            yield from _with_distortion(distorter, [pending])
 
     def _drafts(self, run: int, noise: FloatArray, rng: np.random.Generator) -> Iterator[Draft]:
         """Yield the records of a run without what nonlinear forces add, and what was played in them."""
         rms = np.sqrt(noise * self.sample_rate / 2)
-        answers = None if self._transient is None else answers_of(self._chain, run)
+        answers = None if self._transient is None else impulse_responses_of(self._chain, run)
         n_recorded = 0
         while n_recorded < self._averages:
             n = min(self._per_stretch, self._averages - n_recorded)
@@ -128,12 +130,12 @@ class Recorder:
             for start in range(0, n, self._batch):
                 block = slice(start, min(start + self._batch, n))
                 first = self._hop * np.arange(block.start, block.stop)
-                samples, lines = self._anew(run, block.stop - block.start, answers, rng)
+                samples, lines = self._fresh_records(run, block.stop - block.start, answers, rng)
                 # in place: what is made anew for every record is nobody else's
                 batch = records[block] if samples is None else np.add(samples, records[block], out=samples)
                 yield (
                     Batch(run, n_recorded * self.n_samples + first, batch),
-                    self._played(stretch, lines, first),
+                    self._source_signals(stretch, lines, first),
                 )
                 del samples, batch  # or two of them would be there at a time
             del records
@@ -148,44 +150,44 @@ class Recorder:
         samples *= rms[:, None]
         stretch = None
         if self._stationary is not None:
-            stretch = self._drawn(self._stationary[run], 1, rng)
-            samples += self._heard(self._stationary[run], stretch, self._length)[0, :, :span]
+            stretch = self._random_lines(self._stationary[run], 1, rng)
+            samples += self._channel_records(self._stationary[run], stretch, self._length)[0, :, :span]
         records = sliding_window_view(samples, self.n_samples, axis=1)[:, :: self._hop]
         return records.swapaxes(0, 1), stretch
 
-    def _anew(
+    def _fresh_records(
         self, run: int, n: int, answers: ImpulseResponses | None, rng: np.random.Generator
     ) -> tuple[FloatArray | None, ComplexArray | None]:
         """Return what is made for each of n records, (n, n_ch, n_samples), and the lines of what repeats."""
         samples, lines = None, None
         if self._repeating is not None:
-            lines = self._repeated(self._repeating[run], n, rng)
-            samples = self._heard(self._repeating[run], lines, self.n_samples)
+            lines = self._periodic_lines(self._repeating[run], n, rng)
+            samples = self._channel_records(self._repeating[run], lines, self.n_samples)
             if len(samples) < n:
                 samples = np.repeat(samples, n, axis=0)
         if self._transient is not None and answers is not None:
             setting, share = self._chain.setup.analyser.excitation, self._chain.source.continuous
-            blow = np.sqrt(1 - share) * self._transient.drawn(answers, setting, n, rng)
+            blow = np.sqrt(1 - share) * self._transient.random_records(answers, setting, n, rng)
             samples = blow if samples is None else samples + blow
         return samples, lines
 
-    def _played(
+    def _source_signals(
         self, stretch: ComplexArray | None, lines: ComplexArray | None, starts: IntArray
-    ) -> list[Played]:
+    ) -> list[SourceSignal]:
         """Return what the sources play in some records: out of one stretch, and anew in each."""
         share = self._chain.source.continuous
         first = np.zeros_like(starts)
-        signals = [] if stretch is None else [Played(stretch, share, self._repeats, starts, first)]
+        signals = [] if stretch is None else [SourceSignal(stretch, share, self._repeats, starts, first)]
         signal_index = first if lines is None or len(lines) == 1 else np.arange(len(starts))
-        fresh_signals = [] if lines is None else [Played(lines, 1 - share, 1, first, signal_index)]
+        fresh_signals = [] if lines is None else [SourceSignal(lines, 1 - share, 1, first, signal_index)]
         return [*signals, *fresh_signals]
 
-    def _repeated(self, response: ComplexArray, n: int, rng: np.random.Generator) -> ComplexArray:
+    def _periodic_lines(self, response: ComplexArray, n: int, rng: np.random.Generator) -> ComplexArray:
         """Return what n records repeat: lines of their own, or, (1, 1, n_lines), the same in all of them."""
-        return self._drawn(response, n, rng) if self._fixed is None else self._fixed[None, None]
+        return self._random_lines(response, n, rng) if self._fixed is None else self._fixed[None, None]
 
     @staticmethod
-    def _drawn(response: ComplexArray, n: int, rng: np.random.Generator) -> ComplexArray:
+    def _random_lines(response: ComplexArray, n: int, rng: np.random.Generator) -> ComplexArray:
         """Return what the sources play n times, line by line, (n, n_in, n_lines), of unit density."""
         n_in, _, n_lines = response.shape
         lines = rng.standard_normal((n, n_in, 2 * n_lines)).view(complex)
@@ -193,7 +195,7 @@ class Recorder:
         lines[..., 0] = np.sqrt(2) * lines[..., 0].real
         return np.asarray(lines)
 
-    def _heard(self, response: ComplexArray, lines: ComplexArray, n_samples: int) -> FloatArray:
+    def _channel_records(self, response: ComplexArray, lines: ComplexArray, n_samples: int) -> FloatArray:
         """Return the channels' records (n, n_ch, n_samples), periodic in their length.
 
         `response` (n_in, n_ch, n_lines) are the channels' lines for sources of unit density.
@@ -208,19 +210,19 @@ class Recorder:
         return np.asarray(scipy.fft.irfft(channel_lines, n_samples, overwrite_x=True))
 
 
-def _distorted(distorter: Distorter, drafts: Sequence[Sequence[Draft]]) -> Iterator[Batch]:
+def _with_distortion(distorter: Distorter, drafts: Sequence[Sequence[Draft]]) -> Iterator[Batch]:
     """Yield the records of some runs with what nonlinear forces add, run by run."""
     played = [
-        [Played.joined(parts) for parts in zip(*(signals for _, signals in run_drafts), strict=True)]
+        [SourceSignal.joined(parts) for parts in zip(*(signals for _, signals in run_drafts), strict=True)]
         for run_drafts in drafts
     ]
-    for run_drafts, added in zip(drafts, distorter.added(played), strict=True):
+    for run_drafts, added in zip(drafts, distorter.distortion(played), strict=True):
         edges = np.cumsum([len(batch.samples) for batch, _ in run_drafts])[:-1]
         for (batch, _), more in zip(run_drafts, np.split(added, edges), strict=True):
             yield replace(batch, samples=batch.samples + more)
 
 
-def _ringing(chain: Chain) -> float:
+def _decay_time(chain: Chain) -> float:
     """Return how long, s, the slowest mode within the band needs to be forgotten."""
     frequencies, widths = chain.poles()
     analyser = chain.setup.analyser
@@ -228,7 +230,7 @@ def _ringing(chain: Chain) -> float:
     return float(-np.log(RECORDS.decay_threshold) / (2 * np.pi * slowest)) if slowest > 0 else np.inf
 
 
-def _per_source(chain: Chain, freq: FloatArray, samples: float) -> ComplexArray:
+def _source_lines(chain: Chain, freq: FloatArray, samples: float) -> ComplexArray:
     """Return the channels' lines for each source, (n_run, n_in, n_ch, n_freq), as a transform has them.
 
     Parameters

@@ -11,8 +11,8 @@ from modallab.core.dof import Dof
 from modallab.fe.system import DynamicSystem
 from modallab.rig.channel import Channel
 from modallab.rig.drive import Drive
-from modallab.rig.equivalent_linearisation import Taken
-from modallab.rig.local_force import Linearised
+from modallab.rig.equivalent_linearisation import LocalResponseSpectrum
+from modallab.rig.local_force import LinearisedForce
 from modallab.rig.setup import AcquisitionRun
 
 
@@ -20,29 +20,37 @@ from modallab.rig.setup import AcquisitionRun
 class Run:
     """One run of the analyser: the structure as it is loaded then, its exciters, its channels."""
 
-    shot: AcquisitionRun
+    acquisition_run: AcquisitionRun
     system: DynamicSystem
     drives: tuple[Drive, ...]
     forces: tuple[Channel, ...]
     responses: tuple[Channel, ...]
-    local: tuple[Linearised, ...] = ()  # nonlinear forces, their straight lines in the system already
-    response_spectrum: Taken | None = None  # by them at the lines, where lines have it all
-    _found: dict[float, tuple[FloatArray, FloatArray]] = field(default_factory=dict, init=False, repr=False)
+    local_forces: tuple[
+        LinearisedForce, ...
+    ] = ()  # nonlinear forces, their straight lines in the system already
+    response_spectrum: LocalResponseSpectrum | None = None  # by them at the lines, where lines have it all
+    _resonance_cache: dict[float, tuple[FloatArray, FloatArray]] = field(
+        default_factory=dict, init=False, repr=False
+    )
 
     @cached_property
     def motions(self) -> tuple[Dof, ...]:
         """What has to be known of the structure: drive points, nonlinear forces, what channels hear."""
         pickups = {dof: None for channel in self.responses for dof, _ in channel.pickups}
-        return (*self.shot.drives, *(linearised_force.force.dof for linearised_force in self.local), *pickups)
+        return (
+            *self.acquisition_run.drives,
+            *(linearised_force.force.dof for linearised_force in self.local_forces),
+            *pickups,
+        )
 
     @property
-    def n_at_work(self) -> int:
+    def n_forces(self) -> int:
         """How many of the motions a force acts at: the drive points and the nonlinear forces."""
-        return len(self.shot.drives) + len(self.local)
+        return len(self.acquisition_run.drives) + len(self.local_forces)
 
-    def mixed(self, accelerations: ComplexArray) -> ComplexArray:
+    def channel_motions(self, accelerations: ComplexArray) -> ComplexArray:
         """Return what reaches each response channel of `motions` (n_freq, n_motions, n_sources)."""
-        first = self.n_at_work
+        first = self.n_forces
         if all(channel.pickups == ((channel.dof, 1.0),) for channel in self.responses):
             return accelerations[:, first:]
         place = {dof: i for i, dof in enumerate(self.motions[first:], start=first)}
@@ -58,25 +66,27 @@ class Run:
         Twice where coils are inductive: as they are at 0 Hz and at the top of the band. Between, what
         moves a resonance damps it as much. A current dies away as a resonance at 0 Hz does.
         """
-        if frequency_max not in self._found:
-            self._found[frequency_max] = self._resonances(frequency_max)
-        return self._found[frequency_max]
+        if frequency_max not in self._resonance_cache:
+            self._resonance_cache[frequency_max] = self._resonances(frequency_max)
+        return self._resonance_cache[frequency_max]
 
     def _resonances(self, frequency_max: float) -> tuple[FloatArray, FloatArray]:
-        resonances = [self._whole_at(0.0).resonances(frequency_max)]
-        if any(drive.decays for drive in self.drives):
-            resonances.append(self._whole_at(2 * np.pi * frequency_max).resonances(frequency_max))
-            decays = np.array([rate for drive in self.drives for rate in drive.decays]) / (2 * np.pi)
+        resonances = [self._with_exciters_at(0.0).resonances(frequency_max)]
+        if any(drive.electrical_decay_rates for drive in self.drives):
+            resonances.append(self._with_exciters_at(2 * np.pi * frequency_max).resonances(frequency_max))
+            decays = np.array([rate for drive in self.drives for rate in drive.electrical_decay_rates]) / (
+                2 * np.pi
+            )
             resonances.append((np.zeros_like(decays), decays))
         frequencies, widths = zip(*resonances, strict=True)
         return np.concatenate(frequencies), np.concatenate(widths)
 
     @property
-    def whole(self) -> DynamicSystem:
+    def with_exciters(self) -> DynamicSystem:
         """The structure with the moving parts of the exciters on it, their sources passive."""
-        return self._whole_at(0.0)
+        return self._with_exciters_at(0.0)
 
-    def _whole_at(self, omega: float) -> DynamicSystem:
+    def _with_exciters_at(self, omega: float) -> DynamicSystem:
         system = self.system
         for drive in self.drives:
             system = drive.attached_to(system, omega)

@@ -91,7 +91,7 @@ class RigSetup:
         return self.drives[0]
 
     @property
-    def shots(self) -> tuple[AcquisitionRun, ...]:
+    def acquisition_runs(self) -> tuple[AcquisitionRun, ...]:
         """The runs of the test.
 
         One for each position of what roves: of the accelerometer, of the hammer, or of both.

@@ -30,7 +30,9 @@ Numbers = TypeVar("Numbers", FloatArray, ComplexArray)
 def is_intermittent(effects: Sequence[Effect], setup: RigSetup) -> bool:
     """Return whether some effects' distortion comes in bursts in a test whose signals are drawn anew."""
     excitation = EXCITATIONS[setup.analyser.excitation.kind]
-    return not excitation.comes_back and excitation.transient is None and any(e.intermittent for e in effects)
+    return (
+        not excitation.deterministic and excitation.transient is None and any(e.intermittent for e in effects)
+    )
 
 
 class SimulatedVariance:
@@ -38,7 +40,7 @@ class SimulatedVariance:
 
     def __init__(self) -> None:
         self._known: dict[Hashable, VarianceFactors | None] = {}
-        self.made = 0  # tests that were gone through
+        self.n_simulated = 0  # tests that were gone through
 
     def factors(
         self, chain: Chain, spectra: CrossSpectra, effects: Sequence[Effect], *, repeats: int | None = None
@@ -54,11 +56,13 @@ class SimulatedVariance:
         """
         if repeats is None:
             repeats = (
-                SIMULATED_VARIANCE.n_stepped_tests if chain.runs[0].local else SIMULATED_VARIANCE.n_tests
+                SIMULATED_VARIANCE.n_stepped_tests
+                if chain.runs[0].local_forces
+                else SIMULATED_VARIANCE.n_tests
             )
-        key = (repeats, *sorted((e.kind, str(e.at), *_about(e)) for e in effects if e.intermittent))
+        key = (repeats, *sorted((e.kind, str(e.at), *_octaves(e)) for e in effects if e.intermittent))
         if key not in self._known:
-            self.made += repeats
+            self.n_simulated += repeats
             try:
                 self._known[key] = simulated_factors(chain, spectra, repeats)
             except (DivergedError, InvalidInputError):  # too steep, or rings too long
@@ -66,7 +70,7 @@ class SimulatedVariance:
         return self._known[key]
 
 
-def _about(effect: Effect) -> list[int]:
+def _octaves(effect: Effect) -> list[int]:
     """Return the sizes of an effect's parameters, roughly."""
     values = np.maximum(np.abs(list(effect.parameters.values())), np.finfo(float).tiny)
     return [int(size) for size in np.rint(SIMULATED_VARIANCE.values_per_octave * np.log2(values))]
@@ -95,10 +99,10 @@ def simulated_factors(
     """
     n = min(chain.setup.analyser.averages, SIMULATED_VARIANCE.max_averages)
     if len(chain.runs) > 1:
-        chain = _all_at_once(chain)
+        chain = _single_run(chain)
         single_run_spectra = expected_spectra(chain)
-        return _apart(simulated_factors(chain, single_run_spectra, repeats, seed), spectra)
-    tests = _gone_through(chain, repeats, n, np.random.default_rng(seed))
+        return _by_run(simulated_factors(chain, single_run_spectra, repeats, seed), spectra)
+    tests = _simulated_tests(chain, repeats, n, np.random.default_rng(seed))
     effective = effective_averages(n, chain.overlap, chain.setup.analyser.line_window)
     share = effective / spectra.averages
     g2 = coherence(spectra)
@@ -117,7 +121,7 @@ def simulated_factors(
         _factor(force, polygamma(1, effective), share),
         _factor(frf / error, 1 / max(effective - 2, 1), share),
         _factor(response, polygamma(1, max(effective - 1, 0.5)), share),
-        (_of_as_many(force, share), _of_as_many(frf, share), _of_as_many(response, share)),
+        (_rescaled_scatter(force, share), _rescaled_scatter(frf, share), _rescaled_scatter(response, share)),
     )
     if chain.source.continuous == 0:
         return factors
@@ -132,15 +136,18 @@ def _powers(spectra: CrossSpectra) -> tuple[FloatArray, FloatArray]:
     return spectra.ff[:, :, 0, 0].real, spectra.xx * (1 - coherence(spectra) + COHERENCE_ROUNDING)
 
 
-def _all_at_once(chain: Chain) -> Chain:
+def _single_run(chain: Chain) -> Chain:
     """Return one run in which all channels of a roving test are heard, the sensor in the middle place."""
     run = chain.runs[len(chain.runs) // 2]
     responses = tuple(channel for other_run in chain.runs for channel in other_run.responses)
-    shot = replace(run.shot, outputs=tuple(dof for other_run in chain.runs for dof in other_run.shot.outputs))
-    return replace(chain, runs=(replace(run, shot=shot, responses=responses),))
+    acquisition_run = replace(
+        run.acquisition_run,
+        outputs=tuple(dof for other_run in chain.runs for dof in other_run.acquisition_run.outputs),
+    )
+    return replace(chain, runs=(replace(run, acquisition_run=acquisition_run, responses=responses),))
 
 
-def _apart(factors: VarianceFactors, spectra: CrossSpectra) -> VarianceFactors:
+def _by_run(factors: VarianceFactors, spectra: CrossSpectra) -> VarianceFactors:
     """Return the factors of one run with all channels by the runs of a test."""
     n_run, n_lines, n_out = spectra.xx.shape
     rng = np.random.default_rng(n_run)
@@ -168,7 +175,7 @@ def _apart(factors: VarianceFactors, spectra: CrossSpectra) -> VarianceFactors:
     )
 
 
-def _of_as_many(deviation: Numbers, share: float) -> Numbers:
+def _rescaled_scatter(deviation: Numbers, share: float) -> Numbers:
     """Return what tests lie off as if of more averages: what they have in common stays."""
     mean = deviation.mean(axis=0)
     out: Numbers = mean + np.sqrt(share) * (deviation - mean)
@@ -203,7 +210,7 @@ def _smooth(squares: FloatArray) -> FloatArray:
     return np.asarray((total[:, width:] - total[:, :-width]) / width)
 
 
-def _gone_through(chain: Chain, repeats: int, n: int, rng: np.random.Generator) -> list[CrossSpectra]:
+def _simulated_tests(chain: Chain, repeats: int, n: int, rng: np.random.Generator) -> list[CrossSpectra]:
     """Return the spectra of some tests of n averages each."""
     analyser = replace(chain.setup.analyser, averages=repeats * n)
     longer = replace(chain, setup=replace(chain.setup, analyser=analyser))

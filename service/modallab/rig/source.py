@@ -13,7 +13,7 @@ class Source:
     continuous: float = 0.0
     shaping: tuple[Filter, ...] = ()  # of what begins and ends within a record
 
-    def through(self, filter_: Filter) -> "Source":
+    def with_filter(self, filter_: Filter) -> "Source":
         """Return the source with one more filter on what it plays."""
         return replace(self, shaping=(*self.shaping, filter_))
 

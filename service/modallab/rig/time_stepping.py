@@ -11,7 +11,7 @@ from modallab.core.dof import Dof
 from modallab.core.errors import DivergedError
 from modallab.core.numerics import COMPARISON_ROUNDING
 from modallab.fe.system import DynamicSystem
-from modallab.rig.local_force import Linearised
+from modallab.rig.local_force import LinearisedForce
 from modallab.rig.nonlinear_settings import TIME_STEPPING
 
 
@@ -44,7 +44,7 @@ class ModalFeedback:
         return cls(shapes[:, participates], omega[participates], damping[participates])
 
 
-def check_bounded(feedback: ModalFeedback, linearised: Sequence[Linearised]) -> None:
+def check_bounded(feedback: ModalFeedback, linearised: Sequence[LinearisedForce]) -> None:
     """Raise if time steps would let a loud motion grow, as the structure does not.
 
     The straight line of a damper is in the feedback mode by mode, without what it couples. A force that
@@ -57,7 +57,11 @@ def check_bounded(feedback: ModalFeedback, linearised: Sequence[Linearised]) -> 
         If a motion `TIME_STEPPING.loud_ratio` times the usual one grows.
     """
     loud_coefficients = [
-        float(linearised_force.force.lines(np.array(TIME_STEPPING.loud_ratio * linearised_force.rms))[0])
+        float(
+            linearised_force.force.equivalent_coefficients(
+                np.array(TIME_STEPPING.loud_ratio * linearised_force.rms)
+            )[0]
+        )
         if linearised_force.rms > 0
         else 0.0
         for linearised_force in linearised
@@ -99,29 +103,29 @@ class Stepper:
         block: int = TIME_STEPPING.block_steps,
     ) -> None:
         most = max(feedback.shapes.shape[1] for feedback in feedbacks)
-        parts = [_turned(_padded(feedback, most), of_velocity, step, block) for feedback in feedbacks]
+        parts = [_block_matrices(_padded(feedback, most), of_velocity, step, block) for feedback in feedbacks]
         # (n_run, 2, 2, m) over a block; (n_run, 2 m, block r) from modes to motions at its steps;
         # (n_run, block r, 2 m) from forces to modes at its end; (block, n_run, r, r) from a force to motions.
-        self.turn, self.ahead, self.gathered, self.answer = (
+        self.propagator, self.readout, self.input_matrix, self.impulse_response = (
             np.array([matrices[i] for matrices in parts]) for i in range(4)
         )
-        self.answer = np.ascontiguousarray(self.answer.swapaxes(0, 1))
+        self.impulse_response = np.ascontiguousarray(self.impulse_response.swapaxes(0, 1))
         self.block = block
 
-    def alone(self, state: FloatArray) -> FloatArray:
+    def free_motion(self, state: FloatArray) -> FloatArray:
         """Return the motions (block, n_run, n, r) over a block without forces in it."""
         n_run, n, _ = state.shape
-        return np.moveaxis((state @ self.ahead).reshape(n_run, n, self.block, -1), 2, 0)
+        return np.moveaxis((state @ self.readout).reshape(n_run, n, self.block, -1), 2, 0)
 
-    def onward(self, state: FloatArray, forces: FloatArray) -> FloatArray:
+    def advance(self, state: FloatArray, forces: FloatArray) -> FloatArray:
         """Return the modes a block on, after forces (block, n_run, n, r)."""
         n_run, n, n_states = state.shape
         q, v = state[..., : n_states // 2], state[..., n_states // 2 :]
         block_forces = np.moveaxis(forces, 0, 2).reshape(n_run, n, -1)
-        out = block_forces @ self.gathered
+        out = block_forces @ self.input_matrix
         for state_part, part in enumerate((out[..., : n_states // 2], out[..., n_states // 2 :])):
-            part += self.turn[:, state_part, 0, None] * q
-            part += self.turn[:, state_part, 1, None] * v
+            part += self.propagator[:, state_part, 0, None] * q
+            part += self.propagator[:, state_part, 1, None] * v
         return np.asarray(out)
 
 
@@ -136,7 +140,7 @@ def _parts(feedback: ModalFeedback) -> tuple[FloatArray, FloatArray, FloatArray]
     return feedback.shapes, feedback.omega, feedback.damping
 
 
-def _turned(
+def _block_matrices(
     feedback: ModalFeedback, of_velocity: Sequence[bool], step: float, block: int
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
     """Return the four matrices of a `Stepper` for one structure, over a block of steps."""
@@ -174,7 +178,7 @@ def _step(omega: float, damping: float, step: float) -> FloatArray:
 
 
 def residual_forces(
-    linearised: Sequence[Sequence[Linearised]],
+    linearised: Sequence[Sequence[LinearisedForce]],
     linear_motion: Callable[[int, int], FloatArray],
     n_samples: int,
     stepper: Stepper,
@@ -197,25 +201,27 @@ def residual_forces(
     DivergedError
         If a force is too steep for the steps.
     """
-    balance, block = _Balance(linearised, stepper.answer[0]), stepper.block
+    balance, block = _ForceEquilibrium(linearised, stepper.impulse_response[0]), stepper.block
     first = linear_motion(0, 1)[0]
     out = np.empty((n_samples, *first.shape))
     force = np.zeros_like(first)
-    state = np.zeros((*first.shape[:2], stepper.ahead.shape[1]))
+    state = np.zeros((*first.shape[:2], stepper.readout.shape[1]))
     with np.errstate(over="ignore", invalid="ignore"):
         for start in range(0, n_samples, block):
             end = min(start + block, n_samples)
             free_motion, block_forces = (
-                stepper.alone(state)[: end - start] + linear_motion(start, end),
+                stepper.free_motion(state)[: end - start] + linear_motion(start, end),
                 out[start:end],
             )
             for t in range(end - start):
                 force = balance.force(free_motion[t], force)
                 block_forces[t] = force
                 if t + 1 < len(free_motion):
-                    free_motion[t + 1 :] += _felt(stepper.answer[1 : len(free_motion) - t], force)
+                    free_motion[t + 1 :] += _later_motions(
+                        stepper.impulse_response[1 : len(free_motion) - t], force
+                    )
             if end - start == block:
-                state = stepper.onward(state, block_forces)
+                state = stepper.advance(state, block_forces)
     if not np.isfinite(out).all():
         raise DivergedError(
             "a nonlinear force is too steep to be stepped through time at this level",
@@ -225,38 +231,38 @@ def residual_forces(
     return np.negative(out, out=out)
 
 
-def _felt(answer: FloatArray, force: FloatArray) -> FloatArray:
+def _later_motions(answer: FloatArray, force: FloatArray) -> FloatArray:
     """Return the motions (n, n_run, n_records, r) at later steps, of a force (n_run, n_records, r)."""
     if force.shape[-1] == 1:
         return answer * force
     return np.asarray(force @ answer.swapaxes(2, 3))
 
 
-class _Balance:
+class _ForceEquilibrium:
     """Finds the forces on the structure that agree with their motion: F = -g(free + own F)."""
 
-    def __init__(self, linearised: Sequence[Sequence[Linearised]], compliance: FloatArray) -> None:
+    def __init__(self, linearised: Sequence[Sequence[LinearisedForce]], compliance: FloatArray) -> None:
         self._laws = [local.force for local in linearised[0]]
         self._lines = np.array([[local.slope for local in run] for run in linearised])[
             :, None
         ]  # (n_run, 1, r)
-        self._own = compliance  # (n_run, r, r): what a force does within its own step
+        self._compliance = compliance  # (n_run, r, r): what a force does within its own step
 
     def force(self, free: FloatArray, guess: FloatArray) -> FloatArray:
         """Return the forces (n_run, n, r) at motions without them, near a guess."""
         force = guess
         if len(self._laws) == 1:
-            law, soft, line = self._laws[0], self._own, self._lines
+            law, soft, line = self._laws[0], self._compliance, self._lines
             for _ in range(TIME_STEPPING.newton_iterations):
                 x = free + soft * force
                 imbalance = force + law.law(x) - line * x
                 force = force - imbalance / (1 + soft * (law.slope(x) - line))
             return force
         for _ in range(TIME_STEPPING.newton_iterations):
-            x = free + force @ self._own.swapaxes(1, 2)
+            x = free + force @ self._compliance.swapaxes(1, 2)
             laws = list(enumerate(self._laws))
             imbalance = force + np.stack([law.law(x[..., i]) for i, law in laws], axis=-1) - self._lines * x
             slope = np.stack([law.slope(x[..., i]) for i, law in laws], axis=-1) - self._lines
-            matrix = np.eye(len(laws)) + slope[..., None] * self._own[:, None]
+            matrix = np.eye(len(laws)) + slope[..., None] * self._compliance[:, None]
             force = force - np.linalg.solve(matrix, imbalance[..., None])[..., 0]
         return force

@@ -40,8 +40,8 @@ def wishart_spectra(
     ff = np.empty((n_tests, n_run, n_freq))
     fx = np.empty((n_tests, n_run, n_freq, n_out), complex)
     xx = np.empty((n_tests, n_run, n_freq, n_out))
-    hidden = None if signal is None or n_out == 1 else _hidden(spectra, signal)
-    law = _Law(spectra) if hidden is None else _SharedLaw(spectra, hidden)
+    hidden = None if signal is None or n_out == 1 else _unmeasured_signal(spectra, signal)
+    law = _SingleForceLaw(spectra) if hidden is None else _NoisyForceLaw(spectra, hidden)
     batch = max(1, WISHART.single_force_block // (n_run * n_freq * n_out))
     for start in range(0, n_tests, batch):
         part = slice(start, start + batch)
@@ -56,7 +56,7 @@ def wishart_spectra(
     )
 
 
-class _Law:
+class _SingleForceLaw:
     """What the draws of all tests share."""
 
     def __init__(self, spectra: CrossSpectra) -> None:
@@ -87,7 +87,7 @@ class _Law:
         xx += (fx.real**2 + fx.imag**2) / force_power
 
 
-def _hidden(spectra: CrossSpectra, signal: FloatArray) -> ComplexArray | None:
+def _unmeasured_signal(spectra: CrossSpectra, signal: FloatArray) -> ComplexArray | None:
     """Return how responses move by what of the signal a noisy force does not explain, None if all is.
 
     Of unit power: (n_run, n_freq, n_out). For few averages, where there is nothing of it to draw, None too.
@@ -100,7 +100,7 @@ def _hidden(spectra: CrossSpectra, signal: FloatArray) -> ComplexArray | None:
     return np.asarray(np.where(signal > 0, root, 0.0)[:, :, None] * spectra.fx[:, :, 0])
 
 
-class _SharedLaw(_Law):
+class _NoisyForceLaw(_SingleForceLaw):
     """The same with a force that is noisy: the rest of its signal is a second force that nothing measures."""
 
     def __init__(self, spectra: CrossSpectra, hidden: ComplexArray) -> None:

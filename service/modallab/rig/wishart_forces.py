@@ -30,7 +30,7 @@ def wishart_of_several_forces(spectra: CrossSpectra, rng: np.random.Generator, n
         If the forces are not independent of each other.
     """
     n_run, n_freq, n_in, n_out = spectra.fx.shape
-    law = _Law(spectra)
+    law = _MultipleForceLaw(spectra)
     ff = np.empty((n_tests, n_run, n_freq, n_in, n_in), complex)
     fx = np.empty((n_tests, n_run, n_freq, n_in, n_out), complex)
     xx = np.empty((n_tests, n_run, n_freq, n_out))
@@ -48,7 +48,7 @@ def wishart_of_several_forces(spectra: CrossSpectra, rng: np.random.Generator, n
     )
 
 
-class _Law:
+class _MultipleForceLaw:
     """What the draws of all tests share."""
 
     def __init__(self, spectra: CrossSpectra) -> None:

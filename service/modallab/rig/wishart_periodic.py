@@ -11,7 +11,7 @@ from modallab.estimation.spectra import CrossSpectra
 from modallab.rig.periodic import PeriodicSignal
 
 
-def wishart_about(
+def noncentral_wishart_spectra(
     spectra: CrossSpectra,
     clean: ComplexArray,
     force_noise: FloatArray,
@@ -40,7 +40,7 @@ def wishart_about(
     n, runs = round(spectra.averages), []
     for run, signal in enumerate(signals):
         gain = gain_of(spectra, clean[run], force_noise[run], run)
-        random_part = _Rest.of(spectra, run, signal.expected(gain))
+        random_part = _RandomPart.of(spectra, run, signal.expected(gain))
         rotated = np.linalg.qr(signal.weights(n, rng), mode="r")
         rotated_averages = np.tensordot(rotated, signal.signals * gain, axes=1) + random_part.averages(
             len(rotated), rng
@@ -72,7 +72,7 @@ def signal_of(spectra: CrossSpectra, clean: ComplexArray, force_noise: FloatArra
     Parameters
     ----------
     clean, force_noise
-        As of `wishart_about`.
+        As of `noncentral_wishart_spectra`.
     """
     if spectra.ff.shape[2] > 1:
         return None
@@ -85,7 +85,7 @@ def _squares(values: ComplexArray) -> FloatArray:
 
 
 @dataclass(frozen=True, eq=False)
-class _Rest:
+class _RandomPart:
     """What of a run's signals is drawn anew in every average: its expected spectra, as Bartlett has them."""
 
     force: FloatArray  # (n_freq, 1) N^2/Hz
@@ -94,7 +94,7 @@ class _Rest:
     real: FloatArray  # (n_freq, 1) 2 where transforms are real, half as many squares an average; else 1
 
     @classmethod
-    def of(cls, spectra: CrossSpectra, run: int, periodic_spectra: ComplexArray) -> "_Rest":
+    def of(cls, spectra: CrossSpectra, run: int, periodic_spectra: ComplexArray) -> "_RandomPart":
         """Return what is left of a run's spectra beside its own G_ff, G_fx, G_xx that come back."""
         n_out = spectra.xx.shape[2]
         total_spectra = np.concatenate(

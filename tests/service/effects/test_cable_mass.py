@@ -43,7 +43,7 @@ def test_without_drag_it_is_a_heavier_accelerometer_and_with_it_is_not() -> None
 
 def test_the_loss_factor_rises_by_the_drag_over_omega_of_the_share_of_mass_that_moves() -> None:
     mass, drag = 1e-4, 100.0  # light: shapes stay as they are
-    loaded = CableMass(at=Dof(1, "Y"), mass=mass, drag=drag).on_system(SYSTEM, ROVING.shots[0])
+    loaded = CableMass(at=Dof(1, "Y"), mass=mass, drag=drag).on_system(SYSTEM, ROVING.acquisition_runs[0])
     bare, modes = SYSTEM.modes().elastic(6), loaded.modes().elastic(6)
     share = mass * bare.shapes[SYSTEM.index(Dof(1, "Y"))] ** 2  # of a modal mass of 1 kg
     gained = drag * share / (2 * np.pi * bare.frequencies)

@@ -72,7 +72,7 @@ def test_a_spring_of_nothing_but_the_cube_is_as_far_off_the_exact_law_as_known()
     d = oscillator.density(setup) / (4 * DAMPING * k3)
     exact = 2 * np.sqrt(d) * gamma(0.75) / gamma(0.25)
     # What is left of the straight spring, 1/sqrt(share), takes half of that: 0.5 %.
-    assert bench.runs[0].local[0].rms ** 2 / exact == pytest.approx(1 - 0.146, rel=6e-3)
+    assert bench.runs[0].local_forces[0].rms ** 2 / exact == pytest.approx(1 - 0.146, rel=6e-3)
 
 
 def test_coherence_drops_at_resonance_and_at_three_times_it_as_the_cube_of_a_narrow_band_says() -> None:
@@ -126,7 +126,7 @@ def test_a_resonance_that_is_mostly_distorted_moves_no_more_than_the_force_can_m
     moved = spectra.xx[0, 1:, 0] / omega**4
     loose = (1 - coherence(spectra)[0, 1:, 0]) * moved
     assert loose.sum() > 0.5 * moved.sum(), "hardly distorted: nothing was shown"
-    assert 1 < moved.sum() * setup.analyser.spacing / bench.runs[0].local[0].rms ** 2 < 1.146
+    assert 1 < moved.sum() * setup.analyser.spacing / bench.runs[0].local_forces[0].rms ** 2 < 1.146
 
 
 def test_a_model_that_has_it_comes_back_from_a_file_and_measures_the_same() -> None:

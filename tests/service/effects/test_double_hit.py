@@ -13,7 +13,7 @@ from modallab.fe.damping import StructuralDamping
 from modallab.rig.analyser import Analyser, ExcitationSetting
 from modallab.rig.chain import chain
 from modallab.rig.expected import expected_spectra
-from modallab.rig.free_decay import answers_of
+from modallab.rig.free_decay import impulse_responses_of
 from modallab.rig.hardware import Exciter, Noise
 from modallab.rig.measure import Route, measure
 from modallab.rig.setup import RigSetup
@@ -34,11 +34,11 @@ def h1(spectra: CrossSpectra) -> ComplexArray:
 
 def test_every_channel_hears_the_blow_and_its_smaller_repetition() -> None:
     single = chain(beam_system(HEAVY), SETUP)
-    answers = answers_of(single, 0)
+    answers = impulse_responses_of(single, 0)
     later = 100  # samples
     delay = later / (answers.n_samples * SETUP.analyser.spacing)
     double = chain(beam_system(HEAVY), SETUP, [DoubleHit(ratio=0.4, delay=delay)])
-    found = answers_of(double, 0).samples[0, :, later:]
+    found = impulse_responses_of(double, 0).samples[0, :, later:]
     once = answers.samples[0]
     # the filter's ringing that wraps from one end of the answers to the other: 1e-6 of the peak
     np.testing.assert_allclose(

@@ -16,9 +16,9 @@ from modallab.rig.chain import chain
 from modallab.rig.drive import Drive, reaction, transmission
 from modallab.rig.expected import expected_spectra
 from modallab.rig.hardware import Coil, Exciter, ForceTransducer, Noise
+from modallab.rig.line_kernels import refined_kernel
 from modallab.rig.sampled import sampled_spectra
 from modallab.rig.stinger import StingerRod
-from modallab.rig.view import refined_view
 from tests.rigs import beam_system, dofs, rig
 from tests.shakers import Shaker, solved
 
@@ -163,14 +163,14 @@ def test_leakage_is_integrated_as_finely_as_beam_and_shaker_together_need(induct
     bench = chain(SYSTEM, setup)
     frequencies, widths = bench.poles()
     everywhere = np.arange(0.0, 800.0, 2.0)
-    finer = refined_view(
+    finer = refined_kernel(
         setup.analyser,
         np.concatenate([frequencies.ravel(), everywhere]),
         np.concatenate([widths.ravel() / 30, np.full(len(everywhere), 0.05)]),
     )
     answer = bench.respond(finer.nodes)
     density = np.abs(answer.force[..., 0]) ** 2 / 800.0
-    wanted = finer.through(density.astype(complex))[0, :, 0]
+    wanted = finer.convolve(density.astype(complex))[0, :, 0]
     # a panel errs by 2.4^-20 = 2e-8 of the largest that reaches a line
     np.testing.assert_allclose(expected_spectra(bench).ff[0, :, 0, 0], wanted, rtol=1e-6)
 

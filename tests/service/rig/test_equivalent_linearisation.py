@@ -10,7 +10,7 @@ from modallab.core.dof import Dof
 from modallab.effects.cubic_stiffness import CubicStiffness
 from modallab.effects.friction import Friction
 from modallab.effects.rattle import Rattle
-from modallab.rig.equivalent_linearisation import at_work, equivalents
+from modallab.rig.equivalent_linearisation import closed_loop_receptances, equivalent_rms
 from modallab.rig.local_force import LocalForce
 
 HERE, THERE = Dof(1, "Y"), Dof(2, "Y")
@@ -44,7 +44,7 @@ def iterated(
     for run, rms in enumerate(out):
         rms[:] = 1e-4
         for _ in range(300):
-            lines = [force.at(float(own)).slope for force, own in zip(forces, rms, strict=True)]
+            lines = [force.linearised(float(own)).slope for force, own in zip(forces, rms, strict=True)]
             units = [1j * OMEGA if force.of_velocity else np.ones(len(OMEGA)) for force in forces]
             z = np.array([line * unit for line, unit in zip(lines, units, strict=True)]).T
             moved = np.linalg.solve(np.eye(len(forces)) + fed_back[run] * z[:, None, :], driven[run])[..., 0]
@@ -71,11 +71,11 @@ def test_the_motion_is_the_one_that_plain_iteration_settles_on(
     driven, alpha = structure()
     driven, fed_back = driven[:, :, where], alpha[:, :, where][..., where]
     power = np.full(len(OMEGA), LEVEL)
-    found = equivalents(forces, driven, fed_back, OMEGA, power)
+    found = equivalent_rms(forces, driven, fed_back, OMEGA, power)
     wanted = iterated(forces, driven, fed_back, power)
     np.testing.assert_allclose(found, wanted, rtol=1e-9)
     free = np.sqrt(np.einsum("f,nfr->nr", power, np.abs(driven[..., 0]) ** 2))
-    moved, _ = at_work(forces, found, driven, fed_back, OMEGA)
+    moved, _ = closed_loop_receptances(forces, found, driven, fed_back, OMEGA)
     held = np.sqrt(np.einsum("f,nfr->nr", power, np.abs(moved[..., 0]) ** 2))
     assert (np.abs(held / free - 1) > 0.02).all(), "the forces hardly act: nothing was shown"
 
@@ -85,7 +85,7 @@ def test_where_several_motions_hold_the_least_is_found() -> None:
     force, (driven, alpha) = law(CubicStiffness(HERE, 1e8)), structure(loss=1e-3)
     power = np.full(len(OMEGA), LEVEL)
     driven, fed_back = driven[:1, :, :1], alpha[:1, :, :1, :1]
-    (found,) = equivalents([force], driven, fed_back, OMEGA, power)[0]
+    (found,) = equivalent_rms([force], driven, fed_back, OMEGA, power)[0]
     supposed = found * np.geomspace(0.1, 10.0, 4001)
     k = 3 * 1e8 * supposed[:, None] ** 2
     allowed = np.sqrt((np.abs(driven[0, :, 0, 0] / (1 + fed_back[0, :, 0, 0] * k)) ** 2) @ power)
@@ -98,8 +98,8 @@ def test_where_several_motions_hold_the_least_is_found() -> None:
 def test_hardly_any_force_and_one_that_stops_all_motion_are_found_as_well(stiffness: float) -> None:
     force, (driven, alpha) = law(CubicStiffness(HERE, stiffness)), structure()
     driven, fed_back, power = driven[:, :, :1], alpha[:, :, :1, :1], np.full(len(OMEGA), LEVEL)
-    rms = equivalents([force], driven, fed_back, OMEGA, power)
-    moved, _ = at_work([force], rms, driven, fed_back, OMEGA)
+    rms = equivalent_rms([force], driven, fed_back, OMEGA, power)
+    moved, _ = closed_loop_receptances([force], rms, driven, fed_back, OMEGA)
     # sums over lines, of numbers that may differ by as much as stiffness turns them: rounding
     np.testing.assert_allclose(np.sqrt(power @ np.abs(moved[:, :, 0, 0].T) ** 2), rms[:, 0], rtol=1e-8)
 
@@ -109,7 +109,7 @@ def test_a_force_that_nothing_drives_has_no_motion() -> None:
     still = np.array([1.0, 0.0])[:, None, None, None]  # the second run is not driven at all
     power = np.full(len(OMEGA), LEVEL)
     forces = [law(CUBIC), law(RUBBING)]
-    rms = equivalents(forces, driven * still, alpha, OMEGA, power)
-    np.testing.assert_allclose(rms[0], equivalents(forces, driven, alpha, OMEGA, power)[0], rtol=1e-9)
+    rms = equivalent_rms(forces, driven * still, alpha, OMEGA, power)
+    np.testing.assert_allclose(rms[0], equivalent_rms(forces, driven, alpha, OMEGA, power)[0], rtol=1e-9)
     assert (rms[1] == 0).all()
-    assert (at_work(forces, rms, driven * still, alpha, OMEGA)[0][1] == 0).all()
+    assert (closed_loop_receptances(forces, rms, driven * still, alpha, OMEGA)[0][1] == 0).all()

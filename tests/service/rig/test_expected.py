@@ -18,9 +18,16 @@ LOW = {"frequency_max": 200.0, "n_lines": 101, "window": "hann"}
 
 def inertance(bench: Chain) -> ComplexArray:
     """The FRF of the structure as it stands in the first run, by solving at every line."""
-    freq, shot, system = bench.setup.analyser.freq, bench.runs[0].shot, bench.runs[0].system
+    freq, acquisition_run, system = (
+        bench.setup.analyser.freq,
+        bench.runs[0].acquisition_run,
+        bench.runs[0].system,
+    )
     alpha = direct_receptance(
-        system, freq[1:], system.selection(shot.outputs), system.selection((shot.drive,))
+        system,
+        freq[1:],
+        system.selection(acquisition_run.outputs),
+        system.selection((acquisition_run.drive,)),
     )
     return -((2 * np.pi * freq[1:]) ** 2)[:, None] * alpha[..., 0]
 

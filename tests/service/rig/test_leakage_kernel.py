@@ -33,7 +33,7 @@ def test_every_line_takes_from_every_node_what_the_line_shape_says(
     weights = rng.uniform(0, 1, nodes.shape)
     spectrum = rng.standard_normal((2, len(nodes), 3)) + 1j * rng.standard_normal((2, len(nodes), 3))
     spectrum *= 10 ** rng.uniform(-3, 3, (1, len(nodes), 1))
-    seen = leak_spectrum(window, n_lines, SPACING, nodes, weights, n_samples).through(spectrum)
+    seen = leak_spectrum(window, n_lines, SPACING, nodes, weights, n_samples).convolve(spectrum)
     # 1e-9 of what comes from afar, and that is at most 1e-3 of what is near
     wanted = plain(window, n_lines, nodes, weights, spectrum, n_samples)
     np.testing.assert_allclose(seen, wanted, atol=1e-12 * np.abs(wanted).max())
@@ -42,7 +42,9 @@ def test_every_line_takes_from_every_node_what_the_line_shape_says(
 def test_one_strong_node_is_felt_rightly_at_the_farthest_line() -> None:
     nodes, weights = np.array([0.2 * SPACING]), np.array([SPACING])
     seen = (
-        leak_spectrum("hann", 400, SPACING, nodes, weights).through(np.ones((1, 1, 1), complex))[0, :, 0].real
+        leak_spectrum("hann", 400, SPACING, nodes, weights)
+        .convolve(np.ones((1, 1, 1), complex))[0, :, 0]
+        .real
     )
     window = WINDOWS["hann"]
     line = np.arange(400.0)

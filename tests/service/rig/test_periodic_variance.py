@@ -12,10 +12,10 @@ from modallab.rig.analyser import ExcitationSetting
 from modallab.rig.chain import chain
 from modallab.rig.expected import expected_spectra, noise_densities, noise_free
 from modallab.rig.hardware import Exciter, ForceTransducer, Noise
-from modallab.rig.periodic import steady_runs
+from modallab.rig.periodic import periodic_signals
 from modallab.rig.periodic_variance import periodic_factors
 from modallab.rig.setup import RigSetup
-from modallab.rig.wishart_periodic import wishart_about
+from modallab.rig.wishart_periodic import noncentral_wishart_spectra
 from tests.diagnosing import model, rig
 
 TESTS = 400
@@ -46,10 +46,10 @@ def test_variances_are_those_of_draws(setup: RigSetup) -> None:
     spectra = expected_spectra(whole)
     factors = periodic_factors(whole, spectra)
     assert factors is not None
-    clean, steady, rng = noise_free(whole), steady_runs(whole), np.random.default_rng(5)
+    clean, steady, rng = noise_free(whole), periodic_signals(whole), np.random.default_rng(5)
     assert steady is not None
     noise = noise_densities(whole, clean)[:, 0]  # through a rectangular window
-    drawn = [wishart_about(spectra, clean, noise, steady, rng) for _ in range(TESTS)]
+    drawn = [noncentral_wishart_spectra(spectra, clean, noise, steady, rng) for _ in range(TESTS)]
     n = spectra.averages
     g2 = coherence(spectra)
     loose = np.array([one.xx * (1 - coherence(one)) for one in drawn])

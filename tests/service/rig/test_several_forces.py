@@ -236,7 +236,7 @@ def test_an_estimator_for_one_force_is_refused_when_the_rig_is_declared(estimato
     assert caught.value.context["field"] == "estimator"
     assert caught.value.context["allowed"] == "h1"
     hammer = RigSetup(DRIVES, RESPONSES, exciter=Exciter("hammer"), analyser=Analyser(estimator=estimator))
-    assert len(hammer.shots) == 2  # one force after the other
+    assert len(hammer.acquisition_runs) == 2  # one force after the other
 
 
 @pytest.mark.parametrize(("averages", "overlap"), [(1, 0.0), (3, 0.9)])

@@ -9,7 +9,7 @@ from modallab.core.dof import Dof
 from modallab.core.errors import DivergedError
 from modallab.effects.cubic_stiffness import CubicStiffness
 from modallab.effects.friction import Friction
-from modallab.rig.local_force import Linearised, LocalForce
+from modallab.rig.local_force import LinearisedForce, LocalForce
 from modallab.rig.nonlinear_settings import TIME_STEPPING
 from modallab.rig.time_stepping import ModalFeedback, Stepper, check_bounded, residual_forces
 
@@ -30,7 +30,7 @@ def push(t: FloatArray | float, amplitude: FloatArray, phase: FloatArray) -> Flo
     return np.asarray(np.cos(angle) @ amplitude)
 
 
-def stepped(one: Linearised, force: FloatArray, periods: int) -> FloatArray:
+def stepped(one: LinearisedForce, force: FloatArray, periods: int) -> FloatArray:
     """The motion (n_samples,) of the last of some periods: straight line by frequency, the rest by steps."""
     freq = np.fft.rfftfreq(N, PERIOD / N)
     s = 2j * np.pi * freq
@@ -49,7 +49,7 @@ def stepped(one: Linearised, force: FloatArray, periods: int) -> FloatArray:
     return moved - np.fft.irfft(receptance * np.fft.rfft(residual))
 
 
-def integrated(one: Linearised, amplitude: FloatArray, phase: FloatArray, periods: int) -> FloatArray:
+def integrated(one: LinearisedForce, amplitude: FloatArray, phase: FloatArray, periods: int) -> FloatArray:
     """The same by scipy, to 1e-9."""
 
     def rate(t: float, y: FloatArray) -> list[float]:
@@ -76,7 +76,7 @@ def test_a_cubic_spring_distorts_the_response_as_high_accuracy_integration_has_i
     # so strong that its straight line is this share of the mode's own stiffness
     force = CubicStiffness(Dof(1, "Y"), strength * M * W0**2 / (3 * rms**2)).on_motion()
     assert force is not None
-    one = force.at(rms)
+    one = force.linearised(rms)
     found = stepped(one, push(TIME, amplitude, phase), 8)
     wanted = integrated(one, amplitude, phase, 8)
     applied = np.fft.rfft(push(TIME, amplitude, phase))[1:61]
@@ -94,7 +94,7 @@ def test_friction_too_follows_high_accuracy_integration() -> None:
     _, rms = rms_of(amplitude, phase)
     force = Friction(Dof(1, "Y"), 0.5, 0.05 * rms).on_motion()
     assert force is not None
-    one = force.at(rms)
+    one = force.linearised(rms)
     found, wanted = stepped(one, push(TIME, amplitude, phase), 8), integrated(one, amplitude, phase, 8)
     # the step of the law is passed within some steps of time: 1 % of the motion
     assert np.abs(found - wanted).max() < 0.01 * np.abs(wanted).max()
@@ -105,7 +105,7 @@ def series(n: int, shape: tuple[int, ...]) -> FloatArray:
 
 
 def residuals_of(
-    feedbacks: list[ModalFeedback], found: list[list[Linearised]], moved: FloatArray, block: int = 16
+    feedbacks: list[ModalFeedback], found: list[list[LinearisedForce]], moved: FloatArray, block: int = 16
 ) -> FloatArray:
     stepper = Stepper(feedbacks, [one.force.of_velocity for one in found[0]], 1e-3, block)
     return residual_forces(found, lambda start, end: moved[start:end], len(moved), stepper)
@@ -117,9 +117,9 @@ SPRING = LocalForce(Dof(1, "Y"), lambda x: 1e5 * x**3, lambda x: 3e5 * x**2, deg
 
 def test_forces_at_several_motions_are_solved_for_together() -> None:
     moved = series(50, (1, 3, 2))
-    both = residuals_of([TWO], [[SPRING.at(0.01)] * 2], moved)
+    both = residuals_of([TWO], [[SPRING.linearised(0.01)] * 2], moved)
     turned = residuals_of(
-        [replace(TWO, shapes=TWO.shapes[::-1])], [[SPRING.at(0.01)] * 2], moved[..., ::-1].copy()
+        [replace(TWO, shapes=TWO.shapes[::-1])], [[SPRING.linearised(0.01)] * 2], moved[..., ::-1].copy()
     )
     np.testing.assert_allclose(both, turned[..., ::-1], rtol=1e-9, atol=1e-15)
 
@@ -127,7 +127,10 @@ def test_forces_at_several_motions_are_solved_for_together() -> None:
 def test_runs_side_by_side_are_what_each_is_alone() -> None:
     """Structures with different numbers of modes, forces at different motions."""
     one = ModalFeedback(TWO.shapes[:, :1], TWO.omega[:1], TWO.damping[:1])
-    found = [[SPRING.at(0.01), SPRING.at(0.008)], [SPRING.at(0.02), SPRING.at(0.011)]]
+    found = [
+        [SPRING.linearised(0.01), SPRING.linearised(0.008)],
+        [SPRING.linearised(0.02), SPRING.linearised(0.011)],
+    ]
     moved = series(70, (2, 3, 2))
     together = residuals_of([one, TWO], found, moved)
     for i, feedback in enumerate((one, TWO)):
@@ -138,20 +141,20 @@ def test_runs_side_by_side_are_what_each_is_alone() -> None:
 @pytest.mark.parametrize("n_forces", [1, 2])
 def test_the_length_of_a_block_changes_nothing(n_forces: int) -> None:
     feedback = replace(TWO, shapes=TWO.shapes[:n_forces])
-    found, moved = [[SPRING.at(0.01)] * n_forces], series(70, (1, 3, n_forces))
+    found, moved = [[SPRING.linearised(0.01)] * n_forces], series(70, (1, 3, n_forces))
     step_by_step, blocks = (residuals_of([feedback], found, moved, block) for block in (1, 16))
     # rounding alone
     np.testing.assert_allclose(blocks, step_by_step, rtol=1e-9, atol=1e-12 * np.abs(blocks).max())
     assert np.abs(blocks).max() > 0
 
 
-def held_by_friction(share: float) -> tuple[ModalFeedback, Linearised]:
+def held_by_friction(share: float) -> tuple[ModalFeedback, LinearisedForce]:
     """Two modes at 0.1 % and a brake whose straight line is this share of what would stop the first."""
     law = Friction(Dof(1, "Y"), 1.0, 1e-6).on_motion()
     assert law is not None
     shapes, omega = np.array([[0.7, 0.9]]), np.array([30.0, 40.0])
     line = share * 2 * omega[0] / shapes[0, 0] ** 2
-    one = law.at(np.sqrt(2 / np.pi) / line)  # f sqrt(2/pi)/s, well above sticking
+    one = law.linearised(np.sqrt(2 / np.pi) / line)  # f sqrt(2/pi)/s, well above sticking
     return ModalFeedback(shapes, omega, 2e-3 * omega + one.slope * shapes[0] ** 2), one
 
 

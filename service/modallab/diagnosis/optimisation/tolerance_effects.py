@@ -22,8 +22,8 @@ class AccelerometerTolerance(Effect):
     stage: ClassVar[Stage] = Stage.STRUCTURE
     more: float = parameter(0.0, unit="kg", lower=-0.5, upper=0.5, doc="mass beyond the one declared")
 
-    def on_system(self, system: DynamicSystem, shot: AcquisitionRun) -> DynamicSystem:
-        nodes = sorted({dof.node for dof in shot.outputs})
+    def on_system(self, system: DynamicSystem, acquisition_run: AcquisitionRun) -> DynamicSystem:
+        nodes = sorted({dof.node for dof in acquisition_run.outputs})
         masses = system.add_masses(nodes, self.more).attachments[len(system.attachments) :]
         attachments = list(system.attachments)
         places = {a.columns.tobytes(): i for i, a in reversed(list(enumerate(attachments))) if _is_mass(a)}
@@ -64,5 +64,5 @@ class LossTolerance(Effect):
     more: tuple[float, ...] = ()
     """Loss factors beyond the model's, of the lowest elastic modes."""
 
-    def on_system(self, system: DynamicSystem, shot: AcquisitionRun) -> DynamicSystem:
+    def on_system(self, system: DynamicSystem, acquisition_run: AcquisitionRun) -> DynamicSystem:
         return system.with_modal_loss(self.more)

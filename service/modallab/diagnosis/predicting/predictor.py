@@ -26,7 +26,7 @@ from modallab.rig.chain import Chain, chain
 from modallab.rig.channel import Channel
 from modallab.rig.effect import Effect, build
 from modallab.rig.excitation import EXCITATIONS
-from modallab.rig.expected import coarse_spectra, expected_spectra, thin_view
+from modallab.rig.expected import coarse_spectra, derivative_kernel, expected_spectra
 from modallab.rig.measurement import Measurement
 from modallab.rig.periodic_variance import VarianceFactors, periodic_factors
 from modallab.rig.record_correlation import correlated_excess_variance
@@ -107,7 +107,7 @@ class Predictor:
         whole, other._rest = split_by_scope(other.tolerated)
         other._loose = self.system
         for effect in whole:
-            other._loose = effect.on_system(other._loose, self.setup.shots[0])
+            other._loose = effect.on_system(other._loose, self.setup.acquisition_runs[0])
         return other
 
     def folded_into_matrices(self, effects: Sequence[Effect]) -> "Predictor":
@@ -117,7 +117,7 @@ class Predictor:
         """
         other = copy(self)
         for effect in effects:
-            other._loose = effect.on_system(other._loose, self.setup.shots[0])
+            other._loose = effect.on_system(other._loose, self.setup.acquisition_runs[0])
         other._loose = other._loose.folded()
         return other
 
@@ -128,7 +128,7 @@ class Predictor:
         leaking = whole.source.continuous > 0
         excitation, steady = EXCITATIONS[self.setup.analyser.excitation.kind], None
         bursts = is_intermittent(effects, self.setup)
-        if excitation.comes_back:
+        if excitation.deterministic:
             steady = partial(periodic_factors, whole, spectra)
         elif bursts:
             steady = partial(self._rehearsed, whole, spectra, effects)
@@ -161,15 +161,15 @@ class Predictor:
     def _rehearsed(
         self, whole: Chain, spectra: CrossSpectra, effects: Sequence[Effect], repeats: int | None = None
     ) -> VarianceFactors | None:
-        before = self._rehearsals.made
+        before = self._rehearsals.n_simulated
         found = self._rehearsals.factors(whole, spectra, effects, repeats=repeats)
-        self.budget.spend(STEPPED * len(whole.runs[0].local) * (self._rehearsals.made - before))
+        self.budget.spend(STEPPED * len(whole.runs[0].local_forces) * (self._rehearsals.n_simulated - before))
         return found
 
     def linearisation_at(self, effects: Sequence[Effect]) -> Callable[[Sequence[Effect]], Predicted]:
         """Return predictions to differentiate with, near some effects: leakage on one thin grid for all."""
         here = self.chain(effects)
-        view, taken = thin_view(here), here.response_spectrum
+        view, taken = derivative_kernel(here), here.local_rms
 
         def sketch(near: Sequence[Effect]) -> Predicted:
             return Predicted.of(expected_spectra(self.chain(near, initial_rms=taken), view))
@@ -233,8 +233,8 @@ class Predictor:
             visited = chain(self._loose, replace(self.setup, responses=dofs), extended)
             return np.asarray(visited.respond(freq).inertance[:, :, 0, 0].T[..., None])
         first = chain(self._loose, self.setup, extended).runs[0]
-        shot = replace(first.shot, outputs=dofs)
-        elsewhere = replace(first, shot=shot, responses=tuple(map(Channel.ideal, dofs)))
+        acquisition_run = replace(first.acquisition_run, outputs=dofs)
+        elsewhere = replace(first, acquisition_run=acquisition_run, responses=tuple(map(Channel.ideal, dofs)))
         whole = replace(chain(self._loose, self.setup), runs=(elsewhere,))
         return np.asarray(whole.respond(freq).inertance[0])
 

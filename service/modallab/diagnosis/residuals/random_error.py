@@ -110,7 +110,7 @@ def force_spectrum(
         return None, 1.0
     force = replace_zeros(measurement.force_spectrum[:, runs, 0])
     excitation = EXCITATIONS[measurement.setup.analyser.excitation.kind]
-    periodic = excitation.comes_back and measurement.coherence is not None
+    periodic = excitation.deterministic and measurement.coherence is not None
     random_share = _force_noise_bound(measurement) / force if periodic else np.ones_like(force)
     random_share = np.clip(random_share, RANDOM_ERROR.prediction_error**2, 1.0)
     # The sizes of blows scatter too, of all lines alike.

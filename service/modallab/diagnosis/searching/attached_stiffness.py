@@ -77,7 +77,7 @@ class AttachedStiffness:
 
     def _hung(self, effect: Effect) -> Own | None:
         """Return what an effect attaches to the structure; None if it does anything else to it."""
-        before, after = self._run.system, effect.on_system(self._run.system, self._run.shot)
+        before, after = self._run.system, effect.on_system(self._run.system, self._run.acquisition_run)
         if after.mass is not before.mass or after.stiffness is not before.stiffness:
             return None
         n = len(before.attachments)

@@ -160,7 +160,7 @@ class _Test:
         self.omega = 2 * np.pi * np.maximum(freq, CHAIN.dc_line_fraction * analyser.spacing)
         self._hanging = AttachedStiffness(self._runs[0], self.omega)
         self._reaches = [_reach(runs, self.omega) for runs in _alike(self._runs)]
-        first = [run.system.selection(run.shot.drives[:1]) for run in self._runs]
+        first = [run.system.selection(run.acquisition_run.drives[:1]) for run in self._runs]
         self._direct = self._receptances(first)[0][..., 0]
 
     @property
@@ -211,12 +211,14 @@ class _Test:
         """Return alpha_oX (n_run, n_lines, n_out, n) of all DoFs, alpha_dX (.., n), alpha_od (.., n_out)."""
         alpha = []
         for run in self._runs:
-            drive = run.system.selection(run.shot.drives[:1])
+            drive = run.system.selection(run.acquisition_run.drives[:1])
             left = np.hstack([run.system.selection(run.motions), drive])
             right = np.hstack([drive, np.eye(len(drive))])
             response = run.system.base_modes(float(self.omega.max()) / (2 * np.pi)).at(self.omega)
             alpha.append(attached(response, run.system, left, right))
-        heard = np.array([run.mixed(own[:, :-1]) for run, own in zip(self._runs, alpha, strict=True)])
+        heard = np.array(
+            [run.channel_motions(own[:, :-1]) for run, own in zip(self._runs, alpha, strict=True)]
+        )
         return heard[..., 1:], np.array([own[:, -1, 1:] for own in alpha]), heard[..., 0]
 
     def _receptances(self, columns: Sequence[FloatArray]) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
@@ -233,7 +235,7 @@ class _Test:
             to_b, own = reach.to(columns[len(alpha)])
             alpha += list(to_b)
             within += list(own)
-        heard = [run.mixed(own) for run, own in zip(self._runs, alpha, strict=True)]
+        heard = [run.channel_motions(own) for run, own in zip(self._runs, alpha, strict=True)]
         from_b = [own[:, :1].swapaxes(1, 2) for own in alpha]
         return np.array(heard), np.array(within), np.array(from_b)
 
@@ -243,7 +245,7 @@ def _alike(runs: Sequence[Run]) -> list[Sequence[Run]]:
     first = runs[0]
     alike = all(
         run.system.mass is first.system.mass
-        and run.shot.drives == first.shot.drives
+        and run.acquisition_run.drives == first.acquisition_run.drives
         and len(run.motions) == len(first.motions)
         for run in runs
     )

@@ -157,10 +157,10 @@ class _Factors:
 
     def _doubled(self, effects: Sequence[Effect]) -> list[Exchange]:
         """Return what comes and goes if each factor doubles: a matrix is in proportion to it."""
-        shot, now = self._predictor.setup.shots[0], self._predictor.system
+        acquisition_run, now = self._predictor.setup.acquisition_runs[0], self._predictor.system
         for effect in effects:
-            now = effect.on_system(now, shot)
-        twice = [self._at(i, np.log(2.0)).on_system(now, shot) for i in range(len(self))]
+            now = effect.on_system(now, acquisition_run)
+        twice = [self._at(i, np.log(2.0)).on_system(now, acquisition_run) for i in range(len(self))]
         each = zip(twice, self._members, strict=True)
         return [(system.alterations[number][1], now.alterations[number][1]) for system, number in each]
 

@@ -22,11 +22,11 @@ class Burst:
         """Return 1: it is white."""
         return np.ones(len(omega), complex)
 
-    def strays(self, setting: ExcitationSetting) -> bool:
+    def misaligned(self, setting: ExcitationSetting) -> bool:
         """Return False: exciters are mounted."""
         return False
 
-    def typical(self, answers: ImpulseResponses, setting: ExcitationSetting) -> Iterator[FloatArray]:
+    def expected_records(self, answers: ImpulseResponses, setting: ExcitationSetting) -> Iterator[FloatArray]:
         """Yield the records of single impulses."""
         length, n = self._samples(answers, setting), answers.n_samples
         edges = np.linspace(0, length, min(length, BURST.n_impulses) + 1)
@@ -36,10 +36,10 @@ class Burst:
         size = np.sqrt(n * answers.n_in)
         batch = max(1, BURST.record_block // (n * answers.samples.shape[0] * answers.samples.shape[1]))
         for start in range(0, len(moments), batch):
-            records = answers.after(moments[start : start + batch])
+            records = answers.records_after(moments[start : start + batch])
             yield size * records.reshape(-1, *records.shape[2:])
 
-    def drawn(
+    def random_records(
         self, answers: ImpulseResponses, setting: ExcitationSetting, n: int, rng: np.random.Generator
     ) -> FloatArray:
         """Return n records, (n, n_ch, n_samples)."""
@@ -51,7 +51,7 @@ class Burst:
         channel_lines = np.einsum("nsf,scf->ncf", lines, answer)
         return np.asarray(scipy.fft.irfft(channel_lines, 2 * n_samples, overwrite_x=True)[..., :n_samples])
 
-    def recurring(self, answers: ImpulseResponses, setting: ExcitationSetting) -> None:
+    def basis_records(self, answers: ImpulseResponses, setting: ExcitationSetting) -> None:
         """Return None: it is Gaussian."""
 
     def weights(

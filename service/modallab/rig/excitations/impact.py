@@ -6,7 +6,7 @@ import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.rig.excitation import EXCITATIONS, Excitation, ExcitationSetting
-from modallab.rig.hammer import pulse_spectrum, pulse_width, tilt_moments, tilted
+from modallab.rig.hammer import pulse_spectrum, pulse_width, tilt_factors, tilt_moments
 from modallab.rig.impulse_responses import ImpulseResponses
 
 
@@ -22,29 +22,29 @@ class Blow:
         """Return the pulse's transform over its value at 0 Hz."""
         return pulse_spectrum(omega, pulse_width(setting.tip_stiffness, setting.hammer_mass))
 
-    def strays(self, setting: ExcitationSetting) -> bool:
+    def misaligned(self, setting: ExcitationSetting) -> bool:
         """Return whether blows fall beside their point or off their axis."""
         return setting.place_scatter > 0 or setting.angle_scatter > 0
 
-    def typical(self, answers: ImpulseResponses, setting: ExcitationSetting) -> Iterator[FloatArray]:
+    def expected_records(self, answers: ImpulseResponses, setting: ExcitationSetting) -> Iterator[FloatArray]:
         """Yield blows, as many as there are ways to stray, that have the mean products of all blows."""
         eigenvalues, eigenvectors = np.linalg.eigh(self.moments(answers, setting))
         basis = eigenvectors.T * np.sqrt(len(eigenvalues) * eigenvalues.clip(min=0.0))[:, None]
-        yield np.tensordot(basis, self.recurring(answers, setting), axes=1)
+        yield np.tensordot(basis, self.basis_records(answers, setting), axes=1)
 
-    def drawn(
+    def random_records(
         self, answers: ImpulseResponses, setting: ExcitationSetting, n: int, rng: np.random.Generator
     ) -> FloatArray:
         """Return n records, (n, n_ch, n_samples)."""
         weights = self.weights(answers, setting, n, rng)
-        return np.asarray(np.tensordot(weights, self.recurring(answers, setting), axes=1))
+        return np.asarray(np.tensordot(weights, self.basis_records(answers, setting), axes=1))
 
-    def recurring(self, answers: ImpulseResponses, setting: ExcitationSetting) -> FloatArray:
+    def basis_records(self, answers: ImpulseResponses, setting: ExcitationSetting) -> FloatArray:
         """Return the records of a blow; where it strays, first its force alone, then the responses to it
         along the axis, per metre beside the point, and across."""
         moment = round(setting.pre_trigger * answers.n_samples)
-        records = np.sqrt(answers.n_samples) * answers.after(np.array([moment]))[0]
-        if not self.strays(setting):
+        records = np.sqrt(answers.n_samples) * answers.records_after(np.array([moment]))[0]
+        if not self.misaligned(setting):
             return np.asarray(records)
         force, axial = records[:1].copy(), records[:1].copy()
         force[:, answers.n_in :], axial[:, : answers.n_in] = 0.0, 0.0
@@ -56,15 +56,15 @@ class Blow:
         """Return the weights of n blows, (n, k)."""
         s = setting.level_scatter
         size = np.exp(s * rng.standard_normal((n, 1)) - s**2)
-        if not self.strays(setting):
+        if not self.misaligned(setting):
             return np.asarray(size)
         place_offset = setting.place_scatter * rng.standard_normal((n, 1))
-        along, across = tilted(setting.angle_scatter, n, answers.samples.shape[0] - 2, rng)
+        along, across = tilt_factors(setting.angle_scatter, n, answers.samples.shape[0] - 2, rng)
         return np.asarray(size * np.hstack([np.ones((n, 1)), along[:, None], place_offset, across]))
 
     def moments(self, answers: ImpulseResponses, setting: ExcitationSetting) -> FloatArray:
         """Return the mean products of the weights, (k, k)."""
-        if not self.strays(setting):
+        if not self.misaligned(setting):
             return np.eye(1)
         n_lateral = answers.samples.shape[0] - 2
         along, spread, across = tilt_moments(setting.angle_scatter, n_lateral)
@@ -77,7 +77,7 @@ EXCITATIONS.register("impact")(
     Excitation(
         summary="the blow of a hammer: a pulse as short as its tip is hard and its head light",
         transient=Blow(),
-        recurring=True,
+        deterministic_transient=True,
         settings=(
             "level",
             "tip_stiffness",

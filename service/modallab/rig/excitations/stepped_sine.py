@@ -9,6 +9,6 @@ EXCITATIONS.register("stepped_sine")(
     Excitation(
         summary="one line after the other, each in steady state: neither leakage nor window, little noise",
         phases=swept_phases,
-        one_by_one=True,
+        line_by_line=True,
     )
 )

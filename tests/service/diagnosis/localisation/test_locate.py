@@ -71,7 +71,9 @@ def test_shifts_of_modes_are_those_of_the_eigenvalues(hidden: Effect, kind: str,
     setup = replace(setup, accelerometers=replace(setup.accelerometers, mass=0.0))
     found = located([hidden], replace(setup, analyser=replace(setup.analyser, n_lines=801)))
     bare = assemble(model()).add_mass(1, 0.01)  # the force transducer's
-    before, after = (one.modes().elastic(4) for one in (bare, hidden.on_system(bare, setup.shots[0])))
+    before, after = (
+        one.modes().elastic(4) for one in (bare, hidden.on_system(bare, setup.acquisition_runs[0]))
+    )
     assert [one.mode for one in found.mode_shifts] == [1, 2, 3, 4]
     for i, one in enumerate(found.mode_shifts):
         frequency = after.frequencies[i] / before.frequencies[i] - 1

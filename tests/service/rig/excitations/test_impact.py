@@ -20,8 +20,8 @@ from modallab.fe.system import DynamicSystem
 from modallab.rig.analyser import Analyser, ExcitationSetting
 from modallab.rig.chain import Chain, chain
 from modallab.rig.expected import expected_spectra
-from modallab.rig.free_decay import answers_of
-from modallab.rig.hammer import pulse_spectrum, pulse_width, reach, tilt_moments, tilted
+from modallab.rig.free_decay import impulse_responses_of
+from modallab.rig.hammer import band_limit, pulse_spectrum, pulse_width, tilt_factors, tilt_moments
 from modallab.rig.measure import draw
 from modallab.rig.sampled import sampled_spectra
 from modallab.rig.setup import RigSetup
@@ -42,8 +42,12 @@ def h1(spectra: CrossSpectra) -> ComplexArray:
 
 
 def exact(bench: Chain) -> ComplexArray:
-    freq, shot, system = bench.setup.analyser.freq[1:], bench.runs[0].shot, bench.runs[0].system
-    columns = system.selection(shot.outputs), system.selection(shot.drives)
+    freq, acquisition_run, system = (
+        bench.setup.analyser.freq[1:],
+        bench.runs[0].acquisition_run,
+        bench.runs[0].system,
+    )
+    columns = system.selection(acquisition_run.outputs), system.selection(acquisition_run.drives)
     return -((2 * np.pi * freq) ** 2)[:, None] * direct_receptance(system, freq, *columns)[..., 0]
 
 
@@ -64,11 +68,11 @@ def test_the_pulse_is_half_a_sine_of_half_a_period_of_the_head_on_its_tip() -> N
 @pytest.mark.parametrize("tip", [1e6, 1e7, 1e8])
 def test_a_harder_tip_reaches_as_much_farther_as_the_root_of_its_stiffness(tip: float) -> None:
     soft, hard = pulse_width(tip, 0.2), pulse_width(4 * tip, 0.2)
-    assert np.isclose(reach(hard), 2 * reach(soft), rtol=1e-9)
-    at = pulse_spectrum(2 * np.pi * np.array([reach(soft, 10.0), reach(soft, 20.0)]), soft)
+    assert np.isclose(band_limit(hard), 2 * band_limit(soft), rtol=1e-9)
+    at = pulse_spectrum(2 * np.pi * np.array([band_limit(soft, 10.0), band_limit(soft, 20.0)]), soft)
     np.testing.assert_allclose(20 * np.log10(np.abs(at)), [-10.0, -20.0], atol=1e-6)
     # cos(4.10)/(1 - (2 4.10/pi)^2) = 0.099, by hand
-    assert np.isclose(np.pi * soft * reach(soft), 4.10, rtol=0.01)
+    assert np.isclose(np.pi * soft * band_limit(soft), 4.10, rtol=0.01)
 
 
 @pytest.mark.parametrize("tip", [1e6, 1e7])
@@ -129,10 +133,10 @@ def test_one_degree_of_freedom_struck_in_a_record_is_the_closed_form() -> None:
         analyser=Analyser(200.0, 101, excitation=ExcitationSetting("impact", tip_stiffness=1e11)),
     )
     bench = chain(system, setup)
-    answers = answers_of(bench, 0)
+    answers = impulse_responses_of(bench, 0)
     n, analyser = answers.n_samples, setup.analyser
     s = round(0.3 * n)
-    record = answers.after(np.array([s]))[0, 0, 1]
+    record = answers.records_after(np.array([s]))[0, 0, 1]
     lines = np.fft.rfft(record)[: analyser.n_lines] * np.exp(2j * np.pi * np.arange(analyser.n_lines) * s / n)
     omega = 2 * np.pi * analyser.freq
     pole = -viscous / (2 * mass) + 1j * np.sqrt(stiffness / mass - (viscous / (2 * mass)) ** 2)
@@ -209,7 +213,7 @@ def test_an_unsteady_hand_scatters_alike_on_all_routes(route: str) -> None:
 
 def test_a_tilted_blow_has_less_along_its_axis_and_some_across() -> None:
     scatter, n = 0.4, 200_000
-    along, across = tilted(scatter, n, 1, np.random.default_rng(3))
+    along, across = tilt_factors(scatter, n, 1, np.random.default_rng(3))
     mean, spread, square = tilt_moments(scatter, 1)
     assert np.isclose(along.mean(), mean, atol=4 * along.std() / np.sqrt(n))
     assert np.isclose(along.var(), spread, rtol=4 * np.sqrt(8 / n))  # skew: kurtosis below 10

@@ -27,8 +27,12 @@ LIGHT = StructuralDamping(stiffness_coefficient=1e-4)  # half-power bandwidths f
 
 def inertance(bench: Chain) -> ComplexArray:
     """By solving at every line."""
-    freq, shot, system = bench.setup.analyser.freq[1:], bench.runs[0].shot, bench.runs[0].system
-    columns = system.selection(shot.outputs), system.selection(shot.drives)
+    freq, acquisition_run, system = (
+        bench.setup.analyser.freq[1:],
+        bench.runs[0].acquisition_run,
+        bench.runs[0].system,
+    )
+    columns = system.selection(acquisition_run.outputs), system.selection(acquisition_run.drives)
     return -((2 * np.pi * freq) ** 2)[:, None] * direct_receptance(system, freq, *columns)[..., 0]
 
 

@@ -7,7 +7,7 @@ from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.estimation.windows import WINDOWS
 from modallab.rig.analyser import Analyser
 from modallab.rig.leakage_kernel import leak_spectrum
-from modallab.rig.view import coarse_view, periodic_view, refined, refined_view
+from modallab.rig.line_kernels import coarse_kernel, periodic_kernel, refined_kernel, refined_panels
 
 ANALYSER = Analyser(frequency_max=120.0, n_lines=81, window="hann")  # 1.5 Hz a line
 
@@ -32,10 +32,10 @@ def hanning_sees(resonance: float, half: float, lines: FloatArray) -> FloatArray
 @pytest.mark.parametrize("place", [40.0, 40.2, 40.5])
 def test_a_resonance_between_lines_is_seen_as_its_closed_form(half: float, place: float) -> None:
     d = ANALYSER.spacing
-    grid = refined(ANALYSER, np.array([place * d]), np.array([half * d]))
+    grid = refined_panels(ANALYSER, np.array([place * d]), np.array([half * d]))
     view = leak_spectrum("hann", ANALYSER.n_lines, d, *grid)  # of continuous time, as the closed form is
     x = view.nodes / d
-    seen = view.through((1 / ((x - place) ** 2 + half**2))[None, :, None].astype(complex))[0, :, 0]
+    seen = view.convolve((1 / ((x - place) ** 2 + half**2))[None, :, None].astype(complex))[0, :, 0]
     near = np.arange(30, 51)
     closed = hanning_sees(place, half, near.astype(float))
     # the band ends 30 lines away, where a Hanning line takes 30^-6 of what it takes at home; the terms
@@ -47,9 +47,9 @@ def test_a_resonance_between_lines_is_seen_as_its_closed_form(half: float, place
 def test_a_look_without_refinement_is_near_where_resonances_are_a_line_wide() -> None:
     d = ANALYSER.spacing
     for place in (40.0, 40.3):
-        view = coarse_view(ANALYSER, 2)
+        view = coarse_kernel(ANALYSER, 2)
         x = view.nodes / d
-        seen = view.through((1 / ((x - place) ** 2 + 0.25)).astype(complex)[None, :, None])[0, :, 0]
+        seen = view.convolve((1 / ((x - place) ** 2 + 0.25)).astype(complex)[None, :, None])[0, :, 0]
         even = np.arange(30, 51, 2)
         closed = hanning_sees(place, 0.5, even.astype(float))
         # midpoints h = half a line apart, a pole a = half a line away, the line shape W there: of a peak of
@@ -60,8 +60,8 @@ def test_a_look_without_refinement_is_near_where_resonances_are_a_line_wide() ->
 @pytest.mark.parametrize("window", [kind for kind in sorted(WINDOWS) if not WINDOWS[kind].transient])
 def test_white_noise_is_seen_as_it_is_by_lines_inside_the_band(window: str) -> None:
     analyser = Analyser(frequency_max=120.0, n_lines=81, window=window)
-    view = refined_view(analyser, np.array([]), np.array([]))
-    seen = view.through(np.ones((1, len(view.nodes), 1), complex))[0, :, 0]
+    view = refined_kernel(analyser, np.array([]), np.array([]))
+    seen = view.convolve(np.ones((1, len(view.nodes), 1), complex))[0, :, 0]
     # with a rectangular record 1/(pi^2 x) of the power comes from beyond x lines away, each side
     far = 1.2 / (2 * np.pi**2 * 20) * 2 if window == "rectangular" else 1e-7
     np.testing.assert_allclose(seen[:61].real, 1.0, rtol=far)
@@ -71,8 +71,8 @@ def test_white_noise_is_seen_as_it_is_by_lines_inside_the_band(window: str) -> N
 
 
 def test_a_cross_spectrum_below_zero_hertz_is_the_conjugate_of_that_above() -> None:
-    view = refined_view(ANALYSER, np.array([]), np.array([]))
-    seen = view.through(np.full((1, len(view.nodes), 1), 1j))[0, :, 0]
+    view = refined_kernel(ANALYSER, np.array([]), np.array([]))
+    seen = view.convolve(np.full((1, len(view.nodes), 1), 1j))[0, :, 0]
     assert abs(seen[0]) < 1e-15  # as much of i as of -i
     # of line 1 two thirds lie above 1/2; by symmetry about itself it takes the odd part once more
     assert 0.5 < seen[1].imag < 1.0
@@ -81,14 +81,14 @@ def test_a_cross_spectrum_below_zero_hertz_is_the_conjugate_of_that_above() -> N
 
 def test_a_periodic_signal_through_a_rectangular_record_is_not_smeared() -> None:
     analyser = Analyser(frequency_max=120.0, n_lines=81, window="rectangular")
-    view = periodic_view(analyser)
+    view = periodic_kernel(analyser)
     spectrum = np.random.default_rng(0).standard_normal((2, 81, 3)).astype(complex)
-    np.testing.assert_array_equal(view.through(spectrum), spectrum)
+    np.testing.assert_array_equal(view.convolve(spectrum), spectrum)
 
 
 def test_a_periodic_signal_through_a_hanning_record_reaches_the_next_lines_alone() -> None:
-    view = periodic_view(ANALYSER)
+    view = periodic_kernel(ANALYSER)
     spectrum = np.zeros((1, 81, 1), complex)
     spectrum[0, 40] = 1.0
-    seen = view.through(spectrum)[0, :, 0].real
+    seen = view.convolve(spectrum)[0, :, 0].real
     np.testing.assert_allclose(seen[38:43], [0, 1 / 6, 2 / 3, 1 / 6, 0], atol=1e-15)  # rounding

@@ -15,7 +15,7 @@ from modallab.rig.spectrum_settings import QUADRATURE
 
 
 @dataclass(frozen=True, eq=False)
-class View:
+class LineKernel:
     """Where a spectrum has to be known, and what each line takes from there.
 
     `mirrored` brings in the negative frequencies, where spectra are conjugate; without kernels
@@ -33,7 +33,7 @@ class View:
         assert self.mirrored is not None
         return self.near + self.mirrored, self.near - self.mirrored
 
-    def through(self, spectrum: ComplexArray) -> ComplexArray:
+    def convolve(self, spectrum: ComplexArray) -> ComplexArray:
         """Return a spectrum at the nodes (n_run, n_nodes, k) as the lines see it, (n_run, n_lines, k)."""
         if self.near is None or self.mirrored is None:
             return spectrum
@@ -48,12 +48,12 @@ class View:
 
 
 @lru_cache(maxsize=16)
-def periodic_view(analyser: Analyser, step: int = 1) -> View:
+def periodic_kernel(analyser: Analyser, step: int = 1) -> LineKernel:
     """Return how every `step`-th line sees a signal that repeats with the record: lines see lines."""
     window, n = analyser.line_window, analyser.n_lines
     reach = len(window.coefficients) - 1  # farther off, its line shape is 0 at whole lines
     if reach == 0:  # and 1 at its own line
-        return View(analyser.freq[::step])
+        return LineKernel(analyser.freq[::step])
     line, offset = np.arange(n)[:, None], np.arange(-reach, reach + 1)
     shape = np.broadcast_to(window.line_shape(offset.astype(float)), (n, len(offset)))
 
@@ -62,14 +62,14 @@ def periodic_view(analyser: Analyser, step: int = 1) -> View:
         return csr_array(coo_array((shape[in_band], (rows[in_band], source[in_band])), (n, n)))[::step]
 
     line_index = line + offset
-    return View(
+    return LineKernel(
         analyser.freq,
         matrix(line_index, (line_index >= 0) & (line_index < n)),
         matrix(-line_index, (line_index < 0) & (line_index > -n)),
     )
 
 
-def refined_view(
+def refined_kernel(
     analyser: Analyser, poles: FloatArray, widths: FloatArray, points: int = QUADRATURE.gauss_points
 ) -> LeakageKernel:
     """Return how the lines see a stationary signal, by quadrature refined towards resonances.
@@ -81,13 +81,13 @@ def refined_view(
     points
         Of a panel.
     """
-    grid = refined(analyser, poles, widths, points)
+    grid = refined_panels(analyser, poles, widths, points)
     window, n_samples = analyser.line_window_kind, samples_of(analyser)
     return leak_spectrum(window, analyser.n_lines, analyser.spacing, *grid, n_samples)
 
 
 @lru_cache(maxsize=16)
-def coarse_view(analyser: Analyser, step: int) -> View:
+def coarse_kernel(analyser: Analyser, step: int) -> LineKernel:
     """Return how every `step`-th line sees a stationary signal, on a grid that knows no resonance.
 
     Even steps of half a line: of smooth functions no rule of as many points is better, and a window's
@@ -103,10 +103,10 @@ def coarse_view(analyser: Analyser, step: int) -> View:
         window.line_shapes(lines, position, n) / QUADRATURE.coarse_points
         for position in (positions, -positions)
     )
-    return View(positions * analyser.spacing, near, mirrored)
+    return LineKernel(positions * analyser.spacing, near, mirrored)
 
 
-def refined(
+def refined_panels(
     analyser: Analyser, poles: FloatArray, widths: FloatArray, points: int = QUADRATURE.gauss_points
 ) -> tuple[FloatArray, FloatArray]:
     """Return Gauss nodes and weights, (n_nodes,) Hz, from 0 Hz to the top of the band.
