@@ -1,1 +1,1 @@
-"""Modes out of frequency responses: bands, single-mode fits, one consistent set."""
+"""Extraction of modes from frequency response functions: bands, single-mode and multi-mode fits, averages."""

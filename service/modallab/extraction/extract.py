@@ -1,4 +1,4 @@
-"""The one way from measured responses to modes."""
+"""Extraction of a modal model from measured responses, by any method."""
 
 from collections.abc import Sequence
 from dataclasses import asdict, replace
@@ -24,14 +24,13 @@ from modallab.extraction.preprocessing.noise_bias import (
 )
 from modallab.extraction.preprocessing.responses import Responses, responses_of
 from modallab.extraction.preprocessing.white_forces import white_forces_notes
+from modallab.extraction.settings import PROGRESS_SHARES
 from modallab.extraction.single_mode.method import EXTRACTION_METHODS
 from modallab.extraction.single_mode_extraction import extract_mode_by_mode
 
-LAW_TOLD = 0.6  # of the time, after which modes by the structural law have told which law holds
-
 
 class Read(Protocol):
-    """Modes by some options."""
+    """Extraction with given options."""
 
     def __call__(self, *, options: ExtractionOptions, progress: Progress) -> ModalModel: ...
 
@@ -87,7 +86,7 @@ def extract(
     """
     if n_modes is not None and n_modes < 1:
         raise InvalidInputError("at least one mode", field="n_modes", value=n_modes, allowed="1 or more")
-    asked = options_for(method, options)
+    requested = options_for(method, options)
     responses, bias = responses_read(frf, coherence, averages, leakage=leakage, estimator=estimator)
     if method in GLOBAL_METHODS:
         read: Read = partial(
@@ -110,23 +109,23 @@ def extract(
             n_modes=n_modes,
             leakage=leakage,
         )
-    if asked.damping is None and (method in GLOBAL_METHODS or EXTRACTION_METHODS[method].exact):
-        model = _by_told_law(read, asked, progress)
+    if requested.damping is None and (method in GLOBAL_METHODS or EXTRACTION_METHODS[method].exact):
+        model = _by_identified_damping_model(read, requested, progress)
     else:
-        model = read(options=asked, progress=progress)
+        model = read(options=requested, progress=progress)
     warned = (*low_coherence_notes(model, responses), *white_forces_notes(responses, leakage))
-    return replace(model, notes=(*model.notes, *warned), options=asdict(asked))
+    return replace(model, notes=(*model.notes, *warned), options=asdict(requested))
 
 
-def _by_told_law(read: Read, options: ExtractionOptions, progress: Progress) -> ModalModel:
-    """Return the modes by the law of damping that they tell, structural where they do not."""
-    model = read(options=options, progress=part(progress, 0.0, LAW_TOLD))
-    told = select_damping_model(model)
-    if told.law is Damping.VISCOUS:
-        viscous = replace(options, damping=told.law)
-        model = read(options=viscous, progress=part(progress, LAW_TOLD, 1.0))
+def _by_identified_damping_model(read: Read, options: ExtractionOptions, progress: Progress) -> ModalModel:
+    """Return the modes with the damping model that they indicate, structural where they do not decide."""
+    model = read(options=options, progress=part(progress, 0.0, PROGRESS_SHARES.structural_fit))
+    choice = select_damping_model(model)
+    if choice.law is Damping.VISCOUS:
+        viscous = replace(options, damping=choice.law)
+        model = read(options=viscous, progress=part(progress, PROGRESS_SHARES.structural_fit, 1.0))
     progress(1.0, "law of damping told")
-    return with_damping_model(model, told)
+    return with_damping_model(model, choice)
 
 
 def responses_read(
@@ -137,16 +136,16 @@ def responses_read(
     leakage: WindowLeakage | None,
     estimator: str | None,
 ) -> tuple[Responses, FloatArray | float]:
-    """Return what all methods start from, and its bias beside random error, relative, (n_freq, n_frf).
+    """Return the responses of all methods, and their relative bias beside random error, (n_freq, n_frf).
 
-    Parameters and errors as `extract`.
+    Parameters and errors as in `extract`.
     """
     responses = responses_of(frf, coherence, averages)
     if leakage is not None and len(responses.references) > 1:
         return responses, 0.0
-    if leakage is not None:  # a scale of all lines alike: how well it is known is no matter of weights
+    if leakage is not None:  # a scale common to all lines does not affect weights
         shares = leaked_force_noise(responses, leakage)
         return without_noise_bias(responses, shares, leakage.estimator)[0], 0.0
-    # of several references only that is known which bias may be left: noise of one force is in all FRFs
+    # with several references the bias is not corrected, because noise of one force affects all FRFs
     kind = None if estimator is None or len(responses.references) > 1 else noise_bias_of(estimator)
     return without_noise_bias(responses, noise_to_signal(responses, kind), kind)

@@ -1,4 +1,4 @@
-"""Modes by global methods: poles of all FRFs together, one fit of all modes, with honest errors."""
+"""Extraction by global methods: poles of all FRFs, one fit of all modes, standard errors."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -26,14 +26,12 @@ from modallab.extraction.preprocessing.bands import Band, mode_indicator
 from modallab.extraction.preprocessing.leakage import WindowLeakage
 from modallab.extraction.preprocessing.line_noise import has_coherence, line_weights
 from modallab.extraction.preprocessing.responses import Responses
+from modallab.extraction.settings import NOTES, PROGRESS_SHARES
 from modallab.extraction.single_mode.method import EXTRACTION_METHODS
 from modallab.extraction.single_mode.plan import damping_choice
-from modallab.extraction.single_mode_extraction import SMEARED, extract_mode_by_mode
+from modallab.extraction.single_mode_extraction import extract_mode_by_mode
 
-BEGIN = "dobson"  # undoes leakage of modes apart
-WITNESSES = 24  # FRFs that tell whether all are of one structure
-# Shares of the time, of many FRFs: modes one by one, of some FRFs or where lines leak of all, and all fits
-BEGUN, BEGUN_LEAKED, FITTED = 0.1, 0.6, 0.95
+STARTING_METHOD = "dobson"  # undoes leakage of modes apart
 
 
 def extract_globally(
@@ -77,11 +75,15 @@ def extract_globally(
         If a band given holds no mode, or no mode is found at all.
     """
     indicator = mode_indicator(responses.mobility, responses.coherent)
-    searched = find_frequency_ranges(responses, indicator, bands)
-    ranges = searched.ranges
-    begun = BEGUN if leakage is None else BEGUN_LEAKED
-    alone = _one_by_one(
-        responses, options, leakage, slice(ranges[0].start, ranges[-1].stop), part(progress, 0.0, begun)
+    search = find_frequency_ranges(responses, indicator, bands)
+    ranges = search.ranges
+    starting_share = PROGRESS_SHARES.single_modes if leakage is None else PROGRESS_SHARES.single_modes_leaked
+    single_modes = _single_mode_model(
+        responses,
+        options,
+        leakage,
+        slice(ranges[0].start, ranges[-1].stop),
+        part(progress, 0.0, starting_share),
     )
     charts = [Chart(lines, *orders_of(indicator[lines], options)) for lines in ranges]
     fits = _fits(
@@ -92,24 +94,24 @@ def extract_globally(
         options.law,
         leaked=None
         if leakage is None
-        else leakage_correction(leakage, alone, responses.drive_row, responses.averages),
-        given=bands is not None,
-        progress=part(progress, begun, FITTED),
+        else leakage_correction(leakage, single_modes, responses.drive_row, responses.averages),
+        requested=bands is not None,
+        progress=part(progress, starting_share, PROGRESS_SHARES.fits),
     )
-    progress(FITTED, "modes of all FRFs")
+    progress(PROGRESS_SHARES.fits, "modes of all FRFs")
     choices = {
         "max_order": charts[-1].why,
         "damping": damping_choice(options),
-        "range": searched.said(responses.freq),
+        "range": search.said(responses.freq),
     }
     model = modal_model(fits, responses, method=method, n_modes=n_modes, choices=choices)
-    model = with_duplicate_flags(model, alone)
+    model = with_duplicate_flags(model, single_modes)
     model = replace(
         model,
         notes=(
-            *searched.left_out,
-            *_not_of_one_structure(alone),
-            *_empty(responses.freq, ranges, fits),
+            *search.left_out,
+            *_inconsistency_warning(single_modes),
+            *_empty_range_notes(responses.freq, ranges, fits),
             *model.notes,
         ),
     )
@@ -117,8 +119,8 @@ def extract_globally(
         with_damping_model_flags(model, responses, options),
         responses,
         [Band(fit.lines.start, fit.lines.stop - 1, fit.lines.start) for fit in fits],
-        smeared=0 if leakage is None else SMEARED,
-        beyond=out_of_band_poles(fits, responses.freq),
+        smeared=0 if leakage is None else NOTES.smeared_lines,
+        out_of_band_poles=out_of_band_poles(fits, responses.freq),
     )
 
 
@@ -130,44 +132,50 @@ def _fits(
     damping: Damping,
     *,
     leaked: LeakageCorrection | None,
-    given: bool,
+    requested: bool,
     progress: Progress,
 ) -> list[GlobalFit]:
-    """Return the modes of each range that has some; raise where one that was given holds none."""
+    """Return the modes of each range that has some.
+
+    Raises
+    ------
+    NoModeInBandError
+        If a requested range has no mode, or no range has one.
+    """
     fits: list[GlobalFit] = []
-    known, n_ref = has_coherence(responses), len(responses.references)
+    weights_known, n_ref = has_coherence(responses), len(responses.references)
     for number, chart in enumerate(charts):
-        here = part(progress, number / len(charts), (number + 1) / len(charts))
+        range_progress = part(progress, number / len(charts), (number + 1) / len(charts))
         freq, lines = responses.freq[chart.lines], chart.lines
-        stretch = BandData(freq, responses.receptance[lines], weights[lines], known, n_ref)
-        found = modes_of(find, stretch, chart.orders, damping, leaked=leaked, progress=here)
-        if found is not None and found.inside.any():
-            fits.append(GlobalFit(lines, found))
-        elif given:
-            _none_in(freq, given=given)
+        stretch = BandData(freq, responses.receptance[lines], weights[lines], weights_known, n_ref)
+        modes = modes_of(find, stretch, chart.orders, damping, leaked=leaked, progress=range_progress)
+        if modes is not None and modes.inside.any():
+            fits.append(GlobalFit(lines, modes))
+        elif requested:
+            _raise_no_mode(freq, requested=requested)
     if not fits:
-        _none_in(responses.freq, given=given)
+        _raise_no_mode(responses.freq, requested=requested)
     return fits
 
 
-def _one_by_one(
+def _single_mode_model(
     responses: Responses,
     options: ExtractionOptions,
     leakage: WindowLeakage | None,
     lines: slice,
     progress: Progress,
 ) -> ModalModel | None:
-    """Return modes as a method sees them that takes them and the FRFs one by one; None if it sees none.
+    """Return modes by a single-mode method, FRF by FRF; None if there are none.
 
-    Where nothing leaks some of the FRFs and the lines asked for will do: they only have to say whether they
-    are of one structure.
+    Without leakage, some FRFs and the lines of the ranges suffice: they only test whether the FRFs belong to
+    one structure.
     """
     try:
         return extract_mode_by_mode(
-            EXTRACTION_METHODS[BEGIN],
-            responses if leakage is not None else _some(_within(responses, lines)),
+            EXTRACTION_METHODS[STARTING_METHOD],
+            responses if leakage is not None else _subset_of_frfs(_subset_of_lines(responses, lines)),
             DistantLinesOptions(damping=options.law),
-            method=BEGIN,
+            method=STARTING_METHOD,
             bands=None,
             n_modes=None,
             leakage=leakage,
@@ -177,10 +185,10 @@ def _one_by_one(
         return None
 
 
-def _some(responses: Responses) -> Responses:
-    """Return the FRFs, of many those of some DoFs, evenly among them, and of the drive points."""
+def _subset_of_frfs(responses: Responses) -> Responses:
+    """Return the FRFs of at most some evenly chosen DoFs, and of the drive points."""
     n, n_ref = len(responses.dofs), len(responses.references)
-    most = max(WITNESSES // n_ref, 1)
+    most = max(NOTES.consistency_frfs // n_ref, 1)
     rows = np.unique(np.linspace(0, n - 1, min(n, most)).round().astype(int))
     rows = np.union1d(rows, responses.driving[responses.driving >= 0])
     frfs = (rows[:, None] * n_ref + np.arange(n_ref)).ravel()
@@ -192,7 +200,7 @@ def _some(responses: Responses) -> Responses:
     )
 
 
-def _within(responses: Responses, lines: slice) -> Responses:
+def _subset_of_lines(responses: Responses, lines: slice) -> Responses:
     return replace(
         responses,
         freq=responses.freq[lines],
@@ -201,11 +209,11 @@ def _within(responses: Responses, lines: slice) -> Responses:
     )
 
 
-def _not_of_one_structure(alone: ModalModel | None) -> Iterator[str]:
-    """Yield a warning where FRFs have no poles in common, and what moves them."""
-    if alone is None or alone.wander is None:
+def _inconsistency_warning(single_modes: ModalModel | None) -> Iterator[str]:
+    """Yield a warning where FRFs have no common poles, with the cause."""
+    if single_modes is None or single_modes.wander is None:
         return
-    cause, *_ = inconsistency_notes(alone.wander, alone.frfs)
+    cause, *_ = inconsistency_notes(single_modes.wander, single_modes.frfs)
     yield f"a global method takes all FRFs to be of one structure, and these are not: {cause}"
     followers = ", ".join(name for name, method in EXTRACTION_METHODS.items() if method.exact)
     yield (
@@ -214,16 +222,16 @@ def _not_of_one_structure(alone: ModalModel | None) -> Iterator[str]:
     )
 
 
-def _empty(freq: FloatArray, ranges: Sequence[slice], fits: Sequence[GlobalFit]) -> Iterator[str]:
-    """Yield which ranges hold no mode."""
+def _empty_range_notes(freq: FloatArray, ranges: Sequence[slice], fits: Sequence[GlobalFit]) -> Iterator[str]:
+    """Yield a note on every range without a mode."""
     for lines in ranges:
         if not any(fit.lines == lines for fit in fits):
             yield f"no mode is found from {freq[lines][0]:g} to {freq[lines][-1]:g} Hz"
 
 
-def _none_in(freq: FloatArray, *, given: bool) -> NoReturn:
+def _raise_no_mode(freq: FloatArray, *, requested: bool) -> NoReturn:
     lower, upper = float(freq[0]), float(freq[-1])
-    what = f"no FRF shows a mode between {lower:g} and {upper:g} Hz"
-    if given:
-        raise NoModeInBandError(what, field="bands", lower=lower, upper=upper)
+    message = f"no FRF shows a mode between {lower:g} and {upper:g} Hz"
+    if requested:
+        raise NoModeInBandError(message, field="bands", lower=lower, upper=upper)
     raise NoModeInBandError("no resonance stands out of the FRFs", field="bands")

@@ -1,4 +1,4 @@
-"""What one single-mode fit of a modal model saw and drew, found again from the measured responses."""
+"""Data of plots of a single-mode fit, computed again from the measured responses."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -9,42 +9,54 @@ from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray, 
 from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfKind
 from modallab.core.modal_model import ModalModel
+from modallab.core.numerics import SAFE_DIVISOR
 from modallab.extraction.method_options import options_type
 from modallab.extraction.options import MIN_LINES, Damping, ExtractionOptions
 from modallab.extraction.preprocessing.fit_windows import Windows, without_nearest
 from modallab.extraction.preprocessing.leakage import WindowLeakage
 from modallab.extraction.preprocessing.responses import Responses
+from modallab.extraction.settings import FIT_PLOT
 from modallab.extraction.single_mode.damping_models import DAMPING_MODELS, DampingModel
 from modallab.extraction.single_mode.fitting import ConvergedFits, FitData, fit_all, window_data
 from modallab.extraction.single_mode.method import EXTRACTION_METHODS, ModeFit
 from modallab.extraction.single_mode.plan import choice_value
 
-CURVE = 201  # points to draw a fit with
-TINY = 1e-300
-
 
 @dataclass(frozen=True, eq=False)
 class FitPlotData:
-    """One fit: lines as measured, freed of leakage and other modes, and the mode through them."""
+    """One fit: measured lines, lines without leakage and other modes, and the mode through them."""
 
     method: str
-    damping: Damping  # viscous: `x...` of the details is omega, rad/s, instead of omega^2
-    kind: FrfKind  # of all responses here: the one that the mode was fitted on
-    freq: FloatArray  # (n_lines,) Hz
-    used: BoolArray  # (n_lines,) False where a line was left out
-    measured: ComplexArray  # (n_lines,)
-    cleaned: ComplexArray  # (n_lines,)
-    curve_freq: FloatArray  # (n_curve,) Hz
-    curve: ComplexArray  # (n_curve,) mode and residual
-    frequency: float  # Hz
+    """Single-mode method."""
+    damping: Damping
+    """Damping model; with viscous damping `x...` of the details is omega, rad/s, instead of omega^2."""
+    kind: FrfKind
+    """Kind of all responses: the one that the mode was fitted to."""
+    freq: FloatArray
+    """(n_lines,) Hz."""
+    used: BoolArray
+    """(n_lines,) False where a line was left out."""
+    measured: ComplexArray
+    """(n_lines,) measured response."""
+    cleaned: ComplexArray
+    """(n_lines,) response without leakage and without the other modes."""
+    curve_freq: FloatArray
+    """(n_curve,) Hz."""
+    curve: ComplexArray
+    """(n_curve,) mode and residual."""
+    frequency: float
+    """Hz, natural frequency."""
     loss_factor: float
-    modal_constant: complex  # 1/kg, of receptance
-    residual: complex  # unit of the responses
-    details: Mapping[
-        str, FloatArray | ComplexArray
-    ]  # as the method's `FitPlot`; none of fewer than four lines
+    """Structural loss factor."""
+    modal_constant: complex
+    """1/kg, of receptance."""
+    residual: complex
+    """Unit of the responses, constant beside the mode."""
+    details: Mapping[str, FloatArray | ComplexArray]
+    """Arrays of the method's plot; empty for fewer than four lines."""
 
-    quality: Mapping[str, float]  # what only this method can tell, %
+    quality: Mapping[str, float]
+    """%, measures of quality that only this method has."""
 
     def __post_init__(self) -> None:
         n = len(self.freq)
@@ -62,38 +74,40 @@ class FitPlotData:
 def fit_plot_data(
     responses: Responses, model: ModalModel, mode: int, row: int, *, leakage: WindowLeakage | None = None
 ) -> FitPlotData:
-    """Return one of the fits that a modal model was collated from.
+    """Return one of the fits of a modal model.
 
-    The other modes are taken off as the model has them, and the mode is fitted to the same lines once more.
+    The other modes are subtracted as the model has them, and the mode is fitted to the same lines again.
 
     Parameters
     ----------
     responses
-        Those that the model was read from.
+        Responses of the model.
     model
-        Of a single-mode method.
+        From a single-mode method.
     mode, row
-        Which mode, and in which of the FRFs.
+        Index of the mode, and of the FRF.
     leakage
-        As `extract` was told.
+        As in `extract`.
 
     Raises
     ------
     InvalidInputError
-        If there is no such fit, or the model was not made of single-mode fits.
+        If there is no such fit, or the model is not from single-mode fits.
     """
     ends = _ends(responses, model)
     for name, value, n in (("mode", mode, len(ends)), ("row", row, ends.shape[1])):
         if not 0 <= value < n:
             raise InvalidInputError(f"no such {name}", field=name, value=value, allowed=f"0 to {n - 1}")
     damping = Damping(choice_value(model.choices, "damping") or Damping.STRUCTURAL)
-    data = _lines_again(responses, ends[mode], int(choice_value(model.choices, "leave_out") or 0), leakage)
-    settled, place = _again(DAMPING_MODELS[damping], model, mode, row, data)
+    data = _window_lines(responses, ends[mode], int(choice_value(model.choices, "leave_out") or 0), leakage)
+    settled, place = _refit(DAMPING_MODELS[damping], model, mode, row, data)
     table, mean = settled.table, model.modes[mode]
-    found = bool(table.frequency[0, place] > 0)  # where it was not, the modal constant is of the mean mode
+    identified = bool(
+        table.frequency[0, place] > 0
+    )  # where it was not, the modal constant is of the mean mode
     fit = ModeFit(
-        float(table.frequency[0, place] if found else mean.frequency),
-        float(table.loss_factor[0, place] if found else mean.loss_factor),
+        float(table.frequency[0, place] if identified else mean.frequency),
+        float(table.loss_factor[0, place] if identified else mean.loss_factor),
         complex(table.modal_constant[0, place]),
     )
     n_lines = int(ends[mode, row, 1] - ends[mode, row, 0] + 1)
@@ -102,27 +116,27 @@ def fit_plot_data(
     freq = data.freq[inside]
     factor = (2j * np.pi * freq) ** order
     cleaned = factor * settled.cleaned[0, place, :n_lines]
-    seen = _Seen(freq, cleaned, data.weight[inside] / np.abs(factor) ** 2, order)
-    return _drawn(model, damping, fit, seen, factor * data.receptance[inside])
+    fitted_lines = _FittedLines(freq, cleaned, data.weight[inside] / np.abs(factor) ** 2, order)
+    return _plot_data(model, damping, fit, fitted_lines, factor * data.receptance[inside])
 
 
-def _again(
+def _refit(
     law: DampingModel, model: ModalModel, mode: int, row: int, data: FitData
 ) -> tuple[ConvergedFits, int]:
-    """Return the fit of one FRF once more, and its place among those done for it.
+    """Return the fit of one FRF, and its index among the fits computed for it.
 
-    All FRFs decided together which kind of response the mode was fitted on: it is the one that gives the
-    same frequency again. The drive point's fit is done too where leakage is undone by it. A fit that did not
-    count has no frequency to know it by: then all are done.
+    All FRFs together decided to which kind of response the mode was fitted: it is the kind that reproduces
+    the frequency. The drive point is fitted too where it is needed for the leakage correction. A rejected fit
+    has no frequency for this comparison: then all FRFs are fitted.
     """
     method = EXTRACTION_METHODS[model.method].with_options(_options(model))
     fitted = np.nan if model.fitted_frequency is None else float(model.fitted_frequency[mode, row])
     if not np.isfinite(fitted):
         rows = np.arange(data.freq.shape[1])
-        return fit_all(method, law, data, _known(law, model, mode, data, rows)), row
+        return fit_all(method, law, data, _other_modes(law, model, mode, data, rows)), row
     drive = None if data.leakage is None else data.drive
     rows = np.unique([row] if drive is None else [row, drive])
-    some = FitData(
+    selection = FitData(
         data.freq[:, rows],
         data.receptance[:, rows],
         data.weight[:, rows],
@@ -130,18 +144,26 @@ def _again(
         data.leakage,
         None if drive is None else int(np.searchsorted(rows, drive)),
     )
-    known, place = _known(law, model, mode, some, rows), int(np.searchsorted(rows, row))
-    both = [fit_all(method, law, some, known, inertance=np.array([kind])) for kind in (False, True)]
-    away = [abs(float(tried.table.frequency[0, place]) - fitted) for tried in both]
-    return both[int(np.argmin(away))], place
+    other_modes, place = _other_modes(law, model, mode, selection, rows), int(np.searchsorted(rows, row))
+    candidates = [
+        fit_all(method, law, selection, other_modes, inertance=np.array([kind])) for kind in (False, True)
+    ]
+    distance = [abs(float(candidate.table.frequency[0, place]) - fitted) for candidate in candidates]
+    return candidates[int(np.argmin(distance))], place
 
 
 @dataclass(frozen=True, eq=False)
-class _Seen:
-    freq: FloatArray  # (n_lines,) Hz
-    frf: ComplexArray  # (n_lines,) cleaned
+class _FittedLines:
+    """Lines of a fit."""
+
+    freq: FloatArray
+    """(n_lines,) Hz."""
+    frf: ComplexArray
+    """(n_lines,) without leakage and other modes."""
     weight: FloatArray
-    order: int  # of the derivative of receptance that `frf` is
+    """(n_lines,) one over E|error|^2."""
+    order: int
+    """Number of time derivatives of receptance in `frf`."""
 
 
 def _options(model: ModalModel) -> ExtractionOptions:
@@ -149,35 +171,35 @@ def _options(model: ModalModel) -> ExtractionOptions:
     return options_type(model.method)(**model.options)  # type: ignore[arg-type]
 
 
-def _drawn(
-    model: ModalModel, damping: Damping, fit: ModeFit, seen: _Seen, measured: ComplexArray
+def _plot_data(
+    model: ModalModel, damping: Damping, fit: ModeFit, lines: _FittedLines, measured: ComplexArray
 ) -> FitPlotData:
-    """Return the plot data of a fit, whose residual is not yet known."""
+    """Return the plot data of a fit, with its residual."""
     method, options = EXTRACTION_METHODS[model.method], _options(model)
-    law, freq, frf, weight = DAMPING_MODELS[damping], seen.freq, seen.frf, seen.weight
-    order = np.array(seen.order)
+    law, freq, frf, weight = DAMPING_MODELS[damping], lines.freq, lines.frf, lines.weight
+    order = np.array(lines.order)
     eigenvalue = np.array((2 * np.pi * fit.frequency) ** 2 * (1 + 1j * fit.loss_factor))
     constant = np.array(fit.modal_constant)
 
-    def alone(at: FloatArray) -> ComplexArray:
-        return np.asarray((2j * np.pi * at) ** order * law.response(at, eigenvalue, constant))
+    def mode_response(line_freq: FloatArray) -> ComplexArray:
+        return np.asarray((2j * np.pi * line_freq) ** order * law.response(line_freq, eigenvalue, constant))
 
-    residual = complex((weight * (frf - alone(freq))).sum() / max(weight.sum(), TINY))
-    curve_freq = np.linspace(freq[0], freq[-1], CURVE)
+    residual = complex((weight * (frf - mode_response(freq))).sum() / max(weight.sum(), SAFE_DIVISOR))
+    curve_freq = np.linspace(freq[0], freq[-1], FIT_PLOT.curve_points)
     pole = frf - law.image_terms(freq, eigenvalue, constant, order)
     enough = (weight > 0).sum() >= MIN_LINES
     details = method.plot_with_options(options)(law.abscissa(freq), pole, weight) if enough else {}
-    again = law.fit(method.with_options(options), freq[None], frf[None], weight[None], order[None])
+    refit = law.fit(method.with_options(options), freq[None], frf[None], weight[None], order[None])
     return FitPlotData(
         method=model.method,
         damping=damping,
-        kind=FrfKind.INERTANCE if seen.order else FrfKind.RECEPTANCE,
+        kind=FrfKind.INERTANCE if lines.order else FrfKind.RECEPTANCE,
         freq=freq,
         used=weight > 0,
         measured=measured,
         cleaned=frf,
         curve_freq=curve_freq,
-        curve=alone(curve_freq) + residual,
+        curve=mode_response(curve_freq) + residual,
         frequency=fit.frequency,
         loss_factor=fit.loss_factor,
         modal_constant=fit.modal_constant,
@@ -186,12 +208,12 @@ def _drawn(
             name: values * law.loss_per_pole if name == "damping_surface" else values
             for name, values in details.items()
         },
-        quality={name: float(values[0]) for name, values in again.quality.items()},
+        quality={name: float(values[0]) for name, values in refit.quality.items()},
     )
 
 
 def _ends(responses: Responses, model: ModalModel) -> IntArray:
-    """Return the lines that the fits drew on, (n_modes, n_frf, 2), if the model tells them of these FRFs."""
+    """Return the lines of the fits, (n_modes, n_frf, 2), if the model has them for these FRFs."""
     if model.method not in EXTRACTION_METHODS or model.fitted_lines is None:
         raise InvalidInputError(
             "these modes are not from fits of single modes",
@@ -209,7 +231,7 @@ def _ends(responses: Responses, model: ModalModel) -> IntArray:
     return model.fitted_lines
 
 
-def _lines_again(
+def _window_lines(
     responses: Responses, ends: IntArray, leave_out: int, leakage: WindowLeakage | None
 ) -> FitData:
     """Return the lines of one mode in every FRF, as they were fitted; `ends` (n_frf, 2)."""
@@ -225,17 +247,19 @@ def _lines_again(
     return window_data(responses.freq, receptance, variance, windows, leakage, responses.drive_row)
 
 
-def _known(law: DampingModel, model: ModalModel, mode: int, data: FitData, rows: IntArray) -> ComplexArray:
-    """Return the receptance of all other modes of the model, (1, n_rows, n_lines); `data` of these rows."""
-    known = np.zeros_like(data.receptance)
+def _other_modes(
+    law: DampingModel, model: ModalModel, mode: int, data: FitData, rows: IntArray
+) -> ComplexArray:
+    """Return the receptance of all other modes of the model, (1, n_rows, n_lines)."""
+    response = np.zeros_like(data.receptance)
     if model.modal_constant is None or model.fitted_frequency is None or model.fitted_loss_factor is None:
-        return known
-    for m, other in enumerate(model.modes):
+        return response
+    for m, mean_mode in enumerate(model.modes):
         if m != mode:
-            shown = np.isfinite(model.fitted_frequency[m, rows])
-            frequency = np.where(shown, model.fitted_frequency[m, rows], other.frequency)
-            loss_factor = np.where(shown, model.fitted_loss_factor[m, rows], other.loss_factor)
+            identified = np.isfinite(model.fitted_frequency[m, rows])
+            frequency = np.where(identified, model.fitted_frequency[m, rows], mean_mode.frequency)
+            loss_factor = np.where(identified, model.fitted_loss_factor[m, rows], mean_mode.loss_factor)
             eigenvalue = (2 * np.pi * frequency) ** 2 * (1 + 1j * loss_factor)
             constant = model.modal_constant[m, rows]
-            known += law.response(data.freq, eigenvalue[:, None], constant[:, None])
-    return known
+            response += law.response(data.freq, eigenvalue[:, None], constant[:, None])
+    return response

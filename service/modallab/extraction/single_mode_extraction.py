@@ -1,4 +1,4 @@
-"""Modes by single-mode methods: a band for each, a window in each FRF, one set collated from all fits."""
+"""Extraction by single-mode methods: one band for each mode, one window in each FRF, averages over FRFs."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -21,15 +21,13 @@ from modallab.extraction.preprocessing.fit_windows import place_windows
 from modallab.extraction.preprocessing.leakage import WindowLeakage
 from modallab.extraction.preprocessing.line_noise import has_coherence
 from modallab.extraction.preprocessing.responses import Responses
+from modallab.extraction.settings import NOTES
 from modallab.extraction.single_mode.damping_models import DAMPING_MODELS
 from modallab.extraction.single_mode.fitting import FitTable, fit_all, window_data
 from modallab.extraction.single_mode.leaked_covariance import line_accuracy
 from modallab.extraction.single_mode.leaked_fits import with_leakage_errors
 from modallab.extraction.single_mode.method import SingleModeMethod
 from modallab.extraction.single_mode.plan import plan
-
-MOST_NAMED = 8  # peaks that are no modes; more are counted
-SMEARED = 3  # lines: the main lobe of a Hanning window and its first side lobe
 
 
 def extract_mode_by_mode(
@@ -43,9 +41,9 @@ def extract_mode_by_mode(
     leakage: WindowLeakage | None,
     progress: Progress = silent,
 ) -> ModalModel:
-    """Return the modes that a single-mode method reads; parameters and errors as `extract`."""
+    """Return the modes by a single-mode method; parameters and errors as in `extract`."""
     freq, dofs = responses.freq, responses.dofs
-    fit, decided = registered.with_options(options), plan(options, leakage)
+    fit, line_choice = registered.with_options(options), plan(options, leakage)
     progress(0.0, "looking for modes")
     indicator = mode_indicator(responses.mobility, responses.coherent)
     peaks = (
@@ -53,30 +51,30 @@ def extract_mode_by_mode(
         if bands is None
         else CommonPeaks(requested_bands(freq, indicator, bands))
     )
-    found = peaks.bands
+    fit_bands = peaks.bands
     windows = place_windows(
         responses.mobility,
         indicator,
-        found,
-        base=decided.lines,
-        widths=decided.widths,
-        leave_out=decided.leave_out,
+        fit_bands,
+        base=line_choice.lines,
+        widths=line_choice.widths,
+        leave_out=line_choice.leave_out,
     )
-    progress(0.2, f"fitting {len(found)} modes in {len(dofs)} FRFs")
+    progress(0.2, f"fitting {len(fit_bands)} modes in {len(dofs)} FRFs")
     data = window_data(freq, responses.receptance, responses.variance, windows, leakage, responses.drive_row)
     settled = fit_all(fit, DAMPING_MODELS[options.law], data, progress=part(progress, 0.2, 0.9))
     if leakage is not None:
-        known = line_accuracy(responses, windows.index) if has_coherence(responses) else None
-        settled = with_leakage_errors(fit, DAMPING_MODELS[options.law], data, leakage, settled, known)
+        accuracy = line_accuracy(responses, windows.index) if has_coherence(responses) else None
+        settled = with_leakage_errors(fit, DAMPING_MODELS[options.law], data, leakage, settled, accuracy)
     table = replace(settled.table, lines=windows.ends)
-    notes = [*peaks.notes, *_missing(table, freq, found, given=bands is not None)]
+    notes = [*peaks.notes, *_empty_band_notes(table, freq, fit_bands, requested=bands is not None)]
     if not registered.exact:
         notes.append(f"{method} is biased: by up to half a line in frequency, and towards too much damping")
     left_out = np.diff(windows.ends, axis=2)[:, :, 0] + 1 - windows.used.sum(axis=2)
-    if (left_out < decided.leave_out).any():
-        notes.append(f"bands of few lines: there, fewer than {decided.leave_out} are left out")
-    if n_modes is not None and bands is None and len(found) < n_modes:
-        notes.append(f"{n_modes} modes asked for, {len(found)} found")
+    if (left_out < line_choice.leave_out).any():
+        notes.append(f"bands of few lines: there, fewer than {line_choice.leave_out} are left out")
+    if n_modes is not None and bands is None and len(fit_bands) < n_modes:
+        notes.append(f"{n_modes} modes asked for, {len(fit_bands)} found")
     progress(1.0, "modes collated")
     model = combine_fits(
         table,
@@ -84,28 +82,38 @@ def extract_mode_by_mode(
         responses.references,
         method=method,
         notes=notes,
-        choices=decided.choices,
-        shared=shared_noise_fraction(DAMPING_MODELS[options.law], data, settled, windows.index),
+        choices=line_choice.choices,
+        noise_correlation=shared_noise_fraction(DAMPING_MODELS[options.law], data, settled, windows.index),
     )
     if leakage is None and registered.exact:
-        model = flag_misfits(model, responses, DAMPING_MODELS[options.law], decided.leave_out)
+        model = flag_misfits(model, responses, DAMPING_MODELS[options.law], line_choice.leave_out)
     if bands is not None:
-        model = flag_further_peaks(model, freq, indicator, found)
+        model = flag_further_peaks(model, freq, indicator, fit_bands)
     model = with_damping_model_flags(model, responses, options)
-    return with_resynthesis(model, responses, found, smeared=0 if leakage is None else SMEARED)
+    return with_resynthesis(
+        model, responses, fit_bands, smeared=0 if leakage is None else NOTES.smeared_lines
+    )
 
 
-def _missing(table: FitTable, freq: FloatArray, bands: Sequence[Band], *, given: bool) -> list[str]:
-    """Return a note on every band found that proved empty; raise if it was given, or if all are."""
+def _empty_band_notes(
+    table: FitTable, freq: FloatArray, bands: Sequence[Band], *, requested: bool
+) -> list[str]:
+    """Return a note on every band without a mode.
+
+    Raises
+    ------
+    NoModeInBandError
+        If a requested band has no mode, or no band has one.
+    """
     line_accuracy = np.asarray(table.screening.good.any(axis=1))
-    empty = [band for band, shown in zip(bands, line_accuracy.tolist(), strict=True) if not shown]
-    if empty and not given and not line_accuracy.any():
+    empty = [band for band, has_mode in zip(bands, line_accuracy.tolist(), strict=True) if not has_mode]
+    if empty and not requested and not line_accuracy.any():
         raise NoModeInBandError(
             f"no FRF shows a mode at any of {len(empty)} peaks beyond its random error; bands may help",
             field="bands",
-            value=", ".join(f"{freq[band.peak]:g}" for band in empty[:MOST_NAMED]),
+            value=", ".join(f"{freq[band.peak]:g}" for band in empty[: NOTES.listed_peaks]),
         )
-    if empty and given:
+    if empty and requested:
         lower, upper = float(freq[empty[0].first]), float(freq[empty[0].last])
         raise NoModeInBandError(
             f"no FRF shows a mode by itself between {lower:g} and {upper:g} Hz",
@@ -114,7 +122,7 @@ def _missing(table: FitTable, freq: FloatArray, bands: Sequence[Band], *, given:
             upper=upper,
         )
     peaks = [f"{freq[band.peak]:g}" for band in empty]
-    if len(peaks) > MOST_NAMED:
+    if len(peaks) > NOTES.listed_peaks:
         return [
             f"{len(peaks)} peaks from {peaks[0]} to {peaks[-1]} Hz are no modes: noise, or bands are needed"
         ]

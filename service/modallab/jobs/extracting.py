@@ -11,7 +11,7 @@ from modallab.core.modal_model import ModalModel
 from modallab.core.progress import Progress
 from modallab.estimation.windows import WINDOWS, added_loss_factor
 from modallab.extraction.averaging.resynthesis import resynthesise
-from modallab.extraction.averaging.window_damping import without_added
+from modallab.extraction.averaging.window_damping import without_window_damping
 from modallab.extraction.extract import extract, responses_read
 from modallab.extraction.method_options import options_type
 from modallab.extraction.plot_data import FitPlotData, fit_plot_data
@@ -67,7 +67,7 @@ def extract_and_store(
         progress=progress,
     )
     if correct_window_damping and measurement.setup.analyser.line_window.end < 1:
-        model = without_added(model, _added(measurement.setup, model))
+        model = without_window_damping(model, _added(measurement.setup, model))
         model = replace(model, choices={**model.choices, _CORRECTED: "taken out: as asked"})
     store.modal_models.add(model, owner=into.owner, inputs={"measurement_id": measurement_id}, id=into.id)
 
@@ -141,4 +141,4 @@ def _added(setup: RigSetup, model: ModalModel) -> FloatArray:
 
 def _as_measured(model: ModalModel, setup: RigSetup) -> ModalModel:
     """Return the modes as the lines show them, with what the window added."""
-    return without_added(model, -_added(setup, model)) if _CORRECTED in model.choices else model
+    return without_window_damping(model, -_added(setup, model)) if _CORRECTED in model.choices else model

@@ -1,1 +1,1 @@
-"""Fits of many FRFs made into one set of modes, and what is said about it."""
+"""Averages of single-FRF fits over FRFs, their checks, and flags and notes on modes."""

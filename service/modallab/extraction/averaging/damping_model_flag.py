@@ -1,29 +1,32 @@
-"""What the law of damping costs where nobody has said which one holds."""
+"""Flags on frequencies that depend on the damping model, where it is not known."""
 
 from dataclasses import replace
 
 from modallab.core.modal_model import ModalModel, Mode
+from modallab.extraction.averaging.settings import DAMPING_MODEL
 from modallab.extraction.options import Damping, ExtractionOptions
 from modallab.extraction.preprocessing.line_noise import has_coherence
 from modallab.extraction.preprocessing.responses import Responses
-
-PART = 1 / 3  # of a standard error: intervals that leave out so much still hold 94 % instead of 95 %
 
 
 def with_damping_model_flags(
     model: ModalModel, responses: Responses, options: ExtractionOptions
 ) -> ModalModel:
-    """Return the modes, flagged where their frequency would be another under viscous damping.
+    """Return the modes, flagged where their frequency would differ under viscous damping.
 
-    A viscous mode is a pole at `omega_r sqrt(1 - zeta^2)`, which structural modes are fitted to with complex
-    constants as well as viscous ones with real: lines do not tell the laws apart where damping is light,
-    and frequencies differ by `eta^2/4` of themselves, `eta = 2 zeta`. That is no random error. Said where
-    coherence tells how large this is, unless the viscous law was asked for or told.
+    A viscous mode has its pole at `omega_r sqrt(1 - zeta^2)`. Structural modes with complex constants fit it
+    as well as viscous modes with real ones: for light damping the lines do not decide between the models,
+    whose frequencies differ by the part `eta^2/4`, `eta = 2 zeta`. That is not a random error. The flag is
+    set where coherence gives the random error, unless the viscous model was requested or identified.
 
     Parameters
     ----------
     model
-        Fitted under the law of `options`.
+        Fitted with the damping model of `options`.
+    responses
+        FRFs of the fit.
+    options
+        Of the extraction.
     """
     if options.law is Damping.VISCOUS or not has_coherence(responses):
         return model
@@ -32,7 +35,7 @@ def with_damping_model_flags(
 
 def _flagged(mode: Mode) -> Mode:
     higher = mode.loss_factor**2 / 4 * mode.frequency
-    if higher <= PART * mode.standard_errors["frequency"]:
+    if higher <= DAMPING_MODEL.flagged_fraction * mode.standard_errors["frequency"]:
         return mode
     flag = f"damping_law: frequency {higher:.2g} Hz higher if damping is viscous"
     return replace(mode, flags=(*mode.flags, flag))

@@ -1,38 +1,38 @@
-"""What the drive point's own modal constant says of a mode, and of the scale of its shape."""
+"""Checks of the modal constant of a drive point."""
 
 import math
 
 from modallab.core.dof import Dof
-
-CLEAR = 3.0  # standard errors, before a phase is held against a mode
-TURNED = math.radians(20.0)  # closely spaced modes of light structures stay below
-VAGUE = 0.2  # relative error of a shape's scale
+from modallab.extraction.averaging.settings import DRIVE_POINT
 
 
 def driving_point_flags(constant: complex, error: float, dof: Dof, sense: int) -> tuple[str, ...]:
-    """Return what is wrong with a drive point's modal constant; nothing if it is as it should be.
+    """Return flags on a drive point's modal constant; none if it is plausible.
 
-    Where force and response are at one point, `A_11 = phi_1^2`: real and positive for a mode whose points
-    move in phase, and turned by little if they hardly do not. All of a shape is scaled by its root.
+    At a drive point `A_11 = phi_1^2`: real and positive for a real mode, with a small phase for a nearly real
+    one. The whole shape is scaled by its root.
 
     Parameters
     ----------
     constant, error
-        1/kg, of receptance, and the standard error of either part.
+        1/kg, of receptance, and the standard error of real and imaginary part.
     dof
-        The drive point as the response has it.
+        Degree of freedom of the response at the drive point.
     sense
-        -1 where force and accelerometer point opposite ways, else 1.
+        -1 where force and accelerometer have opposite directions, else 1.
     """
-    own = sense * constant
-    size = abs(own)
+    signed_constant = sense * constant
+    size = abs(signed_constant)
     flags = []
-    if own.real < 0:
+    if signed_constant.real < 0:
         flags.append(f"drive point {dof} has a modal constant of the wrong sign")
-    elif abs(math.atan2(own.imag, own.real)) > TURNED and abs(own.imag) > CLEAR * error:
-        turn = math.degrees(math.atan2(own.imag, own.real))
+    elif (
+        abs(math.atan2(signed_constant.imag, signed_constant.real)) > math.radians(DRIVE_POINT.largest_phase)
+        and abs(signed_constant.imag) > DRIVE_POINT.phase_errors * error
+    ):
+        turn = math.degrees(math.atan2(signed_constant.imag, signed_constant.real))
         flags.append(f"drive point {dof} has a modal constant turned by {turn:.0f} degrees")
-    if size and error > 2 * VAGUE * size:  # the root has half the relative error
+    if size and error > 2 * DRIVE_POINT.largest_scale_error * size:  # the root has half the relative error
         flags.append(
             f"drive point {dof} hardly shows the mode: its scale is known to {50 * error / size:.0f} %"
         )

@@ -1,4 +1,4 @@
-"""Whether natural frequencies wander from FRF to FRF, and what moves them."""
+"""Inconsistency of natural frequencies between FRFs, and its cause."""
 
 from dataclasses import dataclass
 
@@ -6,76 +6,92 @@ import numpy as np
 
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray
 from modallab.core.frequency_inconsistency import FrequencyInconsistency, InconsistencyCause
-from modallab.extraction.averaging.means import beyond_chance, chi_squares
-
-UNSEEN = 0.002  # of a bandwidth: what tails of other modes leave in single-mode fits of exact data
-CLEAR = 5.0  # standard errors, of what is named as the cause
-MOST = 0.5  # of the chi-square: a cause that leaves more is not the cause
+from modallab.core.numerics import SAFE_DIVISOR
+from modallab.extraction.averaging.means import chi_squares, is_significant
+from modallab.extraction.averaging.settings import INCONSISTENCY
 
 
 @dataclass(frozen=True, eq=False)
 class FittedModes:
-    """What the FRFs say of each mode, all (n_modes, n_frf); `good` are the fits that count."""
+    """Fits of each mode in each FRF; every array (n_modes, n_frf)."""
 
-    frequency: FloatArray  # Hz
-    frequency_error: FloatArray  # Hz
+    frequency: FloatArray
+    """Hz."""
+    frequency_error: FloatArray
+    """Hz, standard error."""
     loss_factor: FloatArray
+    """Structural loss factor."""
     good: BoolArray
-    shape: ComplexArray  # 1/sqrt(kg) if `scaled`
+    """True for accepted fits."""
+    shape: ComplexArray
+    """1/sqrt(kg) if `scaled`."""
     shape_error: FloatArray
-    scaled: bool  # mass-normalised
+    """Standard error of the modulus."""
+    scaled: bool
+    """True if shapes are mass-normalised."""
 
     def mean(self, values: FloatArray) -> FloatArray:
-        """Return the plain mean of the good ones, (n_modes, 1)."""
+        """Return the unweighted mean of the accepted fits, (n_modes, 1)."""
         count = np.maximum(self.good.sum(axis=1, keepdims=True), 1)
         return np.asarray(np.where(self.good, values, 0.0).sum(axis=1, keepdims=True) / count)
 
     @property
     def shift(self) -> FloatArray:
-        """Change of eigenvalue relative to that of the mean frequency; 0 where a fit does not count."""
+        """Relative change of the eigenvalue from that of the mean frequency; 0 for rejected fits."""
         mean = self.mean(self.frequency)
         return np.where(self.good, (self.frequency / np.where(mean > 0, mean, 1.0)) ** 2 - 1, 0.0)
 
     @property
     def shift_error(self) -> FloatArray:
-        """Standard error of `shift`, with what no fit's own error holds."""
+        """Standard error of `shift`, including the error that fits neglect."""
         mean = self.mean(self.frequency)
-        error = np.hypot(self.frequency_error, UNSEEN * self.mean(self.loss_factor) * mean)
+        error = np.hypot(
+            self.frequency_error, INCONSISTENCY.neglected_error * self.mean(self.loss_factor) * mean
+        )
         return np.asarray(2 * error / np.where(mean > 0, mean, 1.0))
 
 
 @dataclass(frozen=True, eq=False)
 class _Law:
-    """Relative eigenvalues fitted as `level - slope regressor`, in each mode alone and in all together."""
+    """Regression of relative eigenvalues, `level - slope regressor`, for each mode and for all together."""
 
-    mode_slope: FloatArray  # (n_modes,) NaN where a mode does not tell
-    mode_error: FloatArray  # (n_modes,)
+    mode_slope: FloatArray
+    """(n_modes,) NaN where a mode does not determine it."""
+    mode_error: FloatArray
+    """(n_modes,) standard error."""
     slope: float
+    """Slope common to all modes."""
     error: float
-    mode_level: FloatArray  # (n_modes,) with slopes of their own
-    level: FloatArray  # (n_modes,) with the common slope
-    mode_left: FloatArray  # (n_modes,) chi-square that stays with slopes of their own
-    left: float  # chi-square that stays with the common slope
-    total: float  # chi-square without a law
+    """Standard error of the common slope."""
+    mode_level: FloatArray
+    """(n_modes,) levels with separate slopes."""
+    level: FloatArray
+    """(n_modes,) levels with the common slope."""
+    mode_remainder: FloatArray
+    """(n_modes,) chi-square that separate slopes leave."""
+    remainder: float
+    """Chi-square that the common slope leaves."""
+    total: float
+    """Chi-square without regression."""
 
 
 def find_frequency_inconsistency(modes: FittedModes) -> FrequencyInconsistency | None:
-    """Return how the frequencies wander, None where random error explains their differences.
+    """Return the inconsistency of frequencies, None where random error explains their differences.
 
-    A mass m that moves with the response makes the eigenvalue at position j
-    `lambda_j = lambda (1 - m phi_j^2)`, phi being the mode's mass-normalised shape there: the first order
-    in m. A structure that changes during the test has `lambda_j = lambda (1 + 2 d t_j)` in all modes, t
-    from 0 at the first FRF to 1 at the last. Each law is fitted to the relative shifts of all modes by
-    weighted least squares, and named if it is clear by five standard errors, widened by the misfit, and
-    explains at least half of the chi-square.
+    A mass m that moves with the response makes the eigenvalue at position j `lambda_j = lambda (1 - m
+    phi_j^2)` to first order in m, with the mass-normalised shape phi at the position. A structure that
+    changes steadily during the test has `lambda_j = lambda (1 + 2 d t_j)` in all modes, with t from 0 at the
+    first FRF to 1 at the last. Each law is fitted to the relative shifts of all modes by weighted least
+    squares. It is identified as the cause if it is significant by five standard errors, including the misfit,
+    and explains at least half of the chi-square.
     """
     degrees = np.maximum(modes.good.sum(axis=1) - 1, 0)
-    total, rest = chi_squares(modes.shift, _weight(modes, modes.shift_error))
-    if not beyond_chance(float(total.sum()), int(degrees.sum())):
+    total, trimmed = chi_squares(modes.shift, _weight(modes, modes.shift_error))
+    if not is_significant(float(total.sum()), int(degrees.sum())):
         return None
-    cause, law, explained = _named(modes, total, int(degrees.sum()))
-    # one FRF of its own is no wander: without the furthest of each mode the rest must differ too
-    if law is None and not beyond_chance(float(rest.sum()), int(np.maximum(degrees - 1, 0).sum())):
+    cause, law, explained = _identified_cause(modes, total, int(degrees.sum()))
+    # a single outlying FRF is no inconsistency: the others must differ without the furthest of each mode
+    if law is None and not is_significant(float(trimmed.sum()), int(np.maximum(degrees - 1, 0).sum())):
         return None
     size, mode_size = _sizes(cause, law, modes)
     mean = modes.mean(modes.frequency)
@@ -105,54 +121,58 @@ def _centred(values: FloatArray, weight: FloatArray) -> FloatArray:
     return np.asarray(values - (share * values).sum(axis=1, keepdims=True))
 
 
-def _named(
+def _identified_cause(
     modes: FittedModes, total: FloatArray, degrees: int
 ) -> tuple[InconsistencyCause, _Law | None, float]:
-    """Return the cause, its law and the part of chi-square that it explains; UNKNOWN if none does."""
+    """Return the cause, its regression and the part of the chi-square it explains; UNKNOWN if none does."""
     position = np.linspace(0.0, 1.0, modes.good.shape[1])[None].repeat(len(total), axis=0)
     squared = (modes.shape**2).real
-    mass = _fitted(modes, squared, modes.shift_error)
-    # the regressor has errors too: they count as the shift that they would make
+    mass = _fit_law(modes, squared, modes.shift_error)
+    # errors of the regressor are converted to the shifts that they would cause
     blurred = np.hypot(modes.shift_error, 2 * mass.slope * np.abs(modes.shape) * modes.shape_error)
-    mass = _fitted(modes, squared, blurred)
-    found: list[tuple[float, InconsistencyCause, _Law]] = []
+    mass = _fit_law(modes, squared, blurred)
+    candidates: list[tuple[float, InconsistencyCause, _Law]] = []
     for cause, law in (
         (InconsistencyCause.ROVING_MASS if modes.scaled else InconsistencyCause.SQUARED_SHAPE, mass),
-        (InconsistencyCause.STEADY_DRIFT, _fitted(modes, position, modes.shift_error)),
+        (InconsistencyCause.STEADY_DRIFT, _fit_law(modes, position, modes.shift_error)),
     ):
-        own = cause is InconsistencyCause.SQUARED_SHAPE  # without scale every mode has its own slope
-        left = float(law.mode_left.sum()) if own else law.left
-        spare = degrees - (len(total) if own else 1)
-        gain, explained = law.total - left, 1 - left / max(law.total, 1e-300)
-        if spare > 0 and explained >= MOST and gain > CLEAR**2 * max(left / spare, 1.0):
-            found.append((explained, cause, law))
-    if not found:
+        separate_slopes = cause is InconsistencyCause.SQUARED_SHAPE  # without scale, slopes of modes differ
+        remainder = float(law.mode_remainder.sum()) if separate_slopes else law.remainder
+        spare = degrees - (len(total) if separate_slopes else 1)
+        gain, explained = law.total - remainder, 1 - remainder / max(law.total, SAFE_DIVISOR)
+        if (
+            spare > 0
+            and explained >= INCONSISTENCY.explained_fraction
+            and gain > INCONSISTENCY.cause_errors**2 * max(remainder / spare, 1.0)
+        ):
+            candidates.append((explained, cause, law))
+    if not candidates:
         return InconsistencyCause.UNKNOWN, None, 0.0
-    explained, cause, law = max(found, key=lambda entry: entry[0])
+    explained, cause, law = max(candidates, key=lambda entry: entry[0])
     return cause, law, explained
 
 
-def _fitted(modes: FittedModes, regressor: FloatArray, error: FloatArray) -> _Law:
+def _fit_law(modes: FittedModes, regressor: FloatArray, error: FloatArray) -> _Law:
     weight = _weight(modes, error)
     x, y = _centred(regressor, weight), _centred(modes.shift, weight)
     xx, xy, yy = (np.asarray((weight * product).sum(axis=1)) for product in (x * x, x * y, y * y))
-    some = xx > 0
-    own = np.where(some, -xy / np.where(some, xx, 1.0), 0.0)
-    mode_left = np.maximum(yy - own**2 * xx, 0.0)
-    common = float(-xy.sum() / xx.sum()) if some.any() else 0.0
-    left = float((yy + 2 * common * xy + common**2 * xx).sum())
+    determined = xx > 0
+    mode_slope = np.where(determined, -xy / np.where(determined, xx, 1.0), 0.0)
+    mode_remainder = np.maximum(yy - mode_slope**2 * xx, 0.0)
+    common = float(-xy.sum() / xx.sum()) if determined.any() else 0.0
+    remainder = float((yy + 2 * common * xy + common**2 * xx).sum())
     spare = np.maximum(modes.good.sum(axis=1) - 2, 1)
-    mode_error = np.sqrt(np.maximum(mode_left / spare, 1) / np.where(some, xx, 1.0))
-    scatter = max(left / max(int((modes.good.sum(axis=1) - 1).sum()) - 1, 1), 1.0)
+    mode_error = np.sqrt(np.maximum(mode_remainder / spare, 1) / np.where(determined, xx, 1.0))
+    scatter = max(remainder / max(int((modes.good.sum(axis=1) - 1).sum()) - 1, 1), 1.0)
     return _Law(
-        mode_slope=np.where(some, own, np.nan),
-        mode_error=np.where(some, mode_error, np.nan),
+        mode_slope=np.where(determined, mode_slope, np.nan),
+        mode_error=np.where(determined, mode_error, np.nan),
         slope=common,
-        error=float(np.sqrt(scatter / xx.sum())) if some.any() else np.inf,
-        mode_level=1 + _weighted(modes.shift + own[:, None] * regressor, weight),
+        error=float(np.sqrt(scatter / xx.sum())) if determined.any() else np.inf,
+        mode_level=1 + _weighted(modes.shift + mode_slope[:, None] * regressor, weight),
         level=1 + _weighted(modes.shift + common * regressor, weight),
-        mode_left=mode_left,
-        left=left,
+        mode_remainder=mode_remainder,
+        remainder=remainder,
         total=float(yy.sum()),
     )
 
@@ -171,23 +191,23 @@ def _level(cause: InconsistencyCause, law: _Law | None, n_modes: int) -> FloatAr
 def _sizes(
     cause: InconsistencyCause, law: _Law | None, modes: FittedModes
 ) -> tuple[tuple[float, float], tuple[FloatArray, FloatArray]]:
-    """Return size and standard error, of all modes and of each, see `FrequencyInconsistency`."""
+    """Return size and standard error, of all modes and of each; see `FrequencyInconsistency`."""
     unknown = np.full(len(modes.good), np.nan)
     if law is None or cause in (InconsistencyCause.UNKNOWN, InconsistencyCause.SQUARED_SHAPE):
         return (0.0, 0.0), (unknown, unknown)
     if cause is InconsistencyCause.STEADY_DRIFT:
         return (-law.slope / 2, law.error / 2), (-law.mode_slope / 2, law.mode_error / 2)
-    # The next order is m phi^2 of the mass from the mode itself, and about as much from its neighbours.
+    # The second-order term is m phi^2 of the mass from the mode itself, and about as much from others.
     largest = np.where(modes.good, np.abs(modes.shape) ** 2, 0.0).max(axis=1, initial=0.0)
     neglected = 2 * law.slope**2 * largest
-    told = np.isfinite(law.mode_slope)
-    weight = np.where(told, 1 / np.hypot(law.mode_error, neglected) ** 2, 0.0)
-    each = np.where(told, law.mode_slope, 0.0)
-    mass = float((weight * each).sum() / weight.sum())
-    scatter = float((weight * (each - mass) ** 2).sum() / max(int(told.sum()) - 1, 1))
+    determined = np.isfinite(law.mode_slope)
+    weight = np.where(determined, 1 / np.hypot(law.mode_error, neglected) ** 2, 0.0)
+    mode_mass = np.where(determined, law.mode_slope, 0.0)
+    mass = float((weight * mode_mass).sum() / weight.sum())
+    scatter = float((weight * (mode_mass - mass) ** 2).sum() / max(int(determined.sum()) - 1, 1))
     error = np.sqrt(max(scatter, 1.0) / weight.sum())
-    shared = float((weight * neglected).sum() / weight.sum())  # of one sign in all modes: no mean lessens it
-    return (mass, float(np.hypot(error, shared))), (
+    systematic = float((weight * neglected).sum() / weight.sum())  # same sign in all modes
+    return (mass, float(np.hypot(error, systematic))), (
         law.mode_slope,
         np.hypot(law.mode_error, neglected),
     )

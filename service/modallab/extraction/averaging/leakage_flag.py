@@ -1,4 +1,4 @@
-"""What leakage may still bias a mode by, and what is said of it."""
+"""Remaining bias by leakage of the means over FRFs, and its flag."""
 
 from collections.abc import Iterator, Mapping
 
@@ -6,19 +6,19 @@ from modallab.extraction.single_mode.fitting import FitTable
 
 
 def leakage_bias_of(table: FitTable, m: int) -> dict[str, float]:
-    """Return by what leakage may still move the mean over the FRFs: frequency, Hz, and loss factor.
+    """Return the remaining bias by leakage of the mean over the FRFs: frequency, Hz, and loss factor.
 
     Parameters
     ----------
     table
-        Fits; those that count more in the mean do so here.
+        Fits, weighted as in the mean.
     m
         Row of the mode.
 
     Returns
     -------
     dict
-        Empty where nothing leaks.
+        Empty without leakage.
     """
     if table.leakage_bias is None:
         return {}
@@ -32,12 +32,12 @@ def leakage_bias_of(table: FitTable, m: int) -> dict[str, float]:
 def leakage_flags(
     bias: Mapping[str, float], standard_errors: Mapping[str, float], loss_factor: float
 ) -> Iterator[str]:
-    """Yield by how much leakage may still bias a mode, where that is more than the random error.
+    """Yield a flag where the bias by leakage may exceed the random error.
 
     Parameters
     ----------
     bias, standard_errors
-        Of "frequency", Hz, and "loss_factor"; no bias where nothing leaks.
+        Of "frequency", Hz, and "loss_factor"; bias is empty without leakage.
     loss_factor
         Of the mode.
     """

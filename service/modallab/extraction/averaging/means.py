@@ -1,4 +1,4 @@
-"""One number out of many that should be equal: plain, or weighted by standard error."""
+"""Unweighted and weighted means with standard errors, and tests of consistency."""
 
 from dataclasses import dataclass
 from enum import Enum, auto
@@ -7,62 +7,67 @@ import numpy as np
 import scipy.stats
 
 from modallab.core.arrays import FloatArray
-
-BEYOND = 2.5  # standard errors: a value so far off, one in eighty by chance, has less weight the further
-ROUNDS = 20  # of reweighting; each of them is a contraction
-CHANCE = 1e-3  # that random error alone shows as much
+from modallab.core.numerics import PRODUCT_ROUNDING, SAFE_DIVISOR, UNIT_ROUNDING
+from modallab.extraction.averaging.settings import MEANS
 
 
 @dataclass(frozen=True)
 class Mean:
-    """A mean with the standard error that random error of its values gives it."""
+    """Mean with its standard error."""
 
     value: float
     error: float
 
 
 class Averaging(Enum):
-    """How values of several FRFs become one."""
+    """Kind of average over FRFs."""
 
-    WEIGHTED = (
-        auto()
-    )  # of one structure, known better from some FRFs; scattered where they differ all the same
-    PLAIN = auto()  # of as many structures, none of them truer; the error is that of the mean of these
-    SCATTERED = auto()  # of structures that differ for an unknown reason; the error has their scatter
+    WEIGHTED = auto()
+    """Values of one structure with different standard errors; `SCATTERED` if they differ significantly."""
+    PLAIN = auto()
+    """Values of different structures with a known cause: unweighted mean with its standard error."""
+    SCATTERED = auto()
+    """Values that differ for an unknown reason: unweighted mean with the standard error of their scatter."""
 
 
 def averaged(
-    values: FloatArray, errors: FloatArray, unseen: float, averaging: Averaging, shared: float = 0.0
+    values: FloatArray,
+    errors: FloatArray,
+    neglected_error: float,
+    averaging: Averaging,
+    noise_correlation: float = 0.0,
 ) -> Mean:
-    """Return the mean of values by one of these ways.
+    """Return the mean of values of one kind.
 
     Parameters
     ----------
     values, errors
         (n,) with their standard errors, n >= 1.
-    unseen
-        Part of each error that no standard error holds.
+    neglected_error
+        Part of each error that standard errors do not include.
     averaging
-        How; values that should be of one structure and differ beyond chance count as scattered.
-    shared
+        Kind; values of kind `WEIGHTED` that differ significantly are treated as `SCATTERED`.
+    noise_correlation
         Correlation of the errors of any two values, 0 to 1.
     """
     if averaging is Averaging.PLAIN:
-        return plain_mean(values, errors, shared)
-    if averaging is Averaging.WEIGHTED and not differ(values, np.hypot(errors, unseen)):
-        return weighted_mean(values, errors, unseen, shared)
-    plain = plain_mean(values, errors, shared)
+        return plain_mean(values, errors, noise_correlation)
+    if averaging is Averaging.WEIGHTED and not differ_significantly(
+        values, np.hypot(errors, neglected_error)
+    ):
+        return weighted_mean(values, errors, neglected_error, noise_correlation)
+    plain = plain_mean(values, errors, noise_correlation)
     scatter = float(values.std(ddof=1) / np.sqrt(len(values))) if len(values) > 1 else 0.0
     return Mean(plain.value, max(plain.error, scatter))
 
 
-def beyond_chance(chi_square: float, degrees: int) -> bool:
-    """Return whether random error alone would hardly show as much."""
-    return bool(degrees > 0 and scipy.stats.chi2.sf(chi_square, degrees) < CHANCE)
+def is_significant(chi_square: float, degrees: int) -> bool:
+    """Return whether random error alone is improbable to give such a chi-square."""
+    return bool(degrees > 0 and scipy.stats.chi2.sf(chi_square, degrees) < MEANS.significance)
 
 
 def chi_squares(values: FloatArray, weight: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return chi-square about the weighted mean of each row: of all, and without the furthest value.
+    """Return the chi-square about the weighted mean of each row, with all values and without the furthest.
 
     Parameters
     ----------
@@ -72,62 +77,67 @@ def chi_squares(values: FloatArray, weight: FloatArray) -> tuple[FloatArray, Flo
     Returns
     -------
     tuple
-        (n_rows,) each. Leaving out value k of weight w takes `w d^2 W/(W - w)` away, d being its distance
-        from the mean of all and W the sum of weights.
+        (n_rows,) each. Omitting value k of weight w reduces chi-square by `w d^2 W/(W - w)`, with its
+        distance d from the mean of all values and the sum W of weights.
     """
     total = weight.sum(axis=1, keepdims=True)
     mean = (weight * values).sum(axis=1, keepdims=True) / np.where(total > 0, total, 1.0)
-    each = weight * (values - mean) ** 2
-    left = total - weight
-    alone = left <= 1e-12 * total  # the only value that counts
-    taken = np.where(alone, each, each * total / np.where(alone, 1.0, left))
-    whole = each.sum(axis=1)
-    return whole, np.maximum(whole - taken.max(axis=1, initial=0.0), 0.0)
+    contribution = weight * (values - mean) ** 2
+    remaining_weight = total - weight
+    single = remaining_weight <= PRODUCT_ROUNDING * total  # the only value with a weight
+    reduction = np.where(single, contribution, contribution * total / np.where(single, 1.0, remaining_weight))
+    chi_square = contribution.sum(axis=1)
+    return chi_square, np.maximum(chi_square - reduction.max(axis=1, initial=0.0), 0.0)
 
 
-def differ(values: FloatArray, errors: FloatArray) -> bool:
-    """Return whether values differ beyond their standard errors, the furthest of them left aside."""
+def differ_significantly(values: FloatArray, errors: FloatArray) -> bool:
+    """Return whether values differ beyond their standard errors, without the furthest of them."""
     some = errors > 0
     weight = np.where(some, 1 / np.where(some, errors, 1.0) ** 2, 0.0)
-    return beyond_chance(float(chi_squares(values[None], weight[None])[1][0]), int(some.sum()) - 2)
+    return is_significant(float(chi_squares(values[None], weight[None])[1][0]), int(some.sum()) - 2)
 
 
-def plain_mean(values: FloatArray, errors: FloatArray, shared: float = 0.0) -> Mean:
-    """Return the mean in which every value counts alike; `values`, `errors` (n,), n >= 1."""
-    return Mean(float(values.mean()), _error(np.full(len(values), 1 / len(values)), errors, shared))
+def plain_mean(values: FloatArray, errors: FloatArray, noise_correlation: float = 0.0) -> Mean:
+    """Return the unweighted mean; `values`, `errors` (n,), n >= 1."""
+    return Mean(
+        float(values.mean()), _error(np.full(len(values), 1 / len(values)), errors, noise_correlation)
+    )
 
 
-def weighted_mean(values: FloatArray, errors: FloatArray, unseen: float, shared: float = 0.0) -> Mean:
-    """Return the mean weighted by one over variance, which no single value can drag along.
-
-    A value that contradicts the others beyond its own standard error has its weight reduced as one over
-    its distance (Huber's estimator), so that its pull is bounded.
+def weighted_mean(
+    values: FloatArray, errors: FloatArray, neglected_error: float, noise_correlation: float = 0.0
+) -> Mean:
+    """Return the mean weighted by one over variance, with Huber weights that limit outliers.
 
     Parameters
     ----------
     values, errors
         (n,) with their standard errors, n >= 1.
-    unseen
-        Part of the error that no standard error holds, the same in all: below it agreement is no precision,
-        and values are alike in weight.
-    shared
+    neglected_error
+        Part of the error that standard errors do not include, equal for all values: it bounds the precision
+        of a value, and with it the differences of weights.
+    noise_correlation
         Correlation of the errors of any two values, 0 to 1.
 
     References
     ----------
     Huber, P. J. (1964), Robust estimation of a location parameter, Ann. Math. Statist. 35, 73-101.
     """
-    error = np.maximum(np.hypot(errors, unseen), 1e-15 * np.abs(values).max() + 1e-300)
+    error = np.maximum(np.hypot(errors, neglected_error), UNIT_ROUNDING * np.abs(values).max() + SAFE_DIVISOR)
     weight = 1 / (error / error.min()) ** 2
     mean = float(np.sort(values)[(len(values) - 1) // 2])
-    for _ in range(ROUNDS):
-        off = np.abs(values - mean) / error
-        held = weight * np.minimum(1, BEYOND / np.maximum(off, BEYOND))
-        mean = float((held * values).sum() / held.sum())
-    return Mean(mean, _error(held / held.sum(), errors, shared))
+    for _ in range(MEANS.iterations):
+        deviation = np.abs(values - mean) / error
+        huber_weight = weight * np.minimum(
+            1, MEANS.huber_threshold / np.maximum(deviation, MEANS.huber_threshold)
+        )
+        mean = float((huber_weight * values).sum() / huber_weight.sum())
+    return Mean(mean, _error(huber_weight / huber_weight.sum(), errors, noise_correlation))
 
 
-def _error(share: FloatArray, errors: FloatArray, shared: float) -> float:
-    """Return the standard error of a sum of shares of values."""
-    own = ((share * errors) ** 2).sum()
-    return float(np.sqrt((1 - shared) * own + shared * (share * errors).sum() ** 2))
+def _error(share: FloatArray, errors: FloatArray, noise_correlation: float) -> float:
+    """Return the standard error of a weighted sum of values."""
+    independent = ((share * errors) ** 2).sum()
+    return float(
+        np.sqrt((1 - noise_correlation) * independent + noise_correlation * (share * errors).sum() ** 2)
+    )

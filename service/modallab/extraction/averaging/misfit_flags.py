@@ -1,4 +1,4 @@
-"""Whether one mode is all there is in the lines that a single-mode fit drew on, and in its band."""
+"""Flags on modes whose lines or band contain more than one mode."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -8,78 +8,81 @@ import scipy.signal
 
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray
 from modallab.core.modal_model import ModalModel, Mode
+from modallab.extraction.averaging.settings import MISFIT
 from modallab.extraction.preprocessing.bands import Band
 from modallab.extraction.preprocessing.fit_windows import without_nearest
 from modallab.extraction.preprocessing.responses import Responses
 from modallab.extraction.preprocessing.settings import BANDS
 from modallab.extraction.single_mode.damping_models import DampingModel
 
-MUCH = 0.1  # of a mode's own response: noise of 5 % leaves half of it, two modes in a bandwidth leave more
-
 
 def flag_misfits(model: ModalModel, responses: Responses, law: DampingModel, leave_out: int) -> ModalModel:
     """Return the model with the flag `misfit` at every mode that one mode does not explain.
 
-    From the lines of each fit all modes are taken off, each with the FRF's own pole, then a mass-like and a
-    stiffness-like residual. What is left beyond random error is compared with the mode's own response; the
-    middle one of the FRFs speaks for all.
+    All modes, each with the pole of the FRF, and a mass-like and a stiffness-like residual are subtracted
+    from the lines of each fit. The remainder beyond random error is compared with the response of the mode,
+    as a median over the FRFs.
 
     Parameters
     ----------
     model
-        With the lines that its fits drew on; of records that do not leak.
+        With the lines of its fits; from records without leakage.
     responses
-        What it was read from.
+        FRFs of the fits.
     law
-        What its damping does.
+        Damping model.
     leave_out
-        How many lines nearest resonance the fits left out.
+        Number of lines nearest to resonance that the fits left out.
     """
     if model.fitted_lines is None:
         return model
-    left = _left(model, responses, law, leave_out)
-    modes = tuple(_flagged(mode, float(share)) for mode, share in zip(model.modes, left, strict=True))
+    misfit = _relative_misfit(model, responses, law, leave_out)
+    modes = tuple(_flagged(mode, float(share)) for mode, share in zip(model.modes, misfit, strict=True))
     return replace(model, modes=modes)
 
 
 def flag_further_peaks(
     model: ModalModel, freq: FloatArray, indicator: FloatArray, bands: Sequence[Band]
 ) -> ModalModel:
-    """Return the model with the flag `further peak` at every mode whose band holds more peaks than its own.
+    """Return the model with the flag `further peak` at every mode whose band has several peaks.
 
     Parameters
     ----------
+    model
+        Modes of the bands.
     freq, indicator
-        (n_freq,) Hz and from `mode_indicator`.
+        (n_freq,) Hz, and from `mode_indicator`.
     bands
-        Those that the user gave, with the peak that was taken for the mode's.
+        Bands that the user requested, each with the peak of its mode.
     """
     modes = list(model.modes)
     for band in bands:
-        told = _further(freq, indicator, band)
+        flag = _further_peaks(freq, indicator, band)
         lower, upper = freq[band.first], freq[band.last]
         for i, mode in enumerate(modes):
-            if told and lower <= mode.frequency <= upper:
-                modes[i] = replace(mode, flags=(*mode.flags, told))
+            if flag and lower <= mode.frequency <= upper:
+                modes[i] = replace(mode, flags=(*mode.flags, flag))
     return replace(model, modes=tuple(modes))
 
 
-def _further(freq: FloatArray, indicator: FloatArray, band: Band) -> str:
+def _further_peaks(freq: FloatArray, indicator: FloatArray, band: Band) -> str:
     level = np.log10(indicator[band.first : band.last + 1])
     peaks = band.first + scipy.signal.find_peaks(level, prominence=BANDS.prominence)[0]
-    others = [f"{freq[peak]:g}" for peak in peaks if peak != band.peak]
-    return f"further peak: at {', '.join(others)} Hz in the same band" if others else ""
+    further_peaks = [f"{freq[peak]:g}" for peak in peaks if peak != band.peak]
+    return f"further peak: at {', '.join(further_peaks)} Hz in the same band" if further_peaks else ""
 
 
 def _flagged(mode: Mode, share: float) -> Mode:
-    if not share > MUCH:
+    if not share > MISFIT.largest_misfit:
         return mode
-    told = f"misfit: one mode leaves {share:.0%} of its lines unexplained, two modes or more may be there"
-    return replace(mode, flags=(*mode.flags, told))
+    flag = f"misfit: one mode leaves {share:.0%} of its lines unexplained, two modes or more may be there"
+    return replace(mode, flags=(*mode.flags, flag))
 
 
-def _left(model: ModalModel, responses: Responses, law: DampingModel, leave_out: int) -> FloatArray:
-    """Return what is left of each mode's lines, relative to its own response, (n_modes,)."""
+def _relative_misfit(
+    model: ModalModel, responses: Responses, law: DampingModel, leave_out: int
+) -> FloatArray:
+    """Return the remainder of each mode's lines relative to its response, (n_modes,)."""
     lines, fitted = np.asarray(model.fitted_lines), np.asarray(model.fitted_frequency)
     offset = np.arange(int((lines[:, :, 1] - lines[:, :, 0]).max()) + 1)
     index = lines[:, :, :1] + offset
@@ -88,24 +91,29 @@ def _left(model: ModalModel, responses: Responses, law: DampingModel, leave_out:
     column = np.arange(fitted.shape[1])[None, :, None]
     variance = responses.variance[index, column]
     used &= np.isfinite(variance)
-    freq, seen = responses.freq[index], np.isfinite(fitted)
-    rest = responses.receptance[index, column]
-    used = without_nearest(freq * np.abs(rest), used, leave_out)
+    freq, identified = responses.freq[index], np.isfinite(fitted)
+    remainder = responses.receptance[index, column]
+    used = without_nearest(freq * np.abs(remainder), used, leave_out)
     pole, constant = _poles(model), np.asarray(model.modal_constant)
-    own = law.response(freq, pole[:, :, None], constant[:, :, None])
-    for m in range(len(pole)):  # all at once would be the square of the modes in memory
-        rest = rest - law.response(freq, pole[m][:, None], constant[m][:, None])
-    power = (np.abs(_without_residuals(rest * used, freq, used)) ** 2 * used).sum(axis=2)
+    modes = law.response(freq, pole[:, :, None], constant[:, :, None])
+    for m in range(
+        len(pole)
+    ):  # all in one array would need memory proportional to the squared number of modes
+        remainder = remainder - law.response(freq, pole[m][:, None], constant[m][:, None])
+    power = (np.abs(_without_residuals(remainder * used, freq, used)) ** 2 * used).sum(axis=2)
     random = np.where(used, variance, 0.0).sum(axis=2)
-    size = (np.abs(own) ** 2 * used).sum(axis=2)
+    size = (np.abs(modes) ** 2 * used).sum(axis=2)
     share = np.sqrt(np.maximum(power - random, 0.0) / np.where(size > 0, size, np.inf))
     return np.array(
-        [np.median(row[shown]) if shown.any() else 0.0 for row, shown in zip(share, seen, strict=True)]
+        [
+            np.median(row[identified_frfs]) if identified_frfs.any() else 0.0
+            for row, identified_frfs in zip(share, identified, strict=True)
+        ]
     )
 
 
 def _poles(model: ModalModel) -> ComplexArray:
-    """Return omega_r^2 (1 + i eta_r) of each fit, the mode's own where an FRF does not show it."""
+    """Return omega_r^2 (1 + i eta_r) of each fit, that of the mean mode where an FRF has no fit."""
     common = np.array([[mode.frequency, mode.loss_factor] for mode in model.modes])[:, :, None]
     frequency, loss_factor = np.asarray(model.fitted_frequency), np.asarray(model.fitted_loss_factor)
     frequency = np.where(np.isfinite(frequency), frequency, common[:, 0])
@@ -113,9 +121,9 @@ def _poles(model: ModalModel) -> ComplexArray:
     return np.asarray((2 * np.pi * frequency) ** 2 * (1 + 1j * loss_factor))
 
 
-def _without_residuals(rest: ComplexArray, freq: FloatArray, used: BoolArray) -> ComplexArray:
-    """Return what a constant and one over frequency squared do not explain, each row by itself."""
+def _without_residuals(remainder: ComplexArray, freq: FloatArray, used: BoolArray) -> ComplexArray:
+    """Return the remainder without a constant and a multiple of one over squared frequency, row by row."""
     middle = freq.mean(axis=2, keepdims=True)
     basis = np.stack([used, used * (middle / freq) ** 2], axis=-1)
-    found = np.linalg.pinv(basis) @ rest[..., None]
-    return np.asarray(rest - (basis @ found)[..., 0])
+    coefficients = np.linalg.pinv(basis) @ remainder[..., None]
+    return np.asarray(remainder - (basis @ coefficients)[..., 0])

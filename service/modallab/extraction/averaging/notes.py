@@ -1,4 +1,4 @@
-"""In words: how means were formed, how frequencies wander, why a fit was left out."""
+"""Notes on the averages, the inconsistency of frequencies, and outliers."""
 
 from collections.abc import Iterator, Sequence
 
@@ -7,16 +7,16 @@ import numpy as np
 from modallab.core.arrays import FloatArray, IntArray
 from modallab.core.frequency_inconsistency import FrequencyInconsistency, InconsistencyCause
 from modallab.extraction.averaging.reference_shapes import ReferenceShapes
+from modallab.extraction.averaging.settings import SHARED_NOISE
 from modallab.extraction.single_mode.fitting import FitTable
 
-SHOWN = 0.05  # of the random error: less than that in common is hardly told from none
 
-
-def choice_of_means(wander: FrequencyInconsistency | None, shared: float) -> str:
-    """Return how frequencies and loss factors of the FRFs were averaged, and why."""
+def choice_of_means(wander: FrequencyInconsistency | None, noise_correlation: float) -> str:
+    """Return the kind of averages over FRFs, with its reason."""
     return _means(wander) + (
-        f"; {100 * shared:.0f} % of their random error is the same in all FRFs, which no mean lessens"
-        if shared > SHOWN
+        f"; {100 * noise_correlation:.0f} % of their random error is the same in all FRFs, which no mean"
+        " lessens"
+        if noise_correlation > SHARED_NOISE.noted_fraction
         else ""
     )
 
@@ -36,15 +36,15 @@ def _means(wander: FrequencyInconsistency | None) -> str:
 
 
 def no_scale(shapes: ReferenceShapes) -> Iterator[str]:
-    """Yield a note where no response is at a drive point."""
+    """Yield a note where there is no drive-point response."""
     if shapes.scale is None:
-        which = ", ".join(str(dof) for dof in shapes.references)
-        what = "the drive point" if len(shapes.references) == 1 else "any of the drive points"
-        yield f"no response at {what} {which}: shapes are not mass-normalised"
+        drive_points = ", ".join(str(dof) for dof in shapes.references)
+        designation = "the drive point" if len(shapes.references) == 1 else "any of the drive points"
+        yield f"no response at {designation} {drive_points}: shapes are not mass-normalised"
 
 
 def inconsistency_notes(wander: FrequencyInconsistency | None, names: Sequence[str]) -> Iterator[str]:
-    """Yield what moves the frequencies, and for each mode how far and between which FRFs."""
+    """Yield the cause of inconsistent frequencies, and the range of each mode."""
     if wander is None:
         return
     total, degrees = float(wander.chi_square.sum()), int(wander.degrees.sum())
@@ -90,10 +90,10 @@ def _cause(wander: FrequencyInconsistency) -> str:
 
 
 def _range(shift: FloatArray, names: Sequence[str]) -> str | None:
-    known = np.flatnonzero(np.isfinite(shift))
-    if len(known) < 2:
+    identified = np.flatnonzero(np.isfinite(shift))
+    if len(identified) < 2:
         return None
-    low, high = known[np.argmin(shift[known])], known[np.argmax(shift[known])]
+    low, high = identified[np.argmin(shift[identified])], identified[np.argmax(shift[identified])]
     return (
         f"by {shift[high] - shift[low]:.3g} Hz: {shift[low]:+.3g} Hz from its mean at {names[low]}, "
         f"{shift[high]:+.3g} Hz at {names[high]}"
@@ -101,7 +101,7 @@ def _range(shift: FloatArray, names: Sequence[str]) -> str | None:
 
 
 def why_outlying(table: FitTable, order: IntArray, names: Sequence[str]) -> Iterator[str]:
-    """Yield for each outlier how far it is from the fits that count; `order` are the modes as listed."""
+    """Yield the distance of each outlier from the accepted fits; `order` are the modes as listed."""
     for number, m in enumerate(order.tolist(), start=1):
         good = table.screening.good[m]
         frequency, damping = np.median(table.frequency[m][good]), np.median(table.loss_factor[m][good])

@@ -1,4 +1,4 @@
-"""FRFs put together again from modes, and how much of the measured ones they leave."""
+"""Synthesis of FRFs from modes and residuals, and their misfit to measured FRFs."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -10,7 +10,9 @@ from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.core.modal_model import ModalModel
+from modallab.core.numerics import SAFE_DIVISOR
 from modallab.extraction.averaging.out_of_band_residuals import fit_out_of_band, out_of_band_columns
+from modallab.extraction.averaging.settings import RESYNTHESIS
 from modallab.extraction.options import Damping
 from modallab.extraction.preprocessing.bands import Band
 from modallab.extraction.preprocessing.line_noise import has_coherence
@@ -18,53 +20,49 @@ from modallab.extraction.preprocessing.responses import Responses
 from modallab.extraction.single_mode.damping_models import DAMPING_MODELS
 from modallab.extraction.single_mode.plan import choice_value
 
-APART = 0.01  # relative error granted to the modes: residuals shall not mend what they lack at resonance
-NOTED = 0.1  # of an FRF: less is left by the random error and leakage of ordinary tests
-CLEAR = 3.0  # times the random error
-
 
 def resynthesise(
     model: ModalModel, freq: FloatArray, kind: FrfKind = FrfKind.RECEPTANCE, *, drive: Dof | None = None
 ) -> FrfSet:
-    """Return the FRFs that modes and residuals make, (n_freq, n_dof, n_ref); n_ref is 1 with `drive` given.
+    """Return the FRFs of modes and residuals, (n_freq, n_dof, n_ref); n_ref is 1 with `drive` given.
 
-    `H_j = sum_r A_rj/(lambda_r - omega^2) + R_j - L_j/omega^2`, with the modal constants of each FRF and
-    what lies above and below the range, near it poles as in it; of viscously damped modes pole and mirror
-    image. Where frequencies wander, the pole of each FRF is its own: the FRFs are then of as many
-    structures, and no common pole fits them. From another drive point, and where a model has no FRFs,
-    `A_rjk = phi_rj phi_rk` with the common poles and no residuals.
+    `H_j = sum_r A_rj/(lambda_r - omega^2) + R_j - L_j/omega^2`, with the modal constants of each FRF,
+    residuals of modes above and below the range, and poles near its ends; viscously damped modes have a pole
+    and its mirror image. Where frequencies are inconsistent, each FRF has its own poles: the FRFs then belong
+    to different structures without common poles. For another drive point, and for a model without FRFs,
+    `A_rjk = phi_rj phi_rk` with the common poles and without residuals.
 
     Parameters
     ----------
     model
-        Modes read from FRFs, or mass-normalised ones.
+        Modes identified from FRFs, or mass-normalised modes.
     freq
         (n_freq,) Hz.
     kind
-        What to return: m/N or its derivatives.
+        Kind of FRF: m/N or its derivatives.
     drive
-        Where the force acts; those of the model's FRFs by default.
+        Drive point; those of the model's FRFs by default.
 
     Raises
     ------
     InvalidInputError
-        If the model has neither FRFs nor a mass-normalised shape at the drive point, or if 0 Hz is asked of
-        a free structure's receptance or mobility.
+        If the model has neither FRFs nor a mass-normalised shape at the drive point, or if receptance or
+        mobility of a free structure is requested at 0 Hz.
     """
-    own = bool(model.references) and model.modal_constant is not None
-    if own and (drive is None or drive == model.drive):
+    measured_frfs = bool(model.references) and model.modal_constant is not None
+    if measured_frfs and (drive is None or drive == model.drive):
         constant, forces = _constants(model), model.references
-        pole, beyond = _poles(model), _beyond(model, freq)
+        pole, out_of_band = _poles(model), _out_of_band(model, freq)
         residuals = np.zeros((2, len(model.frfs))) if model.residuals is None else model.residuals
     else:
-        force = _driven(model, drive if drive is not None else model.drive)
+        force = _drive_point(model, drive if drive is not None else model.drive)
         constant, forces = _products(model, force), (force,)
         pole = np.repeat(_common(model)[:, None], len(model.dofs), axis=1)
-        residuals, beyond = np.zeros((2, len(model.dofs))), 0.0
+        residuals, out_of_band = np.zeros((2, len(model.dofs))), 0.0
     steps = FrfKind.RECEPTANCE.steps_to(kind)
     factor = ((2j * np.pi * freq) ** steps)[:, None]
-    receptance = _modes(model, freq, pole, constant) + residuals[1] + beyond
-    values = factor * receptance + _below(freq, steps, residuals[0])
+    receptance = _modes(model, freq, pole, constant) + residuals[1] + out_of_band
+    values = factor * receptance + _rigid_body_terms(freq, steps, residuals[0])
     return FrfSet(freq, values.reshape(len(freq), -1, len(forces)), model.dofs, forces, kind)
 
 
@@ -74,25 +72,27 @@ def with_resynthesis(
     bands: Sequence[Band],
     *,
     smeared: int = 0,
-    beyond: ComplexArray | None = None,
+    out_of_band_poles: ComplexArray | None = None,
 ) -> ModalModel:
-    """Return modes with residuals of every FRF, and the part of it that all this leaves.
+    """Return the modes with residuals of every FRF and the relative misfit.
 
-    The residuals are fitted by weighted linear least squares to what the modes leave inside the bands.
-    The error is the rms of the rest over the rms of the FRF, both as mobility, in which resonances of
-    like damping are alike high; random error of the measurement is in it. An FRF of zeros has the error 0.
+    Residuals are fitted by weighted linear least squares to the FRFs without modes inside the bands. The
+    misfit is the root mean square of the remainder over that of the FRF, both as mobility, in which
+    resonances of equal damping have similar heights; it includes the random error. An FRF of zeros has a
+    misfit of 0.
 
     Parameters
     ----------
     model
         From these responses by a single-mode method.
+    responses
+        Measured FRFs.
     bands
-        Where its modes were looked for.
+        Bands of the modes.
     smeared
-        Lines to either side of a resonance's half-power points that a window holds down: modes do not
-        resynthesise these, and they are left out.
-    beyond
-        (n_beyond,) (rad/s)^2, poles near the bands that bend the FRFs in them, in any law of damping.
+        Lines beyond the half-power points of a resonance that leakage distorts: they are left out.
+    out_of_band_poles
+        (n_poles,) (rad/s)^2, poles near the bands that bend the FRFs inside, in the damping model of the fit.
     """
     lines = np.zeros(len(responses.freq), bool)
     for band in bands:
@@ -102,67 +102,69 @@ def with_resynthesis(
     freq, measured, variance = responses.freq[lines], responses.receptance[lines], responses.variance[lines]
     modes = _modes(model, freq, _poles(model), _constants(model))
     usable = np.isfinite(variance)
-    error = np.where(usable, variance, 0.0) + (APART * np.abs(modes)) ** 2
+    error = np.where(usable, variance, 0.0) + (RESYNTHESIS.modal_error * np.abs(modes)) ** 2
     error = np.where(usable & (error > 0), error, np.inf)
-    poles = np.zeros(0, complex) if beyond is None else beyond
+    poles = np.zeros(0, complex) if out_of_band_poles is None else out_of_band_poles
     residuals = fit_out_of_band(freq, measured - modes, error, poles)
-    rest = measured - modes - out_of_band_columns(freq, poles) @ residuals
-    misfit = relative_error(freq, rest, measured, usable)
+    remainder = measured - modes - out_of_band_columns(freq, poles) @ residuals
+    misfit = relative_error(freq, remainder, measured, usable)
     random = relative_error(freq, np.sqrt(np.where(usable, variance, 0.0)), measured, usable)
     return replace(
         model,
         residuals=residuals[:2],
-        beyond_eigenvalue=beyond,
-        beyond_constant=None if beyond is None else residuals[2:],
+        beyond_eigenvalue=out_of_band_poles,
+        beyond_constant=None if out_of_band_poles is None else residuals[2:],
         resynthesis_error=misfit,
-        notes=(*model.notes, *_left(misfit, random, model.frfs, told=has_coherence(responses))),
+        notes=(*model.notes, *_misfit_notes(misfit, random, model.frfs, has_error=has_coherence(responses))),
     )
 
 
 def _near(model: ModalModel, freq: FloatArray, smeared: int) -> BoolArray:
-    """Return the lines near a resonance, (n_freq,)."""
+    """Return which lines are near a resonance, (n_freq,) boolean."""
     half = np.abs(model.loss_factors) * model.frequencies / 2 + smeared * np.median(np.diff(freq))
     return np.asarray((np.abs(freq[:, None] - model.frequencies) <= half).any(axis=1))
 
 
 def relative_error(
     freq: FloatArray,
-    rest: ComplexArray | FloatArray,
+    remainder: ComplexArray | FloatArray,
     measured: ComplexArray,
     usable: BoolArray,
 ) -> FloatArray:
-    """Return the rms of what is left over the rms of each FRF, (n_frf,), both as mobility; 0 for zeros.
+    """Return the root mean square of a remainder over that of each FRF, (n_frf,), as mobility; 0 for zeros.
 
     Parameters
     ----------
     freq
         (n_freq,) Hz.
-    rest, measured
+    remainder, measured
         (n_freq, n_frf) m/N.
     usable
         (n_freq, n_frf) lines that count.
     """
 
     def power(values: ComplexArray | FloatArray) -> FloatArray:
-        # largest first: squares of receptances are small numbers
+        # normalised before squaring: squares of receptances are small numbers
         return np.asarray((usable * (freq[:, None] * np.abs(values) / size) ** 2).sum(axis=0))
 
-    size = np.maximum((np.abs(measured) * freq[:, None]).max(initial=0.0), 1e-300)
+    size = np.maximum((np.abs(measured) * freq[:, None]).max(initial=0.0), SAFE_DIVISOR)
     whole = power(measured)
-    return np.asarray(np.sqrt(power(rest) / np.where(whole > 0, whole, 1.0)) * (whole > 0))
+    return np.asarray(np.sqrt(power(remainder) / np.where(whole > 0, whole, 1.0)) * (whole > 0))
 
 
 def _modes(model: ModalModel, freq: FloatArray, pole: ComplexArray, constant: ComplexArray) -> ComplexArray:
     """Return the receptance of all modes, (n_freq, n_frf); pole and constant (n_modes, n_frf)."""
     law = DAMPING_MODELS[Damping(choice_value(model.choices, "damping") or Damping.STRUCTURAL)]
     values = np.zeros((len(freq), constant.shape[1]), complex)
-    for one, size in zip(pole, constant, strict=True):  # one at a time: together they may not fit into memory
-        values += law.response(freq[:, None], one, size)
+    for eigenvalue, size in zip(
+        pole, constant, strict=True
+    ):  # one at a time: together they may not fit into memory
+        values += law.response(freq[:, None], eigenvalue, size)
     return values
 
 
-def _beyond(model: ModalModel, freq: FloatArray) -> ComplexArray | float:
-    """Return the receptance of poles beyond the range, (n_freq, n_frf), 0 if none is known."""
+def _out_of_band(model: ModalModel, freq: FloatArray) -> ComplexArray | float:
+    """Return the receptance of poles outside the range, (n_freq, n_frf), 0 if there are none."""
     if model.beyond_eigenvalue is None or model.beyond_constant is None:
         return 0.0
     return out_of_band_columns(freq, model.beyond_eigenvalue)[:, 2:] @ model.beyond_constant
@@ -183,8 +185,8 @@ def _poles(model: ModalModel) -> ComplexArray:
     frequency, loss_factor = model.fitted_frequency, model.fitted_loss_factor
     if model.wander is None or frequency is None or loss_factor is None:
         return common
-    own = (2 * np.pi * frequency) ** 2 * (1 + 1j * loss_factor)
-    return np.where(np.isfinite(model.wander.shift), own, common)
+    fitted = (2 * np.pi * frequency) ** 2 * (1 + 1j * loss_factor)
+    return np.where(np.isfinite(model.wander.shift), fitted, common)
 
 
 def _products(model: ModalModel, drive: Dof) -> ComplexArray:
@@ -193,10 +195,10 @@ def _products(model: ModalModel, drive: Dof) -> ComplexArray:
     return np.asarray(sense * model.shapes[at][:, None] * model.shapes.T)
 
 
-def _driven(model: ModalModel, drive: Dof | None) -> Dof:
-    """Return the drive point, if shapes tell what a force there does."""
-    there = drive is not None and any(dof.point == drive.point for dof in model.dofs)
-    if drive is None or not there or model.normalisation != "mass":
+def _drive_point(model: ModalModel, drive: Dof | None) -> Dof:
+    """Return the drive point if the model has mass-normalised shapes there."""
+    has_shape = drive is not None and any(dof.point == drive.point for dof in model.dofs)
+    if drive is None or not has_shape or model.normalisation != "mass":
         raise InvalidInputError(
             "FRFs need mass-normalised modes with a shape at the drive point",
             field="drive",
@@ -206,8 +208,8 @@ def _driven(model: ModalModel, drive: Dof | None) -> Dof:
     return drive
 
 
-def _below(freq: FloatArray, steps: int, mass: ComplexArray) -> ComplexArray:
-    """Return `-L/omega^2` derived `steps` times, (n_freq, n_frf)."""
+def _rigid_body_terms(freq: FloatArray, steps: int, mass: ComplexArray) -> ComplexArray:
+    """Return `-L/omega^2` differentiated `steps` times, (n_freq, n_frf)."""
     if steps == 2:
         return np.broadcast_to(mass, (len(freq), len(mass)))
     if not mass.any():
@@ -220,16 +222,20 @@ def _below(freq: FloatArray, steps: int, mass: ComplexArray) -> ComplexArray:
     return np.asarray(((1j * omega) ** steps / -(omega**2))[:, None] * mass)
 
 
-def _left(misfit: FloatArray, random: FloatArray, names: Sequence[str], *, told: bool) -> Sequence[str]:
-    """Return a note where modes and residuals leave more of FRFs than random error can, if that is told."""
-    poor = np.flatnonzero((misfit > NOTED) & (misfit > CLEAR * random))
+def _misfit_notes(
+    misfit: FloatArray, random: FloatArray, names: Sequence[str], *, has_error: bool
+) -> Sequence[str]:
+    """Return a note on FRFs whose misfit exceeds the random error, as far as that is known."""
+    poor = np.flatnonzero(
+        (misfit > RESYNTHESIS.largest_misfit) & (misfit > RESYNTHESIS.misfit_errors * random)
+    )
     if not len(poor):
         return ()
     worst = int(poor[np.argmax(misfit[poor])])
     chance = "no coherence tells how much of it is random error"
-    if told:
+    if has_error:
         chance = f"of which random error is {100 * random[worst]:.1g} %"
     return (
-        f"modes and residuals leave more than {100 * NOTED:.0f} % of {len(poor)} FRFs, most of "
-        f"{names[worst]}: {100 * misfit[worst]:.0f} %, {chance}",
+        f"modes and residuals leave more than {100 * RESYNTHESIS.largest_misfit:.0f} % of {len(poor)} FRFs, "
+        f"most of {names[worst]}: {100 * misfit[worst]:.0f} %, {chance}",
     )

@@ -1,4 +1,4 @@
-"""Shapes on one scale out of modal constants."""
+"""Scaling of shapes from modal constants."""
 
 import numpy as np
 
@@ -6,43 +6,43 @@ from modallab.core.arrays import ComplexArray, FloatArray
 
 
 def scaled_shapes(
-    constant: ComplexArray, error: FloatArray, drive: int | None, sense: int, shared: float = 0.0
+    constant: ComplexArray, error: FloatArray, drive: int | None, sense: int, noise_correlation: float = 0.0
 ) -> tuple[ComplexArray, FloatArray]:
-    """Return shapes and standard errors of their size, (n_modes, n_frf).
+    """Return shapes and standard errors of their modulus, (n_modes, n_frf).
 
     Mass-normalised, `phi_j = A_1j/sqrt(A_11)`, the root with its real part positive; the error of the drive
-    point's constant reaches every component. A drive point that stands still gives no scale: zeros.
-    Without a drive point: the largest component turned to 1.
+    point's constant affects every component. A drive point at rest gives no scale: zeros. Without a drive
+    point the largest component is scaled to 1.
 
     Parameters
     ----------
     constant, error
-        (n_modes, n_frf) 1/kg, of receptance, and the standard error of either part.
+        (n_modes, n_frf) 1/kg, of receptance, and the standard error of real and imaginary part.
     drive
-        Which of the FRFs is that of the drive point, None if none is.
+        Index of the drive-point FRF, None if there is none.
     sense
-        -1 where force and accelerometer at the drive point are of opposite sense, else 1.
-    shared
-        Correlation of the relative errors of any two constants, 0 to 1: what is wrong with all by one part
-        is wrong with shapes by half of it.
+        -1 where force and accelerometer at the drive point have opposite directions, else 1.
+    noise_correlation
+        Correlation of the relative errors of any two constants, 0 to 1: a relative error common to all
+        constants is half as large in the shapes.
     """
     if drive is None:
         return _unscaled(constant, error)
-    return _mass_normalised(constant, error, drive, sense, shared)
+    return _mass_normalised(constant, error, drive, sense, noise_correlation)
 
 
 def _mass_normalised(
-    constant: ComplexArray, error: FloatArray, at: int, sense: int, shared: float
+    constant: ComplexArray, error: FloatArray, drive_row: int, sense: int, noise_correlation: float
 ) -> tuple[ComplexArray, FloatArray]:
-    own = sense * constant[:, at, None]
-    moves = own != 0
-    root = np.sqrt(np.where(moves, own, 1.0))
+    drive_constant = sense * constant[:, drive_row, None]
+    moves = drive_constant != 0
+    root = np.sqrt(np.where(moves, drive_constant, 1.0))
     shape = np.where(moves, constant / root, 0.0)
-    own_error = error[:, at, None]
+    drive_error = error[:, drive_row, None]
     response = error / np.abs(root)
-    scale = np.abs(shape) * own_error / (2 * np.abs(root) ** 2)
-    errors = np.sqrt(response**2 + scale**2 - 2 * shared * response * scale)
-    errors[:, at] = (own_error / (2 * np.abs(root)))[:, 0]
+    scale = np.abs(shape) * drive_error / (2 * np.abs(root) ** 2)
+    errors = np.sqrt(response**2 + scale**2 - 2 * noise_correlation * response * scale)
+    errors[:, drive_row] = (drive_error / (2 * np.abs(root)))[:, 0]
     return shape, np.where(moves, errors, 0.0)
 
 

@@ -1,4 +1,4 @@
-"""Taking the damping that an exponential window adds out of modes."""
+"""Correction of loss factors for the damping that an exponential window adds."""
 
 from dataclasses import replace
 
@@ -8,38 +8,42 @@ from modallab.core.arrays import FloatArray
 from modallab.core.modal_model import ModalModel, Mode, Spread
 
 
-def without_added(model: ModalModel, added: FloatArray) -> ModalModel:
-    """Return the modes with `added` (n_modes,) taken out of their loss factors.
+def without_window_damping(model: ModalModel, added_loss_factor: FloatArray) -> ModalModel:
+    """Return the modes with `added_loss_factor` (n_modes,) subtracted from their loss factors.
 
-    The loss factor of every mode and of each FRF's fit, and where these lie; their scatter stays. A
-    loss factor smaller than what the window added comes out negative, within its error: it says so.
+    This includes the loss factor of each FRF's fit and the spread, whose standard deviation is unchanged. A
+    loss factor smaller than that of the window becomes negative, within its error, and is flagged.
 
     Parameters
     ----------
-    added
+    model
+        Modes of windowed records.
+    added_loss_factor
         `modallab.estimation.windows.added_loss_factor` at the modes' frequencies.
     """
-    modes = tuple(_less(mode, float(eta)) for mode, eta in zip(model.modes, added, strict=True))
+    modes = tuple(
+        _reduced(mode, float(eta)) for mode, eta in zip(model.modes, added_loss_factor, strict=True)
+    )
     fitted = model.fitted_loss_factor
-    share = ", ".join(f"{eta:.3g}" for eta in added)
+    share = ", ".join(f"{eta:.3g}" for eta in added_loss_factor)
     return replace(
         model,
         modes=modes,
-        fitted_loss_factor=None if fitted is None else fitted - np.asarray(added)[:, None],
+        fitted_loss_factor=None if fitted is None else fitted - np.asarray(added_loss_factor)[:, None],
         notes=(*model.notes, f"loss factors are without those that the exponential window added: {share}"),
     )
 
 
-def _less(mode: Mode, eta: float) -> Mode:
+def _reduced(mode: Mode, eta: float) -> Mode:
     spread = mode.loss_factor_spread
     flags = mode.flags if mode.loss_factor > eta else (*mode.flags, "window_damping")
     return replace(
         mode,
         loss_factor=mode.loss_factor - eta,
-        loss_factor_spread=None if spread is None else _moved(spread, -eta),
+        loss_factor_spread=None if spread is None else _shifted(spread, -eta),
         flags=flags,
     )
 
 
-def _moved(spread: Spread, by: float) -> Spread:
+def _shifted(spread: Spread, by: float) -> Spread:
     return replace(spread, min=spread.min + by, max=spread.max + by, mean=spread.mean + by)

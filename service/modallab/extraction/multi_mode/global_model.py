@@ -7,10 +7,10 @@ import numpy as np
 
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from modallab.core.modal_model import ModalModel, Mode, StabilisationChart
-from modallab.extraction.averaging.combine import NODE, SMALL
 from modallab.extraction.averaging.leakage_flag import leakage_flags
 from modallab.extraction.averaging.notes import no_scale
 from modallab.extraction.averaging.reference_shapes import ReferenceShapes, reference_shapes
+from modallab.extraction.averaging.settings import NODES
 from modallab.extraction.multi_mode.coincident_modes import with_shapes_of_planes
 from modallab.extraction.multi_mode.range_modes import RangeModes, pairs
 from modallab.extraction.preprocessing.responses import Responses
@@ -64,7 +64,7 @@ def modal_model(
         modal_constant=constant,
         modal_constant_error=error,
         chart=_chart(fits, chosen),
-        choices={**choices, **shapes.said(FITTED if product else None)},
+        choices={**choices, **shapes.choice_text(FITTED if product else None)},
         notes=(
             *no_scale(shapes),
             *_notes(fits, chosen),
@@ -108,7 +108,7 @@ def _mode(modes: RangeModes, row: int, shapes: ReferenceShapes, n: int, flags: S
         standard_errors=errors,
         shape_errors=shapes.error[n],
         leakage_bias=bias,
-        flags=(*flags, *leakage_flags(bias, errors, loss_factor), *shapes.odd(n)),
+        flags=(*flags, *leakage_flags(bias, errors, loss_factor), *shapes.flags(n)),
     )
 
 
@@ -119,7 +119,7 @@ def _numbers(of: FloatArray) -> dict[str, float]:
 def _nodes(constant: ComplexArray, error: FloatArray, names: Sequence[str]) -> Iterator[str]:
     """Yield the FRFs that hardly show a mode."""
     size = np.abs(constant)
-    hidden: BoolArray = size < np.maximum(NODE * error, SMALL * size.max())
+    hidden: BoolArray = size < np.maximum(NODES.standard_errors * error, NODES.relative_size * size.max())
     for j in np.flatnonzero(hidden).tolist():
         yield f"node: {names[j]}"
 

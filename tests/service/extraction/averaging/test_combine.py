@@ -71,7 +71,9 @@ def test_what_all_constants_have_wrong_by_one_part_is_half_as_wrong_in_shapes(sh
     constants = PHI[:, :1] * PHI
     part = 0.01  # of every constant
     given = replace(table(constants), modal_constant_error=part * np.abs(constants))
-    stated = combine_fits(given, DOFS, DOFS[:1], method="dobson", shared=shared).modes[1].shape_errors
+    stated = (
+        combine_fits(given, DOFS, DOFS[:1], method="dobson", noise_correlation=shared).modes[1].shape_errors
+    )
     assert stated is not None
     rng = np.random.default_rng(1)
     common, own = (

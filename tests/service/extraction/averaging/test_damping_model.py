@@ -60,7 +60,7 @@ def test_the_law_that_is_asked_for_is_taken_whatever_the_lines_tell() -> None:
     assert model.choices["damping"] == "structural: as asked"
     told = select_damping_model(model)
     assert told.law is Damping.VISCOUS
-    assert told.turn == pytest.approx(1.0, abs=4 * told.error)
+    assert told.phase_ratio == pytest.approx(1.0, abs=4 * told.error)
 
 
 def test_a_delay_is_not_taken_for_a_law() -> None:

@@ -1,7 +1,13 @@
 import numpy as np
 import pytest
 
-from modallab.extraction.averaging.means import Averaging, averaged, differ, plain_mean, weighted_mean
+from modallab.extraction.averaging.means import (
+    Averaging,
+    averaged,
+    differ_significantly,
+    plain_mean,
+    weighted_mean,
+)
 
 
 def test_weights_are_one_over_variance() -> None:
@@ -47,7 +53,7 @@ def test_values_known_better_than_they_can_be_count_alike() -> None:
 
 def test_values_that_differ_have_their_scatter_in_the_error() -> None:
     values, errors = np.array([1.0, 1.2, 1.1, 0.9]), np.full(4, 1e-3)
-    assert differ(values, errors)
+    assert differ_significantly(values, errors)
     mean = averaged(values, errors, 0.0, Averaging.WEIGHTED)
     assert mean.value == pytest.approx(1.05)
     assert mean.error == pytest.approx(values.std(ddof=1) / 2)
@@ -55,9 +61,9 @@ def test_values_that_differ_have_their_scatter_in_the_error() -> None:
 
 
 def test_one_value_apart_is_no_scatter() -> None:
-    assert not differ(np.array([1.0, 1.0, 1.0, 2.0]), np.full(4, 1e-3))
-    assert not differ(np.array([1.0]), np.array([0.1]))
-    assert not differ(np.array([1.0, 2.0, 3.0]), np.zeros(3))
+    assert not differ_significantly(np.array([1.0, 1.0, 1.0, 2.0]), np.full(4, 1e-3))
+    assert not differ_significantly(np.array([1.0]), np.array([0.1]))
+    assert not differ_significantly(np.array([1.0, 2.0, 3.0]), np.zeros(3))
 
 
 def test_errors_in_common_do_not_average_out() -> None:

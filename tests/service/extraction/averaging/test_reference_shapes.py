@@ -29,7 +29,7 @@ def test_products_give_the_shapes_they_are_of() -> None:
     found = shapes((DOFS[1], DOFS[4]))
     np.testing.assert_allclose(found.shape, PHI, atol=1e-12)  # rounding through 20 rounds
     assert found.scale is not None
-    assert found.apart.max() < 1e-12
+    assert found.inconsistency.max() < 1e-12
 
 
 def test_a_drive_point_at_a_node_does_no_harm_beside_another() -> None:
@@ -37,7 +37,7 @@ def test_a_drive_point_at_a_node_does_no_harm_beside_another() -> None:
     # the second mode rests on 4:+Y alone: errors of 1e-3 over its 0.7
     sign = np.sign((found.shape.real * PHI).sum(axis=1))[:, None]
     assert np.abs(sign * found.shape - PHI).max() < 5 * ERROR / 0.7
-    assert not any("hardly shows" in flag for flag in found.odd(1))
+    assert not any("hardly shows" in flag for flag in found.flags(1))
 
 
 def test_a_reference_that_points_the_other_way_changes_nothing() -> None:
@@ -62,7 +62,7 @@ def test_one_reference_is_scaled_by_its_own_drive_point() -> None:
     error: FloatArray = np.full(found.shape, ERROR)
     own = reference_shapes(found, error, DOFS, DOFS[1:2])
     np.testing.assert_array_equal(own.shape, scaled_shapes(found, error, 1, 1)[0])
-    assert own.said() == {}
+    assert own.choice_text() == {}
 
 
 def test_constants_of_no_one_shape_are_flagged_with_how_far() -> None:
@@ -70,9 +70,9 @@ def test_constants_of_no_one_shape_are_flagged_with_how_far() -> None:
     found = constants(drives).reshape(2, 5, 2)
     found[0, 2, 1] *= -1  # a polarity that changed between two tests
     told = reference_shapes(found.reshape(2, -1), np.full((2, 10), ERROR), DOFS, drives)
-    assert any(flag.startswith("references differ: ") for flag in told.odd(0))
-    assert list(told.odd(1)) == []
-    assert told.said()["references"].startswith("2:+Y, 5:+Y: ")
+    assert any(flag.startswith("references differ: ") for flag in told.flags(0))
+    assert list(told.flags(1)) == []
+    assert told.choice_text()["references"].startswith("2:+Y, 5:+Y: ")
 
 
 def test_drive_points_that_differ_about_the_scale_are_flagged() -> None:
@@ -80,8 +80,10 @@ def test_drive_points_that_differ_about_the_scale_are_flagged() -> None:
     gains = np.array([1.0, 1.3])  # of the second force gauge
     found = (constants(drives).reshape(2, 5, 2) * gains).reshape(2, -1)
     told = reference_shapes(found, np.full(found.shape, ERROR), DOFS, drives)
-    assert told.apart.max() < 1e-12, "each column is the same shape all the same"
-    (flag,) = told.odd(0)
+    assert told.inconsistency.max() < 1e-12, "each column is the same shape all the same"
+    (flag,) = told.flags(0)
     assert flag.startswith("drive points differ by ")
     assert told.scale is not None
-    assert told.scale.uneven[0] == pytest.approx(0.13, abs=0.03)  # half of the gain's error to either side
+    assert told.scale.inconsistency[0] == pytest.approx(
+        0.13, abs=0.03
+    )  # half of the gain's error to either side
