@@ -1,4 +1,4 @@
-"""Degrees of freedom that several things have in common, whatever the sense in which each gives them."""
+"""Common degrees of freedom of several sets, whatever their signs."""
 
 from collections.abc import Sequence
 
@@ -9,15 +9,15 @@ from modallab.core.dof import Dof
 
 
 def common_points(*sides: Sequence[Dof]) -> tuple[Dof, ...]:
-    """Return the DoFs, in their positive sense and in order, that every side has."""
+    """Return the DoFs common to all sides, sorted, in their positive sense."""
     first, *remaining = [{dof.point for dof in side} for side in sides]
     return tuple(sorted(first.intersection(*remaining)))
 
 
 def rows_at(dofs: Sequence[Dof], points: Sequence[Dof]) -> tuple[IntArray, FloatArray]:
-    """Return the rows of `points` among `dofs`, and the signs that turn these rows to the positive sense.
+    """Return the rows of `points` among `dofs`, and the signs that bring these rows to the positive sense.
 
-    Of a DoF given twice the first one counts.
+    A DoF that occurs twice is found at its first place.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""What the numerics raise on purpose."""
+"""Errors that the numerics raise deliberately."""
 
 
 class ModalLabError(Exception):
@@ -16,7 +16,7 @@ class ModalLabError(Exception):
 
 
 class InvalidInputError(ModalLabError, ValueError):
-    """What the caller passed has no meaning: wrong shape, out of bounds, unknown name."""
+    """Invalid input: wrong shape, value out of bounds, unknown name."""
 
     code = "invalid_input"
 
@@ -28,7 +28,7 @@ class UnknownDofError(InvalidInputError):
 
 
 class StructureError(InvalidInputError):
-    """A structure that cannot be analysed: disconnected, wholly held, of negative section."""
+    """A structure that cannot be analysed: disconnected, fully constrained, of negative section."""
 
     code = "structure"
 
@@ -58,7 +58,7 @@ class DivergedError(ModalLabError):
 
 
 class MissingExtraError(ModalLabError):
-    """What was asked for needs an optional part that is not installed."""
+    """The request needs an optional dependency that is not installed."""
 
     code = "missing_extra"
 

@@ -1,4 +1,4 @@
-"""How natural frequencies differ between FRFs that were not measured on the same structure."""
+"""Frequency inconsistency: natural frequencies that differ between FRFs of one test."""
 
 from dataclasses import dataclass, fields
 from enum import StrEnum
@@ -11,33 +11,44 @@ from modallab.core.arrays import FloatArray, IntArray
 
 
 class InconsistencyCause(StrEnum):
-    """What makes frequencies differ from FRF to FRF."""
+    """Cause of frequency differences between FRFs."""
 
-    ROVING_MASS = "roving_mass"  # they fall by half the mass times the squared shape where it sits
-    SQUARED_SHAPE = "squared_shape"  # as above, but shapes without scale do not tell the mass
-    STEADY_DRIFT = "steady_drift"  # all alike, and in proportion to the number of the FRF
+    ROVING_MASS = "roving_mass"  # relative shift: -mass shape^2 / 2 at the mass's DoF
+    SQUARED_SHAPE = "squared_shape"  # as above, with unscaled shapes: the mass is unknown
+    STEADY_DRIFT = "steady_drift"  # same relative shift of all modes, linear in the FRF's index
     UNKNOWN = "unknown"
 
 
 @dataclass(frozen=True, eq=False)
 class FrequencyInconsistency:
-    """Frequencies that differ between FRFs by more than their random error; NaN where a fit did not count.
+    """Natural frequencies that differ between FRFs by more than their random error.
 
-    What `size` is depends on the cause. `roving_mass`: the kg that move with the response.
-    `steady_drift`: the relative change of frequency from the first FRF to the last. Else 0.
+    NaN marks a fit that was not valid. The meaning of `size` depends on the cause: `roving_mass`, kg that
+    move with the response; `steady_drift`, relative frequency change from the first FRF to the last.
     """
 
     cause: InconsistencyCause
-    shift: FloatArray  # (n_modes, n_frf) Hz, of each fit from the plain mean of its mode
-    shift_error: FloatArray  # (n_modes, n_frf) Hz, standard error of that fit
-    chi_square: FloatArray  # (n_modes,) of the fits about their weighted mean
-    degrees: IntArray  # (n_modes,) of freedom: one less than the fits that count
-    explained: float  # 0 to 1, the part of all chi-square that goes with the cause
+    """Cause identified from the pattern of the shifts."""
+    shift: FloatArray
+    """Hz, (n_modes, n_frf) deviation of each fit from the unweighted mean of its mode."""
+    shift_error: FloatArray
+    """Hz, (n_modes, n_frf) standard error of each fit."""
+    chi_square: FloatArray
+    """(n_modes,) chi-square of the fits about their weighted mean."""
+    degrees: IntArray
+    """(n_modes,) degrees of freedom: the number of valid fits less one."""
+    explained: float
+    """Fraction of the total chi-square explained by the cause, 0 to 1."""
     size: float
-    size_error: float  # standard error, what the first-order law neglects included
-    mode_size: FloatArray  # (n_modes,) the same from each mode alone
-    mode_size_error: FloatArray  # (n_modes,)
-    still_frequency: FloatArray  # (n_modes,) Hz, without roving mass, or before the drift; else the mean
+    """Size of the cause: kg of a roving mass, relative frequency change of a steady drift, else 0."""
+    size_error: float
+    """Standard error of the size, with the second-order terms that the model neglects."""
+    mode_size: FloatArray
+    """(n_modes,) size estimated from each mode alone."""
+    mode_size_error: FloatArray
+    """(n_modes,) standard errors of these sizes."""
+    still_frequency: FloatArray
+    """Hz, (n_modes,) frequency without the roving mass, or before the drift; else the mean."""
 
     def __post_init__(self) -> None:
         for field in fields(self):
@@ -47,6 +58,6 @@ class FrequencyInconsistency:
 
 
 def _read_only(values: NDArray[Any]) -> NDArray[Any]:
-    array = np.array(values)  # `frozen` would refuse NaN, which says here that a fit did not count
+    array = np.array(values)  # `frozen` rejects NaN, which marks an invalid fit here
     array.flags.writeable = False
     return array

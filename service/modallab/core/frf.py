@@ -1,4 +1,4 @@
-"""Frequency responses on one axis."""
+"""Frequency response functions (FRFs) on one frequency axis."""
 
 from dataclasses import dataclass, replace
 from enum import StrEnum
@@ -11,14 +11,14 @@ from modallab.core.errors import InvalidInputError
 
 
 class FrfKind(StrEnum):
-    """Motion per force; each is the time derivative of the one before."""
+    """Kind of response per force; each is the time derivative of the one before."""
 
     RECEPTANCE = "receptance"  # m/N
     MOBILITY = "mobility"  # m/(s N)
     INERTANCE = "inertance"  # m/(s^2 N)
 
     def steps_to(self, kind: "FrfKind") -> int:
-        """Return how many times a response of this kind is differentiated to be of another."""
+        """Return the number of time derivatives from this kind to another; negative: integrations."""
         order = list(FrfKind)
         return order.index(kind) - order.index(self)
 
@@ -27,11 +27,16 @@ class FrfKind(StrEnum):
 class FrfSet:
     """Frequency responses on one axis; time convention exp(+i omega t)."""
 
-    freq: FloatArray  # (n_freq,) Hz, rising, not negative
-    values: ComplexArray  # (n_freq, n_out, n_in), unit of `kind`
+    freq: FloatArray
+    """Hz, (n_freq,) frequency lines, rising, not negative."""
+    values: ComplexArray
+    """(n_freq, n_out, n_in) complex responses in the unit of `kind`."""
     outputs: tuple[Dof, ...]
+    """Response DoFs."""
     inputs: tuple[Dof, ...]
+    """Force DoFs."""
     kind: FrfKind
+    """Receptance, mobility or inertance."""
 
     def __post_init__(self) -> None:
         shape = (len(self.freq), len(self.outputs), len(self.inputs))
@@ -41,7 +46,7 @@ class FrfSet:
             raise InvalidInputError("the frequency axis must rise from 0 Hz or above", field="freq")
 
     def to(self, kind: FrfKind) -> "FrfSet":
-        """Return the same responses as another kind: one factor i omega a step.
+        """Return the responses converted to another kind by factors i omega.
 
         Raises
         ------
@@ -55,7 +60,7 @@ class FrfSet:
         return replace(self, values=self.values * factor[:, None, None], kind=kind)
 
     def left_out(self, kind: FrfKind) -> tuple[str, ...]:
-        """Return a note where the line at 0 Hz has no value of a kind, as it would have to be integrated."""
+        """Return a note if the line at 0 Hz has to be left out, as it cannot be integrated to a kind."""
         if self.kind.steps_to(kind) >= 0 or self.freq[0] > 0:
             return ()
         return (f"{self.kind} at 0 Hz has no {kind}: that line is left out",)

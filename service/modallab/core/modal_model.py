@@ -1,4 +1,4 @@
-"""Modes as a measurement or a model gives them."""
+"""Modal model: natural frequencies, loss factors and mode shapes, measured or computed."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -13,29 +13,42 @@ from modallab.core.frequency_inconsistency import FrequencyInconsistency
 
 @dataclass(frozen=True)
 class Spread:
-    """How one number scatters over the FRFs it was read from; `sd` with n - 1."""
+    """Scatter of one quantity over the FRFs from which it was estimated."""
 
     min: float
+    """Smallest value."""
     max: float
+    """Largest value."""
     mean: float
+    """Arithmetic mean."""
     sd: float
+    """Standard deviation of the sample, with n - 1."""
     n: int
+    """Number of FRFs."""
 
 
 @dataclass(frozen=True, eq=False)
 class Mode:
     """One mode: eigenvalue (2 pi frequency)^2 (1 + i loss_factor), shape mass-normalised by transpose."""
 
-    frequency: float  # Hz
+    frequency: float
+    """Hz, natural frequency."""
     loss_factor: float
-    shape: ComplexArray  # (n_dof,) 1/sqrt(kg)
+    """Structural loss factor eta; twice the damping ratio where damping is viscous."""
+    shape: ComplexArray
+    """(n_dof,) 1/sqrt(kg), complex mode shape."""
     frequency_spread: Spread | None = None
+    """Hz, scatter of the frequency over the FRFs."""
     loss_factor_spread: Spread | None = None
-    standard_errors: dict[str, float] = field(default_factory=dict)  # of frequency, loss_factor
-    shape_errors: FloatArray | None = None  # (n_dof,) of |shape|, 1/sqrt(kg)
-    # of frequency, loss_factor: what leakage may still move them by; empty where none leaks
+    """Scatter of the loss factor over the FRFs."""
+    standard_errors: dict[str, float] = field(default_factory=dict)
+    """Standard errors by name: `frequency` (Hz), `loss_factor`."""
+    shape_errors: FloatArray | None = None
+    """(n_dof,) 1/sqrt(kg), standard errors of the magnitude of the shape."""
     leakage_bias: dict[str, float] = field(default_factory=dict)
+    """Bounds of the bias by leakage, by name: `frequency` (Hz), `loss_factor`; empty without leakage."""
     flags: tuple[str, ...] = ()
+    """Warnings about this mode, as short codes."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "shape", frozen(self.shape, complex, (None,), name="shape"))
@@ -58,15 +71,19 @@ def frf_names(dofs: Sequence[Dof], references: Sequence[Dof]) -> tuple[str, ...]
 
 @dataclass(frozen=True, eq=False)
 class StabilisationChart:
-    """Poles that a global method found at rising model orders, and which of them became modes."""
+    """Stabilisation chart: poles of a global method at rising model orders."""
 
-    order: IntArray  # (n_poles,) of the polynomial that has this pole
-    frequency: FloatArray  # (n_poles,) Hz
-    loss_factor: FloatArray  # (n_poles,)
-    # (n_poles,) how far a pole agrees with one of the order before: 0 new, 1 in frequency, 2 and in damping,
-    # 3 and in its vector
+    order: IntArray
+    """(n_poles,) order of the polynomial with this pole."""
+    frequency: FloatArray
+    """Hz, (n_poles,) natural frequency of each pole."""
+    loss_factor: FloatArray
+    """(n_poles,) loss factor of each pole."""
     stability: IntArray
-    mode: IntArray  # (n_poles,) which mode it speaks for, counted from 0; -1 for none
+    """(n_poles,) agreement with a pole of the order before: 0 new, 1 in frequency, 2 in damping too,
+    3 in the participation vector too."""
+    mode: IntArray
+    """(n_poles,) index of the mode that the pole belongs to, from 0; -1 for none."""
 
     def __post_init__(self) -> None:
         n = len(self.order)
@@ -85,36 +102,49 @@ class ModalModel:
     """A consistent set of modes at named DoFs, in rising frequency."""
 
     modes: tuple[Mode, ...]
+    """Modes in rising natural frequency."""
     dofs: tuple[Dof, ...]
+    """Degrees of freedom of the mode shapes."""
     normalisation: Literal["mass", "none"] = "mass"
+    """`mass`: shapes are mass-normalised; `none`: their scale is arbitrary."""
     method: str = ""
-    # points that FRFs share: drive points, or responses while a hammer roves; none where modes are
-    # not from FRFs. FRFs are counted DoF by DoF, at each of them reference by reference.
+    """Extraction method, or `synthetic`."""
     references: tuple[Dof, ...] = ()
-    # per FRF: (n_modes, n_frf) Hz, -, and 1/kg; NaN where an FRF did not show the mode
+    """DoFs common to several FRFs: drive points, or fixed responses of a roving hammer test; empty for modes
+    that are not from FRFs. FRFs are ordered DoF by DoF, and by reference at each DoF."""
     fitted_frequency: FloatArray | None = None
+    """Hz, (n_modes, n_frf) natural frequency fitted to each FRF; NaN where it does not show the mode."""
     fitted_loss_factor: FloatArray | None = None
+    """(n_modes, n_frf) loss factor fitted to each FRF; NaN where it does not show the mode."""
     modal_constant: ComplexArray | None = None
-    modal_constant_error: FloatArray | None = None  # (n_modes, n_frf) 1/kg, of either part
-    # (n_modes, n_frf, 2) first and last line above 0 Hz that each single-mode fit drew on
+    """1/kg, (n_modes, n_frf) modal constants."""
+    modal_constant_error: FloatArray | None = None
+    """1/kg, (n_modes, n_frf) standard error of the real and of the imaginary part."""
     fitted_lines: IntArray | None = None
-    # (2, n_frf) what lies below the range, 1/kg: -m/omega^2; and above it, m/N
+    """(n_modes, n_frf, 2) first and last line above 0 Hz of each single-mode fit."""
     residuals: ComplexArray | None = None
-    # what lies so near the range that it bends the FRFs in it, `A/(lambda - omega^2)` whatever the law of
-    # damping: (n_beyond,) (rad/s)^2 and (n_beyond, n_frf) 1/kg
+    """(2, n_frf) lower residual (1/kg, -m/omega^2) and upper residual (m/N)."""
     beyond_eigenvalue: ComplexArray | None = None
+    """(rad/s)^2, (n_beyond,) eigenvalues of modes outside the range whose resonances bend the FRFs in it:
+    terms A/(lambda - omega^2) for any damping model."""
     beyond_constant: ComplexArray | None = None
-    resynthesis_error: FloatArray | None = None  # (n_frf,) rms misfit of the modes over rms of the FRF
-    wander: FrequencyInconsistency | None = None  # of the frequencies over the FRFs, None where they agree
+    """1/kg, (n_beyond, n_frf) modal constants A of these modes."""
+    resynthesis_error: FloatArray | None = None
+    """(n_frf,) rms misfit of the synthesised FRF over the rms of the FRF."""
+    wander: FrequencyInconsistency | None = None
+    """Frequency differences between the FRFs; None where they agree."""
     chart: StabilisationChart | None = None
-    choices: dict[str, str] = field(default_factory=dict)  # option -> what was taken, and why
+    """Stabilisation chart of a global method."""
+    choices: dict[str, str] = field(default_factory=dict)
+    """Value of each option in words, and the reason for it."""
     options: dict[str, int | float | str | None] = field(default_factory=dict)
     """Options of the extraction method as asked for; None was left to the method."""
     notes: tuple[str, ...] = ()
+    """Remarks on the extraction, in sentences."""
 
     @property
     def drive(self) -> Dof | None:
-        """The point that all FRFs share; None where there is none, or several."""
+        """Common DoF of all FRFs; None where there is none, or several."""
         return self.references[0] if len(self.references) == 1 else None
 
     @property

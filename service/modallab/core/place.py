@@ -1,4 +1,4 @@
-"""Where an effect acts, and an effect as plain data."""
+"""Place of an effect, and specification of an effect as plain data."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -25,7 +25,7 @@ class Channels:
 
     @cached_property
     def points(self) -> tuple[Dof, ...]:
-        """What they measure, whatever the sense."""
+        """Measured DoFs in their positive sense."""
         return tuple(dof.point for dof in self.dofs)
 
     def __str__(self) -> str:

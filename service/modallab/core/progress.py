@@ -1,4 +1,4 @@
-"""How long work says how far it is; it may be stopped from inside the callback."""
+"""Progress callbacks of long computations, which may also cancel them."""
 
 from collections.abc import Callable
 
@@ -6,9 +6,9 @@ Progress = Callable[[float, str], None]
 
 
 class Pulse:
-    """A progress callback that says again what it said last, so that long steps are seen to be alive.
+    """Progress callback that can repeat its latest report, as a sign of life during long steps.
 
-    Work that nobody wants any more is stopped between two beats.
+    A cancelled computation stops at the next report.
     """
 
     def __init__(self, progress: Progress) -> None:
@@ -16,20 +16,20 @@ class Pulse:
         self._last = (0.0, "")
 
     def __call__(self, fraction: float, message: str) -> None:
-        """Say how far the work is."""
+        """Report the progress: a fraction, 0 to 1, and a message."""
         self._last = (fraction, message)
         self._progress(fraction, message)
 
     def beat(self) -> None:
-        """Say it again."""
+        """Repeat the latest report."""
         if self._last[1]:
             self._progress(*self._last)
 
 
 def silent(fraction: float, message: str) -> None:
-    """Say nothing: the default of every `progress` parameter."""
+    """Report nothing: the default of every `progress` parameter."""
 
 
 def part(progress: Progress, low: float, high: float) -> Progress:
-    """Return the callback of a part of the work, from `low` to `high` of the whole."""
+    """Return the callback for a part of the work, from the fraction `low` to `high` of the whole."""
     return lambda fraction, message: progress(low + (high - low) * fraction, message)

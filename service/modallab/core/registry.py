@@ -14,8 +14,8 @@ T = TypeVar("T")
 class Family(Mapping[str, T]):
     """A named set of interchangeable parts, read like a dict; each file adds one.
 
-    The members' folder is imported when the family is first read, so that a family is whole
-    whoever asks, and a floor need not know the folder above it that holds the members.
+    The members' folder is imported when the family is first read, so that a family is
+    complete for every caller, and a lower layer need not import the folder of the members.
     """
 
     def __init__(self, name: str, home: str) -> None:

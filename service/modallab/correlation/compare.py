@@ -24,15 +24,24 @@ from modallab.fe.system import DynamicSystem
 class Correlation:
     """Measured modes beside those of a model, at the DoFs both have."""
 
-    mac: FloatArray  # (n_measured, n_model)
-    pairs: tuple[tuple[int, int], ...]  # (measured, model), counted from 0
-    frequency_differences: FloatArray  # (n_pairs,) measured minus model, Hz
-    comac: FloatArray  # (n_common,)
-    dofs: tuple[Dof, ...]  # the common ones, in their positive sense
-    ecomac: FloatArray | None = None  # (n_common,)
-    pole_weighted_mac: FloatArray | None = None  # (n_measured, n_model)
-    orthogonality: Orthogonality | None = None  # where a reduction was asked for
-    responses: ResponseCorrelation | None = None  # where a measurement was given
+    mac: FloatArray
+    """(n_measured, n_model) modal assurance criterion (MAC), 0 to 1."""
+    pairs: tuple[tuple[int, int], ...]
+    """Paired modes (measured, model), counted from 0."""
+    frequency_differences: FloatArray
+    """Hz, (n_pairs,) measured minus model frequency."""
+    comac: FloatArray
+    """(n_common,) coordinate modal assurance criterion (CoMAC) over the pairs, 0 to 1."""
+    dofs: tuple[Dof, ...]
+    """Common DoFs in their positive sense."""
+    ecomac: FloatArray | None = None
+    """(n_common,) enhanced coordinate modal assurance criterion (ECoMAC), 0 agrees."""
+    pole_weighted_mac: FloatArray | None = None
+    """(n_measured, n_model) pole-weighted MAC, 0 to 1."""
+    orthogonality: Orthogonality | None = None
+    """Orthogonality in the reduced mass matrix, where a reduction was requested."""
+    responses: ResponseCorrelation | None = None
+    """Correlation of FRFs, where measured FRFs were given."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "mac", frozen(self.mac, float, (None, None), name="mac"))

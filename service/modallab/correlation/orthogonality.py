@@ -60,12 +60,17 @@ class Orthogonality:
     """Measured and computed modes in a reduced mass, and how good that mass is."""
 
     reduction: str
+    """Name of the reduction of the mass matrix."""
     parameters: Mapping[str, float]
-    n_motions: int  # that the reduced model has, rigid-body motions among them
-    cross: FloatArray  # (n_measured, n_model)
-    auto: FloatArray  # (n_measured, n_measured)
-    # (n_model,) frequency of the reduced model's own mode over that of the full one, minus 1
+    """Parameters of the reduction by name."""
+    n_motions: int
+    """Number of modes of the reduced model, rigid-body modes among them."""
+    cross: FloatArray
+    """(n_measured, n_model) cross-orthogonality of measured and computed modes, 0 to 1."""
+    auto: FloatArray
+    """(n_measured, n_measured) auto-orthogonality of the measured modes, 0 to 1."""
     frequency_errors: FloatArray = field(default_factory=lambda: np.zeros(0))
+    """(n_model,) frequency of the reduced model over that of the full model, minus 1."""
 
     def __post_init__(self) -> None:
         for name, dimensions in (("cross", 2), ("auto", 2), ("frequency_errors", 1)):

@@ -18,17 +18,25 @@ from modallab.fe.system import DynamicSystem
 class ResponseCorrelation:
     """FRAC by FRF and FDAC by line, at the points that measurement and model share."""
 
-    outputs: tuple[Dof, ...]  # as measured, with their signs
+    outputs: tuple[Dof, ...]
+    """Common response DoFs as measured, with their signs."""
     inputs: tuple[Dof, ...]
-    frac: FloatArray  # (n_out, n_in)
-    freq: FloatArray  # (n_lines,) Hz, of both axes of the FDAC: some of the measured lines
-    fdac: FloatArray  # (n_in, n_lines measured, n_lines model)
-    # f_measured / f_model along the FDAC's ridge: near 1.1 where the structure is 21 % stiffer throughout.
-    # None where one response alone has no shape, or no line between 1/1.5 and 1.5 stands out.
+    """Common force DoFs as measured, with their signs."""
+    frac: FloatArray
+    """(n_out, n_in) frequency response assurance criterion (FRAC), 0 to 1."""
+    freq: FloatArray
+    """Hz, (n_lines,) lines of both axes of the FDAC, a selection of the measured lines."""
+    fdac: FloatArray
+    """(n_in, n_lines, n_lines) frequency domain assurance criterion (FDAC), measured by model line."""
     frequency_scale: float | None = None
-    fdac_on_ridge: float | None = None  # mean
-    fdac_unscaled: float | None = None  # mean at equal frequencies
+    """Measured over model frequency along the FDAC's ridge: about 1.1 for a structure 21 % stiffer than the
+    model. None for a single response, or without a maximum between 1/1.5 and 1.5."""
+    fdac_on_ridge: float | None = None
+    """Mean FDAC along the ridge."""
+    fdac_unscaled: float | None = None
+    """Mean FDAC at equal frequencies."""
     notes: tuple[str, ...] = ()
+    """Remarks, in sentences."""
 
     def __post_init__(self) -> None:
         n = len(self.freq)

@@ -1,4 +1,4 @@
-"""How a member departs from what the matrices hold of it."""
+"""Alteration of a member: factors of its mass, stiffness and damping, shear, and joints at its ends."""
 
 from dataclasses import dataclass
 
@@ -13,17 +13,17 @@ ROTATION_ROWS = (2, 5)  # theta of each end among (u, v, theta) of both
 
 @dataclass(frozen=True)
 class Alteration:
-    """Factors of a member's parts, what it gains in shear and rotary inertia, and joints at its ends."""
+    """Factors of a member's matrices, added shear flexibility and rotary inertia, and end joints."""
 
     mass: float = 1.0
     axial: float = 1.0
     bending: float = 1.0
-    loss: float = 1.0  # of what it loses in proportion to its stiffness
-    shear: float = 0.0  # added share of shear flexibility and rotary inertia
+    loss: float = 1.0  # factor of the damping in proportion to stiffness
+    shear: float = 0.0  # added fraction of shear flexibility and rotary inertia
     joints: tuple[float, float] = (0.0, 0.0)  # rad/(N m), of a rotational spring at each end; 0 is rigid
 
     def combined_with(self, alteration: "Alteration") -> "Alteration":
-        """Return both together, in whatever order: factors multiply, springs in series add."""
+        """Return both alterations combined: factors multiply, flexibilities of springs in series add."""
         return Alteration(
             self.mass * alteration.mass,
             self.axial * alteration.axial,
@@ -36,21 +36,21 @@ class Alteration:
 
 @dataclass(frozen=True, eq=False)
 class JointedMember:
-    """Matrices of a member that springs join to its nodes: (w + k, w + k), the k jumps of rotation last.
+    """Matrices of a member joined to its nodes by rotational springs: (w + k, w + k), k joint rotations last.
 
-    A jump is measured in square roots of its flexibility, so that a rigid joint is a regular limit.
+    Joint rotations are scaled by the square root of their flexibility: a rigid joint is a regular limit.
     """
 
     mass: FloatArray
     stiffness: FloatArray
-    inner: int  # how many jumps move on their own
+    inner: int  # k, joint rotations that are coordinates of their own
 
 
 def with_joints(mass: FloatArray, stiffness: FloatArray, joints: tuple[float, float]) -> JointedMember:
     """Return a member, (w, w) each, with rotational springs between its ends and its nodes.
 
-    With g the jump's share of the member's motion u + g delta the energy is
-    (u + g delta)^T K (u + g delta) / 2 + delta^2 / (2 flexibility), and the mass likewise.
+    With delta the joint rotation and g its unit vector among the member's coordinates u, the strain energy
+    is (u + g delta)^T K (u + g delta) / 2 + delta^2 / (2 flexibility); kinetic energy likewise.
     """
     inner, width = [], len(mass)
     for row, flexibility in zip(ROTATION_ROWS, joints, strict=True):
@@ -60,7 +60,7 @@ def with_joints(mass: FloatArray, stiffness: FloatArray, joints: tuple[float, fl
         if stiffness_ratio > ELEMENT.rigid_joint_flexibility:
             inner.append((row, flexibility))
             continue
-        # Moves as its spring lets it: a coordinate of its own would only add a mode at infinity.
+        # Static condensation: a coordinate of its own would only add a mode at a very high frequency.
         static_motion = np.eye(width)
         static_motion[row] -= flexibility * stiffness[row] / (1 + stiffness_ratio)
         mass = static_motion.T @ mass @ static_motion
@@ -77,7 +77,7 @@ def with_joints(mass: FloatArray, stiffness: FloatArray, joints: tuple[float, fl
 
 
 def orthonormal_span(blocks: list[FloatArray]) -> FloatArray:
-    """Return orthonormal columns (n, r) for everything that some matrices (n, .) reach."""
+    """Return an orthonormal basis (n, r) of the joint column space of matrices (n, .)."""
     normalised = [block / size for block in blocks if (size := np.abs(block).max(initial=0.0)) > 0]
     if not normalised:
         return np.zeros((len(blocks[0]), 0))

@@ -1,4 +1,4 @@
-"""Structure and coefficients to matrices, by a sparsity pattern that is found once."""
+"""Assembly of a structure's matrices from coefficients, with a fixed sparsity pattern."""
 
 from collections.abc import Mapping
 from copy import copy
@@ -26,7 +26,7 @@ from modallab.fe.system import DynamicSystem
 
 @dataclass(frozen=True, eq=False)
 class Coefficients:
-    """What multiplies each member's parts, (n_members,) each; 1 leaves section and material as given."""
+    """Factors of each member's matrices, (n_members,) each; 1 leaves section and material as given."""
 
     mass: FloatArray
     axial: FloatArray
@@ -51,13 +51,13 @@ class Assembly:
     """The element matrices of a structure in global axes and the pattern they add up in.
 
     `mass`, `axial`, `bending` are (n_members, w, w), of bars w = 6 and DoFs (X, Y, RZ) at each end; `rows`
-    (n_members, w) gives their place in the system, -1 where a DoF is held or a member has fewer.
+    (n_members, w) gives their place in the system, -1 where a DoF is fixed or a member has fewer.
 
     Parameters
     ----------
     jumps
-        Whether the joints' jumps of rotation are rows of the system, behind those of its DoFs. If not,
-        joints are left out: `assemble` hangs them on.
+        Whether joint rotations are rows of the system, after those of its DoFs. If not, joints are left
+        out, and `assemble` attaches them.
     """
 
     def __init__(self, structure: Structure, *, joint_rotations: bool = False) -> None:
@@ -88,12 +88,12 @@ class Assembly:
         self._indptr = np.searchsorted(unique, np.arange(n + 1) * n)
 
     def resized(self, members: Mapping[int, AnyMember]) -> "Assembly":
-        """Return the assembly of members some of which have other sections or thicknesses.
+        """Return the assembly with other sections or thicknesses of some members.
 
         Parameters
         ----------
         members
-            The others, by their place among all; their nodes are the same.
+            Changed members by their index; their nodes are the same.
         """
         assembly, at = copy(self), list(members)
         resized_matrices = member_matrices(self.structure, list(members.values()), self._width)
@@ -113,11 +113,11 @@ class Assembly:
 
     @property
     def _width(self) -> int:
-        """Rows of a member without jumps."""
+        """Rows of a member without joint rotations."""
         return self.mass.shape[-1] if self.joint_rotations is None else self.joint_rotations.member_width
 
     def widened(self, parts: FloatArray, places: IntArray) -> FloatArray:
-        """Return matrices (m, w, w) of members, by their place among all, with the rows of their jumps."""
+        """Return matrices (m, w, w) of members, by their index, with the rows of their joint rotations."""
         return parts if self.joint_rotations is None else self.joint_rotations.widened(parts, places)
 
     def size_derivatives(self, places: IntArray, shape: SectionSize) -> FloatArray:
@@ -130,11 +130,11 @@ class Assembly:
 
     @cached_property
     def springs(self) -> FloatArray | float:
-        """(n_members, w, w) N m/rad, stiffness of joints at the jumps of their members; 0 without jumps."""
+        """(n_members, w, w) N m/rad, stiffness of the joints at the joint rotations; 0 without any."""
         return 0.0 if self.joint_rotations is None else self.joint_rotations.springs(self.structure)
 
     def loaded(self, structure: Structure) -> "Assembly":
-        """Return the same with the masses and springs to ground of another structure of these DoFs."""
+        """Return the assembly with the point masses and ground springs of a structure with the same DoFs."""
         assembly = copy(self)
         assembly.structure = structure
         for name in ("_point_masses", "_ground", "springs"):
@@ -171,7 +171,7 @@ class Assembly:
         Parameters
         ----------
         coefficients
-            What multiplies each member's parts; by default what the structure's members carry.
+            Factors of each member's matrices; by default those of the structure's members.
         """
         factors = coefficients_of(self.structure) if coefficients is None else coefficients
         mass = factors.mass[:, None, None] * self.mass
@@ -239,7 +239,7 @@ class Assembly:
 
     @cached_property
     def _rigid_shapes(self) -> FloatArray:
-        """Return the (n, n_rigid) motions of the geometry that strain nothing but springs to ground."""
+        """Return the (n, n_rigid) rigid-body motions of the geometry; they may strain springs to ground."""
         structure = self.structure
         if structure.blocks:
             place = {dof: i for i, dof in enumerate(structure.blocks.dofs)}
@@ -262,17 +262,17 @@ class Assembly:
 
 
 def _rigid_rows_in_plane(x: float, y: float) -> dict[str, tuple[float, ...]]:
-    """Return how a node moves in its plane with the whole: along X, along Y, about Z."""
+    """Return a node's rigid-body motion in the plane, by direction: along X, along Y, about Z."""
     return {"X": (1.0, 0.0, -y), "Y": (0.0, 1.0, x), "RZ": (0.0, 0.0, 1.0)}
 
 
 def _rigid_rows_across(x: float, y: float) -> dict[str, tuple[float, ...]]:
-    """Return how a node moves across its plane with the whole: along Z, about X, about Y."""
+    """Return a node's rigid-body motion across the plane, by direction: along Z, about X, about Y."""
     return {"Z": (1.0, y, -x), "RX": (0.0, 1.0, 0.0), "RY": (0.0, 0.0, 1.0)}
 
 
 def assemble(structure: Structure, coefficients: Coefficients | None = None) -> DynamicSystem:
-    """Return the assembled system of a structure; see `Assembly` to assemble again and again."""
+    """Return the assembled system of a structure; see `Assembly` for repeated assembly."""
     system = Assembly(structure).system(coefficients)
     for joint in structure.joints:
         system = system.add_joint(joint.node, 1 / joint.stiffness)

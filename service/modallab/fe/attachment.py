@@ -1,4 +1,4 @@
-"""A small system that hangs on a structure."""
+"""Attachment: a small dynamic system added to motions of a structure."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -17,11 +17,11 @@ DYNAMIC_STIFFNESS: CacheSlot[ComplexArray] = CacheSlot("dynamic stiffness", CACH
 
 @dataclass(frozen=True, eq=False)
 class Attachment:
-    """A small system that hangs on some motions of the structure: q = columns^T x.
+    """A small dynamic system attached to motions of the structure: q = columns^T x.
 
     It adds `columns Z columns^T` to the dynamic stiffness, with Z = k + i d + i omega c - omega^2 m.
-    Its matrices are (r + inner, r + inner): the last `inner` coordinates are its own, as the mass of an
-    oscillator has one, and Z is what is left of the matrices when nothing acts on those.
+    Its matrices are (r + inner, r + inner): the last `inner` coordinates are internal, such as that of an
+    oscillator's mass, and Z is condensed to the others, with no force on the internal ones.
     """
 
     columns: FloatArray  # (n, r)
@@ -45,14 +45,14 @@ class Attachment:
 
     @cached_property
     def key(self) -> tuple[object, ...]:
-        """All its numbers, bit by bit: what equal attachments have in common."""
+        """All values, bit by bit: equal for equal attachments."""
         parts = (self.columns, self.mass, self.stiffness, self.damping, self.viscous)
         return self.inner, *(None if part is None else (part.shape, part.tobytes()) for part in parts)
 
     def dynamic_stiffness(self, omega: FloatArray) -> ComplexArray:
         """Return Z, (n_freq, r, r), N/m, at `omega` (n_freq,) rad/s.
 
-        Asked for again at the same frequencies, as in every run of a test, it is known.
+        Cached by frequency axis, which all runs of a test share.
         """
         if len(omega) * self.columns.shape[1] ** 2 > CACHE.dynamic_stiffness_values:
             return self._stiffness(omega)
@@ -69,7 +69,7 @@ class Attachment:
 
 
 def dynamic_stiffnesses(attachments: Sequence[Attachment], omega: FloatArray) -> ComplexArray:
-    """Return the dynamic stiffness of attachments that are of one size, (n, n_freq, r, r), N/m."""
+    """Return the dynamic stiffness of attachments of equal size, (n, n_freq, r, r), N/m."""
     inner, r = attachments[0].inner, attachments[0].columns.shape[1]
     z = np.zeros((len(attachments), len(omega), r + inner, r + inner), complex)
     w, zeros = omega[:, None, None], np.zeros(z.shape[2:])
@@ -91,13 +91,13 @@ def damper(column: FloatArray, viscous: float) -> Attachment:
 
 
 def oscillator(column: FloatArray, mass: float, frequency: float, loss_factor: float) -> Attachment:
-    """Return a mass, kg, on a damped spring that hangs on a motion (n, 1); Hz, when that is held."""
+    """Return a mass, kg, on a damped spring attached to a motion (n, 1); Hz, with that motion fixed."""
     between = (2 * np.pi * frequency) ** 2 * mass * np.array([[1.0, -1.0], [-1.0, 1.0]])
     return Attachment(column, np.diag([0.0, mass]), between, loss_factor * between, inner=1)
 
 
 def _condensed(z: ComplexArray, inner: int) -> ComplexArray:
-    """Return z (..., r + inner, r + inner) without its last coordinates, on which nothing acts."""
+    """Return z (..., r + inner, r + inner) condensed to its first r coordinates; no force on the others."""
     outer, to_outer, from_outer = z[..., :-inner, :-inner], z[..., :-inner, -inner:], z[..., -inner:, :-inner]
     internal = z[..., -inner:, -inner:]
     return np.asarray(
@@ -106,7 +106,7 @@ def _condensed(z: ComplexArray, inner: int) -> ComplexArray:
 
 
 def extended_columns(n: int, attachments: tuple[Attachment, ...]) -> list[FloatArray]:
-    """Return the (n + all inner, r + inner) columns of each attachment, its own coordinates last."""
+    """Return the (n + all inner, r + inner) columns of each attachment, internal coordinates last."""
     out, first = [], n
     for a in attachments:
         columns = np.zeros((n + sum(b.inner for b in attachments), a.columns.shape[1] + a.inner))
@@ -118,7 +118,7 @@ def extended_columns(n: int, attachments: tuple[Attachment, ...]) -> list[FloatA
 
 
 def padded(matrix: csc_array | None, n: int) -> csc_array | None:
-    """Return a matrix with empty rows and columns behind its own, (n, n)."""
+    """Return a matrix padded with empty rows and columns to (n, n)."""
     if matrix is None or matrix.shape[0] == n:
         return matrix
     padded = matrix.tocoo()
@@ -128,7 +128,7 @@ def padded(matrix: csc_array | None, n: int) -> csc_array | None:
 def with_blocks(
     matrix: csc_array | None, blocks: Sequence[tuple[FloatArray, FloatArray]], n: int
 ) -> csc_array | None:
-    """Return a matrix (n, n) with small ones (r, r) added on their columns (n, r); None if all are none."""
+    """Return a matrix (n, n) with blocks (r, r) added along columns (n, r); None without any."""
     if not blocks:
         return matrix
     if n > RECEPTANCE.dense_assembly_dofs:
@@ -136,7 +136,7 @@ def with_blocks(
             extra = csc_array(columns @ block @ columns.T)
             matrix = extra if matrix is None else csc_array(matrix + extra)
         return matrix
-    # Of a small structure zeros cost less than their bookkeeping.
+    # For a small structure full matrices are faster than sparse ones.
     total = np.zeros((n, n)) if matrix is None else matrix.toarray()
     for columns, block in blocks:
         total += columns @ block @ columns.T
@@ -144,7 +144,7 @@ def with_blocks(
 
 
 def with_internal_motions(shapes: FloatArray, attachments: tuple[Attachment, ...]) -> FloatArray:
-    """Return slow motions (n, k) with those of the attachments' own coordinates below them."""
+    """Return slow motions (n, k) with the attachments' internal coordinates below them."""
     rows = [shapes]
     for a in attachments:
         if a.inner:
@@ -174,14 +174,14 @@ def attached_stiffness(attachments: Sequence[Attachment], omega: FloatArray) -> 
 
 
 def unique_columns(columns: FloatArray) -> tuple[FloatArray, list[int]]:
-    """Return columns (n, k) without those that come back, and where each one is among them."""
+    """Return the distinct columns of (n, k), and the index of each column among them."""
     index: dict[bytes, int] = {}
     place = [index.setdefault(column.tobytes(), len(index)) for column in columns.T]
     return columns[:, [place.index(i) for i in range(len(index))]], place
 
 
 def merged(attachments: Sequence[Attachment]) -> tuple[Attachment, ...]:
-    """Return attachments that do the same: all without coordinates of their own as one, each motion once."""
+    """Return equivalent attachments: all without internal coordinates merged into one, each motion once."""
     plain = [a for a in attachments if a.inner == 0]
     columns, place = unique_columns(np.hstack([a.columns for a in plain]))
     total: dict[str, FloatArray] = {}

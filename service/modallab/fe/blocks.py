@@ -1,4 +1,4 @@
-"""Element matrices that a file brought, and the degrees of freedom they are of."""
+"""Imported element matrices and their degrees of freedom."""
 
 from dataclasses import dataclass
 
@@ -11,7 +11,7 @@ from modallab.core.errors import StructureError
 class Blocks:
     """Mass and stiffness of elements, block by block, and all degrees of freedom there are.
 
-    Stiffness is in two parts, so that either can be corrected; what is not told apart is all axial.
+    Stiffness is in two parts, so that either can be corrected; undivided stiffness counts as axial.
 
     Raises
     ------
@@ -24,7 +24,7 @@ class Blocks:
     mass: FloatArray  # (n_blocks, w, w) kg, kg m, kg m^2; zero where `rows` is -1
     axial: FloatArray  # (n_blocks, w, w) N/m, N, N m
     bending: FloatArray | None  # (n_blocks, w, w); None: no block has two parts
-    motions: FloatArray  # (n, k) that may strain nothing: which do, the matrices tell
+    motions: FloatArray  # (n, k) candidates for rigid-body motions; the matrices decide
 
     def __post_init__(self) -> None:
         n_blocks, width = self.rows.shape

@@ -1,4 +1,4 @@
-"""What a catalogue structure is: a function of nothing that returns it."""
+"""Family of catalogue structures: functions without parameters that return a structure."""
 
 from collections.abc import Callable
 

@@ -15,7 +15,7 @@ from modallab.fe.structure import GroundSpringElement, JointSpring, PointMass, S
 
 
 class MemberProperty(StrEnum):
-    """What of a member can be changed."""
+    """Property of a member that can be changed."""
 
     DENSITY = "density"  # the element's mass matrix, kg/m^3
     MODULUS = "modulus"  # its whole stiffness matrix, N/m^2
@@ -58,7 +58,7 @@ class MemberChange:
                 _check(number, name, zero_allowed=self.property == MemberProperty.LOSS_FACTOR)
 
     def of(self, nominal: float) -> float:
-        """Return what a number becomes: the value, or the factor times what it is."""
+        """Return the changed value of a property: `value`, or `factor` times the nominal value."""
         if self.value is not None:
             return self.value
         assert self.factor is not None
@@ -132,7 +132,7 @@ def change(structure: Structure, changes: Iterable[Change]) -> Structure:
 
 def _with_members(structure: Structure, modification: MemberChange) -> Structure:
     for number in modification.members:
-        structure.member(number)  # an unknown one is an error, not a change of nothing
+        structure.member(number)  # raises for an unknown number
     numbers = set(modification.members)
     return structure.of_members(
         _changed(structure, member, modification) if member.number in numbers else member
@@ -166,7 +166,7 @@ def _changed(structure: Structure, member: AnyMember, modification: MemberChange
 
 
 def _nominal(member: AnyMember, property: MemberProperty) -> float:
-    """Return what section and material say a property is; of a plate E t, N/m, and D, N m."""
+    """Return the nominal value of a property by section and material; for a plate E t, N/m, and D, N m."""
     if isinstance(member, MatrixElement):
         raise InvalidInputError(
             f"member {member.number} is given by its matrices, which have no {property}",

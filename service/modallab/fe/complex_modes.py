@@ -1,4 +1,4 @@
-"""Modes that structural damping couples."""
+"""Complex modes of structural damping that couples undamped modes."""
 
 import numpy as np
 from scipy.linalg import eig
@@ -10,10 +10,12 @@ from modallab.fe.settings import DAMPED_MODES
 
 
 def damped_modes(squares: FloatArray, modal: FloatArray) -> tuple[ComplexArray, ComplexArray | None]:
-    """Return eigenvalues with structural damping Phi^T D Phi, and the modes in terms of the undamped
-    ones where damping couples them."""
+    """Return eigenvalues with structural damping, and the transformation of the undamped modes.
+
+    The transformation is None where the modal damping matrix Phi^T D Phi is diagonal.
+    """
     loss = np.diag(modal)
-    size = np.abs(loss)  # a rigid-body mode's may be a rounding error below zero
+    size = np.abs(loss)  # that of a rigid-body mode may be negative by rounding
     threshold = np.maximum(
         DAMPED_MODES.relative_coupling * np.sqrt(np.outer(size, size)),
         PRODUCT_ROUNDING * size.max(initial=0.0),
@@ -22,8 +24,8 @@ def damped_modes(squares: FloatArray, modal: FloatArray) -> tuple[ComplexArray, 
     values = squares + 1j * loss
     if n_groups == len(values):
         return values, None
-    # Group by group: solved for together, modes that damping leaves alone, above all rigid-body
-    # modes of one and the same eigenvalue, would come back mixed and no longer orthogonal.
+    # Group by group: a common solution would mix uncoupled modes of equal eigenvalue, above all
+    # rigid-body modes, and return vectors that are not orthogonal.
     rotation = np.eye(len(values), dtype=complex)
     for members in (np.flatnonzero(group == g) for g in range(n_groups)):
         if len(members) > 1:
@@ -36,9 +38,9 @@ def damped_modes(squares: FloatArray, modal: FloatArray) -> tuple[ComplexArray, 
 def _coupled_group(squares: FloatArray, modal: FloatArray) -> tuple[ComplexArray, ComplexArray]:
     """Return eigenvalues and vectors, v^T v = 1, of undamped modes with the damping between them.
 
-    The eigen-solution is off by rounding of the highest eigenvalue, which is more than what rigid-body
-    modes differ by: their vectors come back at any angle to one another. Newton's iteration for the
-    nearest orthogonal ones, Higham, Functions of Matrices (2008), 8.3, mixes none that differ by more.
+    The error of the eigensolution is rounding of the highest eigenvalue, larger than the differences
+    between eigenvalues of rigid-body modes: their vectors are not orthogonal. Newton's iteration for the
+    nearest orthogonal vectors, Higham, Functions of Matrices (2008), 8.3, does not mix the others.
     """
     matrix = np.diag(squares) + 1j * modal
     vectors = eig(matrix)[1]
@@ -47,7 +49,7 @@ def _coupled_group(squares: FloatArray, modal: FloatArray) -> tuple[ComplexArray
     while departure > DAMPED_MODES.orthogonality_tolerance:
         error = vectors.T @ vectors - np.eye(len(squares))
         previous, departure = departure, float(np.abs(error).max())
-        if not departure < previous:  # vectors that all but fall together, as where damping is critical
+        if not departure < previous:  # nearly parallel vectors, as at critical damping
             break
         vectors = vectors - vectors @ error / 2
     values = (vectors * (matrix @ vectors)).sum(axis=0)

@@ -1,4 +1,4 @@
-"""Low modes of a dense solution, made as exact as their matrices."""
+"""Refinement of the low modes of a dense eigensolution by inverse iteration."""
 
 import numpy as np
 from scipy.linalg import LinAlgError, cho_factor, cho_solve, eigh
@@ -10,11 +10,12 @@ from modallab.fe.settings import EIGENSOLUTION
 def refined_modes(
     mass: FloatArray, stiffness: FloatArray, squares: FloatArray, shapes: FloatArray, n_rigid: int
 ) -> tuple[FloatArray, FloatArray]:
-    """Return all eigenvalues (n,) and mass-normalised shapes (n, n), the low ones solved for once more.
+    """Return all eigenvalues (n,) and mass-normalised shapes (n, n), the low ones refined.
 
-    A dense solution is off by rounding of the highest eigenvalue: in a low mode by 1e-16 times their ratio,
-    over the distance to the next, which mixes close modes. A step of inverse iteration of all of them
-    together leaves rounding of the lowest one: Parlett, The Symmetric Eigenvalue Problem (1980), 14.3.
+    The error of a dense solution is rounding of the highest eigenvalue: for a low mode 1e-16 times the ratio
+    of the two, over the distance to the next mode, so that close modes are mixed. One step of subspace
+    iteration with Rayleigh-Ritz projection reduces it to rounding of the lowest elastic eigenvalue:
+    Parlett, The Symmetric Eigenvalue Problem (1980), 14.3.
     """
     if n_rigid == len(squares):
         return squares, shapes
@@ -23,7 +24,7 @@ def refined_modes(
     shift = float(squares[n_rigid])
     try:
         factor = cho_factor(stiffness + shift * mass)
-    except LinAlgError:  # a mechanism, whose eigenvalue is rounding itself
+    except LinAlgError:  # a mechanism: its eigenvalue is zero but for rounding
         return squares, shapes
     iterated = cho_solve(factor, mass @ low)
     iterated -= bodies @ (bodies.T @ (mass @ iterated))
@@ -33,7 +34,7 @@ def refined_modes(
     gram, inverse = iterated.T @ mass_times_shapes, mass_times_shapes.T @ low
     values, rotation = eigh((inverse + inverse.T) / 2, (gram + gram.T) / 2)
     rotated = iterated @ rotation
-    low = rotated * np.where((rotated * (mass @ low)).sum(axis=0) < 0, -1.0, 1.0)  # each in its old sense
+    low = rotated * np.where((rotated * (mass @ low)).sum(axis=0) < 0, -1.0, 1.0)  # keep the signs
     high = high - low @ (low.T @ (mass @ high))
     values = np.concatenate([squares[:n_rigid], values - shift, squares[stop:]])
     return values, np.hstack([bodies, low, high])

@@ -1,4 +1,4 @@
-"""What an element is: a pure function of a member that returns its matrices, part by part."""
+"""Bar elements: a pure function of a bar that returns its element matrices by part."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -25,7 +25,7 @@ class Bar:
     def blank(self) -> FloatArray:
         """Return three empty matrices (6, 6), which hold complex numbers where the bar has one.
 
-        By a complex area or second moment a derivative is found: `shapes.slopes`.
+        A complex area or second moment gives a complex-step derivative: `section_size.size_derivatives`.
         """
         return np.zeros((3, 6, 6), np.result_type(self.area, self.second_moment))
 

@@ -1,4 +1,4 @@
-"""Measured shapes at all degrees of freedom of a model."""
+"""Expansion of measured mode shapes to all degrees of freedom of a model."""
 
 from dataclasses import dataclass, replace
 
@@ -18,11 +18,11 @@ FLAG = "doubtful_expansion"
 
 @dataclass(frozen=True, eq=False)
 class Expansion:
-    """Modes at all DoFs of a model, and how far the model goes along with what was measured."""
+    """Modes expanded to all DoFs of a model, with measures of their agreement with the model."""
 
     model: ModalModel
-    residual: FloatArray  # (n_modes,) part of the measured shape that the expanded one does not have
-    rayleigh: FloatArray  # (n_modes,) Hz, at which the model's strain and kinetic energy in the shape balance
+    residual: FloatArray  # (n_modes,) norm of measured minus expanded shape over the measured norm
+    rayleigh: FloatArray  # (n_modes,) Hz, from the Rayleigh quotient of the expanded shape
 
     def __post_init__(self) -> None:
         n = (len(self.model.modes),)
@@ -33,7 +33,7 @@ class Expansion:
 def expand(system: DynamicSystem, measured: ModalModel, reduction: Reduction) -> Expansion:
     """Return measured modes at all DoFs of a model: phi = T phi_measured, T of `reduction`.
 
-    Scale and phase stay as measured. Measured DoFs that the model lacks are left out. `residual` is
+    Scale and phase stay as measured. Measured DoFs that are not in the model are left out. `residual` is
     |phi_m - (T phi_m)_m| / |phi_m|: 0 for a reduction in which masters follow themselves, with SEREP the part
     outside the space of the model's modes. A `rayleigh` far from the measured frequency means that the shape
     is no mode of the model. Modes with a residual or a relative frequency difference above
@@ -49,7 +49,7 @@ def expand(system: DynamicSystem, measured: ModalModel, reduction: Reduction) ->
     rows, signs = rows_at(measured.dofs, masters)
     suited = reduction.reaching(float(measured.frequencies.max()))
     per_mode = [suited.at_mode(mode.frequency) for mode in measured.modes]
-    # one for all modes, unless each has a frequency of its own
+    # one reduction for all modes, unless it depends on the mode's frequency
     reduced_by = {
         mode_reduction: reduce(system, masters, mode_reduction) for mode_reduction in dict.fromkeys(per_mode)
     }
@@ -93,7 +93,7 @@ def _masters(system: DynamicSystem, measured: ModalModel) -> tuple[Dof, ...]:
 def _expanded_mode(
     mode: Mode, shape: ComplexArray, rows: IntArray, by: ReducedSystem, *, doubtful: bool
 ) -> Mode:
-    """Return a mode with its shape at all DoFs, its errors carried along."""
+    """Return a mode with its shape and standard errors at all DoFs."""
     errors = mode.shape_errors
     if errors is not None:
         errors = np.sqrt(by.transformation**2 @ errors[rows] ** 2)

@@ -1,4 +1,4 @@
-"""What a plate element is: a function of flat facets that returns their matrices, many at once."""
+"""Plate elements: vectorised functions of flat facets that return their element matrices."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -86,7 +86,7 @@ def membrane_strains(slopes: FloatArray) -> FloatArray:
 def drilling_strain(shapes: FloatArray, slopes: FloatArray) -> FloatArray:
     """Return theta_z - (v,x - u,y) / 2 of (u, v, theta_z) at each node, (n, 1, 3 k).
 
-    Its square, times G t, holds the turn about the normal to that of the plane: Hughes and Brezzi,
+    Its square times G t couples the drilling rotation to the rotation of the plane: Hughes and Brezzi,
     Computer Methods in Applied Mechanics and Engineering 72 (1989) 105-121.
     """
     out = np.zeros((len(slopes), 1, 3 * slopes.shape[2]))
@@ -121,14 +121,14 @@ def strain_energy(strains: FloatArray, law: FloatArray, weight: FloatArray) -> F
 
 
 def symmetric(matrices: FloatArray) -> FloatArray:
-    """Return matrices (n, m, m) without what rounding has put out of balance."""
+    """Return the symmetric part of matrices (n, m, m), which are symmetric but for rounding."""
     return np.asarray((matrices + matrices.swapaxes(1, 2)) / 2)
 
 
 def plate_matrices(facets: Facets) -> tuple[FloatArray, FloatArray]:
     """Return mass and bending stiffness of motion across the plane, (n, 3 k, 3 k) each.
 
-    DoFs (w, theta_x, theta_y) at each corner. Consistent mass with the inertia of turning normals.
+    DoFs (w, theta_x, theta_y) at each corner. Consistent mass with rotary inertia of the normals.
     """
     parts = facet_parts(facets)
     line = facets.density * facets.thickness

@@ -1,4 +1,4 @@
-"""Structures of which a file brings the matrices: element by element, or whole, by named groups."""
+"""Structures from imported matrices: by element, or by named groups."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
@@ -26,14 +26,14 @@ class Element:
     group: str
     rows: Sequence[int]  # (k,)
     mass: FloatArray  # (k, k) kg, kg m, kg m^2
-    axial: FloatArray  # (k, k) N/m, N, N m; all stiffness that is not told apart
+    axial: FloatArray  # (k, k) N/m, N, N m; undivided stiffness too
     bending: FloatArray | None = None
     loss_factor: float | None = None
 
 
 @dataclass(frozen=True, eq=False)
 class GroupMatrices:
-    """What one named part of a model adds to its matrices."""
+    """Contribution of one named group to the matrices of a model."""
 
     name: str
     mass: csc_array  # (n, n) kg, kg m, kg m^2
@@ -53,16 +53,16 @@ def of_elements(
     motions: FloatArray | None = None,
     name: str = "",
 ) -> Structure:
-    """Return the structure that elements add up to.
+    """Return the structure assembled from elements.
 
     Parameters
     ----------
     dofs
-        (n,) all degrees of freedom there are.
+        (n,) all degrees of freedom.
     places
-        Of the nodes, m; left out: not known.
+        Node coordinates, m; None where they are not known.
     motions
-        (n, k) that may strain nothing; by default the slowest ones of the matrices.
+        (n, k) candidates for rigid-body motions; by default the slowest motions of the matrices.
 
     Raises
     ------
@@ -149,10 +149,10 @@ def of_groups(
     damping: Damping | None = None,
     name: str = "",
 ) -> Structure:
-    """Return the structure that named parts of a model add up to.
+    """Return the structure assembled from named groups.
 
-    Small ones are a member each. Those of a large model are cut into members of two nodes each, which
-    only together mean something: their coefficients are those of the group.
+    A small group is one member. Groups of a large model are divided into members of two nodes each, whose
+    matrices have a meaning only in sum: they share the coefficients of the group.
 
     Raises
     ------
@@ -166,7 +166,7 @@ def of_groups(
 def elements_of_groups(
     groups: Sequence[GroupMatrices], dofs: Sequence[Dof], *, first: int = 1
 ) -> list[Element]:
-    """Return the elements that named parts of a model are, as `of_groups` says, numbered from `first`."""
+    """Return the elements of named groups, see `of_groups`, numbered from `first`."""
     group_rows = [_nonzero_rows(group) for group in groups]
     n_values = len(groups) * max((len(rows) for rows in group_rows), default=0) ** 2
     number = count(first)
@@ -191,25 +191,25 @@ def _dense(group: GroupMatrices, rows: IntArray) -> tuple[FloatArray, FloatArray
 
 
 def _nonzero_rows(group: GroupMatrices) -> IntArray:
-    """Return the rows in which a group has an entry."""
+    """Return the rows with an entry of a group."""
     return np.unique(np.concatenate(_entries(group)))
 
 
 def _entries(group: GroupMatrices) -> tuple[IntArray, IntArray]:
-    """Return rows and columns of all that a group's matrices hold."""
+    """Return rows and columns of the non-zero entries of a group's matrices."""
     matrices = [matrix.tocoo() for matrix in (group.mass, group.stiffness)]
     rows, columns = ([getattr(e, name)[e.data != 0] for e in matrices] for name in ("row", "col"))
     return np.concatenate(rows), np.concatenate(columns)
 
 
 def _n_pairs(group: GroupMatrices, node: IntArray) -> int:
-    """Return how many pairs of nodes, (n,) of the degrees of freedom, a group joins."""
+    """Return the number of node pairs that a group connects; `node` (n,) of each degree of freedom."""
     ends = np.sort([node[places] for places in _entries(group)], axis=0)
     return len(np.unique(ends, axis=1).T)
 
 
 def _pairs(group: GroupMatrices, dofs: Sequence[Dof], number: Iterator[int]) -> Iterator[Element]:
-    """Yield a group's matrices cut up by pairs of nodes, what a node has alone being a pair with itself."""
+    """Yield a group's matrices by pairs of nodes; entries at a single node are a pair with itself."""
     _, node = np.unique([dof.node for dof in dofs], return_inverse=True)
     at = [np.flatnonzero(node == i) for i in range(node.max() + 1)]
     parts: dict[tuple[int, int], list[tuple[int, int, int, float]]] = {}

@@ -1,4 +1,4 @@
-"""How a point beside a node moves, by the shape functions of the member it sits on."""
+"""Motion of a point beside a node by the shape functions of its member."""
 
 import numpy as np
 
@@ -9,10 +9,10 @@ from modallab.fe.member_table import MemberTable
 def point_motion(
     table: MemberTable, node: int, distance: float, direction: str
 ) -> tuple[tuple[int, float], ...]:
-    """Return the rows of a system, and their weights, whose sum is how a point beside a node moves.
+    """Return the motion of a point beside a node as rows of the system and their weights.
 
-    Linear along the member and the cubic of Bernoulli and Euler across it, which is exact where
-    nothing but the ends of the member is loaded. Beyond a free end it sits on a rigid extension.
+    Linear interpolation along the member and the Bernoulli-Euler cubic across it, exact for a member
+    loaded at its ends only. Beyond a free end the point is on a rigid extension.
 
     Parameters
     ----------
@@ -35,11 +35,11 @@ def point_motion(
 
 
 def _member_at(table: MemberTable, node: int, distance: float) -> tuple[int, float]:
-    """Return the member that a point beside a node sits on, and how far from its first end, m."""
+    """Return the index of the member of a point beside a node, and the distance from its first end, m."""
     lengths = np.hypot(*(table.points[:, 1] - table.points[:, 0]).T)
     forward, remaining_distance = distance >= 0, abs(distance)
     last, e = None, _next_member(table, node, forward, None)
-    if e is None:  # a member's other end is all that joins here: out beyond it
+    if e is None:  # only other ends of members join here: a rigid extension
         last = _next_member(table, node, not forward, None)
     while e is not None and remaining_distance > lengths[e]:
         remaining_distance -= lengths[e]
@@ -52,8 +52,10 @@ def _member_at(table: MemberTable, node: int, distance: float) -> tuple[int, flo
 
 
 def _next_member(table: MemberTable, node: int, forward: bool, previous: int | None) -> int | None:
-    """Return the member that leads on from a node; at a node where all start, or all end, the second
-    one is the way back."""
+    """Return the index of the next member from a node, None if there is none.
+
+    At a node where all members start, or all end, the second one is the way back.
+    """
     joined = [e for e, ends in enumerate(table.ends) if table.bars[e] and node in ends and e != previous]
     outgoing = [e for e in joined if table.ends[e][0 if forward else 1] == node]
     if outgoing or previous is not None:

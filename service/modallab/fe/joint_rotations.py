@@ -1,4 +1,4 @@
-"""Rotations that jump at joints, as rows of their own behind those of the degrees of freedom."""
+"""Joint rotations as rows of the system after those of the degrees of freedom."""
 
 import numpy as np
 
@@ -9,14 +9,14 @@ from modallab.fe.structure import Member, Structure
 
 
 class JointRotations:
-    """Where a structure's joints let members turn by themselves, rad.
+    """Relative rotations, rad, of member ends to their nodes at the joints of a structure.
 
-    A member's matrices have a row more for every jump of an end, by which that end turns beside its node.
+    A member's matrices have an additional row for the joint rotation of each of its released ends.
 
     Parameters
     ----------
     width
-        w, rows of a member without jumps.
+        w, rows of a member without joint rotations.
     """
 
     def __init__(self, structure: Structure, width: int) -> None:
@@ -32,12 +32,12 @@ class JointRotations:
             column = width + joints_of_member.get(member, 0)
             joints_of_member[member] = joints_of_member.get(member, 0) + 1
             joint_rows.append((member, ROTATION_ROWS[end], column))
-        # (n_joints,) each: the member, the row of the end that turns, the row of the jump
+        # (n_joints,) each: member, row of the rotation of its end, row of the joint rotation
         self.members, self._end_rows, self._columns = np.array(joint_rows, int).reshape(-1, 3).T
         self.member_width, self.width = width, width + max(joints_of_member.values(), default=0)
 
     def widened(self, parts: FloatArray, places: IntArray) -> FloatArray:
-        """Return matrices (m, w, w) of members, by their place among all, as (m, w', w') with their jumps."""
+        """Return matrices (m, w, w) of members, by their index, as (m, w', w') with joint rotations."""
         more = self.width - parts.shape[-1]
         out = np.pad(parts, ((0, 0), (0, more), (0, more)))
         at = {int(place): i for i, place in enumerate(places)}
@@ -48,13 +48,13 @@ class JointRotations:
         return out
 
     def rows(self, rows: IntArray, first: int) -> IntArray:
-        """Return the place of members' rows (n_members, w) in a system whose jumps begin at `first`."""
+        """Return the system rows (n_members, w') of members; joint rotations begin at row `first`."""
         out = np.pad(rows, ((0, 0), (0, self.width - rows.shape[1])), constant_values=-1)
         out[self.members, self._columns] = first + np.arange(len(self.members))
         return out
 
     def springs(self, structure: Structure) -> FloatArray:
-        """Return the stiffness of joints at the jumps of their members, (n_members, w', w'), N m/rad."""
+        """Return the stiffness of joints at their joint rotations, (n_members, w', w'), N m/rad."""
         out = np.zeros((len(structure.all_members), self.width, self.width))
         out[self.members, self._columns, self._columns] = [joint.stiffness for joint in structure.joints]
         return out

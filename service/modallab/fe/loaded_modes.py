@@ -1,4 +1,4 @@
-"""Resonances of a system with masses, springs and dampers hung on it, in its own modes' coordinates."""
+"""Resonances of a system with attached masses, springs and dampers, in modal coordinates."""
 
 from collections.abc import Sequence
 
@@ -12,7 +12,7 @@ from modallab.fe.modes import ModalBasis
 
 
 def only_loads(attachments: Sequence[Attachment]) -> bool:
-    """Return whether attachments have no coordinates of their own, and their springs go to the ground."""
+    """Return whether attachments have no internal coordinates and only springs to the ground."""
     return all(a.inner == 0 and (_springs(a) is None or a.columns.shape[1] == 1) for a in attachments)
 
 
@@ -24,13 +24,12 @@ def _springs(attachment: Attachment) -> FloatArray | None:
 def loaded_modes(basis: ModalBasis, attachments: Sequence[Attachment]) -> ModalBasis:
     """Return the elastic modes of a system with attachments that `only_loads`, undamped.
 
-    Every motion that strains nothing is one rigid-body mode less where a spring resists it.
+    A spring removes each rigid-body mode that strains it.
 
     Parameters
     ----------
     basis
-        All undamped modes of the system without them: the same modes as of its matrices, which need
-        not be put together again.
+        All undamped modes of the system without attachments.
     """
     mass, stiffness = np.eye(len(basis.eigenvalues)), np.diag(basis.eigenvalues.real)
     spring_motions = [np.zeros((basis.n_rigid_body, 0))]
@@ -59,7 +58,7 @@ def half_power(
     damping, viscous
         Of the system, N/m and N s/m; damping between modes is left out.
     attachments
-        What damps it besides.
+        Attachments with additional damping.
     """
     shapes, omega = basis.shapes.real, 2 * np.pi * basis.frequencies
     modal_damping = np.zeros(len(omega))

@@ -1,4 +1,4 @@
-"""What each member loses, and how that follows from its mass and stiffness."""
+"""Hysteretic and viscous damping of each member in proportion to its mass and stiffness."""
 
 from dataclasses import dataclass
 
@@ -19,7 +19,7 @@ class Losses:
 
     @classmethod
     def of(cls, law: Damping, loss_factor: FloatArray) -> "Losses":
-        """Return what a law gives members that have these loss factors, (n_members,)."""
+        """Return the damping of members with some loss factors, (n_members,), under a damping law."""
         zeros = np.zeros(len(loss_factor))
         if isinstance(law, StructuralDamping):
             return cls(loss_factor, zeros + law.mass_coefficient, zeros, zeros)
@@ -28,16 +28,16 @@ class Losses:
         return cls(loss_factor, zeros, zeros, zeros)
 
     def mean(self, omega: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return a + omega a' and b + omega b' in the mean of all members, (n_freq,) at `omega` rad/s."""
+        """Return the means of a + omega a' and b + omega b' over all members, (n_freq,), at `omega` rad/s."""
         by_mass = self.mass.mean() + omega * self.viscous_mass.mean()
         return by_mass, self.stiffness.mean() + omega * self.viscous_stiffness.mean()
 
     def scaled(self, factor: float) -> "Losses":
-        """Return losses whose share in proportion to stiffness is multiplied."""
+        """Return losses with the part in proportion to stiffness multiplied."""
         return Losses(self.stiffness * factor, self.mass, self.viscous_stiffness * factor, self.viscous_mass)
 
     def to_viscous(self, share: float, omega: float) -> "Losses":
-        """Return losses of which a share of the hysteretic ones is viscous, alike at `omega` rad/s."""
+        """Return losses with a fraction of the hysteretic part made viscous, equal at `omega` rad/s."""
         remaining, converted = 1 - share, share / omega
         return Losses(
             remaining * self.stiffness,
@@ -47,7 +47,7 @@ class Losses:
         )
 
     def to_hysteretic(self, share: float, omega: float) -> "Losses":
-        """Return losses of which a share of the viscous ones is hysteretic, alike at `omega` rad/s."""
+        """Return losses with a fraction of the viscous part made hysteretic, equal at `omega` rad/s."""
         remaining, converted = 1 - share, share * omega
         return Losses(
             self.stiffness + converted * self.viscous_stiffness,

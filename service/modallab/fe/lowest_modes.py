@@ -1,4 +1,4 @@
-"""The lowest modes of a large system, counted so that none is missed."""
+"""Lowest modes of a large system by shift-invert Lanczos iteration, counted by Sylvester's law of inertia."""
 
 from dataclasses import dataclass
 from functools import cached_property
@@ -18,7 +18,7 @@ from modallab.fe.truncation import ModalTruncation
 
 @dataclass(frozen=True, eq=False)
 class LowestModes:
-    """All modes below some frequency, rigid-body modes first, and what the others add."""
+    """All modes below some frequency, rigid-body modes first, and the truncated remainder."""
 
     squares: FloatArray  # (m,) rad^2/s^2, rising
     shapes: FloatArray  # (n, m) mass-normalised
@@ -29,15 +29,16 @@ class LowestModes:
 def factorised(matrix: csc_array) -> SuperLU:
     """Return L U of a symmetric matrix, by pivots on its diagonal.
 
-    Others would undo the ordering: four times the work of a plate's. Of a definite matrix none is needed.
+    Pivots off the diagonal would undo the fill-reducing ordering, at four times the work for a plate;
+    a definite matrix needs none.
     """
     return splu(matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True})
 
 
 def count_below(mass: csc_array, stiffness: csc_array, square: float) -> int | None:
-    """Return how many eigenvalues are below `square`, rad^2/s^2; None if rounding hides it.
+    """Return the number of eigenvalues below `square`, rad^2/s^2; None if rounding makes it uncertain.
 
-    As many as K - square M has negative pivots.
+    It equals the number of negative pivots of K - square M.
 
     Sylvester's law of inertia; Parlett, The Symmetric Eigenvalue Problem (1980), chapter 3.
     """
@@ -67,10 +68,10 @@ def lowest_below(
     bodies
         (n, n_rigid) mass-normalised rigid-body modes.
     near
-        (n, k) modes of a system much like this one, to begin with.
+        (n, k) modes of a similar system as starting vectors.
     """
     # Factorising K + s M instead of K keeps a free structure regular; s near the first elastic
-    # eigenvalues keeps the low modes well apart.
+    # eigenvalues keeps the low modes well separated.
     search = _ModeSearch(mass, stiffness, bodies, max(EIGENSOLUTION.band_shift * highest, 1.0))
     n_below = count_below(mass, stiffness, highest)
     if n_below is None:
@@ -87,7 +88,7 @@ def lowest_below(
 def lowest_first(mass: csc_array, stiffness: csc_array, bodies: FloatArray, count: int) -> LowestModes:
     """Return the rigid-body modes and the first elastic ones: `count`, all if there are no more.
 
-    Where the last of them are close to the next there are a few more.
+    A few more where the last of them are close to the next.
     """
     search = _scaled_search(mass, stiffness, bodies)
     squares, shapes = search.pairs(min(count + 1, search.elastic), None)
@@ -105,7 +106,7 @@ def lowest_first(mass: csc_array, stiffness: csc_array, bodies: FloatArray, coun
 
 
 def _scaled_search(mass: csc_array, stiffness: csc_array, bodies: FloatArray) -> "_ModeSearch":
-    """Return a search whose shift is no larger than the first elastic eigenvalues."""
+    """Return a search with a shift no larger than the first elastic eigenvalues."""
     largest = float((abs(stiffness).sum(axis=0) / mass.diagonal()).max())
     shift = EIGENSOLUTION.initial_shift * largest
     while True:
@@ -121,7 +122,7 @@ class _ModeSearch:
 
     def __init__(self, mass: csc_array, stiffness: csc_array, bodies: FloatArray, shift: float) -> None:
         self.mass, self.stiffness, self.bodies, self.shift = mass, stiffness, bodies, shift
-        self.elastic = mass.shape[0] - bodies.shape[1]  # how many there are
+        self.elastic = mass.shape[0] - bodies.shape[1]  # number of elastic modes
 
     @cached_property
     def factor(self) -> SuperLU:
@@ -129,7 +130,7 @@ class _ModeSearch:
         return factorised(csc_array(self.stiffness + self.shift * self.mass))
 
     def low_eigenvalue(self) -> float:
-        """Return an eigenvalue as low as that of a few elastic modes together, or as the shift."""
+        """Return an estimate of the lowest elastic eigenvalues by a Rayleigh quotient."""
         motion = self._start(None)
         for _ in range(EIGENSOLUTION.inverse_iterations):
             motion = self._inverse_iteration(motion, self.bodies)
@@ -142,12 +143,12 @@ class _ModeSearch:
     def pairs(
         self, count: int, near: FloatArray | None, shapes_so_far: FloatArray | None = None
     ) -> tuple[FloatArray, FloatArray]:
-        """Return the lowest eigenvalues and modes but for those that are known, or all that there are.
+        """Return the lowest eigenvalues and modes in addition to known ones, or all.
 
         Raises
         ------
         StructureError
-            If rounding leaves nothing of them.
+            If rounding hides them.
         """
         n = len(self.bodies)
         deflated = self.bodies if shapes_so_far is None else np.hstack([self.bodies, shapes_so_far])
@@ -191,8 +192,8 @@ class _ModeSearch:
         )
 
     def _start(self, near: FloatArray | None) -> FloatArray:
-        # eigsh draws its start otherwise: the same input, the same modes. One of ones would be blind to
-        # modes that are not as symmetric.
+        # A fixed random start: eigsh would draw another one each time, and a vector of ones would be
+        # orthogonal to antisymmetric modes.
         random_motion = np.random.default_rng(0).standard_normal(len(self.bodies))
         if near is None:
             return random_motion
@@ -207,14 +208,14 @@ class _ModeSearch:
         )
 
     def more(self, squares: FloatArray, shapes: FloatArray, count: int) -> tuple[FloatArray, FloatArray]:
-        """Return what was found and the next `count` modes beside it."""
+        """Return the modes so far and the next `count` modes."""
         count = min(count, self.elastic - len(squares))
         new_squares, new_shapes = self.pairs(count, None, shapes)
         return np.concatenate([squares, new_squares]), np.hstack([shapes, new_shapes])
 
     def band(self, squares: FloatArray, shapes: FloatArray, highest: float, count: int) -> LowestModes:
-        """Return all modes up to `highest`, of which there should be `count` elastic ones."""
-        # Of modes at the same frequency one start shows a single one, but for rounding.
+        """Return all modes up to `highest`, where `count` elastic ones are expected."""
+        # One starting vector yields a single mode of each multiple eigenvalue, but for rounding.
         while (missing := count - int((squares <= highest).sum())) > 0 and len(squares) < self.elastic:
             n_previous = len(squares)
             squares, shapes = self.more(squares, shapes, missing)

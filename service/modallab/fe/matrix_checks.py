@@ -1,4 +1,4 @@
-"""What matrices from elsewhere must be, and the motions among which they have no strain."""
+"""Checks of imported matrices, and their slowest motions."""
 
 from collections.abc import Sequence
 
@@ -52,7 +52,7 @@ def make_symmetric(matrices: FloatArray, labels: Sequence[str], quantity: str) -
 
 
 def check_mass(mass: csc_array, dofs: Sequence[Dof]) -> None:
-    """Raise `StructureError` unless a mass matrix (n, n) is positive definite, which modes rest on."""
+    """Raise `StructureError` unless a mass matrix (n, n) is positive definite."""
     diagonal = mass.diagonal()
     bare = np.flatnonzero(diagonal < INPUT.min_positive).tolist()
     if bare:
@@ -73,7 +73,7 @@ def check_mass(mass: csc_array, dofs: Sequence[Dof]) -> None:
 
 
 def slowest_motions(mass: csc_array, stiffness: csc_array) -> FloatArray:
-    """Return the slowest mass-normalised motions (n, k) of a structure, among which are its rigid ones.
+    """Return the slowest mass-normalised motions (n, k) of a structure, rigid-body motions among them.
 
     Raises
     ------
@@ -82,7 +82,7 @@ def slowest_motions(mass: csc_array, stiffness: csc_array) -> FloatArray:
     """
     n = mass.shape[0]
     count = min(INPUT.rigid_candidates, n)
-    # As a share of the highest eigenvalue this is above rounding, and below what is elastic.
+    # above rounding of the highest eigenvalue, below elastic eigenvalues
     shift = INPUT.rigid_shift * float((abs(stiffness).sum(axis=0) / mass.diagonal()).max()) or 1.0
     factor = _factor(csc_array(stiffness + shift * mass))
     if factor is None or factor.U.diagonal().min() <= 0:
@@ -95,14 +95,16 @@ def slowest_motions(mass: csc_array, stiffness: csc_array) -> FloatArray:
         _, shapes = eigh(stiffness.toarray(), mass.toarray(), subset_by_index=(0, count - 1))
         return np.asarray(shapes)
     inverse = LinearOperator((n, n), matvec=factor.solve, dtype=float)
-    # eigsh draws a random start otherwise: the same input, the same motions
+    # a fixed start: eigsh would draw another one each time
     _, shapes = eigsh(stiffness, count, mass, sigma=-shift, OPinv=inverse, v0=np.ones(n))
     return np.asarray(shapes)
 
 
 def _factor(matrix: csc_array) -> SuperLU | None:
-    """Return L U of a symmetric matrix with pivots on its diagonal, whose signs are those of its
-    eigenvalues; None where a pivot is zero."""
+    """Return L U of a symmetric matrix with diagonal pivots, None where a pivot is zero.
+
+    The signs of the pivots are those of the eigenvalues (Sylvester's law of inertia).
+    """
     try:
         factor = splu(
             matrix, permc_spec="MMD_AT_PLUS_A", diag_pivot_thresh=0.0, options={"SymmetricMode": True}

@@ -1,4 +1,4 @@
-"""The matrices of each member in the structure's axes, whatever it is made of."""
+"""Matrices of every kind of member in the structure's axes."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -16,12 +16,12 @@ from modallab.fe.structure import ACROSS, PLANE, Structure
 
 @dataclass(frozen=True, eq=False)
 class MemberMatrices:
-    """Mass and stiffness of members; what a member has fewer DoFs than another is empty."""
+    """Mass and stiffness of members, padded to the largest number of DoFs."""
 
     mass: FloatArray  # (n_members, w, w) kg, kg m, kg m^2
     axial: FloatArray  # (n_members, w, w) N/m, N, N m
     bending: FloatArray  # (n_members, w, w)
-    rows: IntArray  # (n_members, w) place in the system, -1 where a DoF is held or there is none
+    rows: IntArray  # (n_members, w) rows of the system, -1 where a DoF is fixed or absent
     bars: BoolArray  # (n_members,) straight, with two ends
 
 
@@ -55,9 +55,9 @@ def member_matrices(
     Parameters
     ----------
     members
-        Of the structure or instead of its own; by default all there are.
+        Members of the structure or replacements of them; by default all of the structure.
     width
-        w, at least.
+        Least width w of the matrices.
     """
     elements = structure.all_members if members is None else members
     bars, plates, blocks = (
@@ -136,7 +136,7 @@ def _fill_blocks(
     blocks = structure.blocks
     assert blocks is not None
     index = {dof: i for i, dof in enumerate(structure.dofs)}
-    place = np.array([*(index.get(dof, -1) for dof in blocks.dofs), -1])  # the last one of what is not there
+    place = np.array([*(index.get(dof, -1) for dof in blocks.dofs), -1])  # the last one for padding
     block_indices = [member.index for member in members]
     width = blocks.rows.shape[1]
     out.mass[at, :width, :width] = blocks.mass[block_indices]

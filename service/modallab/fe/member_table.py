@@ -1,4 +1,4 @@
-"""The members of an assembled system, and what an alteration of one adds to it."""
+"""Member matrices of an assembled system, and attachments for altered members."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -18,10 +18,10 @@ from modallab.fe.shear import Shear
 def released_end(
     numbers: Sequence[int], ends: Sequence[Sequence[int]], bars: BoolArray, node: int
 ) -> tuple[int, int]:
-    """Return the bar that a joint at a node sets loose, by number, and which of its ends is there.
+    """Return the number of the bar released by a joint at a node, and the index of its end there.
 
-    The first that runs into the node, else the first that starts from it: in a row of bars each node has
-    its own.
+    The first bar that ends at the node, else the first that starts there: in a row of bars each node has
+    a bar of its own.
     """
     bars_at_node = [
         (n, pair) for n, pair, bar in zip(numbers, ends, bars, strict=True) if bar and node in pair
@@ -32,13 +32,13 @@ def released_end(
 
 @dataclass(frozen=True, eq=False)
 class MemberTable:
-    """The matrices of each member as they stand in a system, and the damping law they follow."""
+    """Matrices of each member of a system, and their damping law."""
 
     numbers: tuple[int, ...]
     ends: tuple[tuple[int, ...], ...]  # nodes; of a bar its two ends
     bars: BoolArray  # (n_members,) straight, with two ends
     points: FloatArray  # (n_members, 2, 2) m, x and y of each end of a bar
-    rows: IntArray  # (n_members, w), -1 where a DoF is held or a member has fewer
+    rows: IntArray  # (n_members, w), -1 where a DoF is fixed or a member has fewer
     mass: FloatArray  # (n_members, w, w)
     axial: FloatArray
     bending: FloatArray
@@ -47,16 +47,16 @@ class MemberTable:
     shear: Shear
 
     def position(self, number: int) -> int:
-        """Return the place of a member in the table."""
+        """Return the index of a member."""
         try:
             return self.numbers.index(number)
         except ValueError:
             raise InvalidInputError(f"there is no member {number}", field="members", value=number) from None
 
     def altered(self, number: int, alteration: Alteration, n: int) -> Attachment:
-        """Return what a member adds to a system of `n` DoFs when it is altered.
+        """Return the attachment of an altered member to a system of `n` DoFs.
 
-        Its damping follows the law of the structure.
+        Its damping follows the damping law of the structure.
 
         Raises
         ------
@@ -75,7 +75,7 @@ class MemberTable:
         dk = new.stiffness - np.pad(self.axial[e] + self.bending[e], nominal_padding)
         free = np.flatnonzero(self.rows[e] >= 0)
         lossy = (alteration.loss - 1) * new.stiffness
-        # Rigid motions strain nothing: most changes need fewer columns than the member has DoFs.
+        # Rigid-body motions cause no strain: most alterations need fewer columns than the member has DoFs.
         v = orthonormal_span(
             [
                 part[free][:, columns_of_part]
@@ -96,7 +96,7 @@ class MemberTable:
 
     @property
     def loss_factor(self) -> FloatArray:
-        """(n_members,) hysteretic loss in proportion to stiffness, over it."""
+        """(n_members,) hysteretic loss factor in proportion to stiffness."""
         return self.losses.stiffness
 
     @property
@@ -109,7 +109,7 @@ class MemberTable:
         return any(bar and node in pair for pair, bar in zip(self.ends, self.bars, strict=True))
 
     def end_at(self, node: int) -> tuple[int, int]:
-        """Return the member that a joint at a node sets loose, by number, and its end; see `released_end`.
+        """Return the number of the member released by a joint at a node, and its end; see `released_end`.
 
         Raises
         ------
@@ -126,7 +126,7 @@ class MemberTable:
         return released_end(self.numbers, self.ends, self.bars, node)
 
     def end_stiffness(self, node: int) -> float:
-        """Return the moment, N m/rad, that turns the end which a joint at a node sets loose."""
+        """Return the rotational stiffness, N m/rad, of the member end released by a joint at a node."""
         number, end = self.end_at(node)
         return float(self.bending[self.position(number), ROTATION_ROWS[end], ROTATION_ROWS[end]])
 
@@ -138,7 +138,7 @@ class MemberTable:
         return tuple(int(node) for node in nodes[counts > 1])
 
     def scaled(self, *, mass: float, stiffness: float, loss: float = 1.0) -> "MemberTable":
-        """Return the table with the mass, stiffness and the loss by stiffness of every member multiplied."""
+        """Return the table with mass, stiffness and stiffness-proportional damping multiplied."""
         return replace(
             self,
             mass=self.mass * mass,
@@ -149,16 +149,16 @@ class MemberTable:
         )
 
     def sheared(self, amount: float) -> "MemberTable":
-        """Return the table of members that all have so much more shear flexibility and rotary inertia."""
+        """Return the table with added shear flexibility and rotary inertia of every member."""
         mass, bending = self._sheared(self.shear, amount)
         return replace(
             self, mass=self.mass + mass, bending=self.bending + bending, shear=self.shear.more(amount)
         )
 
     def _sheared(self, shear: Shear, amount: float) -> tuple[FloatArray, FloatArray]:
-        """Return what so much more shear adds to mass and bending stiffness, (n, w, w) each."""
+        """Return the changes of mass and bending stiffness by added shear, (n, w, w) each."""
         more = self.rows.shape[1] - 6
-        if more < 0:  # of members none of which is a bar
+        if more < 0:  # no bars
             return self.mass[:1] * 0.0, self.bending[:1] * 0.0
         mass, bending = (np.pad(part, ((0, 0), (0, more), (0, more))) for part in shear.added(amount))
         return mass, bending

@@ -1,4 +1,4 @@
-"""Members of a structure: straight bars, flat plates, and elements that a file brought as matrices."""
+"""Members of a structure: straight bars, flat plates and imported element matrices."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,14 +12,14 @@ from modallab.fe.settings import ELEMENT, INPUT
 
 
 def positive(value: float, name: str) -> None:
-    """Raise `StructureError` unless the value is above zero and of a size that can be computed with."""
+    """Raise `StructureError` unless the value is positive and within the range of computation."""
     if not INPUT.min_positive <= value <= INPUT.max_property:  # NaN fails too
         bounds = f"{INPUT.min_positive:g} to {INPUT.max_property:g}"
         raise StructureError(f"{name} must be positive", field=name, value=value, allowed=bounds)
 
 
 def not_negative(value: float, name: str) -> None:
-    """Raise `StructureError` if the value is below zero or of a size that cannot be computed with."""
+    """Raise `StructureError` if the value is negative or out of the range of computation."""
     if not 0 <= value <= INPUT.max_property:
         bounds = f"0 to {INPUT.max_property:g}"
         raise StructureError(f"{name} must not be negative", field=name, value=value, allowed=bounds)
@@ -81,7 +81,7 @@ def _check_factors(member: "Member | Plate | MatrixElement") -> None:
 
 @dataclass(frozen=True)
 class Member:
-    """A bar; its factors multiply the matrices that section and material give."""
+    """A bar; its factors multiply the matrices of its section and material."""
 
     number: int
     nodes: tuple[int, int]
@@ -91,7 +91,7 @@ class Member:
     mass_factor: float = 1.0
     axial_factor: float = 1.0
     bending_factor: float = 1.0
-    loss_factor: float | None = None  # of its own; None: the structure's damping law
+    loss_factor: float | None = None  # None: by the structure's damping law
     group: str = ""
 
     def __post_init__(self) -> None:
@@ -100,7 +100,7 @@ class Member:
 
 @dataclass(frozen=True)
 class Plate:
-    """A flat element of constant thickness between three or four nodes, counted round its rim."""
+    """A flat element of constant thickness between three or four nodes, numbered round its perimeter."""
 
     number: int
     nodes: tuple[int, ...]
@@ -141,7 +141,7 @@ class Plate:
 
 @dataclass(frozen=True)
 class MatrixElement:
-    """An element that is given by its matrices: those of `index` among the structure's blocks."""
+    """An element given by its matrices, those of `index` among the structure's blocks."""
 
     number: int
     nodes: tuple[int, ...]
@@ -160,7 +160,7 @@ AnyMember = Member | Plate | MatrixElement
 
 
 def sides(member: AnyMember) -> tuple[tuple[int, int], ...]:
-    """Return the lines between nodes that draw a member: a bar itself, the rim of a plate."""
+    """Return the node pairs of the lines that draw a member: a bar itself, the perimeter of a plate."""
     nodes = member.nodes
     if len(nodes) == 2:
         return ((nodes[0], nodes[1]),)

@@ -1,4 +1,4 @@
-"""Damping that is known mode by mode."""
+"""Modal damping: loss factors by mode."""
 
 from dataclasses import dataclass, replace
 from itertools import zip_longest
@@ -12,18 +12,18 @@ from modallab.fe.attachment import Attachment
 
 @dataclass(frozen=True)
 class ModalLossFactors:
-    """Loss factors of the elastic modes in rising order; the last one holds for every mode above.
+    """Loss factors of the elastic modes in rising order; the last one is that of all higher modes.
 
-    D = M Phi diag(structural eta_r lambda_r) Phi^T M and C of the same form, which leave modes as they are.
+    D = M Phi diag(structural eta_r lambda_r) Phi^T M and C of the same form, which keep shapes real.
     """
 
     loss_factors: tuple[float, ...]
     structural: float = 1.0
     viscous: float = 0.0  # s
-    more: tuple[float, ...] = ()  # structural loss factor that the lowest elastic modes have besides
+    more: tuple[float, ...] = ()  # additional structural loss factors of the lowest elastic modes
 
     def scaled(self, factor: float) -> "ModalLossFactors":
-        """Return it multiplied."""
+        """Return modal damping multiplied by a factor."""
         return replace(
             self,
             structural=factor * self.structural,
@@ -32,12 +32,12 @@ class ModalLossFactors:
         )
 
     def with_modal_loss(self, more: tuple[float, ...]) -> "ModalLossFactors":
-        """Return it with so much more of a structural loss factor for each of the lowest modes."""
+        """Return modal damping with additional structural loss factors of the lowest modes."""
         pairs = zip_longest(self.more, more, fillvalue=0.0)
         return replace(self, more=tuple(a + b for a, b in pairs))
 
     def to_viscous(self, share: float, omega: float) -> "ModalLossFactors":
-        """Return it with a share of the hysteretic part viscous, alike at `omega` rad/s."""
+        """Return modal damping with a fraction of it made viscous, equal at `omega` rad/s."""
         gained = share / omega * self.structural
         return replace(self, structural=(1 - share) * self.structural, viscous=self.viscous + gained)
 
@@ -55,7 +55,7 @@ class ModalLossFactors:
         return np.asarray(total)
 
     def attachment(self, mass: csc_array, squares: FloatArray, shapes: FloatArray) -> Attachment:
-        """Return it hung on the undamped elastic modes (m,), (n, m) of a structure of that mass."""
+        """Return modal damping as an attachment to the undamped elastic modes (m,), (n, m) of a structure."""
         return Attachment(
             mass @ shapes,
             damping=np.diag(self.hysteretic(squares)),
