@@ -1,4 +1,4 @@
-"""A model at any coefficients: its matrices, how these move, and the structure they are of."""
+"""Corrected model: matrices, their derivatives and the structure at given coefficients."""
 
 from collections.abc import Mapping
 from dataclasses import replace
@@ -17,7 +17,7 @@ from modallab.updating.sensitivity import PartMatrices, elements_of_part, part_m
 
 
 class CorrectedModel:
-    """A structure whose members' matrices, loss factors and properties move with coefficients.
+    """Structure whose matrices, loss factors and properties depend on coefficients.
 
     Raises
     ------
@@ -33,20 +33,20 @@ class CorrectedModel:
 
     @property
     def size(self) -> int:
-        """Rows of the model's matrices: its degrees of freedom, and jumps at joints behind them."""
+        """Size of the model's matrices: its degrees of freedom, and joint rotations behind them."""
         return self._assembly.size
 
     @property
     def initial(self) -> Structure:
-        """The structure without any correction."""
+        """Structure without correction."""
         return self._assembly.structure
 
     def coefficients(self, values: FloatArray) -> Coefficients:
-        """Return what multiplies each member's parts at `values` (n_params,), their sizes left out."""
+        """Return the factors of each member's matrices at `values` (n_params,), without sizes."""
         return member_coefficients(self.parameterisation, self._groups, values, self._base)
 
     def assembly(self, values: FloatArray) -> Assembly:
-        """Return the element matrices at `values` (n_params,), coefficients left out."""
+        """Return the element matrices at `values` (n_params,), without factors."""
         members = self._resized_members(values)
         assembly = self._assembly.resized(members) if members else self._assembly
         structure = self._with_nodal_values(values)
@@ -57,9 +57,9 @@ class CorrectedModel:
         return self.assembly(values).system(self.coefficients(values))
 
     def structure(self, values: FloatArray) -> Structure:
-        """Return the structure with its members corrected to `values` (n_params,).
+        """Return the structure corrected to `values` (n_params,).
 
-        A loss factor below zero, which no member can have, becomes zero.
+        A negative loss factor, which no member can have, becomes zero.
         """
         coefficients = self.coefficients(values)
         is_corrected = coefficients.loss_factor != self._base.loss_factor
@@ -83,13 +83,13 @@ class CorrectedModel:
         )
 
     def count_negative_loss_factors(self, values: FloatArray, tolerance: float) -> int:
-        """Return how many members have a loss factor below zero at `values` (n_params,)."""
+        """Return the number of members with a negative loss factor at `values` (n_params,)."""
         return int((self.coefficients(values).loss_factor < -tolerance).sum())
 
     def parts(self, values: FloatArray, *, damped: bool = False) -> tuple[PartMatrices, ...]:
-        """Return derivatives of M and of K, or K + iD, by the coefficients at `values` (n_params,).
+        """Return derivatives of M and of K, or K + iD, at the coefficients `values` (n_params,).
 
-        Without damping and properties they are the same wherever the coefficients stand.
+        Without damping and properties they are the same at any coefficients, and cached.
         """
         if self._cached_parts is not None:
             return self._cached_parts
@@ -111,7 +111,7 @@ class CorrectedModel:
         return matrices
 
     def _resized_members(self, values: FloatArray) -> Mapping[int, AnyMember]:
-        """Return the members whose sizes move, by their place among all."""
+        """Return the members with corrected sizes, by index among all."""
         members: dict[int, AnyMember] = {}
         for macro, row, value in zip(self.parameterisation.macros, self._groups, values, strict=True):
             if (shape := macro.part.section_size) is not None:
@@ -121,7 +121,7 @@ class CorrectedModel:
         return members
 
     def _with_nodal_values(self, values: FloatArray) -> Structure:
-        """Return the structure with what its nodes carry at `values` (n_params,), and its old members."""
+        """Return the structure with nodal values at `values` (n_params,), and its initial members."""
         structure = self.initial
         for macro, value in zip(self.parameterisation.macros, values, strict=True):
             if macro.part.is_nodal:
@@ -129,7 +129,7 @@ class CorrectedModel:
         return structure
 
     def _nodal_matrices(self, part: Part) -> PartMatrices:
-        """Return derivatives by coefficients of what nodes carry: the matrices of it."""
+        """Return derivatives with respect to coefficients of nodal masses and springs."""
         params = [i for i, macro in enumerate(self.parameterisation.macros) if macro.part is part]
         groups = [self.parameterisation.macros[i].members for i in params]
         matrices, rows = node_matrices(self.initial, part, [node for group in groups for node in group])
@@ -138,12 +138,12 @@ class CorrectedModel:
         return PartMatrices(kind, matrices, rows, starts, np.array(params), lossless=True)
 
     def _joint_matrices(self, assembly: Assembly, damped: Coefficients | None) -> PartMatrices:
-        """Return derivatives by coefficients of joints, which lose what the member does that they hold.
+        """Return derivatives with respect to joint coefficients; a joint has the loss factor of its member.
 
         Parameters
         ----------
         damped
-            Where a damped model stands.
+            Coefficients of a damped model, None without damping.
         """
         assert assembly.joint_rotations is not None
         place = {joint.node: i for i, joint in enumerate(self.initial.joints)}
@@ -162,7 +162,7 @@ class CorrectedModel:
     def _property_matrices(
         self, part: Part, assembly: Assembly, coefficients: Coefficients, values: FloatArray, *, damped: bool
     ) -> tuple[PartMatrices, ...]:
-        """Return derivatives by a property: dX/dp = (dX / d log p) / p, of mass and of stiffness."""
+        """Return derivatives of mass and stiffness with respect to a property: dX/dp = (dX / d log p) / p."""
         used, starts, params = elements_of_part(self.parameterisation, part, self._groups)
         if part.section_size is not None:
             mass, axial, bending = assembly.size_derivatives(used, part.section_size)

@@ -1,4 +1,4 @@
-"""How sure an update is of its coefficients."""
+"""Covariance of coefficients after a two-stage update."""
 
 from dataclasses import dataclass
 
@@ -12,21 +12,21 @@ from modallab.updating.solve import balanced_step
 
 @dataclass(frozen=True, eq=False)
 class CoefficientCovariance:
-    """What the measurement says about the coefficients where they ended."""
+    """Standard errors and identifiability of the coefficients at the end."""
 
-    standard_errors: FloatArray | None  # (n_params,), None if there is nothing to judge by
+    standard_errors: FloatArray | None
+    """(n_params,), None without an error estimate."""
     identifiability: Identifiability
 
 
 def coefficient_covariance(
     fit: ModalResiduals, state: ModelState, *, jump: float, within: float
 ) -> CoefficientCovariance:
-    """Return standard errors of the coefficients at a state, and what data identify.
+    """Return standard errors of the coefficients at a state, and their identifiability.
 
-    Standard errors are those of the measured frequencies and shapes carried through the last step,
-    where the modal model states all of them; else every balanced row is taken to be as uncertain
-    as the rows are far from the updated model, which needs more rows than coefficients. Directions
-    beyond the rank are not in them: there the measurement says nothing at all.
+    The stated errors of frequencies and shapes are propagated through the last step. Without stated errors
+    every balanced row has the residual standard deviation, which needs more rows than coefficients.
+    Directions beyond the rank are left out: the measurement does not determine them.
     """
     step = balanced_step(fit.sensitivity(state), state.difference, state.size, jump=jump)
     row_errors = _row_errors(fit, state, step.rank)
@@ -38,7 +38,7 @@ def coefficient_covariance(
 
 
 def _row_errors(fit: ModalResiduals, state: ModelState, rank: int) -> FloatArray | None:
-    """Return the standard errors of balanced rows (n_rows,)."""
+    """Return the standard errors of balanced rows (n_rows,), None without degrees of freedom."""
     stated = fit.errors(state)
     if stated is not None:
         return stated

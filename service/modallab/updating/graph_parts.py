@@ -1,4 +1,4 @@
-"""Connected parts of like size of a graph, with few edges between them."""
+"""Recursive spectral bisection of a graph into connected parts of similar size."""
 
 import numpy as np
 from scipy.linalg import eigh
@@ -11,18 +11,18 @@ from modallab.updating.partition_settings import PARTITION
 
 
 def graph_parts(graph: csr_array, count: int) -> list[IntArray]:
-    """Return so many connected parts of a graph, each as its vertices, rising; at least one a component.
+    """Return connected parts of a graph, each as its vertices in rising order; at least one a component.
 
-    Every part is cut in two where the second eigenvector of its Laplacian (Fiedler's) says, in proportion to
-    the parts that each half has yet to make. Pothen, Simon and Liou (1990), SIAM Journal on Matrix Analysis
-    and Applications 11, 430-452.
+    Every part is bisected by the second eigenvector of its Laplacian (Fiedler vector), in proportion to the
+    number of parts that each half has yet to give. Pothen, Simon and Liou (1990), SIAM Journal on Matrix
+    Analysis and Applications 11, 430-452.
 
     Parameters
     ----------
     graph
         (n, n) symmetric, positive weights of edges.
     count
-        At most n.
+        Number of parts, at most n.
     """
     pieces = _components(graph, np.arange(graph.shape[0]))
     part_counts = _part_counts(np.array([len(piece) for piece in pieces]), max(count, len(pieces)))
@@ -39,10 +39,10 @@ def graph_parts(graph: csr_array, count: int) -> list[IntArray]:
 
 
 def _part_counts(sizes: IntArray, count: int) -> IntArray:
-    """Return how many parts each piece is cut into, (n,), in proportion to its size: one or more."""
+    """Return the number of parts of each piece (n,), in proportion to its size, at least one."""
     part_counts = np.ones(len(sizes), int)
     for _ in range(count - len(sizes)):
-        # the piece of the largest parts is cut once more; one of single vertices cannot be
+        # the piece with the largest parts is cut once more; single vertices cannot be
         part_counts[np.argmax(np.where(part_counts < sizes, sizes / part_counts, 0.0))] += 1
     return part_counts
 
@@ -55,27 +55,27 @@ def _components(graph: csr_array, vertices: IntArray) -> list[IntArray]:
 
 
 def _bisection(graph: csr_array, piece: IntArray, share: float) -> tuple[IntArray, IntArray]:
-    """Return a connected piece in two connected halves, the first of about so large a share of it."""
+    """Return two connected halves of a connected piece, the first of about a given share."""
     subgraph = graph[piece][:, piece]
     fiedler_vector = _fiedler(subgraph)
     order = np.argsort(
         np.round(fiedler_vector / np.abs(fiedler_vector).max(), PARTITION.rounding_digits), kind="stable"
     )
     cut = _cut_position(subgraph, order, share)
-    # What falls off one half hangs together with the other: the piece is connected.
+    # Fragments of one half are connected with the other half, as the piece is connected.
     first, *fragments = _components(graph, piece[order[:cut]])
     second, *second_fragments = _components(graph, np.concatenate([piece[order[cut:]], *fragments]))
     return np.concatenate([first, *second_fragments]), second
 
 
 def _cut_position(graph: csr_array, order: IntArray, share: float) -> int:
-    """Return how many vertices of an order come first: about a share of them, where few edges are cut."""
+    """Return the number of leading vertices of an order at the cheapest cut near a given share."""
     n = len(order)
     position = np.empty(n, int)
     position[order] = np.arange(n)
     edges = graph.tocoo()
     ends = position[edges.row], position[edges.col]
-    # An edge is cut wherever the cut is behind its one end and before its other: each stands there twice.
+    # An edge is cut at every position between its ends; the symmetric matrix counts each edge twice.
     cut_weight = np.cumsum(
         np.bincount(np.minimum(*ends) + 1, edges.data, n + 1)
         - np.bincount(np.maximum(*ends) + 1, edges.data, n + 1)
@@ -85,7 +85,7 @@ def _cut_position(graph: csr_array, order: IntArray, share: float) -> int:
     candidates = positions[
         np.abs(positions - target) <= max(PARTITION.cut_slack * min(target, n - target), 1.0)
     ]
-    # of equal ones that which is nearest, the smaller of two
+    # among equal weights the position nearest to the target, then the smaller one
     return int(
         candidates[
             np.lexsort(
@@ -99,17 +99,17 @@ def _cut_position(graph: csr_array, order: IntArray, share: float) -> int:
 
 
 def _fiedler(graph: csr_array) -> FloatArray:
-    """Return the eigenvector of the lowest eigenvalue above zero of a connected graph's Laplacian, (n,)."""
+    """Return the Fiedler vector of a connected graph (n,): eigenvector of the second Laplacian eigenvalue."""
     n = graph.shape[0]
     laplacian = diags_array(np.asarray(graph.sum(axis=1)).ravel()) - graph
     if n <= PARTITION.dense_vertices:
         _, vectors = eigh(laplacian.toarray(), subset_by_index=(1, 1))
         return np.asarray(vectors[:, 0])
-    # Of the order of the eigenvalue itself in the worst case, a chain: pi^2 / n^2 of a weight.
+    # In the worst case, a chain, of the order of the eigenvalue: pi^2 / n^2 of a weight.
     shift = float(graph.data.mean()) / n**2
     factor = splu((laplacian + shift * diags_array(np.ones(n))).tocsc(), permc_spec="MMD_AT_PLUS_A")
     inverse = LinearOperator((n, n), matvec=factor.solve, dtype=float)
-    start = np.random.default_rng(0).standard_normal(n)  # any that holds the vector; the same every time
+    start = np.random.default_rng(0).standard_normal(n)  # a fixed start vector, so that results repeat
     _, vectors = eigsh(laplacian, 2, sigma=-shift, OPinv=inverse, v0=start)
-    # eigsh gives them by rising eigenvalue: behind the constant one
+    # by rising eigenvalue: the constant vector first
     return np.asarray(vectors[:, 1])

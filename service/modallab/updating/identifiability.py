@@ -1,4 +1,4 @@
-"""What measured modes can say about coefficients, and what they cannot, in words."""
+"""Identifiability of coefficients by measured data: null space, confidence intervals and weak directions."""
 
 from collections.abc import Iterable
 from dataclasses import dataclass
@@ -15,12 +15,18 @@ from modallab.updating.solve import ParameterStep
 
 @dataclass(frozen=True, eq=False)
 class Direction:
-    """Coefficients that may change together, in these proportions, and data show little or nothing of it."""
+    """Joint relative change of coefficients that the data determine poorly or not at all."""
 
     macros: tuple[MacroElement, ...]
-    shares: FloatArray  # (n_macros,) relative changes, their squares one in all
-    standard_error: float | None  # of the relative change along it; None where data say nothing at all
+    """(n_macros,) macro elements with a named share."""
+    shares: FloatArray
+    """Relative changes of these coefficients (n_macros,); the squares of all coefficients' shares add up to
+    one.
+    """
+    standard_error: float | None
+    """Standard error of the relative change along the direction; None in the null space."""
     words: str
+    """Description of the ambiguity, without full stop."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "shares", frozen(self.shares, float, (len(self.macros),), name="shares"))
@@ -28,18 +34,24 @@ class Direction:
 
 @dataclass(frozen=True, eq=False)
 class Identifiability:
-    """How far data alone determine coefficients, whatever was held likely of them before."""
+    """Determination of coefficients by the data alone, without any prior."""
 
-    macros: tuple[MacroElement, ...]  # (n_params,) what each coefficient multiplies
-    singular_values: FloatArray  # of the equations whose rank is told, falling
+    macros: tuple[MacroElement, ...]
+    """(n_params,) macro element of each coefficient."""
+    singular_values: FloatArray
+    """Of the weighted sensitivity matrix, in falling order."""
     rank: int
+    """Rank of the weighted sensitivity matrix."""
     condition_number: float
-    # (n_params, n_params) of the coefficients, by the errors of the data; beyond the rank nothing is in it.
-    # None where there is nothing to judge errors by.
+    """Largest over smallest singular value within the rank."""
     covariance: FloatArray | None
-    intervals: FloatArray  # (n_params, 2) that hold a coefficient with 95 %, within its bounds
-    unidentified: tuple[MacroElement, ...]  # whose intervals are wider than `identified_within` admits
+    """Covariance of the coefficients (n_params, n_params) within the rank; None without an error estimate."""
+    intervals: FloatArray
+    """95 % confidence intervals within the bounds (n_params, 2)."""
+    unidentified: tuple[MacroElement, ...]
+    """Macro elements with a relative standard error above `identified_within`."""
     directions: tuple[Direction, ...]
+    """Poorly determined directions, those of the null space first."""
 
     def __post_init__(self) -> None:
         n = len(self.macros)
@@ -66,22 +78,22 @@ def identify(
     *,
     within: float,
 ) -> Identifiability:
-    """Return what data alone say of coefficients near `values`.
+    """Return the identifiability of coefficients near `values` by the data alone.
 
-    The intervals are about where one more step without any prior would end, and as wide as the errors
-    carried through it: they hold for any number of wrong elements. Relative changes are judged, of loss
-    factors the changes themselves. What lies beyond the rank, or has a standard error of more than
-    `within`, is told as directions turned so that each holds few coefficients. Kaiser (1958),
-    Psychometrika 23, 187-200; van de Geer et al. (2014), Annals of Statistics 42, 1166-1202.
+    The intervals are centred where one more step without prior would end, and as wide as the propagated
+    errors: they hold for any number of wrong elements. They are those of relative changes, for loss
+    factors of the changes themselves. Directions of the null space, or with a standard error above
+    `within`, are rotated so that each has few coefficients. Kaiser (1958), Psychometrika 23, 187-200; van de Geer et al. (2014),
+    Annals of Statistics 42, 1166-1202.
 
     Parameters
     ----------
     values
         (n_params,).
     step
-        Of the equations at `values`; its inverse maps rows to coefficients.
+        Least-squares step at `values`, with the pseudo-inverse of its equations.
     remaining, errors
-        (n_rows,) what the updated model misses, and the standard error of each row.
+        (n_rows,) residuals of the updated model, and the standard error of each row.
     """
     rates = log_derivatives(parameterisation, values)
     identifiable, null_space = _range_and_null_space(step, rates)
@@ -122,7 +134,7 @@ def _range_and_null_space(step: ParameterStep, rates: FloatArray) -> tuple[Float
 def _intervals(
     parameterisation: Parameterisation, values: FloatArray, shift: FloatArray, relative_errors: FloatArray
 ) -> FloatArray:
-    """Return (n_params, 2); beyond its bounds nothing is held likely of a coefficient."""
+    """Return 95 % confidence intervals (n_params, 2), clipped to the bounds."""
     lower, upper = parameterisation.bounds
     offsets = shift[:, None] + np.outer(
         relative_errors, [-IDENTIFIABILITY.normal_quantile, IDENTIFIABILITY.normal_quantile]
@@ -135,7 +147,7 @@ def _intervals(
 
 
 def _weak_directions(identifiable: FloatArray, covariance: FloatArray, within: float) -> FloatArray:
-    """Return (n_params, k) directions within the rank along which the standard error is too large."""
+    """Return directions within the rank with too large a standard error, (n_params, k)."""
     variances, eigenvectors = np.linalg.eigh(identifiable.T @ covariance @ identifiable)
     return np.asarray((identifiable @ eigenvectors)[:, variances > within**2])
 
@@ -158,7 +170,7 @@ def _directions(
 
 
 def _varimax(directions: FloatArray) -> FloatArray:
-    """Return orthonormal directions (n_params, k) of the same space, each with few large shares: varimax."""
+    """Return a basis (n_params, k) of the same space with few large shares each, by varimax rotation."""
     n, k = directions.shape
     if k < 2:
         return directions
@@ -174,7 +186,7 @@ def _varimax(directions: FloatArray) -> FloatArray:
 
 
 def describe_ambiguity(macros: Iterable[MacroElement], *, is_null: bool) -> str:
-    """Return what data cannot say about these coefficients, as a sentence without its full stop."""
+    """Return a sentence, without full stop, on coefficients that the data do not determine."""
     listed_macros = tuple(macros)
     places: dict[str, list[str]] = {}
     for part in Part:
@@ -189,7 +201,7 @@ def describe_ambiguity(macros: Iterable[MacroElement], *, is_null: bool) -> str:
 
 
 def _numbers(numbers: Iterable[int]) -> str:
-    """Return member numbers with runs of three and more in short: 1, 4-7."""
+    """Return member numbers with runs of three and more abbreviated: 1, 4-7."""
     ordered = sorted(set(numbers))
     cuts = [0, *(i for i, (a, b) in enumerate(pairwise(ordered), 1) if b != a + 1), len(ordered)]
     runs = [ordered[start:stop] for start, stop in pairwise(cuts)]

@@ -1,4 +1,4 @@
-"""Correcting coefficients until they stand still, with a record of every step."""
+"""Iterations of correction coefficients to convergence, with a record of every step."""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -18,15 +18,24 @@ from modallab.updating.solve import ParameterStep, at_bounds, bounded_step
 class Iteration:
     """One step of an update and the model after it."""
 
-    stage: str  # "location" or "updating"
-    macros: tuple[MacroElement, ...]  # (n_params,) what each coefficient multiplies
-    step: FloatArray  # (n_params,)
+    stage: str
+    """`location` or `updating`."""
+    macros: tuple[MacroElement, ...]
+    """(n_params,) macro element of each coefficient."""
+    step: FloatArray
+    """Change of each coefficient (n_params,)."""
     rank: int
+    """Rank of the weighted sensitivity matrix."""
     singular_values: FloatArray
+    """Of the weighted sensitivity matrix, in falling order."""
     condition_number: float
-    coefficients: FloatArray  # (n_params,)
-    frequencies: FloatArray  # (n_modes,) Hz
-    mac: FloatArray  # (n_modes,)
+    """Largest over smallest singular value within the rank."""
+    coefficients: FloatArray
+    """Coefficients after the step (n_params,)."""
+    frequencies: FloatArray
+    """Hz, natural frequencies of the model (n_modes,)."""
+    mac: FloatArray
+    """Modal assurance criterion of each pair of modes (n_modes,)."""
 
     def __post_init__(self) -> None:
         for name in ("step", "singular_values", "coefficients", "frequencies", "mac"):
@@ -40,16 +49,19 @@ class Iteration:
 
 @dataclass(frozen=True)
 class StopRule:
-    """When a stage ends, and how far a step may go."""
+    """Convergence tolerance, step length and number of iterations of a stage."""
 
-    tolerance: float  # of the largest change of a coefficient
-    max_step: float  # the whole step is shortened to this
+    tolerance: float
+    """Largest change of a coefficient at convergence."""
+    max_step: float
+    """Largest change of a coefficient in one step."""
     max_iterations: int
-    jump: float  # of singular values, where the rank ends
+    jump: float
+    """Ratio of consecutive singular values that ends the rank."""
 
 
 class StopReason(StrEnum):
-    """How a stage ends."""
+    """Reasons for the end of a stage."""
 
     CONVERGED = "no coefficient moved any more"
     STILL_MOVING = "the coefficients still moved after the last iteration allowed"
@@ -58,32 +70,32 @@ class StopReason(StrEnum):
 
 @dataclass(frozen=True, eq=False)
 class IterationPath:
-    """How a stage went."""
+    """Iterations of one stage."""
 
     history: tuple[Iteration, ...]
     final: ModelState
     stop_reason: StopReason
-    explanation: str  # in words
+    explanation: str
+    """Reason for the end, for readers."""
 
     @property
     def converged(self) -> bool:
-        """True if the coefficients came to rest."""
+        """True if the coefficients converged."""
         return self.stop_reason is StopReason.CONVERGED
 
 
 def iterate(
     residuals: ModalResiduals, start: FloatArray, rule: StopRule, *, stage: str, progress: Progress = silent
 ) -> IterationPath:
-    """Return the path from `start` (n_params,) to where no coefficient moves by the tolerance.
+    """Return the Gauss-Newton path from `start` (n_params,) to convergence.
 
-    Modes are paired again at every step. A path that loses a measured mode, or whose differences
-    grow tenfold, has diverged and ends at the last model that still made sense.
+    Modes are paired again at every step. A path that loses a measured mode, or whose balanced difference
+    grows by `ITERATION.divergence_factor`, has diverged and ends at the last valid model.
 
     Raises
     ------
     UnderdeterminedError
-        If a measured mode pairs with nothing at the start already, or no measured number moves with
-        any coefficient.
+        If a measured mode has no partner at the start, or no measured number depends on any coefficient.
     """
     state = residuals.state(start)
     initial_distance = state.distance
@@ -154,7 +166,7 @@ def _next_state(
 
 
 def check_sensitivity(rows: FloatArray) -> None:
-    """Raise `UnderdeterminedError` if the derivatives (n_rows, n_params) are all zero."""
+    """Raise `UnderdeterminedError` if the sensitivity matrix (n_rows, n_params) is zero."""
     if not rows.any():
         raise UnderdeterminedError(
             "no measured number moves with any coefficient",
@@ -165,6 +177,6 @@ def check_sensitivity(rows: FloatArray) -> None:
 
 
 def bound_note(parameterisation: Parameterisation, values: FloatArray) -> str:
-    """Return how many coefficients (n_params,) rest on a bound, as words to add; nothing if none does."""
+    """Return a note on how many coefficients (n_params,) are at a bound; empty if none is."""
     n_at_bound = int(np.logical_or(*at_bounds(values, parameterisation.bounds)).sum())
     return f"; {n_at_bound} of {len(values)} coefficients rest on a bound" if n_at_bound else ""

@@ -1,4 +1,4 @@
-"""Stage one: which macro elements a measurement contradicts."""
+"""Macro elements suspected after the location stage."""
 
 from dataclasses import dataclass
 
@@ -11,10 +11,10 @@ from modallab.updating.settings import LOCATION
 
 @dataclass(frozen=True, eq=False)
 class Suspicion:
-    """The members that stage one suspects, and where stage two starts with them."""
+    """Suspected members, and their initial coefficients in the updating stage."""
 
-    parameterisation: Parameterisation  # one coefficient for every part of every suspected member
-    start: FloatArray  # (n_params,) the coefficient of the macro element each one came from
+    parameterisation: Parameterisation  # one coefficient for each part of each suspected member
+    start: FloatArray  # (n_params,) coefficient of the macro element of each member
 
     def __post_init__(self) -> None:
         shape = (len(self.parameterisation.macros),)
@@ -27,17 +27,17 @@ def suspect_members(
     threshold: float,
     damping_threshold: float = LOCATION.damping_threshold,
 ) -> Suspicion | None:
-    """Return the members of every macro element whose coefficient moved beyond the threshold, if any.
+    """Return the members of macro elements whose coefficient changed beyond the threshold, None if none did.
 
-    One wrong element moves a macro element of many by little. Where none moves beyond the threshold,
-    those that moved at least half as far as the farthest are taken, if that one moved noticeably.
-    Loss factors have a threshold of their own and are judged among themselves. Coefficients of the
-    others go back to no change for stage two. 1992 thesis, sections 3.3 and 6.3.
+    One wrong member changes the coefficient of a macro element of many by little. Where none exceeds the
+    threshold, those with at least half the largest change are suspected, if that one is noticeable. Loss
+    factors have a threshold of their own and are compared with one another only. Coefficients of the other
+    macro elements return to nominal for stage two. 1992 thesis, sections 3.3 and 6.3.
 
     Parameters
     ----------
     values
-        (n_macros,) where stage one ended.
+        (n_macros,) coefficients at the end of stage one.
     """
     change = np.abs(values - parameterisation.nominal)
     damping = parameterisation.damping

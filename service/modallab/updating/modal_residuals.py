@@ -1,4 +1,4 @@
-"""A model held against measured modes at given coefficients: what differs, and how it would move."""
+"""Residuals between measured modes and those of a model, with their derivatives."""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -21,7 +21,7 @@ from modallab.updating.target import TargetModes
 
 
 class Balance(StrEnum):
-    """Which rows are divided by their own size; 1992 thesis, eq. [3.22]."""
+    """Rows that are divided by their own size; 1992 thesis, eq. [3.22]."""
 
     EIGENVALUES = "eigenvalues"
     BOTH = "both"
@@ -29,23 +29,27 @@ class Balance(StrEnum):
 
 @dataclass(frozen=True, eq=False)
 class ModelState:
-    """The model at some coefficients, its modes paired with the measured ones."""
+    """Model at given coefficients, with its modes paired with the measured ones."""
 
-    values: FloatArray  # (n_params,)
+    values: FloatArray
+    """Coefficients (n_params,)."""
     basis: ModalBasis
-    modes: IntArray  # (n_modes,) column of the basis that pairs with each measured mode
-    mac: FloatArray  # (n_modes,)
-    # (n_modes, n_modes) orthogonal: modes at one measured frequency are turned to the shapes measured there
+    modes: IntArray
+    """(n_modes,) column of the basis that pairs with each measured mode."""
+    mac: FloatArray
+    """Modal assurance criterion of each pair (n_modes,)."""
     rotation: FloatArray
-    # (n_rows,) measured minus model: eigenvalues, then shapes DoF by DoF; of damped modes the real parts
-    # of all and then the imaginary ones
+    """Orthogonal (n_modes, n_modes), takes shapes of repeated modes to the measured ones."""
     difference: FloatArray
-    # (n_rows,) what balances the rows: Re lambda_r for an eigenvalue, 1 or the shape's norm for a shape
+    """(n_rows,) measured minus model: eigenvalues, then shapes DoF by DoF; of damped modes all real parts,
+    then all imaginary parts.
+    """
     size: FloatArray
+    """(n_rows,) scale of each row: Re lambda_r for an eigenvalue, 1 or the norm of the shape for a shape."""
 
     @property
     def frequencies(self) -> FloatArray:
-        """(n_modes,) Hz, of the model."""
+        """(n_modes,) Hz, natural frequencies of the paired modes of the model."""
         return self.basis.frequencies[self.modes]
 
     @property
@@ -55,17 +59,17 @@ class ModelState:
 
 
 class ModalResiduals:
-    """A structure, the coefficients that may move, and the modes it should have.
+    """Structure, correction coefficients and measured modes of an update.
 
-    Real modes are held against the model without its damping, damped ones against the model with it.
+    Real modes are compared with the undamped model, damped modes with the damped one.
 
     Raises
     ------
     InvalidInputError
-        If loss factors are asked of real modes, or damped modes of a structure whose damping is not
-        hysteretic.
+        If loss factors are to be found from real modes, or the damping of the structure is not hysteretic
+        and the modes are damped.
     UnderdeterminedError
-        If there are fewer measured numbers than coefficients, unless something else is known of these.
+        If there are fewer measured numbers than coefficients, unless `regularised`.
     """
 
     def __init__(
@@ -84,7 +88,7 @@ class ModalResiduals:
         self._planes = () if target.damped else target.repeated_modes
         self._row_mask, self._balance = target.row_mask, balance
         self._mass_loss = 0.0
-        self._latest: FloatArray | None = None  # modes of the last model: the next one's are much like them
+        self._latest: FloatArray | None = None  # modes of the last model, as start vectors of the next
         if target.damped:
             self._mass_loss = _mass_loss(structure)
         else:
@@ -115,16 +119,16 @@ class ModalResiduals:
         return self.model.structure(values)
 
     def count_negative_loss_factors(self, values: FloatArray, tolerance: float) -> int:
-        """Return how many members have a loss factor below zero at `values` (n_params,)."""
+        """Return the number of members with a negative loss factor at `values` (n_params,)."""
         return self.model.count_negative_loss_factors(values, tolerance)
 
     def state(self, values: FloatArray) -> ModelState:
-        """Return the model at `values` (n_params,).
+        """Return the model at `values` (n_params,), with its modes paired.
 
         Raises
         ------
         UnderdeterminedError
-            If a measured mode pairs with none of the model.
+            If a measured mode has no partner in the model.
         """
         target = self.target
         basis = self._modes(values)
@@ -147,7 +151,9 @@ class ModalResiduals:
         rotation = self._rotation(shapes[:, modes])
         paired_shapes = shapes[:, modes] @ rotation
         shape_difference = self._scaled_to(paired_shapes) - paired_shapes
-        eigenvalues = (rotation**2).T @ basis.eigenvalues[modes]  # the diagonal of turn^T Lambda turn
+        eigenvalues = (rotation**2).T @ basis.eigenvalues[
+            modes
+        ]  # the diagonal of R^T Lambda R, R the rotation
         squares = eigenvalues.real
         norms = (
             np.ones(len(squares))
@@ -167,7 +173,7 @@ class ModalResiduals:
         )
 
     def sensitivity(self, state: ModelState) -> FloatArray:
-        """Return the derivatives of the model's rows, (n_rows, n_params)."""
+        """Return the sensitivity matrix (n_rows, n_params): derivatives of the model's rows."""
         parts = self.model.parts(state.values, damped=self.target.damped)
         derivative = derivatives(
             state.basis,
@@ -185,7 +191,10 @@ class ModalResiduals:
         )
 
     def _mac(self, shapes: FloatArray | ComplexArray) -> FloatArray:
-        """Return the MAC (n_modes, n) of measured modes; of those at one frequency, that of their plane."""
+        """Return the modal assurance criterion (n_modes, n) of measured modes with shapes.
+
+        For repeated modes it is that of the subspace they span.
+        """
         measured = self.target.shapes
         table = mac(measured, shapes)
         for group in self._planes:
@@ -194,8 +203,11 @@ class ModalResiduals:
         return table
 
     def _rotation(self, shapes: FloatArray | ComplexArray) -> FloatArray:
-        """Return the orthogonal matrix (n_modes, n_modes) that takes modes at one frequency, where shapes
-        are any of their plane, to the measured ones: Schoenemann (1966), Psychometrika 31, 1-10."""
+        """Return the orthogonal matrix (n_modes, n_modes) that takes repeated modes to the measured shapes.
+
+        Shapes of repeated modes are any of their subspace: orthogonal Procrustes problem, Schoenemann (1966),
+        Psychometrika 31, 1-10.
+        """
         rotation = np.eye(shapes.shape[1])
         for group in self._planes:
             u, _, vh = np.linalg.svd(shapes[:, group].T @ self.target.shapes[:, group])
@@ -203,8 +215,10 @@ class ModalResiduals:
         return rotation
 
     def _rows(self, values: FloatArray | ComplexArray) -> FloatArray:
-        """Return numbers of modes as rows of the equations: coefficients are real, so that both parts of
-        a damped mode's are equations of their own."""
+        """Return mode numbers as real equations: real parts, and for damped modes imaginary parts too.
+
+        Coefficients are real, so that both parts of a complex number are equations of their own.
+        """
         rows = np.concatenate([values.real, values.imag]) if self.target.damped else values.real
         return rows if self._row_mask.all() else rows[self._row_mask]
 
@@ -228,9 +242,9 @@ class ModalResiduals:
         return basis
 
     def _scaled_to(self, shapes: FloatArray | ComplexArray) -> FloatArray | ComplexArray:
-        """Return the measured shapes in the sense of the model's, in its scale if they have none.
+        """Return the measured shapes with the sign of the model's shapes, and their scale if they have none.
 
-        phi^T M phi = 1 leaves only the sign open; a scale of nobody's choice also turns a complex shape.
+        The norm phi^T M phi = 1 leaves only the sign open; an arbitrary complex scale also rotates the phase.
         """
         measured = self.target.shapes
         projection = (measured.conj() * shapes).sum(axis=0)
@@ -240,7 +254,7 @@ class ModalResiduals:
 
 
 def _mass_loss(structure: Structure) -> float:
-    """Return a of D = a M + b K, rad^2/s^2."""
+    """Return the mass coefficient a of D = a M + b K, rad^2/s^2."""
     law = structure.damping
     if not isinstance(law, StructuralDamping):
         raise InvalidInputError(

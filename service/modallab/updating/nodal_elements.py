@@ -1,4 +1,4 @@
-"""Masses, springs to ground and joints that nodes have beside their members, as coefficients of an update."""
+"""Point masses, ground springs and joints at nodes, as coefficients of an update."""
 
 from collections.abc import Iterable
 from dataclasses import replace
@@ -12,7 +12,7 @@ from modallab.updating.part import Part
 
 
 def nodal_values(structure: Structure, part: Part) -> dict[int, float]:
-    """Return what nodes carry: masses, kg, springs to ground in a direction, N/m or N m/rad, or joints."""
+    """Return values of a part by node: masses, kg, ground springs or joints, N/m or N m/rad."""
     if part is Part.JOINT_STIFFNESS:
         return {joint.node: joint.stiffness for joint in structure.joints}
     if part is Part.POINT_MASS:
@@ -27,7 +27,7 @@ def nodal_values(structure: Structure, part: Part) -> dict[int, float]:
 
 
 def check_nodal_values(structure: Structure, part: Part, nodes: Iterable[int]) -> None:
-    """Raise `InvalidInputError` unless every node carries what a coefficient is to multiply."""
+    """Raise `InvalidInputError` unless every node has a mass, spring or joint to multiply."""
     values = nodal_values(structure, part)
     for node in nodes:
         if node not in values:
@@ -40,7 +40,7 @@ def check_nodal_values(structure: Structure, part: Part, nodes: Iterable[int]) -
 
 
 def with_scaled_nodes(structure: Structure, part: Part, nodes: Iterable[int], factor: float) -> Structure:
-    """Return the structure with so many times what some nodes carry."""
+    """Return the structure with the masses, springs or joints of some nodes multiplied by a factor."""
     numbers = set(nodes)
     if part is Part.POINT_MASS:
         masses = (
@@ -64,9 +64,9 @@ def with_scaled_nodes(structure: Structure, part: Part, nodes: Iterable[int], fa
 
 
 def node_matrices(structure: Structure, part: Part, nodes: Iterable[int]) -> tuple[FloatArray, IntArray]:
-    """Return what nodes carry as matrices (n, 3, 3), and their place in the system, (n, 3), -1 where none.
+    """Return matrices of nodes (n, 3, 3), and their index in the system (n, 3), -1 where absent.
 
-    A mass moves with every translation of its node; a spring is alone in its direction.
+    A mass acts on every translation of its node; a spring acts in its direction only.
     """
     values_by_node = nodal_values(structure, part)
     numbers = tuple(nodes)

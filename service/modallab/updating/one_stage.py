@@ -1,4 +1,4 @@
-"""Updating in one stage: what all coefficients came to, how sure, and which are wrong."""
+"""Updating in one stage: coefficients, their errors and the suspected members."""
 
 import numpy as np
 
@@ -27,9 +27,9 @@ def update_in_one_stage(
     options: OneStageOptions,
     progress: Progress,
 ) -> UpdateResult:
-    """Return the model corrected to the modes, and how it was found."""
-    # A mode of far wrong elements may look like none of the model's at first: its rows count little until
-    # it does, so that any partner will do to begin with.
+    """Return the model corrected to the measured modes, all coefficients at once."""
+    # Any MAC will do for the first pairing: rows of a mode that is paired wrongly have a large misfit and
+    # therefore little weight.
     fit = ModalResiduals(
         Assembly(structure, joint_rotations=True),
         parameterisation,
@@ -38,7 +38,7 @@ def update_in_one_stage(
         regularised=options.underdetermined is Underdetermined.REGULARISED,
     )
     rule = OneStageRule(Prior(options.prior), options.tolerance, options.max_iterations, options.rank_jump)
-    # Draws take much longer than the path to where they begin.
+    # Samples take much longer than the path that leads to them.
     path_fraction = 0.1 if options.samples else 1.0
     stage_path = _with_pairing_check(correct(fit, rule, part(progress, 0.0, path_fraction)), options.min_mac)
     initial, path, final = stage_path.initial, stage_path.iterations, stage_path.iterations.final
@@ -75,12 +75,12 @@ def update_in_one_stage(
 
 
 def _with_pairing_check(stage_path: OneStagePath, min_mac: float) -> OneStagePath:
-    """Return the path, diverged if it lost a mode.
+    """Return the path, as diverged if a measured mode lost its partner.
 
     Raises
     ------
     UnderdeterminedError
-        If a measured mode looks like none of the model, before and after.
+        If a measured mode has no partner, neither at the start nor at the end.
     """
     unpaired = np.flatnonzero(stage_path.iterations.final.mac < min_mac)
     if not unpaired.size:
@@ -108,7 +108,7 @@ def _with_pairing_check(stage_path: OneStagePath, min_mac: float) -> OneStagePat
 def _identifiability(
     fit: ModalResiduals, stage_path: OneStagePath, options: OneStageOptions
 ) -> Identifiability:
-    """Return what the data say without the prior, each block as uncertain as it turned out to be."""
+    """Return the identifiability by the data alone, with the block variances of the posterior."""
     state, posterior = stage_path.iterations.final, stage_path.posterior
     errors = np.sqrt(posterior.block_variances[stage_path.weights.block])
     rows, residual = (linear.T / errors for linear in stage_path.weights.rows(fit, state))
@@ -120,5 +120,5 @@ def _identifiability(
 
 
 def _has_row_errors(fit: ModalResiduals, rank: int) -> bool:
-    """Return whether errors are stated, or more rows than the coefficients meet show how large they are."""
+    """Return whether errors are stated, or can be estimated from more rows than the rank."""
     return fit.target.errors is not None or fit.target.n_rows > rank

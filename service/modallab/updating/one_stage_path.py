@@ -1,4 +1,4 @@
-"""All coefficients corrected at once, from as much prior knowledge as the data call for."""
+"""Gauss-Newton path of an update in one stage, with a sparse Bayesian prior."""
 
 from dataclasses import dataclass
 
@@ -25,37 +25,40 @@ from modallab.updating.weights import Weights
 
 @dataclass(frozen=True)
 class OneStageRule:
-    """What is held likely before, and when the path ends."""
+    """Prior distribution, and when the path ends."""
 
     prior: Prior
-    tolerance: float  # of the largest relative change of a coefficient
+    tolerance: float
+    """Largest change of a log coefficient at convergence."""
     max_iterations: int
-    jump: float  # of singular values, where the rank ends
+    jump: float
+    """Ratio of consecutive singular values that ends the rank."""
 
 
 @dataclass(frozen=True, eq=False)
 class OneStagePath:
-    """How all coefficients went at once, and what was believed of them at the end."""
+    """Iterations of an update in one stage, and the posterior of the coefficients at the end."""
 
     initial: ModelState
+    """Model at nominal coefficients."""
     iterations: IterationPath
-    posterior: Posterior  # of their changes, `relative.log_changes`
+    posterior: Posterior
+    """Of the changes from nominal, `log_coefficients.log_changes`."""
     weights: Weights
 
 
 def correct(model: ModalResiduals, rule: OneStageRule, progress: Progress = silent) -> OneStagePath:
-    """Return the path from no change to where no coefficient moves by the tolerance.
+    """Return the path from nominal coefficients to convergence.
 
-    At every step the measured modes are made linear in the logarithms of the coefficients, and the
-    coefficients most likely after prior and data are walked to, no farther than to twice or half of
-    each. Errors of the straight line count as errors of the data: early, they keep those out that do
-    not need to move, and go away with the steps. A coefficient that would leave its bounds stays there
-    and the others are found again.
+    Each step linearises the measured modes in the logarithms of the coefficients, takes the posterior mean
+    and moves there, with no coefficient more than doubled or halved. Errors of the linearisation count as
+    errors of the data: in early steps they keep the prior strong, and they vanish at convergence. A
+    coefficient that would leave its bounds stays there, and the others follow conditionally.
 
     Raises
     ------
     UnderdeterminedError
-        If no measured number moves with any coefficient.
+        If no measured number depends on any coefficient.
     """
     weights = Weights.of(model.target)
     start = state = model.state(model.parameterisation.nominal)
@@ -91,12 +94,12 @@ def correct(model: ModalResiduals, rule: OneStageRule, progress: Progress = sile
 
 
 def least_squares_step(rows: FloatArray, residual: FloatArray, jump: float) -> ParameterStep:
-    """Return the step that solves rows (n_rows, n_params), in their units already, without any prior."""
+    """Return the least-squares step of weighted rows (n_rows, n_params), without prior."""
     return balanced_step(rows, residual, np.ones(len(residual)), jump=jump)
 
 
 def initial_posterior(parameterisation: Parameterisation, floors: FloatArray, prior: Prior) -> Posterior:
-    """Return what is held likely of changes before the first step.
+    """Return the distribution of changes before the first step: the prior alone.
 
     Parameters
     ----------
@@ -118,14 +121,14 @@ def linearised_posterior(
     prior: Prior,
     prior_variances: FloatArray,
 ) -> Posterior:
-    """Return what data made linear at `values`, and the prior, say of all changes from the start.
+    """Return the posterior of the changes from nominal, with data linearised at `values`.
 
     Parameters
     ----------
     values, prior_variances
-        (n_params,) where the coefficients are, and what the prior's variances are looked for from.
+        (n_params,) coefficients, and initial prior variances.
     linear
-        Derivatives by the coefficients, and what the model misses.
+        Derivatives with respect to the coefficients, and residuals.
     """
     rows = linear.matrix * log_derivatives(parameterisation, values)
     residual = linear.values + rows @ log_changes(parameterisation, values)
@@ -134,13 +137,13 @@ def linearised_posterior(
 
 
 def bounded_mean(parameterisation: Parameterisation, posterior: Posterior) -> FloatArray:
-    """Return the changes most likely within their bounds: those beyond stay there, the others given that."""
+    """Return the conditional posterior mean (n_params,), coefficients outside their bounds fixed there."""
     lower, upper = (log_changes(parameterisation, bound) for bound in parameterisation.bounds)
     mean, at_bound = posterior.mean, np.zeros(len(posterior.mean), bool)
     while (is_outside := ~at_bound & ((mean < lower) | (mean > upper))).any():
         at_bound |= is_outside
         excess = np.clip(posterior.mean, lower, upper)[at_bound] - posterior.mean[at_bound]
-        # least squares: coefficients that only show together have a singular covariance
+        # least squares, as coefficients that are only determined together have a singular covariance
         multipliers = np.linalg.lstsq(posterior.covariance[np.ix_(at_bound, at_bound)], excess, rcond=None)[0]
         mean = posterior.mean + posterior.covariance[:, at_bound] @ multipliers
     return np.asarray(np.clip(mean, lower, upper))
@@ -149,25 +152,26 @@ def bounded_mean(parameterisation: Parameterisation, posterior: Posterior) -> Fl
 def _damped_step(
     model: ModalResiduals, state: ModelState, target_changes: FloatArray, initial_distance: float
 ) -> tuple[ModelState, bool]:
-    """Return the model a step nearer to what is wanted, and whether it is there."""
+    """Return the model after a damped step towards the target, and whether the step was a full one.
+
+    Raises
+    ------
+    DivergedError
+        If no fraction of the step gives a model that pairs with the measured modes.
+    """
     current_changes = log_changes(model.parameterisation, state.values)
-    fraction = min(
-        1.0,
-        ONE_STAGE.max_log_change
-        / max(float(np.abs(target_changes - current_changes).max()), ONE_STAGE.max_log_change),
-    )
+    largest = float(np.abs(target_changes - current_changes).max())
+    fraction = min(1.0, ONE_STAGE.max_log_change / max(largest, ONE_STAGE.max_log_change))
+    max_distance = ITERATION.divergence_factor * max(initial_distance, ITERATION.rounding_difference)
     explanation = "the model moved away from the measurement"
     for _ in range(ONE_STAGE.max_reductions):
-        step_changes = (
-            target_changes
-            if fraction == 1.0
-            else current_changes + fraction * (target_changes - current_changes)
-        )
+        # a full step takes the target itself: its sum would differ by rounding
+        step_changes = current_changes + fraction * (target_changes - current_changes)
+        if fraction == 1.0:
+            step_changes = target_changes
         try:
             next_state = model.state(from_log_changes(model.parameterisation, step_changes))
-            if next_state.distance < ITERATION.divergence_factor * max(
-                initial_distance, ITERATION.rounding_difference
-            ):
+            if next_state.distance < max_distance:
                 return next_state, fraction == 1.0
         except (UnderdeterminedError, np.linalg.LinAlgError) as error:
             explanation = str(error)

@@ -1,4 +1,4 @@
-"""Which correction coefficients may move: of which members, from where, how far."""
+"""Correction coefficients of an update: their macro elements, nominal values and bounds."""
 
 from collections.abc import Iterable, Mapping, Sequence
 from dataclasses import dataclass
@@ -18,9 +18,9 @@ from modallab.updating.settings import COEFFICIENTS
 
 @dataclass(frozen=True)
 class MacroElement:
-    """Members that share one coefficient on one of their parts; a single member is one too.
+    """Members that share one coefficient of one part; a single member is one too.
 
-    Nodes in place of members where the part is what nodes carry.
+    Nodes in place of members for parts of nodes.
     """
 
     members: tuple[int, ...]
@@ -32,15 +32,16 @@ class MacroElement:
 
 @dataclass(frozen=True)
 class Parameterisation:
-    """The coefficients of an update, 1 where nothing is to be corrected, 0 of damping.
+    """Coefficients of an update: nominal 1, for damping 0.
 
-    The bounds are those of coefficients that multiply a matrix; loss factors have `LOSS_FACTORS`.
+    The bounds are those of coefficients that multiply a matrix; loss factors have
+    `COEFFICIENTS.loss_factor_bounds`.
 
     Raises
     ------
     InvalidInputError
-        If there is no macro element, a member's part is in two of them, a coefficient of a matrix and a
-        property would both move it, or the bounds leave out 1.
+        If there is no macro element, a part of a member is in two of them, a matrix depends on its own
+        coefficient and on that of a property, or the bounds exclude 1.
     """
 
     macros: tuple[MacroElement, ...]
@@ -69,33 +70,32 @@ class Parameterisation:
 
     @property
     def parts(self) -> tuple[Part, ...]:
-        """The parts that have a coefficient, in the order they came."""
+        """Parts with a coefficient, in order of first use."""
         return tuple(dict.fromkeys(macro.part for macro in self.macros))
 
     @property
     def damping(self) -> BoolArray:
-        """(n_macros,) True of coefficients that are loss factors."""
+        """(n_macros,) True for coefficients that are loss factors."""
         return np.array([macro.part is Part.DAMPING for macro in self.macros])
 
     @property
     def nominal(self) -> FloatArray:
-        """(n_macros,) coefficients that leave the model as it is."""
+        """(n_macros,) coefficients that leave the model unchanged."""
         return np.array([macro.part.nominal for macro in self.macros])
 
     @property
     def bounds(self) -> tuple[FloatArray, FloatArray]:
-        """(n_macros,) each: lower and upper bound of every coefficient."""
+        """Lower and upper bound of every coefficient, (n_macros,) each."""
         least, most = COEFFICIENTS.loss_factor_bounds
         return np.where(self.damping, least, self.lower), np.where(self.damping, most, self.upper)
 
     def groups(self, structure: Structure) -> FloatArray:
-        """Return (n_macros, n_members): 1 where a member belongs to a macro element, none to one of nodes.
+        """Return the membership matrix (n_macros, n_members): 1 for members of a macro element.
 
         Raises
         ------
         InvalidInputError
-            If the structure has no such member, the member no such property, or the node nothing to
-            multiply.
+            If the structure lacks a member, the member a property, or the node the mass, spring or joint.
         """
         place = {member.number: i for i, member in enumerate(structure.all_members)}
         table = np.zeros((len(self.macros), len(place)))
@@ -119,12 +119,12 @@ def parameterise(
     upper: float = COEFFICIENTS.upper,
     nodal: tuple[MacroElement, ...] = (),
 ) -> Parameterisation:
-    """Return one macro element for every group of members and every part, and what else there is.
+    """Return one macro element for every group of members and every part, followed by those of nodes.
 
     Raises
     ------
     InvalidInputError
-        If a part is unknown, or a group holds nothing or the same member twice.
+        If a part is unknown, or a group is empty or has the same member twice.
     """
     element_parts = [part for part in Part if not part.is_nodal]
     for part in parts:
@@ -142,12 +142,12 @@ def parameterise(
 def at_nodes(
     structure: Structure, groups_by_part: Mapping[str, Iterable[Sequence[int]] | None]
 ) -> tuple[MacroElement, ...]:
-    """Return macro elements of what nodes carry, by part: groups of nodes, or None for each node by itself.
+    """Return macro elements of nodes by part: groups of nodes, or None for each node by itself.
 
     Raises
     ------
     InvalidInputError
-        If nodes carry no such thing.
+        If no node has the part.
     """
     nodal_parts = {part.value: part for part in Part if part.is_nodal}
     macros = []
@@ -170,7 +170,7 @@ def at_nodes(
 
 
 def check_no_loss_factors(parameterisation: Parameterisation) -> None:
-    """Raise `InvalidInputError` if real modes are to say what a loss factor is."""
+    """Raise `InvalidInputError` if loss factors are to be found from real modes."""
     if parameterisation.damping.any():
         raise InvalidInputError(
             "a method of real modes finds no damping",
@@ -183,10 +183,10 @@ def check_no_loss_factors(parameterisation: Parameterisation) -> None:
 def member_coefficients(
     parameterisation: Parameterisation, groups: FloatArray, values: FloatArray, base: Coefficients
 ) -> Coefficients:
-    """Return what multiplies each member's parts: the structure's own factors times the coefficients.
+    """Return the factors of each member's matrices: the structure's own times the coefficients.
 
-    Loss factors are added to the structure's own. Sizes, as area or thickness, multiply nothing here: the
-    matrices themselves follow them.
+    Loss factors are added to the structure's own. Sizes, such as area or thickness, are no factors: the
+    matrices themselves depend on them.
 
     Parameters
     ----------
@@ -195,7 +195,7 @@ def member_coefficients(
     values
         (n_macros,) coefficients.
     base
-        What the structure's members carry.
+        Factors of the structure's members.
     """
     factors = {name: np.ones(groups.shape[1]) for name in ("mass", "axial", "bending")}
     added = np.zeros(groups.shape[1])
@@ -220,9 +220,9 @@ def by_member(
     parts: Iterable[Part],
     members: Iterable[int] = (),
 ) -> dict[str, dict[int, float]]:
-    """Return values (n_macros,) by part and member number; no change for the other `members` named.
+    """Return values (n_macros,) by part and member number, nominal for the other `members`.
 
-    What nodes carry is by their numbers.
+    Parts of nodes are by node number.
     """
     numbers = tuple(members)
     table = {part.value: dict.fromkeys(() if part.is_nodal else numbers, part.nominal) for part in parts}

@@ -1,4 +1,4 @@
-"""What of an element a coefficient multiplies, and which of them go together."""
+"""Parts of an element that a coefficient multiplies, and which of them exclude one another."""
 
 from enum import StrEnum
 
@@ -7,21 +7,22 @@ from modallab.fe.section_size import SectionSize
 
 
 class Part(StrEnum):
-    """What a coefficient multiplies: a matrix of an element, or a property that its matrices follow.
+    """Matrix of an element, or property that its matrices depend on, that a coefficient multiplies.
 
-    Of damping, the loss factor added to an element's own; of nodes, what these carry beside their elements.
+    A coefficient of damping is a loss factor added to that of the element; one of a node multiplies a mass,
+    spring or joint there.
     """
 
     MASS = "mass"
     STIFFNESS = "stiffness"  # axial and bending together
     AXIAL = "axial"
     BENDING = "bending"
-    DAMPING = "damping"  # eta of D_e = eta K_e, beside what the element has: 0 = no change
+    DAMPING = "damping"  # eta of D_e = eta K_e, added to that of the element: 0 = no change
     DENSITY = "density"
     MODULUS = "modulus"
     AREA = "area"  # of a bar: mass and axial stiffness
     SECOND_MOMENT = "second_moment"  # of a bar: bending stiffness
-    THICKNESS = "thickness"  # of a plate: mass and membrane by t, bending and turning normals by t^3
+    THICKNESS = "thickness"  # of a plate: mass and membrane stiffness by t, bending and rotary inertia by t^3
 
     POINT_MASS = "point_mass"  # of a node
     GROUND_SPRING_X = "ground_spring_x"  # between a node and the ground, in one direction
@@ -35,38 +36,38 @@ class Part(StrEnum):
 
     @property
     def label(self) -> str:
-        """Its name as words."""
+        """Name in words."""
         return f"ground spring {self.spring}" if self.spring else self.value.replace("_", " ")
 
     @property
     def is_nodal(self) -> bool:
-        """True of what nodes carry, False of what belongs to members."""
+        """True for parts of nodes, False for parts of members."""
         return self in (Part.POINT_MASS, Part.JOINT_STIFFNESS) or self.spring is not None
 
     @property
     def spring(self) -> str | None:
-        """Direction of the spring to ground that it is, None of all else."""
+        """Direction of a ground spring, None for other parts."""
         prefix, _, direction = self.value.rpartition("_")
         return direction.upper() if prefix == "ground_spring" else None
 
     @property
     def is_property(self) -> bool:
-        """True of a property of the member, False of what multiplies or joins its matrices."""
+        """True for a property of the member, False for a factor of its matrices and for parts of nodes."""
         return self in (Part.DENSITY, Part.MODULUS) or self.section_size is not None
 
     @property
     def section_size(self) -> SectionSize | None:
-        """The size of the member that it is, None of what leaves section and thickness as they are."""
+        """Size of the section, None for parts that are no size."""
         return SectionSize(self.value) if self.value in tuple(SectionSize) else None
 
     @property
     def matrices(self) -> tuple[str, ...]:
-        """Matrices of an element that move with it."""
+        """Matrices of an element that depend on the part."""
         return _MATRICES_BY_PART.get(self, (self.value,))
 
     @property
     def nominal(self) -> float:
-        """Coefficient that leaves the model as it is."""
+        """Coefficient that leaves the model unchanged."""
         return 0.0 if self is Part.DAMPING else 1.0
 
 
@@ -83,7 +84,7 @@ _MATRICES_BY_PART = {
 def check_part_overlap(number: int, part: Part, other_part: Part) -> None:
     """Raise `InvalidInputError` if a member cannot have coefficients of both parts.
 
-    Properties may share a matrix: which of them is wrong, other matrices or nothing may tell.
+    Two properties may share a matrix: other matrices, or identifiability, tell them apart.
     """
     common_matrix = next((matrix for matrix in part.matrices if matrix in other_part.matrices), None)
     if common_matrix is None or (part is not other_part and part.is_property and other_part.is_property):

@@ -1,4 +1,4 @@
-"""How members are divided into macro elements: by runs, by what they are made of, or by how they connect."""
+"""Division of members into macro elements: by runs, by property, or by connectivity."""
 
 from collections.abc import Iterable, Sequence
 
@@ -17,13 +17,13 @@ Groups = tuple[tuple[int, ...], ...]
 
 
 def automatic_groups(structure: Structure) -> Groups:
-    """Return macro elements for a structure that nobody has divided.
+    """Return the default macro elements of a structure.
 
-    Members that a model has under one name are one. Others that follow one another, bars in a straight
-    line, of one section and material and with nothing else at the nodes between them, or plates side by
-    side, are one run; a run is cut into the fewest pieces of at most four members, as equal as they can
-    be. Seven make 4 + 3, as the thesis divides its bars. Where these would be more than 60, connected
-    parts as of `partitioned` take their place.
+    Members of a named group are one macro element. Others that follow one another (bars in a straight line,
+    of one section and material and with nothing else at the nodes between them, or plates side by side)
+    form one run; a run is divided into the fewest pieces of at most four members, as equal as possible.
+    Seven make 4 + 3, as the thesis divides its bars. Where these would be more than 60, connected parts as of
+    `partitioned` take their place.
     """
     named_members, runs = tuple(structure.groups.values()), _runs(structure)
     if len(runs) > PARTITION.max_runs:
@@ -32,8 +32,10 @@ def automatic_groups(structure: Structure) -> Groups:
 
 
 def property_groups(structure: Structure) -> Groups:
-    """Return macro elements by what members are: one a name of a group, and of others one a section or
-    thickness with its material."""
+    """Return macro elements by property.
+
+    One for each named group, and for other members one for each section or thickness with its material.
+    """
     numbers_by_property: dict[object, list[int]] = {}
     for member in structure.all_members:
         numbers_by_property.setdefault(member.group or _property_key(member), []).append(member.number)
@@ -41,9 +43,9 @@ def property_groups(structure: Structure) -> Groups:
 
 
 def partitioned(structure: Structure, count: int | None = None) -> Groups:
-    """Return macro elements that are connected parts of the structure, of about as many members each.
+    """Return macro elements that are connected parts of the structure, of nearly equal numbers of members.
 
-    They are cut where few members meet, and rather where section, thickness or material change.
+    They are cut where few members meet, preferably where section, thickness or material change.
 
     Parameters
     ----------
@@ -53,7 +55,7 @@ def partitioned(structure: Structure, count: int | None = None) -> Groups:
     Raises
     ------
     InvalidInputError
-        If there are fewer members.
+        If there are fewer members than macro elements.
     """
     members = structure.all_members
     if count is None:
@@ -69,7 +71,7 @@ def partitioned(structure: Structure, count: int | None = None) -> Groups:
 
 
 def named_groups(structure: Structure, groups: Iterable[str | Sequence[int]]) -> list[Sequence[int]]:
-    """Return groups of members by number, some of which were chosen by their names in the structure.
+    """Return groups by member numbers, some of which are given by their names in the structure.
 
     Raises
     ------
@@ -96,9 +98,9 @@ def _connected_parts(members: Sequence[AnyMember], count: int) -> Groups:
 
 
 def _member_graph(members: Sequence[AnyMember]) -> csr_array:
-    """Return the weights (n, n) that join members: the square of how many nodes they share.
+    """Return the weights (n, n) of the graph of members: squared number of common nodes.
 
-    So plates along a side hold together more than those that meet at a corner.
+    Plates along a side are joined more strongly than those that meet at a corner.
     """
     ends = [(i, node) for i, member in enumerate(members) for node in member.nodes]
     row, node = np.array(ends).T
@@ -127,7 +129,7 @@ def _property_key(member: AnyMember) -> object:
 
 
 def _runs(structure: Structure) -> Groups:
-    """Return members without a name in runs of at most four."""
+    """Return unnamed members in runs of at most four."""
     at_node: dict[int, int] = {}
     for member in structure.all_members:
         for node in member.nodes:

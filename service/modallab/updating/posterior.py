@@ -1,4 +1,4 @@
-"""A sample of what data and prior say of coefficients together."""
+"""Samples of a posterior distribution of coefficients."""
 
 from dataclasses import dataclass
 
@@ -11,16 +11,20 @@ from modallab.updating.settings import ENSEMBLE
 
 @dataclass(frozen=True, eq=False)
 class PosteriorSample:
-    """Draws of the coefficients that the prior leaves free, and how far they depend on one another."""
+    """Draws from the posterior of the free coefficients, with their autocorrelation."""
 
-    macros: tuple[MacroElement, ...]  # (n_free,)
-    draws: FloatArray  # (n_draws, n_free) coefficients
-    log_density: FloatArray  # (n_draws,) of the posterior of their changes, up to a constant
-    acceptance: float  # share of steps that were taken
-    autocorrelation_time: (
-        FloatArray  # (n_free,) draws of a chain that count as one, integrated autocorrelation
-    )
+    macros: tuple[MacroElement, ...]
+    """(n_free,) macro element of each free coefficient."""
+    draws: FloatArray
+    """Coefficients (n_draws, n_free)."""
+    log_density: FloatArray
+    """Log posterior density of the log changes (n_draws,), up to a constant."""
+    acceptance: float
+    """Accepted over proposed moves."""
+    autocorrelation_time: FloatArray
+    """draws, integrated autocorrelation time of each coefficient (n_free,)."""
     n_chains: int
+    """chains, chains of the ensemble."""
 
     def __post_init__(self) -> None:
         n = len(self.macros)
@@ -30,12 +34,12 @@ class PosteriorSample:
 
     @property
     def effective(self) -> FloatArray:
-        """(n_free,) how many independent draws these are worth."""
+        """(n_free,) effective sample size: draws over autocorrelation time."""
         return np.asarray(len(self.draws) / np.maximum(self.autocorrelation_time, 1.0))
 
     @property
     def intervals(self) -> FloatArray:
-        """(n_free, 2) between which 95 % of the draws lie."""
+        """(n_free, 2) lower and upper end of the central 95 % of the draws."""
         return np.asarray(
             np.quantile(self.draws, (ENSEMBLE.interval_tail, 1 - ENSEMBLE.interval_tail), axis=0).T
         )

@@ -1,4 +1,4 @@
-"""Coefficients of properties in the unit of the property: what it was, and what it came to."""
+"""Corrected properties in their own units, before and after an update."""
 
 from dataclasses import dataclass
 
@@ -30,14 +30,20 @@ UNITS = {
 
 @dataclass(frozen=True)
 class Quantity:
-    """A property of some members, or what some nodes carry, before and after an update."""
+    """Property of members, or value of nodes, before and after an update."""
 
     part: Part
+    """Corrected part."""
     members: tuple[int, ...]
+    """Members, or nodes for parts of nodes."""
     unit: str
+    """SI unit of the values."""
     before: float
+    """Value of the model."""
     after: float
-    interval: tuple[float, float] | None  # that holds it with 95 %, by the data alone
+    """Updated value."""
+    interval: tuple[float, float] | None
+    """95 % confidence interval by the data alone; None without an error estimate."""
 
 
 def quantities(
@@ -46,16 +52,16 @@ def quantities(
     values: FloatArray,
     identifiability: Identifiability | None = None,
 ) -> tuple[Quantity, ...]:
-    """Return what the coefficients of properties make of these; those that members do not share are left out.
+    """Return the corrected properties in their units, without those that members do not share.
 
     Parameters
     ----------
     structure
-        The model before.
+        Model before the update.
     values
         (n_params,) coefficients.
     identifiability
-        What the data say of them, if that is known.
+        Confidence intervals, None if unknown.
     """
     converted = []
     for i, macro in enumerate(parameterisation.macros):
@@ -74,7 +80,7 @@ def quantities(
 
 
 def _common_value(structure: Structure, members: tuple[int, ...], part: Part) -> float | None:
-    """Return the value that all members have, None if there is none."""
+    """Return the value that all members have, None if they differ."""
     values: list[float | None]
     if part.is_nodal:
         values_by_node = nodal_values(structure, part)
@@ -90,7 +96,7 @@ def _common_value(structure: Structure, members: tuple[int, ...], part: Part) ->
 
 
 def _property_value(member: AnyMember, part: Part) -> float | None:
-    """Return a member's property with the factors that it carries; None of one given by its matrices."""
+    """Return a member's property with its factors, None for a member given by matrices."""
     if part.section_size is not None:
         return size(member, part.section_size)
     if isinstance(member, MatrixElement):

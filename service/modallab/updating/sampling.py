@@ -1,4 +1,4 @@
-"""What data and prior say of coefficients, without a straight line between: a sample of the posterior."""
+"""Samples of the posterior of coefficients by an ensemble of Markov chains."""
 
 from collections.abc import Callable
 from typing import Any
@@ -24,7 +24,7 @@ def require_sampler() -> Any:
         If it is not installed.
     """
     try:
-        import emcee  # an extra: nothing else of the product needs it
+        import emcee  # an optional dependency, only needed here
     except ImportError:
         raise MissingExtraError(
             "samples of a posterior need the extra `mcmc`",
@@ -38,10 +38,10 @@ def require_sampler() -> Any:
 def sample(
     fit: ModalResiduals, stage_path: OneStagePath, n_draws: int, seed: int, progress: Progress = silent
 ) -> PosteriorSample:
-    """Return draws from the posterior of an update's coefficients by the model itself, not made linear.
+    """Return draws from the posterior of coefficients, by the nonlinear model itself.
 
-    Prior widths and errors of the data are those of most evidence that the update ended with; coefficients
-    that its prior left out stay at no change. An ensemble of chains starts from the linearised posterior and
+    Prior and block variances stay at the values of maximum evidence at which the update ended; coefficients
+    that its prior eliminated stay at nominal. An ensemble of chains starts from the linearised posterior and
     moves by differences of its own members: Foreman-Mackey et al. (2013), PASP 125, 306-312; ter Braak and
     Vrugt (2008), Statistics and Computing 18, 435-446.
 
@@ -50,7 +50,7 @@ def sample(
     n_draws
         At least so many are kept, of all chains together.
     seed
-        Of the draws: the same seed, the same sample.
+        Of the random numbers: the same seed gives the same sample.
 
     Raises
     ------
@@ -96,7 +96,7 @@ def sample(
 
 
 def _coefficients(fit: ModalResiduals, free: IntArray, free_changes: FloatArray) -> FloatArray:
-    """Return coefficients (n_params,) from the changes (n_free,) of those that are free."""
+    """Return all coefficients (n_params,) for given log changes of the free ones (n_free,)."""
     all_changes = np.zeros(len(fit.parameterisation.macros))
     all_changes[free] = free_changes
     return from_log_changes(fit.parameterisation, all_changes)
@@ -110,9 +110,9 @@ def _change_bounds(fit: ModalResiduals, free: IntArray) -> tuple[FloatArray, Flo
 def _log_posterior(
     fit: ModalResiduals, stage_path: OneStagePath, free: IntArray
 ) -> Callable[[FloatArray], float]:
-    """Return the logarithm of the posterior of changes (n_free,), up to a constant."""
+    """Return a function: log posterior density of changes (n_free,), up to a constant."""
     posterior, weights, final = stage_path.posterior, stage_path.weights, stage_path.iterations.final
-    # Errors are those of the data: what the model's own eigenvalues balance them by stays where it ended.
+    # Errors are those of the data: the eigenvalues that balance the rows stay at their final values.
     unit = final.size * weights.units * np.sqrt(posterior.block_variances[weights.block])
     prior_variances = posterior.prior_variances[free]
     lower, upper = _change_bounds(fit, free)
@@ -133,7 +133,7 @@ def _log_posterior(
 def _initial_chains(
     fit: ModalResiduals, stage_path: OneStagePath, free: IntArray, n_chains: int, rng: np.random.Generator
 ) -> FloatArray:
-    """Return where chains begin, (n_chains, n_free): draws of the linearised posterior within the bounds."""
+    """Return initial points (n_chains, n_free): draws of the linearised posterior within the bounds."""
     posterior, final = stage_path.posterior, stage_path.iterations.final
     values, eigenvectors = np.linalg.eigh(posterior.covariance[np.ix_(free, free)])
     deviations = (
@@ -141,16 +141,16 @@ def _initial_chains(
     )
     points = posterior.mean[free] + deviations
     lower, upper = _change_bounds(fit, free)
-    # Chains that begin at one place of a bound could not move by their differences.
+    # Chains that start at the same point of a bound have no differences to move by.
     final_changes = log_changes(fit.parameterisation, final.values)[free]
     inner_points = final_changes + (np.clip(points, lower, upper) - final_changes) * rng.random(points.shape)
     return np.asarray(np.where((points < lower) | (points > upper), inner_points, points))
 
 
 def _autocorrelation_time(chains: FloatArray, times: Any) -> FloatArray:
-    """Return draws that count as one, (n_free,), of chains (n_steps, n_chains, n_free).
+    """Return integrated autocorrelation times (n_free,) of chains (n_steps, n_chains, n_free).
 
-    Of chains some of which never moved it is not known: then each counts as one draw.
+    Where a chain never moved, the time is unknown and each chain counts as one draw.
     """
     with np.errstate(invalid="ignore", divide="ignore"):
         autocorrelation_times = np.asarray(times(chains, tol=0))

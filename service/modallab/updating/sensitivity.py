@@ -16,43 +16,49 @@ from modallab.updating.truncation import HigherModes, higher_modes_at, truncatio
 
 @dataclass(frozen=True, eq=False)
 class Derivatives:
-    """How modes move with the coefficients; complex where the modes or the coefficients are of damping."""
+    """Derivatives of modes; complex where modes or coefficients are damped."""
 
-    eigenvalues: FloatArray | ComplexArray  # (n_modes, n_params) rad^2/s^2
-    shapes: FloatArray | ComplexArray  # (n_dof, n_modes, n_params) 1/sqrt(kg), at the sensors
-    # (n_modes,) by which shapes may be off, as a share of what modes above the basis can add: their static
-    # flexibility G at a sensor s and under the load f of a coefficient, sqrt(s^T G s f^T G f)
+    eigenvalues: FloatArray | ComplexArray
+    """rad^2/s^2, (n_modes, n_params)."""
+    shapes: FloatArray | ComplexArray
+    """1/sqrt(kg); at the sensors (n_dof, n_modes, n_params)."""
     truncation_bound: FloatArray
+    """(n_modes,) error bound of shapes, over the static contribution of higher modes: with their static
+    flexibility G at a sensor s and under the load f of a coefficient, sqrt(s^T G s f^T G f).
+    """
 
 
 @dataclass(frozen=True, eq=False)
 class SubspaceDerivatives:
-    """How modes move together, in a basis of theirs that does not turn in itself.
+    """Derivatives of modes as one subspace, in a basis that does not rotate within it.
 
-    K Phi = M Phi Lambda with a full Lambda: smooth where eigenvalues meet and single modes are not.
+    K Phi = M Phi Lambda with a full Lambda is smooth where eigenvalues coincide, single modes are not.
     """
 
-    eigenvalues: FloatArray | ComplexArray  # (n_modes, n_modes, n_params) of Lambda, rad^2/s^2, symmetric
-    shapes: FloatArray | ComplexArray  # (n_dof, n_modes, n_params) 1/sqrt(kg), at the sensors
-    truncation_bound: FloatArray  # (n_modes,) as of `Derivatives`
+    eigenvalues: FloatArray | ComplexArray
+    """rad^2/s^2, of Lambda (n_modes, n_modes, n_params), symmetric."""
+    shapes: FloatArray | ComplexArray
+    """1/sqrt(kg); at the sensors (n_dof, n_modes, n_params)."""
+    truncation_bound: FloatArray
+    """(n_modes,) as in `Derivatives`."""
 
 
 @dataclass(frozen=True, eq=False)
 class PartMatrices:
-    """Element matrices of one part, coefficient by coefficient.
+    """Element matrices of one part, grouped by coefficient.
 
-    Coefficients multiply matrices, so these are the derivatives of M and K wherever the
-    coefficients stand; with damping, of M and K + iD at the coefficients they were made for. Those of
-    properties, as a thickness, are derivatives there too: of the mass, under the part `MASS`, and of the
-    stiffness. A coefficient that moves both is in two.
+    Coefficients multiply matrices, so that these are the derivatives of M and K at any coefficients; with
+    damping, of M and K + iD at the given coefficients. Matrices of properties, such as a thickness, are
+    derivatives at the given coefficients: of the mass, under the part `MASS`, and of the stiffness. A
+    coefficient that changes both is in two.
     """
 
-    part: Part  # whose matrices these are; mass or some of the stiffness
+    part: Part  # mass, or a part of the stiffness
     matrices: FloatArray | ComplexArray  # (n_used, 6, 6) kg or N/m
-    rows: IntArray  # (n_used, 6) place in the system, -1 where a DoF is held
-    starts: IntArray  # (n_own + 1,) where the elements of each coefficient begin, and where the last end
-    params: IntArray  # (n_own,) place of those coefficients among all
-    lossless: bool = False  # what nodes carry: no law of damping acts on it
+    rows: IntArray  # (n_used, 6) index in the system, -1 for a supported DoF
+    starts: IntArray  # (n_own + 1,) offsets of the elements of each coefficient
+    params: IntArray  # (n_own,) index of these coefficients among all
+    lossless: bool = False  # nodal masses and springs: no damping law acts on them
 
     def between(
         self, left_vectors: FloatArray | ComplexArray, right_vectors: FloatArray | ComplexArray
@@ -62,7 +68,7 @@ class PartMatrices:
         local_left = _local(self.rows, left_vectors)
         if len(self.params) == len(self.rows):
             return local_left.swapaxes(1, 2) @ loads
-        # Elements of a coefficient one below the other: a product of matrices adds them up as well.
+        # stacked elements of a coefficient: the matrix product also adds them up
         k, m = left_vectors.shape[1], right_vectors.shape[1]
         kind = complex if np.iscomplexobj(local_left) or np.iscomplexobj(loads) else float
         out: FloatArray | ComplexArray = np.empty((len(self.params), k, m), kind)
@@ -77,17 +83,17 @@ def part_matrices(
     parameterisation: Parameterisation,
     damped: Coefficients | None = None,
 ) -> tuple[PartMatrices, ...]:
-    """Return the element matrices behind each part, those that no coefficient moves left out.
+    """Return the element matrices of each part, without elements that have no coefficient.
 
-    Those of properties are in `property_matrices`.
+    Matrices of properties come from `CorrectedModel.parts`.
 
     Parameters
     ----------
     base
-        What the structure's members carry.
+        Factors of the structure's members.
     damped
-        Where a damped model stands: its stiffness has 1 + i eta as a factor, and its loss factors
-        the stiffness corrected so far. 1992 thesis, eq. [6.1], [6.16].
+        Coefficients of a damped model: its stiffness has the factor 1 + i eta, and its loss factors multiply
+        the corrected stiffness. 1992 thesis, eq. [6.1], [6.16].
     """
     axial_factor: FloatArray | ComplexArray = base.axial
     bending_factor: FloatArray | ComplexArray = base.bending
@@ -121,7 +127,7 @@ def part_matrices(
 def elements_of_part(
     parameterisation: Parameterisation, part: Part, groups: FloatArray
 ) -> tuple[IntArray, IntArray, IntArray]:
-    """Return places of the members of a part's coefficients, where each one's begin, and which these are.
+    """Return indices of the members of a part's coefficients, their offsets and their coefficients.
 
     Parameters
     ----------
@@ -144,16 +150,15 @@ def derivatives(
     planes: Sequence[IntArray] = (),
     rotation: FloatArray | None = None,
 ) -> Derivatives:
-    """Return the derivatives of modes, all elements in one contraction.
+    """Return the derivatives of modes with respect to all coefficients in one contraction.
 
-    d lambda_r = phi_r^T (dK - lambda_r dM) phi_r; d phi_r is the sum over all modes, rigid-body
-    modes among them, of phi_s phi_s^T (dK - lambda_r dM) phi_r / (lambda_r - lambda_s), and
-    -1/2 phi_r^T dM phi_r of itself. What modes above the basis add is found at the sensors: a solve or
-    a few for each of these, however many coefficients there are. The same holds of hysteretically
-    damped modes, with K + iD for K and the plain transpose. Modes at one frequency are taken as a basis
-    of theirs that does not turn in itself: see `subspace_derivatives`.
-    1992 thesis, eq. [3.13], [3.17], [6.14] to [6.16], [A.4], [A.8], [A.10]; Fox and Kapoor (1968);
-    Lim (1987).
+    d lambda_r = phi_r^T (dK - lambda_r dM) phi_r; d phi_r is the sum over all modes, rigid-body modes
+    included, of phi_s phi_s^T (dK - lambda_r dM) phi_r / (lambda_r - lambda_s), and -1/2 phi_r^T dM phi_r of
+    itself. Modes above the basis are added at the sensors by one or a few solves for each of these,
+    independent of the number of coefficients. Hysteretically damped modes take K + iD for K and the plain
+    transpose. Repeated modes are taken as a subspace: see `subspace_derivatives`.
+    1992 thesis, eq. [3.13], [3.17], [6.14] to [6.16], [A.4], [A.8], [A.10]; Fox and Kapoor (1968); Lim
+    (1987).
 
     Parameters
     ----------
@@ -162,20 +167,20 @@ def derivatives(
     modes
         (n_modes,) columns of the basis to differentiate.
     sensors
-        (n, n_dof) columns that pick the DoFs where shapes are wanted.
+        (n, n_dof) columns that select the measured DoFs.
     mass_loss
-        a of D = a M + ..., rad^2/s^2: damping that moves with the mass.
+        a of D = a M + ..., rad^2/s^2: damping proportional to mass.
     higher_modes
-        How modes above the basis count.
+        Treatment of modes above the basis.
     planes, rotation
-        Modes, by place among `modes`, that are looked at as one subspace, in the basis that the orthogonal
-        `rotation` (n_modes, n_modes) makes of them: none turns towards another, and of Lambda in that basis,
-        turn^T Lambda turn, the diagonal counts.
+        Groups of indices into `modes` that form one subspace each, and the orthogonal rotation R
+        (n_modes, n_modes) to the basis in use: modes of a group do not rotate towards one another, and
+        eigenvalues are the diagonal of R^T Lambda R.
 
     Raises
     ------
     InvalidInputError
-        If they are to count exactly in a basis of damped modes.
+        If higher modes of a damped basis are to be treated exactly.
     """
     squares = basis.eigenvalues
     eigenvalues = squares[modes]
@@ -201,12 +206,12 @@ def subspace_derivatives(
     *,
     higher_modes: HigherModes = HigherModes.STATIC,
 ) -> SubspaceDerivatives:
-    """Return the derivatives of modes that are the same or nearly so in frequency, as one subspace.
+    """Return the derivatives of equal or close modes, as one subspace.
 
-    What the modes outside add is as in `derivatives`; inside, Phi^T M dPhi = -1/2 Phi^T dM Phi, and
-    dLambda = Phi^T dK Phi - 1/2 (Phi^T dM Phi Lambda + Lambda Phi^T dM Phi). Where the modes are at one
-    frequency the eigenvalues of dLambda are the derivatives of theirs, along any one change of the
-    coefficients. Mills-Curran (1988), AIAA Journal 26, 867-871.
+    Modes outside contribute as in `derivatives`; inside, Phi^T M dPhi = -1/2 Phi^T dM Phi, and dLambda =
+    Phi^T dK Phi - 1/2 (Phi^T dM Phi Lambda + Lambda Phi^T dM Phi). Where the modes are repeated, the
+    eigenvalues of dLambda are the derivatives of theirs, along any one change of the coefficients.
+    Mills-Curran (1988), AIAA Journal 26, 867-871.
 
     Parameters
     ----------
@@ -229,7 +234,7 @@ def _subspace_derivatives(
     mass_loss: float,
     higher_modes: HigherModes,
 ) -> SubspaceDerivatives:
-    """Return derivatives of modes that do not turn towards those `is_same_subspace`, (m, n_modes) True."""
+    """Return derivatives of modes without rotation within the subspaces of the mask (m, n_modes)."""
     damped = bool(basis.eigenvalues.imag.any())
     squares = basis.eigenvalues if damped else basis.eigenvalues.real
     eigenvalues = squares[modes]
@@ -271,13 +276,13 @@ def _subspace_derivatives(
 def _scale(
     part: PartMatrices, squares: FloatArray | ComplexArray, mass_loss: float
 ) -> FloatArray | ComplexArray:
-    """Return by what a part's matrices stand in dK - lambda dM, of damped modes with what mass loses."""
+    """Return the factor of a part's matrices in dK - lambda dM, with mass-proportional damping (n_modes,)."""
     if part.part is not Part.MASS:
         return np.ones(len(squares))
     return -squares if part.lossless or not mass_loss else np.asarray(1j * mass_loss - squares)
 
 
 def _local(rows: IntArray, columns: FloatArray | ComplexArray) -> FloatArray | ComplexArray:
-    """Return columns (n, k) at the DoFs of each element, (n_used, w, k), 0 where they are held."""
+    """Return columns (n, k) at the DoFs of each element, (n_used, w, k), 0 for supported DoFs."""
     zero_row = np.zeros((1, columns.shape[1]), columns.dtype)
     return np.asarray(np.concatenate([columns, zero_row])[rows])

@@ -1,4 +1,4 @@
-"""What prior and data together say of coefficients: how sure each is, and which are wrong."""
+"""Standard errors of coefficients, and those that differ significantly from their nominal value."""
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from modallab.updating.sparse_bayes import Posterior
 def standard_errors(
     parameterisation: Parameterisation, values: FloatArray, posterior: Posterior
 ) -> dict[str, dict[int, float]]:
-    """Return those of the coefficients (n_params,) that the prior left free to move, by part and member."""
+    """Return standard errors of the active coefficients (n_params,), by part and member."""
     active = np.flatnonzero(posterior.is_active)
     if not active.size:
         return {}
@@ -26,7 +26,7 @@ def standard_errors(
 def suspected(
     parameterisation: Parameterisation, values: FloatArray, posterior: Posterior
 ) -> dict[str, tuple[int, ...]]:
-    """Return members by part whose coefficients (n_params,) moved noticeably, and by more than chance."""
+    """Return suspected members by part: coefficients (n_params,) noticeably and significantly off nominal."""
     distance = np.abs(values - parameterisation.nominal)
     is_noticeable: BoolArray = distance > np.where(
         parameterisation.damping, LOCATION.noticeable_loss_factor, LOCATION.noticeable_change

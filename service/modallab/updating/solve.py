@@ -1,4 +1,4 @@
-"""One correction of the parameters, and how well the measurement determines it."""
+"""Least-squares step of the coefficients by singular value decomposition, within bounds."""
 
 from dataclasses import dataclass, replace
 
@@ -11,17 +11,17 @@ from modallab.updating.settings import ITERATION
 
 @dataclass(frozen=True, eq=False)
 class ParameterStep:
-    """One correction of the parameters, and how well determined it was."""
+    """One step of the coefficients, with rank and conditioning of its equations."""
 
     parameters: FloatArray  # (n_params,)
     singular_values: FloatArray  # (min(n_rows, n_params),) of the balanced matrix, falling
     rank: int
-    inverse: FloatArray  # (n_params, n_rows): maps balanced differences to parameters
-    fraction: float = 1.0  # of the step that solves the equations, shortened to keep within bounds
+    inverse: FloatArray  # (n_params, n_rows) pseudo-inverse of the balanced matrix
+    fraction: float = 1.0  # of the full step, below 1 where bounds shorten it
 
     @property
     def condition_number(self) -> float:
-        """Largest over smallest singular value that counts; 1 where nothing was solved for."""
+        """Largest over smallest singular value within the rank; 1 at rank zero."""
         if self.rank == 0:
             return 1.0
         return float(self.singular_values[0] / self.singular_values[self.rank - 1])
@@ -30,11 +30,11 @@ class ParameterStep:
 def balanced_step(
     sensitivity: FloatArray, difference: FloatArray, size: FloatArray, *, jump: float = ITERATION.rank_jump
 ) -> ParameterStep:
-    """Return the dp that solves S dp = delta by SVD, each row divided by its own `size` first.
+    """Return the least-squares step dp of S dp = delta by SVD, with each row divided by its `size`.
 
-    The rank ends where one singular value is `jump` times the next, or where rounding begins: what
-    lies beyond, the measurement does not show. Every value before that is used: cutting off small
-    ones of an element stage, of condition 340 to 400, settles on a wrong point.
+    The rank ends where one singular value is `jump` times the next, or at rounding: directions beyond it are
+    not determined by the measurement. All values before that are used: cutting off small ones of an element
+    stage, of condition 340 to 400, converges to a wrong point.
 
     Parameters
     ----------
@@ -64,17 +64,17 @@ def bounded_step(
     max_step: float,
     jump: float = ITERATION.rank_jump,
 ) -> ParameterStep:
-    """Return the step that solves S dp = delta with no parameter leaving its bounds or going far.
+    """Return the step of S dp = delta with every parameter within its bounds and `max_step`.
 
-    A parameter that sits on a bound and would leave it is held there and the others solved for
-    again; then the whole step is shortened until the largest change is `max_step` and every
-    parameter within its bounds. Clipping single components instead turns the step away from the
-    solution, and can diverge.
+    A parameter at a bound with a step outwards is fixed there, and the others are solved for again (active
+    set). Then the whole step is shortened until the largest change is `max_step` and every parameter is
+    within its bounds. Clipping single components instead would turn the step away from the solution, and can
+    diverge.
 
     Parameters
     ----------
     values
-        (n_params,) where the parameters are.
+        (n_params,) parameters.
     bounds
         Lower and upper bound, of each parameter (n_params,) or of all alike.
     """
@@ -82,7 +82,7 @@ def bounded_step(
     free = np.ones(len(values), bool)
     while True:
         step = balanced_step(sensitivity * free, difference, size, jump=jump)
-        correction = step.parameters * free  # a held one would move by a rounding error
+        correction = step.parameters * free  # a fixed one would move by rounding
         low, high = at_bounds(values, bounds)
         is_outward = (low & (correction < 0)) | (high & (correction > 0))
         is_leaving = free & is_outward
@@ -99,7 +99,7 @@ def bounded_step(
 def at_bounds(
     values: FloatArray, bounds: tuple[FloatArray | float, FloatArray | float]
 ) -> tuple[BoolArray, BoolArray]:
-    """Return which parameters sit on their lower and which on their upper bound, (n_params,) each."""
+    """Return masks of parameters at their lower and at their upper bound, (n_params,) each."""
     lower, upper = bounds
     return values <= lower + COMPARISON_ROUNDING * np.abs(
         lower

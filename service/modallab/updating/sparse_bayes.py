@@ -1,4 +1,4 @@
-"""Linear equations solved with as much prior knowledge as the data themselves call for."""
+"""Sparse Bayesian least squares: linear equations with prior variances of maximum evidence."""
 
 from dataclasses import dataclass
 from enum import StrEnum
@@ -10,28 +10,28 @@ from modallab.updating.settings import SPARSE_BAYES
 
 
 class Prior(StrEnum):
-    """What is held likely of coefficients before they are measured."""
+    """Prior distribution of coefficients about their nominal values."""
 
-    SPARSE = "sparse"  # each has a width of its own, and most turn out to have none: few are wrong
-    COMMON = "common"  # one width for all: many are a little wrong
-    RANGE = "range"  # as wide as the bounds, whatever the data say
+    SPARSE = "sparse"  # one variance a coefficient, most of which become zero: few coefficients are wrong
+    COMMON = "common"  # one variance for all: many coefficients are a little wrong
+    RANGE = "range"  # fixed by the bounds, independent of the data
 
 
 @dataclass(frozen=True, eq=False)
 class Equations:
-    """A (n_rows, n_params) times what is wanted is b (n_rows,), in blocks of rows alike in their errors.
+    """Linear equations A x = b, in blocks of rows of equal variance.
 
-    Rows are in units of their errors where these are known.
+    A is (n_rows, n_params), b (n_rows,). Rows are in units of their standard errors where these are known.
     """
 
     matrix: FloatArray
     values: FloatArray
-    block: IntArray  # (n_rows,) which block a row is in, counted from 0
-    floors: FloatArray  # (n_blocks,) least standard deviation of each block's rows
+    block: IntArray  # (n_rows,) index of the block of a row
+    floors: FloatArray  # (n_blocks,) least standard deviation of a row
 
     @property
     def mean_squares(self) -> FloatArray:
-        """(n_blocks,) mean square of each block's values, no less than the floors'."""
+        """(n_blocks,) mean square of b in each block, at least that of the floors."""
         n = len(self.floors)
         square = np.bincount(self.block, self.values**2, n) / np.bincount(self.block, minlength=n)
         return np.asarray(np.maximum(square, self.floors**2))
@@ -39,12 +39,12 @@ class Equations:
 
 @dataclass(frozen=True, eq=False)
 class Posterior:
-    """What equations and prior say together: a normal distribution, and the widths it was drawn from."""
+    """Normal posterior distribution of the coefficients, with the prior and block variances behind it."""
 
     mean: FloatArray  # (n_params,)
     covariance: FloatArray  # (n_params, n_params)
-    prior_variances: FloatArray  # (n_params,) prior variance of each; 0 of those left out
-    block_variances: FloatArray  # (n_blocks,) variance of each block's rows
+    prior_variances: FloatArray  # (n_params,) 0 for eliminated coefficients
+    block_variances: FloatArray  # (n_blocks,) of a row
 
     @property
     def errors(self) -> FloatArray:
@@ -53,31 +53,29 @@ class Posterior:
 
     @property
     def is_active(self) -> BoolArray:
-        """(n_params,) False of coefficients for which the data ask no width at all."""
+        """(n_params,) False for coefficients whose prior variance became zero."""
         return self.prior_variances > 0
 
 
 def sparse_bayes(
     equations: Equations, prior: Prior, prior_variances: FloatArray, block_variances: FloatArray
 ) -> Posterior:
-    """Return the posterior of unknowns about zero, with the widths and scales of most evidence.
+    """Return the posterior of coefficients with a zero-mean normal prior, by evidence maximisation.
 
-    Widths of the prior and variances of the blocks are those that make the data most likely with
-    the unknowns integrated out, found by turns from where they start; a width that shrinks to
-    nothing takes its unknown out. A block that the equations fit badly, as one of two modes that
-    changed places, is weighted down. MacKay (1992), Neural Computation 4, 415-447; Tipping (2001),
+    Prior variances and block variances maximise the evidence, the likelihood with the coefficients integrated
+    out, in alternating updates from the given start. A prior variance that shrinks to zero eliminates its
+    coefficient. A block that the equations fit badly, for instance one of two modes that changed places,
+    gets a large variance and little weight. MacKay (1992), Neural Computation 4, 415-447; Tipping (2001),
     Journal of Machine Learning Research 1, 211-244.
 
     Parameters
     ----------
     prior_variances, block_variances
-        (n_params,) and (n_blocks,) variances to start from.
+        (n_params,) and (n_blocks,) initial values.
     """
     least_variances = equations.floors**2
-    prior_variances, block_variances = (
-        np.maximum(prior_variances, SPARSE_BAYES.revived_variance),
-        np.maximum(block_variances, least_variances),
-    )
+    prior_variances = np.maximum(prior_variances, SPARSE_BAYES.revived_variance)
+    block_variances = np.maximum(block_variances, least_variances)
     for _ in range(SPARSE_BAYES.max_rounds):
         estimate = _posterior_mean(equations, prior_variances, block_variances)
         previous = np.concatenate([prior_variances, block_variances])
@@ -98,53 +96,43 @@ def sparse_bayes(
 @dataclass(frozen=True, eq=False)
 class _PosteriorMean:
     mean: FloatArray  # (n_params,)
-    determination: (
-        FloatArray  # (n_params,) share of each unknown that the data determine, the rest being the prior's
-    )
-    leverage: FloatArray  # (n_rows,) share of each row that fitting used up
+    determination: FloatArray  # (n_params,) share determined by the data, 0 to 1: gamma of MacKay
+    leverage: FloatArray  # (n_rows,) diagonal of the hat matrix
 
 
 def _whitened(
     equations: Equations, prior_variances: FloatArray, block_variances: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return rows of the unknowns kept, and right-hand sides, in units of their errors and of the prior."""
+    """Return rows of active coefficients and right-hand sides, in units of their errors and the prior."""
     error = np.sqrt(block_variances[equations.block])
     active = prior_variances > 0
-    return equations.matrix[:, active] * np.sqrt(prior_variances[active]) / error[
-        :, None
-    ], equations.values / error
+    rows = equations.matrix[:, active] * np.sqrt(prior_variances[active]) / error[:, None]
+    return rows, equations.values / error
 
 
 def _posterior_mean(
     equations: Equations, prior_variances: FloatArray, block_variances: FloatArray
 ) -> _PosteriorMean:
-    """Return the posterior mean and how it is determined, by the smaller of two square matrices.
+    """Return posterior mean, determination and leverage, by the smaller of the two Gram matrices.
 
-    In units of the prior each is 1 + something positive, by whose eigenvalues no rounding turns a
-    variance negative however exact the rows are.
+    In units of the prior the matrix to be inverted is 1 plus a positive semidefinite one; an eigensolution
+    keeps rounding from making a variance negative, however exact the rows are.
     """
     rows, values = _whitened(equations, prior_variances, block_variances)
-    mean, determination, active = (
-        np.zeros(len(prior_variances)),
-        np.zeros(len(prior_variances)),
-        prior_variances > 0,
-    )
+    mean, determination = np.zeros(len(prior_variances)), np.zeros(len(prior_variances))
+    active = prior_variances > 0
     if rows.shape[0] < rows.shape[1]:
         eigenvalues, eigenvectors = _nonnegative_eigh(rows @ rows.T)
         row_projection = eigenvectors.T @ rows
         mean[active] = row_projection.T @ ((eigenvectors.T @ values) / (1 + eigenvalues))
-        determination[active], leverage = (
-            (row_projection**2).T @ (1 / (1 + eigenvalues)),
-            eigenvectors**2 @ (eigenvalues / (1 + eigenvalues)),
-        )
+        determination[active] = (row_projection**2).T @ (1 / (1 + eigenvalues))
+        leverage = eigenvectors**2 @ (eigenvalues / (1 + eigenvalues))
     else:
         eigenvalues, eigenvectors = _nonnegative_eigh(rows.T @ rows)
         projected_rows = rows @ eigenvectors
         mean[active] = eigenvectors @ ((projected_rows.T @ values) / (1 + eigenvalues))
-        determination[active], leverage = (
-            eigenvectors**2 @ (eigenvalues / (1 + eigenvalues)),
-            projected_rows**2 @ (1 / (1 + eigenvalues)),
-        )
+        determination[active] = eigenvectors**2 @ (eigenvalues / (1 + eigenvalues))
+        leverage = projected_rows**2 @ (1 / (1 + eigenvalues))
     return _PosteriorMean(mean * np.sqrt(prior_variances), determination, leverage)
 
 
@@ -171,7 +159,7 @@ def _posterior_covariance(
 
 
 def _block_variances(equations: Equations, estimate: _PosteriorMean) -> FloatArray:
-    """Return the mean square that is left of each block, over the rows that fitting did not use up."""
+    """Return the residual mean square of each block, (n_blocks,), over its degrees of freedom."""
     n = len(equations.floors)
     squared_residual = (equations.values - equations.matrix @ estimate.mean) ** 2
     count, degrees_used = (
@@ -185,6 +173,7 @@ def _block_variances(equations: Equations, estimate: _PosteriorMean) -> FloatArr
 
 
 def _prior_variances(prior: Prior, prior_variances: FloatArray, estimate: _PosteriorMean) -> FloatArray:
+    """Return updated prior variances (n_params,): squared mean over determination."""
     if prior is Prior.RANGE:
         return prior_variances
     mean, determination = estimate.mean, estimate.determination

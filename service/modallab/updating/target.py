@@ -1,4 +1,4 @@
-"""Measured modes as those of a model, undamped or damped, can be held against them."""
+"""Measured modes in the form in which a model is compared with them."""
 
 from dataclasses import dataclass
 
@@ -13,18 +13,20 @@ from modallab.updating.settings import PAIRING
 
 @dataclass(frozen=True, eq=False)
 class TargetModes:
-    """Modes at some DoFs, and how far off they may be; complex arrays are those of damped modes."""
+    """Measured modes at some DoFs with their errors; complex arrays for damped modes."""
 
-    squares: FloatArray | ComplexArray  # (n_modes,) omega_r^2 (1 + i eta_r), rad^2/s^2
-    shapes: FloatArray | ComplexArray  # (n_dof, n_modes)
+    squares: FloatArray | ComplexArray
+    """rad^2/s^2, eigenvalues omega_r^2 (1 + i eta_r) (n_modes,)."""
+    shapes: FloatArray | ComplexArray
+    """(n_dof, n_modes) mode shapes."""
     dofs: tuple[Dof, ...]
     mass_normalised: bool
-    # (n_all_rows,) standard errors: eigenvalues over their real part, then shapes; of damped modes the real
-    # parts of all and then the imaginary ones
     errors: FloatArray | None
-    n_shapes: int | None = (
-        None  # lowest modes whose shapes count, of the others only the eigenvalue; None: all
-    )
+    """Standard errors (n_all_rows,): eigenvalues relative to their real part, then shapes; of damped modes
+    all real parts, then all imaginary parts.
+    """
+    n_shapes: int | None = None
+    """Lowest modes with rows for shape and eigenvalue, the others for the eigenvalue only; None: all."""
 
     def __post_init__(self) -> None:
         n, kind = len(self.squares), complex if self.damped else float
@@ -36,12 +38,12 @@ class TargetModes:
 
     @property
     def damped(self) -> bool:
-        """True of modes that have loss factors and phases."""
+        """True for modes with loss factors and complex shapes."""
         return np.iscomplexobj(self.squares)
 
     @property
     def row_mask(self) -> BoolArray:
-        """(n_all_rows,) True of the rows that are held against the model's."""
+        """(n_all_rows,) True for the rows that are equations of the update."""
         n = len(self.squares)
         has_shape = np.argsort(np.argsort(self.squares.real)) < (
             n if self.n_shapes is None else self.n_shapes
@@ -51,7 +53,7 @@ class TargetModes:
 
     @property
     def n_rows(self) -> int:
-        """How many real numbers are held against the model's."""
+        """Number of equations."""
         return int(self.row_mask.sum())
 
     @property
@@ -61,7 +63,10 @@ class TargetModes:
 
     @property
     def repeated_modes(self) -> tuple[IntArray, ...]:
-        """Modes, two and more, that no measured number tells apart: their shapes are any of one plane."""
+        """Groups of repeated modes, equal in frequency within their errors.
+
+        Their shapes are any basis of one subspace.
+        """
         order = np.argsort(self.squares.real)
         squares, tolerance = self.squares.real[order], np.full(len(order), 2 * PAIRING.repeated_frequency_gap)
         if self.errors is not None:
@@ -71,12 +76,12 @@ class TargetModes:
 
 
 def _phase_aligned(shapes: ComplexArray) -> ComplexArray:
-    """Return shapes (n_dof, n_modes), each turned to be as real as it can be."""
+    """Return shapes (n_dof, n_modes), each rotated to the phase with the largest real part."""
     return np.asarray(shapes * np.exp(-0.5j * np.angle((shapes**2).sum(axis=0))))
 
 
 def as_real(shapes: ComplexArray) -> FloatArray:
-    """Return the real part of shapes (n_dof, n_modes), each turned first to be as real as it can be."""
+    """Return the real part of shapes (n_dof, n_modes) after rotation to the phase that makes it largest."""
     return np.asarray(_phase_aligned(shapes).real)
 
 
@@ -114,7 +119,7 @@ def real_modes(target: ModalModel) -> TargetModes:
 
 
 def complex_modes(target: ModalModel) -> TargetModes:
-    """Return measured modes with their loss factors and phases.
+    """Return measured modes with their loss factors and complex shapes.
 
     Raises
     ------
@@ -155,7 +160,7 @@ def _check(target: ModalModel) -> None:
 
 
 def _imaginary_share(target: ModalModel) -> FloatArray:
-    """Return the share of each shape that stays imaginary however it is turned, its own errors taken off."""
+    """Return the share of each shape that stays imaginary at its best phase, errors deducted (n_modes,)."""
     aligned = _phase_aligned(target.shapes)
     errors = [0.0 if mode.shape_errors is None else (mode.shape_errors**2).sum() for mode in target.modes]
     imaginary_power = np.maximum((aligned.imag**2).sum(axis=0) - np.array(errors), 0.0)
@@ -163,9 +168,9 @@ def _imaginary_share(target: ModalModel) -> FloatArray:
 
 
 def _errors(target: ModalModel) -> FloatArray | None:
-    """Return the standard errors of all rows, None unless the modal model knows every one.
+    """Return the standard errors of all rows, None unless the modal model states every one.
 
-    Those of shapes without a scale are in no unit that a row has.
+    Errors of shapes without a scale are in no unit of a row.
     """
     if target.normalisation != "mass":
         return None
@@ -179,9 +184,9 @@ def _errors(target: ModalModel) -> FloatArray | None:
 
 
 def _damped_errors(target: ModalModel) -> FloatArray | None:
-    """Return the standard errors of all rows, real parts first, None unless every one is known.
+    """Return the standard errors of all rows, real parts first, None unless every one is stated.
 
-    Either part of a shape is as uncertain as its size.
+    Real and imaginary part of a shape have the same error.
     """
     real = _errors(target)
     if real is None or not all("loss_factor" in mode.standard_errors for mode in target.modes):

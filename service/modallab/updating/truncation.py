@@ -1,4 +1,4 @@
-"""What modes above a basis add to the derivatives of its shapes, found at the sensors."""
+"""Modal truncation: contribution of modes above a basis to derivatives of shapes at the sensors."""
 
 from collections.abc import Iterator
 from enum import StrEnum
@@ -12,27 +12,28 @@ from modallab.fe.modes import ModalBasis
 
 
 class HigherModes(StrEnum):
-    """How modes above a basis count; of a basis that holds all there are none."""
+    """Treatment of modes above a truncated basis."""
 
-    OMITTED = "truncation_bound"  # the sum ends with the basis
-    STATIC = "static"  # as if they answered at once: one solve a sensor
-    EXACT = "exact"  # by a series of solves that converges as fast as the modes above are far: undamped ones
+    OMITTED = "omitted"  # truncated sum
+    STATIC = "static"  # static residual: one solve for each sensor
+    EXACT = "exact"  # Chebyshev series of solves, of undamped modes; faster the farther the higher modes are
 
 
 def higher_modes_at(
     basis: ModalBasis, modes: IntArray, sensors: FloatArray, higher_modes: HigherModes
 ) -> Iterator[tuple[FloatArray, FloatArray]]:
-    """Yield columns X (n, n_dof) and factors c (n_modes,): modes above answer a load f with sum of c_r X^T f.
+    """Yield columns X (n, n_dof) and factors c (n_modes,) of the response of higher modes: sum of c_r X^T f.
 
-    Of mode r that is s^T sum phi phi^T f / (lambda - lambda_r) over modes above. With sigma the shift of
-    the factorised K + sigma M, t = 1 / (lambda + sigma) lies between 0 and 1 / (highest + sigma), and
-    1 / (lambda - lambda_r) = t / (1 - (lambda_r + sigma) t), a series in Chebyshev polynomials of t whose
-    coefficients fall geometrically; its columns are the same for all modes and coefficients.
+    For mode r and a load f that response is s^T sum phi phi^T f / (lambda - lambda_r) over the higher modes.
+    With sigma the shift of the factorised K + sigma M, t = 1 / (lambda + sigma) lies between 0 and
+    1 / (highest + sigma), and 1 / (lambda - lambda_r) = t / (1 - (lambda_r + sigma) t), a series in Chebyshev
+    polynomials of t whose coefficients fall geometrically; its columns are the same for all modes and
+    coefficients.
 
     Raises
     ------
     InvalidInputError
-        If the series is asked for a basis of damped modes, whose matrices are others.
+        If the series is asked for a basis of damped modes.
     """
     remainder = basis.remainder
     if remainder is None or higher_modes is HigherModes.OMITTED:
@@ -44,7 +45,7 @@ def higher_modes_at(
     if basis.eigenvalues.imag.any():
         raise InvalidInputError(
             "modes above a basis of damped modes count statically",
-            field="above",
+            field="higher_modes",
             value=higher_modes.value,
             allowed=f"{HigherModes.OMITTED}, {HigherModes.STATIC}",
         )
@@ -64,9 +65,9 @@ def higher_modes_at(
 
 
 def truncation_bound(basis: ModalBasis, modes: IntArray, higher_modes: HigherModes) -> FloatArray:
-    """Return the share of what modes above can add statically that derivatives may be off by, (n_modes,).
+    """Return a bound of the error of derivatives, over the static contribution of higher modes (n_modes,).
 
-    Of modes above, 1 / (lambda - lambda_r) is no more than 1 / (1 - rho_r) of 1 / (lambda + sigma), with
+    For higher modes, 1 / (lambda - lambda_r) is no more than 1 / (1 - rho_r) of 1 / (lambda + sigma), with
     rho_r = (lambda_r + sigma) / (highest + sigma).
     """
     if basis.remainder is None or higher_modes is HigherModes.EXACT:

@@ -1,4 +1,4 @@
-"""Location, then updating: macro elements first, then the elements inside them."""
+"""Two-stage updating: location by macro elements, then correction of the members inside them."""
 
 from dataclasses import replace
 
@@ -25,11 +25,11 @@ def update_in_two_stages(
     options: TwoStageOptions,
     progress: Progress,
 ) -> UpdateResult:
-    """Return the model corrected to the modes, and how it was found.
+    """Return the model corrected to the measured modes, in two stages.
 
-    Stage one moves the coefficients of the macro elements until they stand still; those that end
-    away from no change are suspected. Stage two moves the elements inside them from where stage one
-    ended, all others back at no change. 1992 thesis, chapter 3.
+    Stage one iterates the coefficients of macro elements to convergence; those that end away from nominal are
+    suspected. Stage two iterates the coefficients of their members from the values of stage one, all others
+    at nominal. 1992 thesis, chapter 3.
     """
     assembly = Assembly(structure, joint_rotations=True)
     measured = replace(measured, n_shapes=options.n_shapes)

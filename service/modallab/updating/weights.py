@@ -1,4 +1,4 @@
-"""Which measured numbers are alike in their errors, and how large these are at least."""
+"""Weights of measured eigenvalues and shapes, in one block for each mode."""
 
 from dataclasses import dataclass
 
@@ -12,19 +12,19 @@ from modallab.updating.target import TargetModes
 
 @dataclass(frozen=True, eq=False)
 class Weights:
-    """Rows in units of their errors, and their blocks: an eigenvalue is in one block with its shape.
+    """Standard errors of rows, and their blocks: an eigenvalue is in one block with its shape.
 
-    An eigenvalue with no shape beside it would count as badly measured wherever the model misses it.
+    An eigenvalue in a block of its own would get a large variance wherever the model misses it.
     """
 
-    units: FloatArray  # (n_rows,) that balanced rows are divided by
-    block: IntArray  # (n_rows,) which mode a row is of, counted from 0
-    floors: FloatArray  # (n_blocks,) of a row in its unit
+    units: FloatArray  # (n_rows,) standard errors of balanced rows
+    block: IntArray  # (n_rows,) index of the mode of a row
+    floors: FloatArray  # (n_blocks,) least standard deviation, in these units
     stated: bool
 
     @classmethod
     def of(cls, target: TargetModes) -> "Weights":
-        """Return the weights of measured modes: by stated errors, or by usual ones where none are stated."""
+        """Return weights by stated errors, or by usual ones where none are stated."""
         n_dofs, n_modes = target.shapes.shape
         size = np.sqrt((np.abs(target.shapes) ** 2).mean(axis=0))
         sizes = np.concatenate([np.ones(n_modes), np.tile(size, n_dofs)])
@@ -40,17 +40,17 @@ class Weights:
         )
 
     def rows(self, fit: ModalResiduals, state: ModelState) -> tuple[FloatArray, FloatArray]:
-        """Return derivatives (n_rows, n_params) and what the model misses (n_rows,), in these units."""
+        """Return derivatives (n_rows, n_params) and residuals (n_rows,), in units of the errors."""
         unit = state.size * self.units
         return fit.sensitivity(state) / unit[:, None], state.difference / unit
 
     def misfit_note(self, block_variances: FloatArray) -> str:
-        """Return which modes the model misses by more than errors explain, as words to add; nothing if none.
+        """Return a note on modes whose misfit exceeds their errors; empty if there is none.
 
         Parameters
         ----------
         block_variances
-            (n_blocks,) mean square of their rows.
+            (n_blocks,) mean square of their weighted rows.
         """
         outliers = np.flatnonzero(
             np.sqrt(block_variances)
