@@ -83,8 +83,8 @@ def identify(
     The intervals are centred where one more step without prior would end, and as wide as the propagated
     errors: they hold for any number of wrong elements. They are those of relative changes, for loss
     factors of the changes themselves. Directions of the null space, or with a standard error above
-    `within`, are rotated so that each has few coefficients. Kaiser (1958), Psychometrika 23, 187-200; van de Geer et al. (2014),
-    Annals of Statistics 42, 1166-1202.
+    `within`, are rotated so that each has few coefficients. Kaiser (1958), Psychometrika 23, 187-200;
+    van de Geer et al. (2014), Annals of Statistics 42, 1166-1202.
 
     Parameters
     ----------
