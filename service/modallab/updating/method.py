@@ -1,4 +1,4 @@
-"""What an updating method is, and what it returns."""
+"""Updating methods on modes: their interface and their result."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -21,12 +21,16 @@ from modallab.updating.responses.result import ResponseFit
 
 @dataclass(frozen=True, eq=False)
 class Stages:
-    """One number a mode as measured, before the update, after location and after it."""
+    """Values of each measured mode: measured, before the update, after location and after the update."""
 
     before: FloatArray
-    location: FloatArray  # as before the update where a method has no such stage
+    """Of the model before the update (n_modes,)."""
+    location: FloatArray
+    """After the location stage (n_modes,); as before where a method has none."""
     after: FloatArray
-    measured: FloatArray | None = None  # none for a MAC
+    """Of the updated model (n_modes,)."""
+    measured: FloatArray | None = None
+    """Measured (n_modes,); None for a modal assurance criterion."""
 
     def __post_init__(self) -> None:
         for name in ("before", "location", "after", "measured"):
@@ -37,36 +41,51 @@ class Stages:
 
 @dataclass(frozen=True, eq=False)
 class UpdateResult:
-    """What an update found; coefficients are 1 where nothing is to be corrected, 0 of damping."""
+    """Result of an update: coefficients are 1 where nothing is corrected, for damping 0."""
 
-    structure: Structure  # the updated model
-    coefficients: Mapping[str, Mapping[int, float]]  # by part and member
-    standard_errors: Mapping[str, Mapping[int, float]]  # of those that were corrected
-    suspected: Mapping[str, tuple[int, ...]]  # members by part
-    frequencies: Stages  # Hz, (n_modes,) each
-    mac: Stages  # of measured modes with their partners, (n_modes,) each
+    structure: Structure
+    """Updated model."""
+    coefficients: Mapping[str, Mapping[int, float]]
+    """By part and member."""
+    standard_errors: Mapping[str, Mapping[int, float]]
+    """Of the corrected coefficients, by part and member."""
+    suspected: Mapping[str, tuple[int, ...]]
+    """Suspected members by part."""
+    frequencies: Stages
+    """Hz, natural frequencies of the paired modes."""
+    mac: Stages
+    """Modal assurance criterion of measured modes with their partners."""
     history: tuple[Iteration, ...]
+    """Every step of both stages."""
     converged: bool
+    """True if the last stage converged."""
     stopped_because: str
+    """Reason for the end, for readers."""
     rank: int
+    """Rank of the weighted sensitivity matrix at the end."""
     condition_number: float
-    # by part and member: low and high end of what holds a coefficient with 95 %, by the data alone
+    """Largest over smallest singular value within the rank."""
     intervals: Mapping[str, Mapping[int, tuple[float, float]]] = field(default_factory=dict)
-    identifiability: Identifiability | None = None  # None of a path that diverged
-    responses: ResponseFit | None = None  # of a method that takes frequency responses
-    quantities: tuple[Quantity, ...] = ()  # properties in their own units
-    posterior: PosteriorSample | None = None  # if draws were asked for
-    iterations: Mapping[str, int] = field(init=False)  # "location", "updating"
+    """95 % confidence intervals by the data alone, by part and member."""
+    identifiability: Identifiability | None = None
+    """Determination by the data alone; None for a diverged path."""
+    responses: ResponseFit | None = None
+    """Agreement of responses, of a method on frequency responses."""
+    quantities: tuple[Quantity, ...] = ()
+    """Corrected properties in their own units."""
+    posterior: PosteriorSample | None = None
+    """Samples of the posterior, if they were requested."""
+    iterations: Mapping[str, int] = field(init=False)
+    """Number of steps by stage, `location` and `updating`."""
 
     def __post_init__(self) -> None:
-        counted = {
-            stage: sum(one.stage == stage for one in self.history) for stage in ("location", "updating")
-        }
-        object.__setattr__(self, "iterations", counted)
+        stages = [iteration.stage for iteration in self.history]
+        counts = {stage: stages.count(stage) for stage in ("location", "updating")}
+        object.__setattr__(self, "iterations", counts)
 
 
 class Updater(Protocol):
-    """Corrects a model until its modes are the measured ones."""
+    """Updating method that corrects a model to measured modes."""
 
     def __call__(
         self,
@@ -77,7 +96,7 @@ class Updater(Protocol):
         options: Any = ...,
         progress: Progress = silent,
     ) -> UpdateResult:
-        """Return the updated model and how it was found."""
+        """Return the updated model with its coefficients."""
         ...
 
 

@@ -1,4 +1,4 @@
-"""A model and measured modes brought to the same degrees of freedom."""
+"""Completion of modes: model and measured modes at the same degrees of freedom."""
 
 from dataclasses import dataclass, replace
 
@@ -19,25 +19,25 @@ from modallab.updating.target import real_modes
 
 @dataclass(frozen=True, eq=False)
 class CompletedModel:
-    """A model's matrices, and all measured modes at their degrees of freedom."""
+    """Matrices of a model, and all measured modes at their degrees of freedom."""
 
     mass: FloatArray  # (n, n) kg
     stiffness: FloatArray  # (n, n) N/m
-    pattern: BoolArray | None  # (n, n) where the structure connects DoFs; None of a reduced model
+    pattern: BoolArray | None  # (n, n) True between connected DoFs; None for a reduced model
     dofs: tuple[Dof, ...]
     shapes: FloatArray  # (n, n_measured) mass-normalised, 1/sqrt(kg)
     squares: FloatArray  # (n_measured,) rad^2/s^2
-    description: str  # shapes and DoFs came to fit, in words
+    description: str  # of the completion, for readers
     notes: tuple[str, ...]
     elements: Elements | None = None
 
     def problem(self, n_modes: int) -> DirectProblem:
-        """Return what a method is given: the lowest `n_modes` measured modes, paired with the model's.
+        """Return the problem for a method: the lowest `n_modes` measured modes, paired with the model's.
 
         Raises
         ------
         UnderdeterminedError
-            If the model has fewer modes than are to pair with its own.
+            If the model has fewer elastic modes than `n_modes`.
         """
         model_squares, model_shapes = pencil_modes(self.mass, self.stiffness)
         squares, shapes = self.squares[:n_modes], self.shapes[:, :n_modes]
@@ -69,16 +69,16 @@ class CompletedModel:
 
 
 def complete(system: DynamicSystem, target: ModalModel, options: DirectOptions) -> CompletedModel:
-    """Return model and measurement at the same DoFs: shapes expanded to the model's, or it reduced to theirs.
+    """Return model and measured modes at the same DoFs: shapes expanded to the model's, or the model reduced.
 
-    Where every DoF was measured neither is done. Shapes without a scale are given that of the model's mass.
+    Where every DoF was measured, neither is done. Shapes without a scale are normalised by the model's mass.
 
     Raises
     ------
     UnknownDofError
         If the structure lacks a measured DoF.
     InvalidInputError
-        If a mode is complex, a DoF was measured twice, the reduction does not hold with these DoFs, or the
+        If a mode is complex, a DoF was measured twice, the reduction does not exist for these DoFs, or the
         matrices are too large.
     """
     measured = _in_model_order(system, target)
@@ -105,7 +105,7 @@ def _elements(system: DynamicSystem) -> Elements | None:
 
 
 def _in_model_order(system: DynamicSystem, target: ModalModel) -> ModalModel:
-    """Return measured modes as real ones, at DoFs in their positive sense and the order of the model.
+    """Return measured modes as real ones, at positive DoFs in the order of the model.
 
     Raises
     ------
@@ -130,7 +130,7 @@ def _in_model_order(system: DynamicSystem, target: ModalModel) -> ModalModel:
 
 
 def _full_matrices(system: DynamicSystem) -> tuple[FloatArray, FloatArray, BoolArray]:
-    """Return mass, stiffness and where either connects DoFs, (n, n) each, all that is attached included."""
+    """Return mass, stiffness and connectivity as full matrices (n, n), with all attachments."""
     folded, n = system.folded(), len(system.dofs)
     if folded.mass.shape[0] > n:
         raise InvalidInputError(
@@ -179,7 +179,7 @@ def _expanded(system: DynamicSystem, measured: ModalModel, options: DirectOption
 def _reduced(system: DynamicSystem, measured: ModalModel, options: DirectOptions) -> CompletedModel:
     highest = float(measured.frequencies.max())
     reduction = reduction_of(options.reduction, options.reduction_parameters).reaching(highest)
-    # One frequency for all modes, where it takes one and has none: in their midst.
+    # A dynamic reduction without a stated frequency takes the median of the modes.
     small = reduce(system, measured.dofs, reduction.at_mode(float(np.median(measured.frequencies))))
     squares = (2 * np.pi * measured.frequencies) ** 2
     numbers = ", ".join(f"{name} {value:g}" for name, value in small.reduction.parameters.items() if value)

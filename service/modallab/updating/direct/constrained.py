@@ -1,4 +1,4 @@
-"""The steps that methods with measured modes as a constraint share."""
+"""Steps common to methods with measured modes as a constraint."""
 
 import numpy as np
 
@@ -8,7 +8,7 @@ from modallab.updating.direct.settings import DIRECT_UPDATING
 
 
 def modal_mass(shapes: FloatArray, mass: FloatArray) -> FloatArray:
-    """Return Phi^T M Phi, (m, m).
+    """Return the modal mass matrix Phi^T M Phi, (m, m).
 
     Parameters
     ----------
@@ -20,7 +20,7 @@ def modal_mass(shapes: FloatArray, mass: FloatArray) -> FloatArray:
     Raises
     ------
     UnderdeterminedError
-        If the shapes are not independent of one another in this mass.
+        If the shapes are linearly dependent in this mass.
     """
     product = shapes.T @ mass @ shapes
     product = (product + product.T) / 2
@@ -36,7 +36,7 @@ def modal_mass(shapes: FloatArray, mass: FloatArray) -> FloatArray:
 
 
 def mass_orthonormal(shapes: FloatArray, mass: FloatArray) -> FloatArray:
-    """Return the shapes nearest to given ones that are orthonormal in a mass: Phi (Phi^T M Phi)^(-1/2).
+    """Return the nearest mass-orthonormal shapes: Phi (Phi^T M Phi)^(-1/2).
 
     Parameters
     ----------
@@ -48,7 +48,7 @@ def mass_orthonormal(shapes: FloatArray, mass: FloatArray) -> FloatArray:
     Raises
     ------
     UnderdeterminedError
-        If the shapes are not independent of one another in this mass.
+        If the shapes are linearly dependent in this mass.
 
     References
     ----------
@@ -62,7 +62,7 @@ def mass_orthonormal(shapes: FloatArray, mass: FloatArray) -> FloatArray:
 def constrained_stiffness(
     stiffness: FloatArray, mass: FloatArray, shapes: FloatArray, squares: FloatArray
 ) -> FloatArray:
-    """Return the stiffness nearest to a given one that has these modes, (n, n), N/m [2.7].
+    """Return the nearest stiffness matrix with the given modes, (n, n), N/m [2.7].
 
     K + D + D^T with D = 1/2 M Phi (Phi^T K Phi + Lambda) Phi^T M - K Phi Phi^T M, nearest in the norm of
     M^(-1/2) dK M^(-1/2).

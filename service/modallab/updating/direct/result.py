@@ -1,4 +1,4 @@
-"""What a direct method found, and how good it is."""
+"""Result of a direct updating method, and its accuracy."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -10,14 +10,20 @@ from modallab.updating.direct.settings import DIRECT_UPDATING
 
 @dataclass(frozen=True, eq=False)
 class MeasuredModes:
-    """Each measured mode beside the nearest one of the model, before and after; those used come first."""
+    """Measured modes beside the nearest modes of the model, before and after; the used ones first."""
 
     n_used: int
-    measured: FloatArray  # (n_measured,) Hz
-    before: FloatArray  # (n_measured,) Hz
-    mac_before: FloatArray  # (n_measured,)
-    after: FloatArray | None  # (n_measured,) Hz; None where nothing was corrected
+    """Measured modes that the method used."""
+    measured: FloatArray
+    """Hz, measured natural frequencies (n_measured,)."""
+    before: FloatArray
+    """Hz, natural frequencies of the model (n_measured,)."""
+    mac_before: FloatArray
+    """Modal assurance criterion before (n_measured,)."""
+    after: FloatArray | None
+    """Hz, natural frequencies after (n_measured,); None without a correction."""
     mac_after: FloatArray | None
+    """Modal assurance criterion after (n_measured,); None without a correction."""
 
     def __post_init__(self) -> None:
         for name in ("measured", "before", "mac_before", "after", "mac_after"):
@@ -27,16 +33,19 @@ class MeasuredModes:
 
 @dataclass(frozen=True, eq=False)
 class OtherModes:
-    """The model's elastic modes that no measured one was used for, and what the correction made of them.
+    """Elastic modes of the model without a used measured mode, before and after the correction.
 
-    Frequencies below zero stand for a stiffness that pushes away: -sqrt(-omega^2) / 2 pi.
+    Negative frequencies stand for negative stiffness: -sqrt(-omega^2) / 2 pi.
     """
 
-    before: FloatArray  # (k,) Hz, rising
-    after: FloatArray  # (k,) Hz
-    mac: FloatArray  # (k,)
-    # Hz, highest at which the corrected matrices hold a motion that was free; None where none was
+    before: FloatArray
+    """Hz, natural frequencies of the model in rising order (k,)."""
+    after: FloatArray
+    """Hz, natural frequencies after (k,)."""
+    mac: FloatArray
+    """Modal assurance criterion of each pair (k,)."""
     rigid_body: float | None
+    """Hz, highest frequency that the corrected matrices give a former rigid-body motion; None without one."""
 
     def __post_init__(self) -> None:
         for name in ("before", "after", "mac"):
@@ -45,24 +54,34 @@ class OtherModes:
 
 @dataclass(frozen=True, eq=False)
 class DirectResult:
-    """What a direct method found, at the degrees of freedom it worked at."""
+    """Result of a direct method, at the degrees of freedom it worked at."""
 
     method: str
+    """Name of the method."""
     dofs: tuple[Dof, ...]
-    completion: str  # how model and shapes came to the same DoFs, in words
-    mass: FloatArray | None  # (n, n) kg, updated; None where the method locates only
-    stiffness: FloatArray | None  # (n, n) N/m
-    # (n, n) by matrix: what was added to it, or is estimated to be wrong with it
+    """(n,) degrees of freedom of the matrices."""
+    completion: str
+    """How model and shapes came to the same degrees of freedom, for readers."""
+    mass: FloatArray | None
+    """kg, updated mass matrix (n, n); None where the method only locates errors."""
+    stiffness: FloatArray | None
+    """N/m, updated stiffness matrix (n, n); None where the method only locates errors."""
     errors: Mapping[str, FloatArray]
-    dof_errors: Mapping[str, FloatArray]  # (n,) by matrix, of each DoF
-    # by matrix: norm of the correction where the structure connects nothing over its whole norm
+    """By matrix: correction, or estimated error (n, n)."""
+    dof_errors: Mapping[str, FloatArray]
+    """By matrix: relative error of each degree of freedom (n,)."""
     connectivity_loss: Mapping[str, float]
+    """By matrix: norm of the correction between unconnected DoFs over its whole norm."""
     modes: MeasuredModes
-    other_modes: OtherModes | None  # None where nothing was corrected
-    reproduced: float | None  # largest relative error of a used frequency, or 1 - MAC
+    """Measured modes beside those of the model."""
+    other_modes: OtherModes | None
+    """Modes of the model without a used measured mode; None without a correction."""
+    reproduced: float | None
+    """Largest relative error of a used frequency, or of 1 - MAC; None without a correction."""
     notes: tuple[str, ...] = field(default=())
-    # by part and member, 1 = no change; of methods that keep the members
+    """Remarks for readers."""
     coefficients: Mapping[str, Mapping[int, float]] = field(default_factory=dict)
+    """By part and member, 1 = no change; of methods that keep the members."""
 
     def __post_init__(self) -> None:
         n = len(self.dofs)
@@ -77,7 +96,7 @@ class DirectResult:
 
     @property
     def converged(self) -> bool:
-        """True if there is an updated model and it has the measured modes."""
+        """True if there is an updated model with the measured modes."""
         return self.reproduced is not None and self.reproduced < DIRECT_UPDATING.reproduction_error
 
     @property
@@ -86,5 +105,5 @@ class DirectResult:
         return self.stiffness is not None
 
     def ranked(self, matrix: str) -> tuple[Dof, ...]:
-        """Return all DoFs, those where a matrix is most in error first."""
+        """Return all DoFs in falling order of the error of a matrix."""
         return tuple(self.dofs[i] for i in (-self.dof_errors[matrix]).argsort(kind="stable"))

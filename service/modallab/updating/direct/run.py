@@ -1,4 +1,4 @@
-"""Run a direct method, and judge what it did."""
+"""Direct updating: completion of the shapes, solution and comparison of modes."""
 
 import numpy as np
 from scipy.linalg import eigvalsh
@@ -34,14 +34,14 @@ def update_directly(
     options: DirectOptions = DEFAULTS,
     progress: Progress = silent,
 ) -> DirectResult:
-    """Return what a direct method makes of a structure and measured modes.
+    """Return the result of a direct method for a structure and measured modes.
 
     Parameters
     ----------
     method
         One of `DIRECT_METHODS`.
     target
-        Measured modes; with `n_modes` the lowest are used, and the others show how far the result holds.
+        Measured modes; with `n_modes` the lowest are used, and the others validate the result.
 
     Raises
     ------
@@ -140,10 +140,10 @@ def _correction_result(
 def _connectivity_loss(
     completed: CompletedModel, model_matrices: dict[str, FloatArray], errors: dict[str, FloatArray]
 ) -> dict[str, float]:
-    """Return by matrix the norm of a correction outside the structure's connections over its whole norm.
+    """Return by matrix the norm of a correction between unconnected DoFs over its whole norm.
 
-    Each entry counts in units of its DoFs, sqrt(A_ii A_jj). Of a reduced model nothing is said: it has no
-    connections of the structure left.
+    Entries are scaled by the DoFs, sqrt(A_ii A_jj). A reduced model has no connections of the structure, and
+    no result.
     """
     if completed.pattern is None:
         return {}
@@ -163,7 +163,8 @@ def _nearest_modes(
 ) -> tuple[FloatArray, FloatArray]:
     """Return frequency, Hz, and MAC of the mode nearest to each measured one, (n_measured,) each.
 
-    Nearest in the mass, where modes are orthonormal: a MAC lets stiff DoFs that hardly move decide.
+    Nearest by mass-weighted products, in which modes are orthonormal: in a MAC stiff DoFs that hardly move
+    would decide.
     """
     overlap = (completed.shapes.T @ mass @ shapes) ** 2
     columns = _assignment(overlap)
@@ -174,9 +175,9 @@ def _nearest_modes(
 def _other_modes(
     problem: DirectProblem, correction: Correction, squares: FloatArray, shapes: FloatArray
 ) -> OtherModes:
-    """Return the model's modes that no measured one pairs with, beside what became of them.
+    """Return the model's modes without a measured partner, beside their corrected counterparts.
 
-    Rigid-body motions are held against the corrected matrices as a whole: which of them is first is chance.
+    Rigid-body motions are compared as one subspace: their order is arbitrary.
     """
     n_rigid_body = problem.n_rigid_body
     unpaired = np.setdiff1d(np.arange(n_rigid_body, len(problem.model_squares)), problem.partners)
@@ -199,7 +200,7 @@ def _other_modes(
 
 
 def _assignment(overlap: FloatArray) -> IntArray:
-    """Return the column of each row, each used once while they last, so that likeness adds up to most."""
+    """Return the column of each row with the largest total overlap, each used once as far as possible."""
     rows, columns = linear_sum_assignment(overlap, maximize=True)
     columns_of_rows = overlap.argmax(axis=1)
     columns_of_rows[rows] = columns

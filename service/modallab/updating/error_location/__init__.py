@@ -1,1 +1,1 @@
-"""Error location from one linear step: which coefficients a measurement speaks for."""
+"""Error location by one linear step of the coefficients."""

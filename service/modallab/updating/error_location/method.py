@@ -1,4 +1,4 @@
-"""What a method of error location is, and what it returns."""
+"""Methods of error location: their interface and their result."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -14,9 +14,9 @@ LOCATED = "errors are located, nothing is corrected"
 
 @dataclass(frozen=True, eq=False)
 class LinearProblem:
-    """Balanced differences between measurement and model, and how coefficients would move them."""
+    """Balanced differences between measurement and model, with their sensitivity matrix."""
 
-    sensitivity: FloatArray  # (n_rows, n_params) each row over its own size
+    sensitivity: FloatArray  # (n_rows, n_params) each row divided by its scale
     difference: FloatArray  # (n_rows,) measured minus model, likewise
 
     def __post_init__(self) -> None:
@@ -29,18 +29,22 @@ class LinearProblem:
 
 @dataclass(frozen=True, eq=False)
 class LinearLocation:
-    """Which coefficients a method suspects."""
+    """Suspected coefficients of one linear step."""
 
-    change: FloatArray  # (n_params,) of each coefficient, to first order; 0 where none was solved for
-    weight: FloatArray  # (n_params,) how much of the difference each stands for
-    suspected: BoolArray  # (n_params,)
-    remaining: FloatArray  # (k,) share of the difference left by 1, 2, ... of them; empty if not searched so
+    change: FloatArray
+    """First-order change of each coefficient (n_params,); 0 where none was solved for."""
+    weight: FloatArray
+    """Share of the difference that each change explains (n_params,)."""
+    suspected: BoolArray
+    """True for suspected coefficients (n_params,)."""
+    remaining: FloatArray
+    """Residual after 1, 2, ... coefficients, over the difference (k,); empty without subset selection."""
     rank: int
     condition_number: float
 
 
 class Locator(Protocol):
-    """Says which coefficients are wrong, from one linear step."""
+    """Method of error location by one linear step."""
 
     def __call__(self, problem: LinearProblem, *, threshold: float, jump: float) -> LinearLocation:
         """Return the suspected coefficients.
@@ -50,7 +54,7 @@ class Locator(Protocol):
         threshold
             Change of a coefficient below which it is not suspected.
         jump
-            Of singular values, where the rank ends.
+            Ratio of consecutive singular values that ends the rank.
         """
         ...
 
@@ -82,18 +86,28 @@ LOCATORS: Family[ErrorLocationMethod] = Family(
 
 @dataclass(frozen=True, eq=False)
 class LocationResult:
-    """Which members a measurement speaks against; the model stays as it is."""
+    """Members suspected by error location; the model stays unchanged."""
 
     locator: str
-    changes: Mapping[str, Mapping[int, float]]  # by part and member, to first order
-    weights: Mapping[str, Mapping[int, float]]  # share of the difference that each stands for
-    suspected: Mapping[str, tuple[int, ...]]  # members by part
-    remaining: FloatArray  # (k,) share of the difference left by 1, 2, ... coefficients
-    measured: FloatArray  # (n_modes,) Hz
-    frequencies: FloatArray  # (n_modes,) Hz, of the model's modes that pair with these
-    mac: FloatArray  # (n_modes,)
+    """Name of the method."""
+    changes: Mapping[str, Mapping[int, float]]
+    """First-order change of each coefficient, by part and member."""
+    weights: Mapping[str, Mapping[int, float]]
+    """Share of the difference that each change explains, by part and member."""
+    suspected: Mapping[str, tuple[int, ...]]
+    """Suspected members by part."""
+    remaining: FloatArray
+    """Residual after 1, 2, ... coefficients, over the difference (k,)."""
+    measured: FloatArray
+    """Hz, measured natural frequencies (n_modes,)."""
+    frequencies: FloatArray
+    """Hz, natural frequencies of the paired modes of the model (n_modes,)."""
+    mac: FloatArray
+    """Modal assurance criterion of each pair (n_modes,)."""
     rank: int
+    """Rank of the balanced sensitivity matrix."""
     condition_number: float
+    """Largest over smallest singular value within the rank."""
 
     def __post_init__(self) -> None:
         for name in ("remaining", "measured", "frequencies", "mac"):
@@ -101,7 +115,7 @@ class LocationResult:
 
     @property
     def coefficients(self) -> dict[str, dict[int, float]]:
-        """What members' matrices would be multiplied by, to first order."""
+        """First-order coefficients by part and member."""
         return {
             part: {member: Part(part).nominal + change for member, change in table.items()}
             for part, table in self.changes.items()

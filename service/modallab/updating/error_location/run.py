@@ -1,4 +1,4 @@
-"""Locate errors by one linear step from a model as it stands."""
+"""Error location by one linear step from the model."""
 
 import numpy as np
 
@@ -25,7 +25,7 @@ def locate(
     options: LocationOptions = DEFAULTS,
     progress: Progress = silent,
 ) -> LocationResult:
-    """Return the members that a method suspects, at measured DoFs and modes alone, without expansion.
+    """Return the members that a method suspects, at measured DoFs and modes without expansion.
 
     Parameters
     ----------
@@ -37,8 +37,8 @@ def locate(
     Raises
     ------
     UnderdeterminedError
-        If there are fewer measured numbers than coefficients, a measured mode pairs with none, or no
-        measured number moves with any coefficient.
+        If there are fewer measured numbers than coefficients, a measured mode has no partner, or no
+        measured number depends on any coefficient.
     UnknownDofError
         If the structure lacks a measured DoF.
     """

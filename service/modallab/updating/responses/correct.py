@@ -1,4 +1,4 @@
-"""Coefficients moved until a model's responses are the measured ones."""
+"""Path of an update on frequency responses: wavefield reconstruction, then logarithmic ratios."""
 
 from dataclasses import dataclass
 
@@ -31,16 +31,22 @@ from modallab.updating.sparse_bayes import Equations, Posterior
 
 @dataclass(frozen=True, eq=False)
 class ResponsePath:
-    """How the coefficients went, and what was believed of them at the end."""
+    """Iterations of an update on responses, and the posterior of the coefficients at the end."""
 
-    values: FloatArray  # (n_params,)
+    values: FloatArray
+    """Coefficients (n_params,)."""
     history: tuple[Iteration, ...]
     stop_reason: StopReason
     explanation: str
-    posterior: Posterior  # of their changes, `relative.log_changes`
-    linear: Equations  # at the values, by the coefficients, in units of their errors
-    initial_mean_square: float  # mean square of log ratios over their random error
+    """Reason for the end, for readers."""
+    posterior: Posterior
+    """Of the changes from nominal, `log_coefficients.log_changes`."""
+    linear: Equations
+    """Linearised log ratios at the values, in units of their errors."""
+    initial_mean_square: float
+    """Mean square of log ratios over their random error, nominal coefficients."""
     final_mean_square: float
+    """The same at the end."""
 
 
 def correct(
@@ -56,12 +62,12 @@ def correct(
     Parameters
     ----------
     coarse_model
-        The same model at fewer lines, for the first part of the path.
+        The same model at fewer lines, for wavefield reconstruction.
 
     Raises
     ------
     UnderdeterminedError
-        If no response moves with any coefficient.
+        If no response depends on any coefficient.
     """
     best: ResponsePath | None = None
     paths = list(zip(RESPONSE_PATH.error_factors, RESPONSE_PATH.max_steps, strict=True))
@@ -76,7 +82,7 @@ def correct(
 
 
 class _ResponsePathSolver:
-    """One path, step by step."""
+    """State of one path."""
 
     def __init__(self, model: ResponseModel, rule: OneStageRule, progress: Progress) -> None:
         self._model, self._rule, self._progress = model, rule, progress
@@ -86,7 +92,7 @@ class _ResponsePathSolver:
         self._history: list[Iteration] = []
 
     def run(self, coarse_model: ResponseModel, error_factor: float, max_steps: int) -> ResponsePath:
-        """Return the path whose first part has so many steps at most, each of `error_factor`."""
+        """Return the path with at most `max_steps` steps of wavefield reconstruction, then of log ratios."""
         initial_mean_square = self._mean_square(self._values)
         for _ in range(max_steps):
             model_error = error_factor * model_error_share(coarse_model, self._values)
@@ -109,7 +115,7 @@ class _ResponsePathSolver:
         )
 
     def _iterate_log_ratios(self) -> tuple[StopReason, str]:
-        """Walk on by log ratios alone, no step to where they miss much more than before."""
+        """Iterate log ratios to convergence, each step shortened until the mean square grows little."""
         mean_square_error = self._mean_square(self._values)
         for _ in range(self._rule.max_iterations):
             rows = log_rows(self._model, self._values)
@@ -144,7 +150,7 @@ class _ResponsePathSolver:
         return bounded_mean(self._parameterisation, self._posterior)
 
     def _coefficients_after(self, target_changes: FloatArray, fraction: float) -> FloatArray:
-        """Return the coefficients a share of the way to what is wanted, none doubled or halved."""
+        """Return the coefficients after a fraction of the step, none more than doubled or halved."""
         current_changes = log_changes(self._parameterisation, self._values)
         fraction = min(
             fraction,

@@ -1,4 +1,4 @@
-"""A model's motion at some lines: its receptances, and how they move with coefficients."""
+"""Displacement fields of a model: receptances at the measured lines and their derivatives."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ Solve = Callable[[ComplexArray], ComplexArray]  # forces (n_lines, n, k) to moti
 
 @dataclass(frozen=True, eq=False)
 class FieldDamping:
-    """What damping adds to dZ: a and omega a' of the mass, omega b' of the stiffness."""
+    """Damping terms of dZ: a and omega a' times mass, omega b' times stiffness."""
 
     mass: float  # a, rad^2/s^2
     viscous_mass: float  # a', 1/s
@@ -32,22 +32,22 @@ class FieldDamping:
 
 @dataclass(frozen=True, eq=False)
 class Fields:
-    """A model's motions at some lines, under unit forces at the sensors and at the inputs."""
+    """Displacement fields of a model under unit forces at sensors and inputs."""
 
-    lines: IntArray  # (n_lines,) places among those of the target
+    lines: IntArray  # (n_lines,) indices into the lines of the target
     omega: FloatArray  # (n_lines,) rad/s
-    to_outputs: ComplexArray  # (n_lines, n, n_out) m/N: Z^-1 S, of a symmetric Z also S^T Z^-1 turned
+    to_outputs: ComplexArray  # (n_lines, n, n_out) m/N: Z^-1 S, for symmetric Z the transpose of S^T Z^-1
     driven: ComplexArray  # (n_lines, n, n_in) m/N
     receptance: ComplexArray  # (n_lines, n_out, n_in) m/N
-    load: FloatArray  # (n_lines, n) N/m or N m: |K_jj| + omega^2 M_jj, which forces a wrong model leaves by
+    load: FloatArray  # (n_lines, n) N/m or N m: |K_jj| + omega^2 M_jj, scale of the force residual
     solve: Solve
     parts: tuple[PartMatrices, ...]
     law: FieldDamping
 
     def derivatives(self, motion: ComplexArray) -> ComplexArray:
-        """Return -S^T Z^-1 (dZ/dp) motion of every coefficient, (n_lines, n_out, n_in, n_params).
+        """Return -S^T Z^-1 (dZ/dp) u for a motion u and every coefficient, (n_lines, n_out, n_in, n_params).
 
-        Of the model's own motion these are the derivatives of its receptances, exactly.
+        For the model's own motion these are the exact derivatives of its receptances.
 
         Parameters
         ----------
@@ -71,12 +71,12 @@ class Fields:
 
 
 class ResponseModel:
-    """A structure, the coefficients that may move, and the responses it should have.
+    """Structure, correction coefficients and measured responses of an update.
 
     Raises
     ------
     InvalidInputError
-        If the damping of the structure is that of its modes.
+        If the structure has modal damping.
     UnknownDofError
         If the structure lacks a measured DoF.
     """
@@ -108,7 +108,7 @@ class ResponseModel:
         )  # N/m, of a translation
 
     def fields(self, values: FloatArray) -> Iterator[Fields]:
-        """Yield the motions at `values` (n_params,), of no more lines at once than memory is for."""
+        """Yield the displacement fields at `values` (n_params,), in groups of lines that fit into memory."""
         system, parts = self.model.system(values), self.model.parts(values, damped=True)
         n, n_columns = self._outputs.shape[0], self._outputs.shape[1] + self._inputs.shape[1]
         step = max(1, RESPONSE_PATH.field_numbers // (n * (n if n < EIGENSOLUTION.dense_dofs else n_columns)))
@@ -141,7 +141,7 @@ class ResponseModel:
 
 
 def solver(system: DynamicSystem, omega: FloatArray) -> Solve:
-    """Return what solves Z at every line: by inverses of all at once, of large models by factors of each."""
+    """Return a solver of Z x = f at all lines: dense inverses, or a factorisation a line for large models."""
     empty = csc_array(system.stiffness.shape)
     damping, viscous = (empty if matrix is None else matrix for matrix in (system.damping, system.viscous))
     if len(system.dofs) < EIGENSOLUTION.dense_dofs:
@@ -170,6 +170,6 @@ def _columns(rows: list[int], signs: list[int], n: int) -> ComplexArray:
 
 
 def _local(rows: IntArray, field: ComplexArray) -> ComplexArray:
-    """Return a field (n_lines, n, k) at the DoFs of each element, (n_lines, n_used, w, k), 0 where held."""
+    """Return a field (n_lines, n, k) at the DoFs of each element, (n_lines, n_used, w, k), 0 if supported."""
     zero_row = np.zeros((len(field), 1, field.shape[2]), complex)
     return np.concatenate([field, zero_row], axis=1)[:, rows]

@@ -1,4 +1,4 @@
-"""What an updating method is that takes frequency responses instead of modes."""
+"""Interface of updating methods on frequency responses."""
 
 from dataclasses import dataclass
 from typing import Any, Protocol
@@ -14,7 +14,7 @@ from modallab.updating.responses.target import TargetResponses
 
 
 class ResponseUpdater(Protocol):
-    """Corrects a model until its frequency responses are the measured ones."""
+    """Updating method that corrects a model to measured frequency responses."""
 
     def __call__(
         self,

@@ -1,4 +1,4 @@
-"""How well a model's frequency responses are the measured ones."""
+"""Agreement of a model's frequency responses with the measured ones."""
 
 from dataclasses import dataclass
 
@@ -8,19 +8,30 @@ from modallab.core.dof import Dof
 
 @dataclass(frozen=True, eq=False)
 class ResponseFit:
-    """Mean squares of ln(H_measured / H_model) over its random error: 1 if only that is left."""
+    """Mean squares of ln(H_measured / H_model) over its random error: 1 for random errors alone."""
 
-    freq: FloatArray  # (n_lines,) Hz, of the lines that coefficients were found by
+    freq: FloatArray
+    """Hz, fitted lines (n_lines,)."""
     outputs: tuple[Dof, ...]
+    """Measured DoFs."""
     inputs: tuple[Dof, ...]
+    """Driven DoFs."""
     before: float
+    """Mean square with nominal coefficients."""
     after: float
-    scatter: float  # standard deviation of such a mean over the same numbers, by random error alone
-    by_frf_before: FloatArray  # (n_out, n_in); 0 of an FRF that says nothing
+    """Mean square with updated coefficients."""
+    scatter: float
+    """Standard deviation of such a mean square by random errors alone."""
+    by_frf_before: FloatArray
+    """Mean square of each FRF before (n_out, n_in); 0 for an unused FRF."""
     by_frf_after: FloatArray
-    n_held_out: int  # lines that were looked at only afterwards
-    held_out_before: float | None  # None where every line was used
+    """Mean square of each FRF after (n_out, n_in)."""
+    n_held_out: int
+    """Lines held out of the fit."""
+    held_out_before: float | None
+    """Mean square of held-out lines before; None where every line was fitted."""
     held_out_after: float | None
+    """Mean square of held-out lines after; None where every line was fitted."""
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "freq", frozen(self.freq, float, (None,), name="freq"))

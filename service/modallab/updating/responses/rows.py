@@ -1,4 +1,4 @@
-"""What a model misses of measured responses, made linear in the coefficients, in units of its error."""
+"""Linearised equations of measured responses, in units of their random errors."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -12,29 +12,29 @@ from modallab.updating.responses.fields import Fields, ResponseModel
 from modallab.updating.responses.settings import RESPONSE_PATH
 from modallab.updating.responses.target import TargetResponses
 
-Linear = tuple[ComplexArray, ComplexArray]  # rows (n_lines, n, n_params) and what is missed (n_lines, n)
+Linear = tuple[ComplexArray, ComplexArray]  # rows (n_lines, n, n_params) and residuals (n_lines, n)
 
 
 @dataclass(frozen=True, eq=False)
 class Rows:
-    """Linear equations of a model, line by line: real and imaginary parts are rows of their own."""
+    """Linear equations, line by line; real and imaginary parts are rows of their own."""
 
     matrix: FloatArray  # (n_rows, n_params)
     residual: FloatArray  # (n_rows,)
-    line: IntArray  # (n_rows,) place of the line that a row is of
+    line: IntArray  # (n_rows,) index of the line of a row
 
     def blocks(self, numbers: int) -> IntArray:
-        """Return the band of lines that each row is in, (n_rows,), with about so many rows or more each."""
+        """Return the frequency band of each row (n_rows,), of at least about `numbers` rows each."""
         first = np.searchsorted(self.line, self.line)
         bands = first * max(1, len(self.line) // numbers) // len(self.line)
         return np.asarray(np.unique(bands, return_inverse=True)[1])
 
 
 def log_ratios(target: TargetResponses, model: ComplexArray) -> ComplexArray:
-    """Return ln(H_measured / H_model) over its random error, 0 where nothing is said, (n_lines, n_out, n_in).
+    """Return ln(H_measured / H_model) over its random error, 0 for unused numbers, (n_lines, n_out, n_in).
 
-    Real and imaginary part, of size and of phase, have variance 1 each if only random errors are left, and
-    are independent: what outputs have in common through the force counts once.
+    Real part (magnitude) and imaginary part (phase) have variance 1 each if only random errors are left, and
+    are independent: the error that outputs share through the force counts once.
     """
     counts = target.used & (model != 0)
     ratio = np.divide(target.values, model, out=np.ones(model.shape, complex), where=counts)
@@ -44,13 +44,13 @@ def log_ratios(target: TargetResponses, model: ComplexArray) -> ComplexArray:
 def mean_square(
     residual: ComplexArray, target: TargetResponses, axis: tuple[int, ...] | None = None
 ) -> FloatArray:
-    """Return the mean square of log ratios by their parts, 1 if only random errors are left."""
+    """Return the mean square of log ratios, 1 for random errors alone."""
     total, count = (np.abs(residual) ** 2).sum(axis=axis), target.used.sum(axis=axis)
     return np.asarray(total / np.maximum(2 * count, 1))
 
 
 def log_rows(model: ResponseModel, values: FloatArray) -> Rows:
-    """Return equations of log ratios at `values` (n_params,): d ln H = dH / H."""
+    """Return linearised log ratios at `values` (n_params,): d ln H = dH / H."""
 
     def linear(fields: Fields, target: TargetResponses) -> Linear:
         n_lines = len(fields.lines)
@@ -68,11 +68,11 @@ def log_rows(model: ResponseModel, values: FloatArray) -> Rows:
 
 @dataclass(frozen=True, eq=False)
 class Misfit:
-    """What a model misses at some lines, in directions in which random and model errors are told apart.
+    """Response residuals in directions that separate random errors from model errors.
 
-    Forces that a wrong model leaves unbalanced are random, at each line anew, with covariance
-    w^2 k |H|^2 diag(|K_jj| + omega^2 M_jj), where the model is wrong by a share w of its stiffness. What is
-    measured then scatters about the model by C = S (I + w^2 V diag(g) V^H) S, S the random errors.
+    A wrong model leaves unbalanced forces, taken as random and independent at each line, with covariance
+    w^2 k |H|^2 diag(|K_jj| + omega^2 M_jj) for a model wrong by a share w of its stiffness. The measured
+    responses then scatter about the model by C = S (I + w^2 V diag(g) V^H) S, S the random errors.
     """
 
     residual: ComplexArray  # (n_lines, n_in, n_out) V^H S^-1 (H_measured - H_model)
@@ -82,7 +82,7 @@ class Misfit:
 
     @classmethod
     def of(cls, model: ResponseModel, fields: Fields, target: TargetResponses) -> "Misfit":
-        """Return what a model misses at the lines of its fields."""
+        """Return the residuals of a model at the lines of its fields."""
         used, measured = target.used.swapaxes(1, 2), target.values.swapaxes(1, 2)
         least = RESPONSE_PATH.zero_response_error * target.sizes[..., None] * target.errors.swapaxes(1, 2)
         error = np.hypot(np.abs(measured) * target.errors.swapaxes(1, 2), least)
@@ -92,7 +92,7 @@ class Misfit:
         scatter = (flexible * fields.load[:, None]) @ flexible.conj().swapaxes(1, 2)
         scale = model.stiffness * target.sizes**2
         spread = scale[..., None, None] * scatter[:, None] * weight[..., None] * weight[..., None, :]
-        # Responses that are not used have a direction each, far from those of all others: to be left out.
+        # Unused responses get eigenvectors of their own, far from the others, which are left out.
         trace = np.trace(spread, axis1=2, axis2=3)[..., None].real
         diagonal = np.arange(spread.shape[-1])
         spread[..., diagonal, diagonal] -= np.where(used, 0.0, 1 + trace)
@@ -104,7 +104,7 @@ class Misfit:
 
 
 def model_error_share(model: ResponseModel, values: FloatArray) -> float:
-    """Return the share of its stiffness that a model is wrong by if it misses nothing but that, 0 if none."""
+    """Return the share w of its stiffness that explains the misfit of a model; 0 for random errors alone."""
     misfits = [Misfit.of(model, fields, model.target.at(fields.lines)) for fields in model.fields(values)]
     square = np.concatenate([np.abs(fields.residual).ravel() ** 2 for fields in misfits])
     eigenvalues = np.concatenate([fields.eigenvalues.ravel() for fields in misfits])
@@ -122,11 +122,11 @@ def model_error_share(model: ResponseModel, values: FloatArray) -> float:
 
 
 def reconstruction_rows(model: ResponseModel, values: FloatArray, model_error: float) -> Rows:
-    """Return equations at `values` (n_params,) of a model taken to be wrong by a share of its stiffness.
+    """Return the equations of wavefield reconstruction at `values` (n_params,), for a given model error w.
 
-    With C of `Misfit` the motion most likely is u = u_model + Z^-1 q, q the forces left unbalanced, and
-    the model moves by -alpha dZ u: as if the responses of the structure, and not its own, were known
-    everywhere. Wavefield reconstruction: van Leeuwen and Herrmann (2013), Geophysical Journal
+    With C of `Misfit` the most likely motion is u = u_model + Z^-1 q, q the unbalanced forces, and the
+    derivative of the model is -alpha dZ u, with the reconstructed motion of the structure in place of the
+    model's own. Wavefield reconstruction inversion: van Leeuwen and Herrmann (2013), Geophysical Journal
     International 195, 661-667.
     """
 
@@ -149,7 +149,7 @@ def reconstruction_rows(model: ResponseModel, values: FloatArray, model_error: f
 def _stacked_rows(
     model: ResponseModel, values: FloatArray, linear: Callable[[Fields, TargetResponses], Linear]
 ) -> Rows:
-    """Return the rows of all lines, line by line: the real parts of each, then the imaginary ones."""
+    """Return the rows of all lines, line by line: real parts of each, then imaginary parts."""
     matrices, residuals = [], []
     for fields in model.fields(values):
         rows, residual = linear(fields, model.target.at(fields.lines))
@@ -158,5 +158,5 @@ def _stacked_rows(
     matrix, residual = np.concatenate(matrices), np.concatenate(residuals)
     line = np.repeat(np.arange(len(residual)), residual.shape[1])
     matrix, residual = matrix.reshape(-1, matrix.shape[-1]), residual.ravel()
-    is_nonzero = (residual != 0) | matrix.any(axis=1)  # numbers that are not used are rows of zeros
+    is_nonzero = (residual != 0) | matrix.any(axis=1)  # unused numbers are rows of zeros
     return Rows(matrix[is_nonzero], residual[is_nonzero], line[is_nonzero])

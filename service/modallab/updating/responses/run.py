@@ -1,4 +1,4 @@
-"""Updating on frequency responses: what all coefficients came to, how sure, and which are wrong."""
+"""Updating on frequency responses: coefficients, their errors and the suspected members."""
 
 import numpy as np
 
@@ -32,7 +32,7 @@ def update_on_responses(
     options: ResponseUpdateOptions,
     progress: Progress,
 ) -> UpdateResult:
-    """Return the model corrected to the responses, and how it was found."""
+    """Return the model corrected to the measured responses, all coefficients at once."""
     model = CorrectedModel(Assembly(structure, joint_rotations=True), parameterisation)
     full_model = ResponseModel(model, target)
     fitted_target = target.at(target.evenly_spaced(RESPONSE_PATH.max_numbers))
@@ -70,7 +70,7 @@ def update_on_responses(
 
 
 def check_determined(target: TargetResponses, n_params: int, options: ResponseUpdateOptions) -> None:
-    """Raise `UnderdeterminedError` if there are too few measured numbers, unless the prior is to decide."""
+    """Raise `UnderdeterminedError` for fewer measured numbers than coefficients, unless regularised."""
     if target.n_numbers < n_params and options.underdetermined is not Underdetermined.REGULARISED:
         raise UnderdeterminedError(
             f"{target.n_numbers} measured numbers cannot determine {n_params} coefficients",
@@ -81,7 +81,7 @@ def check_determined(target: TargetResponses, n_params: int, options: ResponseUp
 
 
 def _misfit_note(path: ResponsePath) -> str:
-    """Return by how much responses are missed, as words to add; nothing if errors explain it."""
+    """Return a note on the misfit of responses; empty if errors explain it."""
     if path.final_mean_square < RESPONSE_PATH.explained_mean_square:
         return ""
     return f"; responses are missed by {np.sqrt(path.final_mean_square):.2g} times their random errors"
@@ -90,7 +90,7 @@ def _misfit_note(path: ResponsePath) -> str:
 def _identifiability(
     parameterisation: Parameterisation, path: ResponsePath, options: ResponseUpdateOptions
 ) -> Identifiability:
-    """Return what the data say without the prior, each band as uncertain as it turned out to be."""
+    """Return the identifiability by the data alone, with the block variances of the posterior."""
     linear = path.linear
     scales = np.maximum(path.posterior.block_variances, linear.floors**2)[linear.block]
     residual = linear.values / np.sqrt(scales)
@@ -102,7 +102,7 @@ def _identifiability(
 
 
 def _frequencies(model: CorrectedModel, values: FloatArray, top: float) -> Stages:
-    """Return the elastic modes of the model, before and after, as many as it had in the band at first."""
+    """Return natural frequencies of the elastic modes in the band, before and after the update."""
     initial, updated = (
         model.system(at).modes(top).elastic().frequencies for at in (model.parameterisation.nominal, values)
     )
@@ -113,7 +113,7 @@ def _frequencies(model: CorrectedModel, values: FloatArray, top: float) -> Stage
 def _response_fit(
     full_model: ResponseModel, fitted_target: TargetResponses, path: ResponsePath
 ) -> ResponseFit:
-    """Return how well the model's responses are the measured ones, at lines used and held out."""
+    """Return the agreement of responses at fitted and held-out lines."""
     target = full_model.target
     is_fitted = np.isin(target.freq, fitted_target.freq)
     residuals = [

@@ -1,4 +1,4 @@
-"""Measured frequency responses as those of a model can be held against them."""
+"""Measured frequency responses in the form in which a model is compared with them."""
 
 from dataclasses import dataclass, replace
 
@@ -16,14 +16,14 @@ from modallab.updating.responses.settings import RESPONSE_ERRORS
 
 @dataclass(frozen=True, eq=False)
 class TargetResponses:
-    """Receptances on some lines, and how far off they may be."""
+    """Receptances at some lines, with their random errors."""
 
     freq: FloatArray  # (n_lines,) Hz, above zero
     values: ComplexArray  # (n_lines, n_out, n_in) m/N
     errors: FloatArray  # (n_lines, n_out, n_in) standard error of ln |H|, also of the phase in radians
-    used: BoolArray  # (n_lines, n_out, n_in) False of numbers that say nothing
-    # (n_lines, n_out, n_in) share of a squared error that all outputs of an input have in common: a random
-    # number of each line that multiplies them all.
+    used: BoolArray  # (n_lines, n_out, n_in) False for numbers without information
+    # (n_lines, n_out, n_in) share of the variance that all outputs of an input have in common: noise of the
+    # force, one random factor for each line
     common: FloatArray
     outputs: tuple[Dof, ...]
     inputs: tuple[Dof, ...]
@@ -36,22 +36,22 @@ class TargetResponses:
 
     @property
     def n_numbers(self) -> int:
-        """How many real numbers were measured: size and phase of every response that is used."""
+        """Number of real numbers: magnitude and phase of every used response."""
         return 2 * int(self.used.sum())
 
     @property
     def sizes(self) -> FloatArray:
-        """(n_lines, n_in) m/N, root mean square of the responses at a line."""
+        """(n_lines, n_in) m/N, root mean square of the used responses at a line."""
         power = np.where(self.used, np.abs(self.values) ** 2, 0.0).sum(axis=1)
         return np.asarray(np.sqrt(power / np.maximum(self.used.sum(axis=1), 1)))
 
     def at(self, lines: IntArray) -> "TargetResponses":
-        """Return the same responses at some of the lines."""
+        """Return the responses at some of the lines."""
         arrays = {name: getattr(self, name)[lines] for name in ("freq", "values", "errors", "used", "common")}
         return replace(self, **arrays)
 
     def evenly_spaced(self, numbers: int) -> IntArray:
-        """Return lines over the whole band that hold no more than so many real numbers, or one line."""
+        """Return indices of evenly spaced lines with at most `numbers` real numbers, at least one line."""
         n = len(self.freq)
         most = max(1, min(n, numbers // max(1, 2 * self.values[0].size)))
         return np.unique(np.linspace(0, n - 1, most).round().astype(int))
@@ -64,27 +64,28 @@ def target_responses(
     noise_floor: float | None = None,
     common: FloatArray | None = None,
 ) -> TargetResponses:
-    """Return measured responses, lines at 0 Hz left out, as receptances with their random errors.
+    """Return measured responses above 0 Hz as receptances with their random errors.
 
-    sqrt((1 - g2) / (2 g2 (n_d - 2))) of coherence g2, which is estimated too; besides, what is stated, of
-    the median of each FRF: noise is not smaller where a structure hardly moves. 1992 thesis, eq. [5.16].
-    Sizes are such that averages weighted by these errors, which depend on chance too, have no bias.
+    Random errors are sqrt((1 - g2) / (2 g2 (n_d - 2))) with coherence g2, which is an estimate too, and the
+    stated noise floor relative to the median of each FRF, as noise is not smaller where a structure
+    hardly moves. 1992 thesis, eq. [5.16]. The bias of averages weighted by these errors, which depend on
+    chance too, is removed.
 
     Parameters
     ----------
     coherence
         (n_freq, n_out), or (n_freq, n_out, n_in) where each FRF has its own.
     averages, noise_floor
-        Effective, independent; relative random error of the FRFs that their owner states.
+        Effective number of independent averages; stated relative random error of the FRFs.
     common
-        (n_freq, n_out, n_in) variance of ln |H| that is noise of the force, in all outputs of an input
-        alike; None where each has its own.
+        (n_freq, n_out, n_in) variance of ln |H| by noise of the force, common to all outputs of an input;
+        None without.
 
     Raises
     ------
     InvalidInputError
-        If neither coherence with more than two averages nor a noise floor is given, or no line says
-        anything.
+        If neither coherence with more than two averages nor a noise floor is given, or no response is
+        usable.
     """
     _check_errors_known(coherence, averages, noise_floor)
     lines = frf.freq > 0
@@ -97,7 +98,7 @@ def target_responses(
     )
     errors = _errors(size, line_coherence, averages, noise_floor)
     common_variance = np.zeros(size.shape) if common is None else common[lines]
-    # What coherence tells of a line is a matter of chance; what is common is of all outputs alike.
+    # The error by coherence is random itself; the common error is a lower bound of it.
     errors = np.maximum(errors, np.sqrt(common_variance / FORCE_NOISE.max_common_fraction))
     used = (size > SAFE_SQUARED_DIVISOR) & (errors < RESPONSE_ERRORS.max_error)
     if not used.any():
@@ -121,7 +122,7 @@ def target_responses(
 def _errors(
     size: FloatArray, coherence: FloatArray | None, averages: float, noise_floor: float | None
 ) -> FloatArray:
-    """Return the standard errors of the logarithms of sizes, (n_lines, n_out, n_in) both."""
+    """Return the standard errors of log magnitudes, (n_lines, n_out, n_in)."""
     errors = np.full(size.shape, RESPONSE_ERRORS.model_error)
     if coherence is not None:
         errors = np.hypot(errors, _random_error(size, coherence, averages))
@@ -139,10 +140,10 @@ def _random_error(size: FloatArray, coherence: FloatArray, averages: float) -> F
 def _bias(
     size: FloatArray, coherence: FloatArray | None, averages: float, variance: FloatArray, common: FloatArray
 ) -> FloatArray:
-    """Return by how much ln |H| is too large on weighted average, shaped as all of these.
+    """Return the bias of ln |H| in weighted averages, (n_lines, n_out, n_in).
 
-    The larger a line came out by chance of its own, the higher is its coherence, and it weighs the more:
-    its weight goes as |H|^2, and the average is off by twice the variance.
+    A line whose magnitude is too large by chance has a higher coherence and more weight: the weight goes as
+    |H|^2, and the average is off by twice the variance.
     """
     if coherence is None:
         return np.zeros(size.shape)
@@ -154,7 +155,7 @@ def _bias(
 
 
 def _check_errors_known(coherence: FloatArray | None, averages: float, noise_floor: float | None) -> None:
-    """Raise `InvalidInputError` if nothing tells how large random errors are."""
+    """Raise `InvalidInputError` if random errors are neither estimated nor stated."""
     if noise_floor is not None or (coherence is not None and averages > RESPONSE_ERRORS.unknown_averages):
         return
     raise InvalidInputError(

@@ -1,4 +1,4 @@
-"""Which updates a study is made of."""
+"""Plan of a study: method, noise levels, divisions into macro elements and seeds."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -23,7 +23,7 @@ NOISE_LEVELS: Mapping[str, ModeNoise] = {
 
 @dataclass(frozen=True)
 class Level:
-    """How noisy the modes are."""
+    """Noise level of the modes."""
 
     name: str
     noise: ModeNoise
@@ -31,7 +31,7 @@ class Level:
 
 @dataclass(frozen=True)
 class Division:
-    """How members share coefficients."""
+    """Division of members into macro elements."""
 
     name: str
     parameterisation: Parameterisation
@@ -39,9 +39,9 @@ class Division:
 
 @dataclass(frozen=True)
 class StudyPlan:
-    """A method tried on modes of every level of noise, division and seed.
+    """Updates of a study: one for each noise level, division and seed.
 
-    A seed draws the same errors at every level, but for their size, and in every division.
+    A seed gives the same errors at every level, apart from their size, and in every division.
 
     Raises
     ------
@@ -89,7 +89,7 @@ class StudyPlan:
         return self.divisions[0].parameterisation.parts
 
     def run(self, index: int) -> tuple[Level, Division, int]:
-        """Return level, division and seed of a run; seeds change fastest."""
+        """Return level, division and seed of a run; seeds vary fastest."""
         level_and_division, seed = divmod(index, len(self.seeds))
         level, division = divmod(level_and_division, len(self.divisions))
         return self.levels[level], self.divisions[division], self.seeds[seed]

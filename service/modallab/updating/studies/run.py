@@ -1,4 +1,4 @@
-"""One update of a study, and how far it ended from the truth."""
+"""One update of a study, compared with the true coefficients."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
@@ -23,24 +23,34 @@ from modallab.updating.studies.truth import Values, erroneous_coefficients
 
 @dataclass(frozen=True)
 class StudyUpdate:
-    """How one update went; numbers are None of one that could not be made."""
+    """Result of one update of a study; numbers are None where the update failed."""
 
     level: str
+    """Name of the noise level."""
     division: str
+    """Name of the division into macro elements."""
     seed: int
+    """Seed of the noise."""
     converged: bool
+    """True if the update converged."""
     stopped_because: str
-    suspected: Mapping[str, tuple[int, ...]]  # members by part
-    all_suspected: bool  # every coefficient that is wrong was suspected
-    n_unfounded: int  # coefficients suspected that are right
-    coefficient_error: float | None = None  # the largest, |found - true|
-    # the largest of the updated model, relative to the truth; None of a method that only locates
+    """Reason for the end, for readers."""
+    suspected: Mapping[str, tuple[int, ...]]
+    """Suspected members by part."""
+    all_suspected: bool
+    """True if every wrong coefficient was suspected."""
+    n_unfounded: int
+    """Suspected coefficients that are right."""
+    coefficient_error: float | None = None
+    """Largest absolute error of a coefficient."""
     frequency_error: float | None = None
-    coverage: float | None = None  # share of 95 % intervals that hold the truth; None without intervals
+    """Largest relative error of a natural frequency of the updated model; None for error location."""
+    coverage: float | None = None
+    """Share of 95 % intervals that hold the true coefficient; None without intervals."""
 
     @property
     def succeeded(self) -> bool:
-        """True if the method came to an end."""
+        """True if the method gave a result."""
         return self.coefficient_error is not None
 
 
@@ -52,14 +62,14 @@ def run_once(
     true: Values,
     progress: Progress = silent,
 ) -> tuple[StudyUpdate, FloatArray | None]:
-    """Return how one run of a study went, and its coefficients (n_coefficients,) in the order of `true`.
+    """Return the result of one run of a study, and its coefficients (n_coefficients,) in the order of `true`.
 
-    A run that cannot be made says why and has no coefficients.
+    A failed run states its reason and has no coefficients.
 
     Parameters
     ----------
     truth
-        What is measured.
+        System whose modes are measured.
     true
         From `true_coefficients`.
 
@@ -82,7 +92,7 @@ def run_once(
 
 
 def failed_run(plan: StudyPlan, index: int, why: str) -> StudyUpdate:
-    """Return a run that could not be made."""
+    """Return the result of a failed run."""
     level, division, seed = plan.run(index)
     return StudyUpdate(level.name, division.name, seed, False, why, {}, all_suspected=False, n_unfounded=0)
 

@@ -1,4 +1,4 @@
-"""What comes back from a study."""
+"""Result of a study."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -14,28 +14,42 @@ from modallab.updating.studies.truth import Values, erroneous_coefficients
 
 @dataclass(frozen=True)
 class StudyCell:
-    """The runs of one level and division; quantiles are of those that were made."""
+    """Statistics of the runs of one level and division; quantiles are of successful runs."""
 
     level: str
+    """Name of the noise level."""
     division: str
+    """Name of the division into macro elements."""
     n_runs: int
-    n_failed: int  # could not be made
+    """Number of runs."""
+    n_failed: int
+    """Runs without a result."""
     n_converged: int
-    suspected: float  # share of all runs in which every wrong coefficient was suspected
-    unfounded: float  # suspects that are right, mean over the runs that were made
-    coefficient_error: tuple[float, float] | None  # median and 90 % of the largest error of a run
+    """Runs that converged."""
+    suspected: float
+    """Share of all runs in which every wrong coefficient was suspected."""
+    unfounded: float
+    """Suspected coefficients that are right, mean of successful runs."""
+    coefficient_error: tuple[float, float] | None
+    """Median and 90 % quantile of the largest error of a coefficient in a run."""
     frequency_error: tuple[float, float] | None
-    coverage: float | None  # mean
+    """Median and 90 % quantile of the largest relative error of a frequency in a run."""
+    coverage: float | None
+    """Mean share of 95 % intervals that hold the true coefficient."""
 
 
 @dataclass(frozen=True, eq=False)
 class Study:
-    """A method tried on noisy modes of a known structure."""
+    """Study of an updating method on noisy modes of a known structure."""
 
     plan: StudyPlan
-    true: Values  # coefficients of every member
+    """Plan of the study."""
+    true: Values
+    """True coefficients by part and member."""
     runs: tuple[StudyUpdate, ...]
-    coefficients: FloatArray  # (n_made, n_coefficients) of the runs that were made, in the order of `true`
+    """Results of all runs."""
+    coefficients: FloatArray
+    """Estimated coefficients of successful runs (n_succeeded, n_coefficients), in the order of `true`."""
 
     def __post_init__(self) -> None:
         shape = (sum(run.succeeded for run in self.runs), sum(map(len, self.true.values())))
@@ -44,12 +58,12 @@ class Study:
 
     @property
     def wrong(self) -> dict[str, dict[int, float]]:
-        """The coefficients that are to be found."""
+        """True coefficients that differ from nominal."""
         return erroneous_coefficients(self.true)
 
     @property
     def cells(self) -> tuple[StudyCell, ...]:
-        """The table: one row a level and division."""
+        """Table of the study: one row a level and division."""
         n = len(self.plan.seeds)
         return tuple(_cell(self.runs[i : i + n]) for i in range(0, len(self.runs), n))
 

@@ -1,4 +1,4 @@
-"""What an update has to find."""
+"""True coefficients of a changed structure."""
 
 from collections.abc import Mapping
 
@@ -17,7 +17,7 @@ Values = Mapping[str, Mapping[int, float]]  # by part and member
 
 
 def erroneous_coefficients(true: Values) -> dict[str, dict[int, float]]:
-    """Return the coefficients that are not those of no change."""
+    """Return the coefficients that differ from nominal."""
     return {
         part: {
             n: value for n, value in table.items() if abs(value - Part(part).nominal) > COMPARISON_ROUNDING
@@ -27,16 +27,15 @@ def erroneous_coefficients(true: Values) -> dict[str, dict[int, float]]:
 
 
 def true_coefficients(model: Structure, truth: Structure, parts: tuple[Part, ...]) -> Values:
-    """Return what an update of the model has to find, by part and member: the truth's factors over its own.
+    """Return the true coefficients by part and member: the factors of the truth over those of the model.
 
-    Only what multiplies a member's matrices is compared, and loss factors, and sizes where these are to be
-    corrected; whatever else differs has no coefficient.
+    Only factors of members' matrices are compared, loss factors, and sizes where these are corrected; other
+    differences have no coefficient.
 
     Raises
     ------
     InvalidInputError
-        If the structures have other members, or stiffness or modulus changes otherwise in bending than in
-        extension.
+        If the structures have different members, or stiffness or modulus differ in bending and extension.
     """
     members = [member.number for member in model.all_members]
     if members != [member.number for member in truth.all_members]:
