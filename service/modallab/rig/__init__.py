@@ -1,1 +1,1 @@
-"""The virtual test rig: what a log book declares, and what a measurement makes of a structure."""
+"""Virtual test rig: hardware and settings as declared, and simulated measurements."""

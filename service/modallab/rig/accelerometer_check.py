@@ -1,4 +1,4 @@
-"""Whether the band stays within the useful range of the accelerometers."""
+"""Check of the accelerometers' useful frequency range."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -12,7 +12,7 @@ from modallab.rig.setup import RigSetup
 
 @dataclass(frozen=True)
 class AccelerometerCheck:
-    """How far the band reaches into the mounted resonance."""
+    """Error of the accelerometers at the top of the band, from their mounted resonance."""
 
     name: ClassVar[str] = "useful_range"
     rule: ClassVar[str] = "at the top of the band accelerometers read within 10 %"
@@ -24,12 +24,12 @@ class AccelerometerCheck:
 
     @property
     def fulfilled(self) -> bool:
-        """Whether readings are right enough in all of the band."""
+        """Whether the error is within the limit over the whole band."""
         return self.frequency_max <= self.within_10_percent
 
 
 def accelerometer_checks(setup: RigSetup) -> tuple[AccelerometerCheck, ...]:
-    """Return how the band lies to the accelerometers' useful range; nothing where they are ideal.
+    """Return the check of the useful range; empty for ideal accelerometers.
 
     1/(1 - r^2 + i loss r) at r = f/f_0, exactly: f_0/3 and f_0/5 are rules of thumb for it.
     """

@@ -1,4 +1,4 @@
-"""What the analyser knows of the signals when it turns them into numbers."""
+"""Signal levels and sampling that the analyser uses."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -26,7 +26,7 @@ def sample_rate_of(analyser: Analyser) -> float:
 
 @dataclass(frozen=True, eq=False)
 class Acquisition:
-    """The settings and the size of the signals of every run; forces come first among the channels."""
+    """Analyser settings and signal levels of every run; force channels come first."""
 
     analyser: Analyser
     n_in: int
@@ -40,7 +40,7 @@ class Acquisition:
         return sample_rate_of(self.analyser)
 
     def channel_mask(self, concerned: Callable[[Channel], bool]) -> BoolArray:
-        """Return which channels of every run are concerned, (n_run, n_ch)."""
+        """Return the mask (n_run, n_ch) of the channels that satisfy a condition."""
         return np.array([[concerned(channel) for channel in run] for run in self.channels])
 
 

@@ -1,4 +1,4 @@
-"""The settings of the FFT analyser."""
+"""Settings of the FFT analyser."""
 
 from dataclasses import dataclass, field, replace
 from typing import Literal
@@ -63,12 +63,12 @@ class Analyser:
 
     @property
     def line_window_kind(self) -> str:
-        """The window that lines are seen through: none where each is measured on its own."""
+        """Name of the window that acts on the lines: rectangular for stepped excitation."""
         return "rectangular" if EXCITATIONS[self.excitation.kind].line_by_line else self.window
 
     @property
     def line_window(self) -> Window:
-        """The same, with what it is set to."""
+        """The window that acts on the lines, with its parameters."""
         window = WINDOWS[self.line_window_kind]
         return replace(
             window,

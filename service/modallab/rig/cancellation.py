@@ -7,7 +7,7 @@ from modallab.rig.setup import AcquisitionRun
 def with_mass_cancelled(
     force: ComplexArray, response: ComplexArray, acquisition_run: AcquisitionRun, mass: float
 ) -> ComplexArray:
-    """Return F - m a, with a the reading at the drive point, where that is heard in the same run.
+    """Return F - m a, with a the acceleration at the drive point, if the same run measures it.
 
     Exact for a mass that moves along the gauge's axis with an accelerometer that reads right; what it
     does across the axis, or turning, stays in the FRF (1992 thesis, section 5.4.5). A run that does not

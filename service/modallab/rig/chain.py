@@ -1,4 +1,4 @@
-"""A structure, a rig and effects put together: what each run's channels do at any frequency."""
+"""Measuring chain: structure, rig and effects, as frequency responses of every run's channels."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -55,7 +55,7 @@ def _forces_of_drives(drives: tuple[Drive, ...], omega: FloatArray, alpha: Compl
 
 @dataclass(frozen=True, eq=False)
 class Chain:
-    """The loaded structure of every run, and what stands before and behind it."""
+    """The measuring chain: loaded structure, exciters, channels and noise of every run."""
 
     setup: RigSetup
     runs: tuple[Run, ...]
@@ -65,18 +65,18 @@ class Chain:
 
     @property
     def n_in(self) -> int:
-        """How many sources drive at the same time."""
+        """Number of simultaneous sources."""
         return len(self.runs[0].drives)
 
     @property
     def local_rms(self) -> FloatArray | None:
-        """(n_run, r) root mean squares that nonlinear forces take, m or m/s; None where one takes none."""
+        """(n_run, r) root mean square motions at the nonlinear forces, m or m/s; None if one is at rest."""
         rms = np.array([[force.rms for force in run.local_forces] for run in self.runs])
         return rms if rms.size and rms.all() else None
 
     @property
     def overlap(self) -> float:
-        """Share of a record that the next one has in common with it.
+        """Share of a record that overlaps with the next one.
 
         Nothing where the declared excitation starts anew for every record.
         """
@@ -84,15 +84,15 @@ class Chain:
         return analyser.overlap if EXCITATIONS[analyser.excitation.kind].continuous > 0 else 0.0
 
     def respond(self, freq: FloatArray) -> ChannelResponse:
-        """Return what the channels of every run show at `freq` (n_freq,) Hz, per source."""
+        """Return the channels' response to the sources at `freq` (n_freq,) Hz."""
         return self.source_and_residual_response(freq)[0]
 
     def residual_response(self, freq: FloatArray) -> ChannelResponse:
-        """Return what the channels show per newton of each nonlinear force's residual."""
+        """Return the channels' response to the residual of each nonlinear force."""
         return self.source_and_residual_response(freq)[1]
 
     def source_and_residual_response(self, freq: FloatArray) -> tuple[ChannelResponse, ChannelResponse]:
-        """Return both, for less than each on its own."""
+        """Return both responses; one solution serves both."""
         response, n_in = self._responses(freq), self.n_in
         parts = (response.force, response.response, response.local_displacement)
         return (
@@ -101,7 +101,7 @@ class Chain:
         )
 
     def _responses(self, freq: FloatArray) -> ChannelResponse:
-        """Return both side by side."""
+        """Return the responses to sources and to residual forces, concatenated."""
         top = float(freq.max())
         part = self._responses_of_block(freq[: CHAIN.frequency_block], top)
         if len(freq) <= CHAIN.frequency_block:
@@ -143,14 +143,14 @@ class Chain:
         return ChannelResponse(np.array(force), np.array(response), np.array(displacement))
 
     def _groups(self) -> list[list[int]]:
-        """Return the runs by what is asked of the structure: same drive points, as many motions."""
+        """Return the indices of runs with the same drive points and as many motions."""
         groups: dict[tuple[tuple[Dof, ...], int], list[int]] = {}
         for i, run in enumerate(self.runs):
             groups.setdefault((run.acquisition_run.drives, len(run.motions)), []).append(i)
         return list(groups.values())
 
     def _receptance(self, runs: Sequence[Run], omega: FloatArray, top: float) -> ComplexArray:
-        """Return the receptance of the motions of runs to forces where any are at work.
+        """Return the receptance of the runs' motions to drive-point and nonlinear forces, m/N.
 
         Asked for again of structures that are loaded alike, as where effects are of channels, it is known.
         """
@@ -196,7 +196,7 @@ _Altered = tuple[DynamicSystem, DynamicSystem]  # a structure without an effect 
 
 
 def all_effects(setup: RigSetup, added: Sequence[Effect]) -> list[Effect]:
-    """Return what the declared hardware implies, what the log book names, and `added`, in stage order."""
+    """Return implied, declared and added effects, in stage order."""
     implied = [effect for cls in EFFECTS.values() for effect in cls.from_setup(setup)]
     declared = [build(spec) for spec in setup.effects]
 
@@ -253,7 +253,7 @@ def chain(
 
 
 def _acts_on_runs(effect: Effect) -> tuple[bool, bool, bool]:
-    """Return whether an effect of this kind may do anything to a structure, a drive, a channel."""
+    """Return whether a kind of effect overrides `on_system`, `on_drive`, `on_channel`."""
     kind = type(effect)
     return (
         kind.on_system is not Effect.on_system,

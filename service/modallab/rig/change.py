@@ -1,4 +1,4 @@
-"""What is done otherwise in a further test of the same structure, and what that does to the log book."""
+"""Changes between a first and a further test of one structure, and the log book they imply."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields, replace
@@ -22,7 +22,7 @@ _DEFAULT_SIGNALS = {"shaker": "periodic_random", "hammer": "impact"}
 
 @dataclass(frozen=True)
 class AddedMass:
-    """A mass that is known, stuck on for a test."""
+    """A known mass added for one test."""
 
     mass: float  # kg
     at: Dof | None = None  # None: on every accelerometer, and moves with it
@@ -36,7 +36,7 @@ class AddedMass:
 
 @dataclass(frozen=True)
 class Change:
-    """What is changed against the first test; None or nothing: the same."""
+    """Differences from the first test; None or empty: no change."""
 
     level_factor: float | None = None  # on the rms of the source
     averages_factor: float | None = None
@@ -66,13 +66,13 @@ class Change:
 
     @property
     def plain(self) -> dict[str, Any]:
-        """What differs by name, as JSON has it."""
+        """The differences by name, as JSON."""
         values = {entry.name: getattr(self, entry.name) for entry in fields(self)}
         return {name: _plain(value) for name, value in values.items() if value not in (None, ())}
 
     @classmethod
     def read(cls, plain: Mapping[str, Any]) -> "Change":
-        """Return the change that `plain` wrote.
+        """Return the change from its JSON form.
 
         Raises
         ------
@@ -101,7 +101,7 @@ class Change:
         return cls(**values)
 
     def applied(self, setup: RigSetup) -> RigSetup:
-        """Return the log book of the first test with what is changed.
+        """Return the log book of the first test with the changes applied.
 
         Raises
         ------
@@ -116,7 +116,7 @@ class Change:
         return _with_its_effects(changed, setup)
 
     def agreed(self, declared: RigSetup, first: RigSetup) -> RigSetup:
-        """Return the log book of a further test: its own, with the change where it does not show it.
+        """Return the further test's own log book, completed by the changes that it lacks.
 
         Parameters
         ----------
@@ -163,7 +163,7 @@ def _equal(a: Any, b: Any) -> bool:
 
 
 def _with_its_effects(setup: RigSetup, first: RigSetup) -> RigSetup:
-    """Return a log book without the declared effects that were left behind with the first test."""
+    """Return the log book with only those declared effects that carry over from the first test."""
     declared = [build(spec) for spec in setup.effects]
     return replace(
         setup, effects=tuple(effect.spec for effect in effects_in_other_test(declared, first, setup))
@@ -179,7 +179,7 @@ def _with_excitation(setup: RigSetup, **values: Any) -> RigSetup:
 
 
 def _with_exciter(setup: RigSetup, change: Change) -> RigSetup:
-    """Return the rig with another exciter: with a hammer all that a shaker hangs on the structure is gone."""
+    """Return the rig with another kind of exciter, without the first one's hardware."""
     if change.exciter == setup.exciter.kind or change.exciter is None:
         return setup
     hammer = change.exciter == "hammer"
@@ -208,7 +208,7 @@ def _mass_effect(added: AddedMass) -> EffectSpec:
 
 
 def _declared_mass(setup: RigSetup, change: Change) -> float:
-    """Return what the log book says of masses where one is added, kg."""
+    """Return the mass that a log book declares at the place of the added mass, kg."""
     added = change.added_mass
     assert added is not None
     if added.at is None:

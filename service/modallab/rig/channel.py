@@ -1,4 +1,4 @@
-"""One channel of the analyser: which motions reach it, and what it makes of them."""
+"""Channel of the analyser: motions that it picks up, and its filters."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, replace
@@ -26,19 +26,19 @@ class Channel:
 
     @classmethod
     def ideal(cls, dof: Dof, *, force: bool = False) -> "Channel":
-        """Return the channel that shows what it is said to show."""
+        """Return a channel that shows the motion of its DoF."""
         return cls(dof, force, ((dof, 1.0),))
 
     def with_pickup(self, dof: Dof, weight: float) -> "Channel":
-        """Return the channel with one more motion that reaches it."""
+        """Return the channel with one more motion that it picks up."""
         return replace(self, pickups=(*self.pickups, (dof, weight)))
 
     def with_filter(self, filter_: Filter) -> "Channel":
-        """Return the channel with one more filter behind it."""
+        """Return the channel with one more filter in series."""
         return replace(self, filters=(*self.filters, filter_))
 
     def transfer(self, omega: FloatArray) -> ComplexArray:
-        """Return what all filters together make of a signal, (n_freq,) at `omega` rad/s."""
+        """Return the product of all filters, (n_freq,) at `omega` rad/s."""
         product = np.ones(len(omega), complex)
         for filter_ in self.filters:
             product = product * filter_(omega)

@@ -1,4 +1,4 @@
-"""What the channels of every run show for a unit force, and what a structure was asked last."""
+"""Responses of every run's channels to unit forces, and the latest receptance of a structure."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ from modallab.rig.run import Run
 
 @dataclass(frozen=True, eq=False)
 class ChannelResponse:
-    """What the channels of every run show for a unit force of each source."""
+    """Responses of every run's channels to a unit force of each source."""
 
     force: ComplexArray  # (n_run, n_freq, n_in, n_in)
     response: ComplexArray  # (n_run, n_freq, n_out, n_in) m/s^2 per N of the source
@@ -25,7 +25,7 @@ class ChannelResponse:
 
     @property
     def inertance(self) -> ComplexArray:
-        """(n_run, n_freq, n_out, n_in) 1/kg: responses per forces, as the channels show both."""
+        """(n_run, n_freq, n_out, n_in) 1/kg: response over force, as the channels show both."""
         if self.force.shape[-1] == 1:
             return np.asarray(self.response / self.force)
         solved = np.linalg.solve(self.force.swapaxes(2, 3), self.response.swapaxes(2, 3))
@@ -34,14 +34,14 @@ class ChannelResponse:
 
 @dataclass(frozen=True, eq=False)
 class CachedReceptance:
-    """What was asked last of a structure, and the answer."""
+    """The latest receptance of a structure, with the runs and frequencies it belongs to."""
 
     runs: tuple[Run, ...]
     omega: FloatArray
     alpha: ComplexArray
 
     def matches(self, runs: Sequence[Run], omega: FloatArray) -> bool:
-        """Return whether the same is asked again."""
+        """Return whether it is the receptance of these runs at these frequencies."""
         same_runs = len(runs) == len(self.runs) and all(map(_same_request, runs, self.runs))
         return same_runs and np.array_equal(omega, self.omega)
 

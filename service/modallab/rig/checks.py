@@ -1,4 +1,4 @@
-"""Rules that a rig should keep for its measurements to mean what they seem to."""
+"""Rules of good practice for a rig."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, fields
@@ -16,7 +16,7 @@ from modallab.rig.stinger_check import stinger_checks
 
 
 class Check(Protocol):
-    """A frozen dataclass of figures that says whether a rule is kept."""
+    """Figures of one rule, and whether it is fulfilled."""
 
     name: ClassVar[str]
     rule: ClassVar[str]
@@ -29,7 +29,7 @@ class Check(Protocol):
 
 @dataclass(frozen=True)
 class SuspensionCheck:
-    """How far a suspension moves rigid-body modes towards the elastic ones."""
+    """Ratio of the highest rigid-body frequency to the first elastic one."""
 
     name: ClassVar[str] = "suspension"
     rule: ClassVar[str] = "the highest rigid-body frequency is under 10 % of the first elastic one"
@@ -44,7 +44,7 @@ class SuspensionCheck:
 
 
 def suspension_check(structure: Structure, setup: RigSetup) -> SuspensionCheck:
-    """Return where the rigid-body modes of a structure lie on the suspension of a rig.
+    """Return the rigid-body and elastic frequencies of a structure on its suspension.
 
     Rigid-body modes are as many as the structure has without the suspension, and the lowest with it.
     Ewins, Modal Testing (2000), chapter 3.
@@ -80,7 +80,7 @@ CHECKS: tuple[Callable[[Structure, RigSetup], Check], ...] = (suspension_check,)
 
 
 def checks(structure: Structure, setup: RigSetup) -> tuple[Check, ...]:
-    """Return every check of a rig on a structure; of hardware those that its declaration allows."""
+    """Return all checks that the declaration of a rig allows."""
     general_checks = (check(structure, setup) for check in CHECKS)
     return (*general_checks, *stinger_checks(setup), *accelerometer_checks(setup))
 

@@ -1,4 +1,4 @@
-"""Which exciters, signals and windows go together."""
+"""Compatibility of exciter, excitation and window."""
 
 from modallab.core.errors import InvalidInputError
 from modallab.estimation.windows import WINDOWS
@@ -39,7 +39,7 @@ def check_compatible(setup: RigSetup) -> None:
 
 
 def _check_hammer(setup: RigSetup) -> None:
-    """Raise where a rig with a hammer has what only a shaker has."""
+    """Raise if a rig with a hammer declares hardware of a shaker."""
     kind = setup.analyser.excitation.kind
     if kind != _STRUCK:
         raise InvalidInputError(

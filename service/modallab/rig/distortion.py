@@ -1,4 +1,4 @@
-"""Nonlinear forces in a run: the springs and dampers they amount to, and the power of what is left."""
+"""Nonlinear forces in the measuring chain: equivalent linearisation, and spectra of the residual forces."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
@@ -33,19 +33,19 @@ def with_equivalent_linearisation(
     same_in_all_runs: bool = False,
     initial_rms: FloatArray | None = None,
 ) -> tuple[Run, ...]:
-    """Return runs with every nonlinear force in them: its straight line attached, the rest beside it.
+    """Return runs with the equivalent spring or damper of every nonlinear force attached.
 
-    What repeats with the record has its power on the lines, what does not everywhere between them.
+    Power that repeats with the record lies on the lines, other power everywhere between them.
 
     Parameters
     ----------
     same_in_all_runs
-        Whether forces take in every run what they take in the first, where all power lies between the
-        lines: there runs differ by what an accelerometer weighs, which is little for a first look. On
-        the lines a resonance that moves past one of them may move much more, or much less.
+        Whether the motion of the first run is used for all runs if all power lies between the lines. Runs
+        then differ by an accelerometer's mass only, which screening may neglect. With power on the lines
+        a resonance that crosses a line may change the motion a lot.
     initial_rms
-        (n_run, r) root mean squares that forces take in a chain that differs by next to nothing, where
-        all power lies on the lines: the least motion need not be looked for again.
+        (n_run, r) root mean squares of an almost identical chain, if all power lies on the lines; Newton's
+        method starts there instead of a search for the smallest solution.
     """
     if same_in_all_runs and source.continuous == 1:
         (first,) = with_equivalent_linearisation(runs[:1], forces, analyser, source)
@@ -75,7 +75,7 @@ def _local_spectra(
     omega: FloatArray,
     analyser: Analyser,
 ) -> list[LocalResponseSpectrum]:
-    """Return what forces take in each run, at 0 Hz and at `omega` (n,) rad/s.
+    """Return the motion spectra at the forces of each run, at 0 Hz and at `omega` (n,) rad/s.
 
     Parameters
     ----------
@@ -95,10 +95,11 @@ def _local_spectra(
 def _by_quadrature(
     runs: Sequence[Run], forces: Sequence[LocalForce], analyser: Analyser, share: float
 ) -> Iterator[Run]:
-    """Yield the runs under sources of which a share has its power between the lines as well.
+    """Yield the linearised runs for sources with continuous spectra.
 
-    Frequencies are fine where the resonances are that a motion gives, the motion follows from them, and
-    so on. A run begins where the one before it ended: they differ by an accelerometer.
+    Fixed-point iteration: quadrature refined at the resonances of the linearised structure gives the motion,
+    and the motion gives new resonances. Each run starts from the previous one, from which it differs by an
+    accelerometer.
     """
     lines, panels = analyser.freq[1:], replace(analyser, n_lines=DISTORTION.initial_panels + 1)
     power = np.full(len(lines), (1 - share) * _power_of_line(analyser))
@@ -126,7 +127,7 @@ def _by_quadrature(
 def _open_loop_rms(
     forces: Sequence[LocalForce], driven: ComplexArray, omega: FloatArray, power: FloatArray
 ) -> FloatArray:
-    """Return the root mean squares of what the forces would take if they did not act, (r,)."""
+    """Return the root mean square motions (r,) without the nonlinear forces."""
     scale = np.where([force.of_velocity for force in forces], omega[:, None] ** 2, 1.0)
     return np.asarray(np.sqrt(power @ ((np.abs(driven[0]) ** 2).sum(axis=2) * scale)))
 
@@ -136,7 +137,7 @@ def _is_resolved(
     refined_resonances: tuple[FloatArray, FloatArray],
     analyser: Analyser,
 ) -> bool:
-    """Return whether every resonance lies within its half bandwidth of one known to be as narrow."""
+    """Return whether the quadrature is refined at every resonance, within half its bandwidth."""
     (frequency, half_width), (refined_frequency, refined_width) = resonances, refined_resonances
     inside = frequency < analyser.frequency_max + analyser.spacing
     frequency, half_width = (
@@ -162,10 +163,10 @@ def _with_linearised(run: Run, linearised: tuple[LinearisedForce, ...]) -> Run:
 
 
 def check_first_order(runs: Sequence[Run], analyser: Analyser, source: Source) -> None:
-    """Raise unless what straight lines leave moves the structure less than the sources do.
+    """Raise unless residual forces move the structure less than the sources do.
 
-    The expected spectra take the residual of a nonlinear force for a source of its own that does not
-    alter the motion: where it moves the structure as much as the true sources, they mean nothing.
+    Expected spectra treat the residual of a nonlinear force as an independent source that does not alter
+    the motion; this first-order theory fails if the residual moves the structure as much as the sources.
 
     Raises
     ------
@@ -193,7 +194,7 @@ def check_first_order(runs: Sequence[Run], analyser: Analyser, source: Source) -
 
 @dataclass(frozen=True, eq=False)
 class ResidualSpectra:
-    """What nonlinear forces leave of their straight lines, (n_run, n_freq, r) each."""
+    """Residual forces of the linearisation, (n_run, n_freq, r) each."""
 
     density: FloatArray  # N^2/Hz, one-sided
     feedback: ComplexArray  # N/m that it holds against the motion itself
@@ -206,7 +207,7 @@ def residual_spectra(
     freq: FloatArray,
     finest: int = DISTORTION.max_points_per_line,
 ) -> ResidualSpectra:
-    """Return what the nonlinear forces of runs leave at `freq` (n_freq,) Hz.
+    """Return the residual forces' spectra at `freq` (n_freq,) Hz.
 
     Parameters
     ----------
@@ -235,7 +236,7 @@ def residual_spectra(
 def _spectra_on_uniform_grid(
     runs: Sequence[Run], forces: Sequence[LocalForce], analyser: Analyser, source: Source, finest: int
 ) -> tuple[FloatArray, list[LocalResponseSpectrum]]:
-    """Return lines (n_lines,) Hz as fine as spectra are steep, and what is taken in each run there."""
+    """Return a uniform grid (n_lines,) Hz that resolves the resonances, and the motion spectra there."""
     spectra = [run.response_spectrum for run in runs if run.response_spectrum is not None]
     if source.continuous == 0 and len(spectra) == len(runs):
         return analyser.freq, spectra
@@ -260,7 +261,7 @@ def _power_of_line(analyser: Analyser) -> float:
 def local_receptances(
     runs: Sequence[Run], forces: Sequence[LocalForce], omega: FloatArray
 ) -> tuple[ComplexArray, ComplexArray]:
-    """Return displacement at forces per source (n_run, n, r, n_in) and per force there, m/N.
+    """Return receptances at the nonlinear forces: per source (n_run, n, r, n_in), and per local force.
 
     The second is (n_run, n, r, r).
     """
@@ -283,5 +284,5 @@ def local_receptances(
 
 
 def _same_structure(first: Run, second: Run) -> bool:
-    """Return whether two runs are of one structure and what hangs on it."""
+    """Return whether two runs share mass and stiffness matrices."""
     return first.system.mass is second.system.mass and first.system.stiffness is second.system.stiffness

@@ -1,4 +1,4 @@
-"""What stands between a source and the structure: the moving parts of an exciter."""
+"""Exciter dynamics between source and structure."""
 
 from dataclasses import dataclass
 
@@ -14,7 +14,7 @@ from modallab.rig.settings import DRIVE
 
 @dataclass(frozen=True)
 class Drive:
-    """One exciter: a ladder of masses and springs from the drive point out to the armature.
+    """One exciter: a chain of masses and springs from the drive point to the armature.
 
     Outwards from the structure: a mass that moves with the drive point, the gauge's spring, the
     stinger, the armature on its suspension, which the source's force P moves. At every mass the force
@@ -42,21 +42,21 @@ class Drive:
 
     @property
     def electrical_decay_rates(self) -> tuple[float, ...]:
-        """R/L of inductive coils, rad/s: above, they damp less and stiffen more."""
+        """R/L of inductive coils, rad/s; above it a coil acts as a spring rather than a damper."""
         return tuple(coil.resistance / coil.inductance for coil in self.coils if coil.inductance > 0)
 
     def impedance(self, omega: FloatArray) -> ComplexArray:
-        """Return Z of the armature, force per displacement, (n_freq,) N/m, at `omega` rad/s."""
+        """Return the armature's dynamic stiffness Z, (n_freq,) N/m, at `omega` rad/s."""
         viscous = self.viscous + self._induced(omega)
         return np.asarray(self.stiffness + 1j * omega * viscous - self.mass * omega**2)
 
     def _induced(self, omega: FloatArray) -> ComplexArray:
-        """Return what the coils' motion induces, force per velocity, (n_freq,) N s/m."""
+        """Return the damping by the coils' back-EMF, (n_freq,) N s/m."""
         no_force = np.zeros(len(omega), complex)
         return sum((coil.force_factor**2 / _electrical(coil, omega) for coil in self.coils), no_force)
 
     def ladder(self, omega: FloatArray) -> list[tuple[ComplexArray, ComplexArray]]:
-        """Return the ladder outwards: C (n_freq,) m/N before a mass, and Z (n_freq,) N/m of the mass."""
+        """Return pairs outwards: compliance C (n_freq,) m/N of a spring, stiffness Z (n_freq,) N/m."""
         zeros = np.zeros(len(omega), complex)
         gauge, stinger = (
             c / (1 + 1j * DRIVE.joint_loss_factor) for c in (self.gauge_compliance, self.compliance)
@@ -70,14 +70,14 @@ class Drive:
         ]
 
     def shaping(self, omega: FloatArray) -> ComplexArray:
-        """Return P per what the amplifier is told, (n_freq,): the current lags behind the voltage."""
+        """Return the coil force over its static value, (n_freq,): R/(R + i omega L)."""
         out = np.ones(len(omega), complex)
         for coil in self.coils:
             out *= coil.resistance / _electrical(coil, omega)
         return out
 
     def attached_to(self, system: DynamicSystem, omega: float = 0.0) -> DynamicSystem:
-        """Return the structure with the exciter's moving parts on it, for resonances of both together.
+        """Return the structure with the exciter's moving parts attached, the source passive.
 
         Inductive coils are taken as the spring and the damper that they are at `omega`, rad/s.
         """
@@ -102,7 +102,7 @@ class Drive:
         )
 
     def _lumped(self, omega: float) -> tuple[FloatArray, list[tuple[float, float]]]:
-        """Return mass, stiffness, viscous damping of what moves on its own, (n, 3), and what joins it.
+        """Return mass, stiffness, damping of the lumps (n, 3), and the (stiffness, mass) of the joints.
 
         What has no mass, or too little to move on its joint, goes to its neighbour inwards.
         """
@@ -156,7 +156,7 @@ def transmission(drives: tuple[Drive, ...], omega: FloatArray, alpha: ComplexArr
 
 
 def reaction(drives: tuple[Drive, ...], omega: FloatArray, alpha: ComplexArray) -> ComplexArray:
-    """Return what the exciters hold against a motion of their drive points, (n_run, n_freq, n_in, n_in) N/m.
+    """Return the passive exciters' dynamic stiffness at the drive points, (n_run, n_freq, n_in, n_in) N/m.
 
     Per displacement that something else causes, the sources passive: for armatures alone
     (I + Z_a alpha)^-1 Z_a.
@@ -179,7 +179,7 @@ def reaction(drives: tuple[Drive, ...], omega: FloatArray, alpha: ComplexArray) 
 def _at_source_end(
     drives: tuple[Drive, ...], omega: FloatArray, force: ComplexArray, motion: ComplexArray
 ) -> ComplexArray:
-    """Return the force at the sources' end of the ladders from force and motion at the structure's."""
+    """Return the force at the source end of the exciters, from force and motion at the structure."""
     for ladder in zip(*(drive.ladder(omega) for drive in drives), strict=True):
         compliances = np.array([compliance for compliance, _ in ladder]).T
         z = np.array([impedance for _, impedance in ladder]).T

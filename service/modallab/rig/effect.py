@@ -1,4 +1,4 @@
-"""What an effect is: one way in which a test departs from the ideal, with the number that says how far."""
+"""Effects: departures of a test from the ideal, each with its parameters."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -40,7 +40,7 @@ class Stage(IntEnum):
 
 @dataclass(frozen=True)
 class Effect(Parameterised):
-    """Base of all effects: hooks that do nothing.
+    """Base of all effects; its hooks do nothing.
 
     Hooks run in the order of `stage`; within a stage effects commute.
     """
@@ -59,7 +59,7 @@ class Effect(Parameterised):
     at: Place = None
 
     def on_system(self, system: DynamicSystem, acquisition_run: AcquisitionRun) -> DynamicSystem:
-        """Stage `STRUCTURE`: return the structure with what the effect adds to it in this run."""
+        """Stage `STRUCTURE`: return the structure of this run with the effect in it."""
         return system
 
     def on_motion(self) -> LocalForce | None:
@@ -67,11 +67,11 @@ class Effect(Parameterised):
         return None
 
     def on_drive(self, drive: Drive) -> Drive:
-        """Stage `DRIVE`: return what stands between one source and the structure."""
+        """Stage `DRIVE`: return the exciter with the effect in it."""
         return drive
 
     def on_channel(self, channel: Channel, system: DynamicSystem) -> Channel:
-        """Stage `CHANNEL`: return what reaches a channel and what it makes of it."""
+        """Stage `CHANNEL`: return the channel with the effect in it."""
         return channel
 
     def on_noise(self, noise: NoiseLevels) -> NoiseLevels:
@@ -79,7 +79,7 @@ class Effect(Parameterised):
         return noise
 
     def on_source(self, source: Source) -> Source:
-        """Stage `ACQUISITION`: return how the excitation stands to the record."""
+        """Stage `ACQUISITION`: return the source with the effect in it."""
         return source
 
     def on_spectra(self, spectra: CrossSpectra, acquisition: Acquisition) -> CrossSpectra:
@@ -94,7 +94,7 @@ class Effect(Parameterised):
         return batch.samples
 
     def check(self, structure: Structure, setup: RigSetup | None = None) -> None:
-        """Raise unless the effect can sit where it is said to, in this structure and on this rig.
+        """Raise unless the effect may be at its place, in this structure and on this rig.
 
         Raises
         ------
@@ -136,22 +136,22 @@ class Effect(Parameterised):
 
     @classmethod
     def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:
-        """Return where in this test an effect of this kind could sit."""
+        """Return the possible places of the effect in a test."""
         return (None,)
 
     def scan_values(self, system: DynamicSystem, setup: RigSetup) -> Mapping[str, Sequence[float]]:
-        """Return values worth a first look, by parameter, that depend on the structure or the band.
+        """Return trial values by parameter, for those that depend on structure or band.
 
         They stand in for what the parameter itself declares.
         """
         return {}
 
     def equivalent(self, setup: RigSetup) -> Self | None:
-        """Return the effect with other numbers that this test hardly tells from its own, if any."""
+        """Return the effect with other parameters that the test can hardly distinguish from it, if any."""
         return None
 
     def reduced_model(self) -> "tuple[Effect, str] | None":
-        """Return the effect that this one is where its one number more is nothing, and that number's name."""
+        """Return the nested effect with one parameter fewer, and that parameter's name."""
         if self.nested_kind is None:
             return None
         cls = EFFECTS[self.nested_kind]
@@ -161,7 +161,7 @@ class Effect(Parameterised):
 
     @classmethod
     def signature(cls, evidence: Evidence) -> float:
-        """Return a cheap suspicion, 0 to 1, from what disagrees; never a verdict."""
+        """Return a prior suspicion from 0 to 1, from the residuals of the model without the effect."""
         return 0.5
 
     def with_parameters(self, values: dict[str, float]) -> Self:
@@ -169,7 +169,7 @@ class Effect(Parameterised):
         return replace(self, **values)  # type: ignore[arg-type]
 
     def acts_on(self, dof: Dof) -> bool:
-        """Return whether the effect, where it says a place at all, sits at this DoF or channel."""
+        """Return whether the effect acts on a DoF or channel."""
         if isinstance(self.at, Channels):
             return dof.point in self.at.points
         return self.at is None or (isinstance(self.at, Dof) and self.at.point == dof.point)
@@ -200,7 +200,7 @@ EFFECTS: Family[type[Effect]] = Family("effect", home="modallab.effects")
 
 
 def build(spec: EffectSpec) -> Effect:
-    """Return the effect that plain data names.
+    """Return the effect of a specification.
 
     Raises
     ------

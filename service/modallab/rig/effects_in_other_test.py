@@ -1,4 +1,4 @@
-"""Which effects of one test are in another test of the same structure, and where they sit there."""
+"""Transfer of effects from one test to another of the same structure."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -12,7 +12,7 @@ _CONTACT_STAGES = (Stage.STRUCTURE, Stage.DRIVE)  # stages of what stands betwee
 
 
 def effects_in_other_test(effects: Sequence[Effect], first: RigSetup, second: RigSetup) -> list[Effect]:
-    """Return the effects of a first test that another one has too, as they are there.
+    """Return the effects of the first test that persist in the second, at their places there.
 
     What sits at the drive point goes where the shaker goes, and goes away with it; what sits in a
     channel or under an accelerometer is there where that DoF is measured. The structure keeps its own.
@@ -41,7 +41,7 @@ def _transferred(effect: Effect, first: RigSetup, second: RigSetup) -> Effect | 
 
 
 def _at_second_drive(effect: Effect, first: RigSetup, second: RigSetup) -> Effect:
-    """Return what sits at a drive point at the one that stands in its place."""
+    """Return an effect of a drive point, moved to the second test's drive point."""
     first_points = [dof.point for dof in first.drives]
     if (
         not isinstance(effect.at, Dof)

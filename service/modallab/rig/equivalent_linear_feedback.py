@@ -1,4 +1,4 @@
-"""Channels with what the residuals of nonlinear forces hold against the motion."""
+"""Feedback of the residuals of nonlinear forces, as equivalent dynamic stiffness."""
 
 from dataclasses import replace
 
@@ -11,7 +11,7 @@ from modallab.rig.channel_response import ChannelResponse
 def with_equivalent_feedback(
     driven: ChannelResponse, distorted: ChannelResponse, feedback: ComplexArray
 ) -> tuple[ChannelResponse, ChannelResponse]:
-    """Return what channels show per source and per residual with more lines at the nonlinear forces.
+    """Return the responses to sources and residuals with the feedback loops closed.
 
     A line may differ from frequency to frequency, as no spring or damper of a structure does: what moves
     at the forces is x = (I + beta Z)^-1 x_0, and every channel loses what -Z x does to it.

@@ -1,4 +1,4 @@
-"""Local nonlinear forces as springs and dampers of the size that the motion itself gives them."""
+"""Equivalent linearisation of local nonlinear forces under Gaussian motion."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -24,7 +24,7 @@ def equivalent_rms(
     power: FloatArray,
     initial_rms: FloatArray | None = None,
 ) -> FloatArray:
-    """Return the root mean squares of what forces take under the motion that they themselves allow.
+    """Return the root mean square motions that are consistent with the equivalent stiffness or damping.
 
     With several forces each is settled in turn beside the others, until none moves any more. Where a
     resonance passes lines of a periodic test several motions may agree with their own force: the least
@@ -67,7 +67,7 @@ def equivalent_rms(
 def _with_other_loops_closed(
     forces: Sequence[LocalForce], rms: FloatArray, driven: ComplexArray, fed_back: ComplexArray, i: int
 ) -> tuple[ComplexArray, ComplexArray]:
-    """Return what one force takes per source and per force of its own, the others at work."""
+    """Return the receptances at one force, the other forces linearised."""
     other_forces = [j for j in range(len(forces)) if j != i]
     z = _equivalent_coefficients([forces[j] for j in other_forces], rms[:, other_forces])[:, None, :]
     loop_matrix = np.eye(len(other_forces)) + fed_back[:, :, other_forces][..., other_forces] * z[:, :, None]
@@ -84,18 +84,18 @@ def _with_other_loops_closed(
 
 
 class _MeanSquareMotion:
-    """The mean square of one motion with a spring or a damper k at work: sum of a / (1 + b k + c k^2)."""
+    """Mean square motion against an added stiffness or damping k: sum of a / (1 + b k + c k^2)."""
 
     def __init__(self, a: FloatArray, b: FloatArray, c: FloatArray) -> None:
         self._a, self._b, self._c = a, b, c  # (n_run, n) each
 
     @property
     def n_run(self) -> int:
-        """How many runs there are."""
+        """Number of runs."""
         return len(self._a)
 
     def of(self, runs: BoolArray) -> "_MeanSquareMotion":
-        """Return the same of some runs."""
+        """Return the model of selected runs."""
         return _MeanSquareMotion(self._a[runs], self._b[runs], self._c[runs])
 
     def rms(self, k: FloatArray) -> FloatArray:
@@ -103,7 +103,7 @@ class _MeanSquareMotion:
         return np.asarray(np.sqrt((self._a / self._resisted(k)).sum(axis=1)))
 
     def slope(self, k: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the root mean squares, and how their logarithm changes with k."""
+        """Return the root mean squares, and the derivative of their logarithm by k."""
         resisted = self._resisted(k)
         part = self._a / resisted
         total = part.sum(axis=1)
@@ -127,7 +127,7 @@ def _motion_model(driven: ComplexArray, fed_back: ComplexArray, power: FloatArra
 
 
 def _solve_rms(force: LocalForce, motion: _MeanSquareMotion, initial_rms: FloatArray | None) -> FloatArray:
-    """Return the least root mean square (n_run, 1) that a force allows under its own straight line.
+    """Return the smallest self-consistent root mean square (n_run, 1) of one force.
 
     The first change of sign of ln(allowed/supposed) from small motions up, then Newton's method
     between its ends; or within `LINEARISATION.log_bracket` of a motion near it.
@@ -164,7 +164,7 @@ def _solve_rms(force: LocalForce, motion: _MeanSquareMotion, initial_rms: FloatA
 def _bracket(
     force: LocalForce, motion: _MeanSquareMotion, open_loop_rms: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return logarithms of motions, the force allowing more than the first and less than the second."""
+    """Return a bracket of the logarithm of the smallest self-consistent root mean square."""
     trial_rms = _TRIAL_RATIOS * open_loop_rms.max()
     while True:
         coefficients = force.equivalent_coefficients(trial_rms)[0]
@@ -189,7 +189,7 @@ def closed_loop_receptances(
     fed_back: ComplexArray,
     omega: FloatArray,
 ) -> tuple[ComplexArray, ComplexArray]:
-    """Return displacements per unit of each source and per force, with the straight lines at work, m/N.
+    """Return receptances at the forces with the linearised forces attached, m/N.
 
     Parameters
     ----------
@@ -212,7 +212,7 @@ def closed_loop_receptances(
 
 
 def _equivalent_coefficients(forces: Sequence[LocalForce], rms: FloatArray) -> FloatArray:
-    """Return the straight lines, (n_run, r) N/m or N s/m; 0 of a force that does not move."""
+    """Return the equivalent stiffness or damping, (n_run, r) N/m or N s/m; 0 without motion."""
     coefficients = [
         np.where(
             force_rms > 0, force.equivalent_coefficients(np.maximum(force_rms, np.finfo(float).tiny))[0], 0.0
@@ -224,7 +224,7 @@ def _equivalent_coefficients(forces: Sequence[LocalForce], rms: FloatArray) -> F
 
 @dataclass(frozen=True, eq=False)
 class LocalResponseSpectrum:
-    """What nonlinear forces take on evenly spaced lines from 0 Hz, and how the structure answers them."""
+    """Motion at the nonlinear forces on a uniform grid from 0 Hz, and the receptance there."""
 
     spectrum: FloatArray  # (n_lines, r) one-sided densities of displacement or velocity
     receptance: (
@@ -235,7 +235,7 @@ class LocalResponseSpectrum:
 def residual_spectrum(
     linearised_force: LinearisedForce, spectrum: FloatArray, receptance: ComplexArray, spacing: float
 ) -> tuple[FloatArray, ComplexArray]:
-    """Return the density of a force's residual, N^2/Hz, and what it holds against the motion itself.
+    """Return the density of a force's residual, N^2/Hz, and its equivalent feedback.
 
     The residual moves the structure, and so the next residual. To second order in the force that is a
     force again in line with the motion: minus the transform of C'(R) g, with C the residual's

@@ -1,4 +1,4 @@
-"""A structure as its model has it, effects included, and its exact FRFs without a rig."""
+"""Exact FRFs of a structure with its modelled effects, without a rig."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -27,7 +27,7 @@ def as_modelled(structure: Structure) -> DynamicSystem:
 
 
 def with_effects(structure: Structure) -> Structure:
-    """Return a structure in whose members, masses and springs its effects are, as far as a model has these.
+    """Return the structure with its effects moved into members, masses and springs where possible.
 
     Others stay effects.
     """
@@ -40,7 +40,7 @@ def with_effects(structure: Structure) -> Structure:
 def exact_frf(
     structure: Structure, drive: Dof, responses: Sequence[Dof], *, frequency_max: float, n_lines: int
 ) -> FrfSet:
-    """Return what a rig without masses, noise and leakage shows: inertance, 1/kg, (n_lines, n_out, 1).
+    """Return the FRFs that an ideal rig measures: inertance, 1/kg, (n_lines, n_out, 1).
 
     The line at 0 Hz is the limit from above, to 1e-5. Nonlinear forces are their straight lines under
     a random force of 1 N rms.

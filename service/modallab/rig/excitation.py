@@ -1,4 +1,4 @@
-"""What an excitation is: which signal the source plays, and how it stands to the analyser's record."""
+"""Kinds of excitation: source signals and their relation to the analyser's record."""
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, fields
@@ -26,7 +26,7 @@ def swept_phases(n_lines: int) -> FloatArray:
 
 @dataclass(frozen=True)
 class ExcitationSetting:
-    """Which signal the source plays, and how loud.
+    """Kind and level of the source signal.
 
     The mean square of a signal over the band is level^2, whatever its kind; of a burst and of a blow
     that of the record as a whole, a blow's as if its spectrum stayed what it is at low frequency.
@@ -73,29 +73,29 @@ class Transient(Protocol):
     """A signal that begins and ends within a record, on a structure at rest when the record begins."""
 
     def spectrum(self, omega: FloatArray, setting: ExcitationSetting) -> ComplexArray:
-        """Return the spectrum (n_freq,) of what the source plays, over that of a white one or an impulse."""
+        """Return the source spectrum (n_freq,) over that of white noise or of a unit impulse."""
 
     def misaligned(self, setting: ExcitationSetting) -> bool:
-        """Return whether forces beside the intended ones act."""
+        """Return whether forces act beside the drive point or off its axis."""
 
     def expected_records(self, answers: ImpulseResponses, setting: ExcitationSetting) -> Iterator[FloatArray]:
-        """Yield records (n, n_ch, n_samples) whose mean spectra are the expected ones, some at a time."""
+        """Yield batches of records (n, n_ch, n_samples) with the expected mean spectra."""
 
     def random_records(
         self, answers: ImpulseResponses, setting: ExcitationSetting, n: int, rng: np.random.Generator
     ) -> FloatArray:
-        """Return n records, (n, n_ch, n_samples)."""
+        """Return n random records, (n, n_ch, n_samples)."""
 
     def basis_records(self, answers: ImpulseResponses, setting: ExcitationSetting) -> FloatArray | None:
-        """Return the records (k, n_ch, n_samples) that all are weighted sums of; None if Gaussian."""
+        """Return the records (k, n_ch, n_samples) that span every record; None if it is Gaussian."""
 
     def weights(
         self, answers: ImpulseResponses, setting: ExcitationSetting, n: int, rng: np.random.Generator
     ) -> FloatArray:
-        """Return the weights of n records, (n, k)."""
+        """Return the weights (n, k) of the basis records in n random records."""
 
     def moments(self, answers: ImpulseResponses, setting: ExcitationSetting) -> FloatArray:
-        """Return the mean products of the weights, (k, k)."""
+        """Return the second moments of the weights, (k, k)."""
 
 
 @dataclass(frozen=True)
@@ -122,11 +122,11 @@ class Excitation:
 
     @property
     def deterministic(self) -> bool:
-        """Whether every record has the same signal, but for its size: its spectra hardly scatter."""
+        """Whether every record has the same signal but for its amplitude."""
         return self.phases is not None or self.deterministic_transient
 
     def noise_share(self, n_lines: int) -> float:
-        """Return the noise of a line over that of a signal of the same rms spread over the band."""
+        """Return the noise of a line over that of broadband excitation of the same rms."""
         return 1 / (n_lines - 1) if self.line_by_line else 1.0
 
 

@@ -1,4 +1,4 @@
-"""Route a: the spectra that endless averaging would give, window and noise included."""
+"""Expected spectra: the limit of endless averaging, window and noise included (route `expected`)."""
 
 import numpy as np
 
@@ -37,7 +37,7 @@ def expected_spectra(chain: Chain, kernel: LeakageKernel | None = None) -> Cross
 
 
 def derivative_kernel(chain: Chain) -> LeakageKernel | None:
-    """Return how lines see what does not repeat, good enough to differentiate with; None if all does."""
+    """Return the leakage kernel for numerical derivatives; None if all power repeats with the record."""
     if not chain.source.continuous > 0:
         return None
     return refined_kernel(chain.setup.analyser, *chain.poles(), QUADRATURE.derivative_points)
@@ -53,7 +53,7 @@ def coarse_spectra(chain: Chain, step: int) -> CrossSpectra:
 
 
 def noise_free(chain: Chain, step: int | None = None, kernel: LeakageKernel | None = None) -> ComplexArray:
-    """Return G_ff, G_fx and G_xx as the lines see them, side by side.
+    """Return G_ff, G_fx and G_xx without noise, concatenated, as seen through the window.
 
     Parameters
     ----------
@@ -81,7 +81,7 @@ def noise_free(chain: Chain, step: int | None = None, kernel: LeakageKernel | No
 
 
 def _periodic_spectra(chain: Chain, step: int) -> ComplexArray:
-    """Return the same of what repeats with the record, or begins and ends within it, at full power."""
+    """Return the spectra of the power that repeats with the record, at full level."""
     if transient_of(chain) is not None:
         spectra = transient_spectra(
             chain, FREE_DECAY.decay_threshold if step == 1 else FREE_DECAY.screening_decay_threshold
@@ -94,7 +94,7 @@ def _periodic_spectra(chain: Chain, step: int) -> ComplexArray:
 
 
 def _residual_part(chain: Chain, step: int) -> ComplexArray | float:
-    """Return what nonlinear forces leave of straight lines, as if of a Gaussian signal of the same power."""
+    """Return the spectra of the residual forces, for a Gaussian signal of the same power."""
     if not chain.runs[0].local_forces:
         return 0.0
     view = periodic_kernel(chain.setup.analyser, step)
@@ -122,7 +122,7 @@ def _products(lines: ComplexArray) -> ComplexArray:
 
 
 def acquisition(chain: Chain, clean: ComplexArray) -> Acquisition:
-    """Return what the analyser knows of the signals.
+    """Return signal and noise levels of all channels.
 
     Parameters
     ----------

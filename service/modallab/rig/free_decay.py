@@ -1,4 +1,4 @@
-"""Impulse responses of a run's channels, and what transient signals make of them."""
+"""Impulse responses of the channels, and spectra of transient excitation."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -18,12 +18,12 @@ from modallab.rig.settings import CHAIN, FREE_DECAY
 
 
 def transient_of(chain: Chain) -> Transient | None:
-    """Return what of the declared excitation begins and ends within a record."""
+    """Return the transient signal of the declared excitation; None if it is steady."""
     return EXCITATIONS[chain.setup.analyser.excitation.kind].transient
 
 
 def impulse_responses_of(chain: Chain, run: int) -> ImpulseResponses:
-    """Return the impulse responses of a run's channels to its sources.
+    """Return the impulse responses of one run's channels to its sources.
 
     Found by frequency, on a grid so fine that they have rung out before they repeat. Hysteretic damping is
     slightly non-causal: what comes before the impulse is kept too. The anti-alias filter is flat to
@@ -40,7 +40,7 @@ def impulse_responses_of(chain: Chain, run: int) -> ImpulseResponses:
 def all_impulse_responses(
     chain: Chain, forgotten: float = FREE_DECAY.decay_threshold
 ) -> Iterator[ImpulseResponses]:
-    """Yield the same of every run; runs that fit into memory share their solutions."""
+    """Yield the impulse responses of every run; runs that fit into memory share a solution."""
     n_fft = samples_of(chain.setup.analyser) * _repeats(replace(chain, runs=chain.runs[:1]), forgotten)
     n_ch = chain.n_in + len(chain.runs[0].responses)
     runs_per_group = max(1, FREE_DECAY.solution_block // (n_fft * n_ch))
@@ -107,7 +107,7 @@ def _anti_alias(freq: FloatArray, top: float, nyquist: float) -> FloatArray:
 
 
 def _repeats(group: Chain, forgotten: float) -> int:
-    """Return over how many records the impulse responses are found: an even number."""
+    """Return the length, in records, of the transform of impulse responses: an even number."""
     analyser = group.setup.analyser
     frequencies, widths = group.poles()
     slowest = widths[frequencies < analyser.frequency_max + analyser.spacing].min(initial=np.inf)

@@ -1,4 +1,4 @@
-"""The blow of a hammer: its pulse, how far up in frequency it reaches, what scatters from blow to blow."""
+"""Impact of a hammer: pulse, useful band, scatter from blow to blow."""
 
 import numpy as np
 from scipy.optimize import brentq
@@ -42,7 +42,7 @@ def pulse_spectrum(omega: FloatArray, width: float) -> ComplexArray:
 
 
 def band_limit(width: float, drop: float = HAMMER.band_drop) -> float:
-    """Return up to what frequency, Hz, a pulse's auto spectrum lies less than `drop` dB below its start.
+    """Return the frequency, Hz, at which the force auto spectrum has dropped by `drop` dB.
 
     Parameters
     ----------
@@ -73,6 +73,6 @@ def tilt_moments(scatter: float, n_lateral: int) -> tuple[float, float, float]:
 def tilt_factors(
     scatter: float, n: int, n_lateral: int, rng: np.random.Generator
 ) -> tuple[FloatArray, FloatArray]:
-    """Return the shares of n blows along the axis (n,) and across it (n, n_lateral)."""
+    """Return the force components of n tilted blows along the axis (n,) and across it (n, n_lateral)."""
     angle = scatter * rng.standard_normal((n, max(n_lateral, 1)))
     return np.cos(angle).prod(axis=1), np.sin(angle)[:, :n_lateral]

@@ -1,4 +1,4 @@
-"""What channels hear of forces that only a hand-held hammer has: beside the point, across the axis."""
+"""Responses to blows beside the drive point or off its axis."""
 
 import numpy as np
 
@@ -19,7 +19,7 @@ def lateral(system: DynamicSystem, drive: Dof) -> tuple[Dof, ...]:
 
 
 def misalignment_responses(single_run: Chain, freq: FloatArray) -> ComplexArray:
-    """Return what the channels of one run show of stray forces, (n_freq, 1 + n_out, 1 + n_lateral).
+    """Return the channels' response to misaligned forces, (n_freq, 1 + n_out, 1 + n_lateral).
 
     First per newton and metre of place along the member, to first order, then per newton in each
     direction across the axis. The gauge sits in the hammer and shows the whole blow, wherever it goes.
@@ -34,7 +34,7 @@ def misalignment_responses(single_run: Chain, freq: FloatArray) -> ComplexArray:
 
 
 def _lever(system: DynamicSystem, drive: Dof) -> FloatArray:
-    """Return how a force at a drive point changes, per metre that it moves along the member, (n_dof,)."""
+    """Return the derivative (n_dof,) of the force vector by the blow's place along the member, 1/m."""
     column = np.zeros(len(system.dofs))
     table = system.members
     if table is None or drive.direction not in ("X", "Y") or not table.has_bar(drive.node):

@@ -1,4 +1,4 @@
-"""The hardware of a rig as its data sheets have it; parts left out are ideal."""
+"""Hardware of a rig as its data sheets declare it."""
 
 import math
 from dataclasses import dataclass
@@ -95,7 +95,7 @@ class Accelerometers:
 
     @property
     def effective_mounting(self) -> Mounting | None:
-        """What they ring on; None where that is ideal."""
+        """Mounted resonance; None if ideal."""
         mounting = MOUNTINGS.get(self.mounting)
         if self.mounted_frequency is None:
             return mounting

@@ -1,4 +1,4 @@
-"""Leakage of a stationary spectrum into all lines; its cost grows with the lines, not with their square."""
+"""Leakage of stationary spectra into all lines, in a time proportional to the number of lines."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -14,7 +14,7 @@ from modallab.rig.spectrum_settings import LEAKAGE_KERNEL
 
 @dataclass(frozen=True, eq=False)
 class LeakageKernel:
-    """What lines take from quadrature nodes: node by node nearby, line by line from afar.
+    """Convolution with the window's line shape: exact for near nodes, interpolated for distant ones.
 
     Spectra are conjugate at negative frequency, so that every node has a mirror.
     """
@@ -27,7 +27,7 @@ class LeakageKernel:
     n_fft: int
 
     def convolve(self, spectrum: ComplexArray) -> ComplexArray:
-        """Return a spectrum at the nodes (n_run, n_nodes, k) as the lines see it, (n_run, n_lines, k)."""
+        """Return a spectrum (n_run, n_nodes, k) as seen by the lines, (n_run, n_lines, k)."""
         n_run, n_nodes, k = spectrum.shape
         n_lines = self.near.shape[0]
         flat = np.ascontiguousarray(spectrum.swapaxes(0, 1)).reshape(n_nodes, n_run * k)
@@ -62,7 +62,7 @@ def leak_spectrum(
     weights: FloatArray,
     n_samples: int | None = None,
 ) -> LeakageKernel:
-    """Return how lines, `spacing` Hz apart from 0, see a density integrated with nodes and weights, Hz.
+    """Return the leakage kernel of lines `spacing` Hz apart, for quadrature nodes and weights in Hz.
 
     Nodes lie between the first and the last line, none of them on a line.
 
@@ -141,7 +141,7 @@ def _lagrange(offset: FloatArray) -> FloatArray:
 
 @lru_cache(maxsize=8)
 def _far(window: str, n_lines: int, n_samples: int | None) -> ComplexArray:
-    """Return the transform of what a line takes from points about lines that are not near."""
+    """Return the Fourier transform of the line shape at the interpolation points of distant lines."""
     n_fft = _n_fft(n_lines)
     steps = np.arange(1 - n_lines, 2 * n_lines - 1)
     kernel = np.zeros((LEAKAGE_KERNEL.n_points, n_fft))

@@ -1,4 +1,4 @@
-"""How a structure is likely to move in a test, and what speaks for nonlinear forces in it."""
+"""Expected motion at a DoF in a test, and evidence of nonlinear forces there."""
 
 from dataclasses import dataclass
 
@@ -23,7 +23,7 @@ class LikelyMotion:
 
 
 def likely_motion(system: DynamicSystem, setup: RigSetup, dof: Dof) -> LikelyMotion:
-    """Return how a DoF moves when the rig drives the bare structure with its declared level."""
+    """Return the motion of a DoF when the rig drives the bare structure at the declared level."""
     analyser = setup.analyser
     freq = analyser.freq[1:]
     columns = system.selection((dof, setup.drive))
@@ -39,7 +39,7 @@ def likely_motion(system: DynamicSystem, setup: RigSetup, dof: Dof) -> LikelyMot
 
 
 def distortion_suspicion(evidence: Evidence) -> float:
-    """Return how much speaks for a force that is no straight line, 0 to 1: power that no force explains.
+    """Return the suspicion of a nonlinear force, 0 to 1, from incoherent response power.
 
     A force that damps as well may leave less of it on the whole, where it takes more of what noise makes
     at resonances than it adds beside them.

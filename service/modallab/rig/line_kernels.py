@@ -1,4 +1,4 @@
-"""How the analyser's lines see a spectrum: the window's line shape over quadrature nodes."""
+"""Kernels between true spectra and the analyser's lines."""
 
 from dataclasses import dataclass
 from functools import cached_property, lru_cache
@@ -16,7 +16,7 @@ from modallab.rig.spectrum_settings import QUADRATURE
 
 @dataclass(frozen=True, eq=False)
 class LineKernel:
-    """Where a spectrum has to be known, and what each line takes from there.
+    """Frequencies at which a spectrum is evaluated, and their weights in each line.
 
     `mirrored` brings in the negative frequencies, where spectra are conjugate; without kernels
     every line sees its own frequency alone.
@@ -34,7 +34,7 @@ class LineKernel:
         return self.near + self.mirrored, self.near - self.mirrored
 
     def convolve(self, spectrum: ComplexArray) -> ComplexArray:
-        """Return a spectrum at the nodes (n_run, n_nodes, k) as the lines see it, (n_run, n_lines, k)."""
+        """Return a spectrum (n_run, n_nodes, k) as seen by the lines, (n_run, n_lines, k)."""
         if self.near is None or self.mirrored is None:
             return spectrum
         n_run, n_nodes, k = spectrum.shape
@@ -49,7 +49,7 @@ class LineKernel:
 
 @lru_cache(maxsize=16)
 def periodic_kernel(analyser: Analyser, step: int = 1) -> LineKernel:
-    """Return how every `step`-th line sees a signal that repeats with the record: lines see lines."""
+    """Return the kernel of every `step`-th line for a signal that is periodic in the record."""
     window, n = analyser.line_window, analyser.n_lines
     reach = len(window.coefficients) - 1  # farther off, its line shape is 0 at whole lines
     if reach == 0:  # and 1 at its own line
@@ -72,7 +72,7 @@ def periodic_kernel(analyser: Analyser, step: int = 1) -> LineKernel:
 def refined_kernel(
     analyser: Analyser, poles: FloatArray, widths: FloatArray, points: int = QUADRATURE.gauss_points
 ) -> LeakageKernel:
-    """Return how the lines see a stationary signal, by quadrature refined towards resonances.
+    """Return the kernel of the lines for a stationary signal, refined near resonances.
 
     Parameters
     ----------
@@ -88,7 +88,7 @@ def refined_kernel(
 
 @lru_cache(maxsize=16)
 def coarse_kernel(analyser: Analyser, step: int) -> LineKernel:
-    """Return how every `step`-th line sees a stationary signal, on a grid that knows no resonance.
+    """Return the kernel of every `step`-th line for a stationary signal, on a uniform grid.
 
     Even steps of half a line: of smooth functions no rule of as many points is better, and a window's
     line shape squared holds no finer detail.

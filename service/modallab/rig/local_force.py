@@ -1,4 +1,4 @@
-"""A force within the structure that is no straight line: at one motion, of its displacement or velocity."""
+"""Local nonlinear forces: of the displacement or velocity at one DoF."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -26,11 +26,11 @@ class LocalForce:
     degree: int | None = None  # where the law is a polynomial: a few points then make every mean exact
 
     def linearised(self, rms: float) -> "LinearisedForce":
-        """Return what the force is to a Gaussian motion of this root mean square."""
+        """Return the linearised force under a Gaussian motion of this root mean square."""
         return LinearisedForce(self, rms)
 
     def equivalent_coefficients(self, rms: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return the best straight lines at root mean squares, and how they change with their logarithm.
+        """Return the equivalent stiffness or damping, and its derivative by the logarithm of the rms.
 
         k = E[f(s z) z]/s and dk/d ln s = E[f(s z) He_3(z)]/s, of the shape of `rms`, N/m or N s/m.
         """
@@ -42,7 +42,7 @@ class LocalForce:
 
 @dataclass(frozen=True, eq=False)
 class LinearisedForce:
-    """A local force under a Gaussian motion: its best straight line, and what that leaves.
+    """Statistical linearisation of a local force: equivalent coefficient and residual.
 
     Statistical linearisation: the slope k = E[f(x) x]/s^2 leaves a residual that is uncorrelated with
     the motion. Booton (1954), IRE Trans. Circuit Theory 1, 9-18; for a cubic, k = 3 k_3 s^2.
@@ -63,7 +63,7 @@ class LinearisedForce:
         return float(self.force.equivalent_coefficients(np.array(self.rms))[0]) if self.rms > 0 else 0.0
 
     def residual(self, x: FloatArray) -> FloatArray:
-        """Return the force less its straight line, N."""
+        """Return the force minus its linear part, N."""
         return np.asarray(self.force.law(x) - self.slope * x)
 
     def residual_correlation(self, correlation: FloatArray) -> FloatArray:
@@ -80,7 +80,7 @@ class LinearisedForce:
         return np.asarray(np.sign(correlation) * summed)
 
     def residual_correlation_derivative(self, correlation: FloatArray) -> FloatArray:
-        """Return how the residual's autocorrelation grows with the motion's own, N^2 per m^2 or m^2/s^2.
+        """Return the derivative of the residual's autocorrelation by the motion's, N^2 per m^2 or m^2/s^2.
 
         sum_{n >= 3} n a_n^2 rho^(n - 1) / s^2: what a residual moves, times this, is how the next residual
         remembers the motion itself; for a cubic 18 k_3^2 s^4 rho^2.
@@ -98,7 +98,7 @@ class LinearisedForce:
 
     @cached_property
     def _powers(self) -> FloatArray:
-        """The squares of the series beyond the straight line."""
+        """The squares of the series from the third order on."""
         powers = self._series**2
         powers[0] = 0.0
         return powers

@@ -1,4 +1,4 @@
-"""The one way to a measurement, whatever the route."""
+"""Simulated measurement by any route."""
 
 from collections.abc import Sequence
 from enum import StrEnum
@@ -47,7 +47,7 @@ def measure(
     rng: np.random.Generator,
     progress: Progress = silent,
 ) -> Measurement:
-    """Return what the rig measures on a structure.
+    """Return the simulated measurement of a structure on a rig.
 
     Parameters
     ----------
@@ -82,7 +82,7 @@ def measure(
 
 
 def draw(chain: Chain, rng: np.random.Generator) -> CrossSpectra:
-    """Return spectra from the law that averages follow round the expected ones."""
+    """Return spectra drawn from the sampling distribution of averages."""
     clean, steady = noise_free(chain), periodic_signals(chain)
     expected = with_noise(chain, clean)
     n_out = len(chain.runs[0].responses)
@@ -131,7 +131,7 @@ def measurement_of(spectra: CrossSpectra, setup: RigSetup) -> Measurement:
 
 
 def _notes(analyser: Analyser) -> tuple[str, ...]:
-    """Return what the analyser did to the FRFs that their reader has to know."""
+    """Return notes on systematic changes of the FRFs by the analyser."""
     end = analyser.line_window.end
     if end == 1:
         return ()

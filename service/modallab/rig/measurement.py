@@ -1,4 +1,4 @@
-"""What a test hands over: arrays, and the rig as its log book declares it. Nothing of the truth."""
+"""Measurement: FRFs, coherence and spectra with the rig as declared."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass, field, replace

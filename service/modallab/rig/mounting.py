@@ -1,4 +1,4 @@
-"""How an accelerometer is held, and what its mounted resonance makes of the motion."""
+"""Mounting of accelerometers and their mounted resonance."""
 
 from dataclasses import dataclass
 
@@ -10,7 +10,7 @@ from modallab.core.errors import InvalidInputError
 
 @dataclass(frozen=True)
 class Mounting:
-    """A seismic mass on what holds it."""
+    """Mounted resonance of an accelerometer: seismic mass on a damped spring."""
 
     frequency: float  # Hz, mounted resonance
     loss: float  # 2 zeta

@@ -1,4 +1,4 @@
-"""FRFs freed of what noise makes of them on the whole."""
+"""Correction of FRFs for the bias by noise."""
 
 import numpy as np
 
@@ -13,7 +13,7 @@ _H1_EXPONENTS = {"h1": 0.0, "h2": 1.0, "hv": 0.5}  # power of the coherence that
 
 
 def without_noise_bias(measurement: Measurement) -> tuple[FrfSet, FloatArray | None]:
-    """Return FRFs that noise of force and responses makes neither too small nor too large.
+    """Return FRFs without the bias by force and response noise, and a common variance of theirs.
 
     And the variance (n_freq, n_out, n_in) of ln |H| that is the force's noise, which all responses of one
     run have in common; None where nothing tells how strong it is, and the FRFs are as

@@ -1,4 +1,4 @@
-"""What nonlinear forces add to time records: found by steps in time, heard by every channel."""
+"""Time records of nonlinear forces, by time integration of their residuals."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
@@ -29,7 +29,7 @@ class SourceSignal:
 
     @classmethod
     def joined(cls, parts: "Sequence[SourceSignal]") -> "SourceSignal":
-        """Return the records of several, one after the other."""
+        """Return the records of several signals, concatenated."""
         offsets = np.cumsum([0, *(len(part.lines) for part in parts)])
         return replace(
             parts[0],
@@ -42,7 +42,7 @@ class SourceSignal:
 
 
 class Distorter:
-    """Adds to the records of some runs what their nonlinear forces leave of their straight lines.
+    """Adds the response to the residuals of nonlinear forces to the records of some runs.
 
     Records of all these runs are stepped side by side; each begins as early as its own run asks for.
     """
@@ -63,13 +63,13 @@ class Distorter:
         ]
 
     def _channel_response(self, chain: Chain, run: Run, lead: int) -> ComplexArray:
-        """Return what channels hear of a newton at a nonlinear force, over lead-in and record together."""
+        """Return the channels' response to residual forces, over lead-in and record."""
         freq = np.arange((1 + lead) * self._n // 2 + 1) * self._analyser.spacing / (1 + lead)
         answer = replace(chain, runs=(run,)).residual_response(freq).channels[0]
         return np.ascontiguousarray(np.moveaxis(answer, 0, -1))
 
     def distortion(self, played: Sequence[Sequence[SourceSignal]]) -> list[FloatArray]:
-        """Return what the channels hear of the residuals in each record, (n_block, n_ch, n_samples) by run.
+        """Return the channels' response to the residual forces, (n_block, n_ch, n_samples) of each run.
 
         Parameters
         ----------
@@ -97,7 +97,7 @@ class Distorter:
         ]
 
     def _channel_records(self, residuals: FloatArray, channel_response: ComplexArray) -> FloatArray:
-        """Return the channels' records of residuals (n_fine, n, r), lead-in first."""
+        """Return the channels' records of residual forces (n_fine, n, r), lead-in first."""
         lines = (
             scipy.fft.rfft(residuals, axis=0)[: channel_response.shape[-1]] / NONLINEAR_RECORDS.oversampling
         )
@@ -110,7 +110,7 @@ class Distorter:
     def _motion(
         self, run: Run, played: Sequence[SourceSignal], lead: int, longest: int
     ) -> Callable[[int, int], FloatArray]:
-        """Return the motion at the forces (n, n_block, r) by the samples from one to another.
+        """Return a function from sample range to the motion at the forces (n, n_block, r).
 
         Nothing moves before a run's own lead-in begins.
         """
@@ -135,7 +135,7 @@ class Distorter:
         return between
 
     def _samples(self, run: Run, played: SourceSignal) -> FloatArray:
-        """Return what the forces of a run take, (n_samples, n, r), over a period of what is played."""
+        """Return the motion at the forces of a run, (n_samples, n, r), over one period of the source."""
         n_lines = played.lines.shape[-1]
         freq = np.linspace(0.0, self._analyser.frequency_max, n_lines)
         n_period = played.n_records * self._n * NONLINEAR_RECORDS.oversampling
@@ -152,7 +152,7 @@ class Distorter:
 
 
 def modal_feedbacks(runs: Sequence[Run]) -> list[ModalFeedback]:
-    """Return how the structure of each run answers its nonlinear forces.
+    """Return the modal model of each run's structure at its nonlinear forces.
 
     Raises
     ------
@@ -171,7 +171,7 @@ def modal_feedbacks(runs: Sequence[Run]) -> list[ModalFeedback]:
 
 
 def lead_in_records(run: Run, analyser: Analyser) -> int:
-    """Return how many records it takes until a start from rest is forgotten."""
+    """Return the lead-in, in records, after which the initial transient has decayed."""
     frequencies, widths = run.resonances(analyser.frequency_max)
     slowest = widths[frequencies < analyser.frequency_max].min(initial=np.inf)
     decay_records = (
@@ -183,7 +183,7 @@ def lead_in_records(run: Run, analyser: Analyser) -> int:
 
 
 def max_parallel_records(chain: Chain) -> int:
-    """Return how many records of runs with nonlinear forces are stepped together."""
+    """Return the number of records that are integrated in parallel."""
     longest = 1 + max(lead_in_records(run, chain.setup.analyser) for run in chain.runs)
     return max(
         1,

@@ -1,4 +1,4 @@
-"""Signals that come back in every average: what all averages have in common, as the lines see it."""
+"""Deterministic signals: the part that all averages have in common."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -20,7 +20,7 @@ Weights = Callable[[int, np.random.Generator], FloatArray]  # number of averages
 
 @dataclass(frozen=True, eq=False)
 class PeriodicSignal:
-    """The signals of one run: in every average a sum of the same few, with real weights.
+    """Deterministic signals of one run: in every average a weighted sum of the same few.
 
     One of weight 1 where every record is the same; blows of a hammer differ in size, place and angle.
     """
@@ -30,7 +30,7 @@ class PeriodicSignal:
     weights: Weights
 
     def expected(self, gain: ComplexArray) -> ComplexArray:
-        """Return their mean G_ff, G_fx and G_xx side by side, (n_lines, 1 + 2 n_out), behind gains."""
+        """Return the mean G_ff, G_fx and G_xx behind channel gains, concatenated, (n_lines, 1 + 2 n_out)."""
         spectra = self.signals * gain
         weighted_force = np.einsum("kl,kf->lf", self.moments, spectra[..., 0].conj())
         first = np.einsum("lf,lfc->fc", weighted_force, spectra)
@@ -41,13 +41,13 @@ class PeriodicSignal:
 
 
 def fixed_lines(analyser: Analyser) -> ComplexArray | None:
-    """Return what a source plays in every record, line by line, of unit density; None if drawn anew."""
+    """Return the fixed source lines of unit density; None if the signal is random."""
     phases = EXCITATIONS[analyser.excitation.kind].phases
     return None if phases is None else np.exp(1j * phases(analyser.n_lines))
 
 
 def periodic_signals(chain: Chain) -> tuple[PeriodicSignal, ...] | None:
-    """Return what comes back in every average of each run; None where all is drawn anew."""
+    """Return the deterministic signals of each run; None if the excitation is random."""
     transient = transient_of(chain)
     if transient is None:
         signals, share = fixed_signals(chain), np.sqrt(1 - chain.source.continuous)
@@ -61,7 +61,7 @@ def periodic_signals(chain: Chain) -> tuple[PeriodicSignal, ...] | None:
 
 
 def _transient_signal(chain: Chain, transient: Transient, answers: ImpulseResponses) -> PeriodicSignal | None:
-    """Return the signals of a run that begin and end within a record; None where they are Gaussian."""
+    """Return the transient signals of a run; None if they are Gaussian."""
     analyser, setting = chain.setup.analyser, chain.setup.analyser.excitation
     records = transient.basis_records(answers, setting)
     if records is None:
@@ -79,7 +79,7 @@ def _transient_signal(chain: Chain, transient: Transient, answers: ImpulseRespon
 
 
 def fixed_signals(chain: Chain) -> ComplexArray | None:
-    """Return the lines of a fixed signal through the window, (n_run, n_lines, n_ch); None if drawn anew."""
+    """Return the windowed lines of a fixed signal, (n_run, n_lines, n_ch); None if it is random."""
     analyser = chain.setup.analyser
     lines = fixed_lines(analyser)
     if lines is None:
@@ -90,7 +90,7 @@ def fixed_signals(chain: Chain) -> ComplexArray | None:
 
 
 def _windowed_lines(window: Window, lines: ComplexArray) -> ComplexArray:
-    """Return the lines (n_run, n_lines, n_ch) of a record through a window, over its root mean square."""
+    """Return the lines (n_run, n_lines, n_ch) of a windowed record, over the window's root mean square."""
     half_width, n = len(window.coefficients) - 1, lines.shape[1]
     zeros = np.zeros((len(lines), half_width, lines.shape[2]))
     # Lines at negative frequency are conjugate; the record of a channel is real.

@@ -1,4 +1,4 @@
-"""How averages scatter of signals that come back in every record: less than those of signals drawn anew."""
+"""Variance of averaged spectra under deterministic excitation."""
 
 from dataclasses import dataclass
 
@@ -17,7 +17,7 @@ from modallab.rig.wishart_periodic import gain_of
 
 @dataclass(frozen=True, eq=False)
 class VarianceFactors:
-    """Variances over those of averages of Gaussian records drawn anew, to first order in 1/n."""
+    """Variances over those of averages of independent Gaussian records, to first order in 1/n."""
 
     force: FloatArray  # (n_run, n_freq) of ln G_ff
     frf: FloatArray  # (n_run, n_freq, n_out) of H1
@@ -28,7 +28,7 @@ class VarianceFactors:
 
 
 def periodic_factors(chain: Chain, spectra: CrossSpectra) -> VarianceFactors | None:
-    """Return what signals that come back in every average take from the variances of spectra.
+    """Return the variance factors under deterministic excitation; None if it is random.
 
     A force f that comes back, and u of power N beside it that does not: G_ff is non-central chi-square of
     variance (2 |f|^2 N + N^2)/n, which is 1 - a^2 of G_ff^2/n, a = |f|^2/G_ff. What H1 does not explain
@@ -71,7 +71,7 @@ def periodic_factors(chain: Chain, spectra: CrossSpectra) -> VarianceFactors | N
 
 
 def _weights_vary(signals: tuple[PeriodicSignal, ...]) -> bool:
-    """Return whether blows differ from record to record."""
+    """Return whether the amplitudes of blows differ from record to record."""
     weights = signals[0].weights(2, np.random.default_rng(0))
     return bool((weights[0] != weights[1]).any())
 

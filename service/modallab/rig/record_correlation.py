@@ -1,4 +1,4 @@
-"""How records that follow one another share the power that leaks, and what that does to averages."""
+"""Correlation of successive records by leakage, and the excess variance that it causes."""
 
 from collections.abc import Iterator
 from typing import Any
@@ -17,7 +17,7 @@ from modallab.rig.spectrum_settings import RECORD_CORRELATION
 
 
 def correlated_excess_variance(chain: Chain, spectra: CrossSpectra) -> FloatArray:
-    """Return how much more G_xx (1 - coherence) scatters than averages of independent records do.
+    """Return the variance of G_xx (1 - coherence) over that of averages of independent records.
 
     What a line takes from a stationary excitation besides H1 times the force is tied to the same in the
     next records: with a rectangular window a record ends where the next begins. With c_l its
@@ -63,7 +63,7 @@ def correlated_excess_variance(chain: Chain, spectra: CrossSpectra) -> FloatArra
 
 
 def leaked_covariances(chain: Chain, spectra: CrossSpectra, lags: int) -> Iterator[ComplexArray]:
-    """Yield the covariance of what leaks with itself 0, 1, ... `lags` records on, (n_run, n_freq, n_out).
+    """Yield the covariance (n_run, n_freq, n_out) of the leaked part at lags of 0, 1, ... `lags` records.
 
     The integral of the window's line shape times |X - H1 F|^2 exp(2 pi i f l hop), hop the time from one
     record to the next, over the true spectra of what is stationary; at lag 0 what H1 leaves of its power.
@@ -103,7 +103,7 @@ def _least_width(chain: Chain) -> float:
 
 
 def _overlapping(window: FloatArray, shifts: NDArray[np.floating[Any]]) -> FloatArray:
-    """Return the correlation of a window with itself, `shifts` (in records) on."""
+    """Return the autocorrelation of a window at `shifts` records."""
     n, power = len(window), float(window @ window)
     steps = np.round(shifts * n).astype(int)
     return np.array([float(window[s:] @ window[: n - s]) / power if s < n else 0.0 for s in steps])

@@ -1,4 +1,4 @@
-"""Time records of a run's channels, a batch at a time: memory does not grow with the averages."""
+"""Simulated time records of all channels, in batches: memory does not grow with the averages."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -23,7 +23,7 @@ Draft = tuple[
 
 
 class Recorder:
-    """What the analyser's input sees, run by run: forces first, then responses.
+    """Generator of the analyser's input, run by run: force channels first.
 
     Hysteretic damping has no causal form in time, so signals are made by frequency: one record for
     what repeats with it; for what does not, a stretch of many records with so many lines that it
@@ -75,11 +75,11 @@ class Recorder:
 
     @property
     def stretch_layout(self) -> tuple[int, int]:
-        """How many records are taken out of what is made at once, and how many lengths of one that has."""
+        """Number of records in a stretch, and its length in records."""
         return self._per_stretch, self._repeats
 
     def _plan_stretches(self, records: float, decay_records: float) -> int:
-        """Share the averages out to equal stretches of about `records`; return what one takes."""
+        """Divide the averages into equal stretches of about `records`; return the length of one."""
         steps = max(0, int((records - 1) * self.n_samples / self._hop))
         n_stretches = -(-self._averages // (steps + 1))
         self._per_stretch = -(-self._averages // n_stretches)
@@ -87,7 +87,7 @@ class Recorder:
         return int(scipy.fft.next_fast_len(int(np.ceil(span + decay_records)), real=True))
 
     def batches(self, noise: FloatArray, rng: np.random.Generator) -> Iterator[Batch]:
-        """Yield all records of all runs, one run after the other, some records at a time.
+        """Yield batches of records, one run after the other.
 
         Parameters
         ----------
@@ -120,7 +120,7 @@ class Recorder:
             yield from _with_distortion(distorter, [pending])
 
     def _drafts(self, run: int, noise: FloatArray, rng: np.random.Generator) -> Iterator[Draft]:
-        """Yield the records of a run without what nonlinear forces add, and what was played in them."""
+        """Yield the records of a run without nonlinear forces, and their source signals."""
         rms = np.sqrt(noise * self.sample_rate / 2)
         answers = None if self._transient is None else impulse_responses_of(self._chain, run)
         n_recorded = 0
@@ -144,7 +144,7 @@ class Recorder:
     def _stretch_of(
         self, run: int, rms: FloatArray, rng: np.random.Generator
     ) -> tuple[FloatArray, ComplexArray | None]:
-        """Return the noise and what goes on from record to record, cut into them, and its lines."""
+        """Return noise and stationary signals of one stretch as records, and the source lines."""
         span = self.n_samples + (self._per_stretch - 1) * self._hop
         samples = rng.standard_normal((len(rms), span))
         samples *= rms[:, None]
@@ -158,7 +158,7 @@ class Recorder:
     def _fresh_records(
         self, run: int, n: int, answers: ImpulseResponses | None, rng: np.random.Generator
     ) -> tuple[FloatArray | None, ComplexArray | None]:
-        """Return what is made for each of n records, (n, n_ch, n_samples), and the lines of what repeats."""
+        """Return the periodic or transient part of n records, (n, n_ch, n_samples), and its source lines."""
         samples, lines = None, None
         if self._repeating is not None:
             lines = self._periodic_lines(self._repeating[run], n, rng)
@@ -174,7 +174,7 @@ class Recorder:
     def _source_signals(
         self, stretch: ComplexArray | None, lines: ComplexArray | None, starts: IntArray
     ) -> list[SourceSignal]:
-        """Return what the sources play in some records: out of one stretch, and anew in each."""
+        """Return the source signals of some records: stationary and periodic part."""
         share = self._chain.source.continuous
         first = np.zeros_like(starts)
         signals = [] if stretch is None else [SourceSignal(stretch, share, self._repeats, starts, first)]
@@ -183,12 +183,12 @@ class Recorder:
         return [*signals, *fresh_signals]
 
     def _periodic_lines(self, response: ComplexArray, n: int, rng: np.random.Generator) -> ComplexArray:
-        """Return what n records repeat: lines of their own, or, (1, 1, n_lines), the same in all of them."""
+        """Return the source lines of n periodic records; (1, 1, n_lines) if all are alike."""
         return self._random_lines(response, n, rng) if self._fixed is None else self._fixed[None, None]
 
     @staticmethod
     def _random_lines(response: ComplexArray, n: int, rng: np.random.Generator) -> ComplexArray:
-        """Return what the sources play n times, line by line, (n, n_in, n_lines), of unit density."""
+        """Return n draws of Gaussian source lines of unit density, (n, n_in, n_lines)."""
         n_in, _, n_lines = response.shape
         lines = rng.standard_normal((n, n_in, 2 * n_lines)).view(complex)
         lines *= np.sqrt(0.5)
@@ -211,7 +211,7 @@ class Recorder:
 
 
 def _with_distortion(distorter: Distorter, drafts: Sequence[Sequence[Draft]]) -> Iterator[Batch]:
-    """Yield the records of some runs with what nonlinear forces add, run by run."""
+    """Yield the records of some runs with the response to nonlinear forces."""
     played = [
         [SourceSignal.joined(parts) for parts in zip(*(signals for _, signals in run_drafts), strict=True)]
         for run_drafts in drafts
@@ -223,7 +223,7 @@ def _with_distortion(distorter: Distorter, drafts: Sequence[Sequence[Draft]]) ->
 
 
 def _decay_time(chain: Chain) -> float:
-    """Return how long, s, the slowest mode within the band needs to be forgotten."""
+    """Return the decay time, s, of the least damped mode in the band."""
     frequencies, widths = chain.poles()
     analyser = chain.setup.analyser
     slowest = widths[frequencies < analyser.frequency_max + analyser.spacing].min(initial=np.inf)
@@ -231,7 +231,7 @@ def _decay_time(chain: Chain) -> float:
 
 
 def _source_lines(chain: Chain, freq: FloatArray, samples: float) -> ComplexArray:
-    """Return the channels' lines for each source, (n_run, n_in, n_ch, n_freq), as a transform has them.
+    """Return the channels' lines per source, (n_run, n_in, n_ch, n_freq), scaled as a discrete transform.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""One run of the analyser: what is driven, loaded and heard in it."""
+"""One run of the analyser: loaded structure, exciters and channels."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
@@ -35,7 +35,7 @@ class Run:
 
     @cached_property
     def motions(self) -> tuple[Dof, ...]:
-        """What has to be known of the structure: drive points, nonlinear forces, what channels hear."""
+        """DoFs whose motion is needed: drive points, nonlinear forces, pickups of the channels."""
         pickups = {dof: None for channel in self.responses for dof, _ in channel.pickups}
         return (
             *self.acquisition_run.drives,
@@ -45,11 +45,11 @@ class Run:
 
     @property
     def n_forces(self) -> int:
-        """How many of the motions a force acts at: the drive points and the nonlinear forces."""
+        """Number of drive points and nonlinear forces."""
         return len(self.acquisition_run.drives) + len(self.local_forces)
 
     def channel_motions(self, accelerations: ComplexArray) -> ComplexArray:
-        """Return what reaches each response channel of `motions` (n_freq, n_motions, n_sources)."""
+        """Return the channels' motions from those of `motions` (n_freq, n_motions, n_sources)."""
         first = self.n_forces
         if all(channel.pickups == ((channel.dof, 1.0),) for channel in self.responses):
             return accelerations[:, first:]
@@ -83,7 +83,7 @@ class Run:
 
     @property
     def with_exciters(self) -> DynamicSystem:
-        """The structure with the moving parts of the exciters on it, their sources passive."""
+        """The structure with the moving parts of the passive exciters attached."""
         return self._with_exciters_at(0.0)
 
     def _with_exciters_at(self, omega: float) -> DynamicSystem:

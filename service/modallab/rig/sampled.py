@@ -1,4 +1,4 @@
-"""Route b, the reference: time records of every channel, through window, transform and averages."""
+"""Sampled spectra: time records through window, Fourier transform and averaging (route `sampled`)."""
 
 from dataclasses import replace
 

@@ -1,4 +1,4 @@
-"""The rig as its log book has it: hardware, analyser settings, where it drives and listens."""
+"""Rig as declared in the log book."""
 
 from dataclasses import dataclass, field
 
@@ -16,7 +16,7 @@ from modallab.rig.suspension import Suspension
 
 @dataclass(frozen=True)
 class AcquisitionRun:
-    """Channels acquired together: one run of the analyser."""
+    """Drive points and responses of one run of the analyser."""
 
     drives: tuple[Dof, ...]  # driven at the same time
     outputs: tuple[Dof, ...]
@@ -30,7 +30,7 @@ class AcquisitionRun:
 
 @dataclass(frozen=True)
 class RigSetup:
-    """A rig as declared; parts left out are ideal.
+    """A rig as declared; parts that are not declared are ideal.
 
     Several shakers drive at the same time; a hammer strikes one drive point after the other.
     """
@@ -67,7 +67,7 @@ class RigSetup:
             self._check_told_apart()
 
     def _check_told_apart(self) -> None:
-        """Raise unless the analyser can tell apart the forces that act at once."""
+        """Raise unless the estimator can separate simultaneous forces."""
         analyser, n_in = self.analyser, len(self.drives)
         if analyser.estimator not in MULTIPLE_INPUT_ESTIMATORS:
             raise InvalidInputError(

@@ -1,4 +1,4 @@
-"""What expected spectra do not know of distortion that comes in bursts: found by going through the test."""
+"""Excess variance of spectra with intermittent distortion, by simulated tests."""
 
 from collections.abc import Hashable, Sequence
 from dataclasses import replace
@@ -28,7 +28,7 @@ Numbers = TypeVar("Numbers", FloatArray, ComplexArray)
 
 
 def is_intermittent(effects: Sequence[Effect], setup: RigSetup) -> bool:
-    """Return whether some effects' distortion comes in bursts in a test whose signals are drawn anew."""
+    """Return whether an effect causes intermittent distortion under random excitation."""
     excitation = EXCITATIONS[setup.analyser.excitation.kind]
     return (
         not excitation.deterministic and excitation.transient is None and any(e.intermittent for e in effects)
@@ -36,7 +36,7 @@ def is_intermittent(effects: Sequence[Effect], setup: RigSetup) -> bool:
 
 
 class SimulatedVariance:
-    """Rehearsed factors of one rig, kept by place and about the size of what comes in bursts."""
+    """Cache of simulated variance factors, by place and rounded parameters of the intermittent effects."""
 
     def __init__(self) -> None:
         self._known: dict[Hashable, VarianceFactors | None] = {}
@@ -45,14 +45,14 @@ class SimulatedVariance:
     def factors(
         self, chain: Chain, spectra: CrossSpectra, effects: Sequence[Effect], *, repeats: int | None = None
     ) -> VarianceFactors | None:
-        """Return the factors of a chain with some effects; None where it cannot be gone through.
+        """Return the variance factors of a chain with some effects; None if it cannot be simulated.
 
         Parameters
         ----------
         spectra
             `expected_spectra(chain)`.
         repeats
-            Tests that are gone through; None for as many as weights ask for.
+            Number of simulated tests; None: as the settings have it.
         """
         if repeats is None:
             repeats = (
@@ -71,7 +71,7 @@ class SimulatedVariance:
 
 
 def _octaves(effect: Effect) -> list[int]:
-    """Return the sizes of an effect's parameters, roughly."""
+    """Return the logarithms of an effect's parameters, rounded to a fraction of an octave."""
     values = np.maximum(np.abs(list(effect.parameters.values())), np.finfo(float).tiny)
     return [int(size) for size in np.rint(SIMULATED_VARIANCE.values_per_octave * np.log2(values))]
 
@@ -79,23 +79,22 @@ def _octaves(effect: Effect) -> list[int]:
 def simulated_factors(
     chain: Chain, spectra: CrossSpectra, repeats: int = SIMULATED_VARIANCE.n_tests, seed: int = 0
 ) -> VarianceFactors:
-    """Return by how much more spectra lie off their expectation than averages of Gaussian records do.
+    """Return the variance of spectra over that of averages of Gaussian records, from simulated tests.
 
-    Distortion comes in bursts: few records in which a line is large, or whose peaks are cut off, carry it,
-    and their averages scatter far more than the Gamma law has it. Nor does a straight line know how a
-    resonance wanders from record to record. Both show where the test is gone through in time with the
-    same effects: the squared logarithm of what comes out over what was expected, over the variance of
-    Gaussian records. Of it what is tied to the expectation stays however many averages there are, what
-    scatters falls with them.
+    Intermittent distortion is carried by few records, those with large amplitudes or clipped peaks, so that
+    averages scatter far more than a Gamma distribution. Equivalent linearisation also leaves out that a
+    resonance shifts from record to record. Simulated tests in the time domain with the same effects show
+    both: the factor is the mean square of ln(simulated/expected) over the variance of Gaussian records.
+    Its bias does not depend on the number of averages; its scatter falls with them.
 
-    With a roving sensor one run is gone through, in which all channels are heard.
+    With a roving sensor one run with all channels is simulated.
 
     Parameters
     ----------
     spectra
         `expected_spectra(chain)`, one force a run.
     repeats
-        Tests that are gone through.
+        Number of simulated tests.
     """
     n = min(chain.setup.analyser.averages, SIMULATED_VARIANCE.max_averages)
     if len(chain.runs) > 1:
@@ -107,13 +106,13 @@ def simulated_factors(
     share = effective / spectra.averages
     g2 = coherence(spectra)
     incoherent = spectra.xx * (1 - g2 + COHERENCE_ROUNDING)
-    # Of H1 in one average, as a test tells it of itself: where it came out noisy its lines weigh less.
+    # Standard error of H1 in one average by the test's own coherence, as a fit will weight it.
     test_coherence = np.array([coherence(test) for test in tests])
     error = np.sqrt(
         (1 - test_coherence + COHERENCE_ROUNDING) / np.maximum(test_coherence, COHERENCE_ROUNDING)
     )
     force, response = (np.array(part) for part in zip(*(_powers(test) for test in tests), strict=True))
-    # Less what the logarithm of an average of Gaussian records is off in the mean.
+    # digamma(n) - ln(n) is the mean of the logarithm of an average of Gaussian records.
     force = np.log(force / spectra.ff[:, :, 0, 0].real) - digamma(effective) + np.log(effective)
     response = np.log(response / incoherent) - digamma(max(effective - 1, 0.5)) + np.log(effective)
     frf: ComplexArray = np.log(np.array([h1(test)[..., 0] for test in tests]) / h1(spectra)[..., 0])
@@ -125,7 +124,7 @@ def simulated_factors(
     )
     if chain.source.continuous == 0:
         return factors
-    # What follows from records in succession is counted by itself.
+    # The correlation of successive records is accounted for separately.
     return replace(
         factors, response=np.maximum(factors.response / correlated_excess_variance(chain, spectra), 1.0)
     )
@@ -137,7 +136,7 @@ def _powers(spectra: CrossSpectra) -> tuple[FloatArray, FloatArray]:
 
 
 def _single_run(chain: Chain) -> Chain:
-    """Return one run in which all channels of a roving test are heard, the sensor in the middle place."""
+    """Return one run with all channels of a roving test, the sensor at the middle place."""
     run = chain.runs[len(chain.runs) // 2]
     responses = tuple(channel for other_run in chain.runs for channel in other_run.responses)
     acquisition_run = replace(
@@ -148,35 +147,35 @@ def _single_run(chain: Chain) -> Chain:
 
 
 def _by_run(factors: VarianceFactors, spectra: CrossSpectra) -> VarianceFactors:
-    """Return the factors of one run with all channels by the runs of a test."""
+    """Return the factors of the single run, split into the runs of the test."""
     n_run, n_lines, n_out = spectra.xx.shape
     rng = np.random.default_rng(n_run)
 
-    def parted(part: Numbers) -> Numbers:
-        """(.., 1, n_lines, n_run n_out) by run."""
+    def by_run_axis(part: Numbers) -> Numbers:
+        """Return an array (.., 1, n_lines, n_run n_out) split by run."""
         by_run = part.reshape(*part.shape[:-3], n_lines, n_run, n_out)
         out: Numbers = np.ascontiguousarray(np.moveaxis(by_run, -2, -3))
         return out
 
-    def anew(part: Numbers) -> Numbers:
-        """What scatters from test to test does so in every run by itself."""
+    def with_independent_runs(part: Numbers) -> Numbers:
+        """Return deviations whose scatter is independent from run to run."""
         mean, signs = part.mean(axis=0), rng.choice([-1.0, 1.0], (len(part), n_run, 1, 1))
         out: Numbers = mean + signs * (part - mean)
         return out
 
     assert factors.tests is not None
     force, frf, response = factors.tests
-    runs = anew(np.repeat(force[..., None], n_run, axis=1))[..., 0]
+    runs = with_independent_runs(np.repeat(force[..., None], n_run, axis=1))[..., 0]
     return VarianceFactors(
         np.repeat(factors.force, n_run, axis=0),
-        parted(factors.frf),
-        parted(factors.response),
-        (runs, anew(parted(frf)), anew(parted(response))),
+        by_run_axis(factors.frf),
+        by_run_axis(factors.response),
+        (runs, with_independent_runs(by_run_axis(frf)), with_independent_runs(by_run_axis(response))),
     )
 
 
 def _rescaled_scatter(deviation: Numbers, share: float) -> Numbers:
-    """Return what tests lie off as if of more averages: what they have in common stays."""
+    """Return deviations of tests with their scatter rescaled to another number of averages."""
     mean = deviation.mean(axis=0)
     out: Numbers = mean + np.sqrt(share) * (deviation - mean)
     return out
@@ -202,7 +201,7 @@ def _factor(deviation: FloatArray | ComplexArray, variance: float, share: float)
 def _smooth(squares: FloatArray) -> FloatArray:
     """Return running means over lines, the second axis."""
     width = min(SIMULATED_VARIANCE.smoothing_lines, squares.shape[1])
-    squares = np.concatenate([squares[:, 1:2], squares[:, 1:]], axis=1)  # nothing is seen at 0 Hz
+    squares = np.concatenate([squares[:, 1:2], squares[:, 1:]], axis=1)  # 0 Hz carries no signal
     padded = np.pad(
         squares, [(0, 0), (width // 2, (width - 1) // 2), *[(0, 0)] * (squares.ndim - 2)], mode="reflect"
     )

@@ -1,4 +1,4 @@
-"""What the source plays, and the noise of the channels that listen."""
+"""Source signal and channel noise."""
 
 from dataclasses import dataclass, replace
 
@@ -8,13 +8,13 @@ from modallab.rig.channel import Filter
 
 @dataclass(frozen=True)
 class Source:
-    """How the source's power stands to the record; `continuous` of it does not repeat and leaks."""
+    """Source signal; its share `continuous` does not repeat with the record and leaks."""
 
     continuous: float = 0.0
     shaping: tuple[Filter, ...] = ()  # of what begins and ends within a record
 
     def with_filter(self, filter_: Filter) -> "Source":
-        """Return the source with one more filter on what it plays."""
+        """Return the source with one more filter in series."""
         return replace(self, shaping=(*self.shaping, filter_))
 
 
@@ -27,5 +27,5 @@ class NoiseLevels:
     gauges: tuple[tuple[Dof, float], ...] = ()  # of force gauges at single drive points, beside `force`
 
     def of_gauge(self, drive: Dof) -> float:
-        """Return the ratio of the force gauge at a drive point."""
+        """Return the noise ratio of the force gauge at a drive point."""
         return self.force + sum(ratio for dof, ratio in self.gauges if dof.point == drive.point)

@@ -1,4 +1,4 @@
-"""The stinger as its drawing or its data sheet has it: a rod between armature and force gauge."""
+"""Stinger as declared: a rod between armature and force gauge."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -106,7 +106,7 @@ def axial_frequency(stiffness: float, mass: float) -> float:
 
 
 def lateral_ends(system: DynamicSystem, drive: Dof) -> Iterator[tuple[FloatArray, NDArray[np.bool_]]]:
-    """Yield what a rod behind a drive point follows of it, in each plane through the rod's axis.
+    """Yield the lateral and rotational DoFs of a drive point that a rod couples to, by plane.
 
     The rod leaves the structure against the sense in which it drives.
 

@@ -1,4 +1,4 @@
-"""Whether a stinger's own resonances stay out of the band: 1992 thesis, appendix D."""
+"""Checks of a stinger's resonances against the band: 1992 thesis, appendix D."""
 
 from dataclasses import dataclass
 from typing import ClassVar
@@ -9,7 +9,7 @@ from modallab.rig.stinger import StingerRod, axial_frequency
 
 @dataclass(frozen=True)
 class StingerBendingCheck:
-    """How far a stinger's first bending mode lies from the band."""
+    """First bending frequency of the stinger over the top of the band."""
 
     name: ClassVar[str] = "stinger_bending"
     rule: ClassVar[str] = "the stinger's first bending frequency is above the band"
@@ -25,7 +25,7 @@ class StingerBendingCheck:
 
 @dataclass(frozen=True)
 class StingerAxialCheck:
-    """How far the armature's resonance on stinger and force gauge lies from the band."""
+    """Resonance of the armature on stinger and force gauge over the top of the band."""
 
     name: ClassVar[str] = "stinger_axial"
     rule: ClassVar[str] = "the armature's resonance on the stinger is above the band"
@@ -40,7 +40,7 @@ class StingerAxialCheck:
 
 
 def stinger_bending_check(setup: RigSetup) -> StingerBendingCheck | None:
-    """Return where a rod's first bending mode lies; None where no rod is declared."""
+    """Return the bending check; None unless a rod is declared."""
     if not isinstance(setup.stinger, StingerRod):
         return None
     frequency, band = setup.stinger.bending_frequency, setup.analyser.frequency_max
@@ -48,7 +48,7 @@ def stinger_bending_check(setup: RigSetup) -> StingerBendingCheck | None:
 
 
 def stinger_axial_check(setup: RigSetup) -> StingerAxialCheck | None:
-    """Return where the armature resonates on stinger and gauge; None where either mass or spring is ideal."""
+    """Return the axial check; None if mass or spring is ideal."""
     declared = (setup.stinger.axial_stiffness if setup.stinger else None, setup.force_transducer.stiffness)
     compliance = sum(1 / stiffness for stiffness in declared if stiffness)
     if compliance == 0 or setup.exciter.armature_mass == 0:

@@ -1,4 +1,4 @@
-"""What a structure hangs on, as the log book has it."""
+"""Suspension of the structure as declared."""
 
 from dataclasses import dataclass
 
@@ -9,7 +9,7 @@ from modallab.rig.hardware import within
 
 @dataclass(frozen=True)
 class Suspension:
-    """Elastic bands, all alike; none: the structure floats."""
+    """Identical elastic bands; without any the structure is free."""
 
     at: tuple[Dof, ...] = ()
     stiffness: float = 0.0  # N/m each

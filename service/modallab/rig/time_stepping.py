@@ -1,4 +1,4 @@
-"""Nonlinear forces in time: what they leave of their straight lines, found step by step."""
+"""Time integration of nonlinear forces by modal superposition."""
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
@@ -17,7 +17,7 @@ from modallab.rig.nonlinear_settings import TIME_STEPPING
 
 @dataclass(frozen=True, eq=False)
 class ModalFeedback:
-    """How a structure with passive sources answers forces at some motions: a sum of real modes.
+    """Real modes of a structure with passive sources, at its nonlinear forces.
 
     Structural damping counts as viscous damping of the same width, which is exact at resonance: the
     force that is fed back here is what a straight line leaves, small against the force itself.
@@ -29,7 +29,7 @@ class ModalFeedback:
 
     @classmethod
     def of(cls, system: DynamicSystem, dofs: tuple[Dof, ...]) -> "ModalFeedback":
-        """Return the modes of a system at some DoFs."""
+        """Return the modal model of a system at some DoFs."""
         basis = system.modes()
         columns = system.selection(dofs)
         shapes = columns.T @ basis.shapes[: len(columns)].real
@@ -45,7 +45,7 @@ class ModalFeedback:
 
 
 def check_bounded(feedback: ModalFeedback, linearised: Sequence[LinearisedForce]) -> None:
-    """Raise if time steps would let a loud motion grow, as the structure does not.
+    """Raise if the integration of large motions is unstable.
 
     The straight line of a damper is in the feedback mode by mode, without what it couples. A force that
     falls behind its line at loud motions takes the line off again, couplings and all: if it is strong
@@ -88,7 +88,7 @@ def check_bounded(feedback: ModalFeedback, linearised: Sequence[LinearisedForce]
 
 
 class Stepper:
-    """Steps the modes of several structures side by side, for forces in straight lines from step to step.
+    """Exact integrator of modes under piecewise linear forces, for several structures in parallel.
 
     Exact for such forces. Modes are turned once a block; within it the motion at a force is what the modes
     would do alone, and a convolution of the forces with the structure's answer. The force that a step
@@ -118,7 +118,7 @@ class Stepper:
         return np.moveaxis((state @ self.readout).reshape(n_run, n, self.block, -1), 2, 0)
 
     def advance(self, state: FloatArray, forces: FloatArray) -> FloatArray:
-        """Return the modes a block on, after forces (block, n_run, n, r)."""
+        """Return the modal state after a block with forces (block, n_run, n, r)."""
         n_run, n, n_states = state.shape
         q, v = state[..., : n_states // 2], state[..., n_states // 2 :]
         block_forces = np.moveaxis(forces, 0, 2).reshape(n_run, n, -1)
@@ -130,7 +130,7 @@ class Stepper:
 
 
 def _padded(feedback: ModalFeedback, n_modes: int) -> ModalFeedback:
-    """Return the same with modes that nothing moves, up to as many as others have."""
+    """Return the modal model padded to `n_modes` with modes of zero shape."""
     missing = n_modes - feedback.shapes.shape[1]
     shapes, omega, damping = (np.pad(a, (*[(0, 0)] * (a.ndim - 1), (0, missing))) for a in _parts(feedback))
     return ModalFeedback(shapes, omega, damping)
@@ -143,7 +143,7 @@ def _parts(feedback: ModalFeedback) -> tuple[FloatArray, FloatArray, FloatArray]
 def _block_matrices(
     feedback: ModalFeedback, of_velocity: Sequence[bool], step: float, block: int
 ) -> tuple[FloatArray, FloatArray, FloatArray, FloatArray]:
-    """Return the four matrices of a `Stepper` for one structure, over a block of steps."""
+    """Return the four matrices of a `Stepper` for one structure, over one block of steps."""
     r, m = feedback.shapes.shape
     exact = np.array([_step(w, c, step) for w, c in zip(feedback.omega, feedback.damping, strict=True)])
     a, b_old, b_new = exact[:, :, :2], exact[:, :, 2], exact[:, :, 3]  # (m, 2, 2), (m, 2), (m, 2)
@@ -169,7 +169,7 @@ def _block_matrices(
 
 
 def _step(omega: float, damping: float, step: float) -> FloatArray:
-    """Return displacement and velocity of a mode a step on, of both, old and new force, (2, 4)."""
+    """Return the step matrix (2, 4): displacement and velocity from the old state, old and new force."""
     a = np.zeros((4, 4))
     a[0, 1], a[1, 0], a[1, 1] = 1.0, -(omega**2), -damping
     a[1, 2], a[2, 3] = 1.0, 1.0 / step  # force u, rising at (new - old)/step
@@ -232,14 +232,14 @@ def residual_forces(
 
 
 def _later_motions(answer: FloatArray, force: FloatArray) -> FloatArray:
-    """Return the motions (n, n_run, n_records, r) at later steps, of a force (n_run, n_records, r)."""
+    """Return the motions (n, n_run, n_records, r) at later steps due to one force."""
     if force.shape[-1] == 1:
         return answer * force
     return np.asarray(force @ answer.swapaxes(2, 3))
 
 
 class _ForceEquilibrium:
-    """Finds the forces on the structure that agree with their motion: F = -g(free + own F)."""
+    """Newton solver of the residual force at the end of a step: F = -g(free + compliance F)."""
 
     def __init__(self, linearised: Sequence[Sequence[LinearisedForce]], compliance: FloatArray) -> None:
         self._laws = [local.force for local in linearised[0]]
@@ -249,7 +249,7 @@ class _ForceEquilibrium:
         self._compliance = compliance  # (n_run, r, r): what a force does within its own step
 
     def force(self, free: FloatArray, guess: FloatArray) -> FloatArray:
-        """Return the forces (n_run, n, r) at motions without them, near a guess."""
+        """Return the forces (n_run, n, r) at given motions without them, from an initial guess."""
         force = guess
         if len(self._laws) == 1:
             law, soft, line = self._laws[0], self._compliance, self._lines

@@ -1,4 +1,4 @@
-"""Route a with noise: averaged spectra drawn from the law they follow around the expected ones."""
+"""Random draws of averaged spectra: complex Wishart distribution."""
 
 import numpy as np
 
@@ -12,7 +12,7 @@ from modallab.rig.wishart_forces import wishart_of_several_forces
 def wishart_spectra(
     spectra: CrossSpectra, rng: np.random.Generator, n_tests: int = 1, *, signal: FloatArray | None = None
 ) -> CrossSpectra:
-    """Return spectra as averages of Gaussian records scatter about the expected ones.
+    """Return random spectra with the distribution of averages of Gaussian records.
 
     Complex Wishart law with `spectra.averages` degrees of freedom a line, real at 0 Hz, by its
     conditional (Bartlett) form: G_ff is a Gamma variable; given it, G_fx of each channel is complex
@@ -57,7 +57,7 @@ def wishart_spectra(
 
 
 class _SingleForceLaw:
-    """What the draws of all tests share."""
+    """Conditional distribution of the spectra of one force."""
 
     def __init__(self, spectra: CrossSpectra) -> None:
         self.n = spectra.averages
@@ -88,7 +88,7 @@ class _SingleForceLaw:
 
 
 def _unmeasured_signal(spectra: CrossSpectra, signal: FloatArray) -> ComplexArray | None:
-    """Return how responses move by what of the signal a noisy force does not explain, None if all is.
+    """Return the response to the part of the signal that a noisy force channel does not explain.
 
     Of unit power: (n_run, n_freq, n_out). For few averages, where there is nothing of it to draw, None too.
     """
@@ -101,7 +101,7 @@ def _unmeasured_signal(spectra: CrossSpectra, signal: FloatArray) -> ComplexArra
 
 
 class _NoisyForceLaw(_SingleForceLaw):
-    """The same with a force that is noisy: the rest of its signal is a second force that nothing measures."""
+    """Conditional distribution with a noisy force: the unexplained signal is a second, unmeasured force."""
 
     def __init__(self, spectra: CrossSpectra, hidden: ComplexArray) -> None:
         super().__init__(spectra)
@@ -127,13 +127,13 @@ class _NoisyForceLaw(_SingleForceLaw):
         xx += (fx.real**2 + fx.imag**2) / force_power
 
     def _squares(self, rng: np.random.Generator, shape: tuple[int, ...], n: float) -> FloatArray:
-        """Return Gamma variables of n averages, of half as many where transforms are real."""
+        """Return Gamma variables of n averages; of half as many at 0 Hz."""
         gamma_draw = rng.standard_gamma(n, shape)
         gamma_draw[:, :, self.real] = rng.standard_gamma(n / 2, gamma_draw[:, :, self.real].shape)
         return gamma_draw
 
     def _normal(self, rng: np.random.Generator, shape: tuple[int, ...]) -> ComplexArray:
-        """Return complex numbers whose parts are normal, real where transforms are."""
+        """Return complex normal numbers, real at 0 Hz."""
         normal_draw = rng.standard_normal((*shape, 2)).view(complex)[..., 0]
         normal_draw.imag[:, :, self.real] = 0.0
         return normal_draw

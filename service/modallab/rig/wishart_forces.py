@@ -1,4 +1,4 @@
-"""Averaged spectra of several forces at once, drawn from the law they follow."""
+"""Random draws of averaged spectra of several forces: complex Wishart distribution."""
 
 import numpy as np
 
@@ -9,7 +9,7 @@ from modallab.rig.spectrum_settings import WISHART
 
 
 def wishart_of_several_forces(spectra: CrossSpectra, rng: np.random.Generator, n_tests: int) -> CrossSpectra:
-    """Return spectra of several forces as averages of Gaussian records scatter about the expected ones.
+    """Return random spectra of several forces with the distribution of averages of Gaussian records.
 
     Complex Wishart law, real at 0 Hz, by Bartlett's factors: with the Cholesky factor L of the expected
     G_ff, the drawn one is L A A^H L^H / n, A lower triangular, the squares of its diagonal Gamma(n - i), what
@@ -49,7 +49,7 @@ def wishart_of_several_forces(spectra: CrossSpectra, rng: np.random.Generator, n
 
 
 class _MultipleForceLaw:
-    """What the draws of all tests share."""
+    """Conditional distribution of the spectra of several forces."""
 
     def __init__(self, spectra: CrossSpectra) -> None:
         self.n, self.n_in = spectra.averages, spectra.ff.shape[-1]

@@ -1,4 +1,4 @@
-"""Route a with noise, of signals that come back in every average: spectra drawn from their law."""
+"""Random draws of averaged spectra under deterministic excitation: noncentral complex Wishart."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -18,7 +18,7 @@ def noncentral_wishart_spectra(
     signals: Sequence[PeriodicSignal],
     rng: np.random.Generator,
 ) -> CrossSpectra:
-    """Return spectra as averages scatter in which a signal comes back every time.
+    """Return random spectra with a deterministic signal in every average.
 
     Noncentral complex Wishart law. In n averages W m comes back, W the (n, k) weights of k signals m. A
     rotation among the averages leaves Gaussian noise what it is and lays all of it into the first k,
@@ -57,7 +57,7 @@ def noncentral_wishart_spectra(
 
 
 def gain_of(spectra: CrossSpectra, clean: ComplexArray, force_noise: float, run: int) -> ComplexArray:
-    """Return what the converter makes of the channels' signals, (n_freq, 1 + n_out)."""
+    """Return the gain of the converter on each channel, (n_freq, 1 + n_out)."""
     n_out = spectra.xx.shape[2]
     ff, fx = clean[:, 0].real, clean[:, 1 : 1 + n_out]
     force = np.sqrt(np.clip((spectra.ff[run, :, 0, 0].real - force_noise) / ff, 0.0, 1.0))
@@ -67,7 +67,7 @@ def gain_of(spectra: CrossSpectra, clean: ComplexArray, force_noise: float, run:
 
 
 def signal_of(spectra: CrossSpectra, clean: ComplexArray, force_noise: FloatArray) -> FloatArray | None:
-    """Return G_ff without its noise, (n_run, n_freq), None where several forces act at once.
+    """Return G_ff without its noise, (n_run, n_freq); None with several forces.
 
     Parameters
     ----------
@@ -86,7 +86,7 @@ def _squares(values: ComplexArray) -> FloatArray:
 
 @dataclass(frozen=True, eq=False)
 class _RandomPart:
-    """What of a run's signals is drawn anew in every average: its expected spectra, as Bartlett has them."""
+    """Random part of a run's signals: its expected spectra in Bartlett's decomposition."""
 
     force: FloatArray  # (n_freq, 1) N^2/Hz
     h: ComplexArray  # (n_freq, n_out) response per force
@@ -95,7 +95,7 @@ class _RandomPart:
 
     @classmethod
     def of(cls, spectra: CrossSpectra, run: int, periodic_spectra: ComplexArray) -> "_RandomPart":
-        """Return what is left of a run's spectra beside its own G_ff, G_fx, G_xx that come back."""
+        """Return the random part: a run's spectra minus those of its deterministic signals."""
         n_out = spectra.xx.shape[2]
         total_spectra = np.concatenate(
             [spectra.ff[run, :, 0], spectra.fx[run, :, 0], spectra.xx[run]], axis=1

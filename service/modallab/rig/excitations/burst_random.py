@@ -12,7 +12,7 @@ from modallab.rig.settings import BURST
 
 
 class Burst:
-    """White noise for a share of the record from its start, anew in each; then silence.
+    """White noise over the first part of each record, then silence.
 
     White noise is a sum of impulses at all moments, none of which has anything to do with another: its
     mean spectra are those of single impulses, averaged over the moments of the burst.
@@ -57,15 +57,15 @@ class Burst:
     def weights(
         self, answers: ImpulseResponses, setting: ExcitationSetting, n: int, rng: np.random.Generator
     ) -> FloatArray:
-        """Return no weights: nothing comes back."""
+        """Return an empty array: the signal is random."""
         return np.zeros((n, 0))
 
     def moments(self, answers: ImpulseResponses, setting: ExcitationSetting) -> FloatArray:
-        """Return no moments."""
+        """Return an empty array: the signal is random."""
         return np.zeros((0, 0))
 
     def _samples(self, answers: ImpulseResponses, setting: ExcitationSetting) -> int:
-        """Return how many samples the burst lasts."""
+        """Return the length of the burst in samples."""
         return max(1, round(setting.burst * answers.n_samples))
 
 

@@ -11,7 +11,7 @@ from modallab.rig.impulse_responses import ImpulseResponses
 
 
 class Blow:
-    """Half a sine as long as the head touches, after a pre-trigger; sizes scatter from blow to blow.
+    """Half-sine pulse after a pre-trigger; amplitudes scatter from blow to blow.
 
     A blow beside its point is the same force and a lever's moment with it, one at an angle less force
     along the axis and some across; the gauge in the hammer shows all of it. Sizes are log-normal, their
@@ -23,11 +23,11 @@ class Blow:
         return pulse_spectrum(omega, pulse_width(setting.tip_stiffness, setting.hammer_mass))
 
     def misaligned(self, setting: ExcitationSetting) -> bool:
-        """Return whether blows fall beside their point or off their axis."""
+        """Return whether the place or the angle of blows scatters."""
         return setting.place_scatter > 0 or setting.angle_scatter > 0
 
     def expected_records(self, answers: ImpulseResponses, setting: ExcitationSetting) -> Iterator[FloatArray]:
-        """Yield blows, as many as there are ways to stray, that have the mean products of all blows."""
+        """Yield as many blows as basis records, with the same mean spectra as all blows."""
         eigenvalues, eigenvectors = np.linalg.eigh(self.moments(answers, setting))
         basis = eigenvectors.T * np.sqrt(len(eigenvalues) * eigenvalues.clip(min=0.0))[:, None]
         yield np.tensordot(basis, self.basis_records(answers, setting), axes=1)
