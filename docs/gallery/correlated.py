@@ -102,7 +102,7 @@ def reductions() -> str:
     rng = np.random.default_rng(0)  # not drawn from
     measured = synthetic_modes(system, 6, SENSORS, noise=ModeNoise(), rng=rng)
     lines = [
-        "| reduction | mode 1 | 2 | 3 | 4 | 5 | 6 | worst off-diagonal | worst expanded shape |",
+        "| reduction | mode 1 | 2 | 3 | 4 | 5 | 6 | largest off-diagonal entry | largest shape error |",
         "|---|---|---|---|---|---|---|---|---|",
     ]
     for name, (kind, parameters) in ROWS.items():

@@ -1,1 +1,1 @@
-"""How alike two sets of modes, or of responses, are."""
+"""Correlation of two sets of modes, or of frequency response functions."""

@@ -1,4 +1,4 @@
-"""Measured modes beside those of a model."""
+"""Correlation of measured modes with those of a model."""
 
 from dataclasses import dataclass
 
@@ -22,7 +22,7 @@ from modallab.fe.system import DynamicSystem
 
 @dataclass(frozen=True, eq=False)
 class Correlation:
-    """Measured modes beside those of a model, at the DoFs both have."""
+    """Correlation of measured modes with those of a model at their common DoFs."""
 
     mac: FloatArray
     """(n_measured, n_model) modal assurance criterion (MAC), 0 to 1."""
@@ -69,7 +69,7 @@ def correlate(
     reduction
         To the common DoFs, for orthogonality in the structure's mass.
     frf
-        Held against the structure's own at the same points and lines.
+        Measured FRFs, compared with the structure's at the same points and lines.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""How complex shapes are: whether all points of a mode pass through rest together.
+"""Complexity of mode shapes: phase differences between the points of a mode.
 
 With structural or viscous damping in proportion to mass and stiffness they do, and a shape is real but
 for a common factor. Damping put at one place, two modes close together, or an error of measurement part
@@ -47,7 +47,7 @@ def mean_phase(shapes: ComplexArray) -> FloatArray:
 
 
 def mean_phase_deviation(shapes: ComplexArray) -> FloatArray:
-    """Return by how much phases leave the mean phase, (n_modes,) rad, 0 to pi/2.
+    """Return the mean phase deviation of each shape, (n_modes,) rad, 0 to pi/2.
 
     The mean over the points of the angle between each component and the line of `mean_phase`, weighted by
     the component's size, so that points near a node, whose phase is noise, hardly count.

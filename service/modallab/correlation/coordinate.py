@@ -1,4 +1,4 @@
-"""At which degrees of freedom two sets of paired modes agree."""
+"""Coordinate criteria: agreement of paired modes at each degree of freedom."""
 
 import numpy as np
 

@@ -1,4 +1,4 @@
-"""What disagrees between a measurement and its prediction, as numbers."""
+"""Evidence of disagreement between a measurement and its prediction."""
 
 from dataclasses import dataclass
 
@@ -13,7 +13,7 @@ from modallab.core.numerics import SAFE_DIVISOR
 class Evidence:
     """Residuals in units of their own random error, so that each has mean square 1 if nothing is missing.
 
-    Lines and channels on which nothing can be said hold 0 and are left out of `weight`.
+    Lines and channels without information hold 0 and have zero `weight`.
     """
 
     freq: FloatArray  # (n_freq,) Hz
@@ -52,14 +52,14 @@ class Evidence:
 
     @property
     def standing_out(self) -> float:
-        """How far the worst response stands out from the others, 0 to 1."""
+        """Excess of the worst response over the median response, 0 to 1."""
         channel = self.by_channel
         return (
             float(1 - np.median(channel) / max(float(channel.max(initial=0.0)), 1.0)) if len(channel) else 0.0
         )
 
     def follows(self, course: ComplexArray | FloatArray) -> float:
-        """Return the share of the worst response's residual that runs as `course` (n_freq,), 0 to 1."""
+        """Return the fraction of the worst response's residual proportional to `course` (n_freq,), 0 to 1."""
         worst = int(self.by_channel.argmax())
         residual = self.frf[:, worst] * self.weight[:, worst]
         size = float((np.abs(residual) ** 2).sum() * (np.abs(course) ** 2).sum())
@@ -67,7 +67,7 @@ class Evidence:
 
     @property
     def at_peaks(self) -> float:
-        """Share of what disagrees at the resonances that is size and not phase, 0 to 1: loss does that."""
+        """Fraction of the residual at resonances in magnitude, not phase, 0 to 1: a sign of damping."""
         if not len(self.mode_frequency):
             return 0.0
         lines = np.abs(self.freq[:, None] - self.mode_frequency).argmin(axis=0)
@@ -102,7 +102,7 @@ class Evidence:
 
     @property
     def rising(self) -> float:
-        """How many more modes rose in frequency than fell, as a share of all, 0 to 1."""
+        """Number of modes with raised frequency less those with lowered one, over all modes, 0 to 1."""
         return _surplus(self.frequency_shift)
 
 

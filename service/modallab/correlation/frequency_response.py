@@ -1,4 +1,4 @@
-"""How alike measured and computed frequency responses are, by pair of points and by line."""
+"""Assurance criteria of frequency response functions: FRAC by FRF and FDAC by line."""
 
 import numpy as np
 
@@ -52,10 +52,10 @@ def fdac(measured: ComplexArray, model: ComplexArray) -> FloatArray:
 
 
 def ridge(values: FloatArray, step: float) -> tuple[float | None, float | None, float]:
-    """Return the frequency scale at which an FDAC's ridge runs, the mean value there, and that at 1.
+    """Return the frequency scale of an FDAC's ridge, the mean FDAC along it, and that at scale 1.
 
-    Of all straight lines f_measured = scale f_model the one along which the mean is highest; None and None
-    where it only rises towards the end of what is looked at.
+    The ridge is the line f_measured = scale f_model with the highest mean; scale and mean are None if the
+    maximum is at an end of the range of scales.
 
     Parameters
     ----------

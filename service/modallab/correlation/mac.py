@@ -1,4 +1,4 @@
-"""How alike two sets of modes are, and which belongs to which."""
+"""Modal assurance criterion (MAC) and pairing of modes."""
 
 import numpy as np
 import scipy.optimize
@@ -12,7 +12,7 @@ def mac(first: ComplexArray | FloatArray, second: ComplexArray | FloatArray) -> 
     """Return the modal assurance criterion of every pair of shapes, (n_first, n_second), 0 to 1.
 
     `|phi_x^H phi_a|^2 / (phi_x^H phi_x phi_a^H phi_a)` [3.19], with the conjugate transpose, so that a
-    complex scale of either shape drops out. A shape of zeros is like nothing: 0.
+    complex scale of either shape drops out. A shape of zeros has MAC 0.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""How orthogonal modes are in a model's mass, reduced to where they were measured."""
+"""Orthogonality of modes in the mass of a model reduced to the measured DoFs."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
@@ -40,7 +40,7 @@ def orthogonality(first: ComplexArray, second: ComplexArray, mass: FloatArray) -
 
 
 def frequency_errors(reduced: ReducedSystem, computed: ComplexArray, frequencies: FloatArray) -> FloatArray:
-    """Return by how much a reduced model has each mode of the full one too high, (n_modes,), relative.
+    """Return the relative frequency errors of a reduced model, (n_modes,), by mode of the full model.
 
     Parameters
     ----------
@@ -50,14 +50,14 @@ def frequency_errors(reduced: ReducedSystem, computed: ComplexArray, frequencies
         (n_modes,) Hz, of these modes, above zero.
     """
     reduced_frequencies, shapes = reduced.modes()
-    # It may lack modes, or have them in another order: each is looked for by its shape.
+    # Modes may be missing or in another order: they are matched by shape.
     partner = orthogonality(computed, shapes.astype(complex), reduced.mass).argmax(axis=1)
     return np.asarray(reduced_frequencies[partner] / frequencies - 1)
 
 
 @dataclass(frozen=True, eq=False)
 class Orthogonality:
-    """Measured and computed modes in a reduced mass, and how good that mass is."""
+    """Orthogonality of measured and computed modes in a reduced mass, and the errors of the reduction."""
 
     reduction: str
     """Name of the reduction of the mass matrix."""
@@ -82,7 +82,7 @@ class Orthogonality:
     def of(
         cls, reduced: ReducedSystem, measured: ComplexArray, computed: ComplexArray, model: ModalModel
     ) -> Self:
-        """Return how orthogonal modes are in the mass of a reduced model.
+        """Return the orthogonality of modes in the mass of a reduced model.
 
         Parameters
         ----------

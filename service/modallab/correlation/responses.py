@@ -1,4 +1,4 @@
-"""Measured FRFs beside those that a model has at the same points and lines."""
+"""Correlation of measured FRFs with those of a model at the same points and lines."""
 
 from dataclasses import dataclass
 
@@ -50,10 +50,10 @@ class ResponseCorrelation:
 
 
 def compare_responses(measured: FrfSet, system: DynamicSystem) -> ResponseCorrelation:
-    """Return how measured FRFs correlate with a model's at the same points and lines.
+    """Return the correlation of measured FRFs with a model's at the same points and lines.
 
-    The model stands alone, without the masses of a rig. Points that it lacks and the line at 0 Hz
-    are left out.
+    The model is without the masses of a rig. Points that are not in the model and the line at 0 Hz are
+    left out.
 
     Raises
     ------

@@ -1,1 +1,1 @@
-"""From records to spectra, from spectra to FRFs with coherence and random errors."""
+"""Spectral estimation: time records to spectra, spectra to FRFs with coherence and random errors."""

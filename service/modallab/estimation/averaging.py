@@ -1,4 +1,4 @@
-"""From time records to averaged spectra, block by block, and what the averages are worth."""
+"""Averaged spectra of time records, block by block, and the effective number of averages."""
 
 from functools import lru_cache
 
@@ -12,7 +12,7 @@ from modallab.estimation.windows import Window
 
 @lru_cache(maxsize=64)
 def effective_averages(averages: int, overlap: float, window: Window) -> float:
-    """Return how many independent records are worth `averages` overlapping ones.
+    """Return the effective number of independent averages of `averages` overlapping records.
 
     Welch (1967), IEEE Trans. Audio Electroacoustics 15, 70-73: n / (1 + 2 sum_k (1 - k/n) rho_k), rho_k the
     squared correlation of the window with itself k steps on. Signals that are flat over a line.
@@ -20,9 +20,9 @@ def effective_averages(averages: int, overlap: float, window: Window) -> float:
     Parameters
     ----------
     averages
-        Records taken, overlapping ones counted each.
+        Number of records, overlapping ones included.
     overlap
-        Share of a record that the next one has in common with it, 0 to below 1.
+        Fraction of a record that overlaps with the next one, 0 to below 1.
     """
     w = window.samples(SPECTRUM.window_samples)
     total = 1.0

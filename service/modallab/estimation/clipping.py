@@ -1,4 +1,4 @@
-"""What a converter out of range leaves of Gaussian signals: the part it keeps, and where the rest goes."""
+"""Spectra of clipped Gaussian signals: linear gain and distortion."""
 
 from itertools import combinations
 
@@ -12,7 +12,7 @@ from modallab.estimation.spectra import CrossSpectra
 
 
 def bussgang_gain(level: FloatArray) -> FloatArray:
-    """Return how much of a Gaussian signal is left, erf(c / sqrt 2), for levels c in standard deviations.
+    """Return the Bussgang gain of a clipped Gaussian signal, erf(c / sqrt 2), for c in standard deviations.
 
     Bussgang (1952), MIT Research Laboratory of Electronics, report 216: the output of any memoryless
     element is the input times a gain plus what is uncorrelated with it.
@@ -94,7 +94,7 @@ def _pairs(n_in: int, n_out: int) -> tuple[list[int], list[int]]:
 
 
 def _pack(spectra: CrossSpectra) -> ComplexArray:
-    """Return all spectra side by side, (n_run, n_lines, n_pairs)."""
+    """Return all spectra stacked along the last axis, (n_run, n_lines, n_pairs)."""
     n_run, n_lines, n_in, _ = spectra.fx.shape
     diagonal, upper = np.arange(n_in), np.triu_indices(n_in, 1)
     parts = [spectra.ff[..., diagonal, diagonal], spectra.xx, spectra.ff[..., *upper], spectra.fx]
@@ -102,7 +102,7 @@ def _pack(spectra: CrossSpectra) -> ComplexArray:
 
 
 def _unpack(spectra: CrossSpectra, pairs: ComplexArray) -> CrossSpectra:
-    """Return what `_pack` put side by side as spectra again."""
+    """Return spectra from the stacked array of `_pack`."""
     n_in, n_out = spectra.fx.shape[2:]
     diagonal, (row, column) = np.arange(n_in), np.triu_indices(n_in, 1)
     edges = np.cumsum([n_in, n_out, len(row)])
@@ -114,7 +114,7 @@ def _unpack(spectra: CrossSpectra, pairs: ComplexArray) -> CrossSpectra:
 
 
 def _weights(c: FloatArray, first: list[int], second: list[int]) -> FloatArray:
-    """Return the weight of every order in every pair, and of the order after them in auto spectra."""
+    """Return the weights of the Hermite orders of all pairs; the last is the remainder of auto spectra."""
     parts = hermite_coefficients(c)
     remainder = clipped_power(c) - bussgang_gain(c) ** 2 - (parts**2).sum(axis=0)
     last = np.zeros((1, len(c), len(first)))

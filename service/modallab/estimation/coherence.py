@@ -7,7 +7,7 @@ from modallab.estimation.spectra import CrossSpectra
 
 
 def coherence(spectra: CrossSpectra) -> FloatArray:
-    """Return the share of each response that the forces explain, (n_run, n_freq, n_out), 0 to 1.
+    """Return the coherence of each response with the forces, (n_run, n_freq, n_out), 0 to 1.
 
     Ordinary with one force, multiple with several: G_xf G_ff^-1 G_fx / G_xx; 1992 thesis, eq. [5.8].
     """

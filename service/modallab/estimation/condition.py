@@ -1,4 +1,4 @@
-"""How well the forces of several exciters can be told apart."""
+"""Condition of the input matrix of several exciters."""
 
 import numpy as np
 
@@ -22,7 +22,7 @@ def input_condition(spectra: CrossSpectra) -> FloatArray:
 
 
 def independent_condition(spectra: CrossSpectra) -> FloatArray:
-    """Return `input_condition` of forces that can be told apart, (n_run, n_freq).
+    """Return `input_condition` of linearly independent forces, (n_run, n_freq).
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""What an estimator is: averaged spectra to FRFs."""
+"""Family of FRF estimators: averaged spectra to FRFs."""
 
 from collections.abc import Callable
 
@@ -10,4 +10,4 @@ Estimator = Callable[[CrossSpectra], ComplexArray]  # (n_run, n_freq, n_out, n_i
 
 ESTIMATORS: Family[Estimator] = Family("estimator", home="modallab.estimation.estimators")
 
-MULTIPLE_INPUT_ESTIMATORS = ("h1",)  # what is defined where several forces act at once
+MULTIPLE_INPUT_ESTIMATORS = ("h1",)  # estimators defined for several simultaneous forces

@@ -1,4 +1,4 @@
-"""Noise of the force channel: FRFs measured at once have it in common, and H1 is too small by it."""
+"""Noise of the force channel: common to simultaneously measured FRFs, and a negative bias of H1."""
 
 from dataclasses import dataclass
 from typing import Any, TypeVar, cast
@@ -15,10 +15,10 @@ Numbers = TypeVar("Numbers", bound=NDArray[np.inexact[Any]])
 
 @dataclass(frozen=True, eq=False)
 class ForceChannelNoise:
-    """White noise of the force as coherence tells it.
+    """White noise of the force channel, estimated from the coherence.
 
     1/g2 - 1 = r + P/(g2 G_xx), r the noise of the force over its signal, N/(G_ff - N), and P white noise
-    of the response: the one is in all FRFs alike, the other the more the less a structure moves.
+    of the response: r is the same in all FRFs, the other term grows as the response falls.
     """
 
     incoherent: FloatArray  # (n_freq, n_frf) G_ff (1/g2 - 1), median 1 of all lines above 0 Hz
@@ -30,7 +30,7 @@ class ForceChannelNoise:
     def of(
         cls, positive_lines: BoolArray, coherence: FloatArray, force: FloatArray, response_power: FloatArray
     ) -> "ForceChannelNoise | None":
-        """Return what tells of it, None where there is no noise at all beyond rounding.
+        """Return the noise of the force channel, None without noise above rounding.
 
         Parameters
         ----------
@@ -55,7 +55,7 @@ class ForceChannelNoise:
 
     @property
     def share(self) -> FloatArray:
-        """(n_freq, n_frf) of each FRF's random variance that is the force's noise."""
+        """(n_freq, n_frf) fraction of each FRF's random variance that is due to the force's noise."""
         lines = self.positive_lines
         noise, response_noise = _white_noises(self.incoherent[lines], self.power_ratio[lines])
         white_noise = noise + response_noise * self.power_ratio
@@ -108,7 +108,7 @@ def _white_noises(
 
 
 def decorrelated(part: Numbers, share: FloatArray, used: BoolArray) -> Numbers:
-    """Return residuals (n_lines, n_frf) that share a random number in each line, made independent.
+    """Return decorrelated residuals (n_lines, n_frf), which have a common random part at each line.
 
     Their covariance D + v v^T, v^2 the shares and D the rest, has the inverse square root
     (I - (1 - 1/sqrt(1 + w^2)) w w^T/w^2) D^-1/2 with w = D^-1/2 v.
@@ -118,9 +118,9 @@ def decorrelated(part: Numbers, share: FloatArray, used: BoolArray) -> Numbers:
     part
         (n_lines, n_frf), or with more axes behind, as share and where then have.
     share
-        (n_lines, n_frf) of each one's variance that is the shared number's.
+        (n_lines, n_frf) fraction of each variance due to the common part.
     used
-        (n_lines, n_frf) those that are looked at together.
+        (n_lines, n_frf) residuals that are included.
     """
     independent = np.sqrt(1 - share)
     along = np.where(used, np.sqrt(share) / independent, 0.0)

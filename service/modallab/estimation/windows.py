@@ -1,4 +1,4 @@
-"""Windows of the analyser and the shape they give to a line."""
+"""Windows of the analyser and their line shapes."""
 
 from dataclasses import dataclass
 from functools import lru_cache
@@ -28,12 +28,12 @@ class Window:
 
     @property
     def transient(self) -> bool:
-        """Whether it weighs parts of a record, so that a signal has to begin and end within it."""
+        """Whether the window is for transients, which begin and end within a record."""
         return self.force_width < 1 or self.end < 1
 
     @property
     def power(self) -> float:
-        """Mean square of the sum of cosines: what spectra are divided by.
+        """Mean square of the sum of cosines, by which spectra are divided.
 
         Weights of parts of a record leave a pulse at its start as it is, and so the size of spectra.
         """
@@ -59,11 +59,11 @@ class Window:
         return np.vstack([np.tile(response * passed, (n_in, 1)), np.tile(response, (n_out, 1))])
 
     def noise_shares(self, n_in: int, n_out: int) -> FloatArray:
-        """Return what a channel's spectrum keeps of white noise, (n_in + n_out,), forces first."""
+        """Return the factor of white noise in each channel's spectrum, (n_in + n_out,), forces first."""
         return np.repeat(_noise_shares(self), (n_in, n_out))
 
     def line_shape(self, offset: FloatArray, n: int | None = None) -> FloatArray:
-        """Return the power that a line takes from a signal `offset` lines away, unit area over lines.
+        """Return the power at a line from a signal `offset` lines away, of unit area over lines.
 
         The power window of 1992 thesis eq. [5.12], [5.13] times the line spacing; closed form. Of a window
         that weighs parts of a record: of its response channels, as much below unit area as it takes away.
@@ -129,7 +129,7 @@ class Window:
 
 
 def _kernel(offset: FloatArray, n: int | None) -> ComplexArray | FloatArray:
-    """Return what a line sees of a signal of amplitude 1 at mid-record, `offset` lines away, no window."""
+    """Return the amplitude at a line of a unit signal at mid-record `offset` lines away, no window."""
     if n is None:
         return np.sinc(offset)
     denominator = np.sinc(offset / n)
@@ -168,7 +168,7 @@ WINDOWS.register("force_exponential")(
 
 
 def added_loss_factor(end: float, record_length: float, frequency: FloatArray) -> FloatArray:
-    """Return by how much an exponential window raises the loss factors of modes, (n_modes,).
+    """Return the loss factors added to modes by an exponential window, (n_modes,).
 
     exp(-sigma t) on force and response moves every pole by -sigma, whatever its damping: a mode of
     frequency f looks as if its loss factor were larger by 2 sigma / (2 pi f), sigma = -ln(end)/T.
@@ -187,5 +187,5 @@ def added_loss_factor(end: float, record_length: float, frequency: FloatArray) -
 
 @lru_cache(maxsize=64)
 def _noise_shares(window: Window) -> FloatArray:
-    """Return what a force channel and a response channel keep of white noise, (2,)."""
+    """Return the factors of white noise in a force and in a response channel, (2,)."""
     return np.asarray((window.weights(SPECTRUM.window_samples, 1, 1) ** 2).mean(axis=1) / window.power)

@@ -1,4 +1,4 @@
-"""Modes of mass, stiffness and damping, and the receptance they add up to."""
+"""Modes of a system, and its receptance by modal superposition."""
 
 from dataclasses import dataclass, field, replace
 
@@ -29,7 +29,7 @@ class ModalBasis:
     """Mass-normalised modes (phi^T M phi = 1, plain transpose), rigid-body modes first.
 
     `eigenvalues` hold structural damping; viscous damping stands beside them, as it depends on
-    frequency. Where modes above `frequency_max` were left out, `remainder` gives what they add.
+    frequency. `remainder` is the contribution of modes above `frequency_max` where these are truncated.
     """
 
     eigenvalues: ComplexArray  # (m,) omega_r^2 (1 + i eta_r), rad^2/s^2
@@ -41,7 +41,7 @@ class ModalBasis:
     _cache: Cache = field(default_factory=Cache, init=False, repr=False)
 
     def elastic(self, count: int | None = None) -> "ModalBasis":
-        """Return the first `count` elastic modes alone; damping between modes is left out."""
+        """Return the first `count` elastic modes; off-diagonal modal damping is neglected."""
         if count is not None and count < 1:
             raise InvalidInputError("at least one mode", field="count", value=count, allowed=">= 1")
         stop = None if count is None else self.n_rigid_body + count
@@ -56,9 +56,9 @@ class ModalBasis:
         modal: ModalLossFactors | None = None,
         losses: Losses | None = None,
     ) -> "ModalBasis":
-        """Return these undamped modes with damping; shapes turn complex only where it couples them.
+        """Return these undamped modes with damping; shapes become complex only where it couples them.
 
-        `losses` of the members are for the modes that were left out.
+        `losses` of the members are for the truncated modes.
         """
         squares = self.eigenvalues.real
         d, c = (None if part is None else self.shapes.T @ (part @ self.shapes) for part in (damping, viscous))
@@ -76,7 +76,7 @@ class ModalBasis:
         return replace(self, eigenvalues=values, shapes=shapes, viscous=c, remainder=remainder)
 
     def with_scaled_eigenvalues(self, factor: float) -> "ModalBasis":
-        """Return undamped modes of the same shapes whose eigenvalues are so many times as large."""
+        """Return undamped modes of the same shapes with eigenvalues multiplied by a factor."""
         return replace(
             self,
             eigenvalues=self.eigenvalues * factor,
@@ -101,7 +101,7 @@ class ModalBasis:
     def at(self, omega: FloatArray) -> "ModalResponse":
         """Return the modes' response at `omega` (n_freq,) rad/s, above zero.
 
-        Asked for again at the same frequencies, as by many suspects on one structure, it is known.
+        Cached by frequency axis, which all variants of a structure share.
         """
         if omega.size * len(self.eigenvalues) > CACHE.response_values:
             return ModalResponse(self, omega)
@@ -109,7 +109,7 @@ class ModalBasis:
 
 
 class ModalResponse:
-    """Modes answering at fixed frequencies; their denominators are formed once."""
+    """Modal response at fixed frequencies; the denominators are formed once."""
 
     def __init__(self, basis: ModalBasis, omega: FloatArray) -> None:
         self.basis, self.omega = basis, omega
@@ -123,12 +123,12 @@ class ModalResponse:
             coupling = c - np.diag(loss)
             if np.abs(coupling).max(initial=0.0) > DAMPED_MODES.relative_coupling * np.abs(loss).max():
                 self._coupled = CoupledModes(direct, coupling, omega)
-        # Kept in the one form in which it is asked for: many variants of a structure are kept at a time.
+        # Stored in the one form that is used: responses of many variants are cached at a time.
         over = 1.0 / direct  # (n_freq, m)
         self._inverse_stiffness = over if np.iscomplexobj(basis.shapes) else _interleaved(over)
 
     def receptance(self, outputs: FloatArray, inputs: FloatArray) -> ComplexArray:
-        """Return left^T alpha right, (n_freq, n_left, n_right), m/N, for columns (n, .)."""
+        """Return outputs^T alpha inputs, (n_freq, n_out, n_in), m/N, for columns (n, .)."""
         phi_l, phi_r = outputs.T @ self.basis.shapes, inputs.T @ self.basis.shapes
         coupled = self._coupled
         alpha = self._sum(phi_l, phi_r) if coupled is None else coupled.receptance(phi_l, phi_r)
@@ -137,9 +137,9 @@ class ModalResponse:
         return alpha
 
     def pairs(self, outputs: FloatArray, inputs: FloatArray) -> ComplexArray:
-        """Return the receptance of each column of `outputs` with its own of `inputs`, (n_pairs, n_freq), m/N.
+        """Return the receptance of pairs of columns, `outputs` by `inputs`, (n_pairs, n_freq), m/N.
 
-        Frequency last: each pair lies in one piece.
+        Frequency is the last axis: each pair is contiguous.
         """
         if self._coupled is not None or self.basis.remainder is not None:
             (outputs, row), (inputs, column) = unique_columns(outputs), unique_columns(inputs)
@@ -149,7 +149,7 @@ class ModalResponse:
     def between_columns(self, motions: FloatArray) -> ComplexArray:
         """Return the receptance of columns (n, k) with one another, (n_freq, k, k), m/N, to read only.
 
-        Asked for again, as by variants of what is attached to them, it is known.
+        The latest result is cached for variants of the same attachments.
         """
         size = len(self.omega) * motions.shape[1] ** 2
         if size > CACHE.response_values:
@@ -175,7 +175,7 @@ class ModalResponse:
         if np.iscomplexobj(constants):
             return np.asarray(constants @ self._inverse_stiffness.T, complex)
         # One real product: at 80 to 90 % of a plain matrix product, against 7 % for the complex sum
-        # written as an einsum. Real and imaginary parts take turns, so that it reads as complex.
+        # written as an einsum. Real and imaginary parts are interleaved, so that it is viewed as complex.
         alpha: ComplexArray = (constants @ self._inverse_stiffness.T).view(complex)
         return alpha
 
@@ -187,7 +187,7 @@ def _interleaved(values: ComplexArray) -> FloatArray:
 
 
 def rigid_body_modes(mass: csc_array, stiffness: csc_array, candidates: FloatArray | None) -> FloatArray:
-    """Return the mass-normalised motions (n, n_rigid) among the candidates that strain nothing."""
+    """Return the mass-normalised motions (n, n_rigid) in the span of the candidates without strain."""
     n = mass.shape[0]
     if candidates is None or candidates.shape[1] == 0:
         return np.zeros((n, 0))
@@ -195,7 +195,7 @@ def rigid_body_modes(mass: csc_array, stiffness: csc_array, candidates: FloatArr
     with_mass = values > PRODUCT_ROUNDING * values[-1]
     shapes = candidates @ (rotation[:, with_mass] / np.sqrt(values[with_mass]))
     energy, rotation = eigh(shapes.T @ (stiffness @ shapes))
-    # What rounding leaves of an exact zero: entries of K of this size cancelled in the product.
+    # Rounding of an exact zero: entries of K of this size cancel in the product.
     epsilon = EIGENSOLUTION.rigid_energy_rounding * np.finfo(float).eps
     rounding = epsilon * abs(stiffness).max() * (shapes**2).sum(axis=0).max()
     return np.asarray(shapes @ rotation[:, energy < rounding])
@@ -213,7 +213,7 @@ def modal_basis(
 ) -> ModalBasis:
     """Return the modes of a system up to `frequency_max`, Hz; all of them if that is infinite.
 
-    Low modes are as exact as the matrices, close ones too.
+    Low modes, close ones too, are as accurate as the matrices.
 
     Parameters
     ----------
@@ -222,7 +222,7 @@ def modal_basis(
     rigid
         (n, n_rigid) motions of the geometry that strain no member.
     near
-        (n, k) undamped modes of a system much like this one, to begin with.
+        (n, k) undamped modes of a similar system as starting vectors.
     """
     undamped = undamped_basis(mass, stiffness, rigid, frequency_max=frequency_max, near=near)
     if undamped.remainder is None:

@@ -1,4 +1,4 @@
-"""The matrices of a structure, split into the degrees of freedom that are kept and those that are not."""
+"""Partition of a structure's matrices into master and slave degrees of freedom."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -21,14 +21,14 @@ StaticSolver = Callable[[FloatArray], FloatArray]
 
 @dataclass(frozen=True, eq=False)
 class Partition:
-    """A system with the DoFs that a reduction keeps, its masters; all the others are slaves."""
+    """A system with the master DoFs of a reduction; all other DoFs are slaves."""
 
-    system: DynamicSystem  # nothing attached: all is in the matrices
+    system: DynamicSystem  # attachments are folded into the matrices
     masters: tuple[Dof, ...]
 
     @classmethod
     def of(cls, system: DynamicSystem, masters: tuple[Dof, ...]) -> "Partition":
-        """Return a system with its masters, whatever is attached added into the matrices.
+        """Return the partition of a system, its attachments folded into the matrices.
 
         Raises
         ------
@@ -56,7 +56,7 @@ class Partition:
 
     @cached_property
     def slaves(self) -> IntArray:
-        """(n_slave,) all other rows, coordinates of what is attached among them."""
+        """(n_slave,) all other rows, internal coordinates of attachments among them."""
         is_master = np.zeros(self.system.mass.shape[0], bool)
         is_master[self.rows] = True
         return np.flatnonzero(~is_master)
@@ -69,12 +69,12 @@ class Partition:
         return transformation
 
     def static(self) -> StaticSolver:
-        """Return what solves the slaves' stiffness for forces on them, masters held.
+        """Return the static solver: slave displacements for forces on the slaves, masters fixed.
 
         Raises
         ------
         InvalidInputError
-            If the slaves can move without strain while the masters are held.
+            If the slaves can move without strain while the masters are fixed.
         """
         bodies = rigid_body_modes(self.system.mass, self.system.stiffness, self.system.rigid)
         free = np.linalg.matrix_rank(
@@ -85,12 +85,12 @@ class Partition:
         return self._solver(0.0)
 
     def dynamic(self, omega: float) -> StaticSolver:
-        """Return the same of the slaves' dynamic stiffness at `omega`, rad/s.
+        """Return the solver of the slaves' dynamic stiffness at `omega`, rad/s; see `static`.
 
         Raises
         ------
         InvalidInputError
-            If the slaves resonate there while the masters are held.
+            If the slaves resonate there while the masters are fixed.
         """
         return self._solver(omega)
 
@@ -100,7 +100,7 @@ class Partition:
         block = np.ix_(self.slaves, self.slaves)
         k, m = (csc_array(csc_array(a)[block]) for a in (self.system.stiffness, self.system.mass))
         size = np.abs(k.diagonal()) + omega**2 * np.abs(m.diagonal())
-        # Rotations and translations differ by powers of the length unit: not what condition is about.
+        # Equilibration: rotations and translations differ by powers of the length unit.
         scale = 1 / np.sqrt(np.where(size > 0, size, 1.0))
         scaling = diags_array(scale)
         matrix = csc_array(scaling @ (k - omega**2 * m) @ scaling)
@@ -112,7 +112,7 @@ class Partition:
         inverse = LinearOperator(
             (n, n), matvec=factor.solve, rmatvec=lambda x: factor.solve(x, "T"), dtype=float
         )
-        # One column only: with more the estimate draws random ones.
+        # t=1: with more columns the estimate starts from random ones.
         condition = onenormest(inverse, t=1) * float(abs(matrix).sum(axis=0).max())
         if not condition < REDUCTION.max_condition:  # NaN fails too
             raise self._unsolvable(omega)
@@ -141,7 +141,7 @@ class Partition:
     def lowest(self, count: int, highest: float = np.inf) -> ModalBasis:
         """Return rigid-body modes and undamped elastic ones: `count` or more, or all up to `highest`, Hz.
 
-        Never without an elastic mode, and of a small structure all.
+        At least one elastic mode; all modes of a small structure.
         """
         mass, stiffness, rigid = self.system.mass, self.system.stiffness, self.system.rigid
         if mass.shape[0] < EIGENSOLUTION.dense_dofs:

@@ -1,4 +1,4 @@
-"""Flat rectangular plates that move across their plane."""
+"""Flat rectangular plates in bending."""
 
 from collections.abc import Mapping
 from enum import StrEnum
@@ -19,14 +19,14 @@ class Edge(StrEnum):
 
 
 class Holding(StrEnum):
-    """How a side is held."""
+    """Boundary condition of a side."""
 
     FREE = "free"
     SIMPLY_SUPPORTED = "simply_supported"  # no deflection, and so no slope along the side
     CLAMPED = "clamped"
 
     def directions(self, edge: Edge) -> tuple[str, ...]:
-        """Return what is held at the nodes of a side."""
+        """Return the fixed directions at the nodes of a side."""
         if self is Holding.SIMPLY_SUPPORTED:
             return ("Z", "RX" if edge in (Edge.LEFT, Edge.RIGHT) else "RY")
         return ACROSS if self is Holding.CLAMPED else ()
@@ -57,7 +57,7 @@ def plate(
     n_elements
         Along X and along Y.
     edges
-        How sides are held; those left out are free.
+        Boundary conditions of sides, by default free.
 
     Raises
     ------
@@ -98,7 +98,7 @@ def plate(
 
 
 def _edge_supports(along: int, across: int, edges: Mapping[Edge, Holding]) -> tuple[Support, ...]:
-    """Return the supports of the nodes of sides that are held."""
+    """Return the supports of the nodes of supported sides."""
     row = along + 1
     last = row * (across + 1)
     sides = {

@@ -35,7 +35,7 @@ def attached(
     response
         `system.base_modes(...).at(omega)`.
     outputs, inputs
-        (n, n_out) and (n, n_in) motions asked for, unit vectors for single DoFs.
+        (n, n_out) and (n, n_in) motions, unit vectors for single DoFs.
 
     Returns
     -------
@@ -51,7 +51,7 @@ def attached(
 def _woodbury(alpha: ComplexArray, z: ComplexArray) -> ComplexArray:
     """Return the receptance with z (..., r, r) attached to the last r rows and columns of alpha."""
     r = z.shape[-1]
-    if r == 0:  # attachments that change nothing have no columns
+    if r == 0:  # attachments without effect have no columns
         return alpha
     to_b, from_b, within = alpha[..., :-r, -r:], alpha[..., -r:, :-r], alpha[..., -r:, -r:]
     if r == 1:  # one division instead of a solver call for every line
@@ -69,7 +69,7 @@ def _product(a: ComplexArray, b: ComplexArray) -> ComplexArray:
 
 
 def solve_small(matrix: ComplexArray, loads: ComplexArray) -> ComplexArray:
-    """Return what `np.linalg.solve` does; of one or two unknowns without a call for every line."""
+    """Return the solutions of stacked linear systems; in closed form for one or two unknowns."""
     if matrix.shape[-1] == 1:
         return np.asarray(loads / matrix)
     if matrix.shape[-1] != 2:
@@ -86,7 +86,7 @@ def attached_variants(
 ) -> ComplexArray:
     """Return the receptances of several variants of one structure, (n_variants, n_freq, n_out, n_in), m/N.
 
-    What all variants carry is attached once; only what is each one's own is attached variant by variant.
+    Common attachments are applied once, specific ones variant by variant.
 
     Parameters
     ----------
@@ -102,7 +102,7 @@ def attached_variants(
     response = loaded.base_modes(float(omega.max()) / (2 * np.pi)).at(omega)
     stacks = [stacked_columns(len(inputs), attachments) for attachments in specific]
     widths = {stack.shape[1] for stack in stacks}
-    if len(widths) > 1:  # variants that cannot be stacked
+    if len(widths) > 1:  # variants of different sizes cannot be stacked
         response = systems[0].base_modes(float(omega.max()) / (2 * np.pi)).at(omega)
         variants = zip(systems, outputs_of, strict=True)
         return np.array([attached(response, s, outputs, inputs) for s, outputs in variants])
@@ -150,7 +150,7 @@ def _attached_pairs(
 def _attached_to_many(
     response: ModalResponse, system: DynamicSystem, outputs: FloatArray, inputs: FloatArray
 ) -> ComplexArray:
-    """Return `attached` where many columns are, (n_freq, n_out, n_in), the same motions often among them."""
+    """Return `attached` for many columns with repeated motions, (n_freq, n_out, n_in)."""
     attachments = merged(system.attachments)
     n, n_out, n_in = len(outputs), outputs.shape[1], inputs.shape[1]
     motions, place = unique_columns(np.hstack([outputs, inputs, stacked_columns(n, attachments)]))
@@ -166,7 +166,7 @@ def _attached_to_many(
 
 
 def _attachment_forces(z: ComplexArray, alpha: ComplexArray) -> ComplexArray:
-    """Return z @ alpha; number by number where z (n_freq, r, r) is diagonal, as of masses."""
+    """Return z @ alpha; elementwise where z (n_freq, r, r) is diagonal, as for masses."""
     if np.count_nonzero(z.any(axis=0)) <= np.count_nonzero(z.diagonal(axis1=1, axis2=2).any(axis=0)):
         return np.asarray(z.diagonal(axis1=1, axis2=2)[..., None] * alpha)
     return np.asarray(z @ alpha)
@@ -182,17 +182,17 @@ def _effective_stiffness(response: ModalResponse, system: DynamicSystem) -> Comp
 
 
 def condense_if_cheaper(system: DynamicSystem, n_freq: float = np.inf) -> DynamicSystem:
-    """Return the same system with attachments folded into the matrices, where they are many.
+    """Return the same system, with many attachments folded into the matrices.
 
     Solving for the modes again costs less than many attached columns at every one of many frequencies.
-    Asked for again with a few attachments more, the folded matrices and their modes are used again.
-    Attachments with coordinates of their own stay attached, so that rows go on meaning DoFs.
+    Folded matrices and their modes are cached, and used for systems with a few attachments more.
+    Attachments with internal coordinates stay attached, so that rows remain those of the DoFs.
 
     Parameters
     ----------
     n_freq
-        How many frequencies it is asked about: at few of them it stays as it is, if nothing like it was
-        folded before.
+        Number of frequency lines of the response: for few of them attachments stay, unless a folded
+        system is cached.
     """
     if system.stacked_columns.shape[1] <= RECEPTANCE.woodbury_columns:
         return system
@@ -214,7 +214,7 @@ def _n_motions(system: DynamicSystem) -> int:
 
 
 def _cached_folding(system: DynamicSystem) -> DynamicSystem | None:
-    """Return the system with those of its attachments folded that were before, if few are left."""
+    """Return the system with a cached set of its attachments folded, if few others remain."""
     entries: dict[tuple[Key, ...], DynamicSystem] = system.cache.entries(FOLDED_SYSTEMS)
     for keys, folded in reversed(entries.items()):
         _, remaining = _split_by_key(system.attachments, Counter(keys))
@@ -230,7 +230,7 @@ def _cached_folding(system: DynamicSystem) -> DynamicSystem | None:
 def split_common(
     systems: Sequence[DynamicSystem],
 ) -> tuple[tuple[Attachment, ...], list[tuple[Attachment, ...]]]:
-    """Return what all variants of a structure carry, and what each carries besides."""
+    """Return the attachments common to all variants of a structure, and those specific to each."""
     if len(systems) == 1:
         return systems[0].attachments, [()]
     common = reduce(and_, (Counter(a.key for a in s.attachments) for s in systems))
@@ -241,7 +241,7 @@ def split_common(
 def _split_by_key(
     attachments: Sequence[Attachment], keys: Counter[Key]
 ) -> tuple[tuple[Attachment, ...], tuple[Attachment, ...]]:
-    """Return those with some keys, each as often as asked for, as equal ones may hang twice, and the rest."""
+    """Return the attachments that match a multiset of keys, and the others."""
     remaining = Counter(keys)
     matching: list[Attachment] = []
     unmatched: list[Attachment] = []
@@ -264,9 +264,9 @@ def receptance(
 def direct_receptance(
     system: DynamicSystem, freq: FloatArray, outputs: FloatArray, inputs: FloatArray
 ) -> ComplexArray:
-    """Return the receptance (n_freq, n_out, n_in), m/N, by solving at every line: slow and exact.
+    """Return the receptance (n_freq, n_out, n_in), m/N, by a linear solution at every line.
 
-    The reference that the modal sum is held against, and the way for damping that no modes decouple.
+    Slow; the reference for the modal sum.
     """
     folded = system.folded()
     omega = 2 * np.pi * np.asarray(freq, float)

@@ -1,4 +1,4 @@
-"""Receptance from anywhere to the same few motions, of variants of one structure: solved for once."""
+"""Receptance of variants of one structure from any DoF to a few fixed motions."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -15,8 +15,8 @@ from modallab.fe.system import DynamicSystem
 class ReceptanceMap:
     """Receptances alpha_oB and alpha_BB of variants of one structure, for any columns B.
 
-    What the variants carry is attached by the Woodbury identity, the same as in `receptance.attached`;
-    all that does not depend on B is worked out once.
+    Attachments are applied by the Woodbury identity as in `receptance.attached`; all terms that do not
+    depend on B are computed once.
 
     Parameters
     ----------
@@ -44,7 +44,7 @@ class ReceptanceMap:
         self._outputs = np.array([places(outputs) for outputs in outputs_of])
         columns_of = [places(variant.stacked_columns) for variant in variants]
         widest = max(len(specific) for specific in columns_of)
-        # A variant that carries less is thought to carry nothing on some motion more.
+        # Padding: a variant with fewer columns has zero stiffness on the additional ones.
         self._attached = np.array([np.pad(specific, (0, widest - len(specific))) for specific in columns_of])
         self._motions = np.array([np.frombuffer(column) for column in used]).T
         z = np.zeros((len(variants), len(omega), widest, widest), complex)
@@ -54,7 +54,7 @@ class ReceptanceMap:
         self._stiffness = self._effective(z)
 
     def _effective(self, z: ComplexArray) -> ComplexArray:
-        """Return (I + Z alpha_CC)^-1 Z of what each variant carries, (n_variants, n_freq, R, R), N/m."""
+        """Return (I + Z alpha_CC)^-1 Z of each variant's attachments, (n_variants, n_freq, R, R), N/m."""
         if not z.shape[-1]:
             return z
         columns, place = np.unique(self._attached, return_inverse=True)
@@ -67,7 +67,7 @@ class ReceptanceMap:
 
     @cached_property
     def _from_all_dofs(self) -> ComplexArray | None:
-        """(n_freq, n_used, n): from all degrees of freedom, if that is not too much to keep."""
+        """(n_freq, n_used, n): receptances from all DoFs, None above the memory limit."""
         n = len(self._motions)
         if len(self._response.omega) * self._motions.shape[1] * n > CACHE.receptance_map_values:
             return None
@@ -82,7 +82,7 @@ class ReceptanceMap:
         return np.asarray(np.moveaxis(alpha[:, rows, columns], 1, 0) @ self._stiffness)
 
     def _bare(self, columns: FloatArray) -> ComplexArray:
-        """Return the receptance (n_freq, n_used, r) from columns, nothing attached."""
+        """Return the receptance (n_freq, n_used, r) from columns, without attachments."""
         from_all_dofs = self._from_all_dofs
         if from_all_dofs is None:
             return self._response.receptance(self._motions, columns)

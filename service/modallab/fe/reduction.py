@@ -1,4 +1,4 @@
-"""What a reduction is, and a structure at the degrees of freedom that it keeps."""
+"""Model reduction: transformation from master to all degrees of freedom, and reduced matrices."""
 
 from abc import ABC, abstractmethod
 from collections.abc import Mapping
@@ -20,7 +20,7 @@ from modallab.fe.system import DynamicSystem
 
 @dataclass(frozen=True)
 class Reduction(Parameterised, ABC):
-    """How all degrees of freedom follow those that are kept, the masters."""
+    """Transformation of the master degrees of freedom to all degrees of freedom."""
 
     kind: ClassVar[str]
     summary: ClassVar[str]
@@ -32,7 +32,7 @@ class Reduction(Parameterised, ABC):
         Parameters
         ----------
         split
-            The system and its masters; rows behind its DoFs are coordinates of what is attached.
+            The system and its masters; rows after its DoFs are internal coordinates of attachments.
 
         Raises
         ------
@@ -41,16 +41,16 @@ class Reduction(Parameterised, ABC):
         """
 
     def at_mode(self, frequency: float) -> Self:
-        """Return the reduction that suits a mode at `frequency`, Hz; by default the same for all."""
+        """Return the reduction for a mode at `frequency`, Hz; by default the same for all modes."""
         return self
 
     def reaching(self, frequency: float) -> Self:
-        """Return the reduction that suits modes up to `frequency`, Hz; by default the same for all."""
+        """Return the reduction for modes up to `frequency`, Hz; by default the same for all bands."""
         return self
 
     @property
     def parameters(self) -> dict[str, float]:
-        """Its numbers by name."""
+        """Parameters of the reduction by name."""
         return {name: float(getattr(self, name)) for name in self.specs()}
 
 
@@ -58,7 +58,7 @@ REDUCTIONS: Family[type[Reduction]] = Family("reduction", home="modallab.fe.redu
 
 
 def reduction_of(kind: str, parameters: Mapping[str, float] | None = None) -> Reduction:
-    """Return the reduction that a name and its numbers stand for.
+    """Return the reduction of a kind with its parameters.
 
     Raises
     ------
@@ -79,8 +79,8 @@ def reduction_of(kind: str, parameters: Mapping[str, float] | None = None) -> Re
 def pencil_modes(mass: FloatArray, stiffness: FloatArray) -> tuple[FloatArray, FloatArray]:
     """Return the modes of two full matrices: omega_r^2 (k,), rising, and mass-normalised shapes (n, k).
 
-    Motions without mass have none, k <= n, and shapes are the least motions that move their mass. An
-    omega_r^2 below zero is a stiffness that pushes away.
+    Massless motions are excluded, k <= n, and shapes have the least norm for their mass. A negative
+    omega_r^2 means a negative stiffness.
 
     Parameters
     ----------
@@ -102,7 +102,7 @@ def pencil_modes(mass: FloatArray, stiffness: FloatArray) -> tuple[FloatArray, F
 
 @dataclass(frozen=True, eq=False)
 class ReducedSystem:
-    """Mass and stiffness at the masters, and how every DoF follows them: x = T x_master."""
+    """Reduced mass and stiffness at the masters, and the transformation x = T x_master."""
 
     reduction: Reduction
     masters: tuple[Dof, ...]
@@ -120,14 +120,14 @@ class ReducedSystem:
     def modes(self) -> tuple[FloatArray, FloatArray]:
         """Return frequencies (k,), Hz, and mass-normalised shapes (n_master, k), k <= n_master.
 
-        A reduction that keeps k modes at more masters than that has k modes and no others.
+        A reduction of k modes to more than k masters has k modes only.
         """
         squares, shapes = pencil_modes(self.mass, self.stiffness)
         return np.sqrt(np.maximum(squares, 0.0)) / (2 * np.pi), shapes
 
 
 def reduce(system: DynamicSystem, masters: tuple[Dof, ...], reduction: Reduction) -> ReducedSystem:
-    """Return a structure at its masters alone, what is attached to it included.
+    """Return the reduced system of a structure with its attachments.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Section and thickness of a member, and how its matrices follow them."""
+"""Section sizes and thickness of members, and derivatives of their matrices."""
 
 from collections.abc import Sequence
 from dataclasses import replace
@@ -17,7 +17,7 @@ from modallab.fe.structure import Structure
 
 
 class SectionSize(StrEnum):
-    """A length, area or moment that a member's matrices follow."""
+    """Area, second moment or thickness as a parameter of a member's matrices."""
 
     AREA = "area"  # of a bar, m^2
     SECOND_MOMENT = "second_moment"  # of a bar, m^4
@@ -30,7 +30,7 @@ def size(member: AnyMember, shape: SectionSize, *, field: str = "property") -> f
     Raises
     ------
     InvalidInputError
-        If a member of this kind has none; `field` names what asked for it.
+        If a member of this kind has none; `field` is the request field at fault.
     """
     if isinstance(member, Member) and shape is not SectionSize.THICKNESS:
         return float(getattr(member.section, shape.value))

@@ -1,4 +1,4 @@
-"""Shear flexibility and rotary inertia: what Timoshenko's beam has and that of Bernoulli and Euler lacks."""
+"""Shear flexibility and rotary inertia of Timoshenko beams."""
 
 from dataclasses import dataclass, replace
 
@@ -10,7 +10,7 @@ BENDING_ROWS = [1, 2, 4, 5]  # (v, theta) at each end, among (u, v, theta)
 
 
 def _pattern(a: float, b: float, c: float, d: float, e: float, f: float) -> FloatArray:
-    """Return what the symmetry of a straight bar makes of six numbers, (4, 4)."""
+    """Return the symmetric (4, 4) matrix of a straight bar from its six independent entries."""
     return np.array([[a, b, c, d], [b, e, -d, f], [c, -d, a, -b], [d, f, -b, e]])
 
 
@@ -72,9 +72,9 @@ def rotary_inertia(length: FloatArray, phi: FloatArray) -> FloatArray:
 
 @dataclass(frozen=True, eq=False)
 class Shear:
-    """What shear and rotary inertia would add to members, and how much of it they have.
+    """Shear and rotary inertia that can be added to members, and the fraction that they have.
 
-    Members whose element has both by itself have `flexibility` and `gyration` 0: nothing is lacking.
+    Members of the Timoshenko element include both: their `flexibility` and `gyration` are 0.
     """
 
     points: FloatArray  # (n_members, 2, 2) m, x and y of each end
@@ -97,15 +97,15 @@ class Shear:
         )
 
     def scaled(self, *, mass: float, stiffness: float) -> "Shear":
-        """Return it for members whose mass and stiffness are multiplied."""
+        """Return the data of members with mass and stiffness multiplied."""
         return replace(self, rigidity=self.rigidity * stiffness, line_mass=self.line_mass * mass)
 
     def more(self, amount: float) -> "Shear":
-        """Return it for members that have more of shear and rotary inertia by this amount."""
+        """Return the data of members with an additional amount of shear and rotary inertia."""
         return replace(self, amount=self.amount + amount)
 
     def added(self, amount: float) -> tuple[FloatArray, FloatArray]:
-        """Return what so much more of both adds to mass and bending stiffness, (n_members, 6, 6) each."""
+        """Return the changes of mass and bending stiffness by an added amount, (n_members, 6, 6) each."""
         mass, bending = self._parts(self.amount + amount)
         mass_now, bending_now = self._parts(self.amount)
         return mass - mass_now, bending - bending_now

@@ -55,7 +55,7 @@ def bars_in_space(bars: SpatialBars) -> tuple[FloatArray, FloatArray, FloatArray
         sign_product = np.outer(signs, signs)
         add(bending, plane_rows, rigidity[:, None, None] * bending_stiffness(length, phi) * sign_product)
         transverse = bars.line_mass[:, None, None] * sway_mass(length, phi)
-        # what does not bend stays straight between its ends, however these turn
+        # a bar without bending stiffness stays straight between its ends, whatever their rotations
         transverse[second == 0] = 0.0
         add(
             mass,
@@ -114,7 +114,7 @@ def plate_axes(corners: FloatArray) -> FloatArray:
 
 
 def warp(corners: FloatArray) -> FloatArray:
-    """Return how far corners (n, k, 3) are off their plane, over the plate's size, (n,)."""
+    """Return the distance of corners (n, k, 3) from their mean plane over the plate's size, (n,)."""
     z = plate_axes(corners)[:, 2]
     off = ((corners - corners.mean(axis=1, keepdims=True)) * z[:, None, :]).sum(axis=2)
     return np.asarray(np.abs(off).max(axis=1) / np.linalg.norm(corners[:, 2] - corners[:, 0], axis=1))

@@ -1,4 +1,4 @@
-"""How slaves follow their masters when inertia plays no part."""
+"""Static transformation of master to slave degrees of freedom (Guyan reduction)."""
 
 import numpy as np
 

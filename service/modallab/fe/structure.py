@@ -1,4 +1,4 @@
-"""A structure as an analyst describes it; checked once, when it is made."""
+"""Description of a structure: nodes, members, supports, masses, springs and damping."""
 
 from collections.abc import Iterable, Mapping
 from dataclasses import dataclass, field, replace
@@ -28,7 +28,7 @@ ACROSS = ("Z", "RX", "RY")  # of a plate
 
 @dataclass(frozen=True)
 class Support:
-    """Directions of a node that are held."""
+    """Fixed directions of a node."""
 
     node: int
     directions: tuple[str, ...]
@@ -58,9 +58,9 @@ class GroundSpringElement:
 
 @dataclass(frozen=True)
 class JointSpring:
-    """A rotational spring between two sides of a node, which turn as one without it.
+    """A rotational spring between two sides of a node, which is rigid without it.
 
-    On one side is the first bar that runs into the node, on the other all the rest.
+    On one side is the first bar that ends at the node, on the other all other members.
     """
 
     node: int
@@ -72,13 +72,13 @@ class JointSpring:
 
 @dataclass(frozen=True, eq=False)
 class Structure:
-    """Nodes, members, what holds them and how they are damped.
+    """Nodes, members, supports and damping of a structure; checked when it is made.
 
     Raises
     ------
     StructureError
-        If it cannot be analysed: unknown nodes, members of no length, parts that hang together
-        with nothing, every DoF held.
+        If it cannot be analysed: unknown nodes, members of zero length, disconnected parts, every DoF
+        fixed.
     """
 
     nodes: Mapping[int, tuple[float, ...]]  # m; X, Y, and Z where a file brought elements in space
@@ -187,7 +187,7 @@ class Structure:
 
     @cached_property
     def dofs(self) -> tuple[Dof, ...]:
-        """Free degrees of freedom, node by node, in the order of `directions`; of blocks, in theirs."""
+        """Free degrees of freedom, node by node, in the order of `directions`, or in that of `blocks`."""
         fixed = {(s.node, d) for s in self.supports for d in s.directions}
         if self.blocks:
             return tuple(dof for dof in self.blocks.dofs if (dof.node, dof.direction) not in fixed)
@@ -203,7 +203,7 @@ class Structure:
         Raises
         ------
         UnknownDofError
-            If the structure has no such DoF, or holds it.
+            If the structure has no such DoF, or it is fixed.
         """
         try:
             return self._index[dof.point]
@@ -218,11 +218,11 @@ class Structure:
 
     @cached_property
     def all_members(self) -> tuple[AnyMember, ...]:
-        """Bars, and then what else there is, in the order of every matrix by member."""
+        """Bars, then other members: the order of all arrays by member."""
         return (*self.members, *self.others)
 
     def of_members(self, members: Iterable[AnyMember]) -> "Structure":
-        """Return the structure made of other members, all of them."""
+        """Return the structure with all members replaced."""
         all_members = tuple(members)
         bars = tuple(member for member in all_members if isinstance(member, Member))
         other_members = tuple(member for member in all_members if not isinstance(member, Member))

@@ -1,4 +1,4 @@
-"""What the modes that a large system was not solved for add to its receptance."""
+"""Receptance of the truncated modes of a large system by a power series."""
 
 from collections.abc import Callable
 from dataclasses import dataclass
@@ -17,14 +17,14 @@ from modallab.fe.settings import RECEPTANCE
 
 @dataclass(frozen=True, eq=False)
 class ModalTruncation:
-    """Modes above a basis, as a series in the square of frequency: none of them is known.
+    """Contribution of the modes above a basis as a series in the square of frequency.
 
     With sigma = `shift`, 1/(lambda_s - omega^2) = sum_k (omega^2 + sigma)^k / (lambda_s + sigma)^(k+1),
-    and powers of (K + sigma M)^-1 M give the sums over all modes; those of the basis are taken out of
-    every one, or rounding would bring them back enlarged.
+    and powers of (K + sigma M)^-1 M give the sums over all modes; modes of the basis are projected out of
+    every term, as rounding would amplify them.
 
-    Their damping is that of mass and stiffness in the mean of all members: where a member is all but
-    taken out, as by a hinge, what is left of it is a small difference of large numbers with a loss each.
+    Their damping is proportional, with the mean coefficients of all members: a member that is nearly
+    removed, as by a hinge, would be a small difference of large numbers with a loss each.
     """
 
     mass: csc_array  # (n, n) kg
@@ -34,7 +34,7 @@ class ModalTruncation:
     losses: Losses | None = None
 
     def at(self, omega: FloatArray, outputs: FloatArray, inputs: FloatArray) -> ComplexArray:
-        """Return left^T (alpha above) right, (n_freq, n_left, n_right), m/N, at `omega` rad/s."""
+        """Return the receptance of the truncated modes, (n_freq, n_out, n_in), m/N, at `omega` rad/s."""
         by_mass, by_stiffness = (0.0, 0.0) if self.losses is None else self.losses.mean(omega)
         # lambda (1 + i b) + i a - omega^2 = (1 + i b) (lambda - square)
         factor = np.asarray(1 + 1j * by_stiffness)[..., None]
@@ -48,7 +48,7 @@ class ModalTruncation:
         return np.asarray(np.tensordot(powers, np.array(terms), 1), complex)
 
     def static(self, loads: FloatArray) -> FloatArray:
-        """Return how the modes above move, (n, k), under slow loads (n, k)."""
+        """Return the quasi-static displacements (n, k) of the truncated modes under loads (n, k)."""
         truncated_loads = loads - self._mass_times_shapes @ (self.shapes.T @ loads)
         motion = self.solve(np.ascontiguousarray(truncated_loads))
         return np.asarray(motion - self.shapes @ (self._mass_times_shapes.T @ motion))
@@ -59,7 +59,7 @@ class ModalTruncation:
         return np.asarray(self.mass @ self.shapes)
 
     def with_scaled_eigenvalues(self, factor: float) -> "ModalTruncation":
-        """Return what modes of the same shapes add whose eigenvalues are so many times as large."""
+        """Return the truncated modes with eigenvalues multiplied by a factor."""
 
         def solve(loads: FloatArray) -> FloatArray:
             return self.solve(loads) / factor

@@ -1,4 +1,4 @@
-"""Modes that viscous damping couples, answering together."""
+"""Response of modes coupled by viscous damping."""
 
 import numpy as np
 
@@ -11,18 +11,17 @@ MODAL_RESPONSES: CacheSlot[ComplexArray] = CacheSlot("modal responses", CACHE.mo
 
 
 class CoupledModes:
-    """Answers of (Lambda - omega^2 + i omega C)^-1 with a full modal damping matrix C.
+    """Solution of (Lambda - omega^2 + i omega C) q = f with a full modal damping matrix C.
 
-    Modes near enough to the frequencies for coupling to matter are solved for together; of the others, in
-    a large model most, the own dynamic stiffness is so much larger that corrections by it converge in a
-    few rounds (block Jacobi iteration).
+    Block Jacobi iteration: modes near the frequencies, where coupling matters, are one block; for the
+    others, most of a large model, the diagonal dominates and a few iterations suffice.
 
     Parameters
     ----------
     direct
-        (n_freq, m) dynamic stiffness of each mode by itself.
+        (n_freq, m) diagonal of the modal dynamic stiffness.
     coupling
-        (m, m) what damps one mode by another's velocity, nothing on the diagonal.
+        (m, m) off-diagonal modal damping; its diagonal is zero.
     omega
         (n_freq,) rad/s.
     """
@@ -32,7 +31,7 @@ class CoupledModes:
         share = omega[:, None] * np.abs(coupling).sum(axis=1) / np.abs(direct)
         self._near = np.flatnonzero((share > DAMPED_MODES.near_coupling).any(axis=0))
         self._inverse = np.linalg.inv(self._dynamic_stiffness(self._near))
-        self._far_coupling = coupling.copy()  # between modes that are not solved for together
+        self._far_coupling = coupling.copy()  # coupling outside the block of near modes
         self._far_coupling[np.ix_(self._near, self._near)] = 0.0
         self._inverse_direct, self._velocity_factor = np.ascontiguousarray(1 / direct.T), -1j * omega
         self._cache = Cache()
@@ -49,17 +48,17 @@ class CoupledModes:
         """Return left G right^T of modal shapes (n_left, m) and (n_right, m), (n_freq, n_left, n_right)."""
         if len(outputs) < len(inputs):  # G is symmetric
             return self.receptance(inputs, outputs).swapaxes(1, 2)
-        # A column at a time, which stays in the cache; and many questions are of a force asked about before.
+        # One column at a time fits the processor's cache, and many forces recur.
         responses = np.array([outputs @ self._cached_response(force) for force in inputs])
         return responses.transpose(2, 1, 0)
 
     def _cached_response(self, force: FloatArray | ComplexArray) -> ComplexArray:
-        """Return the modal answers (m, n_freq) to modal forces (m,)."""
+        """Return the modal responses (m, n_freq) to modal forces (m,)."""
         key = (force.dtype.char, force.tobytes())
         return self._cache.compute(MODAL_RESPONSES, key, lambda: self._response(force))
 
     def _response(self, force: FloatArray | ComplexArray) -> ComplexArray:
-        """Return the modal answers (m, n_freq) to modal forces (m,)."""
+        """Return the modal responses (m, n_freq) to modal forces (m,)."""
         residual: ComplexArray = np.repeat(force[:, None], len(self._omega), axis=1).astype(complex)
         response = np.zeros_like(residual)
         tolerance = SOLUTION_ROUNDING * float(np.abs(force).max(initial=0.0))
@@ -67,7 +66,7 @@ class CoupledModes:
             step = residual * self._inverse_direct
             step[self._near] = (self._inverse @ residual[self._near].T[..., None])[..., 0].T
             response += step
-            # What a step answers alone or together is answered: what it does to the others is left.
+            # The blocks are solved exactly: only coupling outside the blocks remains.
             residual = self._coupled(step)
             residual *= self._velocity_factor
             if not float(np.abs(residual).max(initial=0.0)) > tolerance:
