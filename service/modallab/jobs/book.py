@@ -33,9 +33,9 @@ class JobBook:
             "message": "",
             "result_id": new_id(),
         }
-        waiting = sa.select(sa.func.count()).where(JOBS.c.state == JobState.QUEUED.value)
+        queue_length = sa.select(sa.func.count()).where(JOBS.c.state == JobState.QUEUED.value)
         with self._engine.begin() as connection:
-            if connection.execute(waiting).scalar_one() >= self._queue_length:
+            if connection.execute(queue_length).scalar_one() >= self._queue_length:
                 raise QueueFullError("as many jobs wait as may", allowed=self._queue_length)
             connection.execute(JOBS.insert().values(**row))
         return _job(row)

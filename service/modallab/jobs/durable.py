@@ -21,6 +21,7 @@ from dbos import error as dbos_error
 from modallab.jobs.book import JobBook
 from modallab.jobs.processes import WorkerProcesses
 from modallab.jobs.runner import Job
+from modallab.jobs.settings import JOB
 from modallab.jobs.work import INTERNAL, count_shares, perform, perform_share
 from modallab.store.engine import make_engine
 from modallab.store.place import StorePlace
@@ -29,11 +30,9 @@ _NAME = "modallab"
 _QUEUE = "jobs"
 # Of their own: a job keeps its place in the queue while others make its shares.
 _SHARES = "shares"
-_POLL = 0.1  # s until a queued job starts
 # Jobs go on only under the version they were queued under. It names the shape of the workflow
 # below, not of modallab: an upgrade must not strand the jobs that wait.
 _VERSION = "1"
-_ATTEMPTS = 3  # of a job whose worker process dies under it
 _log = structlog.get_logger()
 Result = Any  # plain values of a share
 
@@ -71,7 +70,7 @@ _step = partial(
     DBOS.step,
     preemptible=True,
     retries_allowed=True,
-    max_attempts=_ATTEMPTS,
+    max_attempts=JOB.max_attempts,
     interval_seconds=0.1,
     should_retry=_broke,
 )
@@ -88,10 +87,10 @@ async def _perform(job_id: str, shares: Sequence[Result] | None) -> None:
 @_step(name="perform_share")
 async def _perform_share(job_id: str, index: int) -> Result:
     assert _site is not None
-    made, fault = await _site.processes.run(perform_share, _site.place, job_id, index)
+    result, fault = await _site.processes.run(perform_share, _site.place, job_id, index)
     if fault is not None:
         _log.error("share of a job failed", job=job_id, share=index, fault=fault)
-    return made
+    return result
 
 
 @DBOS.workflow(name="share", max_recovery_attempts=5)
@@ -103,7 +102,7 @@ async def _share(job_id: str, index: int) -> Result:
         return None
 
 
-async def _made_by_all(job_id: str) -> Sequence[Result] | None:
+async def _results_of_shares(job_id: str) -> Sequence[Result] | None:
     """Return what the workers made of the shares of a job, in order; None if it has none."""
     assert _site is not None
     book = _site.book
@@ -111,19 +110,19 @@ async def _made_by_all(job_id: str) -> Sequence[Result] | None:
     if n == 0:
         return None
     await to_thread.run_sync(book.progress, job_id, 0.0, f"0 of {n} runs")
-    waiting = [await DBOS.enqueue_workflow_async(_SHARES, _share, job_id, index) for index in range(n)]
-    made: list[Result] = []
-    for share in waiting:
-        made.append(await share.get_result(polling_interval_sec=_POLL))
-        await to_thread.run_sync(book.progress, job_id, len(made) / n, f"{len(made)} of {n} runs")
-    return made
+    workflows = [await DBOS.enqueue_workflow_async(_SHARES, _share, job_id, index) for index in range(n)]
+    results: list[Result] = []
+    for share in workflows:
+        results.append(await share.get_result(polling_interval_sec=JOB.polling_interval))
+        await to_thread.run_sync(book.progress, job_id, len(results) / n, f"{len(results)} of {n} runs")
+    return results
 
 
 @DBOS.workflow(name="job", max_recovery_attempts=5)
 async def _job(job_id: str) -> None:
     assert _site is not None
     try:
-        await _perform(job_id, await _made_by_all(job_id))
+        await _perform(job_id, await _results_of_shares(job_id))
     except dbos_error.DBOSMaxStepRetriesExceeded:
         _log.error("the worker process died under a job again and again", job=job_id)
         await to_thread.run_sync(_site.book.fail, job_id, INTERNAL)
@@ -132,7 +131,7 @@ async def _job(job_id: str) -> None:
 class _Quiet(logging.Filter):
     """Drops what DBOS says of jobs that were stopped: the book has it, and it is no error."""
 
-    _SAID = (
+    _IGNORED_MESSAGES = (
         "in asynchronous workflow",
         "no longer owned",
         "task cancelled for workflow",
@@ -141,7 +140,7 @@ class _Quiet(logging.Filter):
 
     def filter(self, record: logging.LogRecord) -> bool:
         message = record.getMessage()
-        return not any(words in message for words in self._SAID)
+        return not any(words in message for words in self._IGNORED_MESSAGES)
 
 
 _QUIET = _Quiet()
@@ -210,19 +209,25 @@ class DurableRunner:
         # processes to the loop's root task, and a loop of DBOS's own has none that lasts.
         DBOS.launch()
         await DBOS.register_queue_async(
-            _QUEUE, worker_concurrency=cores, polling_interval_sec=_POLL, on_conflict="always_update"
+            _QUEUE,
+            worker_concurrency=cores,
+            polling_interval_sec=JOB.polling_interval,
+            on_conflict="always_update",
         )
         # One more than can be worked on: it is there when a process is free, without another poll.
         await DBOS.register_queue_async(
-            _SHARES, worker_concurrency=cores + 1, polling_interval_sec=_POLL, on_conflict="always_update"
+            _SHARES,
+            worker_concurrency=cores + 1,
+            polling_interval_sec=JOB.polling_interval,
+            on_conflict="always_update",
         )
 
     def _mend(self) -> None:
         """Queue jobs of the book that DBOS never heard of, and end those that it gave up."""
         assert self._client is not None
         active = self._book.active()
-        found = self._client.list_workflows(workflow_ids=active, load_input=False) if active else []
-        status = {workflow.workflow_id: workflow.status for workflow in found}
+        workflows = self._client.list_workflows(workflow_ids=active, load_input=False) if active else []
+        status = {workflow.workflow_id: workflow.status for workflow in workflows}
         for job_id in active:
             if job_id not in status:
                 self._enqueue(job_id)

@@ -17,6 +17,7 @@ from modallab.extraction.method_options import options_type
 from modallab.extraction.plot_data import FitPlotData, fit_plot_data
 from modallab.extraction.preprocessing.leakage import WindowLeakage
 from modallab.jobs.destination import Destination
+from modallab.jobs.settings import JOB
 from modallab.rig.excitation import EXCITATIONS
 from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
@@ -25,18 +26,15 @@ from modallab.store.plain import from_plain
 
 Json = Any
 
-_PERIODIC = 0.0  # share of the power that leaks, of an excitation that repeats with the record
-_WINDOW_SAMPLES = 1024
 _CORRECTED = "window_damping"  # among the choices of a model whose loss factors are without it
-_NAMED = 20  # DoFs in a refusal
 
 
 def leakage_of(setup: RigSetup) -> WindowLeakage | None:
     """Return what the declared analyser does to lines, None if its records repeat or die out."""
     analyser = setup.analyser
-    if EXCITATIONS[analyser.excitation.kind].continuous == _PERIODIC:
+    if EXCITATIONS[analyser.excitation.kind].continuous == 0.0:  # periodic in the record: no leakage
         return None
-    window = WINDOWS[analyser.window].samples(_WINDOW_SAMPLES)
+    window = WINDOWS[analyser.window].samples(JOB.window_samples)
     return WindowLeakage.from_window(window, analyser.estimator, source_mass=setup.exciter.armature_mass)
 
 
@@ -89,7 +87,7 @@ def picture_of(
             f"no FRF at {response}",
             field="response",
             value=str(response),
-            allowed=", ".join(str(dof) for dof in model.dofs[:_NAMED]),
+            allowed=", ".join(str(dof) for dof in model.dofs[: JOB.listed_dofs]),
         )
     if not 1 <= mode <= len(model.modes):
         raise InvalidInputError("no such mode", field="mode", value=mode, allowed=f"1 to {len(model.modes)}")
@@ -127,10 +125,16 @@ def resynthesised(measurement: Measurement, model: ModalModel) -> FrfSet:
     """
     frf = measurement.frf
     freq = frf.freq if frf.kind is FrfKind.INERTANCE else frf.freq[frf.freq > 0]
-    made = resynthesise(_as_measured(model, measurement.setup), freq, frf.kind)
-    if made.inputs == frf.inputs:
-        return made
-    return FrfSet(made.freq, made.values.transpose(0, 2, 1), made.inputs, made.outputs, made.kind)
+    synthesised = resynthesise(_as_measured(model, measurement.setup), freq, frf.kind)
+    if synthesised.inputs == frf.inputs:
+        return synthesised
+    return FrfSet(
+        synthesised.freq,
+        synthesised.values.transpose(0, 2, 1),
+        synthesised.inputs,
+        synthesised.outputs,
+        synthesised.kind,
+    )
 
 
 def _added(setup: RigSetup, model: ModalModel) -> FloatArray:

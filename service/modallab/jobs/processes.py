@@ -1,4 +1,4 @@
-"""Worker processes: work done apart from the server, none of them left behind."""
+"""Worker processes, separate from the server and all ended with it."""
 
 import asyncio
 import math
@@ -11,12 +11,12 @@ from anyio import CapacityLimiter, to_process
 
 from modallab.jobs.stdout_guard import answers_apart
 
-Given = TypeVarTuple("Given")
-Made = TypeVar("Made")
+Arguments = TypeVarTuple("Arguments")
+Outcome = TypeVar("Outcome")
 
 
 class WorkerProcesses:
-    """At most so many processes of one event loop."""
+    """Worker processes of one event loop, limited in number."""
 
     def __init__(self, most: int) -> None:
         self._limiter = CapacityLimiter(most)
@@ -24,39 +24,39 @@ class WorkerProcesses:
         self._starting: set[asyncio.Task[Any]] = set()
         self._working: set[asyncio.Task[Any]] = set()
 
-    async def run(self, work: Callable[[*Given], Made], *given: *Given) -> Made:
-        """Return what a process makes of some work; whoever waits for it may be cancelled, which kills it.
+    async def run(self, work: Callable[[*Arguments], Outcome], *arguments: *Arguments) -> Outcome:
+        """Return the result of a function in a worker process; cancelling the waiting task kills the process.
 
         Raises
         ------
         BrokenWorkerProcess
             If the process dies under the work.
         """
-        return await _kept(self._in_process(work, *given), self._working)
+        return await _tracked(self._in_process(work, *arguments), self._working)
 
-    async def _in_process(self, work: Callable[[*Given], Made], *given: *Given) -> Made:
+    async def _in_process(self, work: Callable[[*Arguments], Outcome], *arguments: *Arguments) -> Outcome:
         async with self._limiter:
             # A process that is cancelled while it starts is left behind (agronholm/anyio#1337).
             start = to_process.run_sync(os.getpid, limiter=self._unlimited)
-            await asyncio.shield(_kept(start, self._starting))
-            made = partial(_apart, work, *given)
-            return await to_process.run_sync(made, cancellable=True, limiter=self._unlimited)
+            await asyncio.shield(_tracked(start, self._starting))
+            call = partial(_with_stdout_guard, work, *arguments)
+            return await to_process.run_sync(call, cancellable=True, limiter=self._unlimited)
 
     async def leave(self) -> None:
-        """Kill what is under way, and wait until it is gone."""
+        """Kill the running processes, and wait for their end."""
         for task in self._working:
             task.cancel()
         await asyncio.gather(*self._working, *self._starting, return_exceptions=True)
 
 
-def _apart(work: Callable[[*Given], Made], *given: *Given) -> Made:
+def _with_stdout_guard(work: Callable[[*Arguments], Outcome], *arguments: *Arguments) -> Outcome:
     with answers_apart():
-        return work(*given)
+        return work(*arguments)
 
 
-def _kept(made: Coroutine[Any, Any, Made], among: set[asyncio.Task[Any]]) -> asyncio.Task[Made]:
-    """Return what is to be made as a task, among others until it ends."""
-    task = asyncio.create_task(made)
-    among.add(task)
-    task.add_done_callback(among.discard)
+def _tracked(coroutine: Coroutine[Any, Any, Outcome], tasks: set[asyncio.Task[Any]]) -> asyncio.Task[Outcome]:
+    """Return a task for a coroutine, in a set of tasks until it ends."""
+    task = asyncio.create_task(coroutine)
+    tasks.add(task)
+    task.add_done_callback(tasks.discard)
     return task

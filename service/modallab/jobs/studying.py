@@ -30,10 +30,10 @@ def run_of_study(
     store: Store, progress: Progress, index: int, *, structure_id: str, truth_id: str, plan: Json
 ) -> Json:
     """Return one run of a study and its coefficients as plain values; `CancelledError` from `progress`."""
-    chosen = from_plain(StudyPlan, plan, {})
+    study_plan = from_plain(StudyPlan, plan, {})
     model, truth = (with_effects(store.structures.get(id)) for id in (structure_id, truth_id))
-    true = true_coefficients(model, truth, chosen.parts)
-    run, coefficients = run_once(chosen, index, model, as_modelled(truth), true, progress)
+    true = true_coefficients(model, truth, study_plan.parts)
+    run, coefficients = run_once(study_plan, index, model, as_modelled(truth), true, progress)
     return [to_plain(run)[0], None if coefficients is None else coefficients.tolist()]
 
 
@@ -54,19 +54,19 @@ def study_and_store(
     shares
         From `run_of_study`, in order; None for one that our own fault kept from being made.
     """
-    chosen = from_plain(StudyPlan, plan, {})
+    study_plan = from_plain(StudyPlan, plan, {})
     ids = {"structure_id": structure_id, "truth_id": truth_id}
     model, truth = (with_effects(store.structures.get(id)) for id in (structure_id, truth_id))
-    true = true_coefficients(model, truth, chosen.parts)
+    true = true_coefficients(model, truth, study_plan.parts)
     if shares is None:
-        n = chosen.n_runs
+        n = study_plan.n_runs
         shares = [
             run_of_study(store, part(progress, i / n, (i + 1) / n), i, plan=plan, **ids) for i in range(n)
         ]
-    store.studies.add(_gathered(chosen, true, shares), owner=into.owner, inputs=ids, id=into.id)
+    store.studies.add(_study(study_plan, true, shares), owner=into.owner, inputs=ids, id=into.id)
 
 
-def _gathered(plan: StudyPlan, true: Values, shares: Sequence[Json]) -> Study:
+def _study(plan: StudyPlan, true: Values, shares: Sequence[Json]) -> Study:
     runs: list[StudyUpdate] = []
     rows: list[FloatArray] = []
     for index, share in enumerate(shares):

@@ -4,8 +4,8 @@ Each task is a module-level function of JSON values, so that any engine can carr
 which brings the store. It may stop inside `progress`, which raises `CancelledError`; nothing is
 stored then. It may run twice: the id of what it makes is given, and stored once.
 
-A task of `SHARED` has parts that know nothing of one another: any workers make these first, and the task
-is given what they returned as `shares`. Without it the task makes them itself.
+A task of `SHARES_BY_TASK` is divided into independent shares: any workers run these first, and the task gets
+their results as `shares`. Without `shares` the task runs them itself.
 """
 
 from collections.abc import Callable, Mapping
@@ -27,7 +27,7 @@ class Shares:
     """The parts of a task; what is called besides with the task's own arguments."""
 
     count: Callable[..., int]
-    one: Callable[..., Json]  # of the store, a progress callback and the share's index
+    run_share: Callable[..., Json]  # of the store, a progress callback and the share's index
 
 
 TASKS: Mapping[str, Task] = {
@@ -40,4 +40,4 @@ TASKS: Mapping[str, Task] = {
     "update_directly_and_store": update_and_store,
     "locate_and_store": update_and_store,
 }
-SHARED: Mapping[str, Shares] = {"study_and_store": Shares(count_runs, run_of_study)}
+SHARES_BY_TASK: Mapping[str, Shares] = {"study_and_store": Shares(count_runs, run_of_study)}

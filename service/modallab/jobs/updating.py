@@ -50,7 +50,7 @@ def update_and_store(
     else:
         target = store.modal_models.get(str(modal_model_id))
         inputs = {"structure_id": structure_id, "modal_model_id": str(modal_model_id)}
-    result = _found(structure, target, method, options, parameterisation, progress)
+    result = _run_method(structure, target, method, options, parameterisation, progress)
     with store.together() as batch:
         if isinstance(result, UpdateResult):
             updated_id = into.beside("structure")
@@ -65,7 +65,7 @@ def measured_responses(measurement: Measurement, noise_floor: float | None) -> T
     return target_responses(frf, measurement.coherence, measurement.averages, noise_floor, common)
 
 
-def _found(
+def _run_method(
     structure: Structure,
     target: ModalModel | TargetResponses,
     method: str,

@@ -10,12 +10,11 @@ from modallab.core.errors import CancelledError, ModalLabError
 from modallab.jobs.book import JobBook
 from modallab.jobs.destination import Destination
 from modallab.jobs.runner import Job
-from modallab.jobs.tasks import SHARED, TASKS
+from modallab.jobs.settings import JOB
+from modallab.jobs.tasks import SHARES_BY_TASK, TASKS
 from modallab.store.place import StorePlace, engine_of, open_store
 
 Json = Any
-
-_INTERVAL = 0.1  # s between two entries of progress in the book
 
 
 class Reporter:
@@ -34,12 +33,12 @@ class Reporter:
             If the job was cancelled, or the service that started this process is gone.
         """
         now = time.monotonic()
-        if now - self._written < _INTERVAL:
+        if now - self._written < JOB.progress_interval:
             return
         self._written = now
-        wanted = self._entered(fraction, message)
+        is_requested = self._entered(fraction, message)
         # An orphan would work for nobody: whoever restarts the service does the job anew.
-        if not wanted or os.getppid() != self._parent:
+        if not is_requested or os.getppid() != self._parent:
             raise CancelledError("the job is not wanted any more")
 
     def _entered(self, fraction: float, message: str) -> bool:
@@ -55,7 +54,7 @@ class ShareReporter(Reporter):
 
 def count_shares(job: Job) -> int:
     """Return how many parts of a job any workers may make before the rest of it; 0 of most."""
-    return SHARED[job.task].count(**job.arguments) if job.task in SHARED else 0
+    return SHARES_BY_TASK[job.task].count(**job.arguments) if job.task in SHARES_BY_TASK else 0
 
 
 def perform_share(place: StorePlace, job_id: str, index: int) -> tuple[Json, str | None]:
@@ -69,7 +68,7 @@ def perform_share(place: StorePlace, job_id: str, index: int) -> tuple[Json, str
     job = book.get(job_id)
     try:
         report = ShareReporter(book, job_id)
-        return SHARED[job.task].one(open_store(place), report, index, **job.arguments), None
+        return SHARES_BY_TASK[job.task].run_share(open_store(place), report, index, **job.arguments), None
     except ModalLabError:
         return None, None  # not wanted; or what the rest of the job will say too
     except Exception:

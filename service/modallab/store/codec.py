@@ -27,7 +27,7 @@ from modallab.updating.method import UpdateResult
 from modallab.updating.studies.study import Study
 
 T = TypeVar("T")
-_Given = Mapping[str, NDArray[Any]]
+_ArrayMap = Mapping[str, NDArray[Any]]
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class Codec(Generic[T]):
     """How things of one kind are taken apart for the store and put together again."""
 
     take_apart: Callable[[T], tuple[Json, Arrays]]
-    put_together: Callable[[Json, _Given], T]
+    put_together: Callable[[Json, _ArrayMap], T]
 
 
 def _plain(cls: type[T]) -> Codec[T]:
@@ -78,7 +78,7 @@ def _take_measurement(thing: Measurement) -> tuple[Json, Arrays]:
     return body | {"route": thing.route, "libraries": dict(thing.libraries)}, arrays
 
 
-def _put_measurement(body: Json, arrays: _Given) -> Measurement:
+def _put_measurement(body: Json, arrays: _ArrayMap) -> Measurement:
     kind, outputs, inputs = FrfKind(str(arrays["kind"])), _dofs(arrays["outputs"]), _dofs(arrays["inputs"])
     return Measurement(
         frf=FrfSet(arrays["freq"], arrays["values"], outputs, inputs, kind),
@@ -101,13 +101,13 @@ _WANDER = "wander_"  # and of those that say how frequencies wander
 
 def _take_modal_model(thing: ModalModel) -> tuple[Json, Arrays]:
     modes = [to_plain(mode)[0] for mode in thing.modes]
-    known = [mode.shape_errors for mode in thing.modes if mode.shape_errors is not None]
+    shape_errors = [mode.shape_errors for mode in thing.modes if mode.shape_errors is not None]
     arrays = _there(
         {
             "frequencies": thing.frequencies,
             "loss_factors": thing.loss_factors,
             "shapes": thing.shapes,
-            "shape_errors": np.stack(known, axis=1) if len(known) == len(thing.modes) else None,
+            "shape_errors": np.stack(shape_errors, axis=1) if len(shape_errors) == len(thing.modes) else None,
             "dofs": _names(thing.dofs),
             "fitted_frequency": thing.fitted_frequency,
             "fitted_loss_factor": thing.fitted_loss_factor,
@@ -126,17 +126,17 @@ def _take_modal_model(thing: ModalModel) -> tuple[Json, Arrays]:
     if thing.references:
         body["references"] = [str(dof) for dof in thing.references]
     if thing.wander is not None:
-        body["wander"], own = to_plain(thing.wander)
-        arrays |= {f"{_WANDER}{name}": array for name, array in own.items()}
+        body["wander"], wander_arrays = to_plain(thing.wander)
+        arrays |= {f"{_WANDER}{name}": array for name, array in wander_arrays.items()}
     return body | {"modes": modes, "choices": dict(thing.choices)}, arrays
 
 
-def _put_modal_model(body: Json, arrays: _Given) -> ModalModel:
+def _put_modal_model(body: Json, arrays: _ArrayMap) -> ModalModel:
     shapes, errors = arrays["shapes"], arrays.get("shape_errors")
     modes = []
     for r, tree in enumerate(body["modes"]):
-        own = {"shape": shapes[:, r]} | ({} if errors is None else {"shape_errors": errors[:, r]})
-        modes.append(from_plain(Mode, tree, own))
+        mode_arrays = {"shape": shapes[:, r]} | ({} if errors is None else {"shape_errors": errors[:, r]})
+        modes.append(from_plain(Mode, tree, mode_arrays))
     return ModalModel(
         modes=tuple(modes),
         dofs=_dofs(arrays["dofs"]),
@@ -167,11 +167,11 @@ def _references(body: Json) -> tuple[Dof, ...]:
     return tuple(Dof.parse(name) for name in names)
 
 
-def _named(arrays: _Given, prefix: str) -> _Given:
+def _named(arrays: _ArrayMap, prefix: str) -> _ArrayMap:
     return {name.removeprefix(prefix): a for name, a in arrays.items() if name.startswith(prefix)}
 
 
-def _chart(arrays: _Given) -> StabilisationChart:
+def _chart(arrays: _ArrayMap) -> StabilisationChart:
     return StabilisationChart(**{f.name: arrays[f"{_CHART}{f.name}"] for f in fields(StabilisationChart)})
 
 
@@ -188,12 +188,12 @@ def _take_diagnosis(thing: Diagnosis) -> tuple[Json, Arrays]:
     return body, served | {name: _names(dofs) for name, dofs in names.items()}
 
 
-def _put_diagnosis(body: Json, arrays: _Given) -> Diagnosis:
+def _put_diagnosis(body: Json, arrays: _ArrayMap) -> Diagnosis:
     of_curves = {f"{_CURVES}{name}": array for name, array in arrays.items()}
     return from_plain(Diagnosis, body, of_curves | dict(arrays))  # a structure may have arrays of its own
 
 
-def _put_update(body: Json, arrays: _Given) -> UpdateResult | DirectResult | LocationResult:
+def _put_update(body: Json, arrays: _ArrayMap) -> UpdateResult | DirectResult | LocationResult:
     # Each has a field that the others lack.
     if "method" in body:
         return from_plain(DirectResult, body, arrays)

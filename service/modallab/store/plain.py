@@ -60,7 +60,7 @@ def _encode(value: Any, path: str, arrays: Arrays) -> Json:
         return [_encode(item, f"{path}.{i}", arrays) for i, item in enumerate(items)]
     if is_dataclass(value):
         tree: dict[str, Json] = {_TYPE: type(value).__name__}
-        for field in (one for one in fields(value) if one.init):
+        for field in (field for field in fields(value) if field.init):
             name = f"{path}.{field.name}" if path else field.name
             tree[field.name] = _encode(getattr(value, field.name), name, arrays)
         return tree
@@ -121,16 +121,16 @@ def _class_named(cls: type, name: object) -> type | None:
         return cls
     subclasses: list[type] = type.__subclasses__(cls)
     for subclass in subclasses:
-        if (named := _class_named(subclass, name)) is not None:
-            return named
+        if (known_class := _class_named(subclass, name)) is not None:
+            return known_class
     return None
 
 
 def _decode_dataclass(cls: Any, tree: Json, arrays: Mapping[str, NDArray[Any]], path: str) -> Any:
-    named = _class_named(cls, tree.get(_TYPE)) if isinstance(tree, dict) else None
-    if named is None:
+    stored_class = _class_named(cls, tree.get(_TYPE)) if isinstance(tree, dict) else None
+    if stored_class is None:
         raise _misfit(path, cls.__name__)
-    cls = named
+    cls = stored_class
     hints = _hints(cls)
     names = {field.name for field in fields(cls) if field.init}
     if unknown := set(tree) - names - {_TYPE}:

@@ -85,9 +85,9 @@ class SqlShelf(Generic[T]):
             ) from None
 
     def _row(self, id: str, *columns: sa.Column[Any]) -> sa.Row[Any]:
-        where = (THINGS.c.id == id) & (THINGS.c.kind == self._kind)
+        condition = (THINGS.c.id == id) & (THINGS.c.kind == self._kind)
         with self._connect() as connection:
-            row = connection.execute(sa.select(*columns).where(where)).first()
+            row = connection.execute(sa.select(*columns).where(condition)).first()
         if row is None:
             raise NotFoundError(f"there is no {self._kind} {id!r}", field=f"{self._kind}_id", value=id)
         return row
@@ -157,9 +157,9 @@ class SqlTruths:
 
     def get(self, measurement_id: str, *, owner: str) -> Truth:
         """Return how a measurement was made, to its owner."""
-        where = (TRUTHS.c.measurement_id == measurement_id) & (TRUTHS.c.owner == owner)
+        condition = (TRUTHS.c.measurement_id == measurement_id) & (TRUTHS.c.owner == owner)
         with self._connect() as connection:
-            row = connection.execute(sa.select(TRUTHS.c.body).where(where)).first()
+            row = connection.execute(sa.select(TRUTHS.c.body).where(condition)).first()
         if row is None:
             raise NotFoundError(
                 f"how measurement {measurement_id!r} was made is not known", value=measurement_id

@@ -1,5 +1,6 @@
 """Studies as jobs: shared out, gathered, and the same whoever made the runs."""
 
+from dataclasses import replace
 from typing import Any, NoReturn
 
 import pytest
@@ -12,6 +13,7 @@ from modallab.jobs import studying, work
 from modallab.jobs.book import JobBook
 from modallab.jobs.inline import InlineRunner
 from modallab.jobs.runner import JobState
+from modallab.jobs.settings import JOB
 from modallab.jobs.work import ShareReporter, count_shares, perform, perform_share
 from modallab.store.place import StorePlace, open_store
 from modallab.store.plain import to_plain
@@ -88,7 +90,7 @@ def test_a_share_of_a_job_that_nobody_wants_makes_nothing(
     place: StorePlace, book: JobBook, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     job = book.open(TASK, arguments(place), owner="me")
-    monkeypatch.setattr(work, "_INTERVAL", 0.0)
+    monkeypatch.setattr(work, "JOB", replace(JOB, progress_interval=0.0))
     report = ShareReporter(book, job.id)
     report(0.5, "half of a share")
     assert book.get(job.id).fraction == 0.0  # of the job

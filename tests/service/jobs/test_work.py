@@ -2,6 +2,7 @@
 
 import os
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import Any, NoReturn
 
 import numpy as np
@@ -15,6 +16,7 @@ from modallab.jobs.book import JobBook
 from modallab.jobs.destination import Destination
 from modallab.jobs.inline import InlineRunner
 from modallab.jobs.runner import JobState
+from modallab.jobs.settings import JOB
 from modallab.jobs.tasks import TASKS
 from modallab.jobs.work import Reporter, perform
 from modallab.rig.analyser import Analyser
@@ -81,7 +83,7 @@ def test_a_fault_of_ours_is_told_to_the_log_and_not_to_the_owner(
 def test_work_that_nobody_wants_any_more_stops_and_stores_nothing(
     place: StorePlace, book: JobBook, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(work, "_INTERVAL", 0.0)
+    monkeypatch.setattr(work, "JOB", replace(JOB, progress_interval=0.0))
     job = book.open("measure_and_store", measuring(place, route="sampled"), owner="me")
     start = JobBook.start
 
@@ -97,7 +99,7 @@ def test_work_that_nobody_wants_any_more_stops_and_stores_nothing(
 
 
 def test_an_orphan_stops(book: JobBook, monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(work, "_INTERVAL", 0.0)
+    monkeypatch.setattr(work, "JOB", replace(JOB, progress_interval=0.0))
     report = Reporter(book, book.open("measure_and_store", {}, owner="me").id)
     report(0.1, "still somebody's child")
     monkeypatch.setattr(os, "getppid", lambda: 1)

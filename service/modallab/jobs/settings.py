@@ -1,0 +1,35 @@
+"""Settings of jobs: polling, attempts and progress."""
+
+from dataclasses import dataclass
+
+from modallab.core.settings import Settings, setting
+
+
+@dataclass(frozen=True)
+class JobSettings(Settings):
+    """How jobs are polled, retried and reported."""
+
+    polling_interval: float = setting(
+        0.1, unit="s", doc="time until a queued job starts", derived="short beside the shortest job"
+    )
+    max_attempts: int = setting(
+        3,
+        unit="attempts",
+        doc="attempts of a job whose worker process dies",
+        derived="a job that kills its process three times would do so again",
+    )
+    progress_interval: float = setting(
+        0.1, unit="s", doc="time between two entries of progress in the book", derived="ten a second are read"
+    )
+    window_samples: int = setting(
+        1024,
+        unit="samples",
+        doc="samples of a window whose leakage is computed",
+        derived="shapes of windows do not depend on it",
+    )
+    listed_dofs: int = setting(
+        20, unit="DoFs", doc="degrees of freedom listed in an error message", derived="length of one line"
+    )
+
+
+JOB = JobSettings()
