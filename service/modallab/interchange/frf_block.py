@@ -1,4 +1,4 @@
-"""One FRF in the thesis program's text layout, and the measurement that several make."""
+"""FRF blocks of the thesis program's text layout, and their assembly to a measurement."""
 
 import re
 from collections.abc import Iterator, Sequence
@@ -32,7 +32,8 @@ class FrfBlock:
     axis_error: float  # relative, of rounding
     values: ComplexArray
     coherence: FloatArray | None
-    of: int | None  # how many FRFs the file had when it was written, where it says so
+    of: int | None
+    """FRFs of the file when it was written; None: not stated."""
 
 
 def read_blocks(text: str) -> Iterator[FrfBlock]:
@@ -104,8 +105,8 @@ def _block(reader: "_Reader") -> FrfBlock:
     count, start, step, step_error = reader.axis()
     (flag,) = reader.integers(1)
     ends = reader.integers(5)
-    reader.line()  # five zeros, of no meaning
-    reader.integers(2)  # the program's own numbers of the coordinates
+    reader.line()  # five zeros without meaning
+    reader.integers(2)  # coordinate numbers of the program
     if not 1 <= kind <= len(KINDS) or flag not in (0, 1):
         raise reader.refusal("has a kind or a coherence flag that does not exist", f"{kind}, {flag}")
     pairs = reader.numbers(2 * count)
@@ -114,7 +115,7 @@ def _block(reader: "_Reader") -> FrfBlock:
         count, filled=-(-count // FRF_TEXT_FILE.others_per_row) * FRF_TEXT_FILE.others_per_row
     )
     freq: FloatArray = start + step * np.arange(count, dtype=float)
-    # The list has a digit or more, the step its own error a line.
+    # The list has at least one decimal; the error of the step grows with the line number.
     if not (np.abs(listed[:count] - freq) <= 0.06 + step_error * np.arange(count)).all():
         raise reader.refusal("lists other frequencies than start and step give", f"{listed[0]:g}")
     match = _FRF_COUNT.match(title)
@@ -131,13 +132,13 @@ def _block(reader: "_Reader") -> FrfBlock:
 
 
 def _split_columns(row: str) -> str:
-    """Return a row with a blank before every number that its minus joins to the one before."""
-    # Not by a regular expression: this is what the time goes into.
+    """Return a row with a blank before every minus sign that begins a number."""
+    # Not by a regular expression, because this line takes most of the time.
     return row.translate(_FORTRAN).replace("-", " -").replace("E -", "E-")
 
 
 class _Reader:
-    """Reads a file's lines, numbers in columns or with blanks between."""
+    """Reader of lines and numbers, in columns or separated by blanks."""
 
     def __init__(self, text: str) -> None:
         self._text = text.rstrip()
@@ -171,7 +172,7 @@ class _Reader:
             raise self.refusal("holds what is no whole number", text) from None
 
     def axis(self) -> tuple[int, float, float, float]:
-        """Return count, start, step, and by how much the step may be rounded."""
+        """Return count, start and step in Hz, and the rounding error of the step."""
         text = self.line()
         fields = text.split()
         if len(fields) != 3 or not fields[0].isdecimal() or len(fields[0]) > 9:
@@ -187,7 +188,7 @@ class _Reader:
         return count, start, step, 0.5 * 10.0 ** -min(max(digits, -9), 20)
 
     def numbers(self, count: int, filled: int = 0) -> FloatArray:
-        """Return numbers from as many lines as they take; up to `filled` may stand there."""
+        """Return `count` numbers from the next lines, padded to at most `filled`."""
         rows, n_read = [], 0
         while n_read < count:
             row = self.line()

@@ -90,7 +90,7 @@ def _rows(name: str, texts: Iterator[str], margin: str) -> Iterator[str]:
 
 
 def _fixed(value: float, width: int, decimals: int) -> str:
-    # One blank at least: the program's own columns run over from 100,000 Hz.
+    # At least one blank: the columns of the program overflow from 100,000 Hz.
     return f" {value:.{decimals}f}".rjust(width)
 
 
@@ -99,12 +99,12 @@ def _direction(dof: Dof) -> int:
 
 
 def _coordinate(dof: Dof) -> int:
-    """Return a number of its own for each direction of each node: six a node, from 1."""
+    """Return the coordinate number of a DoF: six for each node, from 1."""
     return len(DIRECTIONS) * (dof.node - 1) + DIRECTIONS.index(dof.direction) + 1
 
 
 def read(payload: bytes, *, largest: int) -> MeasuredFile:
-    """Return what a file of one or more blocks holds.
+    """Return the measured FRFs of a file of one or more blocks.
 
     Parameters
     ----------

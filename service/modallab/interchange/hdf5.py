@@ -54,10 +54,10 @@ def write(measurement: Measurement) -> bytes:
 
 
 def read(file: BinaryIO, *, largest: int) -> MeasuredFile:
-    """Return what an HDF5 file holds of a measurement.
+    """Return the measured FRFs of an HDF5 file.
 
-    The library that knows the format is no match for hostile files: it works in a process of its
-    own, which has little memory and time, opens nothing else, and may die alone.
+    The HDF5 library is not safe against hostile files, so a separate process with limited memory and time
+    reads the file; it opens no other file, and its failure harms nothing else.
 
     Parameters
     ----------
@@ -84,7 +84,7 @@ def read(file: BinaryIO, *, largest: int) -> MeasuredFile:
 
 def _unpacked(path: Path, limit: int) -> bytes:
     """Return the arrays of an HDF5 file as npz."""
-    # No filters but those of the library itself, no locks, no threads.
+    # Only the filters of the library itself, no locks, no threads.
     settings = {"HDF5_PLUGIN_PRELOAD": "::", "HDF5_USE_FILE_LOCKING": "FALSE", "OPENBLAS_NUM_THREADS": "1"}
     command = [sys.executable, "-P", "-m", "modallab.interchange.hdf5_reader", str(path), str(limit)]
     try:

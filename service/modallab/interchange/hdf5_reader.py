@@ -1,7 +1,7 @@
-"""A program of its own: the arrays of one HDF5 file, written as npz to standard output.
+"""Separate program that writes the arrays of one HDF5 file as npz to standard output.
 
-Ends with 1 and a last line that says why where the file is refused; any other end but 0 means that
-the library could not cope with it.
+Exit code 1, with the reason in the last line of standard error: the file is refused. Any other code than 0:
+the library failed.
 """
 
 import io
@@ -26,11 +26,11 @@ NAMES = (
     "response_spectrum",
 )
 _TEXTS = ("outputs", "inputs", "kind")
-_FILTERS = {1, 2, 3, 32000}  # deflate, shuffle, checksum, lzf: what the library has by itself
+_FILTERS = {1, 2, 3, 32000}  # deflate, shuffle, checksum, lzf: filters of the library itself
 
 
 class RefusedError(Exception):
-    """The file is not one to be read."""
+    """Refused file."""
 
 
 def main(path: str, largest: int) -> None:
@@ -54,7 +54,7 @@ def _refuse(why: str) -> None:
 
 
 def _confine() -> None:
-    """Take away memory and time, where the system can."""
+    """Limit memory and time, where the system supports it."""
     try:
         import resource
     except ImportError:  # not on Windows
@@ -66,7 +66,7 @@ def _confine() -> None:
 
 
 def arrays_of(path: str, largest: int) -> dict[str, NDArray[Any]]:
-    """Return the arrays that have a name among those of a measurement.
+    """Return the arrays of a measurement by name.
 
     Parameters
     ----------
@@ -92,7 +92,7 @@ def arrays_of(path: str, largest: int) -> dict[str, NDArray[Any]]:
 
 
 def _dataset(file: Any, name: str) -> Any:
-    # A link elsewhere would open what the service can open and the sender cannot.
+    # A link could open a file of the service that the sender may not read.
     if file.id.links.get_info(name.encode()).type != h5py.h5l.TYPE_HARD:
         raise RefusedError(f"{name} is a link")
     dataset = file[name]

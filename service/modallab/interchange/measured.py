@@ -1,4 +1,4 @@
-"""What a measured file holds, whatever its format, and the measurement it makes on a declared rig."""
+"""Measured FRFs from a file of any format, and the measurement that they form with a log book."""
 
 from dataclasses import dataclass, replace
 
@@ -23,13 +23,17 @@ NO_COHERENCE = (
 
 @dataclass(frozen=True, eq=False)
 class MeasuredFile:
-    """FRFs and what came with them, before anything is known of the rig."""
+    """FRFs with coherence and spectra from a file, without a rig."""
 
     frf: FrfSet
-    coherence: FloatArray | None = None  # (n_freq, n_out), or of each FRF (n_freq, n_out, n_in)
+    coherence: FloatArray | None = None
+    """(n_freq, n_out), or of each FRF (n_freq, n_out, n_in)."""
     averages: float | None = None
-    force_spectrum: FloatArray | None = None  # (n_freq, n_out, n_in) N^2/Hz
-    response_spectrum: FloatArray | None = None  # unit^2/Hz, shaped as `coherence`
+    """Effective number of averages."""
+    force_spectrum: FloatArray | None = None
+    """N^2/Hz, (n_freq, n_out, n_in), auto spectrum of the force."""
+    response_spectrum: FloatArray | None = None
+    """unit^2/Hz, shaped as `coherence`, auto spectra of the responses."""
     notes: tuple[str, ...] = ()
     axis_error: float = READING.axis_error  # relative error that the format leaves in the frequencies
 
@@ -50,7 +54,7 @@ class MeasuredFile:
                 )
 
     def on_rig(self, setup: RigSetup, averages: float | None = None) -> Measurement:
-        """Return the measurement that the file is, taken on a rig.
+        """Return the measurement on a rig with a log book.
 
         Parameters
         ----------
@@ -77,10 +81,10 @@ class MeasuredFile:
         )
 
     def without_log_book(self, averages: float | None = None) -> Measurement:
-        """Return the measurement that the file is, where no log book came with it.
+        """Return the measurement without a log book.
 
-        Its rig drives and listens where the file does. Of the analyser the lines are known, roughly if they
-        do not start at 0 Hz in even steps, and nothing of windows: records are taken not to leak.
+        Drive points and responses of its rig are those of the file. The analyser has the lines of the file,
+        approximately if they are not uniform from 0 Hz, and a rectangular window without leakage.
 
         Raises
         ------
@@ -123,7 +127,7 @@ class MeasuredFile:
         )
 
     def _shaped(self, array: FloatArray | None, setup: RigSetup) -> FloatArray | None:
-        """Return what belongs to a response once, unless a hammer roved: then it is each FRF's own."""
+        """Return an array of each response, or of each FRF where a hammer roved."""
         roved = setup.exciter.kind == "hammer" and len(self.frf.inputs) > 1
         if array is None or array.ndim < 3 or roved or not (array == array[:, :, :1]).all():
             return array

@@ -25,7 +25,7 @@ _CONTENT = (
 
 
 def read(payload: bytes, *, largest: int, damping: Damping | None = None, name: str = "") -> Structure:
-    """Return the structure whose matrices a zip archive holds.
+    """Return the structure of the matrices in a zip archive.
 
     Parameters
     ----------
@@ -93,10 +93,10 @@ def _table(content: bytes) -> tuple[Dof, ...]:
 
 
 def _matrices(content: bytes, path: str, n: int) -> dict[str, csc_array]:
-    """Return the matrices of a file by what they are: by its name, or in one file of both by their own."""
+    """Return the mass and stiffness matrices of a file; the file's name or the matrices' names tell which."""
     stem = PurePosixPath(path).stem
     if path.endswith(MARKET):
-        # others beside them mean nothing to a structure
+        # other matrices are ignored
         return {stem: model_matrix_market.matrix(content, path, n)} if stem in KINDS else {}
     matrices = read_op4(content, size=n, path=path)
     if stem in KINDS and len(matrices) == 1:

@@ -28,7 +28,7 @@ NAMES = (
     *(f"element_{kind}" for kind in _KINDS),
     *(f"{kind}_{part}" for kind in _KINDS for part in (*_TRIPLETS, "groups")),
 )
-WHOLE = "model"  # group of matrices that nobody divided
+WHOLE = "model"  # group of matrices without groups
 
 _Arrays = Mapping[str, NDArray[Any]]
 
@@ -39,7 +39,7 @@ def holds_model(names: frozenset[str]) -> bool:
 
 
 def read(payload: bytes, *, largest: int, damping: Damping | None = None, name: str = "") -> Structure:
-    """Return the structure whose matrices a npz file holds.
+    """Return the structure of the matrices in a npz file.
 
     Parameters
     ----------
@@ -170,7 +170,7 @@ def _elements(arrays: _Arrays, n: int) -> list[Element]:
 
 
 def _check_sum(arrays: _Arrays, elements: list[Element], n: int) -> None:
-    """Raise if the file holds whole matrices too, and these are others than the elements add up to."""
+    """Raise if the file has whole matrices too, and they differ from the sum of the elements."""
     for kind in _KINDS:
         if kind not in arrays and f"{kind}_values" not in arrays:
             continue

@@ -1,4 +1,4 @@
-"""Models from files of unknown origin: their content says what they are."""
+"""Models from files of unknown origin; their content determines the format."""
 
 import io
 import zipfile

@@ -1,4 +1,4 @@
-"""Measurements from npz files of unknown origin: nothing is believed that was not checked."""
+"""Measurements from npz files of unknown origin: every array is checked."""
 
 from typing import Any
 
@@ -15,7 +15,7 @@ _OPTIONAL = ("coherence", "averages", "force_spectrum", "response_spectrum")
 
 
 def read(payload: bytes, *, largest: int) -> MeasuredFile:
-    """Return what a npz file holds.
+    """Return the measured FRFs of a npz file.
 
     Parameters
     ----------

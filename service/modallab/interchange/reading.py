@@ -1,4 +1,4 @@
-"""Measurements and modal models from files of unknown origin: their content says what they are."""
+"""Measurements and modal models from files of unknown origin; their content determines the format."""
 
 from typing import BinaryIO
 
@@ -42,7 +42,7 @@ def read_measurement(
 
 
 def _measured(file: BinaryIO, largest: int) -> MeasuredFile:
-    """Return what the file holds, by its first bytes."""
+    """Return the measured FRFs of a file; its first bytes determine the format."""
     head = file.read(READING.head_bytes)
     if head.startswith(_ZIP):
         return npz.read(head + file.read(), largest=largest)

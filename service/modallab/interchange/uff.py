@@ -42,7 +42,7 @@ def write(measurement: Measurement, origin: Origin = NOWHERE) -> bytes:
     """
     inputs, force = measurement.frf.inputs, measurement.force_spectrum
     roved = measurement.setup.exciter.kind == "hammer" and len(inputs) > 1
-    # Where all was measured at once there is one force a drive.
+    # Simultaneous responses share one force spectrum for each drive.
     one_force = force is not None and bool((force == force[:, :1]).all())
     functions: list[Function] = []
     for j in range(len(measurement.frf.outputs)):
@@ -55,7 +55,7 @@ def write(measurement: Measurement, origin: Origin = NOWHERE) -> bytes:
 
 
 def _of_frf(measurement: Measurement, j: int, i: int, run: int) -> Iterator[Function]:
-    """Yield an FRF, and what belongs to it or, with its first one, to its response."""
+    """Yield an FRF with its coherence and auto spectrum; those of a response come with its first FRF."""
     frf, coherence, response = measurement.frf, measurement.coherence, measurement.response_spectrum
     output, source = frf.outputs[j], frf.inputs[i]
     motion, label = MOTIONS[frf.kind], _LABELS[frf.kind]
@@ -78,7 +78,7 @@ def _auto(measurement: Measurement, dof: Dof, run: int, data: FloatArray, kind: 
 
 
 def read(payload: bytes, *, largest: int) -> MeasuredFile:
-    """Return what a universal file holds of a measurement.
+    """Return the measured FRFs of a universal file.
 
     FRFs of one kind are needed, in any order, one of each response and reference; coherence and
     auto spectra per Hz are taken where they belong to every FRF, else the notes say what was left
@@ -154,7 +154,7 @@ def _frf(functions: Sequence[Function], units: tuple[float, float]) -> FrfSet:
 def _check_complete(
     ends: Sequence[tuple[Dof | None, Dof | None]], outputs: Sequence[Dof], inputs: Sequence[Dof]
 ) -> None:
-    """Raise unless there is one FRF of each response and reference."""
+    """Raise unless every pair of response and reference has exactly one FRF."""
     points = [{dof.point for dof in dofs} for dofs in (outputs, inputs)]
     if len(set(ends)) < len(ends) or [len(outputs), len(inputs)] != [len(point_set) for point_set in points]:
         raise refusal("an FRF is in the file twice", field="outputs", value=", ".join(map(str, outputs)))

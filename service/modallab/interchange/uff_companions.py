@@ -1,4 +1,4 @@
-"""What comes with the FRFs of a universal file: coherence and auto spectra, where they belong to all."""
+"""Coherence and auto spectra of a universal file that are complete for all FRFs."""
 
 import re
 from collections.abc import Hashable, Mapping, Sequence
@@ -19,7 +19,7 @@ from modallab.interchange.uff_format import (
     Function,
 )
 
-# Units often met, which would pass for SI without a word.
+# Common units other than SI, which a file could contain without conversion factors.
 _NOT_SI = re.compile(r"(?<![A-Za-z])(g|gn|mm|um|cm|in|inch|ft|mil|ips|lb|lbf|kN|mN|dB|V|mV)(?![A-Za-z])")
 
 
@@ -29,12 +29,12 @@ def same_axis(freq: FloatArray, reference: FloatArray) -> bool:
 
 
 def not_si(label: str, units: tuple[float, float]) -> bool:
-    """Return whether a label names units other than SI, and no factors say by what to convert."""
+    """Return whether a label names units other than SI and the file has no conversion factors."""
     return units == (1.0, 1.0) and _NOT_SI.search(label) is not None
 
 
 class Companions:
-    """Picks coherence and spectra that belong to the FRFs, and notes what it leaves."""
+    """Selection of coherence and spectra of the FRFs, with notes on omitted ones."""
 
     def __init__(
         self,
@@ -66,7 +66,7 @@ class Companions:
         if multiple and len(self._inputs) > 1:
             values = self._stacked("coherence", multiple, [[(output,)] for output in self._outputs])
         else:
-            # That of another reference is none of ours.
+            # Coherence with other references is ignored.
             ours = {key: curve for key, curve in ordinary.items() if key[1] in self._inputs}
             pairs = [[(output, source) for source in self._inputs] for output in self._outputs]
             values = self._stacked("coherence", ours, pairs)
@@ -124,7 +124,7 @@ class Companions:
         keys: Sequence[Sequence[Hashable]],
         whole: bool = False,
     ) -> FloatArray | None:
-        """Return curves by response and input; one column is none, unless the whole shape is wanted."""
+        """Return curves by response and input; a single input has no axis, unless `whole` is set."""
         if not curves:
             return None
         if not all(key in curves for row in keys for key in row):

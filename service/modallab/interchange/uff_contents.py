@@ -1,4 +1,4 @@
-"""What a universal file holds, for whoever looked for something else in it."""
+"""Contents of a universal file, for error messages."""
 
 from collections import Counter
 
@@ -58,7 +58,7 @@ _DATASETS = {
 
 
 def contents(payload: bytes) -> str:
-    """Return what datasets a universal file has and how many of each: `2 time responses (58), nodes (15)`.
+    """Return the datasets of a universal file with their counts: `2 time responses (58), nodes (15)`.
 
     Parameters
     ----------
@@ -70,7 +70,7 @@ def contents(payload: bytes) -> str:
 
 
 def data_type(number: int) -> str:
-    """Return what an axis of a function is, by its specific data type."""
+    """Return the quantity of a specific data type."""
     return _DATA_TYPES.get(number, f"of type {number}")
 
 

@@ -1,4 +1,4 @@
-"""One dataset 55: what its records say, whatever program wrote it."""
+"""Mode shape of one dataset 55, of any program."""
 
 import re
 from collections.abc import Iterator, Sequence
@@ -19,7 +19,7 @@ _FORTRAN = str.maketrans("dD", "EE")
 
 @dataclass(frozen=True, eq=False)
 class NodalShape:
-    """A mode in the file's units; its frequency is 0 where it is rigid, or the conjugate of another."""
+    """Mode in the units of the file; frequency 0 for rigid-body modes and complex conjugates."""
 
     frequency: float  # Hz
     loss_factor: float
@@ -30,7 +30,7 @@ class NodalShape:
 
 
 def read_shape(text: str, index: int) -> NodalShape | None:
-    """Return the mode that a dataset 55 holds, or None if it holds something else.
+    """Return the mode of a dataset 55; None if it has another analysis type.
 
     Parameters
     ----------
@@ -142,7 +142,7 @@ class _Reader:
         return nodes, entries
 
     def _split_at_blanks(self, n_nodes: int, count: int) -> tuple[tuple[int, ...], FloatArray] | None:
-        """Return nodes and values where blanks stand between all numbers, which is read at once."""
+        """Return nodes and values if blanks separate all numbers (fast path); else None."""
         text = " ".join(self._lines[UNIVERSAL.shape_records :])
         fields = text.translate(_FORTRAN).split()
         if len(fields) != n_nodes * (1 + count) or _STRANGE.search(text):

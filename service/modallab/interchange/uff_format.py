@@ -1,4 +1,4 @@
-"""One function of dataset 58: what its header says, and its bytes."""
+"""Functions of dataset 58, decoded and encoded."""
 
 import re
 from collections.abc import Sequence
@@ -15,7 +15,7 @@ from modallab.interchange.settings import UNIVERSAL
 from modallab.interchange.uff_text import number
 
 AUTO_SPECTRUM, FRF, COHERENCE, DENSITY, MULTIPLE_COHERENCE = 2, 4, 6, 9, 26  # function types
-KINDS = (AUTO_SPECTRUM, FRF, COHERENCE, DENSITY, MULTIPLE_COHERENCE)  # of which a measurement is made
+KINDS = (AUTO_SPECTRUM, FRF, COHERENCE, DENSITY, MULTIPLE_COHERENCE)  # functions of a measurement
 FORCE, FREQUENCY = 13, 18  # specific data types
 MOTIONS = {FrfKind.RECEPTANCE: 8, FrfKind.MOBILITY: 11, FrfKind.INERTANCE: 12}
 _RECORD = re.compile(r"modallab, record \d+ of (\d+)")
@@ -26,7 +26,8 @@ class Function:
     """A function at a response DoF, of a reference DoF."""
 
     type: int
-    run: int  # the file's version number: what was measured at once shares it
+    run: int
+    """Version number in the file; simultaneous functions share it."""
     response: Dof | None
     reference: Dof | None
     freq: FloatArray
@@ -34,7 +35,8 @@ class Function:
     numerator: int = 0
     denominator: int = 0
     units: tuple[str, str] = ("NONE", "NONE")  # of numerator and denominator, as labelled
-    of: int | None = None  # how many functions the file had when it was written, where it says so
+    of: int | None = None
+    """Functions of the file when it was written; None: not stated."""
 
 
 def decode(dataset: dict[str, Any]) -> Function:

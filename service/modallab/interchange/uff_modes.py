@@ -117,7 +117,7 @@ def read(payload: bytes, *, largest: int) -> ModalModel:
                 raise refusal("the file has too many modes", value=len(shapes), allowed=limits)
     _check(shapes)
     n_read = len(shapes)
-    # Where a complex mode comes with its conjugate, one of them says it all.
+    # The conjugate of a complex mode has no further information.
     shapes = [shape for shape in shapes if shape.frequency > 0]
     if len(shapes) < n_read:
         notes.append("left out: modes at 0 Hz, and conjugates")
@@ -144,7 +144,7 @@ def _model(shapes: Sequence[NodalShape], units: tuple[float, float], notes: Sequ
     for entry, shape in zip(table, shapes, strict=True):
         entry[[places[node] for node in shape.nodes], : shape.values.shape[1]] = shape.values
     length, force = units
-    # A rotation goes with lengths in the file's unit, a modal mass with its forces and lengths.
+    # Rotations scale with the unit of length, modal masses with those of force and length.
     table[:, :, 3:] *= length
     mass_normalised = all(shape.modal_mass for shape in shapes)
     if mass_normalised:

@@ -1,4 +1,4 @@
-"""Dataset 58 by dataset 58: sizes checked against the file first, then read by pyuff."""
+"""Datasets of a universal file: sizes are checked against the file first, then pyuff reads dataset 58."""
 
 import tempfile
 from collections.abc import Collection, Iterator, Mapping
@@ -45,7 +45,7 @@ def read_sets(payload: bytes, largest: int, kinds: Collection[int]) -> Iterator[
             ):
                 if dataset.text is None:
                     continue
-                # Not by pyuff: it refuses headers with lines missing, of which no harm comes.
+                # Not by pyuff, which refuses harmless headers with missing lines.
                 if dataset.number == HEADER:
                     yield {"type": HEADER, "program": program_of(dataset.text.decode("ascii", "replace"))}
                 elif dataset.number == UNITS:
@@ -87,7 +87,7 @@ def read_texts(payload: bytes, largest: int, text_limits: Mapping[int, int]) -> 
 
 
 def factors(units: str) -> tuple[float, float]:
-    """Return by what lengths and forces are divided to be in SI, from the text of dataset 164.
+    """Return the divisors of lengths and forces for SI units, from the text of dataset 164.
 
     Raises
     ------

@@ -1,4 +1,4 @@
-"""Where the datasets of a universal file begin and end: what the file declares, checked against its size."""
+"""Division of a universal file into datasets; declared sizes are checked against the file."""
 
 import re
 from collections.abc import Collection, Iterator, Mapping
@@ -21,7 +21,7 @@ _OF_NUMBERS = b"0123456789+-.eE \r\n"
 
 @dataclass(frozen=True)
 class Dataset:
-    """One dataset: its number and, unless it passes by, its text and how many values it declares."""
+    """Dataset: number and, unless it is ignored, its text and number of declared values."""
 
     number: int
     kind: int | None = None  # a function's type
@@ -31,7 +31,7 @@ class Dataset:
 
 @dataclass(frozen=True)
 class _Form:
-    """How a function's numbers are laid down."""
+    """Storage format of a function's numbers."""
 
     binary: bool
     double: bool
@@ -68,7 +68,7 @@ def starts(payload: bytes) -> bool:
 
 
 def split(payload: bytes, text_limits: Mapping[int, int], kinds: Collection[int]) -> Iterator[Dataset]:
-    """Yield every dataset; what is not wanted passes by, whatever its size.
+    """Yield every dataset; those not requested have no text, whatever their size.
 
     Parameters
     ----------

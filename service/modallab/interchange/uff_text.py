@@ -1,4 +1,4 @@
-"""What text datasets of universal files are made of: marks, records, numbers in columns; header and units."""
+"""Elements of text datasets in universal files: marks, records, numbers in columns, header, units."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -12,7 +12,7 @@ PROGRAM = "modallab"
 
 @dataclass(frozen=True)
 class Origin:
-    """Where the content of a file comes from, as its header says."""
+    """Origin of the content of a file, for its header."""
 
     name: str = ""
     content: str = ""
@@ -36,7 +36,7 @@ def label(text: str) -> str:
 
 
 def front(origin: Origin) -> bytes:
-    """Return what stands before everything else: header (151), and SI units (164).
+    """Return the first datasets of a file: header (151) and SI units (164).
 
     Not by pyuff 2.5, which writes to paths only and puts the time of writing into the header, so
     that no file would be the same twice.

@@ -1,1 +1,1 @@
-"""Meshes of other programs: cells with what the caller says they are made of, as a structure."""
+"""Meshes of other programs, converted to structures with sections and materials from the caller."""

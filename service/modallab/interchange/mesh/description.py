@@ -1,4 +1,4 @@
-"""What a mesh does not say: what its cells are made of, and where they are held."""
+"""Description of a mesh by the caller: sections, materials, supports."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -8,7 +8,7 @@ from modallab.fe.members import Material, Section, positive
 
 @dataclass(frozen=True)
 class MeshBar:
-    """What lines are made of; what is left out is that of a round bar.
+    """Section and material of line cells; omitted constants are those of a round bar.
 
     In space bars bend by `section.second_moment` in the plane of their axis and `upright`, and across it by
     `second_moment_across`.
@@ -28,7 +28,7 @@ class MeshBar:
 
 @dataclass(frozen=True)
 class MeshPlate:
-    """What triangles and quadrilaterals are made of."""
+    """Thickness and material of triangles and quadrilaterals."""
 
     material: Material
     thickness: float  # m
@@ -43,7 +43,7 @@ CELL_TYPES: Mapping[type, tuple[str, ...]] = {MeshBar: ("line",), MeshPlate: ("t
 
 @dataclass(frozen=True)
 class HeldGroup:
-    """Directions in which the points of a group are held."""
+    """Supports: constrained directions of the points of a group."""
 
     group: str
     directions: tuple[str, ...]
@@ -51,7 +51,7 @@ class HeldGroup:
 
 @dataclass(frozen=True)
 class MeshDescription:
-    """What a mesh does not say: what its groups are made of, and the rest of what it takes."""
+    """Sections and materials of the groups of a mesh, supports, ignored groups, unit of length."""
 
     groups: Mapping[str, CellProperty]
     supports: tuple[HeldGroup, ...] = ()

@@ -14,7 +14,7 @@ from modallab.core.arrays import FloatArray, IntArray
 from modallab.core.errors import InvalidInputError
 from modallab.interchange.settings import MODEL_FILE
 
-# meshio's own names of groups that say nothing of what cells are
+# names that meshio itself gives to groups without meaning for properties
 _INTERNAL = ("gmsh:bounding_entities", "gmsh:geometrical")
 _DIMENSION = {"vertex": 0, "line": 1, "triangle": 2, "quad": 2}
 
@@ -90,7 +90,7 @@ def _format(head: bytes) -> str | None:
 
 
 def _plain_abaqus(payload: bytes) -> bytes:
-    """Return an Abaqus file without what meshio reads wrong: comments end a list, other files are opened.
+    """Return an Abaqus file without comments, which meshio takes for the end of a list.
 
     Raises
     ------

@@ -31,7 +31,7 @@ Z_AXIS, Y_AXIS = (0.0, 0.0, 1.0), (0.0, 1.0, 0.0)
 
 @dataclass(frozen=True, eq=False)
 class SpaceCell:
-    """A member of a mesh: its number, its group, what it is made of, its nodes."""
+    """Cell of a mesh that becomes a member: number, group, properties, nodes."""
 
     number: int
     group: str

@@ -15,7 +15,7 @@ from modallab.interchange.mesh.reading import Mesh
 from modallab.interchange.mesh.space import SpaceCell, in_space
 from modallab.interchange.settings import MODEL_FILE
 
-POINT = "vertex"  # a cell of one point: there is nothing of it to be made of
+POINT = "vertex"  # a cell of one point has no section
 
 
 def structure_of_mesh(
@@ -70,7 +70,7 @@ def _flat(points: FloatArray) -> bool:
 
 
 def _owners(mesh: Mesh, description: MeshDescription) -> IntArray:
-    """Return which description each cell has, -1 of those that are left out."""
+    """Return the index of each cell's description, (n_cells,); -1 for ignored cells."""
     types = np.array(mesh.types)
     owner = np.full(len(types), -1)
     out = (types == POINT) | np.isin(types, description.left_out)
@@ -114,7 +114,7 @@ def _listed(groups: Mapping[str, IntArray]) -> str:
 
 
 def _refuse(mesh: Mesh, cells: IntArray, subject: str, requirement: Sequence[str]) -> None:
-    """Raise if there are such cells, with their types, how many there are, and the groups they are in."""
+    """Raise if there are any refused cells, with their types, counts and groups."""
     if not len(cells):
         return
     types = mesh.types
@@ -130,7 +130,7 @@ def _refuse(mesh: Mesh, cells: IntArray, subject: str, requirement: Sequence[str
 
 
 def _supports(mesh: Mesh, description: MeshDescription, used: Sequence[int]) -> tuple[Support, ...]:
-    """Return the supports of the nodes that there are, one for each."""
+    """Return the supports of the existing nodes, one for each node."""
     existing, corners = set(used), mesh.corners
     by_node: dict[int, dict[str, None]] = {}
     for support in description.supports:

@@ -1,1 +1,1 @@
-"""Nastran bulk data: what it holds of mass and stiffness, as a structure."""
+"""Nastran bulk data: mass, stiffness and supports, converted to a structure."""

@@ -18,7 +18,7 @@ _INTEGER = re.compile(r"[+-]?[0-9]{1,10}")
 
 @dataclass(frozen=True)
 class Card:
-    """A card's name and fields, the first of which is field 2 of the quick reference guide."""
+    """Card with its name and fields; the first one is field 2 of the quick reference guide."""
 
     name: str
     fields: tuple[str, ...]
@@ -80,7 +80,7 @@ class Card:
 
 @dataclass(frozen=True)
 class Deck:
-    """The cards of a file, and what its case control chooses."""
+    """Cards of a file, and the selections of its case control."""
 
     cards: tuple[Card, ...]
     choices: dict[str, int]  # SPC, METHOD and others, by name
@@ -160,7 +160,7 @@ def _cards(lines: Sequence[tuple[int, str]]) -> Iterator[Card]:
 
 
 def _fields(line: str, number: int) -> tuple[str, list[str]]:
-    """Return a line's first field, and the others that hold data, as many as there is room for."""
+    """Return the first field of a line, and its data fields, padded to their full number."""
     if "," in line:
         head, *data = (part.strip() for part in line.split(","))
         wide = head.endswith("*") or head.startswith("*")

@@ -12,8 +12,8 @@ from modallab.interchange.nastran.deck import Card, Deck
 
 SQUARE, SYMMETRIC = 1, 6
 REAL = (1, 2)  # single, double
-KINDS = {"K2GG": "stiffness", "M2GG": "mass"}  # what case control chooses them for
-LETTERS = {"K": "stiffness", "M": "mass"}  # what their names begin with where it chooses nothing
+KINDS = {"K2GG": "stiffness", "M2GG": "mass"}  # purpose of a matrix that case control selects
+LETTERS = {"K": "stiffness", "M": "mass"}  # first letter of a name without selection
 GROUP = "DMIG"
 
 Motion = tuple[int, str]  # of a grid point in a direction
@@ -38,7 +38,7 @@ class DirectMatrices:
 
 
 def direct_matrices(deck: Deck) -> DirectMatrices | None:
-    """Return the mass and stiffness that a deck's DMIG cards give, None if it has none.
+    """Return mass and stiffness matrices of a deck's DMIG cards; None if it has none.
 
     Raises
     ------
@@ -108,7 +108,7 @@ def _entries(cards: Sequence[Card]) -> Entries:
 
 
 def _column(card: Card) -> Iterator[tuple[int, Motion, float]]:
-    """Yield a card's entries with the field where each begins: G, C, A, B, of which B is imaginary."""
+    """Yield the entries of a card, (G, C, A, B), with their first fields; B is the imaginary part."""
     for at in range(5, len(card.fields) + 1, 4):
         if any(card.text(at + i) for i in range(4)):
             yield at, _motion(card, at), card.real(at + 2, 0.0)

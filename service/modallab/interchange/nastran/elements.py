@@ -39,7 +39,7 @@ CARDS = (*STRAIGHT, *CORNERS, "CONM2", "CELAS1", "CELAS2")
 
 @dataclass(frozen=True, eq=False)
 class ElementReferences:
-    """What elements refer to."""
+    """Grid points, materials, properties and rows that elements refer to."""
 
     places: Mapping[int, Place]  # m
     materials: Mapping[int, Mat]
@@ -58,7 +58,7 @@ class ElementReferences:
 
 
 def grid_point_of(card: Card, at: int, places: Mapping[int, Place]) -> int:
-    """Return the grid point that a field names; `InvalidInputError` if there is none."""
+    """Return the grid point of a field; raise `InvalidInputError` if it does not exist."""
     number = card.integer(at)
     if number not in places:
         raise card.wrong(at, "a grid point of this file")
@@ -130,7 +130,7 @@ def _upright(card: Card, ends: tuple[int, int], references: ElementReferences) -
     start, end = (np.array(references.places[point]) for point in ends)
     if card.name in ("CROD", "CONROD"):
         across = np.zeros(3)
-        across[np.abs(end - start).argmin()] = 1.0  # no matter which: a rod has no bending
+        across[np.abs(end - start).argmin()] = 1.0  # arbitrary: a rod has no bending
         return across
     for at in (*range(9, 11), *range(11, 17)):
         card.must_be(at, (0.0,), "a pin or an offset")

@@ -1,4 +1,4 @@
-"""Grid points of bulk data, and where they are held."""
+"""Grid points and supports of bulk data."""
 
 from collections.abc import Iterable, Mapping, Sequence
 
@@ -20,7 +20,7 @@ def components(card: Card, at: int) -> tuple[str, ...]:
 
 
 def grid_points(cards: Sequence[Card]) -> tuple[dict[int, Place], list[Support]]:
-    """Return where grid points are, m, and what they hold by themselves."""
+    """Return the positions of grid points, m, and their permanent supports."""
     default_card = next((card for card in cards if card.name == "GRDSET"), None)
     places: dict[int, Place] = {}
     supports: list[Support] = []
@@ -37,7 +37,7 @@ def grid_points(cards: Sequence[Card]) -> tuple[dict[int, Place], list[Support]]
 
 
 def supports(deck: Deck, places: Mapping[int, Place]) -> list[Support]:
-    """Return what the chosen set of single-point constraints holds, or the only one there is.
+    """Return the supports of the selected set of single-point constraints, or of the only one.
 
     Raises
     ------
@@ -80,7 +80,7 @@ def _held(card: Card, places: Mapping[int, Place]) -> Iterable[Support]:
         return
     directions = components(card, 2)
     if card.text(4).upper() == "THRU":
-        # of a range those that there are: it may be of any length
+        # only existing points of a range, which may be of any length
         first, last = card.integer(3), card.integer(5)
         yield from (Support(number, directions) for number in places if first <= number <= last)
         return

@@ -34,7 +34,7 @@ READ_CARDS = frozenset(
         *made.CARDS,
     ]
 )
-# Loads, requests and tables: nothing of mass, stiffness or how it is held.
+# Loads, requests and tables, without influence on mass, stiffness or supports.
 IGNORED_CARDS = frozenset(
     """
     ASET ASET1 CORD1R CORD2R CORD1C CORD2C CORD1S CORD2S DAREA DLOAD EIGB EIGC EIGR EIGRL FORCE FORCE1
@@ -46,7 +46,7 @@ IGNORED_CARDS = frozenset(
 
 
 def read(payload: bytes, *, damping: Damping | None = None, name: str = "") -> Structure:
-    """Return the structure of a bulk data file, whose numbers must be in SI units.
+    """Return the structure of a bulk data file in SI units.
 
     Members are its elements by number, in groups by property, and its DMIG matrices as one more group.
     Masses are consistent. Directions without stiffness are left out, as by AUTOSPC.
@@ -79,7 +79,7 @@ def read(payload: bytes, *, damping: Damping | None = None, name: str = "") -> S
     scale, loss = _parameters(deck)
     members = [replace(element, mass=scale * element.mass) for element in members]
     if direct:
-        # What a DMIG has is in units of mass already.
+        # DMIG matrices are in units of mass already.
         first = max((element.number for element in members), default=0) + 1
         members += elements_of_groups([direct.group(row)], table, first=first)
     elements, dofs = _with_stiffness(members, table)
@@ -94,7 +94,7 @@ def read(payload: bytes, *, damping: Damping | None = None, name: str = "") -> S
 
 
 def _grid_points(deck: Deck, direct: DirectMatrices | None) -> tuple[Mapping[int, Place], Sequence[Support]]:
-    """Return where grid points are, m, and what they hold; of matrices alone they may be left out."""
+    """Return positions of grid points, m, and their supports; a file of matrices alone may omit both."""
     places, supports = grid_points(deck.cards)
     points = direct.points if direct else {}
     if not places:
@@ -124,7 +124,7 @@ def _refuse_unknown(deck: Deck) -> None:
 
 
 def _parameters(deck: Deck) -> tuple[float, float]:
-    """Return what masses are multiplied by, and the loss factor of all elements."""
+    """Return the factor of all masses (WTMASS), and the loss factor of all elements (G)."""
     scale, loss = 1.0, 0.0
     for card in deck.cards:
         if card.name == "PARAM" and card.text(1).upper() == "WTMASS":
@@ -141,7 +141,7 @@ def _parameters(deck: Deck) -> tuple[float, float]:
 def _with_stiffness(
     elements: Sequence[Element], table: Sequence[Dof]
 ) -> tuple[list[Element], tuple[Dof, ...]]:
-    """Return elements and degrees of freedom without those that no element makes stiff."""
+    """Return elements and degrees of freedom without those that have no stiffness."""
     diagonal = np.zeros(len(table))
     for element in elements:
         stiffness = element.axial if element.bending is None else element.axial + element.bending
@@ -170,7 +170,7 @@ def _with_stiffness(
 
 
 def _merged(supports: Sequence[Support], dofs: Sequence[Dof]) -> tuple[Support, ...]:
-    """Return the supports of degrees of freedom there are, one for each node."""
+    """Return the supports of existing degrees of freedom, one for each node."""
     existing = set(dofs)
     by_node: dict[int, dict[str, None]] = {}
     for support in supports:

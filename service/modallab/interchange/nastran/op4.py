@@ -33,10 +33,10 @@ class _Header:
 
 
 class _Tape(Protocol):
-    """A file from which headers, columns and their numbers are taken in turn."""
+    """Sequential reader of headers, columns and numbers."""
 
     def header(self) -> _Header | None:
-        """Return the next matrix's header, None behind the last."""
+        """Return the header of the next matrix; None after the last."""
         ...
 
     def column(self) -> tuple[int, int, int]:
@@ -134,7 +134,7 @@ def _matrix(header: _Header, tape: _Tape, path: str) -> csc_array:
 
 
 def _columns(header: _Header, tape: _Tape) -> Iterator[tuple[int, int, int]]:
-    """Yield columns up to the one behind the last, which ends a matrix."""
+    """Yield columns up to the extra one that ends a matrix."""
     while (column := tape.column())[0] <= header.columns:
         if column[0] < 1:
             raise ValueError(f"there is no column {column[0]}")
@@ -159,7 +159,7 @@ def _strings(header: _Header, tape: _Tape, first: int, words: int) -> Iterator[t
 
 
 class _Text:
-    """Lines of whole numbers in eight columns, and of reals in a format that a header tells."""
+    """Text files: integers in eight columns, reals in the format of the header."""
 
     def __init__(self, payload: bytes) -> None:
         self._lines, self._at = payload.decode("ascii").splitlines(), 0
@@ -205,7 +205,7 @@ class _Text:
 
 
 class _Binary:
-    """Records between their lengths, as FORTRAN writes them; whole numbers of four or eight bytes."""
+    """Binary files: FORTRAN records between their lengths; integers of four or eight bytes."""
 
     def __init__(self, payload: bytes) -> None:
         self._bytes, self._at, self._record, self._within = payload, 0, b"", 0

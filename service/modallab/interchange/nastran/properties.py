@@ -1,4 +1,4 @@
-"""Materials and properties of bulk data: what cross-sections and plates are made of."""
+"""Materials and properties of bulk data: cross-sections and plates."""
 
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
@@ -84,7 +84,7 @@ def _of(card: Card, at: int, materials: Mapping[int, Mat]) -> Mat:
 
 
 def _sheared(card: Card, at: int, default: float) -> tuple[float, float]:
-    """Return shear coefficients from a field and the next; what has no area does not shear."""
+    """Return the shear coefficients of a field and the next; they need a cross-section area."""
     coefficients = card.real(at, default), card.real(at + 1, default)
     if min(coefficients) < 0:
         raise card.wrong(at, ">= 0")
