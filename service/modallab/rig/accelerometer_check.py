@@ -16,11 +16,16 @@ class AccelerometerCheck:
 
     name: ClassVar[str] = "useful_range"
     rule: ClassVar[str] = "at the top of the band accelerometers read within 10 %"
-    mounted_frequency: float  # Hz
-    frequency_max: float  # Hz
-    within_5_percent: float  # Hz, up to which readings are
-    within_10_percent: float  # Hz
-    error_at_the_top: float  # relative, of the reading
+    mounted_frequency: float
+    """Hz, mounted resonance."""
+    frequency_max: float
+    """Hz, top of the band."""
+    within_5_percent: float
+    """Hz, frequency up to which the error is below 5 %."""
+    within_10_percent: float
+    """Hz, frequency up to which the error is below 10 %."""
+    error_at_the_top: float
+    """1, relative error at the top of the band."""
 
     @property
     def fulfilled(self) -> bool:

@@ -17,20 +17,34 @@ __all__ = ["Analyser", "ExcitationSetting"]
 class Analyser:
     """Settings of the FFT analyser."""
 
-    frequency_max: float = 800.0  # Hz
-    n_lines: int = 401  # 0 Hz counted
+    frequency_max: float = 800.0
+    """Hz, top of the band."""
+    n_lines: int = 401
+    """lines, number of frequency lines with 0 Hz."""
     window: str = "rectangular"
+    """Name of the window."""
     averages: int = 100
-    overlap: float = 0.0  # share of a record, 0 to 0.9
+    """1, number of averages."""
+    overlap: float = 0.0
+    """1, overlap of successive records over their length, 0 to 0.9."""
     estimator: str = "h1"
-    bits: int | None = None  # of the converter; None: ideal, with neither steps nor a limit
-    range_factor: float = 4.0  # full scale over the rms of each channel's signal, where there are bits
+    """FRF estimator: `h1`, `h2` or `hv`."""
+    bits: int | None = None
+    """Resolution of the converter; None: ideal, without steps and limit."""
+    range_factor: float = 4.0
+    """1, full scale over the rms of each channel's signal, if `bits` is given."""
     excitation: ExcitationSetting = field(default_factory=ExcitationSetting)
-    coupling: Literal["dc", "ac"] = "dc"  # of all inputs alike
-    coupling_frequency: float = 1.0  # Hz, 3 dB down where coupled "ac"
-    mass_cancellation: float = 0.0  # kg times the drive point's reading, taken out of the force
-    window_end: float = 0.01  # height of an exponential window at the end of the record
-    force_width: float = 0.2  # share of the record that a force window lets through
+    """Kind and level of the source signal."""
+    coupling: Literal["dc", "ac"] = "dc"
+    """Input coupling of all channels."""
+    coupling_frequency: float = 1.0
+    """Hz, -3 dB frequency of AC coupling."""
+    mass_cancellation: float = 0.0
+    """kg, mass whose inertia is subtracted from the force."""
+    window_end: float = 0.01
+    """1, height of an exponential window at the end of the record."""
+    force_width: float = 0.2
+    """1, width of a force window over the record length."""
 
     def __post_init__(self) -> None:
         within("frequency_max", self.frequency_max, 1e-3, 1e6)

@@ -24,8 +24,10 @@ _DEFAULT_SIGNALS = {"shaker": "periodic_random", "hammer": "impact"}
 class AddedMass:
     """A known mass added for one test."""
 
-    mass: float  # kg
-    at: Dof | None = None  # None: on every accelerometer, and moves with it
+    mass: float
+    """kg, added mass."""
+    at: Dof | None = None
+    """Place of the mass; None: on every accelerometer, and it moves with it."""
 
     def __post_init__(self) -> None:
         if not 0 < self.mass <= CHANGE.max_mass:  # NaN fails too

@@ -33,9 +33,12 @@ class SuspensionCheck:
 
     name: ClassVar[str] = "suspension"
     rule: ClassVar[str] = "the highest rigid-body frequency is under 10 % of the first elastic one"
-    highest_rigid_frequency: float  # Hz, 0 where nothing holds the structure or it has no such mode
-    first_elastic_frequency: float  # Hz, as suspended
+    highest_rigid_frequency: float
+    """Hz, highest rigid-body frequency on the suspension; 0 without one."""
+    first_elastic_frequency: float
+    """Hz, first elastic natural frequency on the suspension."""
     ratio: float
+    """1, the first over the second."""
 
     @property
     def fulfilled(self) -> bool:

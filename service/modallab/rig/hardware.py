@@ -22,9 +22,12 @@ def within(name: str, value: float, lower: float, upper: float) -> None:
 class Coil:
     """The voice coil of a shaker."""
 
-    force_factor: float  # N/A, and V s/m: B times the length of the wire
-    resistance: float  # Ohm
-    inductance: float = 0.0  # H
+    force_factor: float
+    """N/A, product of flux density and wire length."""
+    resistance: float
+    """Ohm, resistance of coil and amplifier."""
+    inductance: float = 0.0
+    """H, inductance of the coil."""
 
     def __post_init__(self) -> None:
         within("coil.force_factor", self.force_factor, 0.0, 100.0)
@@ -41,11 +44,17 @@ class Exciter:
     """
 
     kind: Literal["shaker", "hammer"] = "shaker"
-    armature_mass: float = 0.0  # kg, behind the force transducer
-    suspension_stiffness: float = 0.0  # N/m, armature to its frame
-    suspension_damping: float = 0.0  # N s/m
+    """`shaker` or `hammer`."""
+    armature_mass: float = 0.0
+    """kg, moving mass behind the force transducer."""
+    suspension_stiffness: float = 0.0
+    """N/m, suspension of the armature."""
+    suspension_damping: float = 0.0
+    """N s/m, suspension of the armature."""
     coil: Coil | None = None
+    """Voice coil; None: ideal."""
     amplifier: Literal["current", "voltage"] = "current"
+    """Quantity that the amplifier controls: `current` or `voltage`."""
 
     def __post_init__(self) -> None:
         within("armature_mass", self.armature_mass, 0.0, 4.5)
@@ -63,9 +72,12 @@ class Exciter:
 class ForceTransducer:
     """The gauge at the drive point."""
 
-    mass_below: float = 0.0  # kg, between the sensing element and the structure
-    mass_cancelled: bool = False  # True: the analyser has taken that mass out of the force already
-    stiffness: float | None = None  # N/m, along its axis; None or 0: rigid
+    mass_below: float = 0.0
+    """kg, mass between sensing element and structure."""
+    mass_cancelled: bool = False
+    """Whether the analyser has subtracted the inertia of that mass."""
+    stiffness: float | None = None
+    """N/m, axial stiffness; None or 0: rigid."""
 
     def __post_init__(self) -> None:
         within("mass_below", self.mass_below, 0.0, 0.5)
@@ -77,13 +89,20 @@ class ForceTransducer:
 class Accelerometers:
     """The response transducers: one at every response DoF, or one that roves over them."""
 
-    mass: float = 0.0  # kg each, with stud
+    mass: float = 0.0
+    """kg, of each accelerometer with its stud."""
     roving: bool = False
+    """Whether one accelerometer roves over all responses."""
     mounting: Literal["ideal", "stud", "wax", "magnet"] = "ideal"
-    mounted_frequency: float | None = None  # Hz; None: as the mounting has it
-    transverse_sensitivity: float = 0.0  # across the axis over along it
-    transverse_angle: float = 0.0  # rad about the axis, to the most sensitive direction
-    cable_mass: float = 0.0  # kg each, of the cable that moves with it
+    """Kind of mounting."""
+    mounted_frequency: float | None = None
+    """Hz, mounted resonance; None: typical of the mounting."""
+    transverse_sensitivity: float = 0.0
+    """1, transverse over axial sensitivity."""
+    transverse_angle: float = 0.0
+    """rad, direction of the transverse sensitivity about the axis."""
+    cable_mass: float = 0.0
+    """kg, mass of the cable that moves with each accelerometer."""
 
     def __post_init__(self) -> None:
         within("accelerometers.mass", self.mass, 0.0, 0.5)
@@ -107,7 +126,9 @@ class Noise:
     """White noise as a ratio to the mean of the noise-free spectrum over the band."""
 
     force: float = 0.0
+    """1, of the force channels."""
     response: float = 0.0
+    """1, of the response channels."""
 
     def __post_init__(self) -> None:
         within("noise.force", self.force, 0.0, 10.0)

@@ -19,19 +19,29 @@ class Measurement:
     """FRFs with coherence and auto spectra, and the rig as declared."""
 
     frf: FrfSet
-    coherence: FloatArray | None  # (n_freq, n_out) 0 to 1, or (n_freq, n_out, n_in) where the hammer roved
-    averages: float  # effective, independent
+    """Measured FRFs."""
+    coherence: FloatArray | None
+    """1, ordinary or multiple coherence (n_freq, n_out), (n_freq, n_out, n_in) with a roving hammer."""
+    averages: float
+    """1, effective number of independent averages."""
     setup: RigSetup
-    force_spectrum: FloatArray | None = None  # (n_freq, n_out, n_in) N^2/Hz, of the run of that response
-    response_spectrum: FloatArray | None = None  # of `frf.kind`'s motion, unit^2/Hz, shaped as `coherence`
-    noise_floor: float | None = (
-        None  # relative error of the FRFs that their owner states, at or above the median
-    )
-    input_condition: FloatArray | None = None  # (n_freq,) of G_ff, where several forces act at once
+    """Rig as declared in the log book."""
+    force_spectrum: FloatArray | None = None
+    """N^2/Hz, force auto spectra (n_freq, n_out, n_in), each of the run of that response."""
+    response_spectrum: FloatArray | None = None
+    """unit^2/Hz, auto spectra of the motion of `frf.kind`, shaped as `coherence`."""
+    noise_floor: float | None = None
+    """1, relative error of the FRFs as their owner states it, at or above the median."""
+    input_condition: FloatArray | None = None
+    """1, condition number of G_ff by line (n_freq,), with several simultaneous forces."""
     seed: int | None = None
-    route: str | None = None  # a `Route`; None where it was brought from elsewhere
-    libraries: Mapping[str, str] = field(default_factory=dict)  # whose rounding is in it: name -> version
+    """Seed of the random numbers; None: not simulated here."""
+    route: str | None = None
+    """Route of the simulation, see `Route`; None: imported."""
+    libraries: Mapping[str, str] = field(default_factory=dict)
+    """Versions of the numerical libraries, by name."""
     notes: tuple[str, ...] = ()
+    """Remarks on systematic changes of the FRFs."""
 
     def __post_init__(self) -> None:
         shape = self.frf.values.shape

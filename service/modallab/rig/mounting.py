@@ -12,8 +12,10 @@ from modallab.core.errors import InvalidInputError
 class Mounting:
     """Mounted resonance of an accelerometer: seismic mass on a damped spring."""
 
-    frequency: float  # Hz, mounted resonance
-    loss: float  # 2 zeta
+    frequency: float
+    """Hz, mounted resonance."""
+    loss: float
+    """1, twice the damping ratio."""
 
 
 # Typical of a general-purpose piezoelectric accelerometer; its own data sheet wins. Firm joints ring most.

@@ -18,9 +18,12 @@ from modallab.rig.suspension import Suspension
 class AcquisitionRun:
     """Drive points and responses of one run of the analyser."""
 
-    drives: tuple[Dof, ...]  # driven at the same time
+    drives: tuple[Dof, ...]
+    """Simultaneously driven DoFs."""
     outputs: tuple[Dof, ...]
-    elapsed: float = 0.0  # 0 for the first run of the test, 1 for the last
+    """Measured response DoFs."""
+    elapsed: float = 0.0
+    """1, share of the test before this run: 0 for the first, 1 for the last."""
 
     @property
     def drive(self) -> Dof:
@@ -36,15 +39,25 @@ class RigSetup:
     """
 
     drives: tuple[Dof, ...]
+    """Drive points."""
     responses: tuple[Dof, ...]
+    """Response DoFs."""
     exciter: Exciter = field(default_factory=Exciter)
+    """Shaker or hammer."""
     stinger: Stinger | None = None
+    """Stinger; None: rigid and without mass."""
     force_transducer: ForceTransducer = field(default_factory=ForceTransducer)
+    """Force transducer at the drive point."""
     accelerometers: Accelerometers = field(default_factory=Accelerometers)
+    """Response transducers."""
     analyser: Analyser = field(default_factory=Analyser)
+    """Analyser settings."""
     noise: Noise = field(default_factory=Noise)
+    """White noise of the channels."""
     suspension: Suspension = field(default_factory=Suspension)
+    """Elastic suspension of the structure."""
     effects: tuple[EffectSpec, ...] = ()
+    """Further declared effects."""
 
     def __post_init__(self) -> None:
         for dofs, name, part in (

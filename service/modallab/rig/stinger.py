@@ -18,10 +18,14 @@ from modallab.rig.settings import STINGER
 class StingerRod:
     """A round rod, clamped at both ends."""
 
-    diameter: float  # m
-    length: float  # m
-    modulus: float  # N/m^2
-    density: float  # kg/m^3
+    diameter: float
+    """m, diameter of the rod."""
+    length: float
+    """m, length of the rod."""
+    modulus: float
+    """N/m^2, Young's modulus."""
+    density: float
+    """kg/m^3, density."""
 
     def __post_init__(self) -> None:
         within("stinger.diameter", self.diameter, 1e-5, 0.1)
@@ -68,9 +72,12 @@ class StingerRod:
 class StingerStiffness:
     """A stinger by its stiffness alone; without a mass."""
 
-    axial_stiffness: float | None = None  # N/m; None: rigid
-    bending_stiffness: float = 0.0  # N m/rad at the drive point
-    lateral_stiffness: float = 0.0  # N/m at the drive point
+    axial_stiffness: float | None = None
+    """N/m, axial stiffness; None: rigid."""
+    bending_stiffness: float = 0.0
+    """N m/rad, bending stiffness at the drive point."""
+    lateral_stiffness: float = 0.0
+    """N/m, lateral stiffness at the drive point."""
 
     mass: ClassVar[float] = 0.0
 

@@ -13,9 +13,12 @@ class StingerBendingCheck:
 
     name: ClassVar[str] = "stinger_bending"
     rule: ClassVar[str] = "the stinger's first bending frequency is above the band"
-    bending_frequency: float  # Hz, between two clamps
-    frequency_max: float  # Hz
-    ratio: float  # of the two
+    bending_frequency: float
+    """Hz, first bending frequency between two clamps."""
+    frequency_max: float
+    """Hz, top of the band."""
+    ratio: float
+    """1, the first over the second."""
 
     @property
     def fulfilled(self) -> bool:
@@ -29,9 +32,12 @@ class StingerAxialCheck:
 
     name: ClassVar[str] = "stinger_axial"
     rule: ClassVar[str] = "the armature's resonance on the stinger is above the band"
-    axial_frequency: float  # Hz, the structure held
-    frequency_max: float  # Hz
-    ratio: float  # of the two
+    axial_frequency: float
+    """Hz, resonance of the armature on stinger and gauge, structure fixed."""
+    frequency_max: float
+    """Hz, top of the band."""
+    ratio: float
+    """1, the first over the second."""
 
     @property
     def fulfilled(self) -> bool:

@@ -12,8 +12,11 @@ class Suspension:
     """Identical elastic bands; without any the structure is free."""
 
     at: tuple[Dof, ...] = ()
-    stiffness: float = 0.0  # N/m each
+    """DoFs at which bands hold the structure."""
+    stiffness: float = 0.0
+    """N/m, of each band."""
     loss_factor: float = 0.0
+    """1, hysteretic loss factor of each band."""
 
     def __post_init__(self) -> None:
         within("suspension.stiffness", self.stiffness, 0.0, 1e9)
