@@ -13,7 +13,7 @@ from dataclasses import replace
 import numpy as np
 
 from modallab.core.dof import Dof
-from modallab.diagnosis.predicting.predictor import Predictor
+from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
 from modallab.diagnosis.residuals.observed import observe
 from modallab.diagnosis.residuals.residual import gap_errors
 from modallab.fe.beam import beam
@@ -67,7 +67,7 @@ def gaps(kind: str, window: str, seeds: int) -> Iterator[tuple[str, float, float
     for seed in range(seeds):
         test = measure(BEAM, setup, route=Route.SAMPLED, rng=np.random.default_rng(seed))
         observed = observe(test, (), fraction=0.0)
-        left = Predictor(BEAM, setup, observed).residual(())
+        left = SingleTestPredictor.of(BEAM, setup, observed).residual(())
         found.append(left.gaps(observed.usable))
         stated.append(gap_errors(observed, left, observed.usable))
     for part in found[0]:

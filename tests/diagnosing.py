@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from modallab.core.dof import Dof
-from modallab.diagnosis.predicting.predictor import Predictor
+from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
 from modallab.diagnosis.residuals.observed import Observed, observe
 from modallab.fe.assembly import assemble
 from modallab.fe.beam import beam
@@ -72,7 +72,7 @@ def exact(setup: RigSetup, effects: Sequence[Effect] = ()) -> Measurement:
     return measurement_of(expected_spectra(chain(assemble(model()), setup, effects)), setup)
 
 
-def predicting(measurement: Measurement) -> tuple[Predictor, Observed]:
+def predicting(measurement: Measurement) -> tuple[SingleTestPredictor, Observed]:
     """Return a predictor of a measurement, nothing held out."""
     observed = observe(measurement, (), fraction=0.0)
-    return Predictor(model(), measurement.setup, observed), observed
+    return SingleTestPredictor.of(model(), measurement.setup, observed), observed

@@ -12,7 +12,7 @@ from modallab.core.arrays import FloatArray
 from modallab.core.dof import Dof
 from modallab.core.errors import DivergedError, ModalLabError
 from modallab.core.place import Place
-from modallab.diagnosis.predicting.predictor import Predictor
+from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
 from modallab.diagnosis.residuals.observed import observe
 from modallab.estimation.spectra import CrossSpectra
 from modallab.fe.assembly import assemble
@@ -143,9 +143,9 @@ class Gauge:
         actual, structure = setup or self.bench.setup, self.bench.structure
         measured = measurement_of(spectra_of(self.bench, effects, setup), self.bench.setup)
         observed = observe(measured, (), fraction=0.0)
-        left = Predictor(structure, self.bench.setup, observed).residual(named)
+        left = SingleTestPredictor.of(structure, self.bench.setup, observed).residual(named)
         # Logarithms of averages are set right for their mean, which these spectra without scatter are not.
-        usual = Predictor(structure, actual, observed).residual(effects)
+        usual = SingleTestPredictor.of(structure, actual, observed).residual(effects)
         off = left.frf - usual.frf
         parts = [np.sqrt(2) * off.real, np.sqrt(2) * off.imag]
         sizes = [2 * int(observed.usable.sum())] * 2

@@ -15,7 +15,7 @@ from benchmarks.trial.tolerated import tolerances
 from modallab.core.errors import ModalLabError
 from modallab.diagnosis import diagnose as door
 from modallab.diagnosis.optimisation.tolerances import NO_TOLERANCES, Tolerances
-from modallab.diagnosis.predicting.joint_prediction import FollowUp
+from modallab.diagnosis.predicting.follow_up import FollowUp
 from modallab.diagnosis.result import Diagnosis
 from modallab.fe.structure import Structure
 from modallab.rig.change import Change

@@ -10,7 +10,7 @@ from benchmarks.trial.rigs import Bench
 from modallab.diagnosis.fitting.fit import fit
 from modallab.diagnosis.optimisation.nuisances import Nuisances, draw_positions, nuisance_parameters
 from modallab.diagnosis.optimisation.tolerances import Tolerances
-from modallab.diagnosis.predicting.predictor import Predictor
+from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
 from modallab.diagnosis.residuals.observed import observe
 from modallab.fe.assembly import assemble
 from modallab.rig.effect import Effect
@@ -61,6 +61,7 @@ class Tolerated:
             return self.gauge.opened(acting)
         measured = measurement_of(spectra_of(self._bench, acting), self._bench.setup)
         observed = observe(measured, (), fraction=0.0)
-        predictor = Predictor(self._bench.structure, self._bench.setup, observed).with_nuisances(self.numbers)
+        predictor = SingleTestPredictor.of(self._bench.structure, self._bench.setup, observed)
+        predictor = predictor.with_nuisances(self.numbers)
         named = self.numbers.effects(fit(predictor, ()).nuisance_position)
         return Gauge(self._bench).opened(acting, named=named)

@@ -11,11 +11,15 @@ from modallab.diagnosis.localisation.evidence import collect_evidence
 from modallab.diagnosis.localisation.locate import locate
 from modallab.diagnosis.optimisation.nuisances import nuisance_parameters
 from modallab.diagnosis.optimisation.tolerances import NO_TOLERANCES, Tolerances
+from modallab.diagnosis.predicting.comparability import check_comparable
+from modallab.diagnosis.predicting.follow_up import FollowUp
 from modallab.diagnosis.predicting.held_out import outlying_responses, select_held_out
-from modallab.diagnosis.predicting.joint_prediction import FollowUp, FollowUpPredictor, JointPredictor
+from modallab.diagnosis.predicting.joint_prediction import JointPredictor
 from modallab.diagnosis.predicting.limitations import limitations
-from modallab.diagnosis.predicting.prediction_budget import ENOUGH, PredictionBudget
-from modallab.diagnosis.predicting.predictor import Predictor, check_comparable
+from modallab.diagnosis.predicting.prediction_budget import PredictionBudget
+from modallab.diagnosis.predicting.predictor import Predictor
+from modallab.diagnosis.predicting.settings import BUDGET
+from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
 from modallab.diagnosis.residuals.observed import observe
 from modallab.diagnosis.residuals.residual import gap_error
 from modallab.diagnosis.result import Diagnosis, Step, Verdict
@@ -143,15 +147,17 @@ def _predictor(
 ) -> Predictor:
     """Return the predictor of all tests, with nuisance parameters free within their tolerances."""
     observations = [observe(test, held_out_dofs, fraction=fraction) for test in tests]
-    first = Predictor(structure, tests[0].setup, observations[0])
-    first.heartbeat, first.budget = pulse.beat, PredictionBudget(ENOUGH * len(tests))
+    budget = PredictionBudget(BUDGET.predictions_per_test * len(tests))
+    first = SingleTestPredictor.of(
+        structure, tests[0].setup, observations[0], heartbeat=pulse.beat, budget=budget
+    )
     all_responses = _with_all_responses([test.setup for test in tests])
     first = first.with_nuisances(nuisance_parameters(tolerances, first.system, all_responses))
     further = [
-        FollowUpPredictor(first, test.setup, observed)
+        first.follow_up(test.setup, observed)
         for test, observed in zip(tests[1:], observations[1:], strict=True)
     ]
-    return JointPredictor([first, *further]) if further else first
+    return JointPredictor.of([first, *further]) if further else first
 
 
 def _with_all_responses(setups: Sequence[RigSetup]) -> RigSetup:

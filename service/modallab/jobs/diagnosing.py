@@ -9,7 +9,7 @@ from modallab.core.errors import CancelledError, ModalLabError
 from modallab.core.progress import Progress, part
 from modallab.diagnosis.diagnose import diagnose
 from modallab.diagnosis.optimisation.tolerances import Tolerances
-from modallab.diagnosis.predicting.joint_prediction import FollowUp
+from modallab.diagnosis.predicting.follow_up import FollowUp
 from modallab.diagnosis.result import Diagnosis
 from modallab.jobs.destination import Destination
 from modallab.jobs.measuring import measure_again

@@ -11,8 +11,9 @@ from modallab.core.errors import InvalidInputError, UnknownDofError
 from modallab.core.place import Channels
 from modallab.diagnosis.diagnose import diagnose
 from modallab.diagnosis.optimisation.tolerances import Tolerances
-from modallab.diagnosis.predicting.joint_prediction import FollowUp, FollowUpPredictor, JointPredictor
-from modallab.diagnosis.predicting.predictor import Predictor
+from modallab.diagnosis.predicting.follow_up import FollowUp
+from modallab.diagnosis.predicting.joint_prediction import JointPredictor
+from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
 from modallab.diagnosis.residuals.observed import observe
 from modallab.diagnosis.result import Diagnosis, Verdict
 from modallab.diagnosis.searching.search_round import Suspects
@@ -109,11 +110,9 @@ def test_each_transducer_of_the_further_tests_may_be_a_little_off_too() -> None:
 def test_a_blow_is_explained_together_with_a_shaker() -> None:
     setup, gauge = small(), ForceTransducerMass(mass=0.02)
     struck = taken(setup, Change(exciter="hammer"), [gauge])
-    first = Predictor(model(), setup, observe(drawn(setup, [gauge]), (), fraction=0.0))
+    first = SingleTestPredictor.of(model(), setup, observe(drawn(setup, [gauge]), (), fraction=0.0))
     further = struck.with_consistent_log_book(drawn(setup, [gauge]))
-    joint = JointPredictor(
-        [first, FollowUpPredictor(first, further.setup, observe(further, (), fraction=0.0))]
-    )
+    joint = JointPredictor.of([first, first.follow_up(further.setup, observe(further, (), fraction=0.0))])
     usable = joint.observed.usable
     # The gauge is there in the first test alone. 80 lines of 4 channels scatter by 6 %, five of them 30 %.
     assert all(gap < 1.3 for gap in joint.residual([gauge]).gaps(usable).values())
@@ -125,11 +124,11 @@ def test_what_shows_at_the_second_level_alone_is_suspected() -> None:
     cubic = CubicStiffness(at=Dof(4, "Y"), stiffness=1e8)
     louder = Change(level_factor=10.0)
     further = taken(setup, louder, [cubic])
-    first = Predictor(model(), setup, observe(drawn(setup, [cubic]), (), fraction=0.0))
-    loud = FollowUpPredictor(first, further.measurement.setup, observe(further.measurement, (), fraction=0.0))
+    first = SingleTestPredictor.of(model(), setup, observe(drawn(setup, [cubic]), (), fraction=0.0))
+    loud = first.follow_up(further.measurement.setup, observe(further.measurement, (), fraction=0.0))
     candidates = Suspects([cubic, ExtraMass(at=Dof(4, "Y"))], least=0.1)
     assert CubicStiffness not in {type(one) for one in candidates.of(first, [])}
-    assert CubicStiffness in {type(one) for one in candidates.of(JointPredictor([first, loud]), [])}
+    assert CubicStiffness in {type(one) for one in candidates.of(JointPredictor.of([first, loud]), [])}
 
 
 def test_a_long_fit_of_several_tests_is_heard_at_every_prediction() -> None:

@@ -8,6 +8,7 @@ import pytest
 from modallab.core.dof import Dof
 from modallab.diagnosis.fitting.fit import fit
 from modallab.diagnosis.predicting.predictor import Predictor
+from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
 from modallab.diagnosis.residuals.observed import observe
 from modallab.effects.cubic_stiffness import CubicStiffness
 from modallab.effects.ground_spring import GroundSpring
@@ -27,7 +28,7 @@ def at_level(setup: RigSetup, factor: float) -> RigSetup:
 def frfs_only(setup: RigSetup, effect: Effect) -> Predictor:
     """A predictor of what an effect makes of the FRFs, without random error; auto spectra not stored."""
     measured = replace(exact(setup, [effect]), force_spectrum=None, response_spectrum=None)
-    return Predictor(model(), setup, observe(measured, (), fraction=0.0))
+    return SingleTestPredictor.of(model(), setup, observe(measured, (), fraction=0.0))
 
 
 def apart(setup: RigSetup, truth: Effect, other: Effect) -> float:

@@ -11,7 +11,7 @@ from modallab.diagnosis.diagnose import diagnose
 from modallab.diagnosis.fitting.covariance import ParameterErrors
 from modallab.diagnosis.fitting.fit import fit
 from modallab.diagnosis.localisation.evidence import collect_evidence
-from modallab.diagnosis.predicting.predictor import Predictor
+from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
 from modallab.diagnosis.residuals.observed import observe
 from modallab.diagnosis.residuals.residual import residual
 from modallab.diagnosis.searching.acceptance import is_significant
@@ -114,7 +114,7 @@ def test_a_force_whose_size_is_known_to_a_factor_only_is_accepted_all_the_same()
     """What the size scatters by through bursts says nothing against the likelihood of the force itself."""
     strong = CubicStiffness(Dof(4, "Y"), 1e10)
     measured = drawn(rig(roving=False), [strong])
-    predictor = Predictor(model(), measured.setup, observe(measured, (), fraction=0.2))
+    predictor = SingleTestPredictor.of(model(), measured.setup, observe(measured, (), fraction=0.2))
     after = fit(predictor, [strong])
     vague = ParameterErrors(({"stiffness": strong.stiffness},), np.zeros(0))
     assert is_significant(predictor, fit(predictor, []), replace(after, spread=lambda: vague))

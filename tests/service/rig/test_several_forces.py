@@ -7,7 +7,7 @@ from scipy.stats import kstest
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.errors import InvalidInputError
 from modallab.core.progress import silent
-from modallab.diagnosis.predicting.predictor import check_comparable
+from modallab.diagnosis.predicting.comparability import check_comparable
 from modallab.estimation.coherence import coherence
 from modallab.estimation.condition import input_condition
 from modallab.estimation.estimator import ESTIMATORS

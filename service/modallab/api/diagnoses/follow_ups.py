@@ -7,7 +7,7 @@ from pydantic import Field
 from modallab.api.deps import Id
 from modallab.api.wire import Count, DofText, Number, Text, Wire
 from modallab.core.errors import InvalidInputError
-from modallab.diagnosis.predicting.joint_prediction import FollowUp
+from modallab.diagnosis.predicting.follow_up import FollowUp
 from modallab.fe.structure import Structure
 from modallab.rig.change import Change
 from modallab.store.base import Store

@@ -15,7 +15,7 @@ from modallab.api.diagnoses.schemas import DiagnosisStart
 from modallab.api.examples import example
 from modallab.api.jobs import JobOut
 from modallab.api.shelves import add_routes
-from modallab.diagnosis.predicting.predictor import check_comparable
+from modallab.diagnosis.predicting.comparability import check_comparable
 from modallab.diagnosis.reporting.report import report
 from modallab.diagnosis.residuals.random_error import check_random_error_known
 

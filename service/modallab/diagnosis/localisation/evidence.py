@@ -8,14 +8,14 @@ from modallab.core.arrays import BoolArray, FloatArray
 from modallab.core.numerics import SAFE_DIVISOR
 from modallab.correlation.evidence import Evidence
 from modallab.diagnosis.localisation.settings import EVIDENCE
-from modallab.diagnosis.predicting.predictor import Predictor
+from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
 from modallab.diagnosis.residuals.observed import Observed
 from modallab.diagnosis.residuals.predicted import Predicted
 from modallab.diagnosis.residuals.residual import residual
 from modallab.rig.effect import Effect
 
 
-def collect_evidence(predictor: Predictor, effects: Sequence[Effect]) -> Evidence:
+def collect_evidence(predictor: SingleTestPredictor, effects: Sequence[Effect]) -> Evidence:
     """Return the disagreement of the measurement and the prediction with some effects."""
     observed, predicted = predictor.observed, predictor.predict(effects)
     remainder = residual(observed, predicted)

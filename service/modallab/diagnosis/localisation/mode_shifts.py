@@ -6,13 +6,13 @@ import numpy as np
 
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray
 from modallab.diagnosis.localisation.settings import MODE_SHIFTS
-from modallab.diagnosis.predicting.predictor import Predictor
+from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
 from modallab.diagnosis.residuals.observed import Observed
 from modallab.diagnosis.result import ModeShift
 
 
 def mode_shifts(
-    predictor: Predictor, h: ComplexArray, modes: Sequence[int], start_shifts: Sequence[float]
+    predictor: SingleTestPredictor, h: ComplexArray, modes: Sequence[int], start_shifts: Sequence[float]
 ) -> tuple[ModeShift, ...]:
     """Return the shifts of some modes with their standard errors.
 

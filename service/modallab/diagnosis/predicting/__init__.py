@@ -1,1 +1,1 @@
-"""What model, log book and effects predict for a measurement, or for several."""
+"""Predictions of the spectra of one test or several from model, log book and effects."""

@@ -1,109 +1,137 @@
-"""First looks at what is added to some effects: fewer lines, leakage on a coarse grid."""
+"""Coarse predictions of additions to some effects: fewer lines, leakage on a coarse grid."""
 
-from collections.abc import Sequence
-from copy import copy
-from dataclasses import replace
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, replace
 from functools import cached_property
 from typing import TYPE_CHECKING
 
 import numpy as np
 
-from modallab.core.arrays import FloatArray
+from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.diagnosis.optimisation.fit_parameters import ParameterVector
 from modallab.diagnosis.optimisation.linear_nuisances import LinearNuisances, NuisanceProjection
 from modallab.diagnosis.optimisation.settings import NUISANCE
+from modallab.diagnosis.residuals.observed import Observed
 from modallab.diagnosis.residuals.predicted import Predicted
 from modallab.diagnosis.residuals.residual import inflation_weights, residual
 from modallab.rig.effect import Effect
 
 if TYPE_CHECKING:
     from modallab.diagnosis.predicting.predictor import Predictor
+    from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
 
 
+@dataclass(frozen=True, eq=False)
 class CoarsePrediction:
-    """First looks: coarse predictions, set right by what is exact without the addition.
+    """Coarse predictions of additions to some base effects, with what they are compared with."""
 
-    What a coarse grid gets wrong about leakage is nearly the same with and without a small
-    addition, and so cancels in their ratio.
+    predictor: "Predictor"
+    """The predictor that the coarse predictions approximate."""
+    base: Sequence[Effect]
+    """Effects without the addition."""
+    observed: Observed
+    """Measured spectra at the coarse lines."""
+    predict: Callable[[Sequence[Effect]], Predicted]
+    """Return the expected spectra at the coarse lines with all these effects."""
+
+    def subsampled(self, every: int) -> "CoarsePrediction":
+        """Return the prediction compared at one of `every` lines per channel, shifted between channels."""
+        if every < 2:
+            return self
+        line, channel = np.indices(self.observed.usable.shape)
+        usable = self.observed.usable & ((line + channel) % every == 0)
+        return replace(self, observed=replace(self.observed, usable=usable))
+
+    def _vector(self, predicted: Predicted) -> FloatArray:
+        return residual(self.observed, predicted).vector(self.observed.fitted)
+
+    @cached_property
+    def derivatives(self) -> FloatArray:
+        """(n_residuals, n): derivatives of residuals by the nuisance parameters of tolerances."""
+        nuisances = self.predictor.nuisances
+
+        def predict(deviations: Sequence[Effect]) -> Predicted:
+            return self.predict([*deviations, *self.base])
+
+        if not len(nuisances):
+            return np.zeros((0, 0))
+        indices = np.arange(len(nuisances))
+        return nuisances.derivatives(predict, self._vector, predict(()), self.observed, indices)
+
+    @cached_property
+    def nuisances(self) -> LinearNuisances:
+        """Nuisance parameters beside a candidate: those of the base effects, then those of tolerances."""
+        parameters, position = ParameterVector(self.base), self.predictor.position
+        n, prior = len(parameters), self.observed.correlation_length * np.ones(len(position))
+        blocks = [self.derivatives] if len(position) else []
+        if n:
+            base = self._vector(self.predict(self.base))
+            perturbed = parameters.perturbed(parameters.start)
+            columns = [(self._vector(self.predict(effects)) - base) / step for effects, step in perturbed]
+            blocks.insert(0, np.array(columns).T)
+        reach, limit = NUISANCE.parameter_range, np.full(len(position), NUISANCE.max_deviation)
+        start = parameters.start
+        low, high = np.clip([parameters.low - start, parameters.high - start], -reach, reach)
+        return LinearNuisances(
+            np.hstack(blocks) if blocks else np.zeros((0, 0)),
+            np.concatenate([np.zeros(n), position]),
+            np.concatenate([np.full(n, 1 / reach**2), prior]),
+            np.concatenate([low, -limit]),
+            np.concatenate([high, limit]),
+        )
+
+    def project_out(self, vectors: FloatArray, noise_inflation: float) -> FloatArray:
+        """Return weighted residuals less the part that nuisance parameters explain.
+
+        Parameters
+        ----------
+        vectors
+            (..., n_residuals), weighted by `inflation_weights` of the noise inflation.
+        noise_inflation
+            Relative error added to every random error.
+        """
+        if noise_inflation not in self._projections:
+            weights = inflation_weights(self.observed, self.observed.fitted, noise_inflation)
+            self._projections[noise_inflation] = self.nuisances.weighted(weights)
+        return self._projections[noise_inflation](vectors)
+
+    @cached_property
+    def _projections(self) -> dict[float, NuisanceProjection]:
+        return {}
+
+
+@dataclass(frozen=True, eq=False)
+class _CorrectedSpectra:
+    """Coarse spectra of one test, times the ratio of exact to coarse ones without the addition.
+
+    The error of leakage on a coarse grid is nearly the same with and without a small addition, and so
+    cancels in the ratio.
     """
 
-    def __init__(self, predictor: "Predictor", base: Sequence[Effect]) -> None:
-        self.predictor, self.base = predictor, base
-        self.observed = predictor.observed.decimated(predictor.step)
-        exact, coarse = predictor.predict(base), predictor.coarse(base)
-        every = slice(None, None, predictor.step)
-        self._h = exact.h[every] / coarse.h
-        self._force = exact.force[every] / coarse.force
-        self._incoherent = exact.incoherent[every] / coarse.incoherent
+    predictor: "SingleTestPredictor"
+    h: ComplexArray
+    force: FloatArray
+    incoherent: FloatArray
 
     def predict(self, effects: Sequence[Effect]) -> Predicted:
         """Return the expected spectra at every `step`-th line with all these effects."""
         coarse = self.predictor.coarse(effects)
         return Predicted(
-            coarse.h * self._h,
+            coarse.h * self.h,
             coarse.coherence,
-            coarse.force * self._force,
-            coarse.incoherent * self._incoherent,
+            coarse.force * self.force,
+            coarse.incoherent * self.incoherent,
         )
 
-    def subsampled(self, every: int) -> "CoarsePrediction":
-        """Return the same at one of so many lines in each channel, other lines in the next channel."""
-        if every < 2:
-            return self
-        line, channel = np.indices(self.observed.usable.shape)
-        other = copy(self)
-        for name in ("derivatives", "nuisances", "_blurred"):
-            other.__dict__.pop(name, None)
-        usable = self.observed.usable & ((line + channel) % every == 0)
-        other.observed = replace(self.observed, usable=usable)
-        return other
 
-    @cached_property
-    def derivatives(self) -> FloatArray:
-        """(n_residuals, n): how residuals change with what is tolerated, by standard deviations of it."""
-        observed, numbers = self.observed, self.predictor.nuisances
-
-        def near(more: Sequence[Effect]) -> Predicted:
-            return self.predict([*more, *self.base])
-
-        def vector(predicted: Predicted) -> FloatArray:
-            return residual(observed, predicted).vector(observed.fitted)
-
-        if not len(numbers):
-            return np.zeros((0, 0))
-        return numbers.derivatives(near, vector, near(()), observed, np.arange(len(numbers)))
-
-    @cached_property
-    def nuisances(self) -> LinearNuisances:
-        """What moves along with a suspect: the numbers of the base, and what is tolerated."""
-        observed, panel, also = self.observed, ParameterVector(self.base), self.predictor.position
-
-        def vector(effects: Sequence[Effect]) -> FloatArray:
-            return residual(observed, self.predict(effects)).vector(observed.fitted)
-
-        n, prior = len(panel), observed.correlation_length * np.ones(len(also))
-        blocks = [self.derivatives] if len(also) else []
-        if n:
-            here = vector(self.base)
-            columns = [(vector(near) - here) / step for near, step in panel.perturbed(panel.start)]
-            blocks.insert(0, np.array(columns).T)
-        reach = NUISANCE.parameter_range
-        near = np.clip([panel.low - panel.start, panel.high - panel.start], -reach, reach)
-        return LinearNuisances(
-            np.hstack(blocks) if blocks else np.zeros((0, 0)),
-            np.concatenate([np.zeros(n), also]),
-            np.concatenate([np.full(n, 1 / NUISANCE.parameter_range**2), prior]),
-            np.concatenate([near[0], np.full(len(also), -NUISANCE.max_deviation)]),
-            np.concatenate([near[1], np.full(len(also), NUISANCE.max_deviation)]),
-        )
-
-    def project_out(self, vectors: FloatArray, widening: float) -> FloatArray:
-        """Return residuals (..., n_residuals), blurred so much, less what `nuisances` explains."""
-        if widening not in self._blurred:
-            weights = inflation_weights(self.observed, self.observed.fitted, widening)
-            self._blurred[widening] = self.nuisances.weighted(weights)
-        return self._blurred[widening](vectors)
-
-    @cached_property
-    def _blurred(self) -> dict[float, NuisanceProjection]:
-        return {}
+def coarse_prediction(predictor: "SingleTestPredictor", base: Sequence[Effect]) -> CoarsePrediction:
+    """Return coarse predictions of additions to base effects, exact without an addition."""
+    exact, coarse = predictor.predict(base), predictor.coarse(base)
+    lines = slice(None, None, predictor.step)
+    spectra = _CorrectedSpectra(
+        predictor,
+        exact.h[lines] / coarse.h,
+        exact.force[lines] / coarse.force,
+        exact.incoherent[lines] / coarse.incoherent,
+    )
+    return CoarsePrediction(predictor, base, predictor.observed.decimated(predictor.step), spectra.predict)

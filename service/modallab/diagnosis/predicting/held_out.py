@@ -1,4 +1,4 @@
-"""Which FRFs no fit may see, so that a prediction of them can judge it."""
+"""Choice of the held-out FRFs: excluded from every fit, they test its prediction."""
 
 from collections.abc import Collection, Sequence
 
@@ -6,14 +6,12 @@ import numpy as np
 
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
-from modallab.diagnosis.predicting.predictor import Predictor
+from modallab.diagnosis.predicting.settings import HOLD_OUT
+from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
 from modallab.diagnosis.residuals.observed import Observed, observe
 from modallab.diagnosis.residuals.residual import Residual
 from modallab.fe.structure import Structure
 from modallab.rig.measurement import Measurement
-
-FEW = 4  # FRFs below which lines are held out instead of FRFs
-STANDS_OUT = 3.0  # times the median gap of a test's channels: something is wrong with this one alone
 
 
 def select_held_out(
@@ -34,46 +32,48 @@ def select_held_out(
     named
         Responses that are held out in any case, or predicted if they were not measured.
     seed
-        Draws the others. The drive point is not drawn, it alone ties the FRFs to the force; nor is a
-        channel that disagrees far more than the rest: what is wrong with one channel only that one can tell.
+        Seed of the random choice of the others. The drive point is never chosen, it alone relates the FRFs
+        to the force; nor is an outlying channel: only its own FRF shows an error of one channel.
     spared
-        Channels that are not drawn either.
+        Further channels that are not chosen.
 
     Raises
     ------
     InvalidInputError
         If the fraction is out of bounds.
     UnknownDofError
-        If the model lacks a response that is named.
+        If the model lacks a named response.
     """
-    if not 0 <= fraction <= 0.5:
+    if not 0 <= fraction <= HOLD_OUT.max_fraction:
         raise InvalidInputError(
             "at most half of the FRFs can be held out",
             field="hold_out.fraction",
             value=fraction,
-            allowed="0 to 0.5",
+            allowed=f"0 to {HOLD_OUT.max_fraction:g}",
         )
     outputs = {dof.point: dof for dof in measurement.frf.outputs}
     for dof in named:
         structure.index(dof)
-    held = [outputs[dof.point] for dof in named if dof.point in outputs]
+    held_out = [outputs[dof.point] for dof in named if dof.point in outputs]
     unmeasured = tuple(dof for dof in named if dof.point not in outputs)
-    wanted = int(fraction * len(outputs)) - len(held)
-    if len(outputs) >= FEW and wanted > 0:
+    n_random = int(fraction * len(outputs)) - len(held_out)
+    if len(outputs) >= HOLD_OUT.min_responses and n_random > 0:
         observed = observe(measurement, (), fraction=0.0)
-        left = Predictor(structure, measurement.setup, observed).residual(())
-        alone = {dof.point for dof in (*outlying_responses(observed, left), *spared)}
-        free = [d for d in outputs.values() if d not in held and d.point != measurement.setup.drive.point]
-        free = [d for d in free if d.point not in alone] or free
-        drawn = np.random.default_rng(seed).choice(len(free), size=min(wanted, len(free)), replace=False)
-        held += [free[i] for i in sorted(drawn)]
-    return held, unmeasured
+        residual = SingleTestPredictor.of(structure, measurement.setup, observed).residual(())
+        excluded = {dof.point for dof in (*outlying_responses(observed, residual), *spared)}
+        drive = measurement.setup.drive.point
+        free = [dof for dof in outputs.values() if dof not in held_out and dof.point != drive]
+        free = [dof for dof in free if dof.point not in excluded] or free
+        size = min(n_random, len(free))
+        indices = np.random.default_rng(seed).choice(len(free), size=size, replace=False)
+        held_out += [free[i] for i in sorted(indices)]
+    return held_out, unmeasured
 
 
-def outlying_responses(observed: Observed, left: Residual) -> tuple[Dof, ...]:
-    """Return the responses that disagree with a prediction far more than the others do."""
-    parts = [part for name, part in left.rescaled.items() if name != "force"]
+def outlying_responses(observed: Observed, residual: Residual) -> tuple[Dof, ...]:
+    """Return the responses whose gap is far above the median gap of all responses."""
+    parts = [part for name, part in residual.rescaled.items() if name != "force"]
     squares = [(np.abs(part) ** 2 * observed.usable).sum(axis=0) for part in parts]
     gaps = np.mean(squares, axis=0) / np.maximum(observed.usable.sum(axis=0), 1)
-    alone = gaps > STANDS_OUT * max(float(np.median(gaps)), 1.0)
-    return tuple(dof for dof, far in zip(observed.outputs, alone, strict=True) if far)
+    outlying = gaps > HOLD_OUT.outlier_gap * max(float(np.median(gaps)), 1.0)
+    return tuple(dof for dof, outlier in zip(observed.outputs, outlying, strict=True) if outlier)

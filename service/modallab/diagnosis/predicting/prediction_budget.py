@@ -1,22 +1,22 @@
-"""How much is predicted before a search follows no further lead."""
+"""Number of predictions after which a search follows no further candidate."""
 
-ENOUGH = 5_000  # predictions for one test: what a pair explains mostly takes half as many
+from modallab.diagnosis.predicting.settings import BUDGET
 
 
 class PredictionBudget:
-    """Counts predictions, so that a search for what no catalogue holds comes to an end.
+    """Counts predictions, so that a search for an effect outside the catalogue ends.
 
-    Predictions and not seconds: the same question has the same answer on every machine.
+    Predictions and not seconds: the same request has the same answer on every machine.
     """
 
-    def __init__(self, most: float = ENOUGH) -> None:
-        self._most, self.spent = most, 0
+    def __init__(self, limit: float = BUDGET.predictions_per_test) -> None:
+        self._limit, self.spent = limit, 0
 
     def spend(self, predictions: int = 1) -> None:
-        """Count a prediction, or what takes as long as so many."""
+        """Count predictions, or the predictions that take as long."""
         self.spent += predictions
 
     @property
     def exhausted(self) -> bool:
-        """Whether nothing new is worth beginning."""
-        return self.spent >= self._most
+        """Whether the search should try nothing new."""
+        return self.spent >= self._limit

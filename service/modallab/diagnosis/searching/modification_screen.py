@@ -8,7 +8,7 @@ import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray, logarithm
 from modallab.diagnosis.predicting.coarse_prediction import CoarsePrediction
-from modallab.diagnosis.predicting.predictor import Predictor
+from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
 from modallab.diagnosis.residuals.observed import Observed
 from modallab.diagnosis.residuals.residual import logarithm_weight, residual
 from modallab.diagnosis.searching.attached_stiffness import AttachedStiffness
@@ -153,7 +153,7 @@ class _Whitened:
 class _Test:
     """The runs of one test, loaded as they are without the effect."""
 
-    def __init__(self, predictor: Predictor, accepted: Sequence[Effect]) -> None:
+    def __init__(self, predictor: SingleTestPredictor, accepted: Sequence[Effect]) -> None:
         analyser = predictor.setup.analyser
         freq = analyser.freq[:: predictor.step]
         self._runs = predictor.chain(accepted).runs

@@ -3,6 +3,7 @@
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from typing import TypeVar
 
 import numpy as np
 
@@ -10,8 +11,8 @@ from modallab.core.arrays import FloatArray
 from modallab.core.errors import ModalLabError
 from modallab.core.numerics import SAFE_DIVISOR
 from modallab.core.progress import Progress
-from modallab.diagnosis.predicting.joint_prediction import FollowUpPredictor
 from modallab.diagnosis.predicting.predictor import Predictor
+from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
 from modallab.diagnosis.residuals.observed import Observed, observe
 from modallab.diagnosis.residuals.residual import residual
 from modallab.diagnosis.result import NextTest
@@ -26,6 +27,9 @@ from modallab.rig.setup import RigSetup
 ResidualFunction = Callable[[Sequence[Effect]], FloatArray]  # whitened residual vector of effects
 
 
+AnyPredictor = TypeVar("AnyPredictor", bound=Predictor)
+
+
 @dataclass(frozen=True, eq=False)
 class Explanation:
     """Effects with the parameters fitted to the tests done so far."""
@@ -37,7 +41,7 @@ class Explanation:
     position: FloatArray | None = None
     """(n_nuisances,) fitted nuisance parameters; None: all as declared."""
 
-    def applied_to(self, predictor: Predictor) -> Predictor:
+    def applied_to(self, predictor: AnyPredictor) -> AnyPredictor:
         """Return the predictor with the nuisance parameters of this explanation."""
         return predictor if self.position is None else predictor.with_nuisances_at(self.position)
 
@@ -145,9 +149,9 @@ def _proposal(
 class _SimulatedTest:
     """Further test, as each explanation predicts it, on a subset of the lines."""
 
-    def __init__(self, first: Predictor, setup: RigSetup) -> None:
+    def __init__(self, first: SingleTestPredictor, setup: RigSetup) -> None:
         # The observation of the first test is a placeholder: the prediction of an explanation replaces it.
-        self._predictor = FollowUpPredictor(first, setup, first.observed)
+        self._predictor = first.follow_up(setup, first.observed)
         self._setup = setup
 
     def separations(

@@ -9,7 +9,8 @@ from modallab.core.dof import Dof
 from modallab.core.place import Channels, Members
 from modallab.diagnosis.localisation.evidence import collect_evidence
 from modallab.diagnosis.localisation.locate import locate
-from modallab.diagnosis.predicting.joint_prediction import FollowUp, FollowUpPredictor, JointPredictor
+from modallab.diagnosis.predicting.follow_up import FollowUp
+from modallab.diagnosis.predicting.joint_prediction import JointPredictor
 from modallab.diagnosis.residuals.observed import observe
 from modallab.diagnosis.result import ChannelError, GapPattern, Localisation
 from modallab.effects.channel_delay import ChannelDelay
@@ -178,8 +179,8 @@ def test_tests_at_two_levels_tell_whether_frfs_depend_on_it(effects: list[Effect
     # a mass that is there at the higher level only stands for what changes with it
     second = FollowUp(_at_level(3.0, effects, 2), Change(level_factor=3.0)).with_consistent_log_book(first)
     one, _ = predicting(first)
-    other = FollowUpPredictor(one, second.setup, observe(second, (), fraction=0.0))
-    found = locate(JointPredictor([one, other]), collect_evidence(one, []))
+    other = one.follow_up(second.setup, observe(second, (), fraction=0.0))
+    found = locate(JointPredictor.of([one, other]), collect_evidence(one, []))
     assert found.level_dependence is not None
     assert (found.level_dependence > 3) == dependent
     assert (GapPattern.LEVEL_DEPENDENCE in found.signs) == dependent

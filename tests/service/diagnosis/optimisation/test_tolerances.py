@@ -10,7 +10,7 @@ from modallab.diagnosis.fitting.fit import Fit, coarse_fit, fit
 from modallab.diagnosis.optimisation.nuisances import Nuisances, draw_positions, nuisance_parameters
 from modallab.diagnosis.optimisation.settings import NUISANCE
 from modallab.diagnosis.optimisation.tolerances import Tolerances
-from modallab.diagnosis.predicting.predictor import Predictor
+from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
 from modallab.diagnosis.residuals.residual import residual
 from modallab.diagnosis.searching.acceptance import is_noise_only
 from modallab.effects.damping_law import DampingLaw
@@ -37,7 +37,7 @@ MASS = ExtraMass(at=Dof(5, "Y"), mass=0.1)
 
 def allowing(
     setup: RigSetup, true: FloatArray, hidden: tuple[Effect, ...] = (), *, seed: int = 0
-) -> tuple[Predictor, Nuisances]:
+) -> tuple[SingleTestPredictor, Nuisances]:
     """Return the predictor of a measurement of a test so far off what is declared, tolerating it."""
     numbers = nuisance_parameters(ALL, assemble(model()), setup)
     predictor, _ = predicting(measured(setup, [*numbers.effects(true[: len(numbers)]), *hidden], seed=seed))
@@ -144,7 +144,7 @@ def test_what_belongs_to_a_held_out_channel_is_read_off_that_channel() -> None:
 
     predictor, numbers = allowing(rig(roving=False), true := off(2))
     held = np.array([False, False, True, False, False, True])
-    predictor.observed = replace(predictor.observed, held_out=held)
+    predictor = replace(predictor, observed=replace(predictor.observed, held_out=held))
     found = fit(predictor, ())
     assert is_noise_only(predictor, found.residual)  # held out ones included
     own = [i for i, one in enumerate(numbers.parameters) if str(one.at) == "channels 4:+Y"]

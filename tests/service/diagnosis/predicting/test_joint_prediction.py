@@ -9,8 +9,10 @@ import pytest
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.diagnosis.fitting.fit import fit
-from modallab.diagnosis.predicting.joint_prediction import FollowUp, FollowUpPredictor, JointPredictor
+from modallab.diagnosis.predicting.follow_up import FollowUp
+from modallab.diagnosis.predicting.joint_prediction import JointPredictor
 from modallab.diagnosis.predicting.predictor import Predictor
+from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
 from modallab.diagnosis.residuals.observed import observe
 from modallab.diagnosis.residuals.predicted import SimulatedDeviations
 from modallab.effects.extra_mass import ExtraMass
@@ -29,9 +31,9 @@ MOVED = Change(drive=Dof(5, "Y"))
 def together(*tests: Measurement, held: Sequence[Dof] = ()) -> JointPredictor:
     """Return the predictor of a first test and further ones."""
     seen = [observe(test, held, fraction=0.0) for test in tests]
-    first = Predictor(model(), tests[0].setup, seen[0])
-    rest = [FollowUpPredictor(first, test.setup, one) for test, one in zip(tests[1:], seen[1:], strict=True)]
-    return JointPredictor([first, *rest])
+    first = SingleTestPredictor.of(model(), tests[0].setup, seen[0])
+    rest = [first.follow_up(test.setup, one) for test, one in zip(tests[1:], seen[1:], strict=True)]
+    return JointPredictor.of([first, *rest])
 
 
 def both(setup: RigSetup, change: Change, hidden: Sequence[Effect] = (MASS,)) -> JointPredictor:

@@ -1,5 +1,7 @@
 """A search that comes to an end."""
 
+from dataclasses import replace
+
 import pytest
 
 import modallab.diagnosis.searching.search as module
@@ -9,6 +11,8 @@ from modallab.diagnosis.diagnose import diagnose
 from modallab.diagnosis.fitting.fit import Fit, fit
 from modallab.diagnosis.predicting.prediction_budget import PredictionBudget
 from modallab.diagnosis.predicting.predictor import Predictor
+from modallab.diagnosis.predicting.settings import BudgetSettings
+from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
 from modallab.diagnosis.residuals.observed import observe
 from modallab.diagnosis.result import Verdict
 from modallab.diagnosis.searching.search import search
@@ -23,9 +27,9 @@ from tests.service.diagnosis.searching.test_search import MASS
 SPRING = GroundSpring(at=MASS.at, stiffness=1e4)
 
 
-def predicting() -> Predictor:
+def predicting() -> SingleTestPredictor:
     test = drawn(rig(), [MASS], seed=3)
-    return Predictor(model(), test.setup, observe(test, (), fraction=0.25))
+    return SingleTestPredictor.of(model(), test.setup, observe(test, (), fraction=0.25))
 
 
 def test_every_prediction_counts_whichever_copy_makes_it() -> None:
@@ -43,16 +47,16 @@ def test_a_search_that_was_given_up_follows_its_best_lead_only(monkeypatch: pyte
         looked.append(len(base.effects))
         return [] if base.effects else [mass, spring]
 
-    monkeypatch.setattr(module, "trials", trials)
+    monkeypatch.setattr(module, "fit_candidates", trials)
     monkeypatch.setattr(module, "is_noise_only", lambda *_: False)  # whatever is found is not enough
-    predictor.budget = PredictionBudget(0)
+    predictor = replace(predictor, budget=PredictionBudget(0))
     path = search(predictor, start, Suspects([]), max_effects=4, progress=silent)
     assert looked == [0], "no second effect is looked for"
     assert [step.kind_and_place for step in path.steps] == [kind_and_place(MASS)]
 
 
 def test_a_diagnosis_that_was_given_up_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("modallab.diagnosis.diagnose.ENOUGH", 1)
+    monkeypatch.setattr("modallab.diagnosis.diagnose.BUDGET", BudgetSettings(predictions_per_test=1))
     test = drawn(rig(), [MASS], seed=3)
     found = diagnose(model(), test, suspects=["ground_spring"])
     assert found.verdict is Verdict.UNEXPLAINED
@@ -66,13 +70,13 @@ def test_a_diagnosis_that_was_given_up_says_so(monkeypatch: pytest.MonkeyPatch) 
 
 def test_forces_that_are_stepped_through_count_as_long_as_they_take() -> None:
     test = drawn(rig(kind="random", window="hann"), [MASS], seed=3)
-    predictor = Predictor(model(), test.setup, observe(test, (), fraction=0.25))
+    predictor = SingleTestPredictor.of(model(), test.setup, observe(test, (), fraction=0.25))
     hardening, other = (CubicStiffness(at=at, stiffness=1e9) for at in (MASS.at, Dof(3, "Y")))
     predictor.with_intermittent_errors((hardening,))
     once = predictor.budget.spent
     assert once > 50
     predictor.with_intermittent_errors((hardening,))
     assert predictor.budget.spent == once + 1, "what is known is not gone through again"
-    predictor.budget = PredictionBudget()
+    predictor = replace(predictor, budget=PredictionBudget())
     predictor.with_intermittent_errors((hardening, other))
     assert predictor.budget.spent - 1 == 2 * (once - 1), "two forces are stepped through, of one prediction"

@@ -4,7 +4,7 @@ import pytest
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError, UnknownDofError
 from modallab.core.place import Members
-from modallab.diagnosis.predicting.predictor import check_comparable
+from modallab.diagnosis.predicting.comparability import check_comparable
 from modallab.effects.stiffness_error import StiffnessError
 from modallab.fe.beam import beam
 from modallab.fe.structure import Material, Section

@@ -5,7 +5,7 @@ import pytest
 
 from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfKind
-from modallab.diagnosis.predicting.predictor import check_comparable
+from modallab.diagnosis.predicting.comparability import check_comparable
 from modallab.diagnosis.residuals.observed import observe
 from tests.diagnosing import drawn, exact, model, predicting, rig
 

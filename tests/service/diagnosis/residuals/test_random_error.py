@@ -8,7 +8,7 @@ import pytest
 from modallab.core.errors import InvalidInputError
 from modallab.diagnosis.diagnose import diagnose
 from modallab.diagnosis.predicting.limitations import limitations
-from modallab.diagnosis.predicting.predictor import Predictor
+from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
 from modallab.diagnosis.residuals.observed import observe
 from modallab.diagnosis.residuals.random_error import shared_noise
 from modallab.diagnosis.residuals.residual import gap_errors
@@ -100,7 +100,7 @@ def test_lines_of_low_coherence_are_counted() -> None:
     assert observed.coherence.min() < 0.3
     assert any("coherence below 0.3" in note for note in limitations(measurement, observed))
     # and are weighed: with nothing missing the gap is 1
-    left = Predictor(model(), measurement.setup, observed).residual(())
+    left = SingleTestPredictor.of(model(), measurement.setup, observed).residual(())
     error = gap_errors(observed, left, observed.usable)["frf"]
     assert (
         abs(left.gaps(observed.usable)["frf"] - 1) < 4 * error + 0.01

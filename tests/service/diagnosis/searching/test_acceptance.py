@@ -11,7 +11,7 @@ from modallab.core.place import Channels
 from modallab.diagnosis.diagnose import diagnose
 from modallab.diagnosis.fitting.covariance import ParameterErrors
 from modallab.diagnosis.fitting.fit import Fit, fit
-from modallab.diagnosis.predicting.predictor import Predictor
+from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
 from modallab.diagnosis.residuals.observed import observe
 from modallab.diagnosis.result import Verdict
 from modallab.diagnosis.searching.acceptance import (
@@ -57,7 +57,7 @@ def test_what_the_held_out_frfs_could_not_tell_is_borne_out_by_lines_that_were_h
         rng = np.random.default_rng(3)
         test = measure(where.structure, where.setup, acting, route=Route.DRAWN, rng=rng)
         observed = observe(test, held_out, fraction=0.0)
-        predictor = Predictor(where.structure, where.setup, observed)
+        predictor = SingleTestPredictor.of(where.structure, where.setup, observed)
         return is_significant(predictor, fit(predictor, ()), fit(predictor, (everywhere,)))
 
     assert convinced(everywhere)
@@ -71,7 +71,7 @@ def test_hum_in_one_line_of_one_channel_needs_no_witness() -> None:
     def convinced(*acting: MainsHum) -> bool:
         test = drawn(rig(), acting, seed=4)
         observed = observe(test, (Dof(2, "Y"),), fraction=0.0)
-        predictor = Predictor(model(), test.setup, observed)
+        predictor = SingleTestPredictor.of(model(), test.setup, observed)
         return is_significant(predictor, fit(predictor, ()), fit(predictor, (hum,)))
 
     assert convinced(hum)
@@ -94,7 +94,7 @@ def test_what_is_missing_smoothly_is_not_taken_for_leakage() -> None:
 def springs() -> tuple[Fit, Fit]:
     """A spring to the ground, and a band at the same place whose loss leaves far less than it."""
     test = drawn(rig(), [GroundSpring(Dof(4, "Y"), 2e4)], seed=3)
-    predictor = Predictor(model(), test.setup, observe(test, (), fraction=0.25))
+    predictor = SingleTestPredictor.of(model(), test.setup, observe(test, (), fraction=0.25))
     plain, lossy = (fit(predictor, (cls(Dof(4, "Y"), 2e4),)) for cls in (GroundSpring, SuspensionStiffness))
     return plain, replace(lossy, chi_square=plain.chi_square - 50.0)
 
@@ -118,7 +118,7 @@ def test_a_number_more_has_to_be_told_from_nothing_by_its_own_standard_error(
 def test_shares_of_belief_follow_the_order(springs: tuple[Fit, Fit]) -> None:
     plain, band = springs
     test = drawn(rig(), seed=3)
-    predictor = Predictor(model(), test.setup, observe(test, (), fraction=0.25))
+    predictor = SingleTestPredictor.of(model(), test.setup, observe(test, (), fraction=0.25))
     first, second = model_probabilities(predictor, [plain, with_error_of_loss(band, 1.8)])
     assert first > 0.8 > 0.2 > second > 0.01, "three units of BIC or so: a loss is not ruled out either"
 

@@ -8,6 +8,7 @@ from modallab.core.place import Channels
 from modallab.core.progress import silent
 from modallab.diagnosis.fitting.fit import Fit, fit
 from modallab.diagnosis.predicting.predictor import Predictor
+from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
 from modallab.diagnosis.residuals.observed import observe
 from modallab.diagnosis.searching.search import search, significant_fits
 from modallab.diagnosis.searching.search_path import kind_and_place
@@ -23,7 +24,7 @@ MASS, TURNED = ExtraMass(Dof(4, "Y"), 0.02), Polarity(Channels((Dof(5, "Y"),)))
 @pytest.fixture(scope="module")
 def predictor() -> Predictor:
     test = drawn(rig(), [MASS], seed=3)
-    return Predictor(model(), test.setup, observe(test, (Dof(7, "Y"),), fraction=0.25))
+    return SingleTestPredictor.of(model(), test.setup, observe(test, (Dof(7, "Y"),), fraction=0.25))
 
 
 @pytest.fixture(scope="module")
@@ -41,7 +42,7 @@ def test_what_is_not_convincing_hides_nothing_behind_it(predictor: Predictor, fo
 def test_a_search_goes_on_past_what_is_not_convincing(
     predictor: Predictor, found: list[Fit], monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(module, "trials", lambda *_, **__: found)
+    monkeypatch.setattr(module, "fit_candidates", lambda *_, **__: found)
     path = search(predictor, fit(predictor, ()), Suspects([]), max_effects=1, progress=silent)
     assert [step.kind_and_place for step in path.steps] == [kind_and_place(MASS)]
 
@@ -55,7 +56,7 @@ def test_where_nothing_can_be_added_is_not_looked_again(
         looked.append(len(base.effects))
         return [] if base.effects else found
 
-    monkeypatch.setattr(module, "trials", trials)
+    monkeypatch.setattr(module, "fit_candidates", trials)
     monkeypatch.setattr(module, "is_noise_only", lambda *_: False)  # so that it is looked for a second one
     path = search(predictor, fit(predictor, ()), Suspects([]), max_effects=4, progress=silent)
     assert len(path.steps) == 1
@@ -66,7 +67,7 @@ def test_noise_beside_something_larger_is_no_leakage() -> None:
     # A little more noise than declared goes together over all lines, as leakage does.
     hidden = (MASS, ResponseNoise(ratio=1.5e-3))
     test = drawn(rig(kind="random", window="hann", noise=1e-2), hidden, seed=5)
-    predictor = Predictor(model(), test.setup, observe(test, (Dof(7, "Y"),), fraction=0.25))
+    predictor = SingleTestPredictor.of(model(), test.setup, observe(test, (Dof(7, "Y"),), fraction=0.25))
     suspects = Suspects([ExtraMass(MASS.at), ResponseNoise()])
     path = search(predictor, fit(predictor, ()), suspects, max_effects=3, progress=silent)
     assert {step.kind_and_place for step in path.steps} == {kind_and_place(one) for one in hidden}

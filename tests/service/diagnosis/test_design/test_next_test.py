@@ -8,8 +8,9 @@ from modallab.core.progress import silent
 from modallab.diagnosis.fitting.fit import Fit, fit
 from modallab.diagnosis.optimisation.nuisances import nuisance_parameters
 from modallab.diagnosis.optimisation.tolerances import Tolerances
-from modallab.diagnosis.predicting.joint_prediction import FollowUpPredictor, JointPredictor
+from modallab.diagnosis.predicting.joint_prediction import JointPredictor
 from modallab.diagnosis.predicting.predictor import Predictor
+from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
 from modallab.diagnosis.residuals.observed import observe
 from modallab.diagnosis.result import NextTest
 from modallab.diagnosis.test_design.follow_up_tests import follow_up_options
@@ -84,7 +85,7 @@ def test_the_expected_separation_is_what_the_test_shows_whichever_is_right() -> 
     shown = []
     for true in (hidden, rival):
         seen = observe(drawn(after, [true], seed=1), (), fraction=0.0)
-        joint = JointPredictor([predictor, FollowUpPredictor(predictor, after, seen)])
+        joint = JointPredictor.of([predictor, predictor.follow_up(after, seen)])
         left = [one.chi_square for one in explained(joint, hidden, rival)]
         shown.append(np.sqrt(abs(left[1] - left[0])))
     # The difference of two chi-squares that are d^2 apart scatters by 2 d, its root by one; the masses
@@ -134,7 +135,7 @@ def test_what_is_tolerated_makes_no_separation_larger() -> None:
 
 def test_a_hammer_is_not_proposed_to_who_has_one() -> None:
     struck = Change(exciter="hammer").applied(rig())
-    predictor = Predictor(model(), struck, observe(drawn(struck), (), fraction=0.0))
+    predictor = SingleTestPredictor.of(model(), struck, observe(drawn(struck), (), fraction=0.0))
     changes = [test.change for test in follow_up_options(predictor.setup, predictor.system)]
     assert all(change.exciter is None for change in changes)
     assert all(change.drive != struck.drive for change in changes)

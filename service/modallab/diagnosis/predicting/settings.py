@@ -1,0 +1,76 @@
+"""Settings of predictions: coarse lines, held-out responses, budget, limitations of a measurement."""
+
+from dataclasses import dataclass
+
+from modallab.core.settings import Settings, setting
+
+TESTS = "simulated tests of the suite"
+
+
+@dataclass(frozen=True)
+class PredictionSettings(Settings):
+    """Coarse predictions and their cost."""
+
+    coarse_lines: int = setting(130, unit="lines", doc="lines of a coarse prediction, at least", tuned=TESTS)
+    stepping_cost: int = setting(
+        30,
+        unit="predictions",
+        doc="predictions with a nonlinear force that take as long as stepping it through one test",
+        tuned="CPU time of simulated tests",
+    )
+    frequency_tolerance: float = setting(
+        1e-6,
+        doc="relative difference of a frequency axis from the declared one",
+        derived="frequencies are written to six digits or more",
+    )
+
+
+@dataclass(frozen=True)
+class HoldOutSettings(Settings):
+    """Choice of the held-out responses."""
+
+    min_responses: int = setting(
+        4, unit="FRFs", doc="FRFs below which lines are held out instead of FRFs", tuned=TESTS
+    )
+    outlier_gap: float = setting(
+        3.0,
+        doc="gap over the median gap of all responses from which a response is an outlier",
+        tuned=TESTS,
+    )
+    max_fraction: float = setting(
+        0.5, doc="largest share of the FRFs to hold out", derived="a fit needs the larger part of the data"
+    )
+
+
+@dataclass(frozen=True)
+class BudgetSettings(Settings):
+    """End of a search that nears no explanation."""
+
+    predictions_per_test: int = setting(
+        5_000,
+        unit="predictions",
+        doc="predictions, for each test, after which a search follows no further candidate",
+        tuned="blind trial: a pair of effects mostly takes half as many, hopeless searches took ten minutes",
+    )
+
+
+@dataclass(frozen=True)
+class LimitationSettings(Settings):
+    """Limitations of a measurement that a diagnosis states."""
+
+    few_averages: int = setting(
+        10,
+        unit="averages",
+        doc="averages below which the random errors themselves are called poorly known",
+        derived="random errors are then known to a third or worse",
+    )
+    low_coherence: float = setting(0.3, doc="coherence below which an FRF is hardly known", tuned=TESTS)
+    many_lines: float = setting(
+        0.1, doc="share of the lines from which a limitation of lines is stated", tuned=TESTS
+    )
+
+
+PREDICTION = PredictionSettings()
+HOLD_OUT = HoldOutSettings()
+BUDGET = BudgetSettings()
+LIMITATIONS = LimitationSettings()

@@ -1,0 +1,266 @@
+"""Predictions of one test from model, log book and effects."""
+
+from collections.abc import Callable, Sequence
+from dataclasses import dataclass, field, replace
+from functools import partial
+from typing import Any
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.core.dof import Dof
+from modallab.diagnosis.optimisation.nuisances import Nuisances
+from modallab.diagnosis.predicting.coarse_prediction import CoarsePrediction, coarse_prediction
+from modallab.diagnosis.predicting.model_state import ModelState
+from modallab.diagnosis.predicting.prediction_budget import PredictionBudget
+from modallab.diagnosis.predicting.settings import PREDICTION
+from modallab.diagnosis.residuals.observed import Observed
+from modallab.diagnosis.residuals.predicted import Predicted, VarianceRatios
+from modallab.diagnosis.residuals.residual import Residual, residual
+from modallab.estimation.spectra import CrossSpectra
+from modallab.fe.modes import ModalBasis
+from modallab.fe.structure import Structure
+from modallab.fe.system import DynamicSystem
+from modallab.rig.chain import Chain, chain
+from modallab.rig.channel import Channel
+from modallab.rig.effect import Effect
+from modallab.rig.effects_in_other_test import effects_in_other_test
+from modallab.rig.excitation import EXCITATIONS
+from modallab.rig.expected import coarse_spectra, derivative_kernel, expected_spectra
+from modallab.rig.periodic_variance import VarianceFactors, periodic_factors
+from modallab.rig.record_correlation import correlated_excess_variance
+from modallab.rig.setup import RigSetup
+from modallab.rig.simulated_variance import SimulatedVariance, is_intermittent
+from modallab.rig.spectrum_settings import SIMULATED_VARIANCE
+
+
+def _no_heartbeat() -> None:
+    """Do nothing: no caller waits for a sign of progress."""
+
+
+@dataclass(frozen=True, eq=False)
+class SingleTestPredictor:
+    """Predicts one test exactly as its log book says, with additional effects; see `Predictor`."""
+
+    model: ModelState
+    """The model with the nuisance parameters at their position."""
+    setup: RigSetup
+    """Log book."""
+    observed: Observed
+    """Measured spectra."""
+    heartbeat: Callable[[], None] = _no_heartbeat
+    """Called before every prediction."""
+    budget: PredictionBudget = field(default_factory=PredictionBudget)
+    """Count of predictions, shared by all predictors of a diagnosis."""
+    simulated: SimulatedVariance = field(default_factory=SimulatedVariance)
+    """Variance factors of simulated tests, shared by all predictors of this test."""
+    first_setup: RigSetup | None = None
+    """Log book of the first test, whose places effects are named by; None if this is the first."""
+
+    @classmethod
+    def of(
+        cls,
+        structure: Structure,
+        setup: RigSetup,
+        observed: Observed,
+        *,
+        heartbeat: Callable[[], None] = _no_heartbeat,
+        budget: PredictionBudget | None = None,
+    ) -> "SingleTestPredictor":
+        """Return the predictor of a first test."""
+        budget = PredictionBudget() if budget is None else budget
+        return cls(ModelState.of(structure), setup, observed, heartbeat, budget)
+
+    def follow_up(self, setup: RigSetup, observed: Observed) -> "SingleTestPredictor":
+        """Return the predictor of a further test, with the same model and effects named as in this one."""
+        return SingleTestPredictor(
+            self.model, setup, observed, self.heartbeat, self.budget, first_setup=self.setup
+        )
+
+    @property
+    def system(self) -> DynamicSystem:
+        """The model without transducers and without deviations."""
+        return self.model.system
+
+    @property
+    def nuisances(self) -> Nuisances:
+        """Nuisance parameters."""
+        return self.model.nuisances
+
+    @property
+    def position(self) -> FloatArray:
+        """(n,) of the nuisance parameters, standard deviations."""
+        return self.model.position
+
+    @property
+    def step(self) -> int:
+        """Lines from one line of a coarse prediction to the next."""
+        return max(1, self.setup.analyser.n_lines // PREDICTION.coarse_lines)
+
+    @property
+    def tests(self) -> "tuple[SingleTestPredictor, ...]":
+        """The predictor itself."""
+        return (self,)
+
+    def with_nuisances(self, nuisances: Nuisances) -> "SingleTestPredictor":
+        """Return the predictor with nuisance parameters, all at the declared value."""
+        predictor = replace(self, model=replace(self.model, nuisances=nuisances))
+        return predictor.with_nuisances_at(np.zeros(len(nuisances)))
+
+    def with_nuisances_at(self, position: FloatArray) -> "SingleTestPredictor":
+        """Return the predictor with the nuisance parameters at a position (n,) in standard deviations."""
+        return replace(self, model=self.model.at_position(position, self.setup.acquisition_runs[0]))
+
+    def folded_into_matrices(self, effects: Sequence[Effect]) -> "SingleTestPredictor":
+        """Return the predictor with effects in the structure's matrices, see `Predictor`."""
+        return replace(self, model=self.model.folded(effects, self.setup.acquisition_runs[0]))
+
+    def with_intermittent_errors(self, effects: Sequence[Effect]) -> "SingleTestPredictor":
+        """Return the predictor with random errors as large as distortion in bursts makes them."""
+        if not is_intermittent(effects, self.setup):
+            return self
+        predicted = self.predict(effects)
+        assert predicted.variance_ratios is not None
+        return replace(self, observed=self.observed.with_variance_ratios(predicted.variance_ratios()))
+
+    def without_lines(self, every: int) -> "SingleTestPredictor":
+        """Return the predictor with one of `every` lines held out as well.
+
+        At steps of the golden section: at even steps harmonics would all be held out, or none of them.
+        """
+        golden_section = (5**0.5 - 1) / 2
+        lines = np.arange(len(self.observed.freq)) * golden_section % 1 < 1 / every
+        held_out_lines = self.observed.held_out_lines | lines
+        return replace(self, observed=replace(self.observed, held_out_lines=held_out_lines))
+
+    def chain(
+        self,
+        effects: Sequence[Effect],
+        *,
+        same_in_all_runs: bool = False,
+        initial_rms: FloatArray | None = None,
+    ) -> Chain:
+        """Return the measuring chain of the model on the rig of the log book, with additional effects.
+
+        Parameters
+        ----------
+        same_in_all_runs
+            Whether nonlinear forces see the same motion in every run, for coarse predictions.
+        initial_rms
+            Motion of the nonlinear forces (n_run, r) in an almost equal chain, if it is known.
+        """
+        self.heartbeat()
+        self.budget.spend()
+        acting = self._acting(self._in_this_test(effects))
+        return chain(
+            self.model.deviating_system,
+            self.setup,
+            acting,
+            same_in_all_runs=same_in_all_runs,
+            initial_rms=initial_rms,
+        )
+
+    def _in_this_test(self, effects: Sequence[Effect]) -> Sequence[Effect]:
+        return (
+            effects
+            if self.first_setup is None
+            else effects_in_other_test(effects, self.first_setup, self.setup)
+        )
+
+    def _acting(self, effects: Sequence[Effect]) -> list[Effect]:
+        return [*self.model.model_effects, *self.model.run_deviations, *effects]
+
+    def predict(self, effects: Sequence[Effect]) -> Predicted:
+        """Return the expected spectra with additional effects."""
+        whole = self.chain(effects)
+        spectra = expected_spectra(whole)
+        leaking = whole.source.continuous > 0
+        excitation, factors = EXCITATIONS[self.setup.analyser.excitation.kind], None
+        intermittent = is_intermittent(effects, self.setup)
+        if excitation.deterministic:
+            factors = partial(periodic_factors, whole, spectra)
+        elif intermittent:
+            factors = partial(self._simulated_factors, whole, spectra, effects)
+        return Predicted.of(
+            spectra,
+            partial(correlated_excess_variance, whole, spectra) if leaking else None,
+            factors,
+            lines_correlated=leaking or intermittent or excitation.transient is not None,
+        )
+
+    def residual(self, effects: Sequence[Effect]) -> Residual:
+        """Return the whitened residual of the prediction at every line."""
+        return residual(self.observed, self.predict(effects))
+
+    def simulate_variance(self, effects: Sequence[Effect]) -> VarianceRatios | None:
+        """Return variance ratios of simulated tests with distortion in bursts; None without bursts."""
+        if not is_intermittent(effects, self.setup):
+            return None
+        whole = self.chain(effects)
+        spectra = expected_spectra(whole)
+        factors = self._simulated_factors(whole, spectra, effects, SIMULATED_VARIANCE.n_tests)
+        return None if factors is None else VarianceRatios.of(factors, spectra)
+
+    def _simulated_factors(
+        self, whole: Chain, spectra: CrossSpectra, effects: Sequence[Effect], repeats: int | None = None
+    ) -> VarianceFactors | None:
+        n_before = self.simulated.n_simulated
+        factors = self.simulated.factors(whole, spectra, effects, repeats=repeats)
+        cost = PREDICTION.stepping_cost * len(whole.runs[0].local_forces)
+        self.budget.spend(cost * (self.simulated.n_simulated - n_before))
+        return factors
+
+    def linearisation_at(self, effects: Sequence[Effect]) -> Callable[[Sequence[Effect]], Predicted]:
+        """Return predictions near some effects for derivatives: leakage on one thin grid for all."""
+        base = self.chain(effects)
+        kernel, motion = derivative_kernel(base), base.local_rms
+
+        def predict(perturbed: Sequence[Effect]) -> Predicted:
+            return Predicted.of(expected_spectra(self.chain(perturbed, initial_rms=motion), kernel))
+
+        return predict
+
+    def with_frequency_shift(self, effects: Sequence[Effect], shift: float) -> Predicted:
+        """Return the expected spectra with every natural frequency shifted by a ratio of itself."""
+        system = self.model.deviating_system.scaled(stiffness=(1 + shift) ** 2)
+        whole = chain(system, self.setup, self._acting(self._in_this_test(effects)))
+        return Predicted.of(expected_spectra(whole))
+
+    def coarse(self, effects: Sequence[Effect]) -> Predicted:
+        """Return the expected spectra at every `step`-th line, leakage on a coarse grid."""
+        return Predicted.of(coarse_spectra(self.chain(effects, same_in_all_runs=True), self.step))
+
+    def coarse_prediction(self, effects: Sequence[Effect]) -> CoarsePrediction:
+        """Return coarse predictions of additions to some effects."""
+        return coarse_prediction(self, effects)
+
+    def stack_channels(self, parts: Sequence[NDArray[Any]], absent: complex) -> NDArray[Any]:
+        """Return the array of the one test, see `Predictor`."""
+        (part,) = parts
+        return part
+
+    def modes(self) -> ModalBasis:
+        """Return the elastic modes of the model with the transducers of the first run, in the band."""
+        system = chain(self.model.system, self.setup, self.model.model_effects).runs[0].system
+        frequency_max = self.setup.analyser.frequency_max
+        basis = system.modes(frequency_max).elastic()
+        return basis.elastic(max(1, int((basis.frequencies <= frequency_max).sum())))
+
+    def unmeasured_inertance(self, effects: Sequence[Effect], dofs: tuple[Dof, ...]) -> ComplexArray:
+        """Return the inertance (n_freq, n_dof, 1), 1/kg, at DoFs that were not measured.
+
+        A roving accelerometer visits them; fixed ones stay where they are.
+        """
+        acting, system, freq = self._acting(effects), self.model.deviating_system, self.observed.freq
+        if self.setup.accelerometers.roving:
+            visited = chain(system, replace(self.setup, responses=dofs), acting)
+            return np.asarray(visited.respond(freq).inertance[:, :, 0, 0].T[..., None])
+        first = chain(system, self.setup, acting).runs[0]
+        run = replace(
+            first,
+            acquisition_run=replace(first.acquisition_run, outputs=dofs),
+            responses=tuple(map(Channel.ideal, dofs)),
+        )
+        whole = replace(chain(system, self.setup), runs=(run,))
+        return np.asarray(whole.respond(freq).inertance[0])
