@@ -102,7 +102,7 @@ def extract_globally(
     choices = {
         "max_order": charts[-1].why,
         "damping": damping_choice(options),
-        "range": search.said(responses.freq),
+        "range": search.description(responses.freq),
     }
     model = modal_model(fits, responses, method=method, n_modes=n_modes, choices=choices)
     model = with_duplicate_flags(model, single_modes)

@@ -9,9 +9,7 @@ import scipy.linalg
 
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from modallab.extraction.multi_mode.fit_result import ModalFit
-
-APART = 3.0  # standard errors: nearer than that, two poles are not told apart
-FLAT = 1e-3  # of a plane's larger extent at the drive points: less does not tell its scale
+from modallab.extraction.multi_mode.settings import COINCIDENT_MODES
 
 
 def coincident_modes(fit: ModalFit) -> list[IntArray]:
@@ -19,14 +17,16 @@ def coincident_modes(fit: ModalFit) -> list[IntArray]:
     if fit.participation is None:
         return []
     width = fit.loss_factor * fit.frequency
-    beside = np.diff(fit.frequency) < np.minimum(width[1:], width[:-1])  # and not merely vague
-    alike = _near(fit.frequency, fit.frequency_error) & _near(fit.loss_factor, fit.loss_factor_error)
-    near = beside & alike
-    ends = [0, *(np.flatnonzero(~near) + 1).tolist(), len(fit.frequency)]
-    return [np.arange(a, b) for a, b in pairwise(ends) if b - a > 1]
+    overlapping = np.diff(fit.frequency) < np.minimum(width[1:], width[:-1])  # and not merely vague
+    equal_poles = _equal_within_errors(fit.frequency, fit.frequency_error) & _equal_within_errors(
+        fit.loss_factor, fit.loss_factor_error
+    )
+    coincident = overlapping & equal_poles
+    bounds = [0, *(np.flatnonzero(~coincident) + 1).tolist(), len(fit.frequency)]
+    return [np.arange(a, b) for a, b in pairwise(bounds) if b - a > 1]
 
 
-def with_shapes_of_planes(fit: ModalFit, rows: IntArray, senses: IntArray) -> ModalFit:
+def with_reciprocal_shapes(fit: ModalFit, rows: IntArray, senses: IntArray) -> ModalFit:
     """Return the fit with coincident modes as reciprocity has them.
 
     All that such modes add to the FRFs is `(Phi Phi_d^T)/(lambda - omega^2)`, Phi their mass-normalised
@@ -42,7 +42,7 @@ def with_shapes_of_planes(fit: ModalFit, rows: IntArray, senses: IntArray) -> Mo
     senses
         (n_ref,) -1 where the two point opposite ways, else 1.
     """
-    if fit.participation is None or fit.held_error is None:
+    if fit.participation is None or fit.conditional_error is None:
         return fit
     constant, error = fit.modal_constant.copy(), fit.modal_constant_error.copy()
     reach = fit.participation.copy()
@@ -54,24 +54,28 @@ def with_shapes_of_planes(fit: ModalFit, rows: IntArray, senses: IntArray) -> Mo
             continue
         reach[group] = np.linalg.lstsq(shapes, total)[0]
         constant[group] = (shapes.T[:, :, None] * reach[group][:, None]).reshape(len(group), -1)
-        error[group] = fit.held_error[group].max(axis=0)
+        error[group] = fit.conditional_error[group].max(axis=0)
     return replace(fit, modal_constant=constant, modal_constant_error=error, participation=reach)
 
 
-def said_of_coincident(fit: ModalFit) -> dict[int, str]:
+def coincidence_flags(fit: ModalFit) -> dict[int, str]:
     """Return what to say of each mode that coincides with another."""
     return {row: text for group in coincident_modes(fit) for row, text in _texts(fit, group)}
 
 
 def _texts(fit: ModalFit, group: IntArray) -> Iterator[tuple[int, str]]:
     for row in group.tolist():
-        others = ", ".join(f"{fit.frequency[other]:.5g} Hz" for other in group.tolist() if other != row)
-        yield row, f"coincident: no further from {others} than errors; any shapes of their plane would do"
+        neighbours = ", ".join(
+            f"{fit.frequency[neighbour]:.5g} Hz" for neighbour in group.tolist() if neighbour != row
+        )
+        yield row, f"coincident: no further from {neighbours} than errors; any shapes of their plane would do"
 
 
-def _near(values: FloatArray, errors: FloatArray) -> BoolArray:
+def _equal_within_errors(values: FloatArray, errors: FloatArray) -> BoolArray:
     """Return whether each value and the next are not told apart, (n - 1,)."""
-    return np.asarray(np.abs(np.diff(values)) < APART * np.hypot(errors[1:], errors[:-1]))
+    return np.asarray(
+        np.abs(np.diff(values)) < COINCIDENT_MODES.pole_errors * np.hypot(errors[1:], errors[:-1])
+    )
 
 
 def _shapes(
@@ -80,10 +84,10 @@ def _shapes(
     """Return n mass-normalised shapes, (n_dof, n), of what they all add, (n_dof, n_ref); None if untold."""
     if len(at) < n:
         return None
-    plane = _as_real_as_can_be(np.linalg.svd(total, full_matrices=False)[0][:, :n])
+    plane = _real_basis(np.linalg.svd(total, full_matrices=False)[0][:, :n])
     driven = plane[rows]
     extent = np.linalg.svd(driven, compute_uv=False)
-    if extent[-1] < FLAT * extent[0]:
+    if extent[-1] < COINCIDENT_MODES.smallest_extent * extent[0]:
         return None
     reach = np.linalg.lstsq(plane, total)[0][:, at] * senses
     square = np.linalg.lstsq(driven, reach.T)[0].T
@@ -91,7 +95,7 @@ def _shapes(
     return np.asarray(shapes @ np.linalg.eigh((shapes.conj().T @ shapes).real)[1][:, ::-1])
 
 
-def _as_real_as_can_be(basis: ComplexArray) -> ComplexArray:
+def _real_basis(basis: ComplexArray) -> ComplexArray:
     """Return another orthonormal basis of the same plane: real, if it has one.
 
     A basis `R W`, R real and W unitary, has `W^T W` for the product of its transpose and itself.

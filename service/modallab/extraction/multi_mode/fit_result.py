@@ -22,13 +22,15 @@ class ModalFit:
     modal_constant_error: FloatArray  # (n_modes, n_frf) 1/kg
     misfit: FloatArray  # (n_frf,) mean square residual over the lines' variance
     # share of the least random error at each line that all FRFs have in common, from 0 to 1
-    common: float = 0.0
+    common_noise: float = 0.0
     # (n_modes, n_ref) how strongly each reference reaches a mode, `A_jk = psi_j L_k`; None where each FRF has
     # a modal constant of its own
     participation: ComplexArray | None = None
     # (n_modes,) standard errors by which FRFs show it beside all others; None with one reference
-    clear: FloatArray | None = None
-    held_error: FloatArray | None = None  # (n_modes, n_frf) 1/kg, as if poles and participations were known
+    significance: FloatArray | None = None
+    conditional_error: FloatArray | None = (
+        None  # (n_modes, n_frf) 1/kg, as if poles and participations were known
+    )
 
     def __post_init__(self) -> None:
         n, shape = len(self.eigenvalue), self.modal_constant.shape
@@ -45,10 +47,12 @@ class ModalFit:
         if self.participation is not None:
             reach = frozen(self.participation, complex, (n, None), name="participation")
             object.__setattr__(self, "participation", reach)
-        if self.clear is not None:
-            object.__setattr__(self, "clear", frozen(self.clear, float, (n,), name="clear"))
-        if self.held_error is not None:
-            object.__setattr__(self, "held_error", frozen(self.held_error, float, shape, name="held_error"))
+        if self.significance is not None:
+            object.__setattr__(self, "clear", frozen(self.significance, float, (n,), name="clear"))
+        if self.conditional_error is not None:
+            object.__setattr__(
+                self, "held_error", frozen(self.conditional_error, float, shape, name="held_error")
+            )
 
     @property
     def frequency(self) -> FloatArray:

@@ -9,9 +9,7 @@ from modallab.core.arrays import ComplexArray, FloatArray, IntArray
 from modallab.core.errors import InvalidInputError
 from modallab.extraction.multi_mode.global_method import Poles
 from modallab.extraction.multi_mode.matrix_fraction import Fractions, ZDomainData, fit_fractions, to_z_domain
-
-LINES_AN_ORDER = 2  # else polynomials follow the noise of single lines
-FRFS_AT_ONCE = 32  # bounds memory, and nothing else
+from modallab.extraction.multi_mode.settings import MATRIX_FRACTION
 
 
 def poles_of_fractions(freq: FloatArray, frf: ComplexArray, weight: FloatArray, orders: IntArray) -> Poles:
@@ -25,15 +23,20 @@ def poles_of_fractions(freq: FloatArray, frf: ComplexArray, weight: FloatArray, 
     highest = int(orders[-1]) if len(orders) else 0
     circle = to_z_domain(frf, weight, max(highest, 1))
     usable = np.count_nonzero(circle.weight.any(axis=0))
-    if not highest or orders[0] < 1 or LINES_AN_ORDER * highest > usable or (np.diff(orders) < 1).any():
+    if (
+        not highest
+        or orders[0] < 1
+        or MATRIX_FRACTION.lines_per_order * highest > usable
+        or (np.diff(orders) < 1).any()
+    ):
         raise InvalidInputError(
             f"{usable} lines do not tell polynomials of such orders",
             field="max_order",
             value=highest,
-            allowed=f"1 to {usable // LINES_AN_ORDER}, rising",
+            allowed=f"1 to {usable // MATRIX_FRACTION.lines_per_order}, rising",
         )
     fractions = fit_fractions(circle, orders)
-    row, turn, logarithm = _inside(circle, *_turns(fractions.denominator, orders))
+    row, turn, logarithm = _stable_in_band(circle, *_inverse_zeros(fractions.denominator, orders))
     spacing = float(freq[1] - freq[0])
     rate = circle.points * spacing  # z = exp(s / rate), s from the first line on
     pole = 2j * np.pi * freq[0] + rate * logarithm
@@ -65,10 +68,10 @@ def companions(denominator: ComplexArray, orders: IntArray) -> Iterator[ComplexA
         yield companion[:size, :size]
 
 
-def _turns(denominator: ComplexArray, orders: IntArray) -> tuple[IntArray, ComplexArray]:
+def _inverse_zeros(denominator: ComplexArray, orders: IntArray) -> tuple[IntArray, ComplexArray]:
     """Return where `det A(z) = 0`: the row of its order, and 1/z."""
-    found = [_eigenvalues(companion) for companion in companions(denominator, orders)]
-    return np.repeat(np.arange(len(orders)), denominator.shape[-1] * orders), np.concatenate(found)
+    eigenvalues = [_eigenvalues(companion) for companion in companions(denominator, orders)]
+    return np.repeat(np.arange(len(orders)), denominator.shape[-1] * orders), np.concatenate(eigenvalues)
 
 
 def _eigenvalues(matrix: ComplexArray) -> ComplexArray:
@@ -79,7 +82,7 @@ def _eigenvalues(matrix: ComplexArray) -> ComplexArray:
     return np.asarray(values)
 
 
-def _inside(
+def _stable_in_band(
     circle: ZDomainData, row: IntArray, turn: ComplexArray
 ) -> tuple[IntArray, ComplexArray, ComplexArray]:
     """Return those that are stable and whose frequency lies on the arc, and the logarithms of z = 1/turn."""
@@ -100,8 +103,8 @@ def _residues(circle: ZDomainData, fractions: Fractions, row: IntArray, z: Compl
     at = _AtPoles(row, z, n_orders, terms)
     if n_in > 1:
         value = at.of(fractions.denominator.reshape(n_orders, terms, -1)).reshape(-1, n_in, n_in)
-        left, _, right = np.linalg.svd(value)
-        u, v = left[:, :, -1].conj(), right[:, -1, :].conj()
+        u_vectors, _, v_vectors = np.linalg.svd(value)
+        u, v = u_vectors[:, :, -1].conj(), v_vectors[:, -1, :].conj()
     else:
         u = v = np.ones((len(z), 1), complex)
     rising = np.arange(terms)[:, None, None] * fractions.denominator  # z A'
@@ -109,8 +112,8 @@ def _residues(circle: ZDomainData, fractions: Fractions, row: IntArray, z: Compl
     steep = (u[:, :, None] * slope * v[:, None, :]).sum(axis=(1, 2)) / z
     of_all = fractions.denominator.transpose(0, 3, 1, 2).reshape(n_orders * n_in, terms * n_in)
     across = np.empty((len(z), len(fractions.numerator)), complex)
-    for start in range(0, across.shape[1], FRFS_AT_ONCE):
-        part = fractions.numerator[start : start + FRFS_AT_ONCE]
+    for start in range(0, across.shape[1], MATRIX_FRACTION.frfs_in_memory):
+        part = fractions.numerator[start : start + MATRIX_FRACTION.frfs_in_memory]
         n = len(part)
         numerator = (of_all @ part.reshape(-1, terms * n_in).T).reshape(n_orders, n_in * n, terms)
         value = at.of(numerator.swapaxes(1, 2))
@@ -122,10 +125,10 @@ def _residues(circle: ZDomainData, fractions: Fractions, row: IntArray, z: Compl
 def _powers(z: ComplexArray, terms: int) -> ComplexArray:
     """Return z^0 to z^(terms - 1), (terms, n_poles)."""
     powers = np.ones((terms, len(z)), complex)
-    known = 1
-    while known < terms:  # twice as many each time
-        powers[known : 2 * known] = powers[: terms - known][:known] * (powers[known - 1] * z)
-        known *= 2
+    n_known = 1
+    while n_known < terms:  # twice as many each time
+        powers[n_known : 2 * n_known] = powers[: terms - n_known][:n_known] * (powers[n_known - 1] * z)
+        n_known *= 2
     return powers
 
 

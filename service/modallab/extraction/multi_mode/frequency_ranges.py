@@ -8,15 +8,11 @@ import numpy as np
 
 from modallab.core.arrays import FloatArray, IntArray
 from modallab.core.errors import NoModeInBandError
+from modallab.extraction.multi_mode.settings import CHART
 from modallab.extraction.options import MOST_ORDER, GlobalOptions
 from modallab.extraction.preprocessing.bands import Band, find_bands, requested_bands
 from modallab.extraction.preprocessing.common_peaks import CommonPeaks, find_common
 from modallab.extraction.preprocessing.responses import Responses
-
-PER_PEAK = 4  # orders a peak: two hold its pole, the rest what lies beside it and noise
-BESIDE = 16  # orders more, for what lies outside the range
-LEAST_ORDER = 4
-LINES_PER_ORDER = 3  # fewer lines than unknowns fit anything
 
 
 @dataclass(frozen=True)
@@ -27,7 +23,7 @@ class FrequencyRanges:
     why: str
     left_out: tuple[str, ...] = ()
 
-    def said(self, freq: FloatArray) -> str:
+    def description(self, freq: FloatArray) -> str:
         """Return in words which lines of `freq`, (n_freq,) Hz, are searched, and why."""
         spans = ", ".join(f"{freq[lines][0]:g} to {freq[lines][-1]:g} Hz" for lines in self.ranges)
         return f"{spans}: {self.why}"
@@ -62,8 +58,10 @@ def find_frequency_ranges(
     peaks = _common(responses, indicator)
     if peaks.notes:
         return FrequencyRanges(_joined(peaks.bands), "peaks that FRFs have in common", peaks.notes)
-    heard = np.flatnonzero(responses.coherent)
-    return FrequencyRanges((slice(int(heard[0]), int(heard[-1]) + 1),), "all lines that are more than noise")
+    coherent_lines = np.flatnonzero(responses.coherent)
+    return FrequencyRanges(
+        (slice(int(coherent_lines[0]), int(coherent_lines[-1]) + 1),), "all lines that are more than noise"
+    )
 
 
 def _common(responses: Responses, indicator: FloatArray) -> CommonPeaks:
@@ -73,27 +71,30 @@ def _common(responses: Responses, indicator: FloatArray) -> CommonPeaks:
         return CommonPeaks(())
 
 
-def _joined(found: Sequence[Band]) -> tuple[slice, ...]:
-    ends = [0, *(n + 1 for n, (a, b) in enumerate(pairwise(found)) if b.first > a.last + 1), len(found)]
+def _joined(bands: Sequence[Band]) -> tuple[slice, ...]:
+    bounds = [0, *(n + 1 for n, (a, b) in enumerate(pairwise(bands)) if b.first > a.last + 1), len(bands)]
     return tuple(
-        slice(found[a].first, max(band.last for band in found[a:b]) + 1) for a, b in pairwise(ends) if a < b
+        slice(bands[a].first, max(band.last for band in bands[a:b]) + 1) for a, b in pairwise(bounds) if a < b
     )
 
 
 def orders_of(indicator: FloatArray, options: GlobalOptions) -> tuple[IntArray, str]:
     """Return the orders of the chart of a range, (n_orders,) rising, and why these."""
-    most = max((len(indicator) - 1) // LINES_PER_ORDER, LEAST_ORDER)
+    limit = max((len(indicator) - 1) // CHART.lines_per_order, CHART.smallest_limit)
     if options.max_order is not None:
-        top, why = min(options.max_order, most), "as asked"
+        top, why = min(options.max_order, limit), "as asked"
     else:
         peaks = _n_peaks(indicator)
-        wanted = PER_PEAK * peaks + BESIDE
-        top = min(wanted, most, MOST_ORDER)
-        why = f"{PER_PEAK} for each of {peaks} peaks and {BESIDE} for what lies beside them"
-        if top == MOST_ORDER < wanted:
+        desired_order = CHART.orders_per_peak * peaks + CHART.residual_orders
+        top = min(desired_order, limit, MOST_ORDER)
+        why = (
+            f"{CHART.orders_per_peak} for each of {peaks} peaks and {CHART.residual_orders} for what lies"
+            " beside them"
+        )
+        if top == MOST_ORDER < desired_order:
             why += f", at most {MOST_ORDER}; bands of fewer peaks have as many each"
-    if top == most:
-        why += f", at most one for {LINES_PER_ORDER} of the {len(indicator)} lines"
+    if top == limit:
+        why += f", at most one for {CHART.lines_per_order} of the {len(indicator)} lines"
     return np.arange(2, top + 1), f"{top}: {why}"
 
 

@@ -11,11 +11,11 @@ from modallab.extraction.averaging.leakage_flag import leakage_flags
 from modallab.extraction.averaging.notes import no_scale
 from modallab.extraction.averaging.reference_shapes import ReferenceShapes, reference_shapes
 from modallab.extraction.averaging.settings import NODES
-from modallab.extraction.multi_mode.coincident_modes import with_shapes_of_planes
-from modallab.extraction.multi_mode.range_modes import RangeModes, pairs
+from modallab.extraction.multi_mode.coincident_modes import with_reciprocal_shapes
+from modallab.extraction.multi_mode.range_modes import RangeModes, pair_flags
 from modallab.extraction.preprocessing.responses import Responses
 
-FITTED = "modal constants are fitted as those of one shape"
+PRODUCT_FIT = "modal constants are fitted as those of one shape"
 
 
 @dataclass(frozen=True, eq=False)
@@ -43,20 +43,27 @@ def modal_model(
     n_modes
         How many to keep, the most prominent ones; all if None.
     """
-    fits = [_as_reciprocity_has_it(fit, responses) for fit in fits]
-    chosen = _chosen(fits, n_modes)
-    each = [(fit.modes, row) for fit, rows in zip(fits, chosen, strict=True) for row in rows.tolist()]
-    constant = np.stack([modes.fit.modal_constant[row] for modes, row in each])
-    error = np.stack([modes.fit.modal_constant_error[row] for modes, row in each])
+    fits = [_with_reciprocal_shapes(fit, responses) for fit in fits]
+    chosen = _selected_rows(fits, n_modes)
+    mode_rows = [(fit.modes, row) for fit, rows in zip(fits, chosen, strict=True) for row in rows.tolist()]
+    constant = np.stack([modes.fit.modal_constant[row] for modes, row in mode_rows])
+    error = np.stack([modes.fit.modal_constant_error[row] for modes, row in mode_rows])
     product = fits[0].modes.fit.participation is not None
     # constants that are fitted as products say of a DoF no more together than each of them does
-    alike = len(responses.references) if product else 1
-    shapes = reference_shapes(constant, np.sqrt(alike) * error, responses.dofs, responses.references)
-    close = [pairs(fit.modes.fit, rows.tolist()) for fit, rows in zip(fits, chosen, strict=True)]
-    near = [said.get(row, []) for said, rows in zip(close, chosen, strict=True) for row in rows.tolist()]
+    n_products = len(responses.references) if product else 1
+    shapes = reference_shapes(constant, np.sqrt(n_products) * error, responses.dofs, responses.references)
+    close = [pair_flags(fit.modes.fit, rows.tolist()) for fit, rows in zip(fits, chosen, strict=True)]
+    pair_flags_of_modes = [
+        pair_flags.get(row, [])
+        for pair_flags, rows in zip(close, chosen, strict=True)
+        for row in rows.tolist()
+    ]
     nodes = [[*_nodes(a, e, responses.frfs)] for a, e in zip(constant, error, strict=True)]
     return ModalModel(
-        modes=tuple(_mode(*each[n], shapes, n, (*near[n], *nodes[n])) for n in range(len(each))),
+        modes=tuple(
+            _mode(*mode_rows[n], shapes, n, (*pair_flags_of_modes[n], *nodes[n]))
+            for n in range(len(mode_rows))
+        ),
         dofs=responses.dofs,
         references=responses.references,
         normalisation="none" if shapes.scale is None else "mass",
@@ -64,16 +71,20 @@ def modal_model(
         modal_constant=constant,
         modal_constant_error=error,
         chart=_chart(fits, chosen),
-        choices={**choices, **shapes.choice_text(FITTED if product else None)},
+        choices={**choices, **shapes.choice_text(PRODUCT_FIT if product else None)},
         notes=(
             *no_scale(shapes),
             *_notes(fits, chosen),
-            *([f"{n_modes} modes asked for, {len(each)} found"] if n_modes and len(each) < n_modes else []),
+            *(
+                [f"{n_modes} modes asked for, {len(mode_rows)} found"]
+                if n_modes and len(mode_rows) < n_modes
+                else []
+            ),
         ),
     )
 
 
-def _chosen(fits: Sequence[GlobalFit], n_modes: int | None) -> list[IntArray]:
+def _selected_rows(fits: Sequence[GlobalFit], n_modes: int | None) -> list[IntArray]:
     """Return the modes kept of each range: inside it, and of these the most prominent."""
     inside = [np.flatnonzero(fit.modes.inside) for fit in fits]
     if n_modes is None or sum(len(rows) for rows in inside) <= n_modes:
@@ -91,9 +102,9 @@ def _prominence(modes: RangeModes) -> FloatArray:
     return np.asarray(((peak / np.where(strongest > 0, strongest, 1.0)) ** 2).sum(axis=1))
 
 
-def _as_reciprocity_has_it(fit: GlobalFit, responses: Responses) -> GlobalFit:
-    known = with_shapes_of_planes(fit.modes.fit, responses.driving, responses.senses)
-    return replace(fit, modes=replace(fit.modes, fit=known))
+def _with_reciprocal_shapes(fit: GlobalFit, responses: Responses) -> GlobalFit:
+    reciprocal = with_reciprocal_shapes(fit.modes.fit, responses.driving, responses.senses)
+    return replace(fit, modes=replace(fit.modes, fit=reciprocal))
 
 
 def _mode(modes: RangeModes, row: int, shapes: ReferenceShapes, n: int, flags: Sequence[str]) -> Mode:
@@ -112,8 +123,8 @@ def _mode(modes: RangeModes, row: int, shapes: ReferenceShapes, n: int, flags: S
     )
 
 
-def _numbers(of: FloatArray) -> dict[str, float]:
-    return dict(zip(("frequency", "loss_factor"), of.tolist(), strict=True))
+def _numbers(values: FloatArray) -> dict[str, float]:
+    return dict(zip(("frequency", "loss_factor"), values.tolist(), strict=True))
 
 
 def _nodes(constant: ComplexArray, error: FloatArray, names: Sequence[str]) -> Iterator[str]:
@@ -126,13 +137,13 @@ def _nodes(constant: ComplexArray, error: FloatArray, names: Sequence[str]) -> I
 
 def _chart(fits: Sequence[GlobalFit], chosen: Sequence[IntArray]) -> StabilisationChart:
     """Return the charts of all ranges as one, their modes counted as in the modal model."""
-    charts, before = [], 0
+    charts, n_modes = [], 0
     for fit, rows in zip(fits, chosen, strict=True):
         number = np.full(len(fit.modes.fit.eigenvalue) + 1, -1)
-        number[rows] = before + np.arange(len(rows))
+        number[rows] = n_modes + np.arange(len(rows))
         chart = fit.modes.chart
         charts.append(replace(chart, mode=number[chart.mode]))  # -1 finds the -1 at the end
-        before += len(rows)
+        n_modes += len(rows)
     return StabilisationChart(
         *(
             np.concatenate([getattr(chart, name) for chart in charts])
@@ -149,15 +160,15 @@ def _notes(fits: Sequence[GlobalFit], chosen: Sequence[IntArray]) -> Iterator[st
             number += 1
             yield f"mode {number}, {fit.modes.fit.frequency[row]:.5g} Hz: {fit.modes.reasons[row]}"
         for row in np.flatnonzero(~np.isin(np.arange(len(fit.modes.inside)), rows)).tolist():
-            yield f"left out, {fit.modes.fit.frequency[row]:.5g} Hz: {_why_not(fit.modes, row)}"
+            yield f"left out, {fit.modes.fit.frequency[row]:.5g} Hz: {_exclusion_reason(fit.modes, row)}"
         for reason in fit.modes.notes:
             yield f"left out, {reason}"
-        if fit.modes.fit.common > 0:
-            share = 100 * fit.modes.fit.common
+        if fit.modes.fit.common_noise > 0:
+            share = 100 * fit.modes.fit.common_noise
             yield f"the FRFs have {share:.0f} % of their random error in common: standard errors allow for it"
 
 
-def _why_not(modes: RangeModes, row: int) -> str:
+def _exclusion_reason(modes: RangeModes, row: int) -> str:
     """Return in words why a pole of the fit is not kept as a mode."""
     if modes.inside[row]:
         return "less prominent than those asked for"

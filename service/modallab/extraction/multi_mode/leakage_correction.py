@@ -9,12 +9,9 @@ from modallab.core.modal_model import ModalModel
 from modallab.extraction.multi_mode.fit_result import ModalFit
 from modallab.extraction.multi_mode.modal_fit import fitted_receptance
 from modallab.extraction.multi_mode.refinement import BandData, StartingPoles
+from modallab.extraction.multi_mode.settings import LEAKAGE_CORRECTION
 from modallab.extraction.options import Damping
 from modallab.extraction.preprocessing.leakage import SinglePole, WindowLeakage
-
-LEAKED = 0.02  # relative error that a line at a resonance has left, once corrected; on the flanks far less
-FLANKS = 0.1  # of that error is left anywhere
-CLEAR = 3.0  # standard errors, before a cleaned line is held to disagree
 
 
 @dataclass(frozen=True, eq=False)
@@ -29,7 +26,7 @@ class LeakageCorrection:
 
 
 def leakage_correction(
-    leakage: WindowLeakage, alone: ModalModel | None, drive: int | None, averages: float = np.inf
+    leakage: WindowLeakage, single_modes: ModalModel | None, drive: int | None, averages: float = np.inf
 ) -> LeakageCorrection:
     """Return what lines are cleaned by.
 
@@ -37,15 +34,19 @@ def leakage_correction(
     ----------
     leakage
         What a window did to them.
-    alone
+    single_modes
         Modes found one by one with leakage undone; None where there are none.
     drive
         Which of the FRFs is that of the drive point.
     """
-    modes = () if alone is None else alone.modes
+    modes = () if single_modes is None else single_modes.modes
     bias = [[mode.leakage_bias["frequency"], mode.leakage_bias["loss_factor"]] for mode in modes]
     return LeakageCorrection(
-        leakage, None if alone is None else _as_fit(alone), np.reshape(bias, (-1, 2)), drive, averages
+        leakage,
+        None if single_modes is None else _as_fit(single_modes),
+        np.reshape(bias, (-1, 2)),
+        drive,
+        averages,
     )
 
 
@@ -65,7 +66,7 @@ def _as_fit(model: ModalModel) -> ModalFit:
     )
 
 
-def cleaned(stretch: BandData, leaked: LeakageCorrection, damping: Damping) -> BandData:
+def corrected_lines(stretch: BandData, leaked: LeakageCorrection, damping: Damping) -> BandData:
     """Return the lines with their leakage undone, and weights that know what may be left.
 
     A leaked resonance has the shape of the window, to which a pole finder fits several poles. The closed
@@ -75,10 +76,12 @@ def cleaned(stretch: BandData, leaked: LeakageCorrection, damping: Damping) -> B
     """
     if leaked.modes is None:
         return stretch
-    receptance = stretch.receptance * _undo(leaked.modes, stretch, leaked, damping)
+    receptance = stretch.receptance * _correction_factors(leaked.modes, stretch, leaked, damping)
     weight = leaked_weights(leaked.modes.eigenvalue, replace(stretch, receptance=receptance))
-    away = np.abs(receptance - fitted_receptance(leaked.modes, stretch.freq, damping)) ** 2
-    doubt = np.where(weight * away > CLEAR**2, away, 0.0)
+    squared_difference = np.abs(receptance - fitted_receptance(leaked.modes, stretch.freq, damping)) ** 2
+    doubt = np.where(
+        weight * squared_difference > LEAKAGE_CORRECTION.disagreement_errors**2, squared_difference, 0.0
+    )
     return replace(stretch, receptance=receptance, weight=weight / (1 + weight * doubt))
 
 
@@ -89,25 +92,31 @@ def all_starts(start: StartingPoles, leaked: LeakageCorrection, freq: FloatArray
     """
     if leaked.modes is None:
         return start
-    known = leaked.modes
-    inside = (known.frequency >= freq[0]) & (known.frequency <= freq[-1])
-    frequency, near = np.sqrt(start.eigenvalue.real) / (2 * np.pi), known.loss_factor * known.frequency
+    reference_modes = leaked.modes
+    inside = (reference_modes.frequency >= freq[0]) & (reference_modes.frequency <= freq[-1])
+    frequency, near = (
+        np.sqrt(start.eigenvalue.real) / (2 * np.pi),
+        reference_modes.loss_factor * reference_modes.frequency,
+    )
     near = np.maximum(near, float(np.median(np.diff(freq))))
-    new = ~(np.abs(frequency[:, None] - known.frequency) < near).any(axis=1)
+    new = ~(np.abs(frequency[:, None] - reference_modes.frequency) < near).any(axis=1)
     reach = start.participation
     if reach is not None:
-        constants = known.modal_constant[inside].reshape(int(inside.sum()), -1, reach.shape[1])
+        constants = reference_modes.modal_constant[inside].reshape(int(inside.sum()), -1, reach.shape[1])
         strongest = np.linalg.svd(constants, full_matrices=False)[2][:, 0]
         reach = np.concatenate([strongest, reach[new]])
-    return StartingPoles(np.concatenate([known.eigenvalue[inside], start.eigenvalue[new]]), reach)
+    return StartingPoles(np.concatenate([reference_modes.eigenvalue[inside], start.eigenvalue[new]]), reach)
 
 
 def leaked_weights(eigenvalue: ComplexArray, stretch: BandData) -> FloatArray:
     """Return weights with what leakage may be wrong by: in proportion to power about a resonance."""
-    own = eigenvalue[nearest_mode(eigenvalue, stretch.freq)]
-    near = np.maximum(own.imag / np.abs(own - (2 * np.pi * stretch.freq) ** 2), FLANKS)
+    eigenvalue_of_line = eigenvalue[nearest_mode(eigenvalue, stretch.freq)]
+    relative_size = np.maximum(
+        eigenvalue_of_line.imag / np.abs(eigenvalue_of_line - (2 * np.pi * stretch.freq) ** 2),
+        LEAKAGE_CORRECTION.smallest_flank_error,
+    )
     used = stretch.weight > 0
-    error = (LEAKED * near[:, None] * np.abs(stretch.receptance)) ** 2
+    error = (LEAKAGE_CORRECTION.resonance_error * relative_size[:, None] * np.abs(stretch.receptance)) ** 2
     return np.where(used, 1 / (1 / np.where(used, stretch.weight, 1.0) + error), 0.0)
 
 
@@ -117,28 +126,30 @@ def nearest_mode(eigenvalue: ComplexArray, freq: FloatArray) -> IntArray:
     inside = np.flatnonzero((frequency >= freq[0]) & (frequency <= freq[-1]))
     if not len(inside):
         inside = np.arange(len(frequency))
-    away = np.abs(freq[:, None] - frequency[inside])
-    return np.asarray(inside[away.argmin(axis=1)])
+    distance = np.abs(freq[:, None] - frequency[inside])
+    return np.asarray(inside[distance.argmin(axis=1)])
 
 
-def _undo(fit: ModalFit, stretch: BandData, leaked: LeakageCorrection, damping: Damping) -> ComplexArray:
+def _correction_factors(
+    fit: ModalFit, stretch: BandData, leaked: LeakageCorrection, damping: Damping
+) -> ComplexArray:
     """Return what to multiply the lines by, (n_lines, n_frf)."""
-    own = nearest_mode(fit.eigenvalue, stretch.freq)
+    nearest = nearest_mode(fit.eigenvalue, stretch.freq)
     x = (2 * np.pi * stretch.freq[:, None]) ** 2
-    eigenvalue = fit.eigenvalue[own][:, None]
-    constant = fit.modal_constant[own]
-    rest = fitted_receptance(fit, stretch.freq, damping) - constant / (eigenvalue - x)
+    eigenvalue = fit.eigenvalue[nearest][:, None]
+    constant = fit.modal_constant[nearest]
+    background = fitted_receptance(fit, stretch.freq, damping) - constant / (eigenvalue - x)
     # a mode's receptance, turned to inertance, is a mode and its modal constant
-    beside = constant - x * rest
+    residual = constant - x * background
     drive = leaked.drive
     if drive is None:
-        driven, beside_drive = np.zeros_like(constant[:, :1]), np.zeros_like(beside[:, :1])
+        driven, drive_residual = np.zeros_like(constant[:, :1]), np.zeros_like(residual[:, :1])
     else:
-        driven, beside_drive = constant[:, drive, None], beside[:, drive, None]
-    undone = leaked.leakage.correction(
+        driven, drive_residual = constant[:, drive, None], residual[:, drive, None]
+    correction = leaked.leakage.correction(
         stretch.freq[:, None, None],
         float(np.median(np.diff(stretch.freq))),
-        SinglePole(eigenvalue, -eigenvalue * constant, beside[..., None]),
-        SinglePole(eigenvalue, -eigenvalue * driven, beside_drive[..., None]),
+        SinglePole(eigenvalue, -eigenvalue * constant, residual[..., None]),
+        SinglePole(eigenvalue, -eigenvalue * driven, drive_residual[..., None]),
     )
-    return np.asarray(undone[..., 0])
+    return np.asarray(correction[..., 0])

@@ -5,10 +5,12 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray
+from modallab.core.numerics import SAFE_DIVISOR
 from modallab.extraction.multi_mode.fit_result import ModalFit
 from modallab.extraction.multi_mode.leakage_correction import LeakageCorrection, nearest_mode
 from modallab.extraction.multi_mode.modal_fit import fitted_receptance
 from modallab.extraction.multi_mode.refinement import BandData, RefinedModes
+from modallab.extraction.multi_mode.settings import LEAKED_MODES
 from modallab.extraction.options import Damping
 from modallab.extraction.preprocessing.leakage import SinglePole
 from modallab.extraction.preprocessing.leaked_lines import (
@@ -17,9 +19,6 @@ from modallab.extraction.preprocessing.leaked_lines import (
     leaked_lines,
     white_error_correlation,
 )
-
-REACH, WIDTHS = 12, 3.0  # lines to either side that tell of a mode, or half-power bandwidths
-MOST, FEWEST = 32, 4  # lines to either side, and in all
 
 
 def with_leaked_errors(
@@ -47,21 +46,24 @@ def with_leaked_errors(
     variance = np.diag(fit.eigenvalue_covariance).copy()
     constant = fit.modal_constant_error.copy()
     receptance = fitted_receptance(fit, stretch.freq, damping)
-    nearest, wide = nearest_mode(fit.eigenvalue, stretch.freq), max(float(np.median(fit.misfit)), 1.0)
+    nearest, misfit_factor = (
+        nearest_mode(fit.eigenvalue, stretch.freq),
+        max(float(np.median(fit.misfit)), 1.0),
+    )
     for m in range(n):
-        index = _near(fit, stretch.freq, m, nearest)
-        if len(index) < FEWEST:
+        index = _lines_of_mode(fit, stretch.freq, m, nearest)
+        if len(index) < LEAKED_MODES.minimum_lines:
             continue
         freq, whole = stretch.freq[index], receptance[index].T
         mode = _Mode(fit, m, freq, refined.weight[index].T, whole)
-        tied = _tied(fit, leaked, m, freq, spacing, whole)
-        noise = _noise(stretch, leaked, index, tied, fit.common)
-        errors = mode.errors(tied, noise, leaked.averages, fit.common)
+        leaked_lines_of_mode = _lines_about_mode(fit, leaked, m, freq, spacing, whole)
+        noise = _noise(stretch, leaked, index, leaked_lines_of_mode, fit.common_noise)
+        errors = mode.errors(leaked_lines_of_mode, noise, leaked.averages, fit.common_noise)
         turn = np.array([-fit.loss_factor[m], 1.0]) / fit.eigenvalue[m].real
-        variance[m] = wide * errors.eigenvalue[0, 0] / (8 * np.pi**2 * fit.frequency[m]) ** 2
-        variance[n + m] = wide * (turn @ errors.eigenvalue @ turn)
-        constant[m] = np.sqrt(wide) * errors.constant
-    scale = np.sqrt(variance / np.maximum(np.diag(fit.eigenvalue_covariance), 1e-300))
+        variance[m] = misfit_factor * errors.eigenvalue[0, 0] / (8 * np.pi**2 * fit.frequency[m]) ** 2
+        variance[n + m] = misfit_factor * (turn @ errors.eigenvalue @ turn)
+        constant[m] = np.sqrt(misfit_factor) * errors.constant
+    scale = np.sqrt(variance / np.maximum(np.diag(fit.eigenvalue_covariance), SAFE_DIVISOR))
     covariance = fit.eigenvalue_covariance * scale[:, None] * scale
     return replace(fit, eigenvalue_covariance=covariance, modal_constant_error=constant)
 
@@ -86,18 +88,18 @@ class _Mode:
         along = (weight * flank.conj() * slope).sum(axis=1) / power
         slope = slope - along[:, None] * flank
         total = float((weight * np.abs(slope) ** 2).sum())
-        self._pole = weight * slope.conj() * whole / (total or np.inf)
+        self._pole_influence = weight * slope.conj() * whole / (total or np.inf)
         size = np.abs(constant)
         turn = constant.conj() / np.where(size > 0, size, 1.0)
-        self._own = turn[:, None] * weight * flank.conj() * whole / power[:, None]
-        self._along = -turn * along
+        self._constant_influence = turn[:, None] * weight * flank.conj() * whole / power[:, None]
+        self._constant_slope = -turn * along
 
-    def errors(self, tied: LeakedLines, noise: "_Noise", averages: float, common: float) -> _Errors:
+    def errors(self, lines: LeakedLines, noise: "_Noise", averages: float, common: float) -> _Errors:
         """Return what leakage and noise do to the mode.
 
         Parameters
         ----------
-        tied
+        lines
             Lines of one record, of all FRFs.
         noise
             What lines have beside leakage.
@@ -106,35 +108,44 @@ class _Mode:
         common
             Share of the errors that FRFs have in common.
         """
-        each, own = tied.errors, self._own + self._along[:, None] * self._pole
-        alone = LineErrors(
-            each.covariance * (1 - common) / averages + noise.alone,
-            each.relation * (1 - common) / averages,
+        line_errors, influence = (
+            lines.errors,
+            self._constant_influence + self._constant_slope[:, None] * self._pole_influence,
         )
-        pole = np.array(_squares(self._pole, alone))
-        others = pole.sum(axis=1, keepdims=True) - pole
-        beta = np.stack([np.abs(self._along) ** 2, self._along**2])
-        constant = np.array(_squares(own, alone)) + beta * others
-        whole = pole.sum(axis=1)
+        frf_errors = LineErrors(
+            line_errors.covariance * (1 - common) / averages + noise.independent,
+            line_errors.relation * (1 - common) / averages,
+        )
+        pole = np.array(_squares(self._pole_influence, frf_errors))
+        other_frfs = pole.sum(axis=1, keepdims=True) - pole
+        beta = np.stack([np.abs(self._constant_slope) ** 2, self._constant_slope**2])
+        constant = np.array(_squares(influence, frf_errors)) + beta * other_frfs
+        total = pole.sum(axis=1)
         if common > 0:
             share = common / averages
-            form = np.einsum("jk,jkab->kab", self._pole, tied.form)
-            whole = whole + share * np.array(_sums(LeakedLines(form, tied.moments[0])))
-            forms = self._own[..., None, None] * tied.form + self._along[:, None, None, None] * form
-            constant = constant + share * np.array(_sums(LeakedLines(forms, tied.moments)))
-            every = self._pole.sum(axis=0)
-            whole[0] += _size(every, noise.white_correlation)
-            constant[0] += _size(self._own + self._along[:, None] * every, noise.white_correlation)
-        circular, turned = whole[0].real, whole[1]
+            form = np.einsum("jk,jkab->kab", self._pole_influence, lines.form)
+            total = total + share * np.array(_sums(LeakedLines(form, lines.moments[0])))
+            forms = (
+                self._constant_influence[..., None, None] * lines.form
+                + self._constant_slope[:, None, None, None] * form
+            )
+            constant = constant + share * np.array(_sums(LeakedLines(forms, lines.moments)))
+            pole_influence = self._pole_influence.sum(axis=0)
+            total[0] += _size(pole_influence, noise.white_correlation)
+            constant[0] += _size(
+                self._constant_influence + self._constant_slope[:, None] * pole_influence,
+                noise.white_correlation,
+            )
+        circular, turned = total[0].real, total[1]
         eigenvalue = np.array([[circular + turned.real, turned.imag], [turned.imag, circular - turned.real]])
         return _Errors(eigenvalue / 2, np.sqrt(np.maximum(constant.sum(axis=0).real / 2, 0.0)))
 
 
 def _squares(influence: ComplexArray, errors: LineErrors) -> tuple[ComplexArray, ComplexArray]:
     """Return E|e|^2 and E[e^2] of each FRF's sum of lines, both (n_frf,)."""
-    back = influence.conj()
+    conjugate = influence.conj()
     return (
-        np.einsum("jk,jkl,jl->j", influence, errors.covariance, back),
+        np.einsum("jk,jkl,jl->j", influence, errors.covariance, conjugate),
         np.einsum("jk,jkl,jl->j", influence, errors.relation, influence),
     )
 
@@ -151,53 +162,60 @@ def _sums(lines: LeakedLines) -> tuple[ComplexArray, ComplexArray]:
 
 @dataclass(frozen=True, eq=False)
 class _Noise:
-    alone: FloatArray  # (n_frf, n_lines, n_lines) covariance of what each FRF has for itself
+    independent: FloatArray  # (n_frf, n_lines, n_lines) covariance of what each FRF has for itself
     white_correlation: FloatArray  # (n_lines, n_lines) of what all have in common
 
 
 def _noise(
-    stretch: BandData, leaked: LeakageCorrection, index: IntArray, tied: LeakedLines, common: float
+    stretch: BandData, leaked: LeakageCorrection, index: IntArray, lines: LeakedLines, common: float
 ) -> _Noise:
     """Return errors that lines have beside leakage: in common at most what is usual among the FRFs.
 
     The least of many would be least by chance: each is what an estimate leaves over another.
     """
     freq, spacing = stretch.freq[index], float(np.median(np.diff(stretch.freq)))
-    seen = (stretch.weight[index] * np.abs(stretch.receptance[index]) ** 2).T
-    known = np.where(seen > 0, 1 / np.where(seen > 0, seen, 1.0), 0.0)
-    own = np.diagonal(tied.errors.covariance, axis1=-2, axis2=-1).real / leaked.averages
-    more = np.maximum(known - own, 0.0)
-    shared = common * np.median(more, axis=0)
-    alike = white_error_correlation(leaked.leakage, freq, spacing)
+    exactness = (stretch.weight[index] * np.abs(stretch.receptance[index]) ** 2).T
+    line_variance = np.where(exactness > 0, 1 / np.where(exactness > 0, exactness, 1.0), 0.0)
+    leaked_variance = np.diagonal(lines.errors.covariance, axis1=-2, axis2=-1).real / leaked.averages
+    excess = np.maximum(line_variance - leaked_variance, 0.0)
+    common_variance = common * np.median(excess, axis=0)
+    correlation = white_error_correlation(leaked.leakage, freq, spacing)
 
     def tied_by_window(variance: FloatArray) -> FloatArray:
         size = np.sqrt(variance)
-        return np.asarray(size[..., :, None] * size[..., None, :] * alike)
+        return np.asarray(size[..., :, None] * size[..., None, :] * correlation)
 
-    return _Noise(tied_by_window(np.maximum(more - shared, 0.0)), tied_by_window(shared))
+    return _Noise(tied_by_window(np.maximum(excess - common_variance, 0.0)), tied_by_window(common_variance))
 
 
-def _tied(
-    fit: ModalFit, leaked: LeakageCorrection, m: int, freq: FloatArray, spacing: float, whole: ComplexArray
+def _lines_about_mode(
+    fit: ModalFit,
+    leaked: LeakageCorrection,
+    m: int,
+    freq: FloatArray,
+    spacing: float,
+    receptance: ComplexArray,
 ) -> LeakedLines:
-    """Return errors that leakage about one mode makes of the lines of all FRFs; `whole` (n_frf, n_lines)."""
+    """Return the errors of lines by leakage of one mode, in all FRFs; `receptance` (n_frf, n_lines)."""
     x, pole, constant = (2 * np.pi * freq) ** 2, fit.eigenvalue[m], fit.modal_constant[m]
-    beside = constant[:, None] - x * (whole - constant[:, None] / (pole - x))
-    one, at = fit.eigenvalue[m : m + 1], leaked.drive
-    drive = np.zeros(1, complex) if at is None else constant[at : at + 1]
-    beside_drive = np.zeros((1, len(freq)), complex) if at is None else beside[at : at + 1]
+    residual = constant[:, None] - x * (receptance - constant[:, None] / (pole - x))
+    eigenvalue, drive_row = fit.eigenvalue[m : m + 1], leaked.drive
+    drive = np.zeros(1, complex) if drive_row is None else constant[drive_row : drive_row + 1]
+    drive_residual = (
+        np.zeros((1, len(freq)), complex) if drive_row is None else residual[drive_row : drive_row + 1]
+    )
     return leaked_lines(
         leaked.leakage,
         freq,
         spacing,
-        SinglePole(one, -pole * constant, beside),
-        SinglePole(one, -pole * drive, beside_drive),
+        SinglePole(eigenvalue, -pole * constant, residual),
+        SinglePole(eigenvalue, -pole * drive, drive_residual),
     )
 
 
-def _near(fit: ModalFit, freq: FloatArray, m: int, nearest: IntArray) -> IntArray:
+def _lines_of_mode(fit: ModalFit, freq: FloatArray, m: int, nearest: IntArray) -> IntArray:
     """Return the lines that tell of a mode, and of no other."""
     spacing = float(np.median(np.diff(freq)))
     width = abs(fit.loss_factor[m]) * fit.frequency[m] / spacing
-    reach = min(max(REACH, WIDTHS * width), MOST)
+    reach = min(max(LEAKED_MODES.lines, LEAKED_MODES.half_power_widths * width), LEAKED_MODES.largest_lines)
     return np.flatnonzero((nearest == m) & (np.abs(freq - fit.frequency[m]) <= reach * spacing))

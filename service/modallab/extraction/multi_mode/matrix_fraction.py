@@ -24,16 +24,8 @@ import scipy.fft
 import scipy.linalg
 
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray
-
-# Part of the circle: on a whole one the two ends of a band would meet, and they differ. On an arc of
-# capacity c the least eigenvalue of normal equations of order n is some c^(2 n) of the largest.
-LEAST_ARC = 0.8
-LOST = 0.05
-LOUDEST = 100.0  # times the power of the usual FRF: an error told too small must not silence the others
-DEEPEST = 1e-8  # of the largest power: below, a line would not count at all
-ALIKE = 1e-9  # weights that differ by rounding
-COMPENSATED = 0.75  # of what noise adds to M: bias falls with it; with all of it, noise poles would be stable
-ROUNDING = 1e-14  # of the mean of a diagonal: sums of exact data are positive but for rounding
+from modallab.core.numerics import COMPARISON_ROUNDING, SUM_ROUNDING
+from modallab.extraction.multi_mode.settings import MATRIX_FRACTION
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,29 +66,32 @@ def to_z_domain(frf: ComplexArray, weight: FloatArray, order: int) -> ZDomainDat
     square = by_lines.real**2 + by_lines.imag**2
     mean = square.mean(axis=(0, 2))
     scale = np.where(mean > 0, mean, 1.0)[:, None]
-    told = weight.transpose(1, 2, 0)
-    usable = told.min(axis=1) > 0
-    variance = np.divide(1 / scale, told, out=np.zeros(told.shape), where=usable[:, None])
+    line_weight = weight.transpose(1, 2, 0)
+    usable = line_weight.min(axis=1) > 0
+    variance = np.divide(1 / scale, line_weight, out=np.zeros(line_weight.shape), where=usable[:, None])
     row = np.divide(1.0, variance.mean(axis=1), out=np.zeros(usable.shape), where=usable)
     power = (square / scale).sum(axis=1) * usable
     level = _level(row, power)[:, None]
     pattern = row / level * _gain(power)
     noise = variance * (pattern * level)[:, None]
-    if (np.ptp(pattern, axis=0) <= ALIKE * pattern[0]).all():
+    if (np.ptp(pattern, axis=0) <= COMPARISON_ROUNDING * pattern[0]).all():
         pattern = pattern[:1]
-    each = np.sqrt(scale / level[:, None])
-    arc = max(LEAST_ARC, 2 / np.pi * np.arcsin(LOST ** (1 / (2 * order))))
+    frf_scale = np.sqrt(scale / level[:, None])
+    arc = max(
+        MATRIX_FRACTION.least_arc,
+        2 / np.pi * np.arcsin(MATRIX_FRACTION.smallest_eigenvalue_ratio ** (1 / (2 * order))),
+    )
     points = scipy.fft.next_fast_len(int(np.ceil(len(frf) / arc)))
-    return ZDomainData(by_lines * (1 / each), pattern, noise, each[..., 0], points)
+    return ZDomainData(by_lines * (1 / frf_scale), pattern, noise, frf_scale[..., 0], points)
 
 
 def _level(row: FloatArray, power: FloatArray) -> FloatArray:
     """Return what each FRF's weights are divided by, (n_out,), bounded where it is far above the others."""
     level = row.mean(axis=1)
-    told = (row * power).sum(axis=1)
-    ranked = np.sort(told[told > 0])
-    loudest = LOUDEST * (ranked[len(ranked) // 2] if len(ranked) else 1.0)
-    level = level * np.minimum(1.0, loudest / np.where(told > 0, told, loudest))
+    weighted_power = (row * power).sum(axis=1)
+    ranked = np.sort(weighted_power[weighted_power > 0])
+    loudest = MATRIX_FRACTION.largest_power_ratio * (ranked[len(ranked) // 2] if len(ranked) else 1.0)
+    level = level * np.minimum(1.0, loudest / np.where(weighted_power > 0, weighted_power, loudest))
     return np.asarray(np.where(level > 0, level, 1.0))
 
 
@@ -104,7 +99,7 @@ def _gain(power: FloatArray) -> FloatArray:
     """Return the power of all FRFs, each in parts of its own sum, (n_freq,), with a geometric mean of 1."""
     total = power.sum(axis=1)
     gain = 1 / np.where(total > 0, total, 1.0) @ power
-    gain = np.maximum(gain, DEEPEST * (gain.max() or 1.0))
+    gain = np.maximum(gain, MATRIX_FRACTION.smallest_gain * (gain.max() or 1.0))
     return np.asarray(gain / np.exp(np.log(gain).mean()))
 
 
@@ -119,9 +114,9 @@ def fit_fractions(circle: ZDomainData, orders: IntArray) -> Fractions:
         (n_orders,) rising.
     """
     normal = _normal(circle, int(orders[-1]))
-    added = _added_by_noise(circle, normal)
+    added = _noise_contribution(circle, normal)
     level = _noise_level(_factor(normal.reduced, normal.total), added)
-    unbiased = replace(normal, reduced=normal.reduced - COMPENSATED * level * added)
+    unbiased = replace(normal, reduced=normal.reduced - MATRIX_FRACTION.compensated_bias * level * added)
     return Fractions(unbiased.solve(orders), normal.numerator, level)
 
 
@@ -140,9 +135,9 @@ class _Normal:
         m = len(self.reduced) // (order + 1)
         inverse = _inverse(_factor(self.reduced[m:, m:], self.total)[None])[0]
         forward = inverse @ -self.reduced[m:, :m]
-        held = np.arange(order * m)[:, None, None] < m * orders[:, None]
-        each = np.where(held, forward[:, None, :], 0.0).reshape(order * m, -1)
-        free = inverse.conj().T @ each
+        in_order = np.arange(order * m)[:, None, None] < m * orders[:, None]
+        truncated = np.where(in_order, forward[:, None, :], 0.0).reshape(order * m, -1)
+        free = inverse.conj().T @ truncated
         solved = np.empty((len(orders), order + 1, m, m), complex)
         solved[:, 0] = np.eye(m)
         solved[:, 1:] = np.moveaxis(free.reshape(order, m, len(orders), m), 2, 0)
@@ -156,15 +151,15 @@ def _normal(circle: ZDomainData, order: int) -> _Normal:
     power = np.einsum("oik,ojk->ijk", weighted.conj(), circle.frf)
     # all sums by one transform: one call a set costs as much as the sums
     rows = (weighted.reshape(-1, n_freq), power.reshape(-1, n_freq), circle.weight)
-    every = _toeplitz(circle.sums(np.concatenate(rows), order))
+    toeplitz = _toeplitz(circle.sums(np.concatenate(rows), order))
     first, last = len(rows[0]), len(rows[0]) + len(rows[1])
     square = (order + 1, order + 1)
-    each = every[:first].reshape(n_out, n_in, *square).transpose(0, 2, 3, 1)
-    of_outputs = each.reshape(n_out, order + 1, size)
-    total = every[first:last].reshape(n_in, n_in, *square).transpose(2, 0, 3, 1).reshape(size, size)
-    own = every[last:]
+    output_blocks = toeplitz[:first].reshape(n_out, n_in, *square).transpose(0, 2, 3, 1)
+    of_outputs = output_blocks.reshape(n_out, order + 1, size)
+    total = toeplitz[first:last].reshape(n_in, n_in, *square).transpose(2, 0, 3, 1).reshape(size, size)
+    numerator_blocks = toeplitz[last:]
     # R^-1 = F^H F: a difference of squares loses less to rounding than one with R^-1
-    factor = _inverse(_factor(own, own))
+    factor = _inverse(_factor(numerator_blocks, numerator_blocks))
     part = (factor @ of_outputs).reshape(-1, size)
     turned = factor.conj().transpose(0, 2, 1)
     numerator = turned @ part.reshape(of_outputs.shape)
@@ -175,15 +170,15 @@ def _normal(circle: ZDomainData, order: int) -> _Normal:
 def _toeplitz(lags: ComplexArray) -> ComplexArray:
     """Return matrices whose element (j, k) is the lag k - j, (..., n + 1, n + 1)."""
     order = lags.shape[-1] // 2
-    shape, one = (*lags.shape[:-1], order + 1, order + 1), lags.strides[-1]
-    strides = (*lags.strides[:-1], -one, one)
+    shape, stride = (*lags.shape[:-1], order + 1, order + 1), lags.strides[-1]
+    strides = (*lags.strides[:-1], -stride, stride)
     return np.lib.stride_tricks.as_strided(lags[..., order:], shape, strides, writeable=False)
 
 
-def _factor(matrices: ComplexArray, of: ComplexArray) -> ComplexArray:
-    """Return lower Cholesky factors; what rounding of sums as large as `of` took away is put back first."""
-    mean = np.einsum("...ii->...", of).real / of.shape[-1]
-    ridge = np.where(mean > 0, ROUNDING * mean, 1.0)
+def _factor(matrices: ComplexArray, scale_matrices: ComplexArray) -> ComplexArray:
+    """Return lower Cholesky factors, regularised by the rounding of sums as large as `scale_matrices`."""
+    mean = np.einsum("...ii->...", scale_matrices).real / scale_matrices.shape[-1]
+    ridge = np.where(mean > 0, SUM_ROUNDING * mean, 1.0)
     raised = np.array(matrices)
     diagonal = np.einsum("...ii->...i", raised)
     while True:
@@ -200,7 +195,7 @@ def _inverse(factors: ComplexArray) -> ComplexArray:
     return np.stack([scipy.linalg.lapack.ztrtri(factor, lower=1)[0] for factor in factors])
 
 
-def _added_by_noise(circle: ZDomainData, normal: _Normal) -> ComplexArray:
+def _noise_contribution(circle: ZDomainData, normal: _Normal) -> ComplexArray:
     """Return C, what noise as the weights tell it adds to M.
 
     Of the noise in an equation the numerators take up a share: the leverage of its line.
@@ -212,11 +207,11 @@ def _added_by_noise(circle: ZDomainData, normal: _Normal) -> ComplexArray:
     round_circle[:, : order + 1] = lags[:, order:]
     round_circle[:, circle.points - order :] = lags[:, :order]
     leverage = circle.weight * scipy.fft.fft(round_circle)[:, : circle.weight.shape[1]].real
-    left = np.clip(1 - leverage, 0.0, 1.0)
-    own = _toeplitz(circle.sums((circle.noise * left[:, None]).sum(axis=0), order))
+    unexplained = np.clip(1 - leverage, 0.0, 1.0)
+    noise_block = _toeplitz(circle.sums((circle.noise * unexplained[:, None]).sum(axis=0), order))
     added = np.zeros((order + 1, n_in, order + 1, n_in), complex)
     for i in range(n_in):
-        added[:, i, :, i] = own[i]
+        added[:, i, :, i] = noise_block[i]
     return added.reshape(normal.reduced.shape)
 
 

@@ -3,26 +3,21 @@
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.core.numerics import EIGENVALUE_ROUNDING, SAFE_DIVISOR, SUM_ROUNDING
 from modallab.core.progress import Progress, silent
 from modallab.extraction.multi_mode.fit_result import ModalFit
-from modallab.extraction.multi_mode.modal_covariance import evened, turned, uncertainty
+from modallab.extraction.multi_mode.modal_covariance import parameter_weights, uncertainty, unit_diagonal
 from modallab.extraction.multi_mode.participation import SharedShapeBasis
 from modallab.extraction.multi_mode.physical_units import constants, to_physical_units
 from modallab.extraction.multi_mode.pole_basis import BASES, PoleBasis
-from modallab.extraction.multi_mode.variable_projection import Linear, Scaled, scaled, solve_linear
+from modallab.extraction.multi_mode.settings import MODAL_FIT
+from modallab.extraction.multi_mode.variable_projection import (
+    LinearSolution,
+    ScaledLines,
+    scale_lines,
+    solve_linear,
+)
 from modallab.extraction.options import Damping
-
-ROUNDS = 40  # steps tried; from a pole finder's start four to eight are taken
-USUAL = 6  # steps, in which half of the work is said to be done
-SETTLED = 0.02  # standard errors: what a last step may still move a mode by
-NOTHING = 0.05  # of what random error lowers the misfit by per unknown: a step that wins less is the last
-LEVEL = 1e-9  # of the misfit: what a step gains or loses by rounding, and through directions nobody sees
-EXACT = 1e-13  # of an eigenvalue, where the lines hold rounding only
-FARTHEST = 0.5  # of a mode's own damping: what one step may change of it, or the slopes no longer hold
-# Of the ends of the range: a mode further below is but a mass, further above but a constant and the pole held
-# there. It would wander for ever.
-FARTHEST_BELOW, FARTHEST_ABOVE = 0.3, 1.4
-FIRST, STRICTER, LOOSER = 1e-4, 10.0, 0.1  # Levenberg-Marquardt damping, of the normal matrix's diagonal
 
 
 def fit_modes(
@@ -66,7 +61,7 @@ def fit_modes(
     Kaufman, L. (1975), BIT 15, 49-57.
     """
     n_ref = 1 if participation is None else participation.shape[1]
-    lines = scaled(2 * np.pi * freq, receptance, weight, n_ref)
+    lines = scale_lines(2 * np.pi * freq, receptance, weight, n_ref)
     order = np.argsort(start, kind="stable")
     reach = None if participation is None or n_ref == 1 else participation[order]
     basis, begin = _begin(start[order] / lines.unit**2, reach, damping)
@@ -95,7 +90,7 @@ def one_step(
     Eigenvalues, (n_modes,) (rad/s)^2, and modal constants, (n_modes, n_frf) 1/kg.
     """
     n_ref = 1 if fit.participation is None else fit.participation.shape[1]
-    lines = scaled(2 * np.pi * freq, receptance, weight, n_ref)
+    lines = scale_lines(2 * np.pi * freq, receptance, weight, n_ref)
     basis, parameters = _begin(fit.eigenvalue / lines.unit**2, fit.participation, damping)
     normal, slope = _normal_equations(basis, solve_linear(lines, basis, parameters))
     step = _step(normal, slope, 0.0).reshape(parameters.shape)
@@ -117,7 +112,7 @@ def _begin(
     return basis, basis.start(law.parameters(eigenvalue), participation)
 
 
-def held_modes(
+def modes_at_eigenvalues(
     freq: FloatArray,
     receptance: ComplexArray,
     weight: FloatArray,
@@ -131,7 +126,7 @@ def held_modes(
     that which they would have if they too were fitted, from here.
     """
     basis = BASES[damping]
-    lines = scaled(2 * np.pi * freq, receptance, weight)
+    lines = scale_lines(2 * np.pi * freq, receptance, weight)
     parameters = basis.parameters(np.sort_complex(eigenvalue) / lines.unit**2)
     linear = solve_linear(lines, basis, parameters)
     return to_physical_units(lines, basis, parameters, linear, uncertainty(lines, basis, parameters, linear))
@@ -154,71 +149,76 @@ def fitted_receptance(fit: ModalFit, freq: FloatArray, damping: Damping) -> Comp
     coefficients = np.linalg.inv(basis.constant(parameters)) @ parts[..., None]
     columns = basis.columns(omega, parameters).reshape(len(freq), -1)
     modes = columns @ coefficients[..., 0].swapaxes(1, 2).reshape(-1, fit.modal_constant.shape[1])
-    below, above = fit.residuals
-    return np.asarray(modes + above - below / omega[:, None] ** 2, complex)
+    mass_line, stiffness_line = fit.residuals
+    return np.asarray(modes + stiffness_line - mass_line / omega[:, None] ** 2, complex)
 
 
 def _descend(
-    lines: Scaled, basis: PoleBasis, parameters: FloatArray, progress: Progress
-) -> tuple[FloatArray, Linear]:
+    lines: ScaledLines, basis: PoleBasis, parameters: FloatArray, progress: Progress
+) -> tuple[FloatArray, LinearSolution]:
     """Return the parameters of least misfit, and what is linear there."""
     linear = solve_linear(lines, basis, parameters)
-    damping, ends = FIRST, (float(lines.omega.min()) ** 2, 1.0)
+    damping, limits = MODAL_FIT.first_damping, (float(lines.omega.min()) ** 2, 1.0)
     n_spare = max(2 * int((lines.weight > 0).sum()) - linear.coefficients.size - parameters.size, 1)
     # modes that begin beyond the range stay there: what they are for is not in it
-    lowest = np.where(parameters[:, 0] > ends[1], ends[1], FARTHEST_BELOW**2 * ends[0])
-    highest = np.where(parameters[:, 0] < ends[0], ends[0], FARTHEST_ABOVE**2 * ends[1])
-    for n in range(ROUNDS):
-        progress(n / (n + USUAL), "fitting all modes to all FRFs")
+    lowest = np.where(parameters[:, 0] > limits[1], limits[1], MODAL_FIT.lowest_frequency**2 * limits[0])
+    highest = np.where(parameters[:, 0] < limits[0], limits[0], MODAL_FIT.highest_frequency**2 * limits[1])
+    for n in range(MODAL_FIT.iterations):
+        progress(n / (n + MODAL_FIT.usual_iterations), "fitting all modes to all FRFs")
         normal, slope = _normal_equations(basis, linear)
-        step = _limited(_step(normal, slope, damping).reshape(parameters.shape), parameters, ends)
+        step = _limited(_step(normal, slope, damping).reshape(parameters.shape), parameters, limits)
         trial = parameters + step
         trial[:, 0] = np.clip(trial[:, 0], lowest, highest)
         if not _moves(trial - parameters, normal, parameters, 2 * linear.misfit.sum() / n_spare):
             break
-        tried = solve_linear(lines, basis, trial)
-        gain = float(linear.misfit.sum() - tried.misfit.sum())
-        if abs(gain) < LEVEL * linear.misfit.sum():
+        trial_solution = solve_linear(lines, basis, trial)
+        gain = float(linear.misfit.sum() - trial_solution.misfit.sum())
+        if abs(gain) < MODAL_FIT.insensitivity * linear.misfit.sum():
             break
         if gain > 0:
-            parameters, linear, damping = trial, tried, damping * LOOSER
-            if gain < NOTHING * linear.misfit.sum() / n_spare:
+            parameters, linear, damping = trial, trial_solution, damping * MODAL_FIT.damping_decrease
+            if gain < MODAL_FIT.smallest_gain * linear.misfit.sum() / n_spare:
                 break
         else:
-            damping = max(damping, FIRST) * STRICTER
-            if damping > 1 / FIRST**2:  # rounding: no smaller step does better
+            damping = max(damping, MODAL_FIT.first_damping) * MODAL_FIT.damping_increase
+            if damping > 1 / MODAL_FIT.first_damping**2:  # rounding: no smaller step does better
                 break
     return parameters, linear
 
 
-def _normal_equations(basis: PoleBasis, linear: Linear) -> tuple[FloatArray, FloatArray]:
+def _normal_equations(basis: PoleBasis, linear: LinearSolution) -> tuple[FloatArray, FloatArray]:
     """Return the normal matrix of all parameters and its right-hand side."""
-    c = turned(basis, linear)
-    normal = np.einsum("jps,jsq->pq", c @ linear.beside, c.swapaxes(1, 2), optimize=True)
+    c = parameter_weights(basis, linear)
+    normal = np.einsum("jps,jsq->pq", c @ linear.projected, c.swapaxes(1, 2), optimize=True)
     return normal, np.einsum("jps,js->p", c, linear.gradient)
 
 
 def _step(normal: FloatArray, slope: FloatArray, damping: float) -> FloatArray:
-    even, length = evened(normal)
+    even, length = unit_diagonal(normal)
     pull = np.where(np.diag(normal) > 0, slope / length, 0.0)
-    return np.asarray(np.linalg.solve(even + (damping + 1e-14) * np.eye(len(length)), pull) / length)
+    return np.asarray(np.linalg.solve(even + (damping + SUM_ROUNDING) * np.eye(len(length)), pull) / length)
 
 
 def _moves(step: FloatArray, normal: FloatArray, parameters: FloatArray, variance: float) -> bool:
     """Return whether a step is more than a small part of the standard errors, and than rounding."""
-    far = float(step.ravel() @ normal @ step.ravel()) > SETTLED**2 * variance
-    return far and bool((np.abs(step) > EXACT * parameters[:, :1]).any())
+    far = float(step.ravel() @ normal @ step.ravel()) > MODAL_FIT.convergence**2 * variance
+    return far and bool((np.abs(step) > EIGENVALUE_ROUNDING * parameters[:, :1]).any())
 
 
-def _limited(step: FloatArray, parameters: FloatArray, ends: tuple[float, float]) -> FloatArray:
+def _limited(step: FloatArray, parameters: FloatArray, limits: tuple[float, float]) -> FloatArray:
     """Return the step, each mode's cut to where its slopes still hold and its damping stays positive.
 
     Of a mode beyond the ends of the range, whose damping hardly shows, to part of its distance from them. A
     participation, of which the largest is 1, moves by no more than `FARTHEST` at once either.
     """
     stiffness, damping = parameters[:, :2].T
-    beyond = np.abs(stiffness - np.clip(stiffness, *ends))
-    most = FARTHEST * np.minimum(np.maximum(np.abs(damping), beyond), stiffness)
-    longest = np.maximum(np.abs(step[:, :2]).max(axis=1), 1e-300)
-    turned = np.maximum(np.abs(step[:, 2:]).max(axis=1, initial=0.0), 1e-300)
-    return np.asarray(step * np.minimum(1.0, np.minimum(most / longest, FARTHEST / turned))[:, None])
+    outside = np.abs(stiffness - np.clip(stiffness, *limits))
+    largest_change = MODAL_FIT.largest_step * np.minimum(np.maximum(np.abs(damping), outside), stiffness)
+    longest = np.maximum(np.abs(step[:, :2]).max(axis=1), SAFE_DIVISOR)
+    parameter_weights = np.maximum(np.abs(step[:, 2:]).max(axis=1, initial=0.0), SAFE_DIVISOR)
+    return np.asarray(
+        step
+        * np.minimum(1.0, np.minimum(largest_change / longest, MODAL_FIT.largest_step / parameter_weights))[
+            :, None
+        ]
+    )

@@ -8,17 +8,7 @@ from modallab.core.arrays import ComplexArray, FloatArray, IntArray, frozen
 from modallab.core.modal_model import StabilisationChart
 from modallab.extraction.multi_mode.global_method import Poles
 from modallab.extraction.multi_mode.pole_tracks import pole_tracks
-
-STABLE = 2  # in frequency and damping
-LEAST = 5  # stable poles of a mode; fewer where the chart has few orders
-LEAST_PART = 1 / 3  # of the orders
-SHARE = 0.5  # of the orders from its first stable pole on
-NOTED = 3  # stable poles, from which a column that is no mode is spoken of
-STRONG = 4.0  # times what noise would be, rms over many FRFs: the strongest of noise poles reach 3
-FEW = 3.0  # with one FRF they reach twice that
-NARROWEST = 0.005  # of a line: what one line alone shows is hum, or a wrong value
-BROADEST = 0.4  # loss factor: what has died away after two periods is no resonance
-NEAR = 3.0  # half-power bandwidths: modes within them share their circles
+from modallab.extraction.multi_mode.settings import SELECTION
 
 
 @dataclass(frozen=True, eq=False)
@@ -58,11 +48,11 @@ def chart_of(poles: Poles, stability: IntArray, selection: Selection) -> Stabili
 
 
 @dataclass(frozen=True, eq=False)
-class _Column:
+class _TrackSummary:
     """What the chart says of one pole over the orders."""
 
     members: IntArray  # which poles of the chart, highest order first
-    taken: IntArray  # of them, those its values are of: stable ones, of the higher orders
+    representative: IntArray  # of them, those its values are of: stable ones, of the higher orders
     pole: complex
     frequency: float  # Hz
     loss_factor: float
@@ -89,10 +79,12 @@ def select(poles: Poles, stability: IntArray) -> Selection:
     stability
         (n_poles,) from `stabilise`.
     """
-    seen = [_column(poles, stability, members) for members in pole_tracks(poles)]
-    columns = sorted((column for column in seen if column is not None), key=lambda column: column.frequency)
-    against = [_against(column, poles) for column in columns]
-    modes = [column for column, why in zip(columns, against, strict=True) if why is None]
+    candidates = [_track_summary(poles, stability, members) for members in pole_tracks(poles)]
+    columns = sorted(
+        (column for column in candidates if column is not None), key=lambda column: column.frequency
+    )
+    objections = [_objection(column, poles) for column in columns]
+    modes = [column for column, why in zip(columns, objections, strict=True) if why is None]
     mode = np.full(len(poles.order), -1)
     for m, column in enumerate(modes):
         mode[column.members] = m
@@ -106,64 +98,72 @@ def select(poles: Poles, stability: IntArray) -> Selection:
         pairs,
         tuple(
             f"{column.frequency:.5g} Hz: {why}"
-            for column, why in zip(columns, against, strict=True)
-            if why is not None and column.n_stable >= NOTED
+            for column, why in zip(columns, objections, strict=True)
+            if why is not None and column.n_stable >= SELECTION.noted_stable
         ),
-        None if poles.participation is None else poles.participation[[int(c.taken[0]) for c in modes]],
+        None
+        if poles.participation is None
+        else poles.participation[[int(c.representative[0]) for c in modes]],
     )
 
 
-def _column(poles: Poles, stability: IntArray, members: IntArray) -> _Column | None:
+def _track_summary(poles: Poles, stability: IntArray, members: IntArray) -> _TrackSummary | None:
     """Return what speaks for a column, None if it is nowhere stable."""
-    stable = members[stability[members] >= STABLE]
+    stable = members[stability[members] >= SELECTION.stable_level]
     if not len(stable):
         return None
-    taken = stable[: max(LEAST, (len(stable) + 1) // 2)]
+    representative = stable[: max(SELECTION.minimum_stable, (len(stable) + 1) // 2)]
     first = int(poles.order[stable].min())
-    pole = complex(np.median(poles.pole[taken].real), np.median(poles.pole[taken].imag))
-    return _Column(
+    pole = complex(np.median(poles.pole[representative].real), np.median(poles.pole[representative].imag))
+    return _TrackSummary(
         members=members,
-        taken=taken,
+        representative=representative,
         pole=pole,
         frequency=abs(pole) / (2 * np.pi),
         loss_factor=-2 * pole.real / abs(pole),
-        frequency_scatter=float(poles.frequency[taken].std()),
-        loss_factor_scatter=float(poles.loss_factor[taken].std()),
-        strength=float(np.median(poles.strength[taken])),
+        frequency_scatter=float(poles.frequency[representative].std()),
+        loss_factor_scatter=float(poles.loss_factor[representative].std()),
+        strength=float(np.median(poles.strength[representative])),
         n_stable=len(stable),
-        n_alike=int((stability[stable] > STABLE).sum()),
+        n_alike=int((stability[stable] > SELECTION.stable_level).sum()),
         first=first,
         n_since=int((poles.orders >= first).sum()),
     )
 
 
-def _against(column: _Column, poles: Poles) -> str | None:
+def _objection(column: _TrackSummary, poles: Poles) -> str | None:
     """Return in words why a column is no mode, None if it is one."""
     # the lowest order is stable against none
-    least = min(LEAST, max(1, int(LEAST_PART * (len(poles.orders) - 1))))
-    if column.n_stable < least or column.n_stable < SHARE * column.n_since:
+    minimum = min(
+        SELECTION.minimum_stable, max(1, int(SELECTION.minimum_stable_fraction * (len(poles.orders) - 1)))
+    )
+    if column.n_stable < minimum or column.n_stable < SELECTION.stable_fraction * column.n_since:
         return f"stable at only {column.n_stable} of {column.n_since} orders from {column.first} on"
-    if column.strength < STRONG * np.sqrt(1 + FEW / poles.vector.shape[1]):
+    if column.strength < SELECTION.minimum_strength * np.sqrt(
+        1 + SELECTION.few_frf_factor / poles.vector.shape[1]
+    ):
         return f"no more than noise, {column.strength:.2g} standard errors of a line"
-    if column.loss_factor > BROADEST:
+    if column.loss_factor > SELECTION.largest_loss_factor:
         return f"no resonance, its loss factor is {column.loss_factor:.2g}"
     width = column.loss_factor * column.frequency / poles.spacing
-    if width < NARROWEST:
+    if width < SELECTION.smallest_width:
         return f"no resonance but a line of its own, only {width:.2g} of a line wide"
     return None
 
 
-def _pairs(modes: list[_Column]) -> tuple[tuple[int, int], ...]:
-    return tuple((m, m + 1) for m in range(len(modes) - 1) if _gap(modes[m], modes[m + 1]) < NEAR)
+def _pairs(modes: list[_TrackSummary]) -> tuple[tuple[int, int], ...]:
+    return tuple(
+        (m, m + 1) for m in range(len(modes) - 1) if _gap(modes[m], modes[m + 1]) < SELECTION.pair_distance
+    )
 
 
-def _gap(lower: _Column, upper: _Column) -> float:
+def _gap(lower: _TrackSummary, upper: _TrackSummary) -> float:
     """Return how far two modes are apart, in half-power bandwidths of the broader one."""
     width = max(column.loss_factor * column.frequency for column in (lower, upper))
     return (upper.frequency - lower.frequency) / width
 
 
-def _reason(modes: list[_Column], m: int, highest: int, pairs: tuple[tuple[int, int], ...]) -> str:
+def _reason(modes: list[_TrackSummary], m: int, highest: int, pairs: tuple[tuple[int, int], ...]) -> str:
     column = modes[m]
     parts = [
         f"stable at {column.n_stable} of {column.n_since} orders from {column.first} to {highest}, "
@@ -174,7 +174,7 @@ def _reason(modes: list[_Column], m: int, highest: int, pairs: tuple[tuple[int, 
     ]
     for pair in pairs:
         if m in pair:
-            other = modes[pair[0] + pair[1] - m]
+            neighbour = modes[pair[0] + pair[1] - m]
             gap = _gap(modes[pair[0]], modes[pair[1]])
-            parts.append(f"a pair with {other.frequency:.5g} Hz, {gap:.2g} bandwidths away")
+            parts.append(f"a pair with {neighbour.frequency:.5g} Hz, {gap:.2g} bandwidths away")
     return "; ".join(parts)

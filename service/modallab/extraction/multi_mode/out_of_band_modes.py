@@ -6,7 +6,8 @@ import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.extraction.multi_mode.global_model import GlobalFit
-from modallab.extraction.multi_mode.variable_projection import BEYOND, disturbed
+from modallab.extraction.multi_mode.settings import PROJECTION
+from modallab.extraction.multi_mode.variable_projection import affected_by_outer_modes
 
 
 def out_of_band_poles(fits: Sequence[GlobalFit], freq: FloatArray) -> ComplexArray:
@@ -23,12 +24,14 @@ def out_of_band_poles(fits: Sequence[GlobalFit], freq: FloatArray) -> ComplexArr
     """
     lowest, highest = fits[0].modes.fit, fits[-1].modes.fit
     first, omega = freq[fits[0].lines][0], 2 * np.pi * freq[fits[-1].lines]
-    held = [(pole * omega[-1]) ** 2 for pole in BEYOND] if disturbed(omega) else []
+    fixed = (
+        [(pole * omega[-1]) ** 2 for pole in PROJECTION.fixed_poles] if affected_by_outer_modes(omega) else []
+    )
     return np.concatenate(
         [
             lowest.eigenvalue[lowest.frequency < first],
             *(fit.modes.fit.eigenvalue[fit.modes.bends] for fit in fits),
             highest.eigenvalue[2 * np.pi * highest.frequency > omega[-1]],
-            np.array(held, complex),
+            np.array(fixed, complex),
         ]
     )

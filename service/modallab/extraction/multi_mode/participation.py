@@ -8,8 +8,8 @@ from modallab.core.arrays import ComplexArray, FloatArray, IntArray
 from modallab.extraction.multi_mode.pole_basis import BASES, ModelledPoleBasis
 from modallab.extraction.options import Damping
 
-OF_POLE = 2  # parameters of a mode that place it; the others are its participation
-TURNED = np.array([[0.0, -1.0], [1.0, 0.0]])  # times i, in parts
+POLE_PARAMETERS = 2  # parameters of a mode that place it; the others are its participation
+QUARTER_ROTATION = np.array([[0.0, -1.0], [1.0, 0.0]])  # times i, in parts
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,18 +24,18 @@ class SharedShapeBasis:
     n_references: int
 
     @property
-    def turned(self) -> bool:
+    def paired_columns(self) -> bool:
         """As of the law."""
-        return self._law.turned
+        return self._law.paired_columns
 
     @property
-    def turn(self) -> FloatArray:
+    def slope_weights(self) -> FloatArray:
         """(2, n_parameters, n_slopes)."""
         n_free = self.n_references - 1
-        turn = np.zeros((2, OF_POLE + 2 * n_free, 4 + 2 * n_free))
+        turn = np.zeros((2, POLE_PARAMETERS + 2 * n_free, 4 + 2 * n_free))
         for c in (0, 1):
             turn[c, 0, c] = turn[c, 1, 2 + c] = 1.0
-        real, imaginary = OF_POLE + 2 * np.arange(n_free), OF_POLE + 1 + 2 * np.arange(n_free)
+        real, imaginary = POLE_PARAMETERS + 2 * np.arange(n_free), POLE_PARAMETERS + 1 + 2 * np.arange(n_free)
         first, second = 4 + 2 * np.arange(n_free), 5 + 2 * np.arange(n_free)
         turn[0, real, first] = turn[1, real, second] = turn[0, imaginary, second] = 1.0
         turn[1, imaginary, first] = -1.0
@@ -48,20 +48,20 @@ class SharedShapeBasis:
     @property
     def _free(self) -> IntArray:
         """(n_modes, n_references - 1) which references are not held."""
-        every = np.broadcast_to(np.arange(self.n_references), (len(self.pivot), self.n_references))
-        return np.asarray(every[every != self.pivot[:, None]].reshape(len(self.pivot), -1))
+        references = np.broadcast_to(np.arange(self.n_references), (len(self.pivot), self.n_references))
+        return np.asarray(references[references != self.pivot[:, None]].reshape(len(self.pivot), -1))
 
     def start(self, parameters: FloatArray, participation: ComplexArray) -> FloatArray:
         """Return the parameters of modes, (n_modes, n_parameters), from those of the law and every L."""
-        held = participation / np.take_along_axis(participation, self.pivot[:, None], axis=1)
-        free = np.take_along_axis(held, self._free, axis=1)
+        normalised = participation / np.take_along_axis(participation, self.pivot[:, None], axis=1)
+        free = np.take_along_axis(normalised, self._free, axis=1)
         parts = np.stack([free.real, free.imag], axis=2).reshape(len(parameters), -1)
         return np.concatenate([parameters, parts], axis=1)
 
     def participation(self, parameters: FloatArray) -> ComplexArray:
         """Return L of every mode, (n_modes, n_references)."""
         reach = np.ones((len(parameters), self.n_references), complex)
-        free = parameters[:, OF_POLE::2] + 1j * parameters[:, OF_POLE + 1 :: 2]
+        free = parameters[:, POLE_PARAMETERS::2] + 1j * parameters[:, POLE_PARAMETERS + 1 :: 2]
         np.put_along_axis(reach, self._free, free, axis=1)
         return reach
 
@@ -75,15 +75,15 @@ class SharedShapeBasis:
 
     def loss_factor(self, parameters: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return (n_modes,) and the derivatives by the law's parameters, (n_modes, 2)."""
-        return self._law.loss_factor(parameters[:, :OF_POLE])
+        return self._law.loss_factor(parameters[:, :POLE_PARAMETERS])
 
     def columns(self, omega: FloatArray, parameters: FloatArray) -> ComplexArray:
         """Return those of the law, (n_lines, n_modes, 2)."""
-        return self._law.columns(omega, parameters[:, :OF_POLE])
+        return self._law.columns(omega, parameters[:, :POLE_PARAMETERS])
 
     def slopes(self, omega: FloatArray, parameters: FloatArray) -> ComplexArray:
         """Return those of the law, (n_lines, n_modes, n_own)."""
-        return self._law.slopes(omega, parameters[:, :OF_POLE])
+        return self._law.slopes(omega, parameters[:, :POLE_PARAMETERS])
 
     def mixing(self, parameters: FloatArray) -> FloatArray:
         """Return (n_references, n_modes, 2 + n_own, 2 + n_slopes).
@@ -92,16 +92,16 @@ class SharedShapeBasis:
         parts of psi, and the inverse of how the law makes modal constants of coefficients. The slopes by the
         law's parameters are those of both; those by parts of an L are the columns, at that reference alone.
         """
-        law, n_own = parameters[:, :OF_POLE], self._law.turn.shape[2]
+        law, n_own = parameters[:, :POLE_PARAMETERS], self._law.slope_weights.shape[2]
         unit = np.linalg.inv(self._law.constant(law)[:, 0])  # (n_modes, coefficient, part)
         reach = self.constant(parameters).swapaxes(0, 1)  # (n_references, n_modes, part, part of psi)
-        shape = (self.n_references, len(parameters), 2 + n_own, 2 + self.turn.shape[2])
+        shape = (self.n_references, len(parameters), 2 + n_own, 2 + self.slope_weights.shape[2])
         mixing = np.zeros(shape)
         mixing[:, :, :2, :2] = unit @ reach
-        for p in range(OF_POLE):
+        for p in range(POLE_PARAMETERS):
             of_law = np.zeros((len(parameters), 2 + n_own, 2))
             of_law[:, :2] = -unit @ self._law.constant_by_pole(law)[:, p] @ unit
-            of_law[:, 2:] = self._law.turn[:, p].T @ unit
+            of_law[:, 2:] = self._law.slope_weights[:, p].T @ unit
             mixing[:, :, :, 2 + 2 * p : 4 + 2 * p] = of_law @ reach
         modes = np.arange(len(parameters))
         for n, free in enumerate(self._free.T):
@@ -111,13 +111,13 @@ class SharedShapeBasis:
     def constant(self, parameters: FloatArray) -> FloatArray:
         """Return (n_modes, n_references, 2, 2)."""
         reach = self.participation(parameters)[..., None, None]
-        return np.asarray(reach.real * np.eye(2) + reach.imag * TURNED)
+        return np.asarray(reach.real * np.eye(2) + reach.imag * QUARTER_ROTATION)
 
     def constant_slopes(self, parameters: FloatArray) -> FloatArray:
         """Return the derivatives of `constant`, (n_modes, n_references, n_parameters, 2, 2)."""
         n_modes, n_parameters = parameters.shape
         slopes = np.zeros((n_modes, self.n_references, n_parameters, 2, 2))
         modes, free = np.arange(n_modes)[:, None], np.arange(self.n_references - 1)
-        slopes[modes, self._free, OF_POLE + 2 * free] = np.eye(2)
-        slopes[modes, self._free, OF_POLE + 1 + 2 * free] = TURNED
+        slopes[modes, self._free, POLE_PARAMETERS + 2 * free] = np.eye(2)
+        slopes[modes, self._free, POLE_PARAMETERS + 1 + 2 * free] = QUARTER_ROTATION
         return slopes

@@ -17,12 +17,12 @@ class PoleBasis(Protocol):
     """
 
     @property
-    def turned(self) -> bool:
+    def paired_columns(self) -> bool:
         """Whether of columns, and of slopes, every other one is the one before times i."""
         ...
 
     @property
-    def turn(self) -> FloatArray:
+    def slope_weights(self) -> FloatArray:
         """(2 coefficients, n_parameters, n_slopes): how each coefficient weighs the slopes' columns."""
         ...
 
@@ -75,12 +75,12 @@ class StructuralPoleBasis:
     """`A/(lambda_r - omega^2)`, complex A; parameters are the parts of `lambda_r`."""
 
     @property
-    def turned(self) -> bool:
+    def paired_columns(self) -> bool:
         """True."""
         return True
 
     @property
-    def turn(self) -> FloatArray:
+    def slope_weights(self) -> FloatArray:
         """(2, 2, 2)."""
         return np.array([[[1.0, 0.0], [0.0, 1.0]], [[0.0, 1.0], [-1.0, 0.0]]])
 
@@ -95,13 +95,13 @@ class StructuralPoleBasis:
 
     def columns(self, omega: FloatArray, parameters: FloatArray) -> ComplexArray:
         """Return (n_lines, n_modes, 2)."""
-        one = 1 / (parameters @ [1, 1j] - omega[:, None] ** 2)
-        return np.stack([one, 1j * one], axis=2)
+        pole = 1 / (parameters @ [1, 1j] - omega[:, None] ** 2)
+        return np.stack([pole, 1j * pole], axis=2)
 
     def slopes(self, omega: FloatArray, parameters: FloatArray) -> ComplexArray:
         """Return (n_lines, n_modes, 2)."""
-        one = -1 / (parameters @ [1, 1j] - omega[:, None] ** 2) ** 2
-        return np.stack([one, 1j * one], axis=2)
+        slope = -1 / (parameters @ [1, 1j] - omega[:, None] ** 2) ** 2
+        return np.stack([slope, 1j * slope], axis=2)
 
     def constant(self, parameters: FloatArray) -> FloatArray:
         """Return (n_modes, 1, 2, 2)."""
@@ -133,12 +133,12 @@ class ViscousPoleBasis:
     """
 
     @property
-    def turned(self) -> bool:
+    def paired_columns(self) -> bool:
         """False."""
         return False
 
     @property
-    def turn(self) -> FloatArray:
+    def slope_weights(self) -> FloatArray:
         """(2, 2, 3)."""
         return np.array([[[-1.0, 0.0, 0.0], [0.0, -1.0, 0.0]], [[0.0, -1.0, 0.0], [0.0, 0.0, -1.0]]])
 
@@ -155,21 +155,21 @@ class ViscousPoleBasis:
 
     def columns(self, omega: FloatArray, parameters: FloatArray) -> ComplexArray:
         """Return (n_lines, n_modes, 2)."""
-        one = 1 / self._below(omega, parameters)
-        return np.stack([one, 1j * omega[:, None] * one], axis=2)
+        pole = 1 / self._denominator(omega, parameters)
+        return np.stack([pole, 1j * omega[:, None] * pole], axis=2)
 
     def slopes(self, omega: FloatArray, parameters: FloatArray) -> ComplexArray:
         """Return (n_lines, n_modes, 3)."""
-        one = 1 / self._below(omega, parameters) ** 2
+        squared = 1 / self._denominator(omega, parameters) ** 2
         along = 1j * omega[:, None]
-        return np.stack([one, along * one, along**2 * one], axis=2)
+        return np.stack([squared, along * squared, along**2 * squared], axis=2)
 
     def constant(self, parameters: FloatArray) -> FloatArray:
         """Return (n_modes, 1, 2, 2)."""
         stiffness, damping = parameters.T
         across = np.sqrt(np.maximum(stiffness - damping**2 / 4, 0.0))
-        one, none = np.ones_like(stiffness), np.zeros_like(stiffness)
-        return np.stack([np.stack([one, -damping / 2], 1), np.stack([none, across], 1)], axis=1)[:, None]
+        unit, zeros = np.ones_like(stiffness), np.zeros_like(stiffness)
+        return np.stack([np.stack([unit, -damping / 2], 1), np.stack([zeros, across], 1)], axis=1)[:, None]
 
     def at(self, order: IntArray) -> Self:
         """Return the same: no mode is held apart."""
@@ -192,7 +192,7 @@ class ViscousPoleBasis:
         slopes[:, 0, 1, 1], slopes[:, 1, 1, 1] = 1 / (2 * across), -damping / (4 * across)
         return slopes
 
-    def _below(self, omega: FloatArray, parameters: FloatArray) -> ComplexArray:
+    def _denominator(self, omega: FloatArray, parameters: FloatArray) -> ComplexArray:
         stiffness, damping = parameters.T
         return np.asarray(stiffness - omega[:, None] ** 2 + 1j * omega[:, None] * damping)
 
@@ -203,26 +203,26 @@ BASES: Mapping[Damping, ModelledPoleBasis] = {
 }
 
 
-def residual_columns(omega: FloatArray, beyond: tuple[float, ...]) -> ComplexArray:
+def residual_columns(omega: FloatArray, fixed_poles: tuple[float, ...]) -> ComplexArray:
     """Return (n_lines, 4 + 2 n_beyond): a constant, `-1/omega^2`, poles held beyond the range.
 
     Each for real and imaginary part.
 
     Parameters
     ----------
-    beyond
+    fixed_poles
         Where these poles are: a mode not far above the range is no constant in it.
     """
-    real = [np.ones(len(omega)), -1 / omega**2, *(1 / (pole**2 - omega**2) for pole in beyond)]
+    real = [np.ones(len(omega)), -1 / omega**2, *(1 / (pole**2 - omega**2) for pole in fixed_poles)]
     return np.stack([part * column for column in real for part in (1, 1j)], axis=1)
 
 
 def all_columns(
-    basis: PoleBasis, omega: FloatArray, parameters: FloatArray, beyond: tuple[float, ...]
+    basis: PoleBasis, omega: FloatArray, parameters: FloatArray, fixed_poles: tuple[float, ...]
 ) -> ComplexArray:
     """Return (n_lines, 2 n_modes + 4 + 2 n_beyond), mode by mode, then the residuals."""
     columns = basis.columns(omega, parameters).reshape(len(omega), -1)
-    return np.concatenate([columns, residual_columns(omega, beyond)], axis=1)
+    return np.concatenate([columns, residual_columns(omega, fixed_poles)], axis=1)
 
 
 def all_slopes(basis: PoleBasis, omega: FloatArray, parameters: FloatArray) -> ComplexArray:

@@ -4,9 +4,7 @@ import numpy as np
 
 from modallab.core.arrays import BoolArray, FloatArray, IntArray
 from modallab.extraction.multi_mode.global_method import Poles
-
-REACH = 0.5  # of the decay rate: from one order to the next a pole of a structure moves less
-REACH_LINES = 0.1  # of the line spacing, if that is more
+from modallab.extraction.multi_mode.settings import CHART
 
 
 def pole_tracks(poles: Poles) -> list[IntArray]:
@@ -20,7 +18,7 @@ def pole_tracks(poles: Poles) -> list[IntArray]:
     for order in poles.orders[::-1]:
         new = np.flatnonzero(poles.order == order)
         last = np.array([column[-1] for column in columns], int)
-        joined = _joined(poles, new, last)
+        joined = _assigned_tracks(poles, new, last)
         for pole, column in zip(new.tolist(), joined.tolist(), strict=True):
             if column >= 0:
                 columns[column].append(pole)
@@ -29,18 +27,20 @@ def pole_tracks(poles: Poles) -> list[IntArray]:
     return [np.array(column) for column in columns]
 
 
-def _joined(poles: Poles, new: IntArray, last: IntArray) -> IntArray:
+def _assigned_tracks(poles: Poles, new: IntArray, last: IntArray) -> IntArray:
     """Return the column each new pole joins, (n_new,), -1 for none; `last` are the columns' latest poles."""
     if not len(last) or not len(new):
         return np.full(len(new), -1)
-    away = _away(poles, new, last)
-    column = away.argmin(axis=1)
+    distance = _distance(poles, new, last)
+    column = distance.argmin(axis=1)
     row = np.arange(len(new))
-    mutual: BoolArray = away.argmin(axis=0)[column] == row
-    return np.where(mutual & (away[row, column] <= 1), column, -1)
+    mutual: BoolArray = distance.argmin(axis=0)[column] == row
+    return np.where(mutual & (distance[row, column] <= 1), column, -1)
 
 
-def _away(poles: Poles, new: IntArray, last: IntArray) -> FloatArray:
+def _distance(poles: Poles, new: IntArray, last: IntArray) -> FloatArray:
     """Return the distance of every pole from every column, in what is still within reach."""
-    reach = np.maximum(-REACH * poles.pole[last].real, REACH_LINES * 2 * np.pi * poles.spacing)
+    reach = np.maximum(
+        -CHART.track_distance * poles.pole[last].real, CHART.track_distance_lines * 2 * np.pi * poles.spacing
+    )
     return np.asarray(np.abs(poles.pole[new][:, None] - poles.pole[last]) / reach)

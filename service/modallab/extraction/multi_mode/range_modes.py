@@ -9,24 +9,21 @@ import scipy.optimize
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from modallab.core.errors import NoModeInBandError
 from modallab.core.modal_model import StabilisationChart
+from modallab.core.numerics import SAFE_DIVISOR
 from modallab.core.progress import Progress, part
-from modallab.extraction.multi_mode.coincident_modes import said_of_coincident
+from modallab.extraction.multi_mode.coincident_modes import coincidence_flags
 from modallab.extraction.multi_mode.fit_result import ModalFit
 from modallab.extraction.multi_mode.global_method import GlobalMethod, Poles
-from modallab.extraction.multi_mode.leakage_correction import LeakageCorrection, all_starts, cleaned
-from modallab.extraction.multi_mode.leaked_modes import allowing_for_leakage
-from modallab.extraction.multi_mode.mode_selection import NEAR, Selection, chart_of, select
+from modallab.extraction.multi_mode.leakage_correction import LeakageCorrection, all_starts, corrected_lines
+from modallab.extraction.multi_mode.leaked_modes import with_leakage_errors
+from modallab.extraction.multi_mode.mode_selection import Selection, chart_of, select
 from modallab.extraction.multi_mode.refinement import BandData, StartingPoles, between_ends, refine
+from modallab.extraction.multi_mode.settings import RANGES, SELECTION
 from modallab.extraction.multi_mode.stabilisation import stabilise
 from modallab.extraction.multi_mode.uniform_grid import poles_of_lines
-from modallab.extraction.multi_mode.variable_projection import below_one_another
+from modallab.extraction.multi_mode.variable_projection import stack_references
 from modallab.extraction.options import Damping
 from modallab.extraction.preprocessing.bands import find_bands, mode_indicator
-
-MOST_DOFS = 48  # that a pole finder is given; beyond, what they have in common
-POLES = 0.05  # of the time, of many FRFs: the rest goes into the fit of the modes
-SAME = 0.5  # half-power bandwidths: how far a pole of the chart may be from the mode fitted from it,
-SAME_LINES = 0.25  # or as much of this part of the lines' spacing, if that is more
 
 
 @dataclass(frozen=True, eq=False)
@@ -67,8 +64,8 @@ def modes_of(
         Leakage to be undone, and modes known one by one to undo it by; None where there is none.
     """
     progress(0.0, "looking for poles")
-    clean = stretch if leaked is None else cleaned(stretch, leaked, damping)
-    poles = poles_of_lines(find, clean.freq, *_for_poles(clean), orders)
+    clean = stretch if leaked is None else corrected_lines(stretch, leaked, damping)
+    poles = poles_of_lines(find, clean.freq, *_pole_finder_data(clean), orders)
     if not len(poles.order):
         return None
     stability = stabilise(poles)
@@ -79,16 +76,16 @@ def modes_of(
         start = all_starts(start, leaked, stretch.freq)
     if not len(start.eigenvalue):
         return None
-    refined = refine(clean, start, damping, part(progress, POLES, 1.0))
+    refined = refine(clean, start, damping, part(progress, RANGES.pole_share, 1.0))
     if refined is None:
         return None
     if leaked is not None:
-        refined = allowing_for_leakage(refined, stretch, leaked, damping)
+        refined = with_leakage_errors(refined, stretch, leaked, damping)
     fit, between = refined.fit, between_ends(refined.fit, stretch.freq)
     match = _match(selection, fit, stretch.freq)
     modes = between & (fit.loss_factor > 0)
     if leaked is None:  # else modes known one by one may be without a column
-        modes &= np.isin(np.arange(len(modes)), match) | _standing_out(fit, clean)
+        modes &= np.isin(np.arange(len(modes)), match) | _with_peaks(fit, clean)
     return RangeModes(
         fit,
         refined.weight,
@@ -101,7 +98,7 @@ def modes_of(
     )
 
 
-def _for_poles(stretch: BandData) -> tuple[ComplexArray, FloatArray]:
+def _pole_finder_data(stretch: BandData) -> tuple[ComplexArray, FloatArray]:
     """Return mobility and its weights as a pole finder takes them, (n_lines, n_dof, n_ref).
 
     Of very many DoFs their strongest combinations: principal components, each DoF in parts of its
@@ -111,21 +108,21 @@ def _for_poles(stretch: BandData) -> tuple[ComplexArray, FloatArray]:
     omega = 2 * np.pi * stretch.freq[:, None]
     mobility, weight = 1j * omega * stretch.receptance, stretch.weight / omega**2
     # the lines of all references below one another: a combination of DoFs is one for all of them
-    mobility, weight = below_one_another(mobility, n_ref), below_one_another(weight, n_ref)
-    if mobility.shape[1] > MOST_DOFS:
+    mobility, weight = stack_references(mobility, n_ref), stack_references(weight, n_ref)
+    if mobility.shape[1] > RANGES.largest_dofs:
         used = weight > 0
         noise = (used / np.where(used, weight, 1.0)).sum(axis=0) / np.maximum(used.sum(axis=0), 1)
         level = 1 / np.sqrt(np.where(noise > 0, noise, np.inf))
-        even = np.where(used, mobility, 0) * level
-        _, _, directions = np.linalg.svd(even.conj().T @ even, hermitian=True)
-        some = directions[:MOST_DOFS]
-        variance = np.where(used, 1 / np.where(used, weight, 1.0), 0.0) * level**2 @ np.abs(some.T) ** 2
-        heard = variance > 0
-        mobility = even @ some.conj().T
-        weight = np.where(heard, 1 / np.where(heard, variance, 1.0), 0.0)
+        normalised = np.where(used, mobility, 0) * level
+        _, _, directions = np.linalg.svd(normalised.conj().T @ normalised, hermitian=True)
+        components = directions[: RANGES.largest_dofs]
+        variance = np.where(used, 1 / np.where(used, weight, 1.0), 0.0) * level**2 @ np.abs(components.T) ** 2
+        determined = variance > 0
+        mobility = normalised @ components.conj().T
+        weight = np.where(determined, 1 / np.where(determined, variance, 1.0), 0.0)
     shape = (len(stretch.freq), n_ref, -1)
-    apart = np.asarray(mobility, complex).reshape(shape).transpose(0, 2, 1)
-    return apart, weight.reshape(shape).transpose(0, 2, 1)
+    by_reference = np.asarray(mobility, complex).reshape(shape).transpose(0, 2, 1)
+    return by_reference, weight.reshape(shape).transpose(0, 2, 1)
 
 
 def _match(selection: Selection, fit: ModalFit, freq: FloatArray) -> IntArray:
@@ -133,18 +130,18 @@ def _match(selection: Selection, fit: ModalFit, freq: FloatArray) -> IntArray:
     if not len(selection.pole):
         return np.zeros(0, int)
     width = fit.loss_factor * fit.frequency
-    reach = np.maximum(width, SAME_LINES * float(np.median(np.diff(freq))))
-    away = np.abs(selection.frequency[:, None] - fit.frequency) / reach
-    nearest = away.argmin(axis=1)
+    reach = np.maximum(width, RANGES.match_spacing * float(np.median(np.diff(freq))))
+    distance = np.abs(selection.frequency[:, None] - fit.frequency) / reach
+    nearest = distance.argmin(axis=1)
     # of modes at one frequency each has its own
-    row, own = scipy.optimize.linear_sum_assignment(np.minimum(away, SAME))
-    close = away[row, own] < SAME
-    nearest[row[close]] = own[close]
-    near = away[np.arange(len(nearest)), nearest] < SAME
+    row, assigned = scipy.optimize.linear_sum_assignment(np.minimum(distance, RANGES.match_distance))
+    close = distance[row, assigned] < RANGES.match_distance
+    nearest[row[close]] = assigned[close]
+    near = distance[np.arange(len(nearest)), nearest] < RANGES.match_distance
     return np.where(near, nearest, -1)
 
 
-def _standing_out(fit: ModalFit, stretch: BandData) -> BoolArray:
+def _with_peaks(fit: ModalFit, stretch: BandData) -> BoolArray:
     """Return which modes have a peak of the lines to themselves, or share the resonance of one that has."""
     mobility = stretch.freq[:, None] * stretch.receptance
     try:
@@ -152,10 +149,12 @@ def _standing_out(fit: ModalFit, stretch: BandData) -> BoolArray:
     except NoModeInBandError:
         return np.zeros(len(fit.frequency), bool)
     peaks = stretch.freq[[band.peak for band in bands]]
-    own = np.abs(peaks[:, None] - fit.frequency).argmin(axis=1)
+    nearest = np.abs(peaks[:, None] - fit.frequency).argmin(axis=1)
     width = fit.loss_factor * fit.frequency
-    apart = np.abs(fit.frequency[:, None] - fit.frequency[own])
-    return np.asarray((apart <= NEAR * np.minimum(width[:, None], width[own])).any(axis=1))
+    distance = np.abs(fit.frequency[:, None] - fit.frequency[nearest])
+    return np.asarray(
+        (distance <= SELECTION.pair_distance * np.minimum(width[:, None], width[nearest])).any(axis=1)
+    )
 
 
 def _chart(poles: Poles, stability: IntArray, selection: Selection, match: IntArray) -> StabilisationChart:
@@ -169,16 +168,16 @@ def _reason(selection: Selection, match: IntArray, mode: int) -> str:
     return "; ".join(reasons) or "needed beside the others"
 
 
-def pairs(fit: ModalFit, among: Sequence[int]) -> dict[int, list[str]]:
+def pair_flags(fit: ModalFit, among: Sequence[int]) -> dict[int, list[str]]:
     """Return, for modes that share their resonance with others, what to say of it."""
     width = fit.loss_factor * fit.frequency
-    said = {row: [text] for row, text in said_of_coincident(fit).items() if row in among}
+    flags = {row: [text] for row, text in coincidence_flags(fit).items() if row in among}
     for r in among:
         for s in among:
             gap = abs(fit.frequency[r] - fit.frequency[s]) / max(width[r], width[s])
-            if r != s and gap < NEAR:
+            if r != s and gap < SELECTION.pair_distance:
                 covariance = fit.eigenvalue_covariance[r, s]
-                tie = covariance / max(fit.frequency_error[r] * fit.frequency_error[s], 1e-300)
+                tie = covariance / max(fit.frequency_error[r] * fit.frequency_error[s], SAFE_DIVISOR)
                 text = f"pair: with {fit.frequency[s]:.5g} Hz, {gap:.2g} bandwidths away"
-                said.setdefault(r, []).append(f"{text}, errors of the two frequencies correlated {tie:+.2f}")
-    return said
+                flags.setdefault(r, []).append(f"{text}, errors of the two frequencies correlated {tie:+.2f}")
+    return flags

@@ -17,41 +17,45 @@ class ReferenceMixing:
     and not once a reference with all of them.
     """
 
-    whole: FloatArray | None  # (n_references, n_each, n_all) columns, then slopes; None: nothing is shared
-    n_every: int  # columns and slopes of an FRF
-    n_each: int  # columns of an FRF
-    n_all: int  # columns of a DoF's FRFs
+    matrices: FloatArray | None  # (n_references, n_each, n_all) columns, then slopes; None: nothing is shared
+    n_frf_all: int  # columns and slopes of an FRF
+    n_frf_columns: int  # columns of an FRF
+    n_dof_columns: int  # columns of a DoF's FRFs
 
-    def products(self, each: FloatArray) -> FloatArray:
+    def products(self, frf_products: FloatArray) -> FloatArray:
         """Return (n_dof, n_all, n_all) of the columns' and slopes' products (n_frf, n_each, n_each)."""
-        if self.whole is None:
-            return each
-        apart = each.reshape(-1, *self.whole.shape[:2], each.shape[2])
-        total = np.zeros((len(apart), self.whole.shape[2], self.whole.shape[2]))
-        for k, whole in enumerate(self.whole):
-            made = np.flatnonzero(whole.any(axis=0))  # the others are of other references
-            total[:, made[:, None], made] += whole[:, made].T @ apart[:, k] @ whole[:, made]
+        if self.matrices is None:
+            return frf_products
+        by_reference = frf_products.reshape(-1, *self.matrices.shape[:2], frf_products.shape[2])
+        total = np.zeros((len(by_reference), self.matrices.shape[2], self.matrices.shape[2]))
+        for k, whole in enumerate(self.matrices):
+            nonzero = np.flatnonzero(whole.any(axis=0))  # the others are of other references
+            total[:, nonzero[:, None], nonzero] += (
+                whole[:, nonzero].T @ by_reference[:, k] @ whole[:, nonzero]
+            )
         return total
 
-    def sums(self, each: FloatArray) -> FloatArray:
+    def sums(self, frf_sums: FloatArray) -> FloatArray:
         """Return (n_dof, n) of products with something else, (n_frf, n): of the columns, or slopes too."""
-        if self.whole is None:
-            return each
-        columns = each.shape[1] == self.n_each
-        whole = self.whole[:, : self.n_each, : self.n_all] if columns else self.whole
-        apart = each.reshape(-1, len(whole), each.shape[1])
-        return np.asarray(np.einsum("jkl,klc->jc", apart, whole, optimize=True))
+        if self.matrices is None:
+            return frf_sums
+        columns = frf_sums.shape[1] == self.n_frf_columns
+        whole = self.matrices[:, : self.n_frf_columns, : self.n_dof_columns] if columns else self.matrices
+        by_reference = frf_sums.reshape(-1, len(whole), frf_sums.shape[1])
+        return np.asarray(np.einsum("jkl,klc->jc", by_reference, whole, optimize=True))
 
     def coefficients(self, of_all: FloatArray) -> FloatArray:
         """Return those of every FRF, (n_frf, n_each), of those of a DoF (n_dof, n_all)."""
-        if self.whole is None:
+        if self.matrices is None:
             return of_all
-        columns = self.whole[:, : self.n_each, : self.n_all]
-        return np.asarray(np.einsum("klc,jc->jkl", columns, of_all, optimize=True).reshape(-1, self.n_each))
+        columns = self.matrices[:, : self.n_frf_columns, : self.n_dof_columns]
+        return np.asarray(
+            np.einsum("klc,jc->jkl", columns, of_all, optimize=True).reshape(-1, self.n_frf_columns)
+        )
 
     def influence(self, of_all: FloatArray) -> list[FloatArray]:
         """Return, reference by reference, (n_dof, n_each, n) of columns' and slopes' (n_dof, n_all, n)."""
-        return [of_all] if self.whole is None else [np.asarray(whole @ of_all) for whole in self.whole]
+        return [of_all] if self.matrices is None else [np.asarray(whole @ of_all) for whole in self.matrices]
 
 
 def reference_mixing(basis: PoleBasis, parameters: FloatArray, n_residuals: int) -> ReferenceMixing:
@@ -65,7 +69,7 @@ def reference_mixing(basis: PoleBasis, parameters: FloatArray, n_residuals: int)
     n_modes, mixing = len(parameters), basis.mixing(parameters)
     n_each = 2 * n_modes + n_residuals
     if mixing is None:
-        return ReferenceMixing(None, n_each + n_modes * basis.turn.shape[2], n_each, n_each)
+        return ReferenceMixing(None, n_each + n_modes * basis.slope_weights.shape[2], n_each, n_each)
     n_ref, _, n_own, n_slopes = mixing.shape
     n_all = 2 * n_modes + n_ref * n_residuals
     whole = np.zeros((n_ref, n_each + n_modes * (n_own - 2), n_all + n_modes * (n_slopes - 2)))
@@ -78,6 +82,6 @@ def reference_mixing(basis: PoleBasis, parameters: FloatArray, n_residuals: int)
     return ReferenceMixing(whole, whole.shape[1], n_each, n_all)
 
 
-def _of_modes(modes: IntArray, n: int, after: int) -> IntArray:
+def _of_modes(modes: IntArray, n: int, offset: int) -> IntArray:
     """Return where the n columns of each mode are, (n_modes, n)."""
-    return np.asarray(after + n * modes[:, None] + np.arange(n))
+    return np.asarray(offset + n * modes[:, None] + np.arange(n))

@@ -46,8 +46,8 @@ def stabilise(poles: Poles, tolerances: StabilisationTolerances = USUAL) -> IntA
         How near two poles must be.
     """
     levels = np.zeros(len(poles.order), int)
-    for before, after in pairwise(poles.orders):
-        old, new = np.flatnonzero(poles.order == before), np.flatnonzero(poles.order == after)
+    for lower_order, higher_order in pairwise(poles.orders):
+        old, new = np.flatnonzero(poles.order == lower_order), np.flatnonzero(poles.order == higher_order)
         if len(old) and len(new):
             levels[new] = _agreement(poles, old, new, tolerances).max(axis=1)
     return levels
@@ -56,13 +56,13 @@ def stabilise(poles: Poles, tolerances: StabilisationTolerances = USUAL) -> IntA
 def _agreement(poles: Poles, old: IntArray, new: IntArray, tolerances: StabilisationTolerances) -> IntArray:
     """Return the level of agreement of every new pole with every old one, (n_new, n_old)."""
     frequency, bandwidth = poles.frequency, poles.loss_factor * poles.frequency
-    apart = np.maximum(tolerances.bandwidth * bandwidth, tolerances.frequency_lines * poles.spacing)
-    same = _near(frequency, old, new, np.minimum(apart, tolerances.frequency * frequency))
-    apart = np.maximum(tolerances.loss_factor * bandwidth, tolerances.loss_factor_lines * poles.spacing)
-    damped = same & _near(bandwidth, old, new, apart)
-    alike = damped & (mac(poles.vector[new].T, poles.vector[old].T) >= 1 - tolerances.vector)
-    return np.asarray(same.astype(int) + damped + alike)
+    tolerance = np.maximum(tolerances.bandwidth * bandwidth, tolerances.frequency_lines * poles.spacing)
+    in_frequency = _near(frequency, old, new, np.minimum(tolerance, tolerances.frequency * frequency))
+    tolerance = np.maximum(tolerances.loss_factor * bandwidth, tolerances.loss_factor_lines * poles.spacing)
+    in_damping = in_frequency & _near(bandwidth, old, new, tolerance)
+    in_vector = in_damping & (mac(poles.vector[new].T, poles.vector[old].T) >= 1 - tolerances.vector)
+    return np.asarray(in_frequency.astype(int) + in_damping + in_vector)
 
 
-def _near(values: FloatArray, old: IntArray, new: IntArray, apart: FloatArray) -> BoolArray:
-    return np.asarray(np.abs(values[new][:, None] - values[old]) <= apart[old])
+def _near(values: FloatArray, old: IntArray, new: IntArray, tolerance: FloatArray) -> BoolArray:
+    return np.asarray(np.abs(values[new][:, None] - values[old]) <= tolerance[old])

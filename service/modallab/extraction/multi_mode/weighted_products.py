@@ -4,11 +4,10 @@ import numpy as np
 import scipy.linalg.blas
 
 from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.extraction.multi_mode.settings import PROJECTION
 
-PAIRS_AT_ONCE = 2**22  # numbers, 32 MB
 
-
-def weighted_products(columns: ComplexArray, weight: FloatArray, *, turned: bool) -> FloatArray:
+def weighted_products(columns: ComplexArray, weight: FloatArray, *, paired_columns: bool) -> FloatArray:
     """Return `sum_k w_kj Re(conj(c_ka) c_kb)`, (n_frf, n, n).
 
     Parameters
@@ -17,36 +16,38 @@ def weighted_products(columns: ComplexArray, weight: FloatArray, *, turned: bool
         (n_lines, n), with real coefficients.
     weight
         (n_lines, n_frf), not negative.
-    turned
+    paired_columns
         Whether every other column is the one before times i: then half of them tell all.
     """
-    if turned:
-        return _turned(columns[:, ::2], weight)
+    if paired_columns:
+        return _hermitian_products(columns[:, ::2], weight)
     parts = np.concatenate([columns.real, columns.imag])
-    return (_few if weight.shape[1] < columns.shape[1] else _all_pairs)(parts, weight)
+    return (_products_by_frf if weight.shape[1] < columns.shape[1] else _all_pairs)(parts, weight)
 
 
-def _turned(columns: ComplexArray, weight: FloatArray) -> FloatArray:
+def _hermitian_products(columns: ComplexArray, weight: FloatArray) -> FloatArray:
     """Return the products of columns and of these times i, by one Hermitian product a FRF."""
     n = columns.shape[1]
     products = np.empty((weight.shape[1], n, 2, n, 2))
     first, second = np.triu_indices(n)
-    for own, root in zip(products, np.sqrt(weight).T, strict=True):
+    for frf_products, root in zip(products, np.sqrt(weight).T, strict=True):
         upper = scipy.linalg.blas.zherk(1.0, (columns * root[:, None]).T)[first, second]
-        own[first, :, second, :] = own[second, :, first, :] = upper.real[:, None, None] * np.eye(2)
-        own[first, 0, second, 1] = own[second, 1, first, 0] = upper.imag
-        own[first, 1, second, 0] = own[second, 0, first, 1] = -upper.imag
+        frf_products[first, :, second, :] = frf_products[second, :, first, :] = upper.real[
+            :, None, None
+        ] * np.eye(2)
+        frf_products[first, 0, second, 1] = frf_products[second, 1, first, 0] = upper.imag
+        frf_products[first, 1, second, 0] = frf_products[second, 0, first, 1] = -upper.imag
     return products.reshape(-1, 2 * n, 2 * n)
 
 
-def _few(parts: FloatArray, weight: FloatArray) -> FloatArray:
+def _products_by_frf(parts: FloatArray, weight: FloatArray) -> FloatArray:
     """Return the products of real and imaginary parts, below one another, by one a FRF."""
     n = parts.shape[1]
     products = np.empty((weight.shape[1], n, n))
     first, second = np.triu_indices(n)
-    for own, root in zip(products, np.sqrt(np.concatenate([weight, weight])).T, strict=True):
+    for frf_products, root in zip(products, np.sqrt(np.concatenate([weight, weight])).T, strict=True):
         upper = scipy.linalg.blas.dsyrk(1.0, (parts * root[:, None]).T)[first, second]
-        own[first, second] = own[second, first] = upper
+        frf_products[first, second] = frf_products[second, first] = upper
     return products
 
 
@@ -56,7 +57,7 @@ def _all_pairs(parts: FloatArray, weight: FloatArray) -> FloatArray:
     first, second = np.triu_indices(n)
     half = np.zeros((n_frf, len(first)))
     real, imaginary = parts[:n_lines], parts[n_lines:]
-    step = max(PAIRS_AT_ONCE // len(first), 1)
+    step = max(PROJECTION.products_in_memory // len(first), 1)
     for start in range(0, n_lines, step):
         some = slice(start, start + step)
         pairs = real[some, first] * real[some, second]

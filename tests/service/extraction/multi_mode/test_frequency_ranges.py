@@ -40,4 +40,4 @@ def test_where_peaks_are_noise_only_the_bands_of_the_others_are_searched() -> No
     )
     for lines in searched.ranges:
         assert ((frf.freq[lines][0] < HAMMERED) & (frf.freq[lines][-1] > HAMMERED)).any()
-    assert searched.said(frf.freq).endswith("Hz: peaks that FRFs have in common")
+    assert searched.description(frf.freq).endswith("Hz: peaks that FRFs have in common")

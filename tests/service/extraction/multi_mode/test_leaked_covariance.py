@@ -23,11 +23,13 @@ def stated(n_frf: int, common: float, *, noise: float = 1e-9, averages: float = 
     """Return two modes, 1.6 and 0.6 lines wide, in FRFs that are all alike."""
     exact = (1 / (EIGENVALUE - (2 * np.pi * FREQ[:, None]) ** 2)) @ np.ones((2, n_frf))
     weight = 1 / (np.sqrt(noise) * np.abs(exact)) ** 2
-    fit = replace(fit_modes(FREQ, exact, weight, EIGENVALUE), common=common)
+    fit = replace(fit_modes(FREQ, exact, weight, EIGENVALUE), common_noise=common)
     leakage = WindowLeakage.from_window(WINDOWS["hann"].samples(1024), "h1")
     leaked = LeakageCorrection(leakage, None, np.zeros((0, 2)), 0, averages)
     refined = RefinedModes(fit, weight, ())
-    return with_leaked_errors(refined, BandData(FREQ, exact, weight, known=True), leaked, Damping.STRUCTURAL)
+    return with_leaked_errors(
+        refined, BandData(FREQ, exact, weight, weights_known=True), leaked, Damping.STRUCTURAL
+    )
 
 
 @pytest.mark.parametrize("noise", [1e-9, 1.0])

@@ -8,7 +8,7 @@ import pytest
 from modallab.estimation.windows import WINDOWS
 from modallab.extraction.multi_mode.fit_result import ModalFit
 from modallab.extraction.multi_mode.leakage_correction import LeakageCorrection
-from modallab.extraction.multi_mode.leaked_modes import allowing_for_leakage
+from modallab.extraction.multi_mode.leaked_modes import with_leakage_errors
 from modallab.extraction.multi_mode.modal_fit import fit_modes
 from modallab.extraction.multi_mode.refinement import BandData, RefinedModes
 from modallab.extraction.options import Damping
@@ -76,7 +76,7 @@ def fitted() -> tuple[RefinedModes, BandData]:
     error = rng.standard_normal((2, *exact.shape)) * NOISE / np.sqrt(2)
     receptance = exact * (1 + error[0] + 1j * error[1])
     weight = 1 / (NOISE * np.abs(exact)) ** 2
-    stretch = BandData(FREQ, receptance, weight, known=True)
+    stretch = BandData(FREQ, receptance, weight, weights_known=True)
     return RefinedModes(fit_modes(FREQ, receptance, weight, EIGENVALUE), weight, ()), stretch
 
 
@@ -94,7 +94,7 @@ def test_modes_share_errors_and_bias_of_those_that_cleaned_their_lines() -> None
     bias = np.array([[0.02, 0.0005], [0.01, 0.0002]])
     leaked = LeakageCorrection(WindowLeakage.from_window(HANN, "h1"), vaguer(refined.fit, 5.0), bias, drive=0)
     surer = replace(leaked, modes=vaguer(refined.fit, 1e-6), bias=0 * bias)
-    alone, out = (allowing_for_leakage(refined, stretch, by, Damping.STRUCTURAL) for by in (surer, leaked))
+    alone, out = (with_leakage_errors(refined, stretch, by, Damping.STRUCTURAL) for by in (surer, leaked))
     # a Hann window makes errors of lines alike: (35/128)/(3/8)^2 times the variance
     np.testing.assert_allclose(
         alone.fit.eigenvalue_covariance, 35 / 18 * refined.fit.eigenvalue_covariance, rtol=1e-3
@@ -107,7 +107,7 @@ def test_modes_share_errors_and_bias_of_those_that_cleaned_their_lines() -> None
     assert alone.leakage_bias is not None
     assert (out.leakage_bias >= alone.leakage_bias).all()
     twice = replace(leaked, bias=1e3 * bias)
-    more = allowing_for_leakage(refined, stretch, twice, Damping.STRUCTURAL).leakage_bias
+    more = with_leakage_errors(refined, stretch, twice, Damping.STRUCTURAL).leakage_bias
     assert more is not None
     assert (more > out.leakage_bias).all()
 
@@ -117,7 +117,7 @@ def test_a_cleaner_too_vague_to_follow_hands_on_its_own_error_and_bias() -> None
     fit, bias = refined.fit, np.array([[0.2, 0.01], [0.1, 0.02]])
     known = vaguer(fit, 0.5 / float((fit.loss_factor_error / fit.loss_factor).min()))
     leaked = LeakageCorrection(WindowLeakage.from_window(HANN, "h1"), known, bias, drive=0)
-    out = allowing_for_leakage(refined, stretch, leaked, Damping.STRUCTURAL)
+    out = with_leakage_errors(refined, stretch, leaked, Damping.STRUCTURAL)
     assert (out.fit.frequency_error >= known.frequency_error).all()
     assert (out.fit.loss_factor_error >= known.loss_factor_error).all()
     assert (out.fit.modal_constant_error >= known.modal_constant_error).all()
@@ -140,7 +140,7 @@ def test_a_mode_whose_lines_no_mode_has_cleaned_may_be_off_by_all_its_leakage(no
     leaked = LeakageCorrection(
         WindowLeakage.from_window(HANN, "h1"), None if none else first, np.zeros((1 - none, 2)), drive=0
     )
-    bias = allowing_for_leakage(refined, stretch, leaked, Damping.STRUCTURAL).leakage_bias
+    bias = with_leakage_errors(refined, stretch, leaked, Damping.STRUCTURAL).leakage_bias
     assert bias is not None
     # half a line in frequency; a line's width of damping is more than the second mode has
     np.testing.assert_allclose(bias[1], [0.25, fit.loss_factor[1]])

@@ -1,11 +1,11 @@
 import numpy as np
 
-from modallab.extraction.multi_mode.modal_covariance import evened
+from modallab.extraction.multi_mode.modal_covariance import unit_diagonal
 
 
 def test_a_parameter_of_which_rounding_leaves_less_than_nothing_stands_by_itself() -> None:
     normal = np.array([[4.0, 1.0, 1e200], [1.0, 9.0, 2.0], [1e200, 2.0, -5e9]])
-    even, length = evened(normal)
+    even, length = unit_diagonal(normal)
     np.testing.assert_allclose(length, [2.0, 3.0, 1.0])
     np.testing.assert_allclose(even, [[1.0, 1 / 6, 0.0], [1 / 6, 1.0, 0.0], [0.0, 0.0, 1.0]])
 
@@ -13,6 +13,6 @@ def test_a_parameter_of_which_rounding_leaves_less_than_nothing_stands_by_itself
 def test_parameters_that_lines_tell_are_brought_to_one_length() -> None:
     rng = np.random.default_rng(0)
     slopes = rng.standard_normal((20, 4)) * [1e-8, 1.0, 1e3, 1e9]
-    even, length = evened(slopes.T @ slopes)
+    even, length = unit_diagonal(slopes.T @ slopes)
     np.testing.assert_allclose(np.diag(even), 1.0)
     np.testing.assert_allclose(even * np.outer(length, length), slopes.T @ slopes)

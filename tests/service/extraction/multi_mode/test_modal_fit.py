@@ -5,7 +5,7 @@ import pytest
 
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.extraction.multi_mode.fit_result import ModalFit
-from modallab.extraction.multi_mode.modal_fit import fit_modes, held_modes
+from modallab.extraction.multi_mode.modal_fit import fit_modes, modes_at_eigenvalues
 from modallab.extraction.options import Damping
 
 LAWS = list(Damping)
@@ -88,7 +88,7 @@ def test_standard_errors_are_the_scatter_of_repeated_tests(damping: Damping) -> 
     np.testing.assert_allclose(np.sqrt((poles**2).mean(axis=0)), 1.0, atol=0.25)
     assert np.sqrt((poles**2).mean()) == pytest.approx(1.0, abs=0.07)
     assert np.sqrt((constants**2).mean()) == pytest.approx(1.0, abs=0.07)
-    assert max(fit.common for fit in fits) < 0.1
+    assert max(fit.common_noise for fit in fits) < 0.1
 
 
 @pytest.mark.parametrize("damping", LAWS)
@@ -101,7 +101,7 @@ def test_noise_that_all_frfs_share_is_noticed_and_widens_the_errors(damping: Dam
         noise = 1e-2 * circular(rng, (len(FREQ), 1)) + 1e-3 * circular(rng, size.shape)
         fits.append(fit_modes(FREQ, truth.receptance * (1 + noise), weight, START, damping=damping))
     poles, constants = scores(fits, truth)
-    assert np.mean([fit.common for fit in fits]) == pytest.approx(1 / 1.01, abs=0.03)
+    assert np.mean([fit.common_noise for fit in fits]) == pytest.approx(1 / 1.01, abs=0.03)
     # without it the errors of five FRFs would come out 5^(1/2) times too small
     assert np.sqrt((poles**2).mean()) == pytest.approx(1.0, abs=0.1)
     # those of modal constants are a little wide: see `uncertainty`
@@ -128,7 +128,7 @@ def test_covariance_is_that_of_the_whole_linearised_problem() -> None:
     covariance = np.linalg.inv(whole.conj().T @ whole) / np.outer(scale, scale)
     error = np.sqrt(np.diag(covariance).real / 2)  # of either part
     wide = np.maximum(fit.misfit, 1.0)
-    assert fit.common == 0  # of FRFs with noise of their own
+    assert fit.common_noise == 0  # of FRFs with noise of their own
     stiffness = fit.eigenvalue.real
     # the misfits of the three FRFs, within 10 % of 1, are averaged in another way here
     np.testing.assert_allclose(
@@ -145,7 +145,7 @@ def test_shapes_of_known_poles_are_linear_least_squares() -> None:
     noisy = truth.receptance * (1 + 0.05 * circular(rng, truth.receptance.shape))
     weight = rng.uniform(0.1, 1.0, noisy.shape)
     weight[:, 2] *= FREQ < 50  # half of the lines of one FRF are of no use
-    fit = held_modes(FREQ, noisy, weight, EIGENVALUE)
+    fit = modes_at_eigenvalues(FREQ, noisy, weight, EIGENVALUE)
     x = (2 * np.pi * FREQ[:, None]) ** 2
     held = 1e4 / ((2 * np.pi * HELD) ** 2 - x)
     columns = np.concatenate([1 / (EIGENVALUE - x), -1e4 / x, np.ones_like(x), held], axis=1)

@@ -6,10 +6,15 @@ import numpy as np
 import pytest
 
 from modallab.core.arrays import ComplexArray, FloatArray
-from modallab.extraction.multi_mode.modal_covariance import turned
+from modallab.extraction.multi_mode.modal_covariance import parameter_weights
 from modallab.extraction.multi_mode.participation import SharedShapeBasis
 from modallab.extraction.multi_mode.pole_basis import BASES
-from modallab.extraction.multi_mode.variable_projection import Linear, Scaled, scaled, solve_linear
+from modallab.extraction.multi_mode.variable_projection import (
+    LinearSolution,
+    ScaledLines,
+    scale_lines,
+    solve_linear,
+)
 from modallab.extraction.options import Damping
 
 LAWS = list(Damping)
@@ -20,11 +25,11 @@ EIGENVALUE: ComplexArray = np.array([30.0**2 * (1 + 0.1j), 45.0**2 * (1 + 0.06j)
 
 @dataclass(frozen=True)
 class Case:
-    lines: Scaled
+    lines: ScaledLines
     basis: SharedShapeBasis
     parameters: FloatArray
 
-    def linear(self, moved: FloatArray | float = 0.0) -> Linear:
+    def linear(self, moved: FloatArray | float = 0.0) -> LinearSolution:
         return solve_linear(self.lines, self.basis, self.parameters + moved)
 
 
@@ -32,7 +37,7 @@ def case(damping: Damping) -> Case:
     rng = np.random.default_rng(4)
     shape = (len(OMEGA), N_DOF * N_REF)
     response = rng.standard_normal(shape) + 1j * rng.standard_normal(shape)
-    lines = scaled(OMEGA, response, rng.uniform(0.5, 2.0, shape), N_REF)
+    lines = scale_lines(OMEGA, response, rng.uniform(0.5, 2.0, shape), N_REF)
     reach = rng.standard_normal((N_MODES, N_REF)) + 1j * rng.standard_normal((N_MODES, N_REF))
     basis = SharedShapeBasis(damping, np.abs(reach).argmax(axis=1), N_REF)
     law = BASES[damping].parameters(np.asarray(EIGENVALUE / lines.unit**2))
@@ -77,7 +82,7 @@ def of_all_references(made: Case, dof: int) -> tuple[FloatArray, FloatArray]:
 @pytest.mark.parametrize("damping", LAWS)
 def test_unknowns_are_those_of_all_lines_of_all_references_in_one_system(damping: Damping) -> None:
     made = case(damping)
-    assert not made.lines.beyond
+    assert not made.lines.fixed_poles
     linear = made.linear()
     for dof in range(N_DOF):
         matrix, right = of_all_references(made, dof)
@@ -93,7 +98,7 @@ def test_unknowns_are_those_of_all_lines_of_all_references_in_one_system(damping
 def test_slopes_of_the_misfit_are_its_differences(damping: Damping) -> None:
     made = case(damping)
     linear = made.linear()
-    slope = -2 * np.einsum("jps,js->p", turned(made.basis, linear), linear.gradient)
+    slope = -2 * np.einsum("jps,js->p", parameter_weights(made.basis, linear), linear.gradient)
     differences = np.empty_like(made.parameters)
     for at in np.ndindex(made.parameters.shape):
         step = np.zeros_like(made.parameters)

@@ -17,6 +17,6 @@ def test_products_of_any_number_of_frfs_are_their_weighted_sums(n_frf: int, turn
     if turned:
         columns[:, 1::2] = 1j * columns[:, ::2]
     weight = rng.uniform(0.0, 2.0, (20, n_frf)) * (rng.uniform(size=(20, 1)) > 0.2)
-    found = weighted_products(columns, weight, turned=turned)
+    found = weighted_products(columns, weight, paired_columns=turned)
     np.testing.assert_allclose(found, plainly(columns, weight), atol=1e-12)  # rounding of 20 terms
     np.testing.assert_array_equal(found, found.swapaxes(1, 2))

@@ -8,8 +8,7 @@ from modallab.core.arrays import ComplexArray, FloatArray, IntArray
 from modallab.core.errors import InvalidInputError
 from modallab.extraction.multi_mode.fraction_poles import poles_of_fractions
 from modallab.extraction.multi_mode.global_method import GLOBAL_METHODS, Poles, RegisteredGlobalMethod
-
-MOST_INPUTS = 6
+from modallab.extraction.multi_mode.settings import MATRIX_FRACTION
 
 
 def poly_reference_lscf(freq: FloatArray, frf: ComplexArray, weight: FloatArray, orders: IntArray) -> Poles:
@@ -24,12 +23,13 @@ def poly_reference_lscf(freq: FloatArray, frf: ComplexArray, weight: FloatArray,
     Peeters, B., Van der Auweraer, H., Guillaume, P. and Leuridan, J. (2004), Shock and Vibration 11,
     395-409.
     """
-    if frf.shape[2] > MOST_INPUTS:
+    if frf.shape[2] > MATRIX_FRACTION.largest_inputs:
         raise InvalidInputError(
             "poly_reference_lscf fits few references together",
             field="inputs",
             value=frf.shape[2],
-            allowed=f"at most {MOST_INPUTS}; lscf and methods of single modes take any number",
+            allowed=f"at most {MATRIX_FRACTION.largest_inputs}; lscf and methods of single modes take any"
+            " number",
         )
     poles = poles_of_fractions(freq, frf, weight, orders)
     residue = poles.vector.reshape(-1, *frf.shape[1:])
