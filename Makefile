@@ -5,7 +5,7 @@ STAMP := .venv/.installed
 TRIAL := benchmarks/trial/results
 export OPENBLAS_NUM_THREADS ?= 1
 
-.PHONY: setup check test demo serve bench trial docs sync-client lock
+.PHONY: setup check test demo serve bench trial docs openapi sync-client lock
 
 $(STAMP): pyproject.toml requirements.lock
 	$(PYTHON) -m venv .venv
@@ -45,6 +45,9 @@ trial: setup ## the blind trial of the diagnosis, for hours; may be cut and cont
 
 docs: setup ## pages and pictures of all effects
 	$(BIN)/python -m docs.gallery
+
+openapi: setup ## write docs/openapi.json from the service
+	$(BIN)/python -m docs.openapi
 
 sync-client: setup ## write result types from docs/openapi.json, and the synchronous client from the asynchronous one
 	$(BIN)/python client/generate_models.py

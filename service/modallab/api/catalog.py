@@ -3,11 +3,11 @@
 import inspect
 from collections.abc import Callable, Mapping
 from dataclasses import asdict
-from typing import Any, Literal
+from typing import Annotated, Any, Literal
 
-from fastapi import APIRouter
-from pydantic import BaseModel
+from fastapi import APIRouter, Path
 
+from modallab.api.wire import Reply
 from modallab.core.options import OptionSpec
 from modallab.estimation.estimator import ESTIMATORS
 from modallab.estimation.windows import WINDOWS
@@ -49,16 +49,23 @@ OFFERED: Mapping[FamilyName, Callable[[str], Mapping[str, OptionSpec]]] = {
 }
 
 
-class MemberOut(BaseModel):
+Family = Annotated[FamilyName, Path(description="family of interchangeable parts")]
+
+
+class MemberOut(Reply):
     """One choice: its kind, what it is, its parameters with unit and bounds."""
 
     kind: str
+    """name in requests"""
     summary: str
+    """meaning in one line"""
     parameters: dict[str, dict[str, Any]]
+    """parameters or options by name: `unit`, `lower`, `upper`, `doc`, `default` or `choices` where present"""
 
 
-@router.get("/{family}", summary="What can be chosen")
-def list_members(family: FamilyName) -> list[MemberOut]:
+@router.get("/{family}", summary="List the members of a family")
+def list_members(family: Family) -> list[MemberOut]:
+    """Return the members of a family, with unit and bounds of their parameters."""
     return [
         MemberOut(kind=kind, summary=_summary(member), parameters=_parameters(family, kind, member))
         for kind, member in FAMILIES[family].items()

@@ -37,6 +37,6 @@ SettingsDep = Annotated[Settings, Depends(_settings)]
 OwnerDep = Annotated[str, Depends(_owner)]
 
 Id = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9_-]{1,64}$")]
-IdPath = Annotated[str, Path(pattern=r"^[A-Za-z0-9_-]{1,64}$", description="the thing's id")]
+IdPath = Annotated[str, Path(pattern=r"^[A-Za-z0-9_-]{1,64}$", description="id of the stored object")]
 Limit = Annotated[int, Query(ge=1, le=500, description="how many entries at most")]
 After = Annotated[Id | None, Query(description="id of the last entry of the page before")]

@@ -70,11 +70,17 @@ def build(app: FastAPI) -> Json:
     schemas |= problem.pop("$defs") | {"Problem": problem}
     for _, method, operation in operations(document):
         _add_errors(method, operation)
+        for spec in operation.get("parameters", ()):
+            spec.setdefault("description", spec["schema"].get("description", ""))
         for reply in operation["responses"].values():
             for content in reply.get("content", {}).values():
                 if name := content["schema"].get("x-component"):
                     schemas[name] = {key: v for key, v in content["schema"].items() if key != "x-component"}
                     content["schema"] = {"$ref": _REF + name}
+    for name, schema in schemas.items():
+        if name.startswith("Body_"):
+            schema["description"] = f"Form of `{name.removeprefix('Body_')}`"
+    schemas["JobOut"]["properties"]["error"]["anyOf"][0] = {"$ref": _REF + "Problem"}
     renamed: Json = _rename(document, {name: _short(name) for name in schemas})
     _strip_titles(renamed["components"])
     _strip_titles(renamed["paths"])

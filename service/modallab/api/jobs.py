@@ -6,11 +6,11 @@ from typing import Any, Self
 
 from anyio import sleep, to_thread
 from fastapi import APIRouter, status
-from pydantic import BaseModel
 from starlette.responses import StreamingResponse
 
 from modallab.api import problems
 from modallab.api.deps import IdPath, JobsDep, OwnerDep
+from modallab.api.wire import Reply
 from modallab.jobs.runner import Job, JobRunner, JobState
 
 router = APIRouter(prefix="/jobs", tags=["jobs"])
@@ -24,15 +24,21 @@ _EVENTS: dict[int | str, dict[str, Any]] = {
 }
 
 
-class JobOut(BaseModel):
+class JobOut(Reply):
     """A job; `result_id` is the id of what it made, `error` the problem that stopped it."""
 
     id: str
+    """id of the job"""
     state: JobState
+    """state of the job"""
     fraction: float
+    """1, share of the work that is done, 0 to 1"""
     message: str
+    """step that is under way"""
     result_id: str | None
+    """id of the result; null until the job has succeeded"""
     error: dict[str, Any] | None
+    """problem that ended a failed job"""
 
     @classmethod
     def of(cls, job: Job) -> Self:
@@ -48,20 +54,21 @@ class JobOut(BaseModel):
         )
 
 
-@router.get("/{id}", summary="How far a job is")
+@router.get("/{id}", summary="Get a job")
 def get_job(id: IdPath, jobs: JobsDep, owner: OwnerDep) -> JobOut:
+    """Return the state and the progress of a job."""
     return JobOut.of(jobs.get(id, owner=owner))
 
 
-@router.delete("/{id}", status_code=status.HTTP_200_OK, summary="Stop a job")
+@router.delete("/{id}", status_code=status.HTTP_200_OK, summary="Cancel a job")
 def cancel_job(id: IdPath, jobs: JobsDep, owner: OwnerDep) -> JobOut:
+    """Return a job after asking it to stop; a job that has ended stays as it is."""
     return JobOut.of(jobs.cancel(id, owner=owner))
 
 
-@router.get(
-    "/{id}/events", response_class=StreamingResponse, responses=_EVENTS, summary="A job as it goes on"
-)
+@router.get("/{id}/events", response_class=StreamingResponse, responses=_EVENTS, summary="Follow a job")
 async def stream_job(id: IdPath, jobs: JobsDep, owner: OwnerDep) -> StreamingResponse:
+    """Return a stream of server-sent events, one a change, each with the job as JSON."""
     first = await to_thread.run_sync(partial(jobs.get, id, owner=owner))  # an unknown id is a 404, no stream
     headers = {"Cache-Control": "no-store", "X-Accel-Buffering": "no"}
     return StreamingResponse(_events(jobs, first), media_type="text/event-stream", headers=headers)

@@ -6,9 +6,10 @@ from typing import Annotated, Any
 import numpy as np
 from fastapi import Query
 from numpy.typing import NDArray
-from pydantic import BaseModel, Field
+from pydantic import Field
 
-from modallab.api.wire import DofText, Number, Text, Wire
+from modallab.api.names import ReductionKind
+from modallab.api.wire import DofText, Number, Text, Wanted, Wire
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.correlation.orthogonality import frequency_errors
@@ -23,8 +24,10 @@ SHOWN = 10  # elastic modes of the full model that the reduced one is held again
 class ReductionIn(Wire):
     """A reduction with its numbers, as `/catalog/reductions` lists them."""
 
-    kind: Text
+    kind: ReductionKind
+    """name of the reduction"""
     parameters: dict[Text, Number] = Field(default_factory=dict, max_length=20)
+    """numbers of the reduction by name"""
 
 
 Reduced = Annotated[Text | ReductionIn, Field(description="a kind, or a kind with its parameters")]
@@ -47,11 +50,13 @@ def check_size(system: DynamicSystem, n_masters: int, field: str) -> None:
         )
 
 
-class ReducedWanted(BaseModel):
+class ReducedWanted(Wanted):
     """The DoFs that are kept, and how the others follow them."""
 
     masters: list[DofText] = Field(min_length=1, max_length=1_000)
-    kind: Text = "guyan"
+    """master degrees of freedom"""
+    kind: ReductionKind = "guyan"
+    """name of the reduction"""
     frequency: float | None = Field(None, description="Hz, of `dynamic`")
     iterations: float | None = Field(None, description="of `irs`")
     modes: float | None = Field(None, description="elastic modes, of `serep`")

@@ -7,6 +7,8 @@ from typing import Any
 from pydantic import GetJsonSchemaHandler
 from pydantic_core import CoreSchema
 
+from modallab.core.parameters import ParameterSpec
+
 Json = dict[str, Any]
 
 
@@ -21,13 +23,14 @@ class Limits:
     ----------
     lower, upper
         Bounds; None where there is none.
-    above
-        True where the lower bound itself is excluded.
+    above, below
+        True where the lower, or the upper, bound itself is excluded.
     """
 
     lower: float | None = None
     upper: float | None = None
     above: bool = False
+    below: bool = False
 
     def __get_pydantic_json_schema__(self, core: CoreSchema, handler: GetJsonSchemaHandler) -> Json:
         schema = dict(handler(core))
@@ -35,7 +38,8 @@ class Limits:
             schema.pop("minimum", None)
             schema["exclusiveMinimum" if self.above else "minimum"] = self.lower
         if self.upper is not None:
-            schema["maximum"] = self.upper
+            schema.pop("maximum", None)
+            schema["exclusiveMaximum" if self.below else "maximum"] = self.upper
         return schema
 
 
@@ -44,6 +48,19 @@ class OneOf:
     """The closed set of names that a text may be, read from a family when the document is made."""
 
     names: Callable[[], Iterable[str]]
+    doc: str = ""
 
     def __get_pydantic_json_schema__(self, core: CoreSchema, handler: GetJsonSchemaHandler) -> Json:
-        return {"type": "string", "enum": sorted(self.names())}
+        described = {"description": self.doc} if self.doc else {}
+        return {"type": "string", "enum": sorted(self.names())} | described
+
+
+@dataclass(frozen=True)
+class Specified:
+    """Unit, meaning and bounds of a number from the specification that its dataclass declares."""
+
+    spec: ParameterSpec
+
+    def __get_pydantic_json_schema__(self, core: CoreSchema, handler: GetJsonSchemaHandler) -> Json:
+        bounds = {"minimum": self.spec.lower, "maximum": self.spec.upper}
+        return dict(handler(core)) | bounds | {"description": f"{self.spec.unit}, {self.spec.doc}"}

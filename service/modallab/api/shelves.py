@@ -1,18 +1,19 @@
 """The verbs that every resource has."""
 
 from fastapi import APIRouter, status
-from pydantic import BaseModel
 
 from modallab.api.deps import After, IdPath, Limit, OwnerDep, StoreDep
-from modallab.api.wire import EntryOut
+from modallab.api.wire import EntryOut, Reply
 from modallab.store.base import Shelf, Store
 
 
-class PageOut(BaseModel):
+class PageOut(Reply):
     """Entries, newest first; `next` is the `after` of the next page."""
 
     items: list[EntryOut]
+    """entries, newest first"""
     next: str | None
+    """value of `after` for the next page; null at the end"""
 
 
 def add_routes(router: APIRouter, shelf: str, singular: str) -> None:

@@ -4,11 +4,13 @@ from collections.abc import Mapping
 from typing import Annotated, Any
 
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, StringConstraints
+from typing_extensions import TypeAliasType
 
-from modallab.api.schema import Limits
+from modallab.api.schema import Limits, OneOf
 from modallab.core.dof import Dof
 from modallab.core.place import Channels, EffectSpec, Members, Place
-from modallab.rig.effect import Effect, build
+from modallab.fe.settings import INPUT
+from modallab.rig.effect import EFFECTS, Effect, build
 from modallab.store.base import Entry
 
 
@@ -24,8 +26,8 @@ NO_CONVERSION = BeforeValidator(_refuse_conversion)
 # A number beyond this has no meaning in any unit used here, and would overflow in the first product.
 Number = Annotated[float, Field(ge=-1e30, le=1e30), NO_CONVERSION]
 Count = Annotated[int, Field(ge=-(2**31), le=2**31), NO_CONVERSION]
-Positive = Annotated[Number, Limits(0.0, above=True)]
-NonNegative = Annotated[Number, Limits(0.0)]
+Positive = Annotated[Number, Limits(INPUT.min_positive, INPUT.max_property)]
+NonNegative = Annotated[Number, Limits(0.0, INPUT.max_property)]
 Fraction = Annotated[Number, Limits(0.0, 1.0)]
 NodeNumber = Annotated[Count, Limits(1, 999_999_999)]
 NoiseFloor = Annotated[float, Field(gt=0, le=1), NO_CONVERSION]
@@ -39,30 +41,44 @@ DofText = Annotated[
 Seed = Annotated[int, Field(ge=0, le=2**63 - 1), NO_CONVERSION]
 
 
+EffectKind = TypeAliasType("EffectKind", Annotated[Text, OneOf(lambda: EFFECTS, "effect, of the catalogue")])
+
+
 class Wire(BaseModel):
     """A request's part: unknown fields and numbers that are not finite are refused."""
 
-    model_config = ConfigDict(extra="forbid", allow_inf_nan=False, frozen=True)
+    model_config = ConfigDict(extra="forbid", allow_inf_nan=False, frozen=True, use_attribute_docstrings=True)
+
+
+class Wanted(BaseModel):
+    """Query parameters of a reply that is computed at once."""
+
+    model_config = ConfigDict(use_attribute_docstrings=True)
 
 
 class MembersAt(Wire):
     """Members of the structure by number."""
 
     members: list[Count] = Field(min_length=1, max_length=20_000)
+    """numbers of members"""
 
 
 class ChannelsAt(Wire):
     """Response channels by the DoF each measures."""
 
     channels: list[DofText] = Field(min_length=1, max_length=1000)
+    """response degrees of freedom of the channels"""
 
 
 class EffectIn(Wire):
     """An effect: its kind, where it acts (null: everywhere), its parameters in SI units."""
 
-    kind: Text
+    kind: EffectKind
+    """name of the effect; `GET /v1/catalog/effects` lists them"""
     at: DofText | MembersAt | ChannelsAt | None = None
+    """degree of freedom, members or channels where the effect acts; null: everywhere"""
     parameters: dict[Text, Number] = Field(default_factory=dict, max_length=20)
+    """numbers of the effect by name, SI units; left out: the defaults of the catalogue"""
 
     def to_domain(self) -> Effect:
         """Return the effect, its kind, parameters and bounds checked."""
@@ -102,14 +118,25 @@ def effect_out(spec: EffectSpec) -> dict[str, Any]:
     return {"kind": spec.kind, "at": place_out(spec.at), "parameters": dict(spec.parameters)}
 
 
-class EntryOut(BaseModel):
+class Reply(BaseModel):
+    """A reply's part, its fields described by the strings under them."""
+
+    model_config = ConfigDict(use_attribute_docstrings=True)
+
+
+class EntryOut(Reply):
     """What is known of a stored thing: enough to make it again."""
 
     id: str
+    """id of the stored object"""
     created: str
+    """time of creation, ISO 8601, UTC"""
     version: str
+    """version of the service that made it"""
     seed: int | None
+    """seed of its random numbers; null where there are none"""
     made_from: Mapping[str, str]
+    """ids of the objects it was made from, by role"""
 
     @staticmethod
     def fields(entry: Entry) -> dict[str, Any]:

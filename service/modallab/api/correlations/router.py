@@ -29,10 +29,11 @@ _BODY = examples(
 )
 
 
-@router.post("", status_code=status.HTTP_201_CREATED, summary="Compare measured modes with a model's")
+@router.post("", status_code=status.HTTP_201_CREATED, summary="Create a correlation")
 def create_correlation(
     body: Annotated[CorrelationIn, _BODY], store: StoreDep, owner: OwnerDep
 ) -> CorrelationOut:
+    """Return the correlation of measured modes, and of measured FRFs if given, with a structure."""
     reduction = None if body.reduction is None else reduction_in(body.reduction)
     system = as_modelled(store.structures.get(body.structure_id))
     measured = store.modal_models.get(body.modal_model_id)
@@ -49,8 +50,9 @@ def create_correlation(
     return CorrelationOut.of(found, store.correlations.entry(stored))
 
 
-@router.get("/{id}", summary="A correlation")
+@router.get("/{id}", summary="Get a correlation")
 def get_correlation(id: IdPath, store: StoreDep) -> CorrelationOut:
+    """Return a stored correlation."""
     return CorrelationOut.of(store.correlations.get(id), store.correlations.entry(id))
 
 
@@ -58,9 +60,10 @@ def get_correlation(id: IdPath, store: StoreDep) -> CorrelationOut:
     "/{id}/arrays",
     response_class=Response,
     responses=array_tables.CORRELATION,
-    summary="All matrices, and the FDAC by line",
+    summary="Get the matrices of a correlation",
 )
 def get_correlation_arrays(id: IdPath, store: StoreDep, form: ArraysFormatDep) -> Response:
+    """Return all matrices of a correlation, with the frequency domain assurance criterion."""
     return form.reply(arrays_out(store.correlations.get(id)))
 
 

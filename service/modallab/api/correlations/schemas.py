@@ -29,10 +29,15 @@ class CorrelationIn(Wire):
     """
 
     modal_model_id: Id
+    """id of the measured modes"""
     structure_id: Id
+    """id of the structure"""
     count: ModeCount | None = None
+    """elastic modes of the structure; left out: as many as were measured"""
     reduction: Reduced | None = None
+    """reduction of the mass matrix to the measured degrees of freedom; null: no orthogonality"""
     measurement_id: Id | None = None
+    """id of a measurement whose FRFs are compared too"""
 
     @property
     def inputs(self) -> dict[str, str]:

@@ -35,10 +35,11 @@ _BODY = {
 }
 
 
-@router.post("", status_code=status.HTTP_202_ACCEPTED, summary="Find what a model lacks")
+@router.post("", status_code=status.HTTP_202_ACCEPTED, summary="Start a diagnosis")
 def start_diagnosis(
     body: Annotated[DiagnosisStart, example(_BODY)], store: StoreDep, jobs: JobsDep, owner: OwnerDep
 ) -> JobOut:
+    """Start a job that searches for the effects that a structure and a rig lack."""
     measurement = store.measurements.get(body.measurement_id)
     structure = store.structures.get(body.structure_id)
     check_comparable(structure, measurement)
@@ -48,8 +49,9 @@ def start_diagnosis(
     return JobOut.of(jobs.submit("diagnose_and_store", arguments, owner=owner))
 
 
-@router.get("/{id}", summary="What was found", response_model=DiagnosisReply)
+@router.get("/{id}", summary="Get a diagnosis", response_model=DiagnosisReply)
 def get_diagnosis(id: IdPath, store: StoreDep) -> Any:
+    """Return the verdict of a diagnosis and the effects that it names."""
     return diagnosis_reply(store.diagnoses.get(id), store.diagnoses.entry(id))
 
 
@@ -57,14 +59,16 @@ def get_diagnosis(id: IdPath, store: StoreDep) -> Any:
     "/{id}/arrays",
     response_class=Response,
     responses=array_tables.DIAGNOSIS,
-    summary="Measured, predicted FRFs",
+    summary="Get measured and predicted FRFs",
 )
 def get_diagnosis_arrays(id: IdPath, store: StoreDep, form: ArraysFormatDep) -> Response:
+    """Return measured FRFs and those predicted before and after a diagnosis."""
     return form.reply_npz(store.diagnoses.npz(id))
 
 
-@router.get("/{id}/report", response_class=HTMLResponse, summary="What was found, as a page")
+@router.get("/{id}/report", response_class=HTMLResponse, summary="Get the report of a diagnosis")
 def get_diagnosis_report(id: IdPath, store: StoreDep) -> HTMLResponse:
+    """Return the report of a diagnosis as one self-contained HTML page."""
     entry = store.diagnoses.entry(id)
     made = {**entry.inputs, "id": entry.id, "created": entry.created, "version": entry.version}
     return HTMLResponse(report(store.diagnoses.get(id), made), headers=_STATIC)

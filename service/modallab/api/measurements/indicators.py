@@ -3,9 +3,10 @@
 from typing import Self
 
 import numpy as np
-from pydantic import BaseModel, Field
+from pydantic import Field
 
 from modallab.api.thinning import MOST_JSON, numbers, thinned
+from modallab.api.wire import Reply
 from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfKind
 from modallab.extraction.preprocessing.indicators import complex_mode_indicator, real_part_indicator
@@ -13,11 +14,12 @@ from modallab.extraction.preprocessing.reciprocity import reciprocity
 from modallab.rig.measurement import Measurement
 
 
-class IndicatorsOut(BaseModel):
+class IndicatorsOut(Reply):
     """Mode indicator functions of mobility, thinned; dips of `mif` and peaks of `cmif` are modes."""
 
     freq: list[float] = Field(description="Hz, above 0")
     inputs: list[str]
+    """force degrees of freedom"""
     mif: list[list[float]] = Field(description="a force: 0 where all responses are in phase with it, to 1")
     cmif: list[list[float]] = Field(description="singular values in m/(s N), the largest first")
 
@@ -49,11 +51,13 @@ class IndicatorsOut(BaseModel):
         )
 
 
-class ReciprocalPairOut(BaseModel):
+class ReciprocalPairOut(Reply):
     """Two FRFs between the same points: H_jk, response at j, and H_kj."""
 
     response: str
+    """degree of freedom j"""
     force: str
+    """degree of freedom k"""
     scale: tuple[float | None, float | None] = Field(
         description="H_jk = scale H_kj: 1 if reciprocal, [re, im]"
     )
@@ -62,11 +66,13 @@ class ReciprocalPairOut(BaseModel):
     differs: bool = Field(description="beyond random error")
 
 
-class ReciprocityOut(BaseModel):
+class ReciprocityOut(Reply):
     """How far FRFs between the same points differ, and what the data allow to say."""
 
     pairs: list[ReciprocalPairOut]
+    """pairs of FRFs with force and response exchanged"""
     note: str
+    """limits of the comparison"""
 
     @classmethod
     def of(cls, measurement: Measurement) -> Self:

@@ -18,11 +18,17 @@ class LogOut(EntryOut):
     """
 
     route: str | None
+    """route of a simulated measurement; null where FRFs were imported"""
     libraries: Mapping[str, str]
+    """versions of the libraries that computed it"""
     rig_id: str
+    """id of the rig"""
     rig: dict[str, Any]
+    """body of `POST /v1/rigs` that declares the same rig"""
     averages: float
+    """1, effective number of averages"""
     notes: list[str]
+    """remarks of the measurement"""
 
     @classmethod
     def of(cls, measurement: Measurement, entry: Entry) -> Self:

@@ -50,15 +50,16 @@ _TEST = {
 }
 
 
-@router.post("", status_code=status.HTTP_202_ACCEPTED, summary="Measure FRFs on the virtual rig")
+@router.post("", status_code=status.HTTP_202_ACCEPTED, summary="Start a measurement")
 def start_measurement(
     body: Annotated[MeasurementStart, example(_TEST)], store: StoreDep, jobs: JobsDep, owner: OwnerDep
 ) -> JobOut:
+    """Start a job that measures the FRFs of a structure on a rig."""
     structure, setup = store.structures.get(body.structure_id), store.rigs.get(body.rig_id)
     return JobOut.of(jobs.submit("measure_and_store", body.to_arguments(structure, setup), owner=owner))
 
 
-@router.post("/import", status_code=status.HTTP_201_CREATED, summary="Import measured FRFs")
+@router.post("/import", status_code=status.HTTP_201_CREATED, summary="Import a measurement")
 def import_measurement(
     file: Annotated[
         UploadFile,
@@ -70,6 +71,7 @@ def import_measurement(
     rig_id: RigId = None,
     averages: Averages = None,
 ) -> MeasurementOut:
+    """Return a measurement from a file of FRFs: universal file (dataset 58), npz, HDF5 or FRF text."""
     setup = None if rig_id is None else store.rigs.get(rig_id)
     measurement = read_measurement(file.file, setup, largest=settings.upload_limit, averages=averages)
     with store.together() as batch:
@@ -79,8 +81,9 @@ def import_measurement(
     return MeasurementOut.of(measurement, store.measurements.entry(stored))
 
 
-@router.get("/{id}", summary="A measurement without its arrays")
+@router.get("/{id}", summary="Get a measurement")
 def get_measurement(id: IdPath, store: StoreDep) -> MeasurementOut:
+    """Return a measurement without its arrays, with its rig as declared."""
     return MeasurementOut.of(store.measurements.get(id), store.measurements.entry(id))
 
 
@@ -88,24 +91,27 @@ def get_measurement(id: IdPath, store: StoreDep) -> MeasurementOut:
     "/{id}/arrays",
     response_class=Response,
     responses=array_tables.MEASUREMENT,
-    summary="FRFs, coherence, spectra",
+    summary="Get FRFs, coherence and spectra",
 )
 def get_measurement_arrays(
     id: IdPath, store: StoreDep, form: ArraysFormatDep, kind: KindWanted = None
 ) -> Response:
+    """Return FRFs, coherence and auto spectra of a measurement."""
     if kind is None:
         return form.reply_npz(store.measurements.npz(id))
     measurement = measured_as(kind, store.measurements.get(id))
     return form.reply(arrays_of(measurement) | {"notes": np.array(measurement.notes, dtype=str)})
 
 
-@router.get("/{id}/arrays.h5", response_class=Response, responses=HDF5, summary="The same as an HDF5 file")
+@router.get("/{id}/arrays.h5", response_class=Response, responses=HDF5, summary="Get arrays as an HDF5 file")
 def get_measurement_hdf5(id: IdPath, store: StoreDep, kind: KindWanted = None) -> Response:
+    """Return the arrays of a measurement as an HDF5 file."""
     return hdf5_reply(hdf5.write(measured_as(kind, store.measurements.get(id))), id)
 
 
-@router.get("/{id}/frf.uff", response_class=Response, responses=UFF, summary="FRFs as a universal file")
+@router.get("/{id}/frf.uff", response_class=Response, responses=UFF, summary="Get FRFs as a universal file")
 def get_measurement_uff(id: IdPath, store: StoreDep, kind: KindWanted = None) -> Response:
+    """Return the FRFs of a measurement as a universal file (dataset 58)."""
     measured = store.measurements.get(id)
     wanted = measured_as(kind, measured)
     content = "; ".join(["measurement", *wanted.notes[len(measured.notes) :]])
@@ -116,36 +122,42 @@ def get_measurement_uff(id: IdPath, store: StoreDep, kind: KindWanted = None) ->
     "/{id}/thesis.frf",
     response_class=Response,
     responses=FRF_TEXT,
-    summary="FRFs as the thesis program has them",
+    summary="Get FRFs as FRF text",
 )
 def get_measurement_frf_text(
     id: IdPath, store: StoreDep, decimals: Decimals = FRF_TEXT_FILE.program_decimals, kind: KindWanted = None
 ) -> Response:
+    """Return the FRFs of a measurement in the text format of the 1992 thesis program."""
     return frf_text_reply(frf_text.write(measured_as(kind, store.measurements.get(id)), decimals), id)
 
 
-@router.get("/{id}/curves", summary="FRFs thinned for plots")
+@router.get("/{id}/curves", summary="Get curves for plots")
 def get_curves(id: IdPath, store: StoreDep, points: Points = 800, kind: KindWanted = None) -> CurvesOut:
+    """Return the FRFs of a measurement at fewer lines, with peaks and notches kept."""
     return CurvesOut.of(measured_as(kind, store.measurements.get(id)), points)
 
 
-@router.get("/{id}/indicators", summary="Mode indicator functions: where modes are")
+@router.get("/{id}/indicators", summary="Get mode indicator functions")
 def get_indicators(id: IdPath, store: StoreDep, points: Points = 800) -> IndicatorsOut:
+    """Return mode indicator functions of a measurement: real part (MIF) and singular values (CMIF)."""
     return IndicatorsOut.of(store.measurements.get(id), points)
 
 
-@router.get("/{id}/reciprocity", summary="FRFs with force and response in each other's place")
+@router.get("/{id}/reciprocity", summary="Check reciprocity")
 def get_reciprocity(id: IdPath, store: StoreDep) -> ReciprocityOut:
+    """Return the differences of FRFs whose force and response are exchanged."""
     return ReciprocityOut.of(store.measurements.get(id))
 
 
-@router.get("/{id}/log", summary="What was declared and asked: enough, with the truth, to measure it again")
+@router.get("/{id}/log", summary="Get the log book")
 def get_log(id: IdPath, store: StoreDep) -> LogOut:
+    """Return the log book of a measurement: the rig as declared, seed, versions of the libraries."""
     return LogOut.of(store.measurements.get(id), store.measurements.entry(id))
 
 
-@router.get("/{id}/truth", summary="How it was made: for its owner")
+@router.get("/{id}/truth", summary="Get the truth")
 def get_truth(id: IdPath, store: StoreDep, owner: OwnerDep) -> TruthOut:
+    """Return the structure and the effects of a simulated measurement, to its owner only."""
     return TruthOut.of(store.truths.get(id, owner=owner))
 
 

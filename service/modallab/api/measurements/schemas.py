@@ -3,12 +3,11 @@
 from typing import Any, Self
 
 import numpy as np
-from pydantic import BaseModel
 
 from modallab.api.deps import Id
 from modallab.api.rigs.schemas import setup_out
 from modallab.api.thinning import MOST_JSON, thinned
-from modallab.api.wire import Effects, EntryOut, Seed, Wire, effect_out
+from modallab.api.wire import Effects, EntryOut, Reply, Seed, Wire, effect_out
 from modallab.core.errors import InvalidInputError
 from modallab.fe.structure import Structure
 from modallab.rig.effect import build
@@ -23,10 +22,15 @@ class MeasurementStart(Wire):
     """A virtual test. `effects` act beside what the rig declares, and show in no log book."""
 
     structure_id: Id
+    """id of the structure under test"""
     rig_id: Id
+    """id of the rig"""
     effects: Effects = ()
+    """effects beside those of the structure and the rig; no log book shows them"""
     route: Route = Route.SAMPLED
+    """`expected`: without random error; `drawn`: spectra from their distribution; `sampled`: time records"""
     seed: Seed = 0
+    """seed of the random numbers"""
 
     def to_arguments(self, structure: Structure, setup: RigSetup) -> dict[str, Any]:
         """Return the task's arguments, checked as far as can be before the work.
@@ -57,14 +61,23 @@ class MeasurementOut(EntryOut):
     """A measurement without its arrays: what was measured, and the rig as declared."""
 
     rig_id: str
+    """id of the rig"""
     kind: str
+    """quantity over force: inertance, mobility or receptance"""
     outputs: list[str]
+    """response degrees of freedom"""
     inputs: list[str]
+    """force degrees of freedom"""
     n_lines: int
+    """number of lines"""
     frequency_max: float
+    """Hz, frequency of the last line"""
     averages: float
+    """1, effective number of averages"""
     rig: dict[str, Any]
+    """rig as declared"""
     notes: list[str]
+    """remarks of the measurement"""
 
     @classmethod
     def of(cls, measurement: Measurement, entry: Entry) -> Self:
@@ -84,11 +97,13 @@ class MeasurementOut(EntryOut):
         )
 
 
-class TruthOut(BaseModel):
+class TruthOut(Reply):
     """How a measurement was made: for its owner."""
 
     structure_id: str
+    """id of the structure that was tested"""
     effects: list[dict[str, Any]]
+    """effects that were added, as `kind`, `at`, `parameters`"""
 
     @classmethod
     def of(cls, truth: Truth) -> Self:
@@ -96,22 +111,30 @@ class TruthOut(BaseModel):
         return cls(structure_id=truth.structure_id, effects=[effect_out(spec) for spec in truth.effects])
 
 
-class CurveOut(BaseModel):
+class CurveOut(Reply):
     """One FRF: values as [re, im], and its coherence."""
 
     output: str
+    """response degree of freedom"""
     input: str
+    """force degree of freedom"""
     values: list[tuple[float, float]]
+    """m/s^2/N, m/s/N or m/N as `kind` says, FRF as [re, im]"""
     coherence: list[float] | None
+    """1, coherence; null where it was not measured"""
 
 
-class CurvesOut(BaseModel):
+class CurvesOut(Reply):
     """FRFs thinned for plots; peaks and notches stay."""
 
     freq: list[float]
+    """Hz, lines that are kept"""
     kind: str
+    """inertance, mobility or receptance"""
     curves: list[CurveOut]
+    """one curve an FRF"""
     notes: list[str]
+    """remarks of the measurement"""
 
     @classmethod
     def of(cls, measurement: Measurement, points: int) -> Self:

@@ -50,10 +50,11 @@ _IMPORT = {
 }
 
 
-@router.post("", status_code=status.HTTP_202_ACCEPTED, summary="Read modes from a measurement")
+@router.post("", status_code=status.HTTP_202_ACCEPTED, summary="Start an extraction")
 def start_modal_model(
     body: Annotated[ModalModelStart, example(_START)], store: StoreDep, jobs: JobsDep, owner: OwnerDep
 ) -> JobOut:
+    """Start a job that extracts modes from a measurement."""
     store.measurements.check(body.measurement_id)
     return JobOut.of(jobs.submit("extract_and_store", body.to_arguments(), owner=owner))
 
@@ -82,22 +83,22 @@ router.add_api_route(
 )
 
 
-@router.post(
-    "/import", status_code=status.HTTP_201_CREATED, summary="Import modes from elsewhere", openapi_extra=FILE
-)
+@router.post("/import", status_code=status.HTTP_201_CREATED, summary="Import modes", openapi_extra=FILE)
 def import_modal_model(
     body: Annotated[ModalModelIn, example(_IMPORT)], store: StoreDep, owner: OwnerDep
 ) -> ModalModelOut:
+    """Return a modal model from frequencies, loss factors and shapes as JSON, or a universal file."""
     return _stored(body.to_domain(), store, owner)
 
 
 @router.get(
     "/{id}",
-    summary="Modes without their shapes",
+    summary="Get modes",
     response_model=ModalModelOut,
     responses=csv_replies(COLUMNS),
 )
 def get_modal_model(id: IdPath, store: StoreDep, as_csv: CsvWanted) -> ModalModelOut | Response:
+    """Return the modes of a modal model without their shapes."""
     model = store.modal_models.get(id)
     if as_csv:
         return csv_reply(COLUMNS, mode_rows(model))
@@ -108,23 +109,26 @@ def get_modal_model(id: IdPath, store: StoreDep, as_csv: CsvWanted) -> ModalMode
     "/{id}/arrays",
     response_class=Response,
     responses=array_tables.MODAL_MODEL,
-    summary="Shapes, constants of each FRF",
+    summary="Get shapes and modal constants",
 )
 def get_modal_model_arrays(id: IdPath, store: StoreDep, form: ArraysFormatDep) -> Response:
+    """Return the mode shapes of a modal model, and the modal constants of each FRF."""
     return form.reply_npz(store.modal_models.npz(id))
 
 
-@router.get("/{id}/fits", summary="One mode in one FRF, to be drawn: lines, curve, what the method drew")
+@router.get("/{id}/fits", summary="Get the fit of a mode")
 def get_fit(
     id: IdPath, store: StoreDep, mode: MODE, response: RESPONSE, reference: REFERENCE = None
 ) -> FitOut:
+    """Return the fit of one mode in one FRF, to be drawn: lines, curve, and the data of the method."""
     model, at = store.modal_models.get(id), Dof.parse(response, field="response")
     of = None if reference is None else Dof.parse(reference, field="reference")
     return FitOut.of(picture_of(measured_for(id, model, store), model, mode, at, of), mode, at, of)
 
 
-@router.get("/{id}/chart", summary="Stabilisation chart of a global method, mode indicators beside it")
+@router.get("/{id}/chart", summary="Get the stabilisation chart")
 def get_chart(id: IdPath, store: StoreDep, points: Points = 800) -> ChartOut:
+    """Return the stabilisation chart of a global extraction method, with mode indicator functions."""
     model = store.modal_models.get(id)
     return ChartOut.of(model, measured_for(id, model, store), points)
 
@@ -133,23 +137,28 @@ def get_chart(id: IdPath, store: StoreDep, points: Points = 800) -> ChartOut:
     "/{id}/frf",
     response_class=Response,
     responses=array_tables.FRFS,
-    summary="FRFs that the modes make, on the measurement's lines",
+    summary="Synthesise FRFs",
 )
 def get_resynthesised(
     id: IdPath, store: StoreDep, form: ArraysFormatDep, kind: KindWanted = None
 ) -> Response:
+    """Return FRFs synthesised from a modal model at the lines of its measurement."""
     model = store.modal_models.get(id)
     measurement = measured_as(kind, measured_for(id, model, store))
     return form.reply(frf_arrays(resynthesised(measurement, model)))
 
 
-@router.get("/{id}/reciprocity", summary="Modal constants beside those of a test driven at the response")
+@router.get("/{id}/reciprocity", summary="Check reciprocity of modal constants")
 def get_modal_reciprocity(id: IdPath, store: StoreDep, other: OTHER) -> ModalReciprocityOut:
+    """Return ratios of modal constants to those of a test driven at the response."""
     return ModalReciprocityOut.of(store.modal_models.get(id), store.modal_models.get(other))
 
 
-@router.get("/{id}/modes.uff", response_class=Response, responses=UFF, summary="Modes as a universal file")
+@router.get(
+    "/{id}/modes.uff", response_class=Response, responses=UFF, summary="Get modes as a universal file"
+)
 def get_modal_model_uff(id: IdPath, store: StoreDep) -> Response:
+    """Return the modes of a modal model as a universal file (dataset 55)."""
     content = origin(store.modal_models.entry(id), "modal model")
     return uff_reply(uff_modes.write(store.modal_models.get(id), content), id)
 

@@ -8,7 +8,7 @@ from pydantic import Field
 
 from modallab.api.deps import Id
 from modallab.api.derived import OptionsByMethod, body_of, options_from
-from modallab.api.schema import OneOf
+from modallab.api.schema import Limits, OneOf
 from modallab.api.wire import NO_CONVERSION, DofText, ModeCount, Number, Seed, Text, Wire
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
@@ -21,9 +21,12 @@ from modallab.store.plain import to_plain
 class ModeNoiseIn(Wire):
     """Relative errors of eigenvalues and of shape entries."""
 
-    eigenvalue: Number = 0.0
-    eigenvector: Number = 0.0
+    eigenvalue: Annotated[Number, Limits(0.0, 1.0, below=True)] = 0.0
+    """1, relative error of eigenvalues"""
+    eigenvector: Annotated[Number, Limits(0.0, 1.0, below=True)] = 0.0
+    """1, relative error of shape entries"""
     distribution: Distribution = Distribution.UNIFORM
+    """distribution of the errors"""
 
     def to_domain(self) -> ModeNoise:
         """Return the noise."""
@@ -47,9 +50,13 @@ class SyntheticIn(Wire):
     """Modes of a structure as a test would give them."""
 
     count: ModeCount
+    """number of elastic modes"""
     dofs: Dofs
+    """degrees of freedom at which shapes are known, each once"""
     noise: ModeNoiseIn = ModeNoiseIn()
+    """errors of the modes"""
     seed: Seed = 0
+    """seed of the random numbers"""
 
     def places(self) -> tuple[Dof, ...]:
         """Return the DoFs at which shapes are known."""
@@ -105,7 +112,9 @@ class ModeIn(Wire):
 
     frequency: Annotated[float, Field(gt=0, le=1e30), NO_CONVERSION] = Field(description="Hz")
     loss_factor: Number = 0.0
+    """1, loss factor"""
     shape: list[Complex] = Field(min_length=1, max_length=5000)
+    """mode shape, one entry a degree of freedom"""
 
     def to_domain(self, n_dofs: int) -> Mode:
         """Return the mode; `InvalidInputError` if its shape has another length."""
@@ -121,8 +130,11 @@ class ModalModelIn(Wire):
     """Modes from elsewhere, at named DoFs."""
 
     modes: list[ModeIn] = Field(min_length=1, max_length=500)
+    """modes in any order"""
     dofs: Dofs
+    """degrees of freedom of the shapes, each once"""
     normalisation: Literal["mass", "none"] = "mass"
+    """`mass`: 1/sqrt(kg), mass-normalised; `none`: unscaled"""
 
     def to_domain(self) -> ModalModel:
         """Return the modal model, in rising frequency."""

@@ -1,27 +1,31 @@
 """Wire types of the analyser's settings."""
 
-from typing import Literal
+from typing import Annotated, Literal
 
-from modallab.api.wire import Count, Number, Text, Wire
+from modallab.api.names import EstimatorName, ExcitationKind, WindowName
+from modallab.api.schema import Limits, Specified
+from modallab.api.wire import Count, Number, Wire
 from modallab.estimation.estimator import ESTIMATORS
 from modallab.estimation.windows import WINDOWS
 from modallab.rig.analyser import Analyser, ExcitationSetting
 
 _DEFAULT = Analyser()
+_SPECS = ExcitationSetting.specs()
 
 
 class ExcitationIn(Wire):
     """The signal of the source, N rms from 0 Hz to the top of the band; what a burst or a hammer is like."""
 
-    kind: Text = _DEFAULT.excitation.kind
-    level: Number = _DEFAULT.excitation.level
-    burst: Number = _DEFAULT.excitation.burst
-    tip_stiffness: Number = _DEFAULT.excitation.tip_stiffness
-    hammer_mass: Number = _DEFAULT.excitation.hammer_mass
-    pre_trigger: Number = _DEFAULT.excitation.pre_trigger
-    level_scatter: Number = _DEFAULT.excitation.level_scatter
-    place_scatter: Number = _DEFAULT.excitation.place_scatter
-    angle_scatter: Number = _DEFAULT.excitation.angle_scatter
+    kind: ExcitationKind = _DEFAULT.excitation.kind
+    """kind of signal; left out: periodic_random, or impact for a hammer"""
+    level: Annotated[Number, Specified(_SPECS["level"])] = _DEFAULT.excitation.level
+    burst: Annotated[Number, Specified(_SPECS["burst"])] = _DEFAULT.excitation.burst
+    tip_stiffness: Annotated[Number, Specified(_SPECS["tip_stiffness"])] = _DEFAULT.excitation.tip_stiffness
+    hammer_mass: Annotated[Number, Specified(_SPECS["hammer_mass"])] = _DEFAULT.excitation.hammer_mass
+    pre_trigger: Annotated[Number, Specified(_SPECS["pre_trigger"])] = _DEFAULT.excitation.pre_trigger
+    level_scatter: Annotated[Number, Specified(_SPECS["level_scatter"])] = _DEFAULT.excitation.level_scatter
+    place_scatter: Annotated[Number, Specified(_SPECS["place_scatter"])] = _DEFAULT.excitation.place_scatter
+    angle_scatter: Annotated[Number, Specified(_SPECS["angle_scatter"])] = _DEFAULT.excitation.angle_scatter
 
     def to_domain(self, usual: str) -> ExcitationSetting:
         """Return the excitation, of the `usual` kind where none is given; an unknown kind raises."""
@@ -32,20 +36,34 @@ class ExcitationIn(Wire):
 class AnalyserIn(Wire):
     """Settings of the analyser; `n_lines` counts 0 Hz."""
 
-    frequency_max: Number = _DEFAULT.frequency_max
-    n_lines: Count = _DEFAULT.n_lines
-    window: Text = _DEFAULT.window
-    averages: Count = _DEFAULT.averages
-    overlap: Number = _DEFAULT.overlap
-    estimator: Text = _DEFAULT.estimator
-    bits: Count | None = _DEFAULT.bits
-    range_factor: Number = _DEFAULT.range_factor
+    frequency_max: Annotated[Number, Limits(1e-3, 1e6)] = _DEFAULT.frequency_max
+    """Hz, frequency of the last line"""
+    n_lines: Annotated[Count, Limits(8, 20001)] = _DEFAULT.n_lines
+    """number of lines, 0 Hz counted"""
+    window: WindowName = _DEFAULT.window
+    """window of the records"""
+    averages: Annotated[Count, Limits(1, 100_000)] = _DEFAULT.averages
+    """number of averages"""
+    overlap: Annotated[Number, Limits(0.0, 0.9)] = _DEFAULT.overlap
+    """1, share of a record that overlaps the one before"""
+    estimator: EstimatorName = _DEFAULT.estimator
+    """FRF estimator"""
+    bits: Annotated[Count, Limits(4, 32)] | None = _DEFAULT.bits
+    """resolution of the converter; null: ideal"""
+    range_factor: Annotated[Number, Limits(0.5, 100.0)] = _DEFAULT.range_factor
+    """1, full scale over the rms of each channel, where there are bits"""
     excitation: ExcitationIn = ExcitationIn()
+    """signal of the source"""
     coupling: Literal["dc", "ac"] = _DEFAULT.coupling
-    coupling_frequency: Number = _DEFAULT.coupling_frequency
-    mass_cancellation: Number = _DEFAULT.mass_cancellation
-    window_end: Number = _DEFAULT.window_end
-    force_width: Number = _DEFAULT.force_width
+    """coupling of all inputs"""
+    coupling_frequency: Annotated[Number, Limits(0.0, 1e4)] = _DEFAULT.coupling_frequency
+    """Hz, high-pass corner (3 dB) of AC coupling"""
+    mass_cancellation: Annotated[Number, Limits(0.0, 5.0)] = _DEFAULT.mass_cancellation
+    """kg, mass times the drive point acceleration that is subtracted from the force"""
+    window_end: Annotated[Number, Limits(1e-6, 0.999)] = _DEFAULT.window_end
+    """1, height of an exponential window at the end of the record"""
+    force_width: Annotated[Number, Limits(1e-3, 0.999)] = _DEFAULT.force_width
+    """1, share of the record that a force window passes"""
 
     def to_domain(self, usual: str = _DEFAULT.excitation.kind) -> Analyser:
         """Return the analyser; unknown names raise.

@@ -4,7 +4,8 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from modallab.api.wire import DofText, Number, Wire
+from modallab.api.schema import Limits
+from modallab.api.wire import DofText, Fraction, NonNegative, Number, Wire
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.rig.hardware import Accelerometers, Coil, Exciter, ForceTransducer, Noise
@@ -15,9 +16,12 @@ from modallab.rig.suspension import Suspension
 class CoilIn(Wire):
     """The voice coil of a shaker."""
 
-    force_factor: Number
-    resistance: Number
-    inductance: Number = 0.0
+    force_factor: Annotated[Number, Limits(0.0, 100.0)]
+    """N/A, force factor Bl"""
+    resistance: Annotated[Number, Limits(0.1, 1e4)]
+    """Ohm, resistance"""
+    inductance: Annotated[Number, Limits(0.0, 0.1)] = 0.0
+    """H, inductance"""
 
     def to_domain(self) -> Coil:
         """Return the coil."""
@@ -28,11 +32,17 @@ class ExciterIn(Wire):
     """What drives the structure."""
 
     kind: Literal["shaker", "hammer"] = "shaker"
-    armature_mass: Number = 0.0
-    suspension_stiffness: Number = 0.0
-    suspension_damping: Number = 0.0
+    """kind of exciter"""
+    armature_mass: Annotated[Number, Limits(0.0, 4.5)] = 0.0
+    """kg, moving mass behind the force transducer"""
+    suspension_stiffness: Annotated[Number, Limits(0.0, 1e8)] = 0.0
+    """N/m, armature to shaker body"""
+    suspension_damping: Annotated[Number, Limits(0.0, 1e5)] = 0.0
+    """N s/m, armature to shaker body"""
     coil: CoilIn | None = None
+    """voice coil; null: no reaction on the motion"""
     amplifier: Literal["current", "voltage"] = "current"
+    """quantity that the power amplifier controls; `voltage` needs a coil"""
 
     def to_domain(self) -> Exciter:
         """Return the exciter."""
@@ -49,13 +59,20 @@ class ExciterIn(Wire):
 class StingerIn(Wire):
     """A stinger as a round rod, or by its stiffness."""
 
-    diameter: Number | None = None
-    length: Number | None = None
-    modulus: Number | None = None
-    density: Number | None = None
-    axial_stiffness: Number | None = None
-    bending_stiffness: Number | None = None
-    lateral_stiffness: Number | None = None
+    diameter: Annotated[Number, Limits(1e-5, 0.1)] | None = None
+    """m, of a round rod"""
+    length: Annotated[Number, Limits(1e-3, 10.0)] | None = None
+    """m, of the rod"""
+    modulus: Annotated[Number, Limits(1e6, 1e13)] | None = None
+    """N/m^2, modulus of elasticity of the rod"""
+    density: Annotated[Number, Limits(1.0, 1e5)] | None = None
+    """kg/m^3, of the rod"""
+    axial_stiffness: Annotated[Number, Limits(1e3, 1e12)] | None = None
+    """N/m, of a stinger given by stiffness; null: rigid"""
+    bending_stiffness: Annotated[Number, Limits(0.0, 1e7)] | None = None
+    """N m/rad, at the drive point"""
+    lateral_stiffness: NonNegative | None = None
+    """N/m, at the drive point"""
 
     def to_domain(self) -> Stinger:
         """Return the stinger; `InvalidInputError` unless it is one or the other, and all of a rod."""
@@ -81,9 +98,12 @@ def _stinger(says: str) -> InvalidInputError:
 class ForceTransducerIn(Wire):
     """The gauge at the drive point."""
 
-    mass_below: Number = 0.0
+    mass_below: Annotated[Number, Limits(0.0, 0.5)] = 0.0
+    """kg, between the sensing element and the structure"""
     mass_cancelled: bool = False
-    stiffness: Number | None = None
+    """true: that mass is subtracted from the force already"""
+    stiffness: Annotated[Number, Limits(0.0, 1e12)] | None = None
+    """N/m, axial; null or 0: rigid, else at least 1000"""
 
     def to_domain(self) -> ForceTransducer:
         """Return the force transducer."""
@@ -93,13 +113,20 @@ class ForceTransducerIn(Wire):
 class AccelerometersIn(Wire):
     """The response transducers."""
 
-    mass: Number = 0.0
+    mass: Annotated[Number, Limits(0.0, 0.5)] = 0.0
+    """kg each"""
     roving: bool = False
+    """true: one accelerometer moves from point to point"""
     mounting: Literal["ideal", "stud", "wax", "magnet"] = "ideal"
-    mounted_frequency: Number | None = None
-    transverse_sensitivity: Number = 0.0
-    transverse_angle: Number = 0.0
-    cable_mass: Number = 0.0
+    """attachment, which has a resonance"""
+    mounted_frequency: Annotated[Number, Limits(10.0, 1e9)] | None = None
+    """Hz, resonance of the mounting; null: that of `mounting`"""
+    transverse_sensitivity: Annotated[Number, Limits(-1.0, 1.0)] = 0.0
+    """1, across the axis over along it"""
+    transverse_angle: Annotated[Number, Limits(-1.5707963267948966, 1.5707963267948966)] = 0.0
+    """rad, about the axis, direction of the largest transverse sensitivity"""
+    cable_mass: Annotated[Number, Limits(0.0, 0.5)] = 0.0
+    """kg each, mass of cable that moves with it"""
 
     def to_domain(self) -> Accelerometers:
         """Return the accelerometers."""
@@ -117,8 +144,10 @@ class AccelerometersIn(Wire):
 class NoiseIn(Wire):
     """Noise as a ratio to the mean of each channel's noise-free spectrum."""
 
-    force: Number = 0.0
-    response: Number = 0.0
+    force: Annotated[Number, Limits(0.0, 10.0)] = 0.0
+    """1, noise over the mean of the force spectrum"""
+    response: Annotated[Number, Limits(0.0, 10.0)] = 0.0
+    """1, noise over the mean of the response spectrum"""
 
     def to_domain(self) -> Noise:
         """Return the noise."""
@@ -129,8 +158,11 @@ class SuspensionIn(Wire):
     """The elastic bands that the structure hangs on, all alike."""
 
     at: Annotated[list[DofText], Field(min_length=1, max_length=100)]
-    stiffness: Number
-    loss_factor: Number = 0.0
+    """degrees of freedom where a band pulls, translations"""
+    stiffness: Annotated[Number, Limits(0.0, 1e9)]
+    """N/m each"""
+    loss_factor: Fraction = 0.0
+    """1, loss factor"""
 
     def to_domain(self) -> Suspension:
         """Return the suspension."""

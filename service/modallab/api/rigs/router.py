@@ -25,19 +25,22 @@ _RIG = {
 
 @router.post("", status_code=status.HTTP_201_CREATED, summary="Declare a rig")
 def create_rig(body: Annotated[RigIn, example(_RIG)], store: StoreDep, owner: OwnerDep) -> RigOut:
+    """Return a rig: the declaration of a test set-up. Parts left out are ideal."""
     setup = body.to_domain()
     return RigOut.of(setup, store.rigs.entry(store.rigs.add(setup, owner=owner)))
 
 
-@router.get("/{id}", summary="A rig as declared")
+@router.get("/{id}", summary="Get a rig")
 def get_rig(id: IdPath, store: StoreDep) -> RigOut:
+    """Return a rig as declared, with defaults filled in."""
     return RigOut.of(store.rigs.get(id), store.rigs.entry(id))
 
 
-@router.get("/{id}/checks", summary="Rules of good testing, on a structure")
+@router.get("/{id}/checks", summary="Check a rig on a structure")
 def get_checks(
     id: IdPath, structure_id: Annotated[Id, Query(description="what the rig tests")], store: StoreDep
 ) -> ChecksOut:
+    """Return rules of good testing, evaluated for a rig on a structure."""
     found = checks(store.structures.get(structure_id), store.rigs.get(id))
     return ChecksOut(rig_id=id, structure_id=structure_id, checks=[CheckOut.of(check) for check in found])
 

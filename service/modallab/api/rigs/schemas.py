@@ -3,7 +3,7 @@
 from dataclasses import asdict
 from typing import Annotated, Any, Self
 
-from pydantic import BaseModel, Field
+from pydantic import Field
 
 from modallab.api.rigs.analyser import AnalyserIn
 from modallab.api.rigs.hardware import (
@@ -14,7 +14,7 @@ from modallab.api.rigs.hardware import (
     StingerIn,
     SuspensionIn,
 )
-from modallab.api.wire import DofText, Effects, EntryOut, Wire, effect_out
+from modallab.api.wire import DofText, Effects, EntryOut, Reply, Wire, effect_out
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.rig.checks import Check, figures
@@ -32,16 +32,27 @@ class RigIn(Wire):
     """The log book of a test."""
 
     drive: DofText | None = None
+    """degree of freedom of the force, a translation; give this or `drives`"""
     drives: Annotated[list[DofText], Field(min_length=1, max_length=100)] | None = None
+    """degrees of freedom of several forces, or of the blows of a roving hammer"""
     responses: Annotated[list[DofText], Field(min_length=1, max_length=2000)]
+    """degrees of freedom of the accelerometers"""
     exciter: ExciterIn | None = None
+    """exciter; null: an ideal shaker"""
     stinger: StingerIn | None = None
+    """stinger; null: none"""
     force_transducer: ForceTransducerIn | None = None
+    """force transducer; null: without mass and rigid"""
     accelerometers: AccelerometersIn | None = None
+    """accelerometers; null: without mass and ideal"""
     analyser: AnalyserIn | None = None
+    """settings of the FFT analyser; null: 800 Hz, 401 lines, 100 averages, H1"""
     noise: NoiseIn | None = None
+    """noise of the channels; null: none"""
     suspension: SuspensionIn | None = None
+    """suspension of the structure; null: it floats"""
     effects: Effects = ()
+    """effects of the rig that have no field here"""
 
     def to_domain(self) -> RigSetup:
         """Return the rig; `InvalidInputError` where it makes no sense or asks for too much."""
@@ -86,16 +97,27 @@ class RigOut(EntryOut):
     """A rig as declared, defaults filled in."""
 
     drive: str
+    """degree of freedom of the first force"""
     drives: list[str]
+    """degrees of freedom of all forces"""
     responses: list[str]
+    """degrees of freedom of the responses"""
     exciter: dict[str, Any]
+    """exciter as declared"""
     stinger: dict[str, Any] | None
+    """stinger as declared; null: none"""
     force_transducer: dict[str, Any]
+    """force transducer as declared"""
     accelerometers: dict[str, Any]
+    """accelerometers as declared"""
     analyser: dict[str, Any]
+    """analyser as declared"""
     noise: dict[str, Any]
+    """noise as declared"""
     suspension: dict[str, Any]
+    """suspension as declared"""
     effects: list[dict[str, Any]]
+    """further effects, as declared"""
 
     @classmethod
     def of(cls, setup: RigSetup, entry: Entry) -> Self:
@@ -120,13 +142,17 @@ def setup_out(setup: RigSetup) -> dict[str, Any]:
     }
 
 
-class CheckOut(BaseModel):
+class CheckOut(Reply):
     """A rule of good testing, the figures it looks at, in SI units, and whether it is kept."""
 
     name: str
+    """name of the check"""
     rule: str
+    """rule in words"""
     fulfilled: bool
+    """true where the rule is kept"""
     figures: dict[str, float]
+    """SI units, figures that the rule compares, by name"""
 
     @classmethod
     def of(cls, check: Check) -> Self:
@@ -134,9 +160,12 @@ class CheckOut(BaseModel):
         return cls(name=check.name, rule=check.rule, fulfilled=check.fulfilled, figures=figures(check))
 
 
-class ChecksOut(BaseModel):
+class ChecksOut(Reply):
     """All checks of a rig on a structure."""
 
     rig_id: str
+    """id of the rig"""
     structure_id: str
+    """id of the structure"""
     checks: list[CheckOut]
+    """checks, one a rule"""

@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from modallab.api.wire import Count, DofText, Number, Wire
+from modallab.api.wire import Count, DofText, NodeNumber, NonNegative, Number, Positive, Wire
 from modallab.core.dof import Dof
 from modallab.fe.changes import (
     Change,
@@ -20,9 +20,13 @@ class MemberChangeIn(Wire):
     """A property of some members, multiplied by `factor` or set to `value`."""
 
     members: list[Count] = Field(min_length=1, max_length=5000)
+    """numbers of the members"""
     property: MemberProperty
+    """property that is changed"""
     factor: Number | None = None
+    """1, factor by which the property is multiplied; give this or `value`"""
     value: Number | None = None
+    """value that the property is set to, in its SI unit"""
 
     def to_domain(self) -> Change:
         """Return the change."""
@@ -32,9 +36,12 @@ class MemberChangeIn(Wire):
 class NodeMassIn(Wire):
     """The mass, kg, that a node carries beside its members."""
 
-    node: Count
+    node: NodeNumber
+    """number of the node"""
     property: Literal["mass"]
-    value: Number
+    """`mass`"""
+    value: NonNegative
+    """kg, mass at the node"""
 
     def to_domain(self) -> Change:
         """Return the change."""
@@ -45,8 +52,11 @@ class GroundStiffnessIn(Wire):
     """The spring, N/m or N m, between a DoF and the ground."""
 
     dof: DofText
+    """degree of freedom that the spring holds"""
     property: Literal["ground_stiffness"]
-    value: Number
+    """`ground_stiffness`"""
+    value: NonNegative
+    """N/m, or N m/rad of a rotation: stiffness"""
 
     def to_domain(self) -> Change:
         """Return the change."""
@@ -56,9 +66,12 @@ class GroundStiffnessIn(Wire):
 class JointStiffnessIn(Wire):
     """The rotational spring, N m/rad, between two sides of a node where bars meet."""
 
-    node: Count
+    node: NodeNumber
+    """number of the node"""
     property: Literal["joint_stiffness"]
-    value: Number
+    """`joint_stiffness`"""
+    value: Positive
+    """N m/rad, stiffness between the two sides"""
 
     def to_domain(self) -> Change:
         """Return the change."""
@@ -72,3 +85,4 @@ class ChangesIn(Wire):
     """Changes, made in their order."""
 
     changes: Annotated[list[ChangeIn], Field(min_length=1, max_length=1000)]
+    """changes, made one after the other"""

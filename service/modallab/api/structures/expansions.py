@@ -14,7 +14,9 @@ class ExpansionIn(Wire):
     """Measured modes, and how all DoFs follow the measured ones."""
 
     modal_model_id: Id
+    """id of the measured modes"""
     reduction: Reduced = "serep"
+    """reduction whose transformation expands the shapes, with its parameters or by name alone"""
 
 
 class ExpandedOut(ModalModelOut):
@@ -25,7 +27,9 @@ class ExpandedOut(ModalModelOut):
     """
 
     fit_residuals: list[float]
+    """1, share of each measured shape that the expanded shape misses"""
     rayleigh_frequencies: list[float]
+    """Hz, Rayleigh quotient of the structure with each expanded shape"""
 
     @classmethod
     def of_expansion(cls, found: Expansion, entry: Entry) -> Self:

@@ -6,9 +6,10 @@ from typing import Annotated, Any
 import numpy as np
 from fastapi import Query
 from numpy.typing import NDArray
-from pydantic import BaseModel, Field
+from pydantic import Field
 
-from modallab.api.wire import DofText
+from modallab.api.schema import Limits
+from modallab.api.wire import DofText, Wanted
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfKind
@@ -19,14 +20,18 @@ MOST_VALUES = 200_000  # lines times responses: 3 MB
 MOST_DOFS = 1_000  # of a structure that is solved while its reader waits
 
 
-class FrfWanted(BaseModel):
+class FrfWanted(Wanted):
     """A drive point, responses, lines, and the kind of FRF."""
 
     drive: DofText
+    """degree of freedom of the force"""
     responses: list[DofText] = Field(min_length=1, max_length=1_000)
+    """degrees of freedom of the responses"""
     kind: FrfKind = Field(FrfKind.INERTANCE, description="receptance and mobility leave the line at 0 Hz out")
-    frequency_max: float = Field(800.0, description="Hz, of the last line; the first is at 0 Hz")
-    n_lines: int = Field(401, description="0 Hz counted")
+    frequency_max: Annotated[float, Limits(1e-3, 1e6)] = Field(
+        800.0, description="Hz, of the last line; the first is at 0 Hz"
+    )
+    n_lines: Annotated[int, Limits(8, 20001)] = Field(401, description="number of lines, 0 Hz counted")
 
     def arrays(self, structure: Structure) -> Mapping[str, NDArray[Any]]:
         """Return `freq, values, outputs, inputs, kind, notes`, as of a measurement.

@@ -4,7 +4,7 @@ from pydantic import Field, TypeAdapter, ValidationError
 
 from modallab.api.faults import wrong_json
 from modallab.api.structures.schemas import Directions, MaterialIn, SectionIn
-from modallab.api.wire import Number, Text, Wire
+from modallab.api.wire import Number, Positive, Text, Wire
 from modallab.interchange.mesh.description import HeldGroup, MeshBar, MeshDescription, MeshPlate
 
 _MOST = 1000  # groups
@@ -27,7 +27,9 @@ class BarsIn(Wire):
     """Lines as bars."""
 
     material: MaterialIn
+    """material of the bars"""
     section: LineSectionIn
+    """cross-section of the bars"""
 
     def to_domain(self) -> MeshBar:
         """Return what the lines are made of."""
@@ -41,7 +43,9 @@ class PlatesIn(Wire):
     """Triangles and quadrilaterals as plates."""
 
     material: MaterialIn
-    thickness: Number
+    """material of the plates"""
+    thickness: Positive
+    """m, thickness"""
 
     def to_domain(self) -> MeshPlate:
         """Return what the cells are made of."""
@@ -52,7 +56,9 @@ class HeldIn(Wire):
     """Directions in which the points of a group are held."""
 
     group: Text
+    """name of the group of points"""
     directions: Directions
+    """directions held"""
 
 
 class MeshIn(Wire):

@@ -84,21 +84,23 @@ def _out(store: Store, id: str) -> StructureOut:
     )
 
 
-@router.post("", status_code=status.HTTP_201_CREATED, summary="Describe a structure")
+@router.post("", status_code=status.HTTP_201_CREATED, summary="Create a structure")
 def create_structure(body: Annotated[StructureIn, _BODY], store: StoreDep, owner: OwnerDep) -> StructureOut:
+    """Return a structure from its description: a beam, a frame, a plate, or one of the catalogue by name."""
     return _out(store, store.structures.add(body.to_domain(), owner=owner))
 
 
-@router.post("/import", status_code=status.HTTP_201_CREATED, summary="A structure from a file")
+@router.post("/import", status_code=status.HTTP_201_CREATED, summary="Import a structure")
 def import_structure(
     file: Annotated[UploadFile, File(description=_MODEL)],
     store: StoreDep,
     settings: SettingsDep,
     owner: OwnerDep,
-    name: Annotated[Text, Form()] = "",
+    name: Annotated[Text, Form(description="name of the structure")] = "",
     damping: Annotated[str | None, Form(description=_LAW, max_length=20_000)] = None,
     mesh: Annotated[str | None, Form(description=_MESH, max_length=1_000_000)] = None,
 ) -> StructureOut:
+    """Return a structure read from a file: Nastran bulk data, a mesh, or matrices."""
     law = None if damping is None else damping_of(damping)
     described = None if mesh is None else mesh_of(mesh)
     limit = settings.upload_limit
@@ -106,23 +108,26 @@ def import_structure(
     return _out(store, store.structures.add(read, owner=owner))
 
 
-@router.get("/{id}", summary="A structure in numbers")
+@router.get("/{id}", summary="Get a structure")
 def get_structure(id: IdPath, store: StoreDep) -> StructureOut:
+    """Return the size of a stored structure and its groups of members."""
     return _out(store, id)
 
 
-@router.post("/{id}/changes", status_code=status.HTTP_201_CREATED, summary="A new structure with changes")
+@router.post("/{id}/changes", status_code=status.HTTP_201_CREATED, summary="Change a structure")
 def change_structure(
     id: IdPath, body: Annotated[ChangesIn, example(_CHANGES)], store: StoreDep, owner: OwnerDep
 ) -> StructureOut:
+    """Return a new structure with changed members, masses or springs; the first one stays as it is."""
     changed = change(store.structures.get(id), [one.to_domain() for one in body.changes])
     return _out(store, store.structures.add(changed, owner=owner, inputs={"structure_id": id}))
 
 
 @router.get(
-    "/{id}/modes", summary="Elastic modes", response_model=ModesOut, responses=csv_replies(_MODE_COLUMNS)
+    "/{id}/modes", summary="Get elastic modes", response_model=ModesOut, responses=csv_replies(_MODE_COLUMNS)
 )
 def get_modes(id: IdPath, store: StoreDep, as_csv: CsvWanted, count: Count = 10) -> ModesOut | Response:
+    """Return the elastic modes of a structure, ascending in frequency; rigid-body modes are counted only."""
     basis, n_rigid_body = lowest_modes(as_modelled(store.structures.get(id)), count)
     if as_csv:
         columns = (
@@ -144,34 +149,39 @@ def get_modes(id: IdPath, store: StoreDep, as_csv: CsvWanted, count: Count = 10)
     "/{id}/modes/arrays",
     response_class=Response,
     responses=array_tables.STRUCTURE_MODES,
-    summary="Modes with shapes",
+    summary="Get modes with shapes",
 )
 def get_mode_arrays(id: IdPath, store: StoreDep, form: ArraysFormatDep, count: Count = 10) -> Response:
+    """Return the elastic modes of a structure with mass-normalised shapes."""
     structure = store.structures.get(id)
     basis, _ = lowest_modes(as_modelled(structure), count)
     dofs = np.array([str(dof) for dof in structure.dofs])
     return form.reply({"frequencies": basis.frequencies, "shapes": basis.shapes, "dofs": dofs})
 
 
-@router.get(
-    "/{id}/frf", response_class=Response, responses=array_tables.FRFS, summary="Exact FRFs without a rig"
-)
+@router.get("/{id}/frf", response_class=Response, responses=array_tables.FRFS, summary="Compute FRFs")
 def get_frf(id: IdPath, store: StoreDep, wanted: FrfQuery, form: ArraysFormatDep) -> Response:
+    """Return the exact frequency response functions (FRFs) of a structure, without rig and noise."""
     return form.reply(wanted.arrays(store.structures.get(id)))
 
 
 @router.get(
-    "/{id}/geometry.uff", response_class=Response, responses=UFF, summary="Nodes and lines: universal file"
+    "/{id}/geometry.uff",
+    response_class=Response,
+    responses=UFF,
+    summary="Get the geometry as a universal file",
 )
 def get_geometry(id: IdPath, store: StoreDep) -> Response:
+    """Return nodes (dataset 15 or 2411) and lines (dataset 82) of a structure as a universal file."""
     structure, entry = store.structures.get(id), store.structures.entry(id)
     return uff_reply(uff_geometry.write(structure, origin(entry, f"structure {structure.name}")), id)
 
 
-@router.post("/{id}/synthetic-modes", status_code=status.HTTP_201_CREATED, summary="Modes as if measured")
+@router.post("/{id}/synthetic-modes", status_code=status.HTTP_201_CREATED, summary="Make synthetic modes")
 def make_synthetic_modes(
     id: IdPath, body: Annotated[SyntheticIn, example(_SYNTHETIC)], store: StoreDep, owner: OwnerDep
 ) -> ModalModelOut:
+    """Return modes of a structure at some degrees of freedom, with random errors, as a modal model."""
     system = as_modelled(store.structures.get(id))
     rng = np.random.default_rng(body.seed)
     model = synthetic_modes(system, body.count, body.places(), noise=body.noise.to_domain(), rng=rng)
@@ -179,12 +189,11 @@ def make_synthetic_modes(
     return ModalModelOut.of(model, store.modal_models.entry(stored))
 
 
-@router.post(
-    "/{id}/expanded-modes", status_code=status.HTTP_201_CREATED, summary="Measured modes at all DoFs"
-)
+@router.post("/{id}/expanded-modes", status_code=status.HTTP_201_CREATED, summary="Expand modes")
 def expand_modes(
     id: IdPath, body: Annotated[ExpansionIn, example(_EXPANSION)], store: StoreDep, owner: OwnerDep
 ) -> ExpandedOut:
+    """Return measured modes expanded to all degrees of freedom of a structure."""
     reduction = reduction_in(body.reduction)
     measured = store.modal_models.get(body.modal_model_id)
     system = as_modelled(store.structures.get(id))
@@ -199,9 +208,10 @@ def expand_modes(
     "/{id}/reduced",
     response_class=Response,
     responses=array_tables.REDUCED,
-    summary="Mass and stiffness at some DoFs",
+    summary="Reduce a structure",
 )
 def get_reduced(id: IdPath, store: StoreDep, wanted: ReducedQuery, form: ArraysFormatDep) -> Response:
+    """Return mass and stiffness of a structure reduced to master degrees of freedom."""
     return form.reply(wanted.arrays(as_modelled(store.structures.get(id))))
 
 

@@ -6,13 +6,28 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, TypeAdapter, ValidationError
 
 from modallab.api.faults import wrong_json
-from modallab.api.wire import NO_CONVERSION, Count, DofText, Effects, EntryOut, Number, Text, Wire
+from modallab.api.names import CatalogueName
+from modallab.api.schema import Limits
+from modallab.api.wire import (
+    NO_CONVERSION,
+    Count,
+    DofText,
+    Effects,
+    EntryOut,
+    NodeNumber,
+    NonNegative,
+    Number,
+    Positive,
+    Text,
+    Wire,
+)
 from modallab.core.dof import Dof
 from modallab.core.errors import StructureError
 from modallab.fe.beam import beam
 from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.damping import Damping, ModalDamping, StructuralDamping, ViscousDamping
 from modallab.fe.plate import Edge, Holding, plate
+from modallab.fe.settings import INPUT
 from modallab.fe.structure import (
     GroundSpringElement,
     Material,
@@ -28,12 +43,20 @@ _MOST_PLATES = 40_000  # about 120,000 degrees of freedom: beyond, modes take lo
 ElementCount = Annotated[int, Field(ge=1, le=_MOST), NO_CONVERSION]
 
 
+ShearCoefficient = Annotated[Number, Limits(INPUT.min_shear_coefficient, INPUT.max_shear_coefficient)]
+
+
 class SectionIn(Wire):
     """A cross-section: m^2, m^4, and the share of the area that shears."""
 
-    area: Number
-    second_moment: Number
-    shear_coefficient: Number = 5 / 6
+    area: Positive
+    """m^2, area"""
+    second_moment: Positive
+    """m^4, second moment of area"""
+    shear_coefficient: Annotated[Number, Limits(INPUT.min_shear_coefficient, INPUT.max_shear_coefficient)] = (
+        5 / 6
+    )
+    """1, share of the area that carries shear"""
 
     def to_domain(self, name: str = "") -> Section:
         """Return the section."""
@@ -43,21 +66,30 @@ class SectionIn(Wire):
 class MaterialIn(Wire):
     """A material: N/m^2, kg/m^3."""
 
-    modulus: Number
-    density: Number
-    poisson_ratio: Number = 0.3
+    modulus: Positive
+    """N/m^2, modulus of elasticity"""
+    density: Positive
+    """kg/m^3, density"""
+    poisson_ratio: Annotated[Number, Limits(INPUT.min_poisson_ratio, INPUT.max_poisson_ratio)] = 0.3
+    """1, Poisson ratio"""
 
     def to_domain(self, name: str = "") -> Material:
         """Return the material."""
         return Material(self.modulus, self.density, name, self.poisson_ratio)
 
 
+DampingCoefficient = Annotated[Number, Limits(0.0, INPUT.max_damping)]
+
+
 class StructuralIn(Wire):
     """D = a M + b K."""
 
     law: Literal["structural"]
-    stiffness_coefficient: Number = 0.0
-    mass_coefficient: Number = 0.0
+    """`structural`: hysteretic damping"""
+    stiffness_coefficient: DampingCoefficient = 0.0
+    """1, b of D = a M + b K"""
+    mass_coefficient: DampingCoefficient = 0.0
+    """(rad/s)^2, a of D = a M + b K"""
 
     def to_domain(self) -> Damping:
         """Return the damping law."""
@@ -68,23 +100,29 @@ class ViscousIn(Wire):
     """C = a M + b K."""
 
     law: Literal["viscous"]
-    stiffness_coefficient: Number = 0.0
-    mass_coefficient: Number = 0.0
+    """`viscous`: proportional viscous damping"""
+    stiffness_coefficient: DampingCoefficient = 0.0
+    """s, b of C = a M + b K"""
+    mass_coefficient: DampingCoefficient = 0.0
+    """1/s, a of C = a M + b K"""
 
     def to_domain(self) -> Damping:
         """Return the damping law."""
         return ViscousDamping(self.stiffness_coefficient, self.mass_coefficient)
 
 
-Ratios = Number | Annotated[list[Number], Field(min_length=1, max_length=1000)]
+Ratios = DampingCoefficient | Annotated[list[DampingCoefficient], Field(min_length=1, max_length=1000)]
 
 
 class ModalIn(Wire):
     """Loss factors or damping ratios of the elastic modes: one for all, or a list from the lowest."""
 
     law: Literal["modal"]
+    """`modal`: damping mode by mode"""
     loss_factors: Ratios | None = None
+    """1, loss factors, one for all elastic modes or a list from the lowest; give these or `damping_ratios`"""
     damping_ratios: Ratios | None = None
+    """1, viscous damping ratios, one for all elastic modes or a list from the lowest"""
 
     def to_domain(self) -> Damping:
         """Return the damping law."""
@@ -123,31 +161,43 @@ Directions = Annotated[list[Literal["X", "Y", "Z", "RX", "RY", "RZ"]], Field(min
 class SupportIn(Wire):
     """Directions of a node that are held."""
 
-    node: Count
+    node: NodeNumber
+    """number of the node"""
     directions: Directions
+    """directions held"""
 
 
 class PointMassIn(Wire):
     """A mass, kg, at a node."""
 
-    node: Count
-    mass: Number
+    node: NodeNumber
+    """number of the node"""
+    mass: NonNegative
+    """kg, mass"""
 
 
 class GroundSpringIn(Wire):
     """A spring from a DoF to the ground: N/m, or N m for a rotation."""
 
     dof: DofText
-    stiffness: Number
+    """degree of freedom that the spring holds"""
+    stiffness: NonNegative
+    """N/m, or N m/rad of a rotation"""
 
 
 class _Described(Wire):
     damping: DampingIn = StructuralIn(law="structural")
+    """damping law; left out: undamped"""
     supports: list[SupportIn] = Field([], max_length=_MOST)
+    """supports, none if left out"""
     masses: list[PointMassIn] = Field([], max_length=_MOST)
+    """point masses"""
     springs: list[GroundSpringIn] = Field([], max_length=_MOST)
+    """springs to the ground"""
     effects: Effects = ()
+    """effects that the structure has beside its elements"""
     name: Text = ""
+    """name of the structure, free text"""
 
     def _common(self) -> dict[str, Any]:
         return {
@@ -167,6 +217,7 @@ class _Described(Wire):
 
 class _OfBars(_Described):
     theory: Literal["bernoulli_euler", "timoshenko"] = "bernoulli_euler"
+    """beam theory of the elements"""
 
     @property
     def _element(self) -> str:
@@ -177,10 +228,15 @@ class BeamIn(_OfBars):
     """A straight beam along X in bending, nodes 1 to n + 1."""
 
     kind: Literal["beam"]
-    length: Number
+    """`beam`"""
+    length: Positive
+    """m, length"""
     n_elements: ElementCount
+    """number of elements"""
     section: SectionIn
+    """cross-section"""
     material: MaterialIn
+    """material"""
 
     def to_domain(self) -> Structure:
         """Return the structure."""
@@ -199,21 +255,30 @@ class BeamIn(_OfBars):
 class MemberIn(Wire):
     """A member between two nodes, of a named section and material."""
 
-    number: Count
+    number: NodeNumber
+    """number of the member"""
     nodes: tuple[Count, Count]
+    """numbers of its two nodes"""
     section: Text
+    """name of its section"""
     material: Text
+    """name of its material"""
 
 
 class PlateIn(_Described):
     """A flat rectangular plate in X and Y, moving along Z; nodes row by row from 0, 0."""
 
     kind: Literal["plate"]
-    length: Number
-    width: Number
-    thickness: Number
+    """`plate`"""
+    length: Positive
+    """m, along X"""
+    width: Positive
+    """m, along Y"""
+    thickness: Positive
+    """m, thickness"""
     n_elements: tuple[ElementCount, ElementCount] = Field(description="along X and along Y")
     material: MaterialIn
+    """material"""
     edges: dict[Edge, Holding] = Field({}, description="how sides are held; free where left out")
 
     def to_domain(self) -> Structure:
@@ -242,10 +307,15 @@ class FrameIn(_OfBars):
     """A plane frame in X and Y."""
 
     kind: Literal["frame"]
+    """`frame`"""
     nodes: dict[Annotated[str, Field(pattern=r"^[1-9][0-9]{0,8}$")], Coordinates] = Field(max_length=_MOST)
+    """m, X and Y of each node by its number"""
     sections: dict[Text, SectionIn] = Field(max_length=_MOST)
+    """cross-sections by name"""
     materials: dict[Text, MaterialIn] = Field(max_length=_MOST)
+    """materials by name"""
     members: list[MemberIn] = Field(max_length=_MOST)
+    """bars between the nodes"""
 
     def to_domain(self) -> Structure:
         """Return the structure."""
@@ -277,7 +347,9 @@ class CatalogueIn(Wire):
     """A ready structure by name; `GET /v1/catalog/structures` lists them."""
 
     kind: Literal["catalogue"]
-    name: Text
+    """`catalogue`"""
+    name: CatalogueName
+    """name of a ready structure"""
 
     def to_domain(self) -> Structure:
         """Return the structure."""
@@ -291,9 +363,13 @@ class StructureOut(EntryOut):
     """A stored structure in numbers."""
 
     name: str
+    """name of the structure"""
     n_nodes: int
+    """number of nodes"""
     n_dofs: int
+    """number of degrees of freedom"""
     members: int
+    """number of members"""
     groups: dict[str, list[int]] = Field(description="members by the names under which they may be updated")
 
 
@@ -301,5 +377,8 @@ class ModesOut(EntryOut):
     """Elastic modes, rising; frequencies in Hz."""
 
     frequencies: list[float]
+    """Hz, natural frequencies of the elastic modes, ascending"""
     loss_factors: list[float]
+    """1, loss factors"""
     n_rigid_body: int
+    """number of rigid-body modes, not listed"""

@@ -28,23 +28,29 @@ _BODY = {
 }
 
 
-@router.post("", status_code=status.HTTP_202_ACCEPTED, summary="Try an updating method on noisy modes")
+@router.post("", status_code=status.HTTP_202_ACCEPTED, summary="Start a study")
 def start_study(
     body: Annotated[StudyStart, example(_BODY)], store: StoreDep, jobs: JobsDep, owner: OwnerDep
 ) -> JobOut:
+    """Start a job that runs an updating method on many sets of noisy modes."""
     model, truth = (with_effects(store.structures.get(id)) for id in (body.structure_id, body.truth_id))
     return JobOut.of(jobs.submit("study_and_store", body.to_arguments(model, truth), owner=owner))
 
 
-@router.get("/{id}", summary="How surely the method found what was wrong")
+@router.get("/{id}", summary="Get a study")
 def get_study(id: IdPath, store: StoreDep) -> StudyOut:
+    """Return the statistics of a study by noise level and parameterisation."""
     return StudyOut.of(store.studies.get(id), store.studies.entry(id))
 
 
 @router.get(
-    "/{id}/arrays", response_class=Response, responses=array_tables.STUDY, summary="Coefficients of all runs"
+    "/{id}/arrays",
+    response_class=Response,
+    responses=array_tables.STUDY,
+    summary="Get the coefficients of all runs",
 )
 def get_study_arrays(id: IdPath, store: StoreDep, form: ArraysFormatDep) -> Response:
+    """Return the coefficients of all runs of a study."""
     return form.reply(study_arrays(store.studies.get(id)))
 
 

@@ -52,7 +52,7 @@ _DIRECT = {
 _BODIES = {"coefficients": _BODY, "at_once": _AT_ONCE, "responses": _RESPONSES, "matrices": _DIRECT}
 
 
-@router.post("", status_code=status.HTTP_202_ACCEPTED, summary="Correct a model by measured modes or FRFs")
+@router.post("", status_code=status.HTTP_202_ACCEPTED, summary="Start an update")
 def start_update(
     body: Annotated[
         UpdateStart, examples(coefficients=_BODY, at_once=_AT_ONCE, responses=_RESPONSES, matrices=_DIRECT)
@@ -61,6 +61,7 @@ def start_update(
     jobs: JobsDep,
     owner: OwnerDep,
 ) -> JobOut:
+    """Start a job that corrects a structure from measured modes or FRFs."""
     structure = with_effects(store.structures.get(body.structure_id))
     arguments = body.to_arguments(structure)
     if body.modal_model_id is not None:
@@ -70,8 +71,9 @@ def start_update(
     return JobOut.of(jobs.submit("update_and_store", arguments, owner=owner))
 
 
-@router.get("/{id}", summary="How an update went")
+@router.get("/{id}", summary="Get an update")
 def get_update(id: IdPath, store: StoreDep) -> UpdateOut:
+    """Return the result of an update: coefficients, standard errors, frequencies before and after."""
     return UpdateOut.of(store.updates.get(id), store.updates.entry(id))
 
 
@@ -79,9 +81,10 @@ def get_update(id: IdPath, store: StoreDep) -> UpdateOut:
     "/{id}/arrays",
     response_class=Response,
     responses=array_tables.UPDATED_MATRICES,
-    summary="Matrices of a direct method",
+    summary="Get updated matrices",
 )
 def get_update_arrays(id: IdPath, store: StoreDep, form: ArraysFormatDep) -> Response:
+    """Return the updated matrices of a direct updating method."""
     result = store.updates.get(id)
     if not isinstance(result, DirectResult):
         raise NotFoundError("this update has coefficients of members, and no matrices", field="id", value=id)
@@ -92,9 +95,10 @@ def get_update_arrays(id: IdPath, store: StoreDep, form: ArraysFormatDep) -> Res
     "/{id}/covariance",
     response_class=Response,
     responses=array_tables.COVARIANCE,
-    summary="Covariance of coefficients",
+    summary="Get the covariance of coefficients",
 )
 def get_update_covariance(id: IdPath, store: StoreDep, form: ArraysFormatDep) -> Response:
+    """Return the covariance of updated coefficients."""
     result = store.updates.get(id)
     if not isinstance(result, UpdateResult) or result.identifiability is None:
         raise NotFoundError("this update has no coefficients that were free to move", field="id", value=id)
@@ -105,9 +109,10 @@ def get_update_covariance(id: IdPath, store: StoreDep, form: ArraysFormatDep) ->
     "/{id}/sample",
     response_class=Response,
     responses=array_tables.POSTERIOR,
-    summary="Draws from the posterior",
+    summary="Get draws from the posterior",
 )
 def get_update_sample(id: IdPath, store: StoreDep, form: ArraysFormatDep) -> Response:
+    """Return draws from the posterior of updated coefficients."""
     result = store.updates.get(id)
     if not isinstance(result, UpdateResult) or result.posterior is None:
         raise NotFoundError("this update has no draws: `samples` asks for them", field="id", value=id)
