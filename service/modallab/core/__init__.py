@@ -1,1 +1,1 @@
-"""What every floor shares: types of a response, errors, families of parts, fitted numbers."""
+"""Types common to all layers: DoFs, FRFs, modal models, errors, families of parts, parameters."""

@@ -9,7 +9,7 @@ from modallab.core.errors import InvalidInputError
 
 @dataclass(frozen=True)
 class ParameterSpec:
-    """What a fitted number means.
+    """Meaning and bounds of a fitted parameter.
 
     `absent` is the value at which it has no effect; None where it only says how the effect acts, and
     another number how much. `scan_values` are values worth a first look; without any they are spread

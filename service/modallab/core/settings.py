@@ -6,7 +6,7 @@ from typing import Any
 
 @dataclass(frozen=True)
 class SettingSpec:
-    """What a setting means and where its value is from.
+    """Meaning and origin of a setting.
 
     `derived` names the argument that fixes the value, `tuned` the data on which the value was chosen;
     exactly one of them is given.

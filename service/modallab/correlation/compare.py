@@ -60,7 +60,7 @@ def correlate(
     reduction: Reduction | None = None,
     frf: FrfSet | None = None,
 ) -> Correlation:
-    """Return how a structure correlates with measured modes and, where they are given, measured FRFs.
+    """Return the correlation of a structure with measured modes and, if given, measured FRFs.
 
     Parameters
     ----------
@@ -99,7 +99,7 @@ def compare(
     reduced: ReducedSystem | None = None,
     responses: ResponseCorrelation | None = None,
 ) -> Correlation:
-    """Return how measured modes correlate with those of a model.
+    """Return the correlation of measured modes with those of a model.
 
     Only the DoFs that both have count; a DoF with sign -1 holds the negative component, and is turned.
 

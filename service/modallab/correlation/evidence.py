@@ -97,7 +97,7 @@ class Evidence:
 
     @property
     def falling(self) -> float:
-        """How many more modes fell in frequency than rose, as a share of all, 0 to 1."""
+        """Number of modes with lowered frequency less those with raised one, over all modes, 0 to 1."""
         return _surplus(-self.frequency_shift)
 
     @property

@@ -28,8 +28,8 @@ class Facets:
     def plane_stress(self) -> FloatArray:
         """(n, 3, 3) stress (xx, yy, xy) from strain, shear as an angle, N/m^2."""
         nu = self.poisson_ratio
-        ones, zeros = np.ones_like(nu), np.zeros_like(nu)
-        rows = [[ones, nu, zeros], [nu, ones, zeros], [zeros, zeros, (1 - nu) / 2]]
+        unit, zero = np.ones_like(nu), np.zeros_like(nu)
+        rows = [[unit, nu, zero], [nu, unit, zero], [zero, zero, (1 - nu) / 2]]
         return np.asarray(np.moveaxis(np.array(rows), 2, 0) * (self.modulus / (1 - nu**2))[:, None, None])
 
 

@@ -75,7 +75,7 @@ def of_elements(
     return Structure(
         nodes={node: (0.0, 0.0, 0.0) if places is None else places[node] for node in _nodes(dofs)},
         members=(),
-        others=tuple(
+        non_bar_members=tuple(
             MatrixElement(
                 element.number,
                 tuple(dict.fromkeys(dofs[row].node for row in element.rows)),

@@ -84,7 +84,7 @@ def plate(
             for i in range(row)
         },
         members=(),
-        others=tuple(
+        non_bar_members=tuple(
             Plate(number, (low, low + 1, high + 1, high), thickness, material)
             for number, (low, high) in enumerate(corners, 1)
         ),

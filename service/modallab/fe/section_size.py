@@ -85,14 +85,14 @@ def size_derivatives(
     if shape is SectionSize.THICKNESS:
         nominal = member_matrices(structure, members, width)
         doubled = member_matrices(
-            structure, [resized(one, shape, 2 * size(one, shape)) for one in members], width
+            structure, [resized(plate, shape, 2 * size(plate, shape)) for plate in members], width
         )
         pairs = (
             (nominal.mass, doubled.mass),
             (nominal.axial, doubled.axial),
             (nominal.bending, doubled.bending),
         )
-        return np.array([(one + double) / 3 for one, double in pairs])
+        return np.array([(single + double) / 3 for single, double in pairs])
     bars = [member for member in members if isinstance(member, Member)]
     local = []
     for member in bars:

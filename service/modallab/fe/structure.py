@@ -90,7 +90,7 @@ class Structure:
     directions: tuple[str, ...] = PLANE  # that every node has, unless held
     effects: tuple[EffectSpec, ...] = ()
     name: str = ""
-    others: tuple[Plate | MatrixElement, ...] = ()  # members that are no bars
+    non_bar_members: tuple[Plate | MatrixElement, ...] = ()  # members that are no bars
     blocks: Blocks | None = None  # matrices of members that are given by them, and the DoFs there are then
     joints: tuple[JointSpring, ...] = ()  # of bars, one a node
 
@@ -219,14 +219,14 @@ class Structure:
     @cached_property
     def all_members(self) -> tuple[AnyMember, ...]:
         """Bars, then other members: the order of all arrays by member."""
-        return (*self.members, *self.others)
+        return (*self.members, *self.non_bar_members)
 
     def of_members(self, members: Iterable[AnyMember]) -> "Structure":
         """Return the structure with all members replaced."""
         all_members = tuple(members)
         bars = tuple(member for member in all_members if isinstance(member, Member))
         other_members = tuple(member for member in all_members if not isinstance(member, Member))
-        return replace(self, members=bars, others=other_members)
+        return replace(self, members=bars, non_bar_members=other_members)
 
     @cached_property
     def groups(self) -> Mapping[str, tuple[int, ...]]:

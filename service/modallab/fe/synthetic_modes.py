@@ -1,4 +1,4 @@
-"""A few modes of a structure, and a measured set made of them."""
+"""Lowest modes of a structure, and synthetic measured modes with errors."""
 
 from dataclasses import dataclass, replace
 from enum import StrEnum
@@ -23,20 +23,20 @@ def lowest_modes(system: DynamicSystem, count: int) -> tuple[ModalBasis, int]:
     """
     basis = system.first_modes(count)
     lowest = basis.elastic(count)
-    # Rows behind the DoFs are coordinates of what is attached.
+    # Rows after the DoFs are internal coordinates of attachments.
     return replace(lowest, shapes=lowest.shapes[: len(system.dofs)]), basis.n_rigid_body
 
 
 def exact_modes(system: DynamicSystem, count: int) -> ModalModel:
     """Return the first elastic modes of a structure at all its DoFs."""
-    rng = np.random.default_rng(0)  # not drawn from: there is no noise
+    rng = np.random.default_rng(0)  # unused: there is no noise
     return synthetic_modes(system, count, system.dofs, noise=ModeNoise(), rng=rng)
 
 
 class Distribution(StrEnum):
-    """How synthetic errors scatter."""
+    """Distribution of synthetic errors."""
 
-    UNIFORM = "uniform"  # evenly between minus and plus the size
+    UNIFORM = "uniform"  # uniform between minus and plus the size
     NORMAL = "normal"  # the size is the standard deviation
 
 
@@ -73,14 +73,14 @@ def synthetic_modes(
     noise: ModeNoise,
     rng: np.random.Generator,
 ) -> ModalModel:
-    """Return modes of a structure as if they had been measured: at some DoFs, with errors.
+    """Return synthetic measured modes of a structure at some DoFs, with random errors.
 
-    Modes carry the standard errors of what was drawn; none where the noise is none.
+    Modes have the standard errors of the noise, and none without noise.
 
     Parameters
     ----------
     dofs
-        Where shapes are known; their signs turn the shapes' signs.
+        DoFs of the shapes; a negative DoF changes the sign of the entry.
 
     Raises
     ------

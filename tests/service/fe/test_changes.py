@@ -97,7 +97,7 @@ def test_a_size_of_a_section_is_multiplied_or_set(prop: MemberProperty, now: flo
 @pytest.mark.parametrize("factor", [0.5, 2.0])
 def test_a_thin_plate_rises_as_its_thickness(factor: float) -> None:
     flat = STRUCTURES["plate"]()
-    every = tuple(member.number for member in flat.others)
+    every = tuple(member.number for member in flat.non_bar_members)
     thicker = change(flat, [MemberChange(every, P.THICKNESS, factor=factor)])
     # of Kirchhoff's plate omega goes as t; what shears and turns is (t / size)^2 of it
     np.testing.assert_allclose(frequencies(thicker), factor * frequencies(flat), rtol=2e-3)

@@ -87,12 +87,12 @@ def test_a_thin_plate_is_kirchhoffs_and_does_not_lock() -> None:
 def in_triangles(structure: Structure) -> Structure:
     """Each rectangle cut in two."""
     cut: list[Plate] = []
-    for one in structure.others:
+    for one in structure.non_bar_members:
         assert isinstance(one, Plate)
         a, b, c, d = one.nodes
         for rim in ((a, b, c), (a, c, d)):
             cut.append(replace(one, number=len(cut) + 1, nodes=rim))
-    return replace(structure, others=tuple(cut))
+    return replace(structure, non_bar_members=tuple(cut))
 
 
 def test_triangles_come_to_the_frequencies_of_a_thin_plate_with_the_square_of_the_mesh() -> None:
@@ -121,7 +121,7 @@ def patch(triangles: bool) -> Structure:
     if triangles:
         rims = [rim for a, b, c, d in rims for rim in ((a, b, c), (a, c, d))]  # type: ignore[misc]
     members = tuple(Plate(i, rim, 0.001, STEEL) for i, rim in enumerate(rims, 1))
-    return Structure(nodes, (), others=members, directions=("Z", "RX", "RY"))
+    return Structure(nodes, (), non_bar_members=members, directions=("Z", "RX", "RY"))
 
 
 @pytest.mark.parametrize("triangles", [False, True], ids=["quadrilaterals", "triangles"])
@@ -181,7 +181,7 @@ def test_a_bending_stiffness_may_be_set_in_its_own_unit() -> None:
     free = supported(0.004, 4)
     rigidity = STEEL.modulus * 0.004**3 / 12 / (1 - STEEL.poisson_ratio**2)
     moved = change(free, [MemberChange((1,), MemberProperty.BENDING_STIFFNESS, value=2 * rigidity)])
-    assert moved.others[0].bending_factor == pytest.approx(2.0)
+    assert moved.non_bar_members[0].bending_factor == pytest.approx(2.0)
 
 
 @pytest.mark.parametrize(
@@ -194,16 +194,18 @@ def test_a_bending_stiffness_may_be_set_in_its_own_unit() -> None:
 )
 def test_corners_that_make_no_plate_are_refused(corners: dict[int, tuple[float, float]]) -> None:
     with pytest.raises(StructureError, match="plate element 7"):
-        Structure(corners, (), others=(Plate(7, (1, 2, 3, 4), 0.01, STEEL),), directions=("Z", "RX", "RY"))
+        Structure(
+            corners, (), non_bar_members=(Plate(7, (1, 2, 3, 4), 0.01, STEEL),), directions=("Z", "RX", "RY")
+        )
 
 
 def test_a_member_of_a_plate_altered_is_the_plate_assembled_with_it() -> None:
     free = plate(length=0.6, width=0.4, thickness=0.004, n_elements=(3, 2), material=STEEL)
     altered = assemble(free).change_member(2, mass=0.5, bending=-0.3).folded()
     members = tuple(
-        replace(m, mass_factor=1.5, bending_factor=0.7) if m.number == 2 else m for m in free.others
+        replace(m, mass_factor=1.5, bending_factor=0.7) if m.number == 2 else m for m in free.non_bar_members
     )
-    fresh = assemble(replace(free, others=members))
+    fresh = assemble(replace(free, non_bar_members=members))
     for ours, theirs in ((altered.mass, fresh.mass), (altered.stiffness, fresh.stiffness)):
         dense = theirs.toarray()
         np.testing.assert_allclose(ours.toarray(), dense, atol=1e-12 * np.abs(dense).max())

@@ -19,7 +19,7 @@ STEEL = Material(2.09e11, 7800.0)
 PLATES = Structure(
     nodes={1: (0.0, 0.0), 2: (0.3, 0.02), 3: (0.32, 0.25), 4: (-0.03, 0.2), 5: (0.5, 0.1)},
     members=(),
-    others=(Plate(1, (1, 2, 3, 4), 0.02, STEEL), Plate(2, (2, 5, 3), 0.02, STEEL)),
+    non_bar_members=(Plate(1, (1, 2, 3, 4), 0.02, STEEL), Plate(2, (2, 5, 3), 0.02, STEEL)),
     directions=ACROSS,
 )
 

@@ -92,7 +92,7 @@ def test_the_thickness_of_parts_of_a_plate_is_found_by_every_method(method: str)
     for number, found in result.coefficients["thickness"].items():
         factor = 1.4 if number in STRIPS[1] else 0.8 if number in STRIPS[3] else 1.0
         assert found == pytest.approx(factor, abs=EXACT)
-    for ours, theirs in zip(result.structure.others, THICKER.others, strict=True):
+    for ours, theirs in zip(result.structure.non_bar_members, THICKER.non_bar_members, strict=True):
         assert ours.thickness == pytest.approx(theirs.thickness, rel=EXACT)  # type: ignore[union-attr]
 
 

@@ -99,7 +99,7 @@ def _sketch(diagnosis: Diagnosis) -> str:
     """Return a sketch of members and measured nodes, with rings at the places of added effects."""
     structure, curves = diagnosis.structure, diagnosis.curves
     at, height = _places(structure)
-    parts = [_line("rim", at[a], at[b]) for a, b in _edges(structure.others)]
+    parts = [_line("rim", at[a], at[b]) for a, b in _edges(structure.non_bar_members)]
     parts += [_line("member", at[a], at[b]) for a, b in _edges(structure.members)]
     rings = [_ring(step.effect.at, structure, at) for step in diagnosis.steps]
     difference = np.sqrt((residual(curves, curves.before)[1:, :, 0] ** 2).mean(axis=0))

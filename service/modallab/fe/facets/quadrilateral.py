@@ -27,7 +27,7 @@ def _shapes(xi: float, eta: float) -> tuple[FloatArray, FloatArray]:
 
 
 def _tied(corners: FloatArray, xi: float, eta: float) -> FloatArray:
-    """Return the shear along xi and eta, (n, 2, 12), each as on the middle of two opposite sides."""
+    """Return assumed shear strains along xi and eta, (n, 2, 12), from the midpoints of opposite sides."""
 
     def at(place: tuple[float, float], axis: int) -> FloatArray:
         shapes, slopes = _shapes(*place)
@@ -40,7 +40,7 @@ def _tied(corners: FloatArray, xi: float, eta: float) -> FloatArray:
 
 @FACETS.register("quadrilateral")
 def quadrilateral(facets: Facets) -> FacetParts:
-    """Return the parts of bilinear Mindlin plates whose shear is tied at the middles of the sides.
+    """Return the parts of bilinear Mindlin plates with assumed shear strains from the midpoints of the sides.
 
     The four points do not lock however thin the plate: Bathe and Dvorkin, International Journal for
     Numerical Methods in Engineering 21 (1985) 367-383 (MITC4). Bilinear membrane in plane stress.

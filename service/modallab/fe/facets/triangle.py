@@ -31,9 +31,9 @@ def _quadratic_slopes(r: float, s: float) -> FloatArray:
 
 
 def _turns(corners: FloatArray) -> FloatArray:
-    """Return how normals turn towards x and y, (n, 6, 2, 9), at corners and middles of sides.
+    """Return the rotations of the normals towards x and y, (n, 6, 2, 9), at corners and midpoints of sides.
 
-    At the middles a normal stays normal to a cubic along the side, and turns linearly across it.
+    At the midpoints a normal is normal to a cubic along the side, and its rotation across is linear.
     """
     n = len(corners)
     out = np.zeros((n, 6, 2, 9))
@@ -53,7 +53,7 @@ def _turns(corners: FloatArray) -> FloatArray:
 
 @FACETS.register("triangle")
 def triangle(facets: Facets) -> FacetParts:
-    """Return the parts of thin plates whose normals stay normal along the sides: they do not shear.
+    """Return the parts of discrete Kirchhoff triangles: thin plates without transverse shear.
 
     Batoz, Bathe and Ho, International Journal for Numerical Methods in Engineering 15 (1980) 1771-1812
     (DKT). Constant strain in the membrane; the deflection that carries mass is linear.

@@ -14,7 +14,7 @@ from modallab.fe.reduction import REDUCTIONS, Reduction
 @REDUCTIONS.register("dynamic")
 @dataclass(frozen=True)
 class Dynamic(Reduction):
-    """Slaves follow as at one frequency: x_s = -(K_ss - w^2 M_ss)^-1 (K_sm - w^2 M_sm) x_m.
+    """Dynamic reduction at one frequency: x_s = -(K_ss - w^2 M_ss)^-1 (K_sm - w^2 M_sm) x_m.
 
     Exact at that frequency, also for a mode that lies there; at 0 Hz it is the static one. Expansion
     takes each mode's own frequency where none is given. Leung, A. Y. T. (1978), International Journal for

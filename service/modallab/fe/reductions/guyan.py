@@ -11,7 +11,7 @@ from modallab.fe.static_followers import static_followers
 @REDUCTIONS.register("guyan")
 @dataclass(frozen=True)
 class Guyan(Reduction):
-    """Slaves follow as if at rest: x_s = -K_ss^-1 K_sm x_m.
+    """Static (Guyan) reduction: x_s = -K_ss^-1 K_sm x_m.
 
     Exact for static forces on masters; its frequencies are upper bounds, near where slaves carry
     little mass. Guyan, R. J. (1965), AIAA Journal 3(2), 380; Irons, B. (1965), AIAA Journal 3(5), 961-962.

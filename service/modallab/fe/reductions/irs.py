@@ -15,7 +15,7 @@ from modallab.fe.static_followers import static_followers
 @REDUCTIONS.register("irs")
 @dataclass(frozen=True)
 class Irs(Reduction):
-    """Slaves follow statically, pulled also by their own inertia as the reduced model has it.
+    """Static reduction corrected by the inertia forces of the slaves.
 
     t_(i+1) = t_G + K_ss^-1 (M_sm + M_ss t_i) M_R,i^-1 K_R,i, with t_G static. One step is the improved
     reduced system of O'Callahan, J. (1989), Proc. 7th International Modal Analysis Conference, 17-21;

@@ -16,10 +16,10 @@ from modallab.fe.settings import REDUCTION
 @REDUCTIONS.register("serep")
 @dataclass(frozen=True)
 class Serep(Reduction):
-    """All DoFs follow as in the model's lowest modes: T = Phi Phi_m^+.
+    """Transformation by the lowest modes of the model: T = Phi Phi_m^+.
 
-    Exact for the modes that are kept, rigid-body modes that the masters show among them; other motion
-    of the masters is fitted by least squares. O'Callahan, J., Avitabile, P. and Riemer, R. (1989), Proc.
+    Exact for the selected modes, visible rigid-body modes among them; other motion of the masters is
+    fitted by least squares. O'Callahan, J., Avitabile, P. and Riemer, R. (1989), Proc.
     7th International Modal Analysis Conference, 29-37.
     """
 
@@ -33,7 +33,7 @@ class Serep(Reduction):
         absent=None,
         doc="elastic modes kept; 0: those of the band, as many as the masters tell apart",
     )
-    highest: float = np.inf  # Hz, of the modes that are kept unasked
+    highest: float = np.inf  # Hz, highest frequency of modes selected by default
 
     def __post_init__(self) -> None:
         super().__post_init__()
@@ -51,12 +51,12 @@ class Serep(Reduction):
     def reaching(self, frequency: float) -> Self:
         """Return the reduction to modes of the band up to `frequency`, Hz, unless it has a number of its own.
 
-        Modes far above what was measured would only follow its errors.
+        Higher modes would fit errors of the measurement only.
         """
         return self if self.modes else replace(self, highest=REDUCTION.serep_band_margin * frequency)
 
     def _candidates(self, split: Partition) -> tuple[FloatArray, int]:
-        """Return rigid-body modes that the masters show and elastic ones, and how many are rigid."""
+        """Return rigid-body modes visible at the masters and elastic modes, and the number of the former."""
         count = int(self.modes) or min(len(split.rows), REDUCTION.serep_max_modes)
         basis = split.lowest(count, np.inf if self.modes else self.highest)
         n_rigid_body = basis.n_rigid_body
@@ -65,14 +65,14 @@ class Serep(Reduction):
             within = int((basis.frequencies[n_rigid_body:] <= self.highest).sum())
             count = min(count, max(within, 1))
         elastic = basis.shapes[:, n_rigid_body : n_rigid_body + count].real
-        # A motion that no master takes part in, such as along a beam that is watched across, stays out.
+        # Motions without master displacement are excluded, such as axial motion with transverse sensors.
         _, size, rotation = np.linalg.svd(rigid[split.rows], full_matrices=True)
         visible = size > REDUCTION.min_master_motion * np.abs(rigid).max(initial=0.0)
         rigid = rigid @ rotation[: len(size)][visible].T
         return np.hstack([rigid, elastic]), rigid.shape[1]
 
     def _n_selected(self, shapes: FloatArray, n_rigid_body: int) -> int:
-        """Return how many of the candidates, (n_master, n_modes) at the masters, are kept."""
+        """Return the number of selected candidate modes, (n_master, n_modes) at the masters."""
         n_masters, n_modes = shapes.shape
         if self.modes:
             if n_modes > n_masters:

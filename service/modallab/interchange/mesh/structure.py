@@ -175,7 +175,7 @@ def _plane(
     return Structure(
         nodes={node: place[:2] for node, place in places.items()},
         members=tuple(bars),
-        others=tuple(plates),
+        non_bar_members=tuple(plates),
         supports=supports,
         damping=damping or StructuralDamping(),
         directions=ACROSS if plates else PLANE,

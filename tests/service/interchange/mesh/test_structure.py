@@ -165,7 +165,7 @@ def test_a_rib_on_a_plate_is_that_of_bulk_data() -> None:
 
 def test_a_group_has_a_thickness_that_an_update_may_move() -> None:
     given = structure_of_mesh(gmsh(), halves(groups={"thin": SKIN, "thick half": MeshPlate(STEEL, 0.008)}))
-    sizes = {member.group: member.thickness for member in given.others if isinstance(member, Plate)}
+    sizes = {member.group: member.thickness for member in given.non_bar_members if isinstance(member, Plate)}
     assert sizes == {"thin": 0.004, "thick half": 0.008}
 
 

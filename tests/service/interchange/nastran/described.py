@@ -68,7 +68,7 @@ def described() -> dict[str, Any]:
         },
         "plate": {
             "nodes": dict(flat.nodes),
-            "rims": [[m.number, *m.nodes] for m in flat.others],
+            "rims": [[m.number, *m.nodes] for m in flat.non_bar_members],
             "thickness": 0.004,
             "material": [STEEL.modulus, STEEL.poisson_ratio, STEEL.density],
         },

@@ -32,13 +32,13 @@ def modes(structure: Structure, count: int = 10) -> tuple[FloatArray, int]:
 def in_triangles() -> Structure:
     flat = described.free_plate()
     cut: list[Plate] = []
-    for one in flat.others:
+    for one in flat.non_bar_members:
         assert isinstance(one, Plate)
         a, b, c, d = one.nodes
         cut += [
             replace(one, number=len(cut) + i + 1, nodes=rim) for i, rim in enumerate(((a, b, c), (a, c, d)))
         ]
-    return replace(flat, others=tuple(cut))
+    return replace(flat, non_bar_members=tuple(cut))
 
 
 FILES = {
