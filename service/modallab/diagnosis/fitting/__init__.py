@@ -1,1 +1,1 @@
-"""The numbers of effects fitted to a measurement, with errors."""
+"""Least-squares fits of effects, and the covariance of the fitted parameters."""

@@ -1,4 +1,4 @@
-"""Standard errors of fitted numbers, from how residuals change with them."""
+"""Standard errors of fitted parameters, from the derivatives of the residuals."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -7,6 +7,8 @@ from typing import Protocol
 import numpy as np
 
 from modallab.core.arrays import FloatArray
+from modallab.core.numerics import PRODUCT_ROUNDING, SAFE_SQUARED_DIVISOR
+from modallab.diagnosis.fitting.settings import COVARIANCE
 from modallab.diagnosis.optimisation.fit_parameters import ParameterVector
 from modallab.diagnosis.optimisation.settings import NUISANCE
 from modallab.diagnosis.predicting.predictor import Predictor
@@ -16,188 +18,216 @@ from modallab.diagnosis.residuals.predicted import Predicted, VarianceRatios
 from modallab.diagnosis.residuals.residual import Residual, residual
 from modallab.rig.effect import Effect
 
-SMALLEST = 1e-100  # derivative
-ON_BOUND = 0.01  # standard errors from a bound within which a number lies on it
-
 
 @dataclass(frozen=True, eq=False)
 class ParameterErrors:
-    """Standard errors of the numbers of each effect, and of what is tolerated."""
+    """Standard errors of the parameters of each effect, and of the nuisance parameters."""
 
     effects: tuple[dict[str, float], ...]
-    nuisance_position: FloatArray  # (n,) standard deviations
+    """By name of the parameter, in its unit, for each effect."""
+    nuisances: FloatArray
+    """(n,) standard deviations of the prior."""
 
 
-class _Together(Protocol):
-    """How residuals go together."""
+class _Correlation(Protocol):
+    """Correlation R of residuals."""
 
     def between(self, columns: FloatArray) -> FloatArray:
         """Return U^T R U of columns (n_data, n)."""
 
 
 @dataclass(frozen=True)
-class _Weighing:
-    """How a fit weighs: by how much its residuals vary more than 1, and the prior's weight."""
+class _Weighting:
+    """Weights of data and prior in a fit."""
 
-    scale: float
+    variance: float
+    """Mean square of the residuals, at least 1."""
     prior: float
+    """Weight of the prior."""
 
 
 def standard_errors(
-    predictor: Predictor, fixed: Sequence[Effect], effects: Sequence[Effect], left: Residual
+    predictor: Predictor, fixed: Sequence[Effect], effects: Sequence[Effect], fitted_residual: Residual
 ) -> ParameterErrors:
-    """Return the standard errors of fitted numbers, each on its own scale.
+    """Return the standard errors of fitted parameters, each in its unit.
 
-    A number on a bound is known no better than the data say, and takes no part in the errors of the
-    others; one that the data say nothing about has an error as wide as its bounds.
+    A parameter on a bound has the error that the data alone give, and does not add to the errors of the
+    others; one that the data do not determine has an error as wide as its bounds.
 
     Parameters
     ----------
     predictor
-        With what is tolerated where it was fitted.
-    left
-        What they leave. Where the fit is not yet right its size says more than the random error does.
+        Predictor with the nuisance parameters as fitted.
+    fitted_residual
+        Residual of the fit. Where an effect is missing, its size and not the random error gives the
+        variance.
     """
-    panel, nuisances, observed = ParameterVector(effects), predictor.nuisances, predictor.observed
-    n = len(panel)
+    parameters, nuisances, observed = ParameterVector(effects), predictor.nuisances, predictor.observed
+    n = len(parameters)
     if n + len(nuisances) == 0:
         return ParameterErrors(tuple({} for _ in effects), np.zeros(0))
-    chosen, own = nuisances.split(observed.outputs, observed.held_out)
-    slopes, n_fitted = _slopes(predictor, fixed, panel, with_kept=len(own) > 0)
-    room = [
-        knob.distance_to_bound(value) for knob, value in zip(panel.parameters, panel.values(), strict=True)
-    ]
-    rooms = np.array([*room, *(NUISANCE.max_deviation - np.abs(predictor.position))])
-    weighing, lines = _weighed(observed, left, predictor.simulate_variance([*fixed, *effects]))
-    common = np.concatenate([np.arange(n), n + chosen])
-    covariance = _covariance(slopes[:n_fitted, common], rooms[common], len(chosen), weighing, lines)
-    spread = np.sqrt(np.diag(covariance))
+    free, held_out = nuisances.split(observed.outputs, observed.held_out)
+    slopes, n_fitted = _derivatives(predictor, fixed, parameters, with_held_out=len(held_out) > 0)
+    values = zip(parameters.parameters, parameters.values(), strict=True)
+    distances = [parameter.distance_to_bound(value) for parameter, value in values]
+    room = np.array([*distances, *(NUISANCE.max_deviation - np.abs(predictor.position))])
+    simulated = predictor.simulate_variance([*fixed, *effects])
+    weighting, correlation = _weighting(observed, fitted_residual, simulated)
+    fitted = np.concatenate([np.arange(n), n + free])
+    covariance = _covariance(slopes[:n_fitted, fitted], room[fitted], len(free), weighting, correlation)
+    deviations = np.sqrt(np.diag(covariance))
     errors: list[dict[str, float]] = [{} for _ in effects]
-    for knob, one in zip(panel.parameters, spread, strict=False):
-        errors[knob.effect][knob.name] = float(min(one, knob.spec.upper - knob.spec.lower))
-    tolerated = np.zeros(len(nuisances))
-    tolerated[chosen] = spread[n:]
-    if len(own):
-        mine, rest = slopes[n_fitted:, n + own], slopes[n_fitted:, common]
-        apart = _Weighing(weighing.scale * weighing.prior, weighing.prior)
-        alone = _covariance(mine, rooms[n + own], len(own), apart, None)
-        # They make up for what all others are off.
-        carried = np.linalg.pinv(mine.T @ mine + weighing.prior * np.eye(len(own))) @ mine.T @ rest
-        tolerated[own] = np.sqrt(np.diag(alone + carried @ covariance @ carried.T))
-    return ParameterErrors(tuple(errors), tolerated)
+    for parameter, deviation in zip(parameters.parameters, deviations, strict=False):
+        width = parameter.spec.upper - parameter.spec.lower
+        errors[parameter.effect][parameter.name] = float(min(deviation, width))
+    nuisance_errors = np.zeros(len(nuisances))
+    nuisance_errors[free] = deviations[n:]
+    if len(held_out):
+        held_out_slopes, fitted_slopes = slopes[n_fitted:, n + held_out], slopes[n_fitted:, fitted]
+        held_out_covariance = _held_out_covariance(
+            held_out_slopes, fitted_slopes, covariance, room[n + held_out], weighting
+        )
+        nuisance_errors[held_out] = np.sqrt(np.diag(held_out_covariance))
+    return ParameterErrors(tuple(errors), nuisance_errors)
 
 
-def _slopes(
-    predictor: Predictor, fixed: Sequence[Effect], panel: ParameterVector, *, with_kept: bool
-) -> tuple[FloatArray, int]:
-    """Return derivatives (n_data, n) of residuals by the panel's numbers, then by all that is tolerated.
+def _held_out_covariance(
+    slopes: FloatArray,
+    fitted_slopes: FloatArray,
+    covariance: FloatArray,
+    room: FloatArray,
+    weighting: _Weighting,
+) -> FloatArray:
+    """Return the covariance of nuisance parameters fitted to held-out channels, after all others.
 
-    Those of fitted lines and channels come first, and how many they are is returned too.
+    They compensate the errors of the others, which therefore propagate.
     """
-    observed, whole = predictor.observed, [*fixed, *panel.effects]
-    sketch = predictor.linearisation_at(whole)
+    independent = _Weighting(weighting.variance * weighting.prior, weighting.prior)
+    direct = _covariance(slopes, room, slopes.shape[1], independent, None)
+    curvature = slopes.T @ slopes + weighting.prior * np.eye(slopes.shape[1])
+    propagation = np.linalg.pinv(curvature) @ slopes.T @ fitted_slopes
+    return np.asarray(direct + propagation @ covariance @ propagation.T)
+
+
+def _derivatives(
+    predictor: Predictor, fixed: Sequence[Effect], parameters: ParameterVector, *, with_held_out: bool
+) -> tuple[FloatArray, int]:
+    """Return derivatives (n_data, n) of residuals by parameters, then by all nuisance parameters.
+
+    Those of fitted lines and channels come first; their number is returned too.
+    """
+    observed, effects = predictor.observed, [*fixed, *parameters.effects]
+    predict = predictor.linearisation_at(effects)
+    masks = [observed.fitted] + [observed.held_out_mask] * with_held_out
 
     def vector(predicted: Predicted) -> FloatArray:
-        left = residual(observed, predicted)
-        return np.concatenate(
-            [left.vector(observed.fitted)] + [left.vector(observed.held_out_mask)] * with_kept
-        )
+        whitened = residual(observed, predicted)
+        return np.concatenate([whitened.vector(mask) for mask in masks])
 
-    base = sketch(whole)
-    here = vector(base)
-    own = panel.physical_derivatives(lambda effects: vector(sketch([*fixed, *effects])), here)
-    every = np.arange(len(predictor.nuisances))
-    also = predictor.nuisances.derivatives(
-        lambda more: sketch([*more, *whole]), vector, base, observed, every
+    base = predict(effects)
+    by_parameters = parameters.physical_derivatives(
+        lambda perturbed: vector(predict([*fixed, *perturbed])), vector(base)
+    )
+    indices = np.arange(len(predictor.nuisances))
+    by_nuisances = predictor.nuisances.derivatives(
+        lambda deviations: predict([*deviations, *effects]), vector, base, observed, indices
     )
     n_fitted = len(residual(observed, base).vector(observed.fitted))
-    return np.hstack([own, also]), n_fitted
+    return np.hstack([by_parameters, by_nuisances]), n_fitted
 
 
-def _weighed(
-    observed: Observed, left: Residual, gone_through: VarianceRatios | None
-) -> "tuple[_Weighing, _Together | None]":
-    """Return how a fit weighed, and how its lines go together if they do."""
-    vector = left.vector(observed.fitted)
-    tests = None if gone_through is None else _rehearsed(observed, left, gone_through)
-    weighing = _Weighing(max(1.0, float(vector @ vector) / len(vector)), observed.correlation_length)
-    mixed = left.lines_correlated or observed.correlation_length > 1
-    lines = LineCorrelation(left, observed.fitted) if mixed else None
-    return weighing, lines if tests is None else _Bursts(lines, tests)
+def _weighting(
+    observed: Observed, fitted_residual: Residual, simulated: VarianceRatios | None
+) -> tuple[_Weighting, _Correlation | None]:
+    """Return the weights of a fit, and the correlation of its residuals if they are correlated."""
+    vector = fitted_residual.vector(observed.fitted)
+    tests = None if simulated is None else _simulated_residuals(observed, fitted_residual, simulated)
+    mean_square = float(vector @ vector) / len(vector)
+    weighting = _Weighting(max(1.0, mean_square), observed.correlation_length)
+    correlated = fitted_residual.lines_correlated or observed.correlation_length > 1
+    lines = LineCorrelation(fitted_residual, observed.fitted) if correlated else None
+    return weighting, lines if tests is None else _BurstCorrelation(lines, tests)
 
 
-def _rehearsed(observed: Observed, left: Residual, factors: VarianceRatios) -> FloatArray | None:
-    """Return residuals (n_tests, n_data) of tests that were gone through with distortion in bursts."""
-    if factors.deviations is None:
+def _simulated_residuals(
+    observed: Observed, fitted_residual: Residual, ratios: VarianceRatios
+) -> FloatArray | None:
+    """Return residuals (n_tests, n_data) of simulated tests with distortion in bursts."""
+    if ratios.deviations is None:
         return None
-    force, frf, response = factors.deviations
-    spread = observed.incoherent_variance
+    force, frf, response = ratios.deviations
+    variance = observed.incoherent_variance
+    no_force = fitted_residual.force is None
+    no_response = fitted_residual.response is None
     return np.array(
         [
             replace(
-                left,
+                fitted_residual,
                 frf=frf[i] / (np.sqrt(2) * observed.error),
-                force=None if left.force is None else force[i] / np.sqrt(observed.force_variance),
-                response=None if left.response is None or spread is None else response[i] / np.sqrt(spread),
+                force=None if no_force else force[i] / np.sqrt(observed.force_variance),
+                response=None if no_response or variance is None else response[i] / np.sqrt(variance),
             ).vector(observed.fitted)
             for i in range(len(frf))
         ]
     )
 
 
-class _Bursts:
-    """The covariance of residuals where a burst of distortion is in many lines and channels at once."""
+class _BurstCorrelation:
+    """Correlation of residuals where a burst of distortion is in many lines and channels at once."""
 
     def __init__(self, lines: LineCorrelation | None, tests: FloatArray) -> None:
         self._lines, self._tests = lines, tests
 
     def between(self, columns: FloatArray) -> FloatArray:
-        """Return U^T R U of columns (n_data, n): of near lines, or of whole tests where that is more."""
-        own = columns.T @ columns if self._lines is None else self._lines.between(columns)
-        seen = self._tests @ columns
-        more, turn = np.linalg.eigh(seen.T @ seen / len(seen) - own)
-        return np.asarray(own + (turn * np.maximum(more, 0.0)) @ turn.T)
+        """Return U^T R U of columns (n_data, n): of near lines, or of whole tests where it is larger."""
+        lines = columns.T @ columns if self._lines is None else self._lines.between(columns)
+        scores = self._tests @ columns
+        excess, rotation = np.linalg.eigh(scores.T @ scores / len(scores) - lines)
+        return np.asarray(lines + (rotation * np.maximum(excess, 0.0)) @ rotation.T)
 
 
 def _covariance(
     slopes: FloatArray,
     room: FloatArray,
     n_prior: int,
-    weighing: _Weighing,
-    lines: _Together | None,
+    weighting: _Weighting,
+    correlation: _Correlation | None,
 ) -> FloatArray:
-    """Return the covariance (n, n) of numbers from derivatives (n_data, n) of residuals of unit variance.
+    """Return the covariance (n, n) of parameters.
 
     Parameters
     ----------
+    slopes
+        (n_data, n) derivatives of residuals of unit variance.
     room
-        How far each lies from its nearer bound.
+        (n,) distance of each parameter to its nearer bound.
     n_prior
-        How many of them, the last ones, a prior of unit variance holds.
-    lines
-        How the residuals of near lines go together; None: not at all.
+        Number of parameters, the last ones, with a prior of unit variance.
+    correlation
+        Correlation of the residuals; None if they are independent.
     """
     n = slopes.shape[1]
-    held = np.eye(n)[n - n_prior :]
-    error = np.linalg.norm(np.vstack([slopes / np.sqrt(weighing.scale * weighing.prior), held]), axis=0)
-    free = room * error > ON_BOUND
-    covariance = np.diag(np.diag(_spread(slopes, held, weighing, lines)))
-    covariance[np.ix_(free, free)] = _spread(slopes[:, free], held[:, free], weighing, lines)
+    prior = np.eye(n)[n - n_prior :]
+    rows = np.vstack([slopes / np.sqrt(weighting.variance * weighting.prior), prior])
+    free = room * np.linalg.norm(rows, axis=0) > COVARIANCE.bound_distance
+    covariance = np.diag(np.diag(_sandwich(slopes, prior, weighting, correlation)))
+    covariance[np.ix_(free, free)] = _sandwich(slopes[:, free], prior[:, free], weighting, correlation)
     return covariance
 
 
-def _spread(
-    slopes: FloatArray, held: FloatArray, weighing: _Weighing, lines: "_Together | None"
+def _sandwich(
+    slopes: FloatArray, prior: FloatArray, weighting: _Weighting, correlation: _Correlation | None
 ) -> FloatArray:
-    """Return A^-1 (v J^T R J + w^2 P) A^-1 with A = J^T J + w P, of least squares that weigh as if R were 1.
+    """Return the sandwich covariance A^-1 (v J^T R J + w^2 P) A^-1, A = J^T J + w P.
 
-    Where nothing depends on a number its variance is as large as can be.
+    Of least squares with weights as if R were 1. A parameter that no residual depends on has the largest
+    variance that a double holds.
     """
-    jacobian = np.vstack([slopes, np.sqrt(weighing.prior) * held])
-    size = np.maximum(np.linalg.norm(jacobian, axis=0), SMALLEST)
-    sides, singular, turn = np.linalg.svd(jacobian / size, full_matrices=False)
-    data, prior = sides[: len(slopes)], sides[len(slopes) :]
-    middle = weighing.scale * (data.T @ data if lines is None else lines.between(data))
-    middle = middle + weighing.prior * prior.T @ prior
-    half = turn.T / np.maximum(singular, 1e-12) / size[:, None]
-    return np.asarray(half @ middle @ half.T)
+    jacobian = np.vstack([slopes, np.sqrt(weighting.prior) * prior])
+    size = np.maximum(np.linalg.norm(jacobian, axis=0), SAFE_SQUARED_DIVISOR)
+    left, singular, right = np.linalg.svd(jacobian / size, full_matrices=False)
+    data, prior_rows = left[: len(slopes)], left[len(slopes) :]
+    data_product = data.T @ data if correlation is None else correlation.between(data)
+    middle = weighting.variance * data_product + weighting.prior * prior_rows.T @ prior_rows
+    inverse = right.T / np.maximum(singular, PRODUCT_ROUNDING) / size[:, None]
+    return np.asarray(inverse @ middle @ inverse.T)

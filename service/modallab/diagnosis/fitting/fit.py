@@ -1,6 +1,6 @@
-"""Fits the parameters of some effects together on expected spectra, with errors and bounds.
+"""Fits of the parameters of effects to expected spectra, with errors and bounds.
 
-In every fit what may differ a little is free as well, held by its prior; see `tolerances`.
+Every fit also estimates the nuisance parameters under their prior; see `nuisances`.
 """
 
 from collections.abc import Callable, Sequence
@@ -10,128 +10,66 @@ from functools import cached_property, partial
 import numpy as np
 
 from modallab.core.arrays import FloatArray
+from modallab.core.numerics import SAFE_SQUARED_DIVISOR
+from modallab.diagnosis.fitting.coarse_fit import with_prior_rows
 from modallab.diagnosis.fitting.covariance import ParameterErrors, standard_errors
 from modallab.diagnosis.fitting.held_out_nuisances import fit_held_out_nuisances
+from modallab.diagnosis.fitting.settings import FIT
 from modallab.diagnosis.optimisation.fit_parameters import ParameterVector
 from modallab.diagnosis.optimisation.least_squares import BoundedGaussNewton
 from modallab.diagnosis.optimisation.settings import NUISANCE
-from modallab.diagnosis.predicting.coarse_prediction import CoarsePrediction
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.residuals.predicted import Predicted
-from modallab.diagnosis.residuals.residual import Residual, error_ratio, inflation_weights, residual
+from modallab.diagnosis.residuals.residual import Residual, error_ratio, residual
 from modallab.rig.effect import Effect
-
-NEAR, THERE = 1e-2, 1e-4  # squared standard errors that a fit is off its goal by at most
-WORTH = 50.0  # independent numbers that what is missing is worth
-PATIENCE = 12  # evaluations, and as many again where little is left to explain
-NEARLY = 2.0  # mean square of the residuals, below which a fit is worth ending
-NOISE_INFLATION_SCHEDULE = (0.3, 0.1, 0.03, 0.003)  # widenings a fit passes on its way to none
 
 
 @dataclass(frozen=True, eq=False)
 class Fit:
-    """Effects with fitted parameters, and what they leave."""
+    """Effects with fitted parameters, and their residual."""
 
     effects: tuple[Effect, ...]
+    """Effects with the fitted values."""
     residual: Residual
-    chi_square: float  # over the fitted lines and channels, and of what is tolerated
-    n_parameters: int  # of the effects; what is tolerated is free in every fit alike
+    """Residual of the prediction with them."""
+    chi_square: float
+    """Sum of squares of the fitted residuals and of the nuisance parameters' prior."""
+    n_parameters: int
+    """Parameters of the effects; nuisance parameters are the same in every fit."""
     n_data: int
-    correlation_length: float  # how many data one independent datum stands for
-    spread: Callable[[], ParameterErrors]
-    nuisance_position: FloatArray = field(default_factory=lambda: np.zeros(0))  # position, see `Nuisances`
-    # The same to look further from: as far as the fit is not right, drawn back to what is declared.
+    """Fitted residuals."""
+    correlation_length: float
+    """Data per independent datum."""
+    compute_errors: Callable[[], ParameterErrors]
+    """Computes the standard errors."""
+    nuisance_position: FloatArray = field(default_factory=lambda: np.zeros(0))
+    """(n,) of the nuisance parameters, standard deviations."""
     starting_position: FloatArray = field(default_factory=lambda: np.zeros(0))
+    """(n,) to search from: as far as an effect is missing, drawn back to the declared values."""
 
     @cached_property
-    def _spread(self) -> ParameterErrors:
-        return self.spread()
+    def _errors(self) -> ParameterErrors:
+        return self.compute_errors()
 
     @property
     def errors(self) -> tuple[dict[str, float], ...]:
-        """Standard errors, beside `effects`: worked out when asked for, as most fits only lose."""
-        return self._spread.effects
+        """Standard errors of the parameters of each effect; computed on demand, as few fits need them."""
+        return self._errors.effects
 
     @property
     def nuisance_errors(self) -> FloatArray:
-        """(n,) standard errors, beside `nuisance_position`."""
-        return self._spread.nuisance_position
+        """(n,) standard errors of `nuisance_position`, standard deviations."""
+        return self._errors.nuisances
 
     @property
     def bic(self) -> float:
-        """Bayesian information criterion, times the correlation of the data; lower is better."""
+        """Bayesian information criterion, times the correlation length of the data; lower is better."""
         independent = max(self.n_data / self.correlation_length, 2)
         return self.chi_square + self.n_parameters * self.correlation_length * float(np.log(independent))
 
 
-def coarse_fit(
-    glimpses: CoarsePrediction, fixed: Sequence[Effect], effect: Effect, widening: float
-) -> tuple[Effect, float]:
-    """Return an effect brought near its best value on first looks, and the cost it has there.
-
-    Least squares with every random error widened, step by step down to the random errors alone: far
-    from its goal the objective has many valleys, widened it has one. The numbers of effects accepted
-    before, and what is tolerated, take part in straight lines.
-
-    Parameters
-    ----------
-    widening
-        How blurred to begin.
-    """
-    panel, thin, free = ParameterVector([effect]), glimpses.observed, glimpses.nuisances
-    n, also, here, prior = len(panel), free.derivatives, free.position, np.sqrt(free.precision)
-
-    def looked(effects: Sequence[Effect]) -> FloatArray:
-        return residual(thin, glimpses.predict([*fixed, *effects])).vector(thin.fitted)
-
-    def vector(u: FloatArray) -> FloatArray:
-        left = looked(panel.with_values(u[:n]))
-        return left if not len(here) else np.concatenate([left + also @ (u[n:] - here), prior * u[n:]])
-
-    def slopes(u: FloatArray, there: FloatArray) -> FloatArray:
-        total = there[: len(also)] - also @ (u[n:] - here) if len(here) else there
-        return _beside(panel.derivatives(u[:n], looked, total), also, prior)
-
-    start = np.concatenate([panel.start, here])
-    low, high = np.concatenate([panel.low, free.low]), np.concatenate([panel.high, free.high])
-    if not len(start):
-        left = vector(start)
-        return effect, float(left @ left)
-
-    def weights(widen: float) -> FloatArray | None:
-        own = inflation_weights(thin, thin.fitted, widen) if widen else None
-        return None if own is None else np.concatenate([own, np.ones(len(here))])
-
-    stages = (*(w for w in NOISE_INFLATION_SCHEDULE if w <= widening), 0.0)
-    how = np.concatenate([[knob.spec.absent is None for knob in panel.parameters], np.zeros(len(here), bool)])
-    if how.any() and not how[:n].all():
-        # How much before how: while the amount is wrong it draws the rest to where nothing tells it any more.
-        amounts = BoundedGaussNewton(
-            vector, slopes, start, (np.where(how, start, low), np.where(how, start, high))
-        )
-        amounts.minimise(evaluations=4, tolerance=NEAR, weights=weights(stages[0]))
-        start = amounts.position
-    descent = BoundedGaussNewton(vector, slopes, start, (low, high))
-    for widen in stages:
-        descent.minimise(evaluations=4, tolerance=NEAR, weights=weights(widen))
-    return panel.with_values(descent.position[:n])[0], float(descent.vector @ descent.vector)
-
-
-def _sides(panel: ParameterVector) -> tuple[tuple[FloatArray, float], tuple[FloatArray, float]]:
-    return (panel.low, -NUISANCE.max_deviation), (panel.high, NUISANCE.max_deviation)
-
-
-def _beside(own: FloatArray, also: FloatArray, prior: FloatArray) -> FloatArray:
-    """Return the derivatives by an effect's numbers and by those beside it, the prior's rows below."""
-    n, m = own.shape[1], len(prior)
-    if not m:
-        return own
-    below = np.hstack([np.zeros((m, n)), np.diag(prior)])
-    return np.vstack([np.hstack([own, also]), below])
-
-
 def fit(predictor: Predictor, effects: Sequence[Effect], *, fixed: Sequence[Effect] = ()) -> Fit:
-    """Return the effects with all their parameters fitted together, from starts near their goal.
+    """Return the effects with all their parameters fitted together, from starts near the solution.
 
     Bounded least squares on logarithmic ratios.
 
@@ -141,111 +79,139 @@ def fit(predictor: Predictor, effects: Sequence[Effect], *, fixed: Sequence[Effe
         Effects that act but are not fitted.
     """
     plain, predictor = predictor, predictor.with_intermittent_errors([*fixed, *effects])
-    task = _Task(predictor, fixed, ParameterVector(effects))
-    start = np.concatenate([task.panel.start, predictor.position[task.free]])
-    if len(start):
-        low, high = (np.concatenate([s, np.full(len(task.free), end)]) for s, end in _sides(task.panel))
-        descent = BoundedGaussNewton(task.vector, task.derivatives, start, (low, high))
-        descent.minimise(evaluations=PATIENCE, tolerance=NEAR)
-        if float(descent.vector @ descent.vector) < NEARLY * len(descent.vector):
-            descent.minimise(evaluations=PATIENCE, tolerance=THERE)
-        start, slopes = descent.position, descent.jacobian[: len(descent.vector) - len(task.free)]
-    else:
-        task.vector(start)
-        slopes = np.zeros((1, 0))
-    left, final, position = task.seen[start.tobytes()], *task.at(start)
-    best = left.vector(predictor.observed.fitted)
-    chi_square = float(best @ best) + predictor.observed.correlation_length * float(position @ position)
-    # Where the fit is not yet right the residuals' own size says more than the random error does.
-    scale = predictor.observed.correlation_length * max(1.0, float(best @ best) / len(best))
-    outlook = position.copy()
-    # What a missing effect leaves is of a few resonances, not of as many random numbers as there are lines.
-    few = scale + predictor.observed.correlation_length * max(0.0, float(best @ best) - len(best)) / WORTH
-    outlook[task.free] += _drawn_back(slopes / np.sqrt(few), position[task.free])
+    task = _FitTask(predictor, fixed, ParameterVector(effects))
+    start, derivatives = _minimised(task)
+    fitted_residual, final, position = task.residuals[start.tobytes()], *task.at(start)
+    observed = predictor.observed
+    vector = fitted_residual.vector(observed.fitted)
+    square = float(vector @ vector)
+    chi_square = square + observed.correlation_length * float(position @ position)
+    starting_position = position.copy()
+    starting_position[task.free] += _prior_step(
+        derivatives / np.sqrt(_missing_effect_variance(square, len(vector), observed.correlation_length)),
+        position[task.free],
+    )
     predictor = predictor.with_nuisances_at(position)
-    if len(task.own):
-        position = fit_held_out_nuisances(predictor, [*fixed, *final], left, task.own)
+    if len(task.held_out):
+        position = fit_held_out_nuisances(predictor, [*fixed, *final], fitted_residual, task.held_out)
         predictor = predictor.with_nuisances_at(position)
-        left = predictor.residual([*fixed, *final])
-    spread = partial(standard_errors, predictor, tuple(fixed), tuple(final), left)
+        fitted_residual = predictor.residual([*fixed, *final])
+    compute_errors = partial(standard_errors, predictor, tuple(fixed), tuple(final), fitted_residual)
     if predictor.observed is not plain.observed:
-        # As large as it is likely: wider errors have to pay for what they forgive.
+        # The normalisation of the likelihood: wider errors have to pay for the residuals that they forgive.
         chi_square -= 2 * float(np.log(error_ratio(plain.observed, predictor.observed)).sum())
-        left = plain.with_nuisances_at(position).residual([*fixed, *final])
+        fitted_residual = plain.with_nuisances_at(position).residual([*fixed, *final])
     return Fit(
         tuple(final),
-        left,
+        fitted_residual,
         chi_square,
-        len(task.panel),
-        len(best),
+        len(task.parameters),
+        len(vector),
         plain.observed.correlation_length,
-        spread,
+        compute_errors,
         position,
-        outlook,
+        starting_position,
     )
 
 
-def _drawn_back(slopes: FloatArray, position: FloatArray) -> FloatArray:
-    """Return the step from the best of the data to the best of data and prior of the last numbers."""
+def _minimised(task: "_FitTask") -> tuple[FloatArray, FloatArray]:
+    """Return the position of the minimum, and the derivatives of the data's residuals there."""
+    parameters, free = task.parameters, np.ones(len(task.free))
+    start = np.concatenate([parameters.start, task.predictor.position[task.free]])
+    if not len(start):
+        task.vector(start)
+        return start, np.zeros((1, 0))
+    low = np.concatenate([parameters.low, -NUISANCE.max_deviation * free])
+    high = np.concatenate([parameters.high, NUISANCE.max_deviation * free])
+    minimum = BoundedGaussNewton(task.vector, task.derivatives, start, (low, high))
+    minimum.minimise(evaluations=FIT.max_evaluations, tolerance=FIT.coarse_tolerance)
+    if float(minimum.vector @ minimum.vector) < FIT.near_noise * len(minimum.vector):
+        minimum.minimise(evaluations=FIT.max_evaluations, tolerance=FIT.tolerance)
+    return minimum.position, minimum.jacobian[: len(minimum.vector) - len(task.free)]
+
+
+def _missing_effect_variance(square: float, n_data: int, correlation_length: float) -> float:
+    """Return the variance of a residual where an effect may be missing.
+
+    The mean square of the residuals, where it is above the random error; and beyond that the square of a
+    missing effect, which amounts to a few independent data.
+    """
+    scale = correlation_length * max(1.0, square / n_data)
+    return scale + correlation_length * max(0.0, square - n_data) / FIT.missing_effect_data
+
+
+def _prior_step(derivatives: FloatArray, position: FloatArray) -> FloatArray:
+    """Return the step (n,) from the best fit of the data to that of data and prior.
+
+    Parameters
+    ----------
+    derivatives
+        (n_data, n_parameters) of residuals of unit variance.
+    position
+        (n,) of the last parameters, which have a prior of unit variance about 0.
+    """
     if not len(position):
         return position
-    held = np.zeros(slopes.shape[1])
-    held[len(held) - len(position) :] = 1.0
-    pull = np.zeros(len(held))
-    pull[len(held) - len(position) :] = position
-    size = np.sqrt((slopes**2).sum(axis=0) + held) + 1e-150  # squared still a number
-    curvature = (slopes.T @ slopes + np.diag(held)) / np.outer(size, size)
-    step: FloatArray = -np.linalg.pinv(curvature) @ (pull / size) / size
-    return step[len(held) - len(position) :]
+    n_parameters, n = derivatives.shape[1], len(position)
+    prior, gradient = np.zeros(n_parameters), np.zeros(n_parameters)
+    prior[n_parameters - n :] = 1.0
+    gradient[n_parameters - n :] = position
+    size = np.sqrt((derivatives**2).sum(axis=0) + prior) + SAFE_SQUARED_DIVISOR
+    curvature = (derivatives.T @ derivatives + np.diag(prior)) / np.outer(size, size)
+    step: FloatArray = -np.linalg.pinv(curvature) @ (gradient / size) / size
+    return step[n_parameters - n :]
 
 
-class _Task:
-    """The residuals of a fit by the numbers of effects and, behind them, what is tolerated."""
+class _FitTask:
+    """Residuals of a fit by the parameters of effects and, after them, nuisance parameters."""
 
-    def __init__(self, predictor: Predictor, fixed: Sequence[Effect], panel: ParameterVector) -> None:
-        self.predictor, self.fixed, self.panel = predictor, tuple(fixed), panel
+    def __init__(self, predictor: Predictor, fixed: Sequence[Effect], parameters: ParameterVector) -> None:
+        self.predictor, self.fixed, self.parameters = predictor, tuple(fixed), parameters
         observed = predictor.observed
-        # What belongs to a channel that is held out no fitted line tells: it is settled afterwards.
-        self.free, self.own = predictor.nuisances.split(observed.outputs, observed.held_out)
-        self.seen: dict[bytes, Residual] = {}
-        self._known: dict[bytes, Predicted] = {}
+        # Parameters of held-out channels alone act on no fitted line: they are fitted afterwards.
+        self.free, self.held_out = predictor.nuisances.split(observed.outputs, observed.held_out)
+        self.residuals: dict[bytes, Residual] = {}
+        self._predicted: dict[bytes, Predicted] = {}
         self._prior = np.full(len(self.free), np.sqrt(observed.correlation_length))
 
     def at(self, u: FloatArray) -> tuple[list[Effect], FloatArray]:
-        """Return the effects, and all that is tolerated."""
-        position = self.predictor.position.copy()
-        position[self.free] = u[len(self.panel) :]
-        return self.panel.with_values(u[: len(self.panel)]), position
+        """Return the effects and the position of all nuisance parameters."""
+        n, position = len(self.parameters), self.predictor.position.copy()
+        position[self.free] = u[n:]
+        return self.parameters.with_values(u[:n]), position
 
     def vector(self, u: FloatArray) -> FloatArray:
         """Return the residuals at the fitted lines and channels, then those of the prior."""
         effects, position = self.at(u)
         predicted = self.predictor.with_nuisances_at(position).predict([*self.fixed, *effects])
-        left = residual(self.predictor.observed, predicted)
-        self.seen[u.tobytes()], self._known[u.tobytes()] = left, predicted
-        data = left.vector(self.predictor.observed.fitted)
-        return np.concatenate([data, self._prior * u[len(self.panel) :]])
+        fitted_residual = residual(self.predictor.observed, predicted)
+        self.residuals[u.tobytes()], self._predicted[u.tobytes()] = fitted_residual, predicted
+        data = fitted_residual.vector(self.predictor.observed.fitted)
+        return np.concatenate([data, self._prior * u[len(self.parameters) :]])
 
-    def derivatives(self, u: FloatArray, _here: FloatArray) -> FloatArray:
-        """Return the derivatives of residuals that were seen, (n_data, n)."""
+    def derivatives(self, u: FloatArray, _vector: FloatArray) -> FloatArray:
+        """Return the derivatives (n_data, n) of residuals at a position that was evaluated."""
         effects, position = self.at(u)
         observed = self.predictor.observed
-        sketch = self.predictor.with_nuisances_at(position).linearisation_at([*self.fixed, *effects])
+        predict = self.predictor.with_nuisances_at(position).linearisation_at([*self.fixed, *effects])
 
-        def near(others: Sequence[Effect]) -> Predicted:
-            return sketch([*self.fixed, *others])
+        def predict_fitted(perturbed: Sequence[Effect]) -> Predicted:
+            return predict([*self.fixed, *perturbed])
 
         def vector(predicted: Predicted) -> FloatArray:
             return residual(observed, predicted).vector(observed.fitted)
 
-        known = self._known[u.tobytes()]
-        base = (
-            known if known.excess_variance is None else near(effects)
-        )  # where nothing leaks a sketch is all
-        here = vector(base)
-        own = self.panel.derivatives(u[: len(self.panel)], lambda others: vector(near(others)), here)
-        numbers = self.predictor.nuisances
-        also = numbers.derivatives(
-            lambda more: sketch([*more, *self.fixed, *effects]), vector, base, observed, self.free
+        evaluated = self._predicted[u.tobytes()]
+        # Without leakage the thin grid of the linearisation is exact.
+        base = evaluated if evaluated.excess_variance is None else predict_fitted(effects)
+        by_parameters = self.parameters.derivatives(
+            u[: len(self.parameters)], lambda perturbed: vector(predict_fitted(perturbed)), vector(base)
         )
-        return _beside(own, also, self._prior)
+        by_nuisances = self.predictor.nuisances.derivatives(
+            lambda deviations: predict([*deviations, *self.fixed, *effects]),
+            vector,
+            base,
+            observed,
+            self.free,
+        )
+        return with_prior_rows(by_parameters, by_nuisances, self._prior)

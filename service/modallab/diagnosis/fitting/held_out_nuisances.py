@@ -1,4 +1,4 @@
-"""What belongs to a held-out channel alone, read off that channel."""
+"""Nuisance parameters that only held-out channels determine."""
 
 from collections.abc import Sequence
 
@@ -6,6 +6,7 @@ import numpy as np
 from scipy.optimize import lsq_linear
 
 from modallab.core.arrays import FloatArray, IntArray
+from modallab.core.numerics import COMPARISON_ROUNDING
 from modallab.diagnosis.optimisation.settings import NUISANCE
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.residuals.predicted import Predicted
@@ -14,33 +15,37 @@ from modallab.rig.effect import Effect
 
 
 def fit_held_out_nuisances(
-    predictor: Predictor, effects: Sequence[Effect], left: Residual, own: IntArray
+    predictor: Predictor, effects: Sequence[Effect], fitted_residual: Residual, indices: IntArray
 ) -> FloatArray:
-    """Return the position of all that is tolerated, what belongs to held-out channels read off them.
+    """Return the position (n,) of all nuisance parameters, those of held-out channels fitted to them.
 
-    A channel's own sensitivity and delay are seen nowhere else. The logarithm of an FRF is a straight
-    line in both, so that one step is enough.
+    A channel's sensitivity and delay act on its own FRF alone. The logarithm of an FRF is linear in both,
+    so that one step is enough.
 
     Parameters
     ----------
-    left
-        Of the effects, with all else where it was fitted.
-    own
-        Which of all belong to channels held out.
+    fitted_residual
+        Residual of the effects, with all other parameters as fitted.
+    indices
+        Indices of the parameters that belong to held-out channels.
     """
     observed, position = predictor.observed, predictor.position.copy()
     where = observed.held_out_mask
-    sketch = predictor.linearisation_at(effects)
+    predict = predictor.linearisation_at(effects)
 
     def vector(predicted: Predicted) -> FloatArray:
         return residual(observed, predicted).vector(where)
 
-    slopes = predictor.nuisances.derivatives(
-        lambda more: sketch([*more, *effects]), vector, sketch(effects), observed, own
+    derivatives = predictor.nuisances.derivatives(
+        lambda deviations: predict([*deviations, *effects]), vector, predict(effects), observed, indices
     )
-    prior = np.sqrt(observed.correlation_length) * np.eye(len(own))
-    rows = np.vstack([slopes, prior])
-    target = -np.concatenate([left.vector(where), prior @ position[own]])
-    bounds = (-NUISANCE.max_deviation - 1e-9 - position[own], NUISANCE.max_deviation + 1e-9 - position[own])
-    position[own] += lsq_linear(rows, target, bounds, method="bvls").x
-    return position.clip(-NUISANCE.max_deviation, NUISANCE.max_deviation)
+    prior = np.sqrt(observed.correlation_length) * np.eye(len(indices))
+    rows = np.vstack([derivatives, prior])
+    target = -np.concatenate([fitted_residual.vector(where), prior @ position[indices]])
+    limit = NUISANCE.max_deviation
+    bounds = (
+        -limit - COMPARISON_ROUNDING - position[indices],
+        limit + COMPARISON_ROUNDING - position[indices],
+    )
+    position[indices] += lsq_linear(rows, target, bounds, method="bvls").x
+    return position.clip(-limit, limit)

@@ -1,4 +1,4 @@
-"""Values of one effect's numbers that a test hardly tells apart."""
+"""Equivalent values of an effect's parameters, which a test hardly distinguishes."""
 
 from collections.abc import Callable
 from dataclasses import replace
@@ -13,34 +13,49 @@ from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.searching.acceptance import variance_inflation
 
 
-def resolve_equivalents(predictor: Predictor, found: Fit) -> Fit:
-    """Return a fit with each effect as itself or as its lookalike, whichever explains more.
+def resolve_equivalents(predictor: Predictor, original: Fit) -> Fit:
+    """Return a fit with each effect at its own or its equivalent values, whichever explain more.
 
-    Its standard errors reach as far as the other one does, by how likely that one is.
+    Its standard errors include the distance to the other values, weighted by their probability.
     """
-    for i, effect in enumerate(found.effects):
-        other = effect.equivalent(predictor.setup)
-        if other is not None:
-            effects = [*found.effects[:i], other, *found.effects[i + 1 :]]
-            rival = fit(predictor.with_nuisances_at(found.nuisance_position), effects)
-            best, second = (found, rival) if found.chi_square <= rival.chi_square else (rival, found)
-            apart = (second.chi_square - best.chi_square) / variance_inflation(predictor, best)
-            share = float(expit(-apart / 2))
-            found = replace(best, spread=partial(_reaching, best.spread, best, second, i, share))
-    return found
+    best = original
+    for i, effect in enumerate(original.effects):
+        equivalent = effect.equivalent(predictor.setup)
+        if equivalent is not None:
+            effects = [*best.effects[:i], equivalent, *best.effects[i + 1 :]]
+            other = fit(predictor.with_nuisances_at(best.nuisance_position), effects)
+            first, second = (best, other) if best.chi_square <= other.chi_square else (other, best)
+            difference = (second.chi_square - first.chi_square) / variance_inflation(predictor, first)
+            probability = float(expit(-difference / 2))
+            compute_errors = partial(_mixture_errors, first.compute_errors, first, second, i, probability)
+            best = replace(first, compute_errors=compute_errors)
+    return best
 
 
-def _reaching(
-    own: Callable[[], ParameterErrors], best: Fit, second: Fit, which: int, share: float
+def _mixture_errors(
+    compute_errors: Callable[[], ParameterErrors], best: Fit, second: Fit, index: int, probability: float
 ) -> ParameterErrors:
-    """Return the root mean square distance of both fits' laws from the best of both."""
-    errors, other = own(), second.errors[which]
-    here, there = best.effects[which].parameters, second.effects[which].parameters
+    """Return the root mean square deviation of the mixture of two fits from the values of the best one.
+
+    Parameters
+    ----------
+    compute_errors
+        Errors of the best fit alone.
+    index
+        Index of the effect that differs.
+    probability
+        Probability of the second fit.
+    """
+    errors, second_errors = compute_errors(), second.errors[index]
+    values, second_values = best.effects[index].parameters, second.effects[index].parameters
     effects = list(errors.effects)
-    effects[which] = {
+    effects[index] = {
         name: float(
-            np.sqrt((1 - share) * error**2 + share * (other[name] ** 2 + (there[name] - here[name]) ** 2))
+            np.sqrt(
+                (1 - probability) * error**2
+                + probability * (second_errors[name] ** 2 + (second_values[name] - values[name]) ** 2)
+            )
         )
-        for name, error in effects[which].items()
+        for name, error in effects[index].items()
     }
     return replace(errors, effects=tuple(effects))

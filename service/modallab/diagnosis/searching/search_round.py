@@ -10,7 +10,9 @@ from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.place import Members
 from modallab.core.progress import Progress, part
-from modallab.diagnosis.fitting.fit import NEARLY, Fit, coarse_fit, fit
+from modallab.diagnosis.fitting.coarse_fit import coarse_fit
+from modallab.diagnosis.fitting.fit import Fit, fit
+from modallab.diagnosis.fitting.settings import FIT
 from modallab.diagnosis.localisation.evidence import collect_evidence
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.searching.acceptance import is_noise_only, ranked_by_bic
@@ -115,7 +117,7 @@ class _Round:
 
     def _explains(self, found: Fit) -> bool:
         # Gaps cost more than a fit where power leaks, and only those of fits that are nearly right matter.
-        near = found.chi_square < NEARLY * found.n_data
+        near = found.chi_square < FIT.near_noise * found.n_data
         return near and is_noise_only(self._predictor, found.residual)
 
 

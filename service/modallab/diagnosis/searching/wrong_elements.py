@@ -12,7 +12,7 @@ import numpy as np
 from modallab.core.arrays import FloatArray
 from modallab.core.place import Members
 from modallab.core.progress import Progress
-from modallab.diagnosis.fitting.fit import NOISE_INFLATION_SCHEDULE
+from modallab.diagnosis.fitting.settings import FIT
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.residuals.residual import inflation_weights
 from modallab.diagnosis.searching.backward_elimination import Group, backward_elimination
@@ -67,7 +67,7 @@ def _multiplies(effect: Effect) -> bool:
 def _all_factors(factors: "_Factors", progress: Progress) -> "_Look":
     """Return a look at the factors that explain most."""
     look = factors.look(np.zeros(len(factors)))
-    stages = (*NOISE_INFLATION_SCHEDULE, 0.0)
+    stages = (*FIT.noise_inflation_schedule, 0.0)
     for i, widen in enumerate(stages):
         if widen < FINE and look.cost(FINE) > HOPELESS:
             break

@@ -2,7 +2,8 @@ import numpy as np
 
 from modallab.core.dof import Dof
 from modallab.core.place import Channels, Members
-from modallab.diagnosis.fitting.fit import coarse_fit, fit
+from modallab.diagnosis.fitting.coarse_fit import coarse_fit
+from modallab.diagnosis.fitting.fit import fit
 from modallab.effects.accelerometer_mass import AccelerometerMass
 from modallab.effects.cable_mass import CableMass
 from modallab.effects.gain_error import GainError
@@ -30,7 +31,7 @@ def test_a_start_far_away_is_brought_home_on_blurred_residuals() -> None:
     true = StiffnessError(at=Members((3,)), factor=1.6)
     predictor, _ = predicting(drawn(rig(), [true]))
     near, _ = coarse_fit(
-        predictor.coarse_prediction(()), (), true.with_parameters({"factor": 0.9}), widening=0.3
+        predictor.coarse_prediction(()), (), true.with_parameters({"factor": 0.9}), noise_inflation=0.3
     )
     # On every line, periodic: the first look is exact, so only the random error (1e-4) is left.
     assert abs(near.parameters["factor"] - 1.6) < 2e-3
@@ -140,7 +141,9 @@ def test_stated_errors_hold_where_all_channels_hear_the_same_leakage() -> None:
 def test_a_wrong_amount_does_not_draw_away_what_says_how_it_acts() -> None:
     # Half the mass missing outweighs any damping: a ratio of both that is free at once goes astray with it.
     predictor, _ = predicting(drawn(rig(roving=False, noise=1e-3), [CableMass(mass=0.0055, drag=25.0)]))
-    near, _ = coarse_fit(predictor.coarse_prediction(()), (), CableMass(mass=0.0028, drag=20.0), widening=0.0)
+    near, _ = coarse_fit(
+        predictor.coarse_prediction(()), (), CableMass(mass=0.0028, drag=20.0), noise_inflation=0.0
+    )
     best = fit(predictor, [near])
     for name, value in best.effects[0].parameters.items():
         # All lines of this test are looked at first, so that both have one goal.

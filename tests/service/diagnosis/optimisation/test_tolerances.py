@@ -6,7 +6,8 @@ import pytest
 from modallab.core.arrays import FloatArray
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
-from modallab.diagnosis.fitting.fit import Fit, coarse_fit, fit
+from modallab.diagnosis.fitting.coarse_fit import coarse_fit
+from modallab.diagnosis.fitting.fit import Fit, fit
 from modallab.diagnosis.optimisation.nuisances import Nuisances, draw_positions, nuisance_parameters
 from modallab.diagnosis.optimisation.settings import NUISANCE
 from modallab.diagnosis.optimisation.tolerances import Tolerances

@@ -102,7 +102,7 @@ def springs() -> tuple[Fit, Fit]:
 def with_error_of_loss(band: Fit, errors_away: float) -> Fit:
     error = band.effects[-1].parameters["loss_factor"] / errors_away
     found = ParameterErrors(({"stiffness": 10.0, "loss_factor": error},), np.zeros(0))
-    return replace(band, spread=lambda: found)
+    return replace(band, compute_errors=lambda: found)
 
 
 def test_a_number_more_has_to_be_told_from_nothing_by_its_own_standard_error(
@@ -141,5 +141,5 @@ def test_numbers_of_which_only_their_product_is_told_are_judged_by_how_well_they
     found = ParameterErrors(
         ({name: 10 * value for name, value in band.effects[-1].parameters.items()},), np.zeros(0)
     )
-    together = replace(band, spread=lambda: found)
+    together = replace(band, compute_errors=lambda: found)
     assert ranked_by_bic([together, plain])[0] is together

@@ -1,7 +1,7 @@
 import pytest
 
 from modallab.core.progress import silent
-from modallab.diagnosis.fitting.fit import coarse_fit
+from modallab.diagnosis.fitting.coarse_fit import coarse_fit
 from modallab.diagnosis.searching.scanning import scan
 from modallab.effects.exciter_armature import ExciterArmature
 from tests.diagnosing import drawn, predicting, rig

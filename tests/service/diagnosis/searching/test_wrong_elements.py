@@ -86,7 +86,7 @@ def test_a_factor_that_a_straight_line_takes_out_of_bounds_stays_within(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     beyond = [Group((0,), 50.0), Group((9,), -50.0)]
-    monkeypatch.setattr(elements, "fewest", lambda *_: beyond)
+    monkeypatch.setattr(elements, "backward_elimination", lambda *_: beyond)
     found = found_in(drawn(rig(), FOUR))
     bounds = [next(iter(effect.specs().values())) for effect in found]
     for effect, spec in zip(found, bounds, strict=True):

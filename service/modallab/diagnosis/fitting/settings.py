@@ -1,0 +1,64 @@
+"""Settings of fits and of the covariance of fitted parameters."""
+
+from dataclasses import dataclass
+
+from modallab.core.settings import Settings, setting
+
+TESTS = "simulated tests of the suite"
+
+
+@dataclass(frozen=True)
+class FitSettings(Settings):
+    """Least-squares fits of the parameters of effects."""
+
+    coarse_tolerance: float = setting(
+        1e-2,
+        unit="squared standard errors",
+        doc="predicted gain at which a coarse fit, or a fit far from the data, ends",
+        derived="a tenth of a standard error",
+    )
+    tolerance: float = setting(
+        1e-4,
+        unit="squared standard errors",
+        doc="predicted gain at which a fit near the data ends",
+        derived="a hundredth of a standard error",
+    )
+    max_evaluations: int = setting(
+        12,
+        unit="evaluations",
+        doc="evaluations of a fit, and as many again where the residuals are nearly noise",
+        tuned=TESTS,
+    )
+    coarse_evaluations: int = setting(
+        4, unit="evaluations", doc="evaluations of a coarse fit at each noise inflation", tuned=TESTS
+    )
+    near_noise: float = setting(
+        2.0, doc="mean square of the residuals below which a fit is worth finishing", tuned=TESTS
+    )
+    missing_effect_data: float = setting(
+        50.0,
+        unit="independent data",
+        doc="independent data that the residual of a missing effect amounts to",
+        derived="it is the residual of a few resonances, not of as many random numbers as lines",
+    )
+    noise_inflation_schedule: tuple[float, ...] = setting(
+        (0.3, 0.1, 0.03, 0.003),
+        doc="relative errors added to every random error, one stage of a coarse fit after the other",
+        tuned=TESTS,
+    )
+
+
+@dataclass(frozen=True)
+class CovarianceSettings(Settings):
+    """Standard errors of fitted parameters."""
+
+    bound_distance: float = setting(
+        0.01,
+        unit="standard errors",
+        doc="distance from a bound within which a parameter lies on it",
+        derived="tolerance of a fit: a hundredth of a standard error",
+    )
+
+
+FIT = FitSettings()
+COVARIANCE = CovarianceSettings()
