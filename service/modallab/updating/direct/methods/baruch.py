@@ -1,4 +1,4 @@
-"""Stiffness corrected on the model's own mass."""
+"""Baruch's method: stiffness corrected on the model's own mass."""
 
 from modallab.updating.direct.constrained import constrained_stiffness, mass_orthonormal
 from modallab.updating.direct.method import DIRECT_METHODS, Correction, DirectProblem, RegisteredDirectMethod

@@ -1,4 +1,4 @@
-"""Mass and stiffness corrected, one after the other."""
+"""Berman and Nagy's method: mass corrected first, then stiffness."""
 
 import numpy as np
 

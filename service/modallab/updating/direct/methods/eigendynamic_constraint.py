@@ -1,4 +1,4 @@
-"""Coefficients of all members from the equation of motion that measured modes must fulfil."""
+"""Eigendynamic constraint method: coefficients of all members from the equation of motion."""
 
 import numpy as np
 from scipy.linalg import eigvalsh

@@ -1,4 +1,4 @@
-"""Errors of mass and stiffness from the flexibility that modes show."""
+"""Error matrix method: errors of stiffness and mass by flexibility."""
 
 import numpy as np
 
@@ -48,9 +48,9 @@ def error_matrix(problem: DirectProblem) -> ErrorLocation:
 
 
 def _check_pairs(problem: DirectProblem, model_shapes: FloatArray) -> None:
-    """Raise `UnderdeterminedError` if a measured mode has little of the model's modes it is held against.
+    """Raise `UnderdeterminedError` if a measured mode lies outside the space of its paired model modes.
 
-    Of all together, for only their sum counts: close modes may have turned into one another.
+    All pairs count together, as close modes may be rotated among one another.
     """
     inertia_shapes = problem.mass @ problem.shapes
     sizes = np.einsum("ir,ir->r", problem.shapes, inertia_shapes)
@@ -68,7 +68,7 @@ def _check_pairs(problem: DirectProblem, model_shapes: FloatArray) -> None:
 def _error(
     matrix: FloatArray, model_shapes: FloatArray, measured: FloatArray
 ) -> tuple[FloatArray, FloatArray]:
-    """Return A (F_a F_a^T - F_x F_x^T) A, and what the model's modes alone make of A, (n, n) each."""
+    """Return A (F_a F_a^T - F_x F_x^T) A, and A F_a F_a^T A by the model's modes alone, (n, n) each."""
     model_part, measured_part = matrix @ model_shapes, matrix @ measured
     model_matrix = model_part @ model_part.T
     return model_matrix - measured_part @ measured_part.T, model_matrix

@@ -1,4 +1,4 @@
-"""Forces that do not balance when the model moves as measured."""
+"""Modified error matrix method: force residual of measured modes in the model."""
 
 import numpy as np
 

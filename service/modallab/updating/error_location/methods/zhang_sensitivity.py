@@ -1,4 +1,4 @@
-"""Suspected where a coefficient moves far and matters."""
+"""Zhang's sensitivity method: coefficients with a large change and a large weight."""
 
 import numpy as np
 

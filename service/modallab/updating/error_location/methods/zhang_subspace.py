@@ -1,4 +1,4 @@
-"""The few coefficients that explain most."""
+"""Zhang's subspace method: forward selection of coefficients by orthogonal least squares."""
 
 import numpy as np
 
