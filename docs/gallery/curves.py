@@ -66,14 +66,14 @@ class Picture:
 
     kind: str
     example: Example
-    before: Measurement
-    after: tuple[Curve, ...]
+    reference: Measurement
+    curves: tuple[Curve, ...]
     panels: tuple[Panel, ...]
 
     @property
     def freq(self) -> FloatArray:
         """(n_freq,) Hz."""
-        return self.before.frf.freq
+        return self.reference.frf.freq
 
     @property
     def shown(self) -> Any:
@@ -83,7 +83,7 @@ class Picture:
     def change(self, panel: Panel) -> float:
         """Return the largest change that the effect makes in a panel, in the panel's unit."""
         largest = 0.0
-        for curve in self.after:
+        for curve in self.curves:
             bare, loaded = (
                 panel.of(measurement, curve.bare) for measurement in (curve.bare, curve.measurement)
             )
@@ -135,20 +135,20 @@ def picture(kind: str, n_lines: int = LINES) -> Picture:
     bare = rig_body(example, n_lines)
     more = {"effects": [effect_body(kind)]} if example.declared is None else example.declared
     loaded = merged(bare, more)
-    after = []
+    curves = []
     for level in example.levels or (None,):
         loud = {} if level is None else {"analyser": {"excitation": {"level": level}}}
         label = "with" if level is None else f"with, {level:g} N"
         with_it, without = (_measured(example, merged(body, loud)) for body in (loaded, bare))
-        after.append(Curve(label, with_it, without))
-    whole = Picture(kind, example, after[0].bare, tuple(after), ())
+        curves.append(Curve(label, with_it, without))
+    whole = Picture(kind, example, curves[0].bare, tuple(curves), ())
     return replace(whole, panels=_panels(whole))
 
 
 def touched(kind: str) -> tuple[str, ...]:
     """Return which quantities the effect changes visibly at any response of its picture."""
     whole = picture(kind, TOUCH_LINES)
-    outputs = whole.before.frf.outputs
+    outputs = whole.reference.frf.outputs
     return tuple(name for name in TOUCHABLE if any(whole.visible(Panel(name, output)) for output in outputs))
 
 
@@ -159,7 +159,7 @@ def _measured(example: Example, body: Mapping[str, Any]) -> Measurement:
 
 
 def _panels(whole: Picture) -> tuple[Panel, ...]:
-    last = whole.before.frf.outputs[-1]
+    last = whole.reference.frf.outputs[-1]
     if not whole.example.panels:
         size, phase, *other_panels = (Panel(name, last) for name in CHOICE)
         turned = [] if whole.visible(size) else [phase]  # a resonance that moves shows in its size

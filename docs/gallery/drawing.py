@@ -15,7 +15,7 @@ from docs.gallery.curves import LINES, Panel, Picture, picture
 from modallab.core.arrays import FloatArray
 
 SIZE, DPI = (6.4, 4.8), 100  # inches: 640 x 480 points
-BEFORE, COLOURS = "#aaaaaa", ("#c23b22", "#1f5fa8")
+REFERENCE_COLOUR, COLOURS = "#aaaaaa", ("#c23b22", "#1f5fa8")
 STYLE: Any = {
     "font.size": 9,
     "axes.grid": True,
@@ -64,10 +64,16 @@ def drawn(whole: Picture) -> Figure:
 def _curves(axes: Axes, whole: Picture, panel: Panel) -> None:
     freq, visible_lines = whole.freq[whole.shown], whole.shown
     turning = panel.quantity == "phase"
-    reference = panel.of(whole.before, whole.before)[visible_lines]
-    axes.plot(freq, _open(reference) if turning else reference, color=BEFORE, linewidth=2.4, label="without")
-    for colour, curve in zip(COLOURS, whole.after, strict=False):
-        values = panel.of(curve.measurement, whole.before)[visible_lines]
+    reference = panel.of(whole.reference, whole.reference)[visible_lines]
+    axes.plot(
+        freq,
+        _open(reference) if turning else reference,
+        color=REFERENCE_COLOUR,
+        linewidth=2.4,
+        label="without",
+    )
+    for colour, curve in zip(COLOURS, whole.curves, strict=False):
+        values = panel.of(curve.measurement, whole.reference)[visible_lines]
         axes.plot(freq, _open(values) if turning else values, color=colour, linewidth=1.1, label=curve.label)
     axes.set_ylabel(_label(whole, panel))
     if panel.quantity == "coherence":
@@ -79,7 +85,7 @@ def _curves(axes: Axes, whole: Picture, panel: Panel) -> None:
 def _label(whole: Picture, panel: Panel) -> str:
     unit = UNITS[panel.quantity]
     if panel.quantity == "magnitude":
-        return f"{unit}\n{panel.output} / {whole.before.frf.inputs[0]}"
+        return f"{unit}\n{panel.output} / {whole.reference.frf.inputs[0]}"
     return (
         unit
         if len({panel_of_figure.output for panel_of_figure in whole.panels}) == 1
@@ -108,7 +114,7 @@ def _palette() -> Image.Image:
     """Return what colours there are: black to white, and from every curve's colour to grey and to white."""
     greys = [(level,) * 3 for level in range(0, 256, 17)]
     curves = [to_rgb(colour) for colour in COLOURS]
-    backs = [(1.0, 1.0, 1.0), to_rgb(BEFORE)]
+    backs = [(1.0, 1.0, 1.0), to_rgb(REFERENCE_COLOUR)]
     mixed = [
         tuple(round(255 * (t * c + (1 - t) * b)) for c, b in zip(curve, background, strict=True))
         for curve in curves

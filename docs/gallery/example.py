@@ -39,7 +39,7 @@ class Example:
 @lru_cache(maxsize=8)
 def structure(name: str) -> Structure:
     """Return one of the structures that effects are shown on."""
-    return _MADE[name]()
+    return _HEADER[name]()
 
 
 def _beam(
@@ -57,7 +57,7 @@ def _frame() -> Structure:
     )
 
 
-_MADE = {
+_HEADER = {
     "free beam": _beam,
     "clamped beam": lambda: _beam(supports=(Support(1, ("Y", "RZ")),)),
     "damped beam": lambda: _beam(supports=(Support(1, ("Y", "RZ")),), damping=DAMPED),

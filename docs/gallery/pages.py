@@ -8,12 +8,12 @@ from typing import Any
 from docs.gallery.curves import TOUCHABLE, effect_body, rig_body, touched
 from docs.gallery.example import DESCRIBED, Example
 from docs.gallery.examples import GROUPS, example_of, group_of
-from docs.gallery.words import ALIKE, HARDWARE
+from docs.gallery.words import HARDWARE, SIMILAR_EFFECTS
 from modallab.core.dof import Dof
 from modallab.core.place import Channels, Members
 from modallab.rig.effect import EFFECTS, Effect, Stage
 
-MADE = "<!-- Written by `make docs` from the effect's class and docs/gallery: edit those. -->\n"
+HEADER = "<!-- Written by `make docs` from the effect's class and docs/gallery: edit those. -->\n"
 _NAMES = {
     "magnitude": "\\|H\\|",
     "phase": "its phase",
@@ -42,7 +42,7 @@ def page(kind: str) -> str:
     """Return the page of an effect, Markdown."""
     cls, example = EFFECTS[kind], example_of(kind)
     parts = [
-        f"{MADE}\n# {kind}\n\n{_sentence(cls.summary)}",
+        f"{HEADER}\n# {kind}\n\n{_sentence(cls.summary)}",
         f"![{kind}: the measurement without and with it]({kind}.png)\n\n{_caption(kind, example)}",
         f"## What happens, and the source\n\n{_physics(cls)}",
         f"## Numbers\n\n{parameter_table(cls)}",
@@ -58,7 +58,7 @@ def page(kind: str) -> str:
 def index() -> str:
     """Return the gallery's front page, Markdown."""
     parts = [
-        f"{MADE}\n# What a test does to a measurement",
+        f"{HEADER}\n# What a test does to a measurement",
         "One picture an effect: the expected measurement without it in grey, with it in colour, at a"
         "\nbelievable strength. Each links to a page with the equation, its source and its numbers."
         "\nHow they act together: [the virtual rig](../rig.md), [measuring channels](../channels.md).",
@@ -186,5 +186,8 @@ def _routes(cls: type[Effect]) -> str:
 def _alike(cls: type[Effect]) -> str:
     more = " [How a diagnosis tells them apart](../diagnosis.md)."
     return (
-        ALIKE.get(cls.kind, "A diagnosis fits it against all others and lists rivals that are alike.") + more
+        SIMILAR_EFFECTS.get(
+            cls.kind, "A diagnosis fits it against all others and lists rivals that are alike."
+        )
+        + more
     )

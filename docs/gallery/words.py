@@ -32,7 +32,7 @@ HARDWARE: Mapping[str, Mapping[str, Any]] = {
     "transverse_sensitivity": {"accelerometers": {"transverse_sensitivity": 0.03}},
 }
 
-ALIKE: Mapping[str, str] = {
+SIMILAR_EFFECTS: Mapping[str, str] = {
     "ac_coupling": "A `channel_delay` turns the phase in proportion to frequency, this in proportion to the"
     " period: look at the lowest lines.",
     "accelerometer_mass": "An `extra_mass` shifts every FRF alike; an accelerometer that roves shifts each by"

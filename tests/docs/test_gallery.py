@@ -16,7 +16,7 @@ from docs.gallery.drawing import SIZE, draw, drawn, png
 from docs.gallery.example import structure
 from docs.gallery.examples import example_of
 from docs.gallery.pages import index, page, parameter_table
-from docs.gallery.words import ALIKE, HARDWARE
+from docs.gallery.words import SIMILAR_EFFECTS, HARDWARE
 from modallab.api.rigs.schemas import RigIn
 from modallab.core.dof import Dof
 from modallab.rig.effect import EFFECTS, Effect, build
@@ -95,14 +95,14 @@ def test_a_picture_can_be_drawn_and_the_effect_seen_in_it(kind: str) -> None:
     figure = drawn(whole)
     assert len(figure.axes) == len(whole.panels)
     for axes in figure.axes:
-        assert len(axes.lines) == 1 + len(whole.after)
+        assert len(axes.lines) == 1 + len(whole.curves)
         assert axes.get_ylabel()
         assert all(np.isfinite(np.asarray(line.get_ydata(), float)).any() for line in axes.lines)
 
 
 def test_a_picture_without_the_effect_shows_no_change() -> None:
     whole = picture("extra_mass", COARSE)
-    same = replace(whole, after=(Curve("with", whole.before, whole.before),))
+    same = replace(whole, curves=(Curve("with", whole.reference, whole.reference),))
     assert not any(same.visible(panel) for panel in same.panels)
 
 
@@ -162,7 +162,7 @@ def test_what_a_page_gives_to_copy_is_accepted(kind: str) -> None:
 
 
 def test_every_word_about_look_alikes_names_effects_there_are() -> None:
-    assert set(ALIKE) >= set(KINDS)
-    for kind, said in ALIKE.items():
+    assert set(SIMILAR_EFFECTS) >= set(KINDS)
+    for kind, said in SIMILAR_EFFECTS.items():
         for other in re.findall(r"`(\w+)`", said):
             assert other in KINDS, f"{kind} names {other}"

@@ -1,4 +1,4 @@
-"""A channel that does not let slow signals through."""
+"""AC coupling: high-pass of a channel."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

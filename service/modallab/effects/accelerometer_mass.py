@@ -1,4 +1,4 @@
-"""Mass loading: an accelerometer is part of the structure it measures."""
+"""Mass loading by accelerometers."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""A small system on the structure with a resonance of its own."""
+"""Attached oscillator: a part with a resonance of its own."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -56,7 +56,7 @@ class AttachedOscillator(Effect):
         return tuple(dof for dof in system.dofs if dof.translational)
 
     def scan_values(self, system: DynamicSystem, setup: RigSetup) -> Mapping[str, Sequence[float]]:
-        """Return frequencies spread over the band, and masses a decade apart."""
+        """Return frequencies over the band, and masses of 1e-3 to 0.1 of the structure's."""
         top = setup.analyser.freq[-1]
         weight = float(system.mass.diagonal()[[dof.translational for dof in system.dofs]].sum())
         masses = [m for share in (1e-3, 1e-2, 1e-1) if (m := share * weight) <= self.specs()["mass"].upper]

@@ -1,4 +1,4 @@
-"""The cable of an accelerometer moves with it, and rubs."""
+"""Mass and damping of accelerometer cables."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""A mass that the analyser took out of the force has still to be moved."""
+"""Inertia of a cancelled mass below the force gauge."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""A channel that is late."""
+"""Time delay of a channel."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""A spring that hardens: its force grows with the cube of the motion."""
+"""Cubic spring to the ground."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -48,7 +48,7 @@ class CubicStiffness(Effect):
         return tuple(dof.point for dof in setup.responses)
 
     def scan_values(self, system: DynamicSystem, setup: RigSetup) -> Mapping[str, Sequence[float]]:
-        """Return what makes a spring of 1e-4 of the stiffness that the DoF feels to all of it."""
+        """Return coefficients with equivalent stiffnesses of 1e-4 to 1 of the DoF's dynamic stiffness."""
         assert isinstance(self.at, Dof)
         motion = likely_motion(system, setup, self.at)
         whole = motion.stiffness / (3 * motion.displacement**2)

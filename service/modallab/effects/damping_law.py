@@ -1,4 +1,4 @@
-"""Damping that follows another law than the model's."""
+"""Damping model: viscous instead of structural damping, or the reverse."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

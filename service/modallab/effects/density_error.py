@@ -1,4 +1,4 @@
-"""Members that are heavier or lighter than the model has them."""
+"""Density error of members."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

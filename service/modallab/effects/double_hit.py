@@ -1,4 +1,4 @@
-"""Double hit: the hammer comes back before it is drawn away."""
+"""Double hit of a hammer."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -55,7 +55,7 @@ class DoubleHit(Effect):
         return (None,) if setup.analyser.excitation.kind == "impact" else ()
 
     def scan_values(self, system: DynamicSystem, setup: RigSetup) -> Mapping[str, Sequence[float]]:
-        """Return delays so close that between two of them a ripple stays in step over the band."""
+        """Return delays so close that the ripple of neighbours stays in phase over the band."""
         band = setup.analyser.frequency_max
         return {"delay": tuple(np.arange(1, DOUBLE_HIT_SCAN.n_delays + 1) / (2 * band)), "ratio": (0.4,)}
 

@@ -1,4 +1,4 @@
-"""A structure that changes while it is tested."""
+"""Drift of stiffness between the runs of a test."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""The shaker's armature takes force to move: the force drops out at resonances."""
+"""Inertia of the exciter's armature."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""An amplifier that keeps the voltage of the coil damps the armature."""
+"""Back-EMF of the exciter's coil."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

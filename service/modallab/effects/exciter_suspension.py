@@ -1,4 +1,4 @@
-"""The shaker's armature hangs on springs."""
+"""Suspension of the exciter's armature."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""A mass on the structure that the model does not have."""
+"""Unmodelled point mass."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

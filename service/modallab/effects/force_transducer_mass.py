@@ -1,4 +1,4 @@
-"""The part of the force transducer below its sensing element moves with the structure."""
+"""Mass loading by the force transducer."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""A force gauge gives way along its axis."""
+"""Flexibility of the force transducer."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""Dry friction: a force of one size against every motion."""
+"""Dry friction at one DoF."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
@@ -56,7 +56,7 @@ class Friction(Effect):
         return tuple(dof.point for dof in setup.responses)
 
     def scan_values(self, system: DynamicSystem, setup: RigSetup) -> Mapping[str, Sequence[float]]:
-        """Return what makes a damper of a thousandth to all of the damping that the DoF feels."""
+        """Return forces with equivalent damping of 1e-3 to 1 of the DoF's mechanical resistance."""
         assert isinstance(self.at, Dof)
         motion = likely_motion(system, setup, self.at)
         whole = motion.viscous * motion.velocity * np.sqrt(np.pi / 2)

@@ -1,4 +1,4 @@
-"""A channel that shows too much or too little."""
+"""Sensitivity error of a channel."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""A spring to the ground that the model does not have."""
+"""Unmodelled spring to the ground."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

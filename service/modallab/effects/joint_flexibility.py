@@ -1,4 +1,4 @@
-"""A crack or a loose joint: the members on both sides of a node need not turn alike."""
+"""Flexibility of a joint, or a crack, in bending."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -67,7 +67,7 @@ class JointFlexibility(Effect):
         return tuple(dof for dof in system.dofs if dof.direction == "RZ" and dof.node in joints)
 
     def scan_values(self, system: DynamicSystem, setup: RigSetup) -> Mapping[str, Sequence[float]]:
-        """Return flexibilities on both sides of that of the member's own end."""
+        """Return flexibilities around that of the member's end."""
         assert isinstance(self.at, Dof)
         assert system.members is not None
         end_flexibility = 1 / system.members.end_stiffness(self.at.node)

@@ -1,4 +1,4 @@
-"""Power that does not repeat with the analyser's record leaks into neighbouring lines."""
+"""Leakage: excitation that is not periodic in the record."""
 
 from dataclasses import dataclass, replace
 from typing import ClassVar

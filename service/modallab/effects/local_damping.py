@@ -1,4 +1,4 @@
-"""A damper at one point that the model does not have."""
+"""Unmodelled viscous damper to the ground."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Members that lose more or less than the model has them lose."""
+"""Loss factor error of members."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -19,7 +19,7 @@ from modallab.rig.setup import AcquisitionRun, RigSetup
 @EFFECTS.register("loss_factor_error")
 @dataclass(frozen=True)
 class LossFactorError(Effect):
-    """What some members, or all, lose in proportion to their stiffness is another multiple of the model's.
+    """The stiffness-proportional damping of some members, or of all, is a multiple of the model's.
 
     D_e = factor eta K_e, as the damping coefficients c_i of the 1992 thesis [6.2], and the share b K_e of
     viscous damping alike. What the law ties to mass (a of a M + b K) is no property of their material and

@@ -1,4 +1,4 @@
-"""Mains hum on the response signals: lines that the structure never had."""
+"""Mains hum on the response channels."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
@@ -63,7 +63,7 @@ class MainsHum(Effect):
         return replace(spectra, xx=spectra.xx + power[:, None] * rms[:, None, :] ** 2)
 
     def on_records(self, batch: Batch, acquisition: Acquisition, rng: np.random.Generator) -> FloatArray:
-        """Return the samples with the hum on them, which all channels of a record hear at one phase."""
+        """Return the samples with the hum added, in phase on all channels of a record."""
         orders = self._orders(acquisition)
         n_block, _, n_samples = batch.samples.shape
         start = rng.uniform(0, 2 * np.pi, (n_block, len(np.array(MAINS.harmonics))))[:, : len(orders), None]
@@ -84,7 +84,7 @@ class MainsHum(Effect):
         return (None, *(Channels((dof,)) for dof in setup.responses))
 
     def equivalent(self, setup: RigSetup) -> Self | None:
-        """Return the hum as far on the other side of its line, which power alone hardly tells apart."""
+        """Return the hum mirrored about its line: auto spectra can hardly distinguish the two."""
         spacing, bounds = setup.analyser.spacing, self.specs()["frequency"]
         mirror_frequency = 2 * round(self.frequency / spacing) * spacing - self.frequency
         return (

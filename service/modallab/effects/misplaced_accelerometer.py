@@ -1,4 +1,4 @@
-"""An accelerometer that sits beside its node."""
+"""Accelerometer beside its declared node."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""An accelerometer rings on what holds it."""
+"""Mounted resonance of accelerometers."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Overload: what exceeds the converter's range is cut off."""
+"""Overload: clipping by the converter."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""A channel whose sign is turned."""
+"""Reversed sign of a channel."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -46,7 +46,7 @@ class Polarity(Effect):
 
     @classmethod
     def signature(cls, evidence: Evidence) -> float:
-        """The worst FRF has its size right and its phase wrong at every line."""
+        """The worst FRF has the right magnitude and the wrong phase at every line."""
         worst = int(evidence.by_channel.argmax())
         residual = evidence.frf[:, worst] * evidence.weight[:, worst]
         size = float((np.abs(residual) ** 2).sum())

@@ -1,4 +1,4 @@
-"""Quantisation: the converter knows whole steps only."""
+"""Quantisation by the converter."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

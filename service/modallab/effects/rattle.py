@@ -1,4 +1,4 @@
-"""A stop that the structure strikes when it moves too far."""
+"""Rattle: elastic stops beyond a gap."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""Shear and the inertia of turning sections, which a model after Bernoulli and Euler leaves out."""
+"""Shear deformation and rotary inertia, neglected by Bernoulli-Euler beams."""
 
 from dataclasses import dataclass, replace
 from types import NoneType

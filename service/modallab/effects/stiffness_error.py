@@ -1,4 +1,4 @@
-"""Members that are stiffer or softer than the model has them."""
+"""Stiffness error of members."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

@@ -1,4 +1,4 @@
-"""A stinger gives way along its axis."""
+"""Axial flexibility of the stinger."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

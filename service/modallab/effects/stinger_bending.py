@@ -1,4 +1,4 @@
-"""A stinger bends with the drive point and holds it against rotation."""
+"""Bending stiffness of the stinger."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""A stinger has a mass of its own."""
+"""Mass of the stinger."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace

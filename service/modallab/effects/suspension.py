@@ -1,4 +1,4 @@
-"""The elastic bands that a structure hangs on."""
+"""Elastic suspension of the structure."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -65,7 +65,7 @@ class SuspensionStiffness(Effect):
 
     @classmethod
     def signature(cls, evidence: Evidence) -> float:
-        """What disagrees lies below the first elastic mode."""
+        """Residuals lie below the first elastic mode."""
         below_first_mode = evidence.freq < 0.5 * evidence.mode_frequency.min(initial=np.inf)
         line = evidence.by_line
         return (

@@ -1,4 +1,4 @@
-"""Two channels that stand for each other."""
+"""Two exchanged channels."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -1,4 +1,4 @@
-"""An accelerometer hears motion across its axis."""
+"""Transverse sensitivity of accelerometers."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass

@@ -119,10 +119,10 @@ class Effect(Parameterised):
             if not self.at.dofs or any(dof.point not in points for dof in self.at.dofs):
                 raise self._misplaced("channels of this rig: " + ", ".join(map(str, setup.responses)))
 
-    def _misplaced(self, allowed: str) -> InvalidInputError:
+    def _misplaced(self, allowed_places: str) -> InvalidInputError:
         place = "everywhere" if self.at is None else f"at {self.at}"
         return InvalidInputError(
-            f"{self.kind} cannot be {place}", field="at", value=str(self.at), allowed=allowed
+            f"{self.kind} cannot be {place}", field="at", value=str(self.at), allowed=allowed_places
         )
 
     def added_to(self, structure: Structure) -> Structure:
