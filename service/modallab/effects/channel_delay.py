@@ -22,7 +22,7 @@ from modallab.rig.setup import RigSetup
 class ChannelDelay(Effect):
     """H' = H exp(-i omega tau): a channel is sampled, or leaves its anti-alias filter, later than the rest.
 
-    What all channels share does not show: only the mismatch turns the phase of an FRF, in proportion to
+    A delay common to all channels cancels: only the mismatch turns the phase of an FRF, in proportion to
     frequency, and damping of high modes with it. Everywhere: all responses after the force. At a DoF:
     the force gauge there. Negative: early. Bendat and Piersol, Random Data (2010), section 5.1.
     """

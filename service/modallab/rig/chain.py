@@ -273,7 +273,7 @@ def _run(
     Parameters
     ----------
     altered_systems
-        What the effects, by number, made of structures in runs before.
+        Structure before and after each effect in earlier runs, by the effect's number.
     """
     drives = [Drive(dof) for dof in acquisition_run.drives]
     forces = [Channel.ideal(dof, force=True) for dof in acquisition_run.drives]

@@ -104,7 +104,7 @@ class Drive:
     def _lumped(self, omega: float) -> tuple[FloatArray, list[tuple[float, float]]]:
         """Return mass, stiffness, damping of the lumps (n, 3), and the (stiffness, mass) of the joints.
 
-        What has no mass, or too little to move on its joint, goes to its neighbour inwards.
+        A lump without mass, or too light to resonate on its joint, is added to its inner neighbour.
         """
         induced = self._induced(np.array([omega]))[0]
         armature_suspension = (self.stiffness - omega * induced.imag, self.viscous + induced.real)

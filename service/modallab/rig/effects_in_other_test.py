@@ -14,8 +14,8 @@ _CONTACT_STAGES = (Stage.STRUCTURE, Stage.DRIVE)  # stages of what stands betwee
 def effects_in_other_test(effects: Sequence[Effect], first: RigSetup, second: RigSetup) -> list[Effect]:
     """Return the effects of the first test that persist in the second, at their places there.
 
-    What sits at the drive point goes where the shaker goes, and goes away with it; what sits in a
-    channel or under an accelerometer is there where that DoF is measured. The structure keeps its own.
+    Effects at the drive point follow the shaker and vanish with it. Effects of a channel or an accelerometer
+    persist if the second test measures that DoF. Effects of the structure persist.
     """
     transferred = (_transferred(effect, first, second) for effect in effects)
     return [effect for effect in transferred if effect is not None]

@@ -23,15 +23,15 @@ from modallab.rig.spectrum_settings import QUADRATURE
 def expected_spectra(chain: Chain, kernel: LeakageKernel | None = None) -> CrossSpectra:
     """Return the expected averaged spectra of every run.
 
-    What repeats with the record is seen through the window at the lines themselves; what does not
-    is the convolution of the true spectra with the window's line shape, 1992 thesis eq. [5.11], here
-    by Gauss quadrature on panels refined towards every resonance.
+    Power that repeats with the record lies on the lines, and the window combines neighbouring lines. Other
+    power is the convolution of the true spectra with the window's line shape, 1992 thesis eq. [5.11], by
+    Gauss quadrature on panels that are refined towards every resonance.
 
     Parameters
     ----------
     kernel
-        How the lines see what does not repeat, if not as the chain's own resonances ask for: for
-        differences between chains that are nearly the same, `derivative_kernel` of one of them.
+        Leakage kernel in place of the chain's own; for finite differences between almost identical chains
+        the `derivative_kernel` of one of them.
     """
     return with_noise(chain, noise_free(chain, kernel=kernel))
 

@@ -37,10 +37,10 @@ class Coil:
 
 @dataclass(frozen=True)
 class Exciter:
-    """What drives the structure.
+    """Exciter of the structure.
 
-    An amplifier that keeps the coil's current leaves the coil without reaction on its motion; one
-    that keeps the voltage damps it, by force_factor^2 / (resistance + i omega inductance).
+    With an amplifier that controls the current the coil does not react on its motion; with one
+    that controls the voltage its back-EMF damps the motion, by force_factor^2 / (resistance + i omega inductance).
     """
 
     kind: Literal["shaker", "hammer"] = "shaker"

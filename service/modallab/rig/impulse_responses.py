@@ -10,11 +10,11 @@ from modallab.core.arrays import FloatArray, IntArray
 
 @dataclass(frozen=True, eq=False)
 class ImpulseResponses:
-    """What the channels of a run show after an impulse of each source at time 0.
+    """Responses of the channels of a run to an impulse of each source at time 0.
 
-    `samples` cover one record length before it, where a hysteretic structure's precursor and the
-    anti-alias filter's are, and one after it; per sample of source that has a density of 1.
-    The sources proper come first; forces that only strayed blows have come behind them.
+    `samples` cover one record length before the impulse, for the precursors of hysteretic damping and of the
+    anti-alias filter, and one after it; scaled for a source of unit density.
+    The declared sources come first, then the additional forces of misaligned blows.
     """
 
     samples: FloatArray  # (n_sources, n_ch, 2 n_samples)

@@ -52,7 +52,7 @@ def measure(
     Parameters
     ----------
     effects
-        What acts beside the declared hardware; it does not show in the measurement's log book.
+        Effects beside the declared hardware; they do not appear in the measurement's log book.
     rng
         The only source of randomness; not drawn from on the expected route.
 

@@ -30,15 +30,15 @@ class VarianceFactors:
 def periodic_factors(chain: Chain, spectra: CrossSpectra) -> VarianceFactors | None:
     """Return the variance factors under deterministic excitation; None if it is random.
 
-    A force f that comes back, and u of power N beside it that does not: G_ff is non-central chi-square of
-    variance (2 |f|^2 N + N^2)/n, which is 1 - a^2 of G_ff^2/n, a = |f|^2/G_ff. What H1 does not explain
-    of a response x likewise: of its power G_xx (1 - coherence) the share b = |x - H1 f|^2/C comes back, and
-    its variance is 1 - b^2 of C^2/n. Fixed parts are tied, as a force and what it does not explain have
-    nothing in common on average, which makes the variance of H1 1 - a b of C/(n G_ff).
+    For a deterministic force f with random noise of power N, G_ff is noncentral chi-square with variance
+    (2 |f|^2 N + N^2)/n = (1 - a^2) G_ff^2/n, a = |f|^2/G_ff. Likewise for the incoherent power
+    C = G_xx (1 - coherence) of a response x: with its deterministic share b = |x - H1 f|^2/C the variance is
+    (1 - b^2) C^2/n. The deterministic parts of force and incoherent response are orthogonal on average, so the
+    variance of H1 is (1 - a b) C/(n G_ff).
 
-    Blows differ in size, with E[w^4] = exp(4 s^2) for s the scatter of its logarithm, and G_ff with them.
-    What blows beside their point or at an angle add to a response has real weights: the square of a real
-    number scatters twice as much as that of a complex one.
+    The amplitudes of blows scatter, and G_ff with them: E[w^4] = exp(4 s^2), s the standard deviation of ln w.
+    Misaligned blows contribute to a response with real weights; the square of a real normal number has twice
+    the variance of that of a complex one.
 
     Parameters
     ----------

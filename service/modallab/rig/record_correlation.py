@@ -19,14 +19,14 @@ from modallab.rig.spectrum_settings import RECORD_CORRELATION
 def correlated_excess_variance(chain: Chain, spectra: CrossSpectra) -> FloatArray:
     """Return the variance of G_xx (1 - coherence) over that of averages of independent records.
 
-    What a line takes from a stationary excitation besides H1 times the force is tied to the same in the
-    next records: with a rectangular window a record ends where the next begins. With c_l its
-    covariance l records apart, the variance of its mean square is that of independent records times
-    1 + 2 sum_l (1 - l/n) |c_l / c_0|^2, over the same of signals that are flat over a line, which the
-    effective averages count already. For one mode, a rectangular window and no noise that is
+    The residual of a line, response minus H1 times force, is correlated with that of the next records: with a
+    rectangular window a record ends where the next begins. With c_l its covariance at a lag of l records,
+    the variance of its mean square is that of independent records times 1 + 2 sum_l (1 - l/n) |c_l / c_0|^2.
+    This is divided by the same factor of white signals, which the effective number of averages contains
+    already. For one mode, a rectangular window and no noise that is
     1 + |1 - rho|^4 / (2 (1 - Re rho)^2 (1 - |rho|^2)), rho = exp(-pi eta f T + 2 pi i f T).
 
-    Left out: a line's likeness to its mirror at negative frequency. With a rectangular window it adds
+    Neglected: the correlation of a line with its mirror at negative frequency. With a rectangular window it adds
     up to as much again on the first lines below the first mode, and little anywhere else.
 
     Parameters

@@ -20,10 +20,10 @@ def noncentral_wishart_spectra(
 ) -> CrossSpectra:
     """Return random spectra with a deterministic signal in every average.
 
-    Noncentral complex Wishart law. In n averages W m comes back, W the (n, k) weights of k signals m. A
-    rotation among the averages leaves Gaussian noise what it is and lays all of it into the first k,
-    R m with W = Q R; the others have noise alone. Without noise the coherence of a signal that is the
-    same every time is 1, and G_ff exact.
+    Noncentral complex Wishart distribution. The deterministic part of n averages is W m, with W the (n, k)
+    weights of k signals m. By the QR decomposition W = Q R, a rotation among the averages moves it into the
+    first k, as R m; the others hold noise alone, and Gaussian noise is invariant to rotation. Without noise
+    the coherence of an identical signal in every record is 1, and G_ff is exact.
     James (1964), Annals of Mathematical Statistics 35, 475-501.
 
     Parameters
@@ -35,7 +35,7 @@ def noncentral_wishart_spectra(
     force_noise
         (n_run,) N^2/Hz, in G_ff.
     signals
-        What comes back in each run.
+        Deterministic signals of each run.
     """
     n, runs = round(spectra.averages), []
     for run, signal in enumerate(signals):
