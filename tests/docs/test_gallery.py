@@ -16,7 +16,7 @@ from docs.gallery.drawing import SIZE, draw, drawn, png
 from docs.gallery.example import structure
 from docs.gallery.examples import example_of
 from docs.gallery.pages import index, page, parameter_table
-from docs.gallery.words import SIMILAR_EFFECTS, HARDWARE
+from docs.gallery.words import HARDWARE, SIMILAR_EFFECTS
 from modallab.api.rigs.schemas import RigIn
 from modallab.core.dof import Dof
 from modallab.rig.effect import EFFECTS, Effect, build

@@ -15,8 +15,8 @@ Filter = Callable[[FloatArray], ComplexArray]  # omega (n_freq,) rad/s -> (n_fre
 class Channel:
     """A force or response channel.
 
-    The input of a response channel is a weighted sum of the structure's accelerations; of an ideal channel
-    a single one with weight 1. Effects add to the sum and append filters, so that their order does not matter.
+    A response channel's input is a weighted sum of the structure's accelerations; an ideal channel's is
+    a single one with weight 1. Effects add to the sum and append filters, so their order does not matter.
     """
 
     dof: Dof  # that the log book names

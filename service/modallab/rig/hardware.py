@@ -39,8 +39,8 @@ class Coil:
 class Exciter:
     """Exciter of the structure.
 
-    With an amplifier that controls the current the coil does not react on its motion; with one
-    that controls the voltage its back-EMF damps the motion, by force_factor^2 / (resistance + i omega inductance).
+    With an amplifier that controls the current the coil does not react on its motion; with one that
+    controls the voltage its back-EMF damps it, by force_factor^2 / (resistance + i omega inductance).
     """
 
     kind: Literal["shaker", "hammer"] = "shaker"

@@ -33,10 +33,10 @@ def periodic_factors(chain: Chain, spectra: CrossSpectra) -> VarianceFactors | N
     For a deterministic force f with random noise of power N, G_ff is noncentral chi-square with variance
     (2 |f|^2 N + N^2)/n = (1 - a^2) G_ff^2/n, a = |f|^2/G_ff. Likewise for the incoherent power
     C = G_xx (1 - coherence) of a response x: with its deterministic share b = |x - H1 f|^2/C the variance is
-    (1 - b^2) C^2/n. The deterministic parts of force and incoherent response are orthogonal on average, so the
+    (1 - b^2) C^2/n. The deterministic parts of force and incoherent response are orthogonal on average: the
     variance of H1 is (1 - a b) C/(n G_ff).
 
-    The amplitudes of blows scatter, and G_ff with them: E[w^4] = exp(4 s^2), s the standard deviation of ln w.
+    The amplitudes of blows scatter, and G_ff with them: E[w^4] = exp(4 s^2), s the scatter of ln w.
     Misaligned blows contribute to a response with real weights; the square of a real normal number has twice
     the variance of that of a complex one.
 

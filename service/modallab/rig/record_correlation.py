@@ -26,7 +26,7 @@ def correlated_excess_variance(chain: Chain, spectra: CrossSpectra) -> FloatArra
     already. For one mode, a rectangular window and no noise that is
     1 + |1 - rho|^4 / (2 (1 - Re rho)^2 (1 - |rho|^2)), rho = exp(-pi eta f T + 2 pi i f T).
 
-    Neglected: the correlation of a line with its mirror at negative frequency. With a rectangular window it adds
+    Neglected: the correlation of a line with its mirror at -f. With a rectangular window it adds
     up to as much again on the first lines below the first mode, and little anywhere else.
 
     Parameters
