@@ -41,16 +41,17 @@ from modallab_client.errors import UnreachableError
 
 TITLE = """# The blind trial
 
-Effects are hidden in simulated tests, and a diagnosis that knows model, log book and measurement alone has
-to name them. `python -m benchmarks.blind_trial` draws the cases, runs them and writes this page; its
-docstring says what the sets are. An answer by another name counts as right where the two predictions are
-closer than the random error of all data together, which the scorer works out from the truth.
+Effects are hidden in simulated tests. A diagnosis that knows model, log book and measurement alone names
+them. `python -m benchmarks.blind_trial` draws the cases, runs them and writes this page; its docstring
+defines the sets. Another effect counts as correct (equivalent) where the two predictions differ by less than
+the random error of all data together; the scorer computes this from the true effects.
 
-`make trial` repeats all sets, with the seeds and the code that each set names; its lines are not kept in git.
+`make trial` repeats all sets, with the seeds and the code revisions stated with each set. The results of
+single cases are not kept in git.
 """
 
 
-def one(number: int, seed: int, which: str, ask: Ask) -> dict[str, Any]:
+def one(number: int, seed: int, set_name: str, ask: Ask) -> dict[str, Any]:
     """Return the score of one case by its number; a case that cannot be drawn says why.
 
     Raises
@@ -59,12 +60,12 @@ def one(number: int, seed: int, which: str, ask: Ask) -> dict[str, Any]:
         If a service that is asked does not answer.
     """
     try:
-        return run(case(number, seed, which), ask) | {"seed": seed, "revision": revision()}
+        return run(case(number, seed, set_name), ask) | {"seed": seed, "revision": revision()}
     except UnreachableError:
         raise
     except Exception as error:  # nothing was asked of the diagnosis: the case does not count
         traceback.print_exc()  # the line says why, and nothing of where on this machine
-        return {"number": number, "set": which, "seed": seed, "void": f"{type(error).__name__}: {error}"}
+        return {"number": number, "set": set_name, "seed": seed, "void": f"{type(error).__name__}: {error}"}
 
 
 @cache

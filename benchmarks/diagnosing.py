@@ -80,13 +80,13 @@ def beam_cases() -> Mapping[str, Timed]:
         "beam-pair": ("periodic_random", (stiff, louder)),
         "beam-hammer": ("impact", (mass,)),
     }
-    found = {
+    diagnosis = {
         name: Timed(free_beam(), rig(Dof.parse("1:+Y"), outputs, kind), hidden)
         for name, (kind, hidden) in tested.items()
     }
-    others = tuple(k for k, cls in EFFECTS.items() if cls.suspected and k != "joint_flexibility")
-    found["beam-unexplained"] = Timed(free_beam(), rig(Dof.parse("1:+Y"), outputs), (joint,), others)
-    return found
+    rivals = tuple(k for k, cls in EFFECTS.items() if cls.suspected and k != "joint_flexibility")
+    diagnosis["beam-unexplained"] = Timed(free_beam(), rig(Dof.parse("1:+Y"), outputs), (joint,), rivals)
+    return diagnosis
 
 
 def frame_cases() -> Mapping[str, Timed]:
@@ -108,11 +108,14 @@ def seconds(name: str, case: Timed) -> float:
     """Return the CPU seconds a diagnosis takes; print them, and what it found."""
     measurement = case.measured()
     start = time.process_time()
-    found = diagnose(case.structure, measurement, suspects=case.suspects)
-    taken = time.process_time() - start
-    steps = ", ".join(f"{one.effect.kind} {one.effect.at}" for one in found.steps)
-    print(f"{name:<18} {taken:7.1f} s  {found.verdict}: {steps}  gap {found.remaining_gap:.2f}", flush=True)
-    return taken
+    diagnosis = diagnose(case.structure, measurement, suspects=case.suspects)
+    elapsed = time.process_time() - start
+    steps = ", ".join(f"{one.effect.kind} {one.effect.at}" for one in diagnosis.steps)
+    print(
+        f"{name:<18} {elapsed:7.1f} s  {diagnosis.verdict}: {steps}  gap {diagnosis.remaining_gap:.2f}",
+        flush=True,
+    )
+    return elapsed
 
 
 def run() -> list[tuple[str, float, float]]:

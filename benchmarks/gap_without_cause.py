@@ -67,12 +67,17 @@ def gaps(kind: str, window: str, seeds: int) -> Iterator[tuple[str, float, float
     for seed in range(seeds):
         test = measure(BEAM, setup, route=Route.SAMPLED, rng=np.random.default_rng(seed))
         observed = observe(test, (), fraction=0.0)
-        left = SingleTestPredictor.of(BEAM, setup, observed).residual(())
-        found.append(left.gaps(observed.usable))
-        stated.append(gap_errors(observed, left, observed.usable))
+        residual = SingleTestPredictor.of(BEAM, setup, observed).residual(())
+        found.append(residual.gaps(observed.usable))
+        stated.append(gap_errors(observed, residual, observed.usable))
     for part in found[0]:
-        each = [one[part] for one in found]
-        yield part, float(np.mean(each)), float(np.std(each)), float(np.mean([one[part] for one in stated]))
+        part_gaps = [one[part] for one in found]
+        yield (
+            part,
+            float(np.mean(part_gaps)),
+            float(np.std(part_gaps)),
+            float(np.mean([one[part] for one in stated])),
+        )
 
 
 def run() -> list[tuple[str, float, float]]:

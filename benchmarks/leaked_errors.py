@@ -64,7 +64,7 @@ class Scores:
     frequency: FloatArray  # (n_tests, n_modes)
     loss_factor: FloatArray
     size: FloatArray  # (n_tests, n_modes, n_frf)
-    seen: FloatArray  # (n_tests, n_modes) 1 where it is, flagged or not
+    visible: FloatArray  # (n_tests, n_modes) 1 where it is, flagged or not
 
     def of(self, quantity: str) -> FloatArray:
         """Return those of a quantity, (n_tests, n_modes, n)."""
@@ -88,9 +88,9 @@ def run() -> list[tuple[str, float, float]]:
 
 def coverage(scores: FloatArray) -> tuple[float, float, float]:
     """Return the share within the interval and its Wilson bounds; FRFs of one mode count as one number."""
-    told = np.isfinite(scores)
-    n = int(told.any(axis=2).sum())
-    share = float((np.abs(scores[told]) < WITHIN).mean()) if n else float("nan")
+    statement = np.isfinite(scores)
+    n = int(statement.any(axis=2).sum())
+    share = float((np.abs(scores[statement]) < WITHIN).mean()) if n else float("nan")
     z2 = WITHIN**2
     middle = (share + z2 / (2 * n)) / (1 + z2 / n) if n else share
     half = WITHIN / (1 + z2 / n) * np.sqrt(share * (1 - share) / n + z2 / (4 * n**2)) if n else share
@@ -125,8 +125,8 @@ def truth() -> Truth:
     system = assemble(structure())
     basis = system.modes()
     eigenvalue, shapes = basis.eigenvalues[MODES], basis.shapes[:, MODES]
-    here = shapes[system.index(DRIVE)]
-    constant = np.array([shapes[system.index(response)] * here for response in RESPONSES]).T
+    at_mode = shapes[system.index(DRIVE)]
+    constant = np.array([shapes[system.index(response)] * at_mode for response in RESPONSES]).T
     return Truth(np.sqrt(eigenvalue.real) / (2 * np.pi), eigenvalue.imag / eigenvalue.real, constant)
 
 
@@ -138,13 +138,13 @@ def measured(n_tests: int, first: int = 0) -> Iterator[dict[str, Measurement]]:
     by = {kind: replace(setup, analyser=replace(analyser, estimator=kind)) for kind in ESTIMATORS}
     for seed in range(first, first + n_tests):
         spectra = sampled_spectra(whole, np.random.default_rng(seed), silent)
-        yield {kind: measurement_of(spectra, its) for kind, its in by.items()}
+        yield {kind: measurement_of(spectra, mode_values) for kind, mode_values in by.items()}
 
 
 def _scores(measurement: Measurement, method: str, estimator: str, true: Truth) -> tuple[FloatArray, ...]:
     n_modes, n_frf = true.constant.shape
     out = np.full(n_modes, np.nan), np.full(n_modes, np.nan), np.full((n_modes, n_frf), np.nan)
-    seen = np.zeros(n_modes)
+    visible = np.zeros(n_modes)
     try:
         model = extract(
             measurement.frf,
@@ -155,7 +155,7 @@ def _scores(measurement: Measurement, method: str, estimator: str, true: Truth) 
             estimator=estimator,
         )
     except NoModeInBandError:
-        return (*out, seen)
+        return (*out, visible)
     assert model.modal_constant is not None
     assert model.modal_constant_error is not None
     shown = np.abs(true.constant) > NODE * np.abs(true.constant).max(axis=1)[:, None]
@@ -164,14 +164,14 @@ def _scores(measurement: Measurement, method: str, estimator: str, true: Truth) 
         mode = model.modes[at]
         if abs(mode.frequency - frequency) > NEAR * frequency:
             continue
-        seen[m] = 1.0
+        visible[m] = 1.0
         if any("leakage_bias" in flag for flag in mode.flags):
             continue
         out[0][m] = (mode.frequency - frequency) / mode.standard_errors["frequency"]
         out[1][m] = (mode.loss_factor - true.loss_factor[m]) / mode.standard_errors["loss_factor"]
         off = np.abs(model.modal_constant[at]) - np.abs(true.constant[m])
         out[2][m] = np.where(shown[m], off / model.modal_constant_error[at], np.nan)
-    return (*out, seen)
+    return (*out, visible)
 
 
 def report(scores: dict[tuple[str, str], Scores]) -> Iterator[str]:
@@ -180,11 +180,11 @@ def report(scores: dict[tuple[str, str], Scores]) -> Iterator[str]:
         for quantity in QUANTITIES:
             values = each.of(quantity)
             covered, lower, upper = coverage(values)
-            n, seen = int(np.isfinite(values).any(axis=2).sum()), int(each.seen.sum())
+            n, visible = int(np.isfinite(values).any(axis=2).sum()), int(each.seen.sum())
             yield (
                 f"{method} {estimator} {quantity:<12} {100 * covered:5.1f} % "
                 f"({100 * lower:.1f} to {100 * upper:.1f}) of {n} modes; "
-                f"{seen - n} flagged, {each.seen.size - seen} not seen"
+                f"{visible - n} flagged, {each.seen.size - visible} not seen"
             )
             for m, width in enumerate(BANDWIDTHS):
                 z = values[:, m]
@@ -197,6 +197,6 @@ def report(scores: dict[tuple[str, str], Scores]) -> Iterator[str]:
 
 
 if __name__ == "__main__":
-    asked = int(sys.argv[1]) if len(sys.argv) > 1 else N_TESTS
-    for line in report(all_scores(asked, sys.argv[2:] or METHODS)):
+    arguments = int(sys.argv[1]) if len(sys.argv) > 1 else N_TESTS
+    for line in report(all_scores(arguments, sys.argv[2:] or METHODS)):
         print(line)

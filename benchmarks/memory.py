@@ -37,9 +37,9 @@ def measure(kind: str, averages: int) -> None:
     if averages:
         sampled_spectra(whole, np.random.default_rng(0), silent)
     # Not `ru_maxrss`: a child begins with what its parent had.
-    held = re.search(r"VmHWM:\s*(\d+) kB", Path("/proc/self/status").read_text())
-    assert held is not None
-    print(held[1])
+    peak_memory = re.search(r"VmHWM:\s*(\d+) kB", Path("/proc/self/status").read_text())
+    assert peak_memory is not None
+    print(peak_memory[1])
 
 
 def run() -> list[tuple[str, float, float]]:

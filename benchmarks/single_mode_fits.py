@@ -20,8 +20,8 @@ def run() -> list[tuple[str, float, float]]:
     windows = _windows()
     ratios = []
     for kind, method in EXTRACTION_METHODS.items():
-        alone = ratio(partial(method, *windows), partial(_loop, method, *windows), ROUNDS)
-        ratios.append((f"{N_FITS} {kind} fits against a loop", alone * N_LOOPED / N_FITS, LIMIT))
+        loop_time = ratio(partial(method, *windows), partial(_loop, method, *windows), ROUNDS)
+        ratios.append((f"{N_FITS} {kind} fits against a loop", loop_time * N_LOOPED / N_FITS, LIMIT))
     batches = [partial(EXTRACTION_METHODS[kind], *windows) for kind in ("dobson", "circle_fit")]
     against = ratio(batches[0], batches[1], ROUNDS)
     return [*ratios, (f"{N_FITS} dobson fits against as many circle fits", against, AGAINST_CIRCLE)]

@@ -81,8 +81,8 @@ def _drawn(mode: ModeFit, rng: np.random.Generator) -> tuple[FloatArray, Complex
     shape = (2, len(ff), int(AVERAGES))
     one, other = (rng.standard_normal(shape) + 1j * rng.standard_normal(shape)) / np.sqrt(2)
     force = np.sqrt(ff)[:, None] * one
-    left = np.sqrt(xx - np.abs(fx) ** 2 / ff)
-    motion = (fx / ff)[:, None] * force + left[:, None] * other
+    residual_error = np.sqrt(xx - np.abs(fx) ** 2 / ff)
+    motion = (fx / ff)[:, None] * force + residual_error[:, None] * other
     each = np.abs(force) ** 2, force.conj() * motion, np.abs(motion) ** 2
     return each[0].mean(axis=1), each[1].mean(axis=1), each[2].mean(axis=1)
 

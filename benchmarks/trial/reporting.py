@@ -1,4 +1,4 @@
-"""Tables of a trial, in Markdown, from the lines that it left."""
+"""Tables of a blind trial in Markdown, from the results of its cases."""
 
 from collections import Counter
 from collections.abc import Iterable, Sequence
@@ -18,16 +18,16 @@ SETS = {
     "3a": "the same, with up to two proposed tests done",
 }
 TYPES = {
-    "single": "single effects named first",
-    "pair": "pairs, both named",
-    "nothing": "nothing missing, said so",
-    "unknown": "effects out of the catalogue, called unexplained",
-    "log_book": "mistakes in the log book, found",
+    "single": "single effects, named first",
+    "pair": "pairs of effects, both named",
+    "nothing": "no missing effect, recognised",
+    "unknown": "effects outside the catalogue, reported as unexplained",
+    "log_book": "errors of the log book, found",
 }
 
 
 def report(lines: Sequence[Line]) -> str:
-    """Return all tables of all sets that there are lines of."""
+    """Return the tables of all sets with results."""
     parts = []
     for name, words in SETS.items():
         mine = [line for line in lines if line["set"] == name]
@@ -38,21 +38,21 @@ def report(lines: Sequence[Line]) -> str:
 
 
 def _of(lines: Sequence[Line]) -> str:
-    """Return which cases these are, and which code answered them."""
+    """Return number, seeds and code revisions of the cases."""
     seeds = ", ".join(str(seed) for seed in sorted({line["seed"] for line in lines if "seed" in line}))
     revisions = ", ".join(sorted({line["revision"] for line in lines if line.get("revision")}))
     return f"{len(lines)} cases, seed {seeds or 'not kept'}, code {revisions or 'not kept'}."
 
 
 def _scores(lines: Sequence[Line]) -> list[str]:
-    rows = ["| what | right | of | share | 95 % between |", "|---|---|---|---|---|"]
+    rows = ["| type of case | correct | cases | share | 95 % interval |", "|---|---|---|---|---|"]
     for type_, words in TYPES.items():
         mine = [line for line in lines if line["type"] == type_]
         if mine:
             right = sum(line["right"] for line in mine)
             alias = sum(line["by_alias"] for line in mine)
             low, high = _between(right, len(mine))
-            words += f" ({alias} by an alias)" if alias else ""
+            words += f" ({alias} by an equivalent effect)" if alias else ""
             rows.append(
                 f"| {words} | {right} | {len(mine)} | {100 * right / len(mine):.0f} % | "
                 f"{low:.0f} to {high:.0f} % |"
@@ -62,66 +62,78 @@ def _scores(lines: Sequence[Line]) -> list[str]:
         right = sum(line["right"] for line in mine)
         low, high = _between(right, len(mine))
         rows.append(
-            f"| all of them, noise {noise:g} | {right} | {len(mine)} | {100 * right / len(mine):.0f} % | "
+            f"| all cases, noise level {noise:g} | {right} | {len(mine)} | {100 * right / len(mine):.0f} % | "
             f"{low:.0f} to {high:.0f} % |"
         )
-    rows += ["", "| figure | value | of |", "|---|---|---|"]
+    rows += ["", "| figure | value | cases or parameters |", "|---|---|---|"]
     return rows + [f"| {words} | {value} | {count} |" for words, value, count in figures(lines)]
 
 
 def figures(lines: Sequence[Line]) -> list[tuple[str, str, int]]:
-    """Return the figures beside the shares of right answers: words, value, number of cases or parameters."""
+    """Return the further figures of merit: name, value, number of cases or parameters."""
     right = [line for line in lines if line["right"] and line["type"] in ("single", "pair", "log_book")]
-    own = [e for line in right for step in line["steps"] for e in list(step["errors"].values())[:1]]
-    every = [e for line in right for step in line["steps"] for e in step["errors"].values()]
-    # An effect that no FRF shows, as an armature, has nothing to close.
-    seen = [line for line in right if line.get("held_out_before", 0.0) > line.get("held_out_noise", 0.0)]
-    closed = [1 - line["held_out_after"] / line["held_out_before"] for line in seen]
+    first_errors = [e for line in right for step in line["steps"] for e in list(step["errors"].values())[:1]]
+    all_errors = [e for line in right for step in line["steps"] for e in step["errors"].values()]
+    # An effect without influence on FRFs, as an armature, has no held-out difference.
+    visible = [line for line in right if line.get("held_out_before", 0.0) > line.get("held_out_noise", 0.0)]
+    closed = [1 - line["held_out_after"] / line["held_out_before"] for line in visible]
     within = [line["within_scatter"] for line in right if "within_scatter" in line]
     seconds = [line["seconds"] for line in lines]
-    found: list[tuple[str, str, int]] = []
-    if own:
-        found += [
-            ("median error of the first parameter, of its value", f"{100 * _median(own, 0):.3g} %", len(own)),
-            ("the same, of its distance from no effect", f"{100 * _median(own, 1):.3g} %", len(own)),
+    rows: list[tuple[str, str, int]] = []
+    if first_errors:
+        rows += [
             (
-                "true values within 95 % intervals, all parameters",
-                f"{100 * np.mean([abs(e[2]) < 1.96 for e in every]):.0f} %",
-                len(every),
+                "median error of the first parameter, relative to its value",
+                f"{100 * _median(first_errors, 0):.3g} %",
+                len(first_errors),
+            ),
+            (
+                "median error of the first parameter, relative to its distance from zero effect",
+                f"{100 * _median(first_errors, 1):.3g} %",
+                len(first_errors),
+            ),
+            (
+                "coverage of 95 % confidence intervals, all parameters",
+                f"{100 * np.mean([abs(e[2]) < 1.96 for e in all_errors]):.0f} %",
+                len(all_errors),
             ),
         ]
     if closed:
         share = np.mean([c > CLOSED for c in closed])
-        found.append(
+        rows.append(
             (
-                "right answers that close over 99 % of the held-out difference",
+                "correct answers that reduce the held-out difference by over 99 %",
                 f"{100 * share:.0f} %",
                 len(closed),
             )
         )
     if within:
         share = np.mean(within)
-        found.append(
-            ("right answers whose remaining gap is 1 within its scatter", f"{100 * share:.0f} %", len(within))
+        rows.append(
+            (
+                "correct answers with a remaining gap of 1 within its scatter",
+                f"{100 * share:.0f} %",
+                len(within),
+            )
         )
     if stated := beliefs(lines):
-        found.append(("expected calibration error", f"{calibration_error(stated):.3f}", len(stated)))
-    found.append(("CPU time, median", f"{np.median(seconds):.1f} s", len(seconds)))
-    found.append(("CPU time, worst", f"{max(seconds):.0f} s", len(seconds)))
+        rows.append(("expected calibration error", f"{calibration_error(stated):.3f}", len(stated)))
+    rows.append(("CPU time, median", f"{np.median(seconds):.1f} s", len(seconds)))
+    rows.append(("CPU time, maximum", f"{max(seconds):.0f} s", len(seconds)))
     if failed := sum(bool(line["trouble"]) for line in lines):
-        found.append(("diagnoses that broke off", str(failed), len(lines)))
-    return found
+        rows.append(("diagnoses that failed", str(failed), len(lines)))
+    return rows
 
 
 def beliefs(lines: Iterable[Line]) -> list[tuple[float, bool]]:
     """Return stated probability and truth of every first step, of cases whose answer is in the catalogue."""
-    found = []
+    pairs = []
     for line in lines:
         if line["type"] in ("single", "pair", "log_book") and line["truth"]:
             for i, step in enumerate(line["steps"]):
                 alias = line["by_alias"] and i < len(line["truth"])
-                found.append((float(step["probability"]), bool(step["true"] or alias)))
-    return found
+                pairs.append((float(step["probability"]), bool(step["true"] or alias)))
+    return pairs
 
 
 def calibration_error(stated: Sequence[tuple[float, bool]]) -> float:
@@ -130,27 +142,28 @@ def calibration_error(stated: Sequence[tuple[float, bool]]) -> float:
     place = np.minimum((probability * BINS).astype(int), BINS - 1)
     total = 0.0
     for i in range(BINS):
-        here = place == i
-        if here.any():
-            total += here.sum() * abs(right[here].mean() - probability[here].mean())
+        in_bin = place == i
+        if in_bin.any():
+            total += in_bin.sum() * abs(right[in_bin].mean() - probability[in_bin].mean())
     return float(total / len(stated))
 
 
 def _calibration(lines: Sequence[Line]) -> list[str]:
     stated = beliefs(lines)
-    rows = ["| stated probability | effects named | true |", "|---|---|---|"]
+    rows = ["| stated probability | named effects | true |", "|---|---|---|"]
     for i in range(BINS):
-        here = [r for p, r in stated if min(int(p * BINS), BINS - 1) == i]
-        if here:
+        in_bin = [r for p, r in stated if min(int(p * BINS), BINS - 1) == i]
+        if in_bin:
             rows.append(
-                f"| {i / BINS:.1f} to {(i + 1) / BINS:.1f} | {len(here)} | {100 * np.mean(here):.0f} % |"
+                f"| {i / BINS:.1f} to {(i + 1) / BINS:.1f} | {len(in_bin)} | {100 * np.mean(in_bin):.0f} % |"
             )
     return rows
 
 
 def _by_kind(lines: Sequence[Line]) -> list[str]:
     rows = [
-        "| hidden alone | cases | right | by an alias | error of its value, median | called instead |",
+        "| hidden effect | cases | correct | by an equivalent effect | median error of its value "
+        "| named instead |",
         "|---|---|---|---|---|---|",
     ]
     for kind in KINDS:
@@ -158,7 +171,7 @@ def _by_kind(lines: Sequence[Line]) -> list[str]:
         if not mine:
             continue
         wrong = Counter(_called(line) for line in mine if not line["right"])
-        called = ", ".join(f"{name} {count}" for name, count in wrong.most_common())
+        answers = ", ".join(f"{name} {count}" for name, count in wrong.most_common())
         errors = [
             e
             for line in mine
@@ -168,21 +181,21 @@ def _by_kind(lines: Sequence[Line]) -> list[str]:
         ]
         error = f"{100 * _median(errors, 0):.2g} %" if errors else ""
         right, alias = sum(line["right"] for line in mine), sum(line["by_alias"] for line in mine)
-        rows.append(f"| `{kind}` | {len(mine)} | {right} | {alias or ''} | {error} | {called} |")
+        rows.append(f"| `{kind}` | {len(mine)} | {right} | {alias or ''} | {error} | {answers} |")
     return rows
 
 
 def _called(line: Line) -> str:
-    """Return what a single effect was called: the kind first named, perhaps elsewhere, or nothing."""
+    """Return the kind named first for a single effect, marked if at another place; else the verdict."""
     if not line["steps"]:
         return "nothing" if line["verdict"] == "nothing_missing" else str(line["verdict"])
     first = line["steps"][0]
-    alike = first["kind"] == line["truth"][0]["kind"] and not first["true"]
-    return str(first["kind"]) + (" elsewhere" if alike else "")
+    same_kind = first["kind"] == line["truth"][0]["kind"] and not first["true"]
+    return str(first["kind"]) + (" elsewhere" if same_kind else "")
 
 
 def _matrix(lines: Sequence[Line]) -> list[str]:
-    """Return how often each kind was called what: aliases as named, so that they can be seen."""
+    """Return the confusion matrix of hidden and named kinds; equivalent effects count as named."""
     pairs = Counter(
         (line["truth"][0]["kind"], line["steps"][0]["kind"] if line["steps"] else "nothing")
         for line in lines
@@ -191,22 +204,23 @@ def _matrix(lines: Sequence[Line]) -> list[str]:
     hidden = [kind for kind in KINDS if any(h == kind for h, _ in pairs)]
     if not hidden:
         return []
-    others = sorted({named for _, named in pairs} - set(KINDS))
-    named = [kind for kind in KINDS if any(n == kind for _, n in pairs)] + others
+    extra_kinds = sorted({columns for _, columns in pairs} - set(KINDS))
+    columns = [kind for kind in KINDS if any(n == kind for _, n in pairs)] + extra_kinds
     rows = [
-        "Rows: what was hidden. Columns: what was named first, by the number of its row, or as below.",
+        "Confusion matrix. Rows: hidden effect. Columns: effect named first, by the number of its row or "
+        "by name.",
         "",
-        "| | hidden | " + " | ".join(str(KINDS.index(n) + 1) if n in KINDS else n for n in named) + " |",
-        "|---|---|" + "---|" * len(named),
+        "| | hidden | " + " | ".join(str(KINDS.index(n) + 1) if n in KINDS else n for n in columns) + " |",
+        "|---|---|" + "---|" * len(columns),
     ]
     for kind in hidden:
-        cells = (str(pairs[kind, n]) if pairs[kind, n] else "" for n in named)
+        cells = (str(pairs[kind, n]) if pairs[kind, n] else "" for n in columns)
         rows.append(f"| {KINDS.index(kind) + 1} | `{kind}` | " + " | ".join(cells) + " |")
     return rows
 
 
-def _median(errors: Sequence[Sequence[float]], which: int) -> float:
-    return float(np.median([e[which] for e in errors]))
+def _median(errors: Sequence[Sequence[float]], index: int) -> float:
+    return float(np.median([e[index] for e in errors]))
 
 
 def _between(right: int, count: int) -> tuple[float, float]:

@@ -209,7 +209,7 @@ def test_the_page_says_what_was_called_what() -> None:
     lines[0]["steps"][0]["kind"], lines[0]["right"] = "gain_error", False
     page = report(lines)
     assert "| `polarity` | 1 | 0 |  |  | gain_error 1 |" in page
-    assert "| nothing missing, said so | 1 | 1 | 100 %" in page
+    assert "| no missing effect, recognised | 1 | 1 | 100 %" in page
 
 
 def test_numbers_are_read_with_their_ranges() -> None:
@@ -232,4 +232,4 @@ def test_a_trial_that_was_cut_goes_on_where_it_was(tmp_path: Path, monkeypatch: 
     page = tmp_path / "page.md"
     monkeypatch.setattr("sys.argv", ["blind_trial", "--out", str(out), "--report", str(page)])
     main()
-    assert "| nothing missing, said so | 1 | 1 | 100 %" in page.read_text()
+    assert "| no missing effect, recognised | 1 | 1 | 100 %" in page.read_text()
