@@ -1,1 +1,1 @@
-"""All modes of all FRFs at once: poles by rising orders, their choice, one weighted fit."""
+"""Multi-mode methods: poles of all FRFs at rising orders, selection of modes, one weighted fit."""

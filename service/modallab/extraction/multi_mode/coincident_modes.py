@@ -1,4 +1,4 @@
-"""Modes at one frequency: of the plane that their shapes span, a pair that is mass-normalised."""
+"""Coincident modes: mass-normalised shapes in the plane that the shapes of equal poles span."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -13,7 +13,7 @@ from modallab.extraction.multi_mode.settings import COINCIDENT_MODES
 
 
 def coincident_modes(fit: ModalFit) -> list[IntArray]:
-    """Return the modes of each group whose poles are not told apart though their shapes are; two or more."""
+    """Return groups of two or more modes whose poles do not differ significantly though their shapes do."""
     if fit.participation is None:
         return []
     width = fit.loss_factor * fit.frequency
@@ -27,20 +27,22 @@ def coincident_modes(fit: ModalFit) -> list[IntArray]:
 
 
 def with_reciprocal_shapes(fit: ModalFit, rows: IntArray, senses: IntArray) -> ModalFit:
-    """Return the fit with coincident modes as reciprocity has them.
+    """Return the fit with coincident modes that satisfy reciprocity.
 
-    All that such modes add to the FRFs is `(Phi Phi_d^T)/(lambda - omega^2)`, Phi their mass-normalised
-    shapes and Phi_d those at the drive points; a fit gives it as another product, `Psi L`. With `Phi = Psi T`
-    it is the same if `T T^T Psi_d^T = L`, least squares over the drive points. Any rotation in the plane
-    would do as well: shapes are taken that are real where the plane is, and orthogonal over the DoFs. Left as
-    it is where drive points are too few, or do not show all of the plane.
+    The contribution of such modes to the FRFs is `(Phi Phi_d^T)/(lambda - omega^2)` with their
+    mass-normalised shapes Phi and those at the drive points Phi_d; a fit gives it as another product, `Psi
+    L`. With `Phi = Psi T` both agree if `T T^T Psi_d^T = L`, by least squares over the drive points. Any
+    rotation in the plane is equivalent: the shapes chosen are real where the plane is real, and orthogonal
+    over the DoFs. The fit is unchanged if the drive points are too few, or do not determine the plane.
 
     Parameters
     ----------
+    fit
+        With participation factors.
     rows
-        (n_ref,) which DoF is at the point of each reference, -1 if none is.
+        (n_ref,) index of the DoF at the point of each reference, -1 if there is none.
     senses
-        (n_ref,) -1 where the two point opposite ways, else 1.
+        (n_ref,) -1 where both have opposite directions, else 1.
     """
     if fit.participation is None or fit.conditional_error is None:
         return fit
@@ -59,7 +61,7 @@ def with_reciprocal_shapes(fit: ModalFit, rows: IntArray, senses: IntArray) -> M
 
 
 def coincidence_flags(fit: ModalFit) -> dict[int, str]:
-    """Return what to say of each mode that coincides with another."""
+    """Return the flag of each mode that coincides with another."""
     return {row: text for group in coincident_modes(fit) for row, text in _texts(fit, group)}
 
 
@@ -72,7 +74,7 @@ def _texts(fit: ModalFit, group: IntArray) -> Iterator[tuple[int, str]]:
 
 
 def _equal_within_errors(values: FloatArray, errors: FloatArray) -> BoolArray:
-    """Return whether each value and the next are not told apart, (n - 1,)."""
+    """Return whether each value and the next do not differ significantly, (n - 1,)."""
     return np.asarray(
         np.abs(np.diff(values)) < COINCIDENT_MODES.pole_errors * np.hypot(errors[1:], errors[:-1])
     )
@@ -81,7 +83,7 @@ def _equal_within_errors(values: FloatArray, errors: FloatArray) -> BoolArray:
 def _shapes(
     total: ComplexArray, n: int, rows: IntArray, at: IntArray, senses: IntArray
 ) -> ComplexArray | None:
-    """Return n mass-normalised shapes, (n_dof, n), of what they all add, (n_dof, n_ref); None if untold."""
+    """Return n mass-normalised shapes, (n_dof, n), of their sum (n_dof, n_ref); None if not determined."""
     if len(at) < n:
         return None
     plane = _real_basis(np.linalg.svd(total, full_matrices=False)[0][:, :n])
@@ -96,8 +98,8 @@ def _shapes(
 
 
 def _real_basis(basis: ComplexArray) -> ComplexArray:
-    """Return another orthonormal basis of the same plane: real, if it has one.
+    """Return an orthonormal basis of the same plane that is real, if there is one.
 
-    A basis `R W`, R real and W unitary, has `W^T W` for the product of its transpose and itself.
+    A basis `R W` with R real and W unitary has the product `W^T W` of its transpose and itself.
     """
     return np.asarray(basis @ np.linalg.inv(scipy.linalg.sqrtm(basis.T @ basis)))

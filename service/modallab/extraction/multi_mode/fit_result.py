@@ -1,4 +1,4 @@
-"""All modes in all FRFs, as one fit has them."""
+"""Result of a fit of all modes to all FRFs."""
 
 from dataclasses import dataclass
 
@@ -15,22 +15,29 @@ class ModalFit:
     complex number: of either of its parts.
     """
 
-    eigenvalue: ComplexArray  # (n_modes,) omega_r^2 (1 + i eta_r), (rad/s)^2, rising
-    modal_constant: ComplexArray  # (n_modes, n_frf) 1/kg
-    residuals: ComplexArray  # (2, n_frf) L below the range, 1/kg, and R above it, m/N
-    eigenvalue_covariance: FloatArray  # (2 n_modes, 2 n_modes) of all frequencies, Hz, then all loss factors
-    modal_constant_error: FloatArray  # (n_modes, n_frf) 1/kg
-    misfit: FloatArray  # (n_frf,) mean square residual over the lines' variance
-    # share of the least random error at each line that all FRFs have in common, from 0 to 1
+    eigenvalue: ComplexArray
+    """(n_modes,) omega_r^2 (1 + i eta_r), (rad/s)^2, in ascending order."""
+    modal_constant: ComplexArray
+    """(n_modes, n_frf) 1/kg."""
+    residuals: ComplexArray
+    """(2, n_frf) L of modes below the range, 1/kg, and R of modes above it, m/N."""
+    eigenvalue_covariance: FloatArray
+    """(2 n_modes, 2 n_modes) of all frequencies, Hz, then all loss factors."""
+    modal_constant_error: FloatArray
+    """(n_modes, n_frf) 1/kg, standard errors."""
+    misfit: FloatArray
+    """(n_frf,) mean squared residual over the variance of the lines."""
     common_noise: float = 0.0
-    # (n_modes, n_ref) how strongly each reference reaches a mode, `A_jk = psi_j L_k`; None where each FRF has
-    # a modal constant of its own
+    """Part, 0 to 1, of the least relative variance at each line that is common to all FRFs."""
     participation: ComplexArray | None = None
-    # (n_modes,) standard errors by which FRFs show it beside all others; None with one reference
+    """(n_modes, n_ref) participation factors, `A_jk = psi_j L_k`; None where each FRF has its own
+    constant."""
     significance: FloatArray | None = None
+    """(n_modes,) standard errors by which FRFs show the mode beside all others; None with one reference."""
     conditional_error: FloatArray | None = (
         None  # (n_modes, n_frf) 1/kg, as if poles and participations were known
     )
+    """(n_modes, n_frf) 1/kg, standard errors for known poles and participation factors."""
 
     def __post_init__(self) -> None:
         n, shape = len(self.eigenvalue), self.modal_constant.shape
@@ -48,10 +55,14 @@ class ModalFit:
             reach = frozen(self.participation, complex, (n, None), name="participation")
             object.__setattr__(self, "participation", reach)
         if self.significance is not None:
-            object.__setattr__(self, "clear", frozen(self.significance, float, (n,), name="clear"))
+            object.__setattr__(
+                self, "significance", frozen(self.significance, float, (n,), name="significance")
+            )
         if self.conditional_error is not None:
             object.__setattr__(
-                self, "held_error", frozen(self.conditional_error, float, shape, name="held_error")
+                self,
+                "conditional_error",
+                frozen(self.conditional_error, float, shape, name="conditional_error"),
             )
 
     @property

@@ -69,13 +69,13 @@ def companions(denominator: ComplexArray, orders: IntArray) -> Iterator[ComplexA
 
 
 def _inverse_zeros(denominator: ComplexArray, orders: IntArray) -> tuple[IntArray, ComplexArray]:
-    """Return where `det A(z) = 0`: the row of its order, and 1/z."""
+    """Return the solutions of `det A(z) = 0`: the row of the order, and 1/z."""
     eigenvalues = [_eigenvalues(companion) for companion in companions(denominator, orders)]
     return np.repeat(np.arange(len(orders)), denominator.shape[-1] * orders), np.concatenate(eigenvalues)
 
 
 def _eigenvalues(matrix: ComplexArray) -> ComplexArray:
-    """Return the eigenvalues of a matrix, by the routine that `numpy.linalg.eigvals` calls, for less."""
+    """Return the eigenvalues of a matrix by LAPACK zgeev, without the overhead of `numpy.linalg.eigvals`."""
     values, _, _, failed = scipy.linalg.lapack.zgeev(matrix, compute_vl=0, compute_vr=0)
     if failed:
         raise np.linalg.LinAlgError("eigenvalues did not converge")
@@ -85,7 +85,7 @@ def _eigenvalues(matrix: ComplexArray) -> ComplexArray:
 def _stable_in_band(
     circle: ZDomainData, row: IntArray, turn: ComplexArray
 ) -> tuple[IntArray, ComplexArray, ComplexArray]:
-    """Return those that are stable and whose frequency lies on the arc, and the logarithms of z = 1/turn."""
+    """Return stable poles with a frequency on the arc, and the logarithms of z = 1/turn."""
     stable = np.abs(turn) > 1
     row, turn = row[stable], turn[stable]
     logarithm = -np.log(turn)

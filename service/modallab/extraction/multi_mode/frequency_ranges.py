@@ -1,4 +1,4 @@
-"""Which lines a global method reads, and to what order."""
+"""Frequency ranges of global methods, and the orders of their stabilisation charts."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -17,21 +17,21 @@ from modallab.extraction.preprocessing.responses import Responses
 
 @dataclass(frozen=True)
 class FrequencyRanges:
-    """The lines of each range, rising, and why these."""
+    """Lines of each range, in order of frequency, with the reason."""
 
     ranges: tuple[slice, ...]
     why: str
     left_out: tuple[str, ...] = ()
 
     def description(self, freq: FloatArray) -> str:
-        """Return in words which lines of `freq`, (n_freq,) Hz, are searched, and why."""
+        """Return the ranges as text; `freq` (n_freq,) Hz."""
         spans = ", ".join(f"{freq[lines][0]:g} to {freq[lines][-1]:g} Hz" for lines in self.ranges)
         return f"{spans}: {self.why}"
 
 
 @dataclass(frozen=True, eq=False)
 class Chart:
-    """A range of lines, and the orders of its stabilisation chart."""
+    """Lines of a range, and the orders of its stabilisation chart."""
 
     lines: slice
     orders: IntArray
@@ -41,7 +41,7 @@ class Chart:
 def find_frequency_ranges(
     responses: Responses, indicator: FloatArray, bands: Sequence[tuple[float, float]] | None
 ) -> FrequencyRanges:
-    """Return the lines of each range; bands that touch each other are one.
+    """Return the lines of each range; adjacent bands are merged.
 
     Parameters
     ----------
@@ -50,8 +50,8 @@ def find_frequency_ranges(
     indicator
         (n_freq,) from `mode_indicator`.
     bands
-        Pairs (lower, upper) in Hz that were asked for; by default all lines from the first that is more
-        than noise to the last, or where only peaks tell noise, the bands of those that are none.
+        Requested pairs (lower, upper), Hz. By default all lines from the first coherent one to the last, or,
+        where only peaks distinguish noise, the bands of the peaks that are not noise.
     """
     if bands is not None:
         return FrequencyRanges(_joined(requested_bands(responses.freq, indicator, bands)), "as asked")
@@ -79,7 +79,7 @@ def _joined(bands: Sequence[Band]) -> tuple[slice, ...]:
 
 
 def orders_of(indicator: FloatArray, options: GlobalOptions) -> tuple[IntArray, str]:
-    """Return the orders of the chart of a range, (n_orders,) rising, and why these."""
+    """Return the orders of the chart of a range, (n_orders,) ascending, with the reason."""
     limit = max((len(indicator) - 1) // CHART.lines_per_order, CHART.smallest_limit)
     if options.max_order is not None:
         top, why = min(options.max_order, limit), "as asked"

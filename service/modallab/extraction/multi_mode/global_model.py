@@ -1,4 +1,4 @@
-"""A modal model out of fits of all FRFs at once."""
+"""Modal model from fits of all FRFs."""
 
 from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -20,7 +20,7 @@ PRODUCT_FIT = "modal constants are fitted as those of one shape"
 
 @dataclass(frozen=True, eq=False)
 class GlobalFit:
-    """What one range of lines holds."""
+    """Modes of one range of lines."""
 
     lines: slice  # of the responses
     modes: RangeModes
@@ -85,7 +85,7 @@ def modal_model(
 
 
 def _selected_rows(fits: Sequence[GlobalFit], n_modes: int | None) -> list[IntArray]:
-    """Return the modes kept of each range: inside it, and of these the most prominent."""
+    """Return the modes of each range that the model has: those inside it, or the most prominent of them."""
     inside = [np.flatnonzero(fit.modes.inside) for fit in fits]
     if n_modes is None or sum(len(rows) for rows in inside) <= n_modes:
         return inside
@@ -95,7 +95,7 @@ def _selected_rows(fits: Sequence[GlobalFit], n_modes: int | None) -> list[IntAr
 
 
 def _prominence(modes: RangeModes) -> FloatArray:
-    """Return peak mobility squared over the FRFs, each in parts of its strongest mode, (n_modes,)."""
+    """Return the squared peak mobility summed over FRFs, relative to the strongest mode, (n_modes,)."""
     fit = modes.fit
     peak = np.abs(fit.modal_constant) / (fit.loss_factor * fit.frequency)[:, None]
     strongest = peak.max(axis=0)
@@ -128,7 +128,7 @@ def _numbers(values: FloatArray) -> dict[str, float]:
 
 
 def _nodes(constant: ComplexArray, error: FloatArray, names: Sequence[str]) -> Iterator[str]:
-    """Yield the FRFs that hardly show a mode."""
+    """Yield a flag for every FRF that hardly shows the mode."""
     size = np.abs(constant)
     hidden: BoolArray = size < np.maximum(NODES.standard_errors * error, NODES.relative_size * size.max())
     for j in np.flatnonzero(hidden).tolist():
@@ -136,7 +136,7 @@ def _nodes(constant: ComplexArray, error: FloatArray, names: Sequence[str]) -> I
 
 
 def _chart(fits: Sequence[GlobalFit], chosen: Sequence[IntArray]) -> StabilisationChart:
-    """Return the charts of all ranges as one, their modes counted as in the modal model."""
+    """Return the charts of all ranges as one, with modes numbered as in the modal model."""
     charts, n_modes = [], 0
     for fit, rows in zip(fits, chosen, strict=True):
         number = np.full(len(fit.modes.fit.eigenvalue) + 1, -1)
@@ -153,7 +153,7 @@ def _chart(fits: Sequence[GlobalFit], chosen: Sequence[IntArray]) -> Stabilisati
 
 
 def _notes(fits: Sequence[GlobalFit], chosen: Sequence[IntArray]) -> Iterator[str]:
-    """Yield why each mode is one, what was left out, and what noise the FRFs share."""
+    """Yield the reason of each mode, rejected poles, and the noise common to the FRFs."""
     number = 0
     for fit, rows in zip(fits, chosen, strict=True):
         for row in rows:
@@ -169,7 +169,7 @@ def _notes(fits: Sequence[GlobalFit], chosen: Sequence[IntArray]) -> Iterator[st
 
 
 def _exclusion_reason(modes: RangeModes, row: int) -> str:
-    """Return in words why a pole of the fit is not kept as a mode."""
+    """Return the reason why a pole of the fit is not a mode."""
     if modes.inside[row]:
         return "less prominent than those asked for"
     if modes.fit.loss_factor[row] <= 0:

@@ -1,4 +1,4 @@
-"""Modes of leaked lines: leakage of each is that of its nearest mode, as modes known one by one tell it."""
+"""Leakage correction of lines by the nearest of the modes identified one by one."""
 
 from dataclasses import dataclass, replace
 
@@ -16,28 +16,35 @@ from modallab.extraction.preprocessing.leakage import SinglePole, WindowLeakage
 
 @dataclass(frozen=True, eq=False)
 class LeakageCorrection:
-    """What lines that leak are cleaned by."""
+    """Reference modes and window of the leakage correction."""
 
     leakage: WindowLeakage
-    modes: ModalFit | None  # from a method that undoes leakage mode by mode; None where it sees none
-    bias: FloatArray  # (n_modes, 2) what leakage may still move these by: frequency, Hz, and loss factor
-    drive: int | None  # which of the FRFs is that of the drive point
-    averages: float = np.inf  # effective, of the lines
+    """Leakage of the window."""
+    modes: ModalFit | None
+    """Reference modes from a single-mode method with leakage correction; None if there are none."""
+    bias: FloatArray
+    """(n_modes, 2) remaining bias by leakage of their frequency, Hz, and loss factor."""
+    drive: int | None
+    """Index of the drive-point FRF; None if there is none."""
+    averages: float = np.inf
+    """Effective number of averages of the lines."""
 
 
 def leakage_correction(
     leakage: WindowLeakage, single_modes: ModalModel | None, drive: int | None, averages: float = np.inf
 ) -> LeakageCorrection:
-    """Return what lines are cleaned by.
+    """Return the leakage correction of lines.
 
     Parameters
     ----------
     leakage
-        What a window did to them.
+        Of the window.
     single_modes
-        Modes found one by one with leakage undone; None where there are none.
+        Modes identified one by one with leakage correction; None if there are none.
     drive
-        Which of the FRFs is that of the drive point.
+        Index of the drive-point FRF; None if there is none.
+    averages
+        Effective number of averages of the lines.
     """
     modes = () if single_modes is None else single_modes.modes
     bias = [[mode.leakage_bias["frequency"], mode.leakage_bias["loss_factor"]] for mode in modes]
@@ -51,7 +58,7 @@ def leakage_correction(
 
 
 def _as_fit(model: ModalModel) -> ModalFit:
-    """Return modes found one by one in the form of a fit of all, errors of each independent."""
+    """Return modes identified one by one as a fit of all modes with independent errors."""
     assert model.modal_constant is not None
     assert model.residuals is not None
     assert model.modal_constant_error is not None
@@ -67,12 +74,12 @@ def _as_fit(model: ModalModel) -> ModalFit:
 
 
 def corrected_lines(stretch: BandData, leaked: LeakageCorrection, damping: Damping) -> BandData:
-    """Return the lines with their leakage undone, and weights that know what may be left.
+    """Return the lines with leakage corrected, and weights that include the remaining leakage.
 
-    A leaked resonance has the shape of the window, to which a pole finder fits several poles. The closed
-    form of `WindowLeakage.correction` is that of one mode and a smooth rest: here the mode is the nearest to
-    each line, the rest all others. At antiresonances, where all is leakage, that fails: a line is trusted no
-    further than it agrees with the modes that cleaned it.
+    A leaked resonance has the shape of the window, to which a pole finder fits several poles. The closed form
+    of `WindowLeakage.correction` is that of one mode and a smooth residual: here the mode nearest to each
+    line, with all others as residual. It fails at antiresonances, where all is leakage: the error of a line
+    is at least its difference from the reference modes.
     """
     if leaked.modes is None:
         return stretch
@@ -86,9 +93,9 @@ def corrected_lines(stretch: BandData, leaked: LeakageCorrection, damping: Dampi
 
 
 def all_starts(start: StartingPoles, leaked: LeakageCorrection, freq: FloatArray) -> StartingPoles:
-    """Return the modes known one by one, and those of `start` that are none of these.
+    """Return the reference modes, and those of `start` that are different from them.
 
-    What is left of leakage hides stable poles from a chart.
+    Remaining leakage can hide stable poles in a chart.
     """
     if leaked.modes is None:
         return start
@@ -109,7 +116,7 @@ def all_starts(start: StartingPoles, leaked: LeakageCorrection, freq: FloatArray
 
 
 def leaked_weights(eigenvalue: ComplexArray, stretch: BandData) -> FloatArray:
-    """Return weights with what leakage may be wrong by: in proportion to power about a resonance."""
+    """Return weights with the error of the leakage correction, proportional to power near a resonance."""
     eigenvalue_of_line = eigenvalue[nearest_mode(eigenvalue, stretch.freq)]
     relative_size = np.maximum(
         eigenvalue_of_line.imag / np.abs(eigenvalue_of_line - (2 * np.pi * stretch.freq) ** 2),
@@ -121,7 +128,7 @@ def leaked_weights(eigenvalue: ComplexArray, stretch: BandData) -> FloatArray:
 
 
 def nearest_mode(eigenvalue: ComplexArray, freq: FloatArray) -> IntArray:
-    """Return the mode nearest to each line, of those inside the range."""
+    """Return the index of the mode inside the range that is nearest to each line."""
     frequency = np.sqrt(eigenvalue.real) / (2 * np.pi)
     inside = np.flatnonzero((frequency >= freq[0]) & (frequency <= freq[-1]))
     if not len(inside):
@@ -133,7 +140,7 @@ def nearest_mode(eigenvalue: ComplexArray, freq: FloatArray) -> IntArray:
 def _correction_factors(
     fit: ModalFit, stretch: BandData, leaked: LeakageCorrection, damping: Damping
 ) -> ComplexArray:
-    """Return what to multiply the lines by, (n_lines, n_frf)."""
+    """Return the ratio of true to leaked lines, (n_lines, n_frf)."""
     nearest = nearest_mode(fit.eigenvalue, stretch.freq)
     x = (2 * np.pi * stretch.freq[:, None]) ** 2
     eigenvalue = fit.eigenvalue[nearest][:, None]

@@ -1,4 +1,4 @@
-"""What errors of leaked lines do to modes that are fitted to all FRFs at once."""
+"""Covariance of modes that are fitted to leaked lines of all FRFs."""
 
 from dataclasses import dataclass, replace
 
@@ -24,22 +24,22 @@ from modallab.extraction.preprocessing.leaked_lines import (
 def with_leaked_errors(
     refined: RefinedModes, stretch: BandData, leaked: LeakageCorrection, damping: Damping
 ) -> ModalFit:
-    """Return the fit with errors that know how those of leaked lines go together.
+    """Return the fit with standard errors from the correlated errors of leaked lines.
 
-    Mode by mode, the others held: what one line's error, or that of all FRFs there, moves the mode by, and
-    the moments of these errors near one resonance. Of errors that FRFs have in common the fit knows the
-    share. How errors of different modes go together stays as it is.
+    The influence of each line is evaluated mode by mode with the other modes fixed, together with the second
+    moments of the errors of lines near one resonance. The part of the errors common to all FRFs is that of
+    the fit. Correlations between modes are unchanged.
 
     Parameters
     ----------
     refined
-        Fitted to cleaned lines; a mode that hardly any line tells of keeps its errors.
+        Fit to corrected lines; a mode with too few lines keeps its errors.
     stretch
-        The lines as they are.
+        Lines before correction.
     leaked
-        What they were cleaned by.
+        Leakage correction.
     damping
-        Law of the modes.
+        Damping model.
     """
     fit, n = refined.fit, len(refined.fit.eigenvalue)
     spacing = float(np.median(np.diff(stretch.freq)))
@@ -75,7 +75,7 @@ class _Errors:
 
 
 class _Mode:
-    """One mode, and how it follows the lines that tell of it; arrays (n_frf, n_lines)."""
+    """One mode and the influence of its lines; arrays (n_frf, n_lines)."""
 
     def __init__(
         self, fit: ModalFit, m: int, freq: FloatArray, weight: FloatArray, whole: ComplexArray
@@ -95,19 +95,7 @@ class _Mode:
         self._constant_slope = -turn * along
 
     def errors(self, lines: LeakedLines, noise: "_Noise", averages: float, common: float) -> _Errors:
-        """Return what leakage and noise do to the mode.
-
-        Parameters
-        ----------
-        lines
-            Lines of one record, of all FRFs.
-        noise
-            What lines have beside leakage.
-        averages
-            Records.
-        common
-            Share of the errors that FRFs have in common.
-        """
+        """Return the errors of the mode by leakage and noise."""
         line_errors, influence = (
             lines.errors,
             self._constant_influence + self._constant_slope[:, None] * self._pole_influence,
@@ -169,9 +157,9 @@ class _Noise:
 def _noise(
     stretch: BandData, leaked: LeakageCorrection, index: IntArray, lines: LeakedLines, common: float
 ) -> _Noise:
-    """Return errors that lines have beside leakage: in common at most what is usual among the FRFs.
+    """Return the errors of lines beside leakage; their common part is at most its median over the FRFs.
 
-    The least of many would be least by chance: each is what an estimate leaves over another.
+    A minimum over many FRFs would be low by chance, because each is the difference of two estimates.
     """
     freq, spacing = stretch.freq[index], float(np.median(np.diff(stretch.freq)))
     exactness = (stretch.weight[index] * np.abs(stretch.receptance[index]) ** 2).T
@@ -214,7 +202,7 @@ def _lines_about_mode(
 
 
 def _lines_of_mode(fit: ModalFit, freq: FloatArray, m: int, nearest: IntArray) -> IntArray:
-    """Return the lines that tell of a mode, and of no other."""
+    """Return the lines near a mode that are nearest to no other mode."""
     spacing = float(np.median(np.diff(freq)))
     width = abs(fit.loss_factor[m]) * fit.frequency[m] / spacing
     reach = min(max(LEAKED_MODES.lines, LEAKED_MODES.half_power_widths * width), LEAKED_MODES.largest_lines)

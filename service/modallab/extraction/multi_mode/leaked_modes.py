@@ -1,4 +1,4 @@
-"""Modes of cleaned lines, with errors that know how leakage was undone, and what it may have left."""
+"""Standard errors and remaining bias of modes fitted to corrected lines."""
 
 from dataclasses import dataclass, replace
 
@@ -22,24 +22,25 @@ from modallab.extraction.options import Damping
 def with_leakage_errors(
     refined: RefinedModes, stretch: BandData, leaked: LeakageCorrection, damping: Damping
 ) -> RefinedModes:
-    """Return the modes, their errors with those of the modes that cleaned the lines, and what may be left.
+    """Return the modes with the errors of the reference modes, and the bias that may remain.
 
-    Cleaned lines agree in part with whatever mode cleaned them: their scatter about it does not tell how
-    wrong that is. So errors of the cleaners move the modes, by as much as moving a cleaner does; one too
-    vague for that hands on its own error. Of leakage may be left a part of what cleaning has moved a mode by,
-    from a fit of the lines as they are, and what the bias of its cleaner moves it by. A mode that none
-    cleaned has all of its leakage: up to a line's width of damping, and half a line in frequency.
+    Corrected lines partly confirm the reference modes that corrected them: their scatter does not show an
+    error of these. Errors of the reference modes are therefore propagated by difference quotients; a
+    reference mode too imprecise for that gives its own error to the mode. The remaining bias consists of a
+    part of the shift by the correction, from a fit of uncorrected lines, and of the propagated bias of the
+    reference mode. A mode without a reference keeps all its leakage: up to a line's width of damping, and
+    half a line in frequency.
 
     Parameters
     ----------
     refined
-        From the cleaned lines.
+        Fit to corrected lines.
     stretch
-        The lines as they are.
+        Lines before correction.
     leaked
-        What they were cleaned by.
+        Leakage correction.
     damping
-        Law of the modes.
+        Damping model.
     """
     has_covariance = stretch.weights_known and stretch.n_ref == 1 and np.isfinite(leaked.averages)
     refined = replace(refined, fit=_with_correlated_lines(refined.fit, leaked.leakage.error_correlation))
@@ -70,7 +71,7 @@ def with_leakage_errors(
 
 @dataclass(frozen=True, eq=False)
 class _Sensitivity:
-    """How far modes go where all cleaners are off by a standard error: in frequency, and in loss factor."""
+    """Change of the modes if all reference modes change by a standard error of frequency or damping."""
 
     parameters: FloatArray  # (2, n_modes, 2) frequency, Hz, and loss factor
     constant: FloatArray  # (2, n_modes, n_frf) 1/kg, of either part
@@ -104,7 +105,7 @@ def _sensitivity(
 
 
 def _propagated_bias(sensitivity: _Sensitivity, leaked: LeakageCorrection, nearest: IntArray) -> FloatArray:
-    """Return what the bias of its cleaner moves each mode by, (n_modes, 2)."""
+    """Return the bias of each mode by that of its reference mode, (n_modes, 2)."""
     reference_modes = leaked.modes
     assert reference_modes is not None
     error = np.stack([reference_modes.frequency_error, reference_modes.loss_factor_error], axis=1)
@@ -113,7 +114,7 @@ def _propagated_bias(sensitivity: _Sensitivity, leaked: LeakageCorrection, neare
 
 
 def _with_reference_errors(fit: ModalFit, sensitivity: _Sensitivity) -> ModalFit:
-    """Return the fit with what errors of the cleaners add to its own."""
+    """Return the fit with the propagated errors of the reference modes."""
     added = (sensitivity.parameters**2).sum(axis=0).T.ravel()
     constant = (sensitivity.constant**2).sum(axis=0)
     return replace(
@@ -124,7 +125,7 @@ def _with_reference_errors(fit: ModalFit, sensitivity: _Sensitivity) -> ModalFit
 
 
 def _with_correlated_lines(fit: ModalFit, error_correlation: float) -> ModalFit:
-    """Return the fit with errors of lines that are not independent."""
+    """Return the fit with the errors of correlated lines."""
     return replace(
         fit,
         eigenvalue_covariance=error_correlation * fit.eigenvalue_covariance,
@@ -135,7 +136,7 @@ def _with_correlated_lines(fit: ModalFit, error_correlation: float) -> ModalFit:
 def _nearest_reference(
     fit: ModalFit, reference_modes: ModalFit, spacing: float
 ) -> tuple[IntArray, BoolArray]:
-    """Return the known mode nearest to each fitted one, and whether it is the same, both (n_modes,)."""
+    """Return the reference mode nearest to each mode, and whether it is the same mode, both (n_modes,)."""
     distance = np.abs(fit.frequency[:, None] - reference_modes.frequency)
     nearest = distance.argmin(axis=1)
     reach = np.maximum((reference_modes.loss_factor * reference_modes.frequency)[nearest], spacing)
@@ -143,7 +144,7 @@ def _nearest_reference(
 
 
 def _remaining_bias(refined: RefinedModes, stretch: BandData, damping: Damping) -> FloatArray:
-    """Return the part of what cleaning has done that it may have left, as `leakage_bias`."""
+    """Return the part of the correction that may remain as bias, (n_modes, 2)."""
     fit = refined.fit
     uncorrected = fit_modes(
         stretch.freq,
@@ -162,7 +163,7 @@ def _remaining_bias(refined: RefinedModes, stretch: BandData, damping: Damping) 
 def _with_imprecise_references(
     fit: ModalFit, reference_modes: ModalFit, nearest: IntArray, imprecise: BoolArray
 ) -> ModalFit:
-    """Return the fit with no error smaller than that of the vague mode that cleaned its lines."""
+    """Return the fit with errors not smaller than those of imprecise reference modes."""
     fit_error = np.concatenate([fit.frequency_error, fit.loss_factor_error])
     reference_error = np.concatenate(
         [reference_modes.frequency_error[nearest], reference_modes.loss_factor_error[nearest]]

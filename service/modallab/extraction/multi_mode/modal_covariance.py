@@ -1,4 +1,4 @@
-"""What the random error of the lines does to modes fitted to all FRFs at once."""
+"""Covariance of modes fitted to all FRFs, from the random error of the lines."""
 
 from dataclasses import dataclass
 
@@ -31,7 +31,7 @@ class Uncertainty:
 
 
 def parameter_weights(basis: PoleBasis, linear: LinearSolution) -> FloatArray:
-    """Return how the parameters weigh the slopes' columns, (n_frf, n, n_slopes)."""
+    """Return the weights of the slopes' columns in derivatives by parameters, (n_frf, n, n_slopes)."""
     _, n_parameters, n_slopes = basis.slope_weights.shape
     n_modes = linear.projected.shape[1] // n_slopes
     n_frf = len(linear.coefficients)
@@ -48,17 +48,16 @@ def uncertainty(
 ) -> Uncertainty:
     """Return the covariance of parameters and coefficients.
 
-    The random error of a line is circular and independent of that of other lines. The FRFs may have a
-    part of it in common, as the noise of a force gauge that all channels are divided by: a share of the
-    least relative variance among the FRFs at that line, the share estimated from how residuals of the
-    FRFs go together. Weights do not know of it; the covariance does. That a modal constant's own error
-    and that of the eigenvalues are then correlated is left out: it vanishes where weights go as one
-    over the square of the FRFs, as those of such noise do.
+    The random error of a line is circular and independent of other lines. Part of it may be common to all
+    FRFs, as the noise of a force transducer: a part of the least relative variance among the FRFs at the
+    line, estimated from the correlation of the residuals of FRFs. The weights do not include it, the
+    covariance does. The correlation of this error between a modal constant and the eigenvalues is neglected:
+    it vanishes if weights are proportional to one over the squared FRFs, as they are for such noise.
 
     Parameters
     ----------
     lines, basis, parameters, linear
-        As of the fit.
+        As in the fit.
     """
     c = parameter_weights(basis, linear)
     normal = c @ linear.projected @ c.swapaxes(1, 2)
@@ -83,10 +82,10 @@ def uncertainty(
 
 
 def unit_diagonal(normal: FloatArray) -> tuple[FloatArray, FloatArray]:
-    """Return a normal matrix with a diagonal of ones, and the lengths that its rows were divided by.
+    """Return a normal matrix scaled to a unit diagonal, and the lengths that its rows were divided by.
 
-    Of a parameter that others mimic rounding may leave less than nothing. It is told by no line: it stands
-    by itself, with an error as large as the range.
+    Rounding may leave a diagonal entry without a positive value if a parameter depends linearly on others.
+    Such a parameter is decoupled, with a unit diagonal entry.
     """
     size = np.diag(normal)
     determined = size > 0
@@ -112,10 +111,10 @@ def _misfit(
 def _common_share(
     lines: ScaledLines, basis: PoleBasis, parameters: FloatArray, linear: LinearSolution
 ) -> float:
-    """Return which share of the least relative variance at a line all FRFs have in common, 0 to 1.
+    """Return the part, 0 to 1, of the least relative variance at a line that is common to all FRFs.
 
     Least squares over all pairs of FRFs at all lines: standardised residuals of two FRFs with relative
-    variances v_i and v_j, and a common part k min(v), go together by `k min(v)/sqrt(v_i v_j)`.
+    variances v_i and v_j, and a common part k min(v), have the correlation `k min(v)/sqrt(v_i v_j)`.
     """
     if lines.response.shape[1] == lines.n_references:
         return 0.0  # of one DoF no FRF has another beside it

@@ -1,4 +1,4 @@
-"""All modes in all FRFs at once, by weighted least squares, with their covariance."""
+"""Fit of all modes to all FRFs by variable projection, with covariance."""
 
 import numpy as np
 
@@ -76,14 +76,14 @@ def fit_modes(
 def one_step(
     freq: FloatArray, receptance: ComplexArray, weight: FloatArray, fit: ModalFit, *, damping: Damping
 ) -> tuple[ComplexArray, ComplexArray]:
-    """Return where one Gauss-Newton step takes the modes of a fit, to tell how they follow small changes.
+    """Return the modes after one Gauss-Newton step, as their response to small changes of the lines.
 
     Parameters
     ----------
     freq, receptance, weight, damping
-        As of `fit_modes`; the lines a little changed.
+        As in `fit_modes`, with slightly changed lines.
     fit
-        What it returned of the lines as they were.
+        Result of `fit_modes` for the original lines.
 
     Returns
     -------
@@ -120,10 +120,10 @@ def modes_at_eigenvalues(
     *,
     damping: Damping = Damping.STRUCTURAL,
 ) -> ModalFit:
-    """Return modal constants and residuals with the eigenvalues held; parameters as `fit_modes`.
+    """Return modal constants and residuals at given eigenvalues; parameters as in `fit_modes`.
 
-    Least squares in the frequency domain: the shapes of known poles. The covariance of the eigenvalues is
-    that which they would have if they too were fitted, from here.
+    Linear least squares in the frequency domain (LSFD). The covariance of the eigenvalues is that of a fit
+    linearised at the given values.
     """
     basis = BASES[damping]
     lines = scale_lines(2 * np.pi * freq, receptance, weight)
@@ -200,16 +200,16 @@ def _step(normal: FloatArray, slope: FloatArray, damping: float) -> FloatArray:
 
 
 def _moves(step: FloatArray, normal: FloatArray, parameters: FloatArray, variance: float) -> bool:
-    """Return whether a step is more than a small part of the standard errors, and than rounding."""
+    """Return whether a step exceeds a small part of the standard errors, and rounding."""
     far = float(step.ravel() @ normal @ step.ravel()) > MODAL_FIT.convergence**2 * variance
     return far and bool((np.abs(step) > EIGENVALUE_ROUNDING * parameters[:, :1]).any())
 
 
 def _limited(step: FloatArray, parameters: FloatArray, limits: tuple[float, float]) -> FloatArray:
-    """Return the step, each mode's cut to where its slopes still hold and its damping stays positive.
+    """Return the step, limited for each mode to the linear range and to positive damping.
 
-    Of a mode beyond the ends of the range, whose damping hardly shows, to part of its distance from them. A
-    participation, of which the largest is 1, moves by no more than `FARTHEST` at once either.
+    For a mode outside the range, with poorly determined damping, the limit is a part of its distance from the
+    range. Participation factors, with a largest value of 1, change by no more than `largest_step`.
     """
     stiffness, damping = parameters[:, :2].T
     outside = np.abs(stiffness - np.clip(stiffness, *limits))

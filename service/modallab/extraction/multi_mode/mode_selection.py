@@ -1,4 +1,4 @@
-"""Which columns of a stabilisation chart are modes, and why."""
+"""Selection of modes from the tracks of a stabilisation chart, with reasons."""
 
 from dataclasses import dataclass
 
@@ -43,13 +43,13 @@ class Selection:
 
 
 def chart_of(poles: Poles, stability: IntArray, selection: Selection) -> StabilisationChart:
-    """Return the chart that shows what was found and taken."""
+    """Return the stabilisation chart with the selected modes."""
     return StabilisationChart(poles.order, poles.frequency, poles.loss_factor, stability, selection.mode)
 
 
 @dataclass(frozen=True, eq=False)
 class _TrackSummary:
-    """What the chart says of one pole over the orders."""
+    """Summary of one pole over the orders."""
 
     members: IntArray  # which poles of the chart, highest order first
     representative: IntArray  # of them, those its values are of: stable ones, of the higher orders
@@ -66,11 +66,11 @@ class _TrackSummary:
 
 
 def select(poles: Poles, stability: IntArray) -> Selection:
-    """Return the modes that a chart shows, with the reason for each, and what was not taken.
+    """Return the modes of a chart with the reason for each, and notes on rejected tracks.
 
-    A column of poles is a mode if it is stable at enough orders, and at most of them once it first was;
-    if its part of the FRFs is more than noise; and if it is as broad as a resonance. Its pole is the median
-    of those stable at the higher orders, where noise biases them least.
+    A track is a mode if it is stable at enough orders, and at most orders from its first stable pole on; if
+    its contribution to the FRFs exceeds noise; and if its bandwidth is that of a resonance. Its pole is the
+    median of the stable poles at the higher orders, where noise biases them least.
 
     Parameters
     ----------
@@ -132,7 +132,7 @@ def _track_summary(poles: Poles, stability: IntArray, members: IntArray) -> _Tra
 
 
 def _objection(column: _TrackSummary, poles: Poles) -> str | None:
-    """Return in words why a column is no mode, None if it is one."""
+    """Return the reason why a track is not a mode, None if it is one."""
     # the lowest order is stable against none
     minimum = min(
         SELECTION.minimum_stable, max(1, int(SELECTION.minimum_stable_fraction * (len(poles.orders) - 1)))

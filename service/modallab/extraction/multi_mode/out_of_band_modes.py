@@ -1,4 +1,4 @@
-"""Poles that are no modes and bend the FRFs: beyond the ranges, or in them."""
+"""Poles outside the ranges, or inside without being modes, that bend the FRFs."""
 
 from collections.abc import Sequence
 

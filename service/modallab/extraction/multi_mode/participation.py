@@ -1,4 +1,4 @@
-"""What one mode contributes to FRFs of several references: one shape, and how strongly each reaches it."""
+"""Modes of several references: one shape and its participation factors."""
 
 from dataclasses import dataclass, replace
 

@@ -1,4 +1,4 @@
-"""A fit on scales of order one in physical units, with what its errors are."""
+"""Conversion of a fit on normalised scales to physical units."""
 
 import numpy as np
 
@@ -101,16 +101,17 @@ def _significance(
     width: FloatArray,
     reach: ComplexArray,
 ) -> FloatArray:
-    """Return by how many standard errors FRFs show each mode beside those near it, (n_modes,).
+    """Return the standard errors by which FRFs show each mode beside neighbouring modes, (n_modes,).
 
-    Of coincident modes the shapes may be any of the plane that they span, so that their errors have no
-    bound; but a plane it is only if neither shapes nor participations of the two are the same. What counts is
-    that part of a mode's constants which no shape and no participation of the others has.
+    The shapes of coincident modes are arbitrary in the plane that they span, with unbounded errors; yet they
+    span a plane only if neither their shapes nor their participation factors are equal. The significance is
+    that of the part of a mode's constants orthogonal to shapes and participation factors of the others.
 
     Parameters
     ----------
     error
-        (n_modes, n_frf) of either part of the constants, poles and participations held.
+        (n_modes, n_frf) of real and imaginary part of the constants, for known poles and participation
+        factors.
     """
     significance, by_reference = (
         np.empty(len(frequency)),
@@ -128,7 +129,7 @@ def _significance(
 
 
 def _orthogonal_part(values: ComplexArray, columns: ComplexArray) -> ComplexArray:
-    """Return what no combination of the columns of `columns` makes of the columns of `values`."""
+    """Return the part of `values` orthogonal to `columns`."""
     if not columns.size:
         return values
     return np.asarray(values - columns @ np.linalg.lstsq(columns, values)[0])

@@ -1,4 +1,4 @@
-"""What one mode contributes to a response: columns that its modal constant multiplies, and their slopes."""
+"""Basis functions of one mode for structural and viscous damping, and their derivatives."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass

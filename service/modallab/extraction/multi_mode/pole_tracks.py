@@ -1,4 +1,4 @@
-"""Columns of a stabilisation chart: the same pole at many orders."""
+"""Tracks of poles over the orders of a stabilisation chart."""
 
 import numpy as np
 
@@ -8,11 +8,11 @@ from modallab.extraction.multi_mode.settings import CHART
 
 
 def pole_tracks(poles: Poles) -> list[IntArray]:
-    """Return which poles are the same at different orders, highest order first; each pole is in one column.
+    """Return the tracks of poles, each from the highest order down; each pole belongs to one track.
 
-    Followed from the highest order down, because what a structure has is clearest there. At each order a
-    pole goes to the column nearest to it, if it is also the one nearest to that column: two poles of one
-    order are never in one column, however close.
+    Tracks begin at the highest order, where the poles of the structure are most precise. At each order a pole
+    joins the track nearest to it if it is also the nearest pole of that track: two poles of one order never
+    belong to one track, however close.
     """
     columns: list[list[int]] = []
     for order in poles.orders[::-1]:
@@ -28,7 +28,7 @@ def pole_tracks(poles: Poles) -> list[IntArray]:
 
 
 def _assigned_tracks(poles: Poles, new: IntArray, last: IntArray) -> IntArray:
-    """Return the column each new pole joins, (n_new,), -1 for none; `last` are the columns' latest poles."""
+    """Return the track that each new pole joins, (n_new,), -1 for none; `last` are latest poles."""
     if not len(last) or not len(new):
         return np.full(len(new), -1)
     distance = _distance(poles, new, last)
@@ -39,7 +39,7 @@ def _assigned_tracks(poles: Poles, new: IntArray, last: IntArray) -> IntArray:
 
 
 def _distance(poles: Poles, new: IntArray, last: IntArray) -> FloatArray:
-    """Return the distance of every pole from every column, in what is still within reach."""
+    """Return the distance of every pole from every track, relative to the largest admissible one."""
     reach = np.maximum(
         -CHART.track_distance * poles.pole[last].real, CHART.track_distance_lines * 2 * np.pi * poles.spacing
     )

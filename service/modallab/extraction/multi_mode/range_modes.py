@@ -1,4 +1,4 @@
-"""The modes of one stretch of the axis: poles of all FRFs, those that are modes, and the fit of these."""
+"""Modes of one frequency range: poles of all FRFs, selection of modes, and their fit."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -99,10 +99,10 @@ def modes_of(
 
 
 def _pole_finder_data(stretch: BandData) -> tuple[ComplexArray, FloatArray]:
-    """Return mobility and its weights as a pole finder takes them, (n_lines, n_dof, n_ref).
+    """Return mobility and its weights for a pole finder, (n_lines, n_dof, n_ref).
 
-    Of very many DoFs their strongest combinations: principal components, each DoF in parts of its
-    noise, so that the noise of the components is alike.
+    Many DoFs are replaced by their principal components, with each DoF relative to its noise, so that the
+    noise of the components is equal.
     """
     n_ref = stretch.n_ref
     omega = 2 * np.pi * stretch.freq[:, None]
@@ -126,7 +126,7 @@ def _pole_finder_data(stretch: BandData) -> tuple[ComplexArray, FloatArray]:
 
 
 def _match(selection: Selection, fit: ModalFit, freq: FloatArray) -> IntArray:
-    """Return which fitted mode each selected one became, -1 for none."""
+    """Return the fitted mode of each selected pole, -1 for none."""
     if not len(selection.pole):
         return np.zeros(0, int)
     width = fit.loss_factor * fit.frequency
@@ -142,7 +142,7 @@ def _match(selection: Selection, fit: ModalFit, freq: FloatArray) -> IntArray:
 
 
 def _with_peaks(fit: ModalFit, stretch: BandData) -> BoolArray:
-    """Return which modes have a peak of the lines to themselves, or share the resonance of one that has."""
+    """Return which modes are nearest to a peak of the lines, or overlap such a mode."""
     mobility = stretch.freq[:, None] * stretch.receptance
     try:
         bands = find_bands(mode_indicator(mobility, np.ones(len(mobility), bool)))
@@ -169,7 +169,7 @@ def _reason(selection: Selection, match: IntArray, mode: int) -> str:
 
 
 def pair_flags(fit: ModalFit, among: Sequence[int]) -> dict[int, list[str]]:
-    """Return, for modes that share their resonance with others, what to say of it."""
+    """Return flags of modes that overlap with others."""
     width = fit.loss_factor * fit.frequency
     flags = {row: [text] for row, text in coincidence_flags(fit).items() if row in among}
     for r in among:

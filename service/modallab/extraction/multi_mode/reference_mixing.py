@@ -1,4 +1,4 @@
-"""How FRFs of several references, which share the shapes of modes, follow from those of each reference."""
+"""Sums over lines for modes with shapes common to several references, from sums of single FRFs."""
 
 from dataclasses import dataclass
 

@@ -1,4 +1,4 @@
-"""Poles made into modes: all fitted together, those that are none left out, what lies beyond allowed for."""
+"""Backward elimination of modes that FRFs do not show, with poles outside the range."""
 
 from dataclasses import dataclass
 
@@ -17,7 +17,7 @@ from modallab.extraction.preprocessing.line_noise import weights_from_residuals
 
 @dataclass(frozen=True, eq=False)
 class BandData:
-    """Lines of a range, and all that is known of them."""
+    """Lines of a range with their weights."""
 
     freq: FloatArray  # (n_lines,) Hz
     receptance: ComplexArray  # (n_lines, n_frf) m/N
@@ -28,7 +28,7 @@ class BandData:
 
 @dataclass(frozen=True, eq=False)
 class StartingPoles:
-    """Modes as a pole finder has them."""
+    """Poles at which a fit starts."""
 
     eigenvalue: ComplexArray  # (n_modes,) omega_r^2 (1 + i eta_r), (rad/s)^2
     participation: ComplexArray | None  # (n_modes, n_ref); None where FRFs are to be fitted each by itself
@@ -36,7 +36,7 @@ class StartingPoles:
 
 @dataclass(frozen=True, eq=False)
 class RefinedModes:
-    """All modes of a stretch fitted."""
+    """Fit of all modes of a range."""
 
     fit: ModalFit
     weight: FloatArray  # (n_lines, n_frf) that the fit ended with
@@ -92,14 +92,14 @@ def refine(
 
 
 def between_ends(fit: ModalFit, freq: FloatArray) -> BoolArray:
-    """Return which poles lie inside the range; one that gains energy bends it, and is no mode."""
+    """Return which poles lie inside the range."""
     return np.asarray((fit.frequency >= freq[0]) & (fit.frequency <= freq[-1]))
 
 
 def insignificant_poles(fit: ModalFit, freq: FloatArray) -> BoolArray:
-    """Return which poles inside the range are nothing: nowhere seen, or hardly placed.
+    """Return which poles inside the range are insignificant: shown by no FRF, or without precise frequency.
 
-    Where two share one resonance and either might be left out, the one less seen.
+    Of two such poles that share a resonance only the less significant one is returned.
     """
     spacing = float(np.median(np.diff(freq)))
     width = fit.loss_factor * fit.frequency
@@ -120,9 +120,9 @@ def insignificant_poles(fit: ModalFit, freq: FloatArray) -> BoolArray:
 
 
 def _with_outer_modes(start: StartingPoles, freq: FloatArray) -> StartingPoles:
-    """Return the eigenvalues with one beyond either end of a range that such a mode bends, and that can tell.
+    """Return the poles with one outside either end of a range that is wide enough to determine them.
 
-    A mode not far beyond is no constant over the range.
+    A mode slightly outside is not constant over the range.
     """
     if not affected_by_outer_modes(freq):
         return start

@@ -1,4 +1,4 @@
-"""How far the poles of one model order agree with those of the order before."""
+"""Stability of poles between successive model orders."""
 
 from dataclasses import dataclass
 from itertools import pairwise

@@ -1,4 +1,4 @@
-"""Lines in any spacing, put among evenly spaced ones as polynomials on a circle need them."""
+"""Uniform grid for lines of any spacing, as polynomials in the z domain need it."""
 
 from dataclasses import replace
 

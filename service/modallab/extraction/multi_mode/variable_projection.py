@@ -1,4 +1,4 @@
-"""Weighted sums over the lines that a fit of all modes in all FRFs needs, and its linear unknowns."""
+"""Variable projection: weighted sums over lines and the linear unknowns of a fit of all modes."""
 
 from collections.abc import Iterator
 from dataclasses import dataclass
@@ -40,7 +40,7 @@ class ScaledLines:
 
 @dataclass(frozen=True, eq=False)
 class LinearSolution:
-    """What is linear in the unknowns, with the modes' parameters held."""
+    """Solution of the linear unknowns at given parameters of the modes."""
 
     coefficients: FloatArray  # (n_dof, n_columns) those of the columns
     inverse: FloatArray  # (n_dof, n_columns, n_columns) of the columns' weighted products
@@ -82,18 +82,20 @@ def stack_references(values: NDArray[Number], n_references: int) -> NDArray[Numb
 
 
 def affected_by_outer_modes(omega: FloatArray) -> bool:
-    """Return whether modes beyond a range are no constant in it, and it has the lines to tell."""
+    """Return whether modes outside a range vary over it, and its lines determine them."""
     return bool(omega.min() < PROJECTION.wide_range * omega.max() and len(omega) > PROJECTION.many_lines)
 
 
 def solve_linear(lines: ScaledLines, basis: PoleBasis, parameters: FloatArray) -> LinearSolution:
-    """Return the linear unknowns of every FRF, and how the misfit changes with the parameters.
+    """Return the linear unknowns of every FRF, and the derivatives of the misfit by the parameters.
 
-    Normal equations with columns of unit length, refined once by the residual itself: what was lost by
-    squaring comes back.
+    Normal equations with columns of unit length, and one step of iterative refinement by the residual, which
+    recovers the precision lost by squaring.
 
     Parameters
     ----------
+    lines, basis
+        From `scale_lines`, and of the damping model.
     parameters
         (n_modes, n_parameters) on the scale of `lines`.
     """

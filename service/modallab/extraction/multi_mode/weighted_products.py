@@ -1,4 +1,4 @@
-"""Products of columns with each other, summed over the lines with the weights of every FRF."""
+"""Weighted products of columns, summed over the lines with the weights of every FRF."""
 
 import numpy as np
 import scipy.linalg.blas

@@ -65,10 +65,12 @@ class WindowLeakage:
 
     def __post_init__(self) -> None:
         object.__setattr__(self, "lag", frozen(self.lag, float, (None,), name="lag"))
-        ambiguity = frozen(self.ambiguity, complex, (len(self.lag), None), name="mixing")
-        object.__setattr__(self, "mixing", ambiguity)
-        white_correlation = frozen(self.white_correlation, complex, (ambiguity.shape[1],), name="together")
-        object.__setattr__(self, "together", white_correlation)
+        ambiguity = frozen(self.ambiguity, complex, (len(self.lag), None), name="ambiguity")
+        object.__setattr__(self, "ambiguity", ambiguity)
+        white_correlation = frozen(
+            self.white_correlation, complex, (ambiguity.shape[1],), name="white_correlation"
+        )
+        object.__setattr__(self, "white_correlation", white_correlation)
 
     @classmethod
     def from_window(cls, window: FloatArray, estimator: str, *, source_mass: float = 0.0) -> Self:

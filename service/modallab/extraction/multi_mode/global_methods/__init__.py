@@ -1,4 +1,4 @@
-"""One file a method; each registers itself in `GLOBAL_METHODS`."""
+"""Global methods, one module each; every module registers its method in `GLOBAL_METHODS`."""
 
 from modallab.core.registry import discover
 
