@@ -104,7 +104,7 @@ def test_a_universal_file_comes_as_its_bytes(lab: ModalLab, service: FakeService
 
 
 def test_hdf5_and_text_come_as_their_bytes(lab: ModalLab, service: FakeService) -> None:
-    content, kind = b"\x89HDF\r\n\x1a\n", {"content-type": "application/x-hdf5"}
+    content, kind = b"\x89HDF\r\n\x1a\n", {"content-type": "application/octet-stream"}
     service.on("GET /v1/measurements/m1/arrays.h5", httpx.Response(200, content=content, headers=kind))
     assert lab.measurements.hdf5("m1") == content
     text = {"content-type": "text/plain; charset=utf-8"}

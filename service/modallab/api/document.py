@@ -82,6 +82,11 @@ def build(app: FastAPI) -> Json:
             schema["description"] = f"Form of `{name.removeprefix('Body_')}`"
     schemas["JobOut"]["properties"]["error"]["anyOf"][0] = {"$ref": _REF + "Problem"}
     renamed: Json = _rename(document, {name: _short(name) for name in schemas})
+    for schema in renamed["components"]["schemas"].values():
+        for spec in schema.get("properties", {}).values():
+            # An object's default are those of its own fields; generators know none for a model.
+            if isinstance(spec.get("default"), dict):
+                del spec["default"]
     _strip_titles(renamed["components"])
     _strip_titles(renamed["paths"])
     return renamed

@@ -13,7 +13,7 @@ from modallab.interchange.uff_text import Origin
 from modallab.store.base import Entry
 
 _BYTES = "application/octet-stream"
-_HDF5 = "application/x-hdf5"
+_HDF5 = _BYTES
 _TEXT = "text/plain"
 
 
