@@ -1,7 +1,7 @@
 """Request models derived from options dataclasses, so that an option is declared in one place."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import MISSING, Field, fields
+from dataclasses import MISSING, Field, fields, is_dataclass
 from enum import StrEnum
 from types import NoneType, UnionType
 from typing import Annotated, Any, TypeVar, Union, get_args, get_origin, get_type_hints
@@ -33,7 +33,7 @@ def body_of(cls: type[Options], **wire_types: Any) -> type[Wire]:
     specs = cls.specs()
     declared = {
         f.name: (
-            wire_types.get(f.name, _wire_type(hints[f.name], specs[f.name], f)),
+            wire_types[f.name] if f.name in wire_types else _wire_type(hints[f.name], specs[f.name], f),
             _field(f, specs[f.name]),
         )
         for f in fields(cls)  # type: ignore[arg-type]
@@ -110,6 +110,8 @@ def _field(declared: Field[Any], spec: OptionSpec) -> Any:
     described = f"{spec.doc}{unit}"
     if declared.default_factory is not MISSING:
         return WireField(default_factory=declared.default_factory, description=described)
+    if is_dataclass(declared.default):  # its fields are those of a nested model, with their own defaults
+        return WireField(default_factory=dict, validate_default=True, description=described)
     default = declared.default.value if isinstance(declared.default, StrEnum) else declared.default
     return WireField(default=default, description=described)
 

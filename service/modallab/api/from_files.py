@@ -1,37 +1,35 @@
 """A diagnosis of files on disk, without a service: what `modallab diagnose` does."""
 
 import json
-from collections.abc import Callable, Iterator, Mapping
-from contextlib import contextmanager
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from datetime import UTC, datetime
 from pathlib import Path
-from tempfile import TemporaryDirectory
 from typing import Any, TypeVar
 
 from pydantic import TypeAdapter, ValidationError
 
+import modallab
 from modallab.api.diagnoses.replies import diagnosis_reply
-from modallab.api.diagnoses.schemas import DiagnosisStart
+from modallab.api.diagnoses.schemas import DiagnosisOptionsBody, diagnosis_options
 from modallab.api.faults import adapter_names, faults
 from modallab.api.rigs.schemas import RigIn
 from modallab.api.settings import Settings
 from modallab.api.structures.schemas import StructureIn
 from modallab.api.wire import effect_out
+from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError, ModalLabError
 from modallab.core.place import EffectSpec
 from modallab.core.progress import Progress
+from modallab.diagnosis.diagnose import diagnose_with_options
+from modallab.diagnosis.predicting.comparability import check_comparable
 from modallab.diagnosis.result import Diagnosis
 from modallab.interchange.reading import read_measurement
-from modallab.jobs.destination import Destination
-from modallab.jobs.tasks import TASKS
 from modallab.rig.effect import EFFECTS
 from modallab.store.base import Entry
-from modallab.store.place import StorePlace, engine_of, open_store
-from modallab.store.sql import SqlStore
 
 T = TypeVar("T")
 
-_OWNER = "command line"
 # Names of things that end with the command.
 _PASSING = ("id", "created", "made_from", "structure_id", "rig_id")
 
@@ -65,13 +63,13 @@ class Found:
 
 
 def diagnose_files(
-    files: Files, asked: Mapping[str, Any], *, averages: float | None, progress: Progress
+    files: Files, request: Mapping[str, Any], *, averages: float | None, progress: Progress
 ) -> Found:
-    """Return the diagnosis of files, made as the service makes it, in a folder of its own that passes.
+    """Return the diagnosis of files, made by the function that the service calls, without a store.
 
     Parameters
     ----------
-    asked
+    request
         The body of `POST /v1/diagnoses` without its ids.
     averages
         Effective averages; by default the measured file's, or else the rig's.
@@ -88,16 +86,20 @@ def diagnose_files(
         measurement = _of_file(
             files.measured, lambda: read_measurement(file, setup, largest=largest, averages=averages)
         )
-    with _passing_store() as store:
-        rig_id = store.rigs.add(setup, owner=_OWNER)
-        ids = {
-            "structure_id": store.structures.add(structure, owner=_OWNER),
-            "measurement_id": store.measurements.add(measurement, owner=_OWNER, inputs={"rig_id": rig_id}),
-        }
-        start: DiagnosisStart = _checked(TypeAdapter(DiagnosisStart), {**asked, **ids})
-        into = Destination(_OWNER, "diagnosis")
-        TASKS["diagnose_and_store"](store, progress, into, **start.to_arguments(structure))
-        return Found(store.diagnoses.get(into.id), store.diagnoses.entry(into.id))
+    body = _checked(TypeAdapter(DiagnosisOptionsBody), dict(request))
+    options = diagnosis_options(body)
+    check_comparable(structure, measurement)
+    for text in options.hold_out.dofs:
+        structure.index(Dof.parse(text, field="hold_out.dofs"))
+    diagnosis = diagnose_with_options(structure, measurement, options, progress=progress)
+    return Found(diagnosis, _entry(options.seed))
+
+
+def _entry(seed: int) -> Entry:
+    """Return the entry of a diagnosis that is not stored."""
+    now = datetime.now(UTC).isoformat(timespec="seconds")
+    passing = dict.fromkeys(("extended_structure_id", "extended_rig_id"), "")
+    return Entry("", "diagnoses", "", now, modallab.__version__, passing, seed)
 
 
 def in_words(error: ModalLabError) -> str:
@@ -105,17 +107,6 @@ def in_words(error: ModalLabError) -> str:
     context = {name: error.context[name] for name in ("field", "value", "allowed") if name in error.context}
     told = "; ".join(f"{name}: {value}" for name, value in context.items() if value != "")
     return f"{error} ({told})" if told else str(error)
-
-
-@contextmanager
-def _passing_store() -> Iterator[SqlStore]:
-    with TemporaryDirectory(prefix="modallab-") as folder:
-        place = StorePlace(f"sqlite:///{folder}/modallab.sqlite", "modallab", Path(folder) / "arrays")
-        place.prepare()
-        try:
-            yield open_store(place)
-        finally:
-            engine_of(place).dispose()
 
 
 def _body(path: Path, wire: Any) -> Any:

@@ -11,6 +11,7 @@ from modallab.diagnosis.localisation.evidence import collect_evidence
 from modallab.diagnosis.localisation.locate import locate
 from modallab.diagnosis.optimisation.nuisances import nuisance_parameters
 from modallab.diagnosis.optimisation.tolerances import NO_TOLERANCES, Tolerances
+from modallab.diagnosis.options import DiagnosisOptions
 from modallab.diagnosis.predicting.comparability import check_comparable
 from modallab.diagnosis.predicting.follow_up import FollowUp
 from modallab.diagnosis.predicting.held_out import outlying_responses, select_held_out
@@ -33,6 +34,47 @@ from modallab.fe.structure import Structure
 from modallab.rig.effect import EFFECTS, Effect
 from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
+
+
+def diagnose_with_options(
+    structure: Structure,
+    measurement: Measurement,
+    options: DiagnosisOptions,
+    *,
+    follow_ups: Sequence[FollowUp] = (),
+    progress: Progress = silent,
+) -> Diagnosis:
+    """Return the diagnosis of a model by a measurement, with the options that it was made with.
+
+    Parameters
+    ----------
+    options
+        The option `act` is for whoever can run a further test.
+    follow_ups
+        Further tests of the same structure.
+
+    Raises
+    ------
+    InvalidInputError, UnknownDofError
+        As `diagnose`.
+    """
+
+    def with_stated_error(test: Measurement) -> Measurement:
+        return replace(test, noise_floor=options.noise_floor)
+
+    diagnosis = diagnose(
+        structure,
+        with_stated_error(measurement),
+        suspects=options.suspects,
+        hold_out_fraction=options.hold_out.fraction,
+        hold_out=[Dof.parse(text, field="hold_out.dofs") for text in options.hold_out.dofs],
+        tolerances=options.tolerances,
+        follow_ups=[FollowUp(with_stated_error(test.measurement), test.change) for test in follow_ups],
+        max_effects=options.max_effects,
+        seed=options.seed,
+        progress=progress,
+    )
+    return replace(diagnosis, request_options=options.request)
 
 
 def diagnose(

@@ -1,7 +1,6 @@
 """Modes out of measurements; and a fit of one mode, or the FRFs that modes make, to look at."""
 
-from dataclasses import replace
-from typing import Any
+from dataclasses import dataclass, replace
 
 from modallab.core.arrays import FloatArray
 from modallab.core.dof import Dof
@@ -13,7 +12,7 @@ from modallab.estimation.windows import WINDOWS, added_loss_factor
 from modallab.extraction.averaging.resynthesis import resynthesise
 from modallab.extraction.averaging.window_damping import without_window_damping
 from modallab.extraction.extract import extract, responses_read
-from modallab.extraction.method_options import options_type
+from modallab.extraction.options import ExtractionOptions
 from modallab.extraction.plot_data import FitPlotData, fit_plot_data
 from modallab.extraction.preprocessing.leakage import WindowLeakage
 from modallab.jobs.destination import Destination
@@ -22,9 +21,6 @@ from modallab.rig.excitation import EXCITATIONS
 from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
 from modallab.store.base import Store
-from modallab.store.plain import from_plain
-
-Json = Any
 
 _CORRECTED = "window_damping"  # among the choices of a model whose loss factors are without it
 
@@ -38,36 +34,50 @@ def leakage_of(setup: RigSetup) -> WindowLeakage | None:
     return WindowLeakage.from_window(window, analyser.estimator, source_mass=setup.exciter.armature_mass)
 
 
+@dataclass(frozen=True)
+class ExtractionInputs:
+    """Stored things that modes are extracted from."""
+
+    measurement_id: str
+
+
+@dataclass(frozen=True)
+class ExtractionRequest:
+    """Extraction of modes by a method with its options."""
+
+    method: str
+    options: ExtractionOptions
+    bands: tuple[tuple[float, float], ...] | None = None
+    """Hz, lower and upper end, one mode each, of a global method one or more; None: from the FRFs."""
+    n_modes: int | None = None
+    """Number of modes to keep, the most prominent ones; None: all."""
+    correct_window_damping: bool = False
+    """Whether the damping that an exponential window adds is taken out of the loss factors."""
+
+
 def extract_and_store(
-    store: Store,
-    progress: Progress,
-    into: Destination,
-    *,
-    measurement_id: str,
-    method: str,
-    bands: list[tuple[float, float]] | None,
-    n_modes: int | None,
-    options: Json,
-    correct_window_damping: bool = False,
+    store: Store, progress: Progress, into: Destination, inputs: ExtractionInputs, request: ExtractionRequest
 ) -> None:
-    """Read the modes from a measurement and keep them."""
-    measurement = store.measurements.get(measurement_id)
+    """Extract the modes of a measurement and keep them."""
+    measurement = store.measurements.get(inputs.measurement_id)
     model = extract(
         measurement.frf,
         coherence=measurement.coherence,
         averages=measurement.averages,
-        method=method,
-        options=from_plain(options_type(method), options, {}),
-        bands=bands,
-        n_modes=n_modes,
+        method=request.method,
+        options=request.options,
+        bands=request.bands,
+        n_modes=request.n_modes,
         leakage=leakage_of(measurement.setup),
         estimator=measurement.setup.analyser.estimator,
         progress=progress,
     )
-    if correct_window_damping and measurement.setup.analyser.line_window.end < 1:
+    if request.correct_window_damping and measurement.setup.analyser.line_window.end < 1:
         model = without_window_damping(model, _added(measurement.setup, model))
         model = replace(model, choices={**model.choices, _CORRECTED: "taken out: as asked"})
-    store.modal_models.add(model, owner=into.owner, inputs={"measurement_id": measurement_id}, id=into.id)
+    store.modal_models.add(
+        model, owner=into.owner, inputs={"measurement_id": inputs.measurement_id}, id=into.id
+    )
 
 
 def picture_of(

@@ -1,11 +1,11 @@
 """Virtual tests: the only work that knows how a measurement was made."""
 
-from dataclasses import replace
-from typing import Any
+from dataclasses import dataclass, replace
 
 import numpy as np
 import scipy
 
+from modallab.core.options import Options, option
 from modallab.core.place import EffectSpec
 from modallab.core.progress import Progress
 from modallab.jobs.destination import Destination
@@ -16,29 +16,40 @@ from modallab.rig.measure import Route, measure
 from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
 from modallab.store.base import Store, Truth
-from modallab.store.plain import from_plain
-
-Json = Any
 
 # The same numbers in another order round otherwise: to the byte, a measurement is theirs too.
 _LIBRARIES = {"numpy": np.__version__, "scipy": scipy.__version__}
+
+
+@dataclass(frozen=True)
+class MeasurementInputs:
+    """Stored things that a measurement is made from."""
+
+    structure_id: str
+    rig_id: str
+
+
+@dataclass(frozen=True)
+class MeasurementOptions(Options):
+    """How a virtual test is run."""
+
+    effects: tuple[EffectSpec, ...] = ()
+    """Effects beside those that structure and rig declare; they show in no log book."""
+    route: Route = option(Route.SAMPLED, doc="expected spectra, spectra drawn around them, or time records")
+    seed: int = option(0, unit="1", lower=0, upper=2**63 - 1, doc="seed of all random draws of the test")
 
 
 def measure_and_store(
     store: Store,
     progress: Progress,
     into: Destination,
-    *,
-    structure_id: str,
-    rig_id: str,
-    effects: Json,
-    route: str,
-    seed: int,
+    inputs: MeasurementInputs,
+    options: MeasurementOptions,
 ) -> None:
     """Run the virtual test; keep the measurement, and apart from it how it was made."""
-    setup = store.rigs.get(rig_id)
-    truth = Truth(structure_id, from_plain(tuple[EffectSpec, ...], effects, {}))
-    measurement = _measured(store, progress, truth, setup, route, seed)
+    rig_id, seed = inputs.rig_id, options.seed
+    truth = Truth(inputs.structure_id, options.effects)
+    measurement = _measured(store, progress, truth, store.rigs.get(rig_id), options.route, seed)
     with store.together() as batch:
         batch.measurements.add(
             measurement, owner=into.owner, inputs={"rig_id": rig_id}, seed=seed, id=into.id

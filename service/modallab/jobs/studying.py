@@ -1,12 +1,14 @@
 """Studies: a method tried again and again on noisy modes of a known structure, its runs shared out."""
 
 from collections.abc import Sequence
+from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 
 from modallab.core.arrays import FloatArray
 from modallab.core.progress import Progress, part
+from modallab.fe.structure import Structure
 from modallab.jobs.destination import Destination
 from modallab.rig.exact import as_modelled, with_effects
 from modallab.store.base import Store
@@ -21,19 +23,24 @@ Json = Any
 _FAULT = "the service failed at this run; its log says why"
 
 
-def count_runs(*, plan: Json, **_ids: str) -> int:
-    """Return how many runs a study has."""
-    return from_plain(StudyPlan, plan, {}).n_runs
+@dataclass(frozen=True)
+class StudyInputs:
+    """Stored things that a study is made from: the model that is corrected, and its changed copy."""
+
+    structure_id: str
+    truth_id: str
 
 
-def run_of_study(
-    store: Store, progress: Progress, index: int, *, structure_id: str, truth_id: str, plan: Json
-) -> Json:
+def count_runs(_inputs: StudyInputs, plan: StudyPlan) -> int:
+    """Return the number of runs of a study."""
+    return plan.n_runs
+
+
+def run_of_study(store: Store, progress: Progress, index: int, inputs: StudyInputs, plan: StudyPlan) -> Json:
     """Return one run of a study and its coefficients as plain values; `CancelledError` from `progress`."""
-    study_plan = from_plain(StudyPlan, plan, {})
-    model, truth = (with_effects(store.structures.get(id)) for id in (structure_id, truth_id))
-    true = true_coefficients(model, truth, study_plan.parts)
-    run, coefficients = run_once(study_plan, index, model, as_modelled(truth), true, progress)
+    model, truth = _structures(store, inputs)
+    true = true_coefficients(model, truth, plan.parts)
+    run, coefficients = run_once(plan, index, model, as_modelled(truth), true, progress)
     return [to_plain(run)[0], None if coefficients is None else coefficients.tolist()]
 
 
@@ -41,10 +48,8 @@ def study_and_store(
     store: Store,
     progress: Progress,
     into: Destination,
-    *,
-    structure_id: str,
-    truth_id: str,
-    plan: Json,
+    inputs: StudyInputs,
+    plan: StudyPlan,
     shares: Sequence[Json] | None = None,
 ) -> None:
     """Keep what all runs of a study found; make those here that nobody has made.
@@ -54,16 +59,18 @@ def study_and_store(
     shares
         From `run_of_study`, in order; None for one that our own fault kept from being made.
     """
-    study_plan = from_plain(StudyPlan, plan, {})
-    ids = {"structure_id": structure_id, "truth_id": truth_id}
-    model, truth = (with_effects(store.structures.get(id)) for id in (structure_id, truth_id))
-    true = true_coefficients(model, truth, study_plan.parts)
+    true = true_coefficients(*_structures(store, inputs), plan.parts)
     if shares is None:
-        n = study_plan.n_runs
-        shares = [
-            run_of_study(store, part(progress, i / n, (i + 1) / n), i, plan=plan, **ids) for i in range(n)
-        ]
-    store.studies.add(_study(study_plan, true, shares), owner=into.owner, inputs=ids, id=into.id)
+        n = plan.n_runs
+        shares = [run_of_study(store, part(progress, i / n, (i + 1) / n), i, inputs, plan) for i in range(n)]
+    study = _study(plan, true, shares)
+    store.studies.add(study, owner=into.owner, inputs=vars(inputs), id=into.id)
+
+
+def _structures(store: Store, inputs: StudyInputs) -> tuple[Structure, Structure]:
+    """Return the model and its changed copy."""
+    model, truth = (store.structures.get(id) for id in (inputs.structure_id, inputs.truth_id))
+    return with_effects(model), with_effects(truth)
 
 
 def _study(plan: StudyPlan, true: Values, shares: Sequence[Json]) -> Study:

@@ -4,7 +4,7 @@ import os
 import time
 import traceback
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, cast
 
 from modallab.core.errors import CancelledError, ModalLabError
 from modallab.jobs.book import JobBook
@@ -12,6 +12,7 @@ from modallab.jobs.destination import Destination
 from modallab.jobs.runner import Job
 from modallab.jobs.settings import JOB
 from modallab.jobs.tasks import SHARES_BY_TASK, TASKS
+from modallab.store.base import Store
 from modallab.store.place import StorePlace, engine_of, open_store
 
 Json = Any
@@ -68,7 +69,9 @@ def perform_share(place: StorePlace, job_id: str, index: int) -> tuple[Json, str
     job = book.get(job_id)
     try:
         report = ShareReporter(book, job_id)
-        return SHARES_BY_TASK[job.task].run_share(open_store(place), report, index, **job.arguments), None
+        return SHARES_BY_TASK[job.task].run_share(
+            cast(Store, open_store(place)), report, index, **job.arguments
+        ), None
     except ModalLabError:
         return None, None  # not wanted; or what the rest of the job will say too
     except Exception:

@@ -75,7 +75,7 @@ def test_a_hidden_mass_is_told_in_plain_words_with_its_report(folder: Path, tmp_
     assert mass is not None, done.stdout
     # five standard errors: one run in two million is further off by chance
     assert abs(float(mass[1]) - MASS) < 5 * float(mass[2])
-    assert "on those held out of every fit" in done.stdout
+    assert "on the held-out FRFs" in done.stdout
     assert str(page) in done.stdout
     assert "<h1>Explained" in page.read_text(encoding="utf-8")
     # how far it was is told apart from what it found, and rises

@@ -14,11 +14,13 @@ from modallab.core.dof import Dof
 from modallab.core.errors import CancelledError
 from modallab.core.place import EffectSpec
 from modallab.core.progress import silent
-from modallab.diagnosis.diagnose import diagnose
+from modallab.diagnosis.diagnose import diagnose_with_options
+from modallab.diagnosis.options import DiagnosisOptions
 from modallab.jobs import diagnosing
 from modallab.jobs.book import JobBook
 from modallab.jobs.destination import Destination
-from modallab.jobs.tasks import TASKS
+from modallab.jobs.diagnosing import DiagnosisInputs, FurtherTest
+from modallab.jobs.tasks import DIAGNOSIS, TASKS
 from modallab.rig.setup import RigSetup
 from modallab.store.base import Truth
 from modallab.store.place import StorePlace, engine_of, open_store
@@ -61,16 +63,9 @@ def place(tmp_path: Path) -> Iterator[StorePlace]:
 
 def question(**more: Any) -> dict[str, Any]:
     """Return the arguments of a diagnosis that two suspects explain alike."""
-    asked = {
-        "structure_id": "model",
-        "measurement_id": "test",
-        "suspects": ["extra_mass", "force_transducer_mass"],
-        "hold_out_fraction": 0.25,
-        "hold_out": [],
-        "max_effects": 1,
-        "seed": 0,
-    }
-    return asked | more
+    follow_ups = tuple(more.pop("follow_ups", ()))
+    options: dict[str, Any] = {"suspects": ("extra_mass", "force_transducer_mass"), "max_effects": 1} | more
+    return DIAGNOSIS.arguments(DiagnosisInputs("model", "test", follow_ups), DiagnosisOptions(**options))
 
 
 def diagnosed(store: SqlStore, id: str, *, progress: Any = silent, **more: Any) -> bytes:
@@ -84,11 +79,11 @@ def everything(store: SqlStore, id: str) -> bytes:
     return repr(to_plain(found)[0]).encode() + store.diagnoses.npz(id)
 
 
-def made(store: SqlStore, id: str) -> list[dict[str, Any]]:
+def made(store: SqlStore, id: str) -> list[FurtherTest]:
     """Return the further tests that a diagnosis has run, as another one takes them."""
     changes = store.diagnoses.get(id).follow_ups
     ids = [store.diagnoses.entry(id).inputs[f"follow_up_{n}"] for n in range(1, len(changes) + 1)]
-    return [{"measurement_id": m, "changed": dict(c)} for m, c in zip(ids, changes, strict=True)]
+    return [FurtherTest(m, dict(c)) for m, c in zip(ids, changes, strict=True)]
 
 
 class Sealed:
@@ -107,11 +102,11 @@ def test_the_truth_is_shut_away_whenever_something_is_found_out(
     def watched(*given: Any, **more: Any) -> Any:
         store.truths = Sealed()  # type: ignore[assignment]
         calls.append(len(more["follow_ups"]))
-        found = diagnose(*given, **more)
+        found = diagnose_with_options(*given, **more)
         store.truths = shelf
         return found
 
-    monkeypatch.setattr(diagnosing, "diagnose", watched)
+    monkeypatch.setattr(diagnosing, "diagnose_with_options", watched)
     diagnosed(store, "found", act=True)
     assert calls == [0, 1]  # once with the first test, once with the further one
     assert store.diagnoses.get("found").steps[0].effect.kind == "extra_mass"
@@ -152,7 +147,7 @@ def test_a_process_without_any_truth_finds_the_same(place: StorePlace, tmp_path:
     apart = prepared(folder)
     bare = open_store(apart)
     bare.structures.add(model(), owner="me", id="model")
-    for id in ("test", follow_ups[0]["measurement_id"]):
+    for id in ("test", follow_ups[0].measurement_id):
         bare.measurements.add(store.measurements.get(id), owner="me", id=id)
     with engine_of(apart).begin() as connection:
         assert connection.execute(sa.select(sa.func.count()).select_from(TRUTHS)).scalar_one() == 0
@@ -187,9 +182,9 @@ def counted(monkeypatch: pytest.MonkeyPatch) -> list[int]:
 
     def watched(*given: Any, **more: Any) -> Any:
         calls.append(len(more["follow_ups"]))
-        return diagnose(*given, **more)
+        return diagnose_with_options(*given, **more)
 
-    monkeypatch.setattr(diagnosing, "diagnose", watched)
+    monkeypatch.setattr(diagnosing, "diagnose_with_options", watched)
     return calls
 
 

@@ -21,6 +21,8 @@ from modallab.fe.synthetic_modes import ModeNoise, synthetic_modes
 from modallab.jobs.book import JobBook
 from modallab.jobs.durable import DurableRunner, JobPlace
 from modallab.jobs.runner import Job, JobState
+from modallab.jobs.studying import StudyInputs
+from modallab.jobs.tasks import STUDY
 from modallab.store.place import StorePlace, engine_of, open_store
 from modallab.store.plain import to_plain
 from modallab.updating.options import TwoStageOptions, UpdateOptions
@@ -145,11 +147,8 @@ def studying(places: Places, seeds: int, options: UpdateOptions) -> dict[str, An
         beam.dofs,
         options,
     )
-    ids = {
-        "structure_id": store.structures.add(beam, owner="me"),
-        "truth_id": store.structures.add(truth, owner="me"),
-    }
-    return ids | {"plan": to_plain(plan)[0]}
+    ids = [store.structures.add(structure, owner="me") for structure in (beam, truth)]
+    return STUDY.arguments(StudyInputs(*ids), plan)
 
 
 def test_the_runs_of_a_study_are_jobs_of_all_workers_and_its_progress_counts_them(places: Places) -> None:

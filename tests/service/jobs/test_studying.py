@@ -14,9 +14,10 @@ from modallab.jobs.book import JobBook
 from modallab.jobs.inline import InlineRunner
 from modallab.jobs.runner import JobState
 from modallab.jobs.settings import JOB
+from modallab.jobs.studying import StudyInputs
+from modallab.jobs.tasks import STUDY
 from modallab.jobs.work import ShareReporter, count_shares, perform, perform_share
 from modallab.store.place import StorePlace, open_store
-from modallab.store.plain import to_plain
 from modallab.updating.options import UpdateOptions
 from modallab.updating.parameterisation import parameterise
 from modallab.updating.studies.plan import NOISE_LEVELS, Division, Level, StudyPlan
@@ -37,11 +38,8 @@ def arguments(place: StorePlace) -> dict[str, Any]:
         tuple(Dof(node, "Y") for node in range(1, 22, 2)),
         UpdateOptions(),
     )
-    ids = {
-        "structure_id": store.structures.add(beam, owner="me"),
-        "truth_id": store.structures.add(truth, owner="me"),
-    }
-    return ids | {"plan": to_plain(plan)[0]}
+    ids = [store.structures.add(structure, owner="me") for structure in (beam, truth)]
+    return STUDY.arguments(StudyInputs(*ids), plan)
 
 
 def test_runs_made_apart_are_gathered_to_the_study_that_one_worker_makes(

@@ -72,13 +72,3 @@ def test_a_method_is_run_as_its_family_is_and_only_coefficients_make_a_structure
     made = {entry.id for entry in store.structures.list(owner="me", limit=9)} - {"model"}
     assert made == ({inputs.pop("updated_structure_id")} if kind is UpdateResult else set())
     assert inputs == {"structure_id": "model", "modal_model_id": "modes"}
-
-
-@pytest.mark.parametrize(
-    ("task", "method"),
-    [("update_directly_and_store", "berman_nagy"), ("locate_and_store", "zhang_subspace")],
-)
-def test_a_job_that_waits_under_the_name_of_before_is_still_done(
-    store: SqlStore, task: str, method: str
-) -> None:
-    assert isinstance(updated(store, task, method), ASKED[method][0])

@@ -10,14 +10,16 @@ import pytest
 
 from modallab.core.dof import Dof
 from modallab.core.errors import CancelledError
+from modallab.diagnosis.options import DiagnosisOptions
 from modallab.fe.catalogued import STRUCTURES
 from modallab.jobs import work
 from modallab.jobs.book import JobBook
 from modallab.jobs.destination import Destination
+from modallab.jobs.diagnosing import DiagnosisInputs
 from modallab.jobs.inline import InlineRunner
 from modallab.jobs.runner import JobState
 from modallab.jobs.settings import JOB
-from modallab.jobs.tasks import TASKS
+from modallab.jobs.tasks import DIAGNOSIS, TASKS
 from modallab.jobs.work import Reporter, perform
 from modallab.rig.analyser import Analyser
 from modallab.rig.hardware import Noise
@@ -127,15 +129,8 @@ def test_a_diagnosis_never_asks_for_the_truth(place: StorePlace) -> None:
     given: Mapping[str, Any] = measuring(place)
     TASKS["measure_and_store"](store, lambda _f, _m: None, Destination("me", "test"), **given)
     store.truths = Sealed()  # type: ignore[assignment]
-    arguments = {
-        "structure_id": given["structure_id"],
-        "measurement_id": "test",
-        "suspects": ["extra_mass"],
-        "hold_out_fraction": 0.25,
-        "hold_out": [],
-        "max_effects": 1,
-        "seed": 0,
-    }
+    inputs = DiagnosisInputs(given["structure_id"], "test")
+    arguments = DIAGNOSIS.arguments(inputs, DiagnosisOptions(suspects=("extra_mass",), max_effects=1))
     TASKS["diagnose_and_store"](store, lambda _f, _m: None, Destination("me", "found"), **arguments)
     found = store.diagnoses.get("found")
     np.testing.assert_array_equal(found.curves.measured.shape[1:], (3, 1))

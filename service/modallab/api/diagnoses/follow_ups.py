@@ -1,6 +1,6 @@
 """Wire types of further tests of the same structure."""
 
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 from pydantic import Field
 
@@ -9,6 +9,7 @@ from modallab.api.wire import Count, DofText, Number, Text, Wire
 from modallab.core.errors import InvalidInputError
 from modallab.diagnosis.predicting.follow_up import FollowUp
 from modallab.fe.structure import Structure
+from modallab.jobs.diagnosing import FurtherTest
 from modallab.rig.change import Change
 from modallab.store.base import Store
 
@@ -51,9 +52,9 @@ class FollowUpIn(Wire):
     measurement_id: Id
     changed: ChangedIn = ChangedIn()
 
-    def to_arguments(self) -> dict[str, Any]:
+    def to_domain(self) -> FurtherTest:
         """Return the measurement and the change as a task takes them."""
-        return {"measurement_id": self.measurement_id, "changed": self.changed.to_domain().plain}
+        return FurtherTest(self.measurement_id, self.changed.to_domain().plain)
 
 
 def check_follow_ups(

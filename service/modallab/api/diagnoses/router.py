@@ -18,6 +18,7 @@ from modallab.api.shelves import add_routes
 from modallab.diagnosis.predicting.comparability import check_comparable
 from modallab.diagnosis.reporting.report import report
 from modallab.diagnosis.residuals.random_error import check_random_error_known
+from modallab.jobs.tasks import DIAGNOSIS
 
 # The page holds all it shows: it may load nothing and run nothing.
 _STATIC = {"Content-Security-Policy": "default-src 'none'; style-src 'unsafe-inline'; img-src data:"}
@@ -44,9 +45,9 @@ def start_diagnosis(
     structure = store.structures.get(body.structure_id)
     check_comparable(structure, measurement)
     check_random_error_known(replace(measurement, noise_floor=body.noise_floor))
-    arguments = body.to_arguments(structure)
+    inputs, options = body.to_task(structure)
     check_follow_ups(store, structure, body.measurement_id, body.follow_ups, act=body.act)
-    return JobOut.of(jobs.submit("diagnose_and_store", arguments, owner=owner))
+    return JobOut.of(jobs.submit(DIAGNOSIS.name, DIAGNOSIS.arguments(inputs, options), owner=owner))
 
 
 @router.get("/{id}", summary="Get a diagnosis", response_model=DiagnosisReply)

@@ -21,6 +21,7 @@ from modallab.api.thinning import Points
 from modallab.interchange import frf_text, hdf5, uff
 from modallab.interchange.reading import read_measurement
 from modallab.interchange.settings import FRF_TEXT_FILE
+from modallab.jobs.tasks import MEASUREMENT
 from modallab.store.codec import arrays_of
 
 router = APIRouter(prefix="/measurements", tags=["measurements"])
@@ -56,7 +57,8 @@ def start_measurement(
 ) -> JobOut:
     """Start a job that measures the FRFs of a structure on a rig."""
     structure, setup = store.structures.get(body.structure_id), store.rigs.get(body.rig_id)
-    return JobOut.of(jobs.submit("measure_and_store", body.to_arguments(structure, setup), owner=owner))
+    arguments = MEASUREMENT.arguments(*body.to_task(structure, setup))
+    return JobOut.of(jobs.submit(MEASUREMENT.name, arguments, owner=owner))
 
 
 @router.post("/import", status_code=status.HTTP_201_CREATED, summary="Import a measurement")

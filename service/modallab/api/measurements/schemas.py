@@ -10,12 +10,12 @@ from modallab.api.thinning import MOST_JSON, thinned
 from modallab.api.wire import Effects, EntryOut, Reply, Seed, Wire, effect_out
 from modallab.core.errors import InvalidInputError
 from modallab.fe.structure import Structure
+from modallab.jobs.measuring import MeasurementInputs, MeasurementOptions
 from modallab.rig.effect import build
 from modallab.rig.measure import Route
 from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
 from modallab.store.base import Entry, Truth
-from modallab.store.plain import to_plain
 
 
 class MeasurementStart(Wire):
@@ -32,8 +32,8 @@ class MeasurementStart(Wire):
     seed: Seed = 0
     """seed of the random numbers"""
 
-    def to_arguments(self, structure: Structure, setup: RigSetup) -> dict[str, Any]:
-        """Return the task's arguments, checked as far as can be before the work.
+    def to_task(self, structure: Structure, setup: RigSetup) -> tuple[MeasurementInputs, MeasurementOptions]:
+        """Return the task's inputs and options, checked as far as can be before the work.
 
         Raises
         ------
@@ -48,13 +48,8 @@ class MeasurementStart(Wire):
         for effect in [*effects, *(build(spec) for spec in (*structure.effects, *setup.effects))]:
             effect.check(structure, setup)
         specs = tuple(effect.spec for effect in effects)
-        return {
-            "structure_id": self.structure_id,
-            "rig_id": self.rig_id,
-            "effects": to_plain(specs)[0],
-            "route": self.route.value,
-            "seed": self.seed,
-        }
+        options = MeasurementOptions(specs, self.route, self.seed)
+        return MeasurementInputs(self.structure_id, self.rig_id), options
 
 
 class MeasurementOut(EntryOut):

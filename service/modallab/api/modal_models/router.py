@@ -33,6 +33,7 @@ from modallab.core.modal_model import ModalModel
 from modallab.interchange import uff_modes
 from modallab.interchange.reading import read_modal_model
 from modallab.jobs.extracting import picture_of, resynthesised
+from modallab.jobs.tasks import EXTRACTION
 from modallab.store.base import Store
 
 router = APIRouter(prefix="/modal-models", tags=["modal_models"])
@@ -56,7 +57,7 @@ def start_modal_model(
 ) -> JobOut:
     """Start a job that extracts modes from a measurement."""
     store.measurements.check(body.measurement_id)
-    return JobOut.of(jobs.submit("extract_and_store", body.to_arguments(), owner=owner))
+    return JobOut.of(jobs.submit(EXTRACTION.name, EXTRACTION.arguments(*body.to_task()), owner=owner))
 
 
 def _stored(model: ModalModel, store: Store, owner: str) -> ModalModelOut:

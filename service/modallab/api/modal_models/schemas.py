@@ -1,7 +1,7 @@
 """Wire types of modal models."""
 
 from collections.abc import Sequence
-from typing import Annotated, Any, Literal
+from typing import Annotated, Literal
 
 import numpy as np
 from pydantic import Field
@@ -15,7 +15,7 @@ from modallab.core.errors import InvalidInputError
 from modallab.core.modal_model import ModalModel, Mode
 from modallab.extraction.method_options import OPTIONS, options_type
 from modallab.fe.synthetic_modes import Distribution, ModeNoise
-from modallab.store.plain import to_plain
+from modallab.jobs.extracting import ExtractionInputs, ExtractionRequest
 
 
 class ModeNoiseIn(Wire):
@@ -91,17 +91,22 @@ class ModalModelStart(Wire):
         False, description="take what an exponential window added out of the loss factors"
     )
 
-    def to_arguments(self) -> dict[str, Any]:
-        """Return the task's arguments, checked as far as can be before the work.
+    def to_task(self) -> tuple[ExtractionInputs, ExtractionRequest]:
+        """Return the task's inputs and options, checked as far as can be before the work.
 
         Raises
         ------
         InvalidInputError
             If the method is unknown, or cannot do what is asked of it.
         """
-        options = options_from(options_type(self.method), self.options)
-        arguments = self.model_dump(mode="json", exclude={"options"}) | {"options": to_plain(options)[0]}
-        return arguments | {"bands": None if self.bands == "auto" else self.bands}
+        request = ExtractionRequest(
+            method=self.method,
+            options=options_from(options_type(self.method), self.options),
+            bands=None if self.bands == "auto" else tuple(self.bands),
+            n_modes=self.n_modes,
+            correct_window_damping=self.correct_window_damping,
+        )
+        return ExtractionInputs(self.measurement_id), request
 
 
 Complex = Number | tuple[Number, Number]

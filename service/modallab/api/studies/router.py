@@ -12,6 +12,7 @@ from modallab.api.examples import example
 from modallab.api.jobs import JobOut
 from modallab.api.shelves import add_routes
 from modallab.api.studies.schemas import StudyOut, StudyStart, study_arrays
+from modallab.jobs.tasks import STUDY
 from modallab.rig.exact import with_effects
 
 router = APIRouter(prefix="/studies", tags=["studies"])
@@ -34,7 +35,8 @@ def start_study(
 ) -> JobOut:
     """Start a job that runs an updating method on many sets of noisy modes."""
     model, truth = (with_effects(store.structures.get(id)) for id in (body.structure_id, body.truth_id))
-    return JobOut.of(jobs.submit("study_and_store", body.to_arguments(model, truth), owner=owner))
+    arguments = STUDY.arguments(*body.to_task(model, truth))
+    return JobOut.of(jobs.submit(STUDY.name, arguments, owner=owner))
 
 
 @router.get("/{id}", summary="Get a study")

@@ -15,9 +15,9 @@ from modallab.api.wire import EntryOut, ModeCount, Number, Seed, Text, Wire
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.fe.structure import Structure
+from modallab.jobs.studying import StudyInputs
 from modallab.rig.exact import as_modelled
 from modallab.store.base import Entry
-from modallab.store.plain import to_plain
 from modallab.updating.error_location.method import LOCATORS
 from modallab.updating.method import UPDATERS
 from modallab.updating.options import SAMPLING
@@ -83,8 +83,8 @@ class StudyStart(Wire):
         default_factory=dict, validate_default=True, description="options of the method"
     )
 
-    def to_arguments(self, model: Structure, truth: Structure) -> dict[str, Any]:
-        """Return the task's arguments, checked as far as can be before the work.
+    def to_task(self, model: Structure, truth: Structure) -> tuple[StudyInputs, StudyPlan]:
+        """Return the task's inputs and options, checked as far as can be before the work.
 
         Raises
         ------
@@ -110,8 +110,7 @@ class StudyStart(Wire):
         _check_size(plan.n_runs, sum(map(len, true.values())))
         for structure in (model, truth):
             _check_dofs(structure, plan.dofs)
-        ids = {"structure_id": self.structure_id, "truth_id": self.truth_id}
-        return ids | {"plan": to_plain(plan)[0]}
+        return StudyInputs(self.structure_id, self.truth_id), plan
 
     def _parameters(self, macros: Macros) -> ParameterisationIn:
         return ParameterisationIn(macros=macros, parts=self.parts, lower=self.lower, upper=self.upper)

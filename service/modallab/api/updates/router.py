@@ -17,6 +17,7 @@ from modallab.api.updates.posterior import posterior_arrays
 from modallab.api.updates.responses import check_responses
 from modallab.api.updates.schemas import UpdateOut, UpdateStart
 from modallab.core.errors import NotFoundError
+from modallab.jobs.tasks import UPDATE
 from modallab.rig.exact import with_effects
 from modallab.updating.direct.result import DirectResult
 from modallab.updating.method import UpdateResult
@@ -63,12 +64,12 @@ def start_update(
 ) -> JobOut:
     """Start a job that corrects a structure from measured modes or FRFs."""
     structure = with_effects(store.structures.get(body.structure_id))
-    arguments = body.to_arguments(structure)
+    arguments = UPDATE.arguments(*body.to_task(structure))
     if body.modal_model_id is not None:
         store.modal_models.check(body.modal_model_id)
     if body.measurement_id is not None:
         check_responses(structure, store.measurements.get(body.measurement_id), body.noise_floor)
-    return JobOut.of(jobs.submit("update_and_store", arguments, owner=owner))
+    return JobOut.of(jobs.submit(UPDATE.name, arguments, owner=owner))
 
 
 @router.get("/{id}", summary="Get an update")

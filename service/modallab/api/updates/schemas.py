@@ -18,8 +18,8 @@ from modallab.api.updates.responses import ResponsesOut
 from modallab.api.wire import EntryOut, NoiseFloor, Text, Wire
 from modallab.core.errors import InvalidInputError
 from modallab.fe.structure import Structure
+from modallab.jobs.updating import UpdateInputs, UpdateRequest
 from modallab.store.base import Entry
-from modallab.store.plain import to_plain
 from modallab.updating.direct.method import DIRECT_METHODS, EXPANSION, DirectOptions
 from modallab.updating.direct.result import DirectResult
 from modallab.updating.error_location.method import LocationResult
@@ -100,8 +100,8 @@ class UpdateStart(Wire):
         default_factory=dict, validate_default=True, description="options of the method"
     )
 
-    def to_arguments(self, structure: Structure) -> dict[str, Any]:
-        """Return the task's arguments, checked as far as can be before the work.
+    def to_task(self, structure: Structure) -> tuple[UpdateInputs, UpdateRequest]:
+        """Return the task's inputs and options, checked as far as can be before the work.
 
         Raises
         ------
@@ -109,18 +109,16 @@ class UpdateStart(Wire):
             If the method, a part, a member or an option is unknown or out of bounds.
         """
         method_called(self.method)
-        arguments = {"structure_id": self.structure_id, "method": self.method, **self._measured()}
+        inputs = self._inputs()
         if self.method in DIRECT_METHODS:
             refuse(self.model_fields_set & {"parameterisation"}, "a direct method")
-            return arguments | {"options": to_plain(direct_options(self.options))[0]}
+            return inputs, UpdateRequest(self.method, direct_options(self.options))
         options = coefficient_options(self.method, self.options)
-        return arguments | {
-            "parameterisation": to_plain(self.parameterisation.to_domain(structure, self.method))[0],
-            "options": to_plain(options)[0],
-        }
+        parameterisation = self.parameterisation.to_domain(structure, self.method)
+        return inputs, UpdateRequest(self.method, options, parameterisation, self.noise_floor)
 
-    def _measured(self) -> dict[str, Any]:
-        """Return what was measured, by the names of the task's arguments."""
+    def _inputs(self) -> UpdateInputs:
+        """Return the ids of the model and of what was measured."""
         modes = {"modal_model_id": self.modal_model_id}
         responses = {"measurement_id": self.measurement_id, "noise_floor": self.noise_floor}
         on_responses = self.method in RESPONSE_UPDATERS
@@ -131,7 +129,7 @@ class UpdateStart(Wire):
             raise InvalidInputError(
                 f"{self.method} needs a {name}", field=name, value="none", allowed="an id"
             )
-        return wanted
+        return UpdateInputs(self.structure_id, self.modal_model_id, self.measurement_id)
 
 
 class UpdateOut(EntryOut):
