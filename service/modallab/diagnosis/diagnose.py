@@ -132,8 +132,8 @@ def diagnose(
     start = fit(predictor, ())
     # Only now, with the nuisance parameters fitted, do channels with a gross error stand out.
     outliers = outlying_responses(predictor.observed, start.residual) if tolerances != NO_TOLERANCES else ()
-    drawn = {dof.point for dof in held_out_dofs} - {dof.point for dof in hold_out}
-    if {dof.point for dof in outliers} & drawn:
+    chosen_points = {dof.point for dof in held_out_dofs} - {dof.point for dof in hold_out}
+    if {dof.point for dof in outliers} & chosen_points:
         held_out_dofs, _ = select_held_out(
             structure, measurement, hold_out_fraction, hold_out, seed, spared=outliers
         )
@@ -195,11 +195,11 @@ def _predictor(
     )
     all_responses = _with_all_responses([test.setup for test in tests])
     first = first.with_nuisances(nuisance_parameters(tolerances, first.system, all_responses))
-    further = [
+    follow_up_predictors = [
         first.follow_up(test.setup, observed)
         for test, observed in zip(tests[1:], observations[1:], strict=True)
     ]
-    return JointPredictor.of([first, *further]) if further else first
+    return JointPredictor.of([first, *follow_up_predictors]) if follow_up_predictors else first
 
 
 def _with_all_responses(setups: Sequence[RigSetup]) -> RigSetup:

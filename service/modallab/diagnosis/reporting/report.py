@@ -33,7 +33,7 @@ from modallab.diagnosis.reporting.text import (
 from modallab.diagnosis.result import Diagnosis, Rival, Verdict
 from modallab.rig.effect import EFFECTS
 
-MEANING = (
+DEFINITION = (
     "A residual is the logarithm of measured over predicted, divided by its random error, which follows "
     "from the coherence and the number of averages. The gap is the mean squared residual over the frequency "
     "response functions (FRFs) and, where they were measured, the force and response spectra. A gap of 1 "
@@ -87,7 +87,7 @@ def report(diagnosis: Diagnosis, provenance: Mapping[str, str] | None = None) ->
         all_curves(diagnosis.curves, added=added),
         _candidates(diagnosis),
         _tolerances(diagnosis),
-        f"<h2>Definition of the gap</h2>{paragraph(MEANING)}{paragraph(ACCEPTANCE)}",
+        f"<h2>Definition of the gap</h2>{paragraph(DEFINITION)}{paragraph(ACCEPTANCE)}",
         _repetition(diagnosis, provenance or {}),
     ]
     return page(title, parts)

@@ -78,7 +78,7 @@ def propose(
     best: Explanation,
     rivals: Sequence[Explanation],
     *,
-    done: Sequence[Change] = (),
+    previous_changes: Sequence[Change] = (),
     progress: Progress,
 ) -> NextTest | None:
     """Return the cheapest further test that distinguishes an explanation from its rivals, or the best one.
@@ -92,7 +92,7 @@ def propose(
     ----------
     best, rivals
         The named explanation, and those that are not excluded.
-    done
+    previous_changes
         Changes of tests that were done already.
 
     Returns
@@ -103,7 +103,11 @@ def propose(
     first = predictor.tests[0]
     explanations = [best, *rivals]
     information = [_PriorInformation(predictor, explanation) for explanation in explanations]
-    options = [option for option in follow_up_options(first.setup, first.system) if option.change not in done]
+    options = [
+        option
+        for option in follow_up_options(first.setup, first.system)
+        if option.change not in previous_changes
+    ]
     candidates: list[tuple[FollowUpOption, FloatArray]] = []
     for i, option in enumerate(options):
         progress(i / len(options), "simulating further tests")
@@ -169,9 +173,9 @@ class _SimulatedTest:
         best, observed = explanations[0], [self._observation(explanation) for explanation in explanations]
         separations = []
         for r, rival in enumerate(explanations[1:], 1):
-            forth = self._distance(observed[0], best, rival, factors[r], nuisances)
-            back = self._distance(observed[r], rival, best, factors[0], nuisances)
-            separations.append(min(forth, back))
+            forward = self._distance(observed[0], best, rival, factors[r], nuisances)
+            reverse = self._distance(observed[r], rival, best, factors[0], nuisances)
+            separations.append(min(forward, reverse))
         return np.array(separations)
 
     def _observation(self, explanation: Explanation) -> Observed:

@@ -14,13 +14,13 @@ from modallab.rig.change import Change
 
 
 def next_test(
-    predictor: Predictor, path: SearchPath, done: Sequence[Change], progress: Progress
+    predictor: Predictor, path: SearchPath, previous_changes: Sequence[Change], progress: Progress
 ) -> NextTest | None:
     """Return the test that distinguishes the named effects from their rivals; None if no rival is left.
 
     Parameters
     ----------
-    done
+    previous_changes
         Changes of the further tests that the path explains already.
     """
     nearest = sorted(_rivals(predictor, path), key=lambda rival: rival[0])[: RIVALS.max_rivals]
@@ -37,7 +37,9 @@ def next_test(
         # The fit of its round is the one that is sought if there is a single effect.
         fitted = rival if len(effects) == 1 else fit(predictor, exchanged)
         rivals.append(Explanation(fitted.effects, kind, fitted.nuisance_position))
-    return propose(predictor, best, rivals, done=done, progress=part(progress, 0.2, 1.0))
+    return propose(
+        predictor, best, rivals, previous_changes=previous_changes, progress=part(progress, 0.2, 1.0)
+    )
 
 
 def _rivals(predictor: Predictor, path: SearchPath) -> Iterator[tuple[float, int, Fit]]:

@@ -41,7 +41,7 @@ def proposed(setup: RigSetup, hidden: Effect, rival: Effect, *, done: tuple[Chan
     """Return the test that is proposed where both explain what one of them did."""
     predictor, _ = predicting(drawn(setup, [hidden]))
     best, other = (Explanation(f.effects, f.effects[0].kind) for f in explained(predictor, hidden, rival))
-    test = propose(predictor, best, [other], done=done, progress=silent)
+    test = propose(predictor, best, [other], previous_changes=done, progress=silent)
     assert test is not None
     assert test.separates == (hidden.kind, rival.kind)
     assert test.expected_separation >= SEPARATION.certain
