@@ -1,1 +1,1 @@
-"""Which effects are missing: first looks, rounds of fits, judgement."""
+"""Search for missing effects: screening, coarse fits, full fits, acceptance."""

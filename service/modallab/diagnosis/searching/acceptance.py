@@ -1,4 +1,4 @@
-"""Whether anything is missing still, and whether an effect that was added explains it."""
+"""Acceptance: whether an effect is missing still, and whether an added effect is significant."""
 
 from collections.abc import Mapping, Sequence
 
@@ -10,28 +10,15 @@ from modallab.core.place import Channels
 from modallab.diagnosis.fitting.fit import Fit, fit
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.residuals.observed import Observed
-from modallab.diagnosis.residuals.residual import (
-    Residual,
-    correlation_lengths,
-    gap_error,
-    gap_errors,
-)
+from modallab.diagnosis.residuals.residual import Residual, correlation_lengths, gap_error, gap_errors
+from modallab.diagnosis.searching.settings import ACCEPTANCE
 from modallab.rig.effect import Effect
 
-BEYOND_DOUBT = 50.0  # difference in BIC that needs no witness, where there can be none
-CONVINCING = 10.0  # difference in BIC that counts as very strong (Kass and Raftery 1995)
-ALIKE = 9.0  # difference in chi-square within which two explanations cannot be told apart
-LINES_APART = 4  # lines of a channel that are held out: every so many
-ROUNDING = 0.1  # difference in BIC of two descriptions of one and the same physics
-CLEAR = 2.0  # standard errors that a parameter keeps from `absent`
-UNTOLD = 0.25  # of its bounds' distance: a standard error of a number that nothing tells
-NEAR_LINES = 8  # lines apart, over which windows and sharp resonances spread a random number
-TOLD = 2.0  # standard errors of a gap on what was held out that an effect has to close to be told by it
-CHANCE = 3e-5  # probability below which a gap above 1 is not put down to chance: four standard errors
 
-
-def is_noise_only(predictor: Predictor, left: Residual, *, reach: int | None = NEAR_LINES) -> bool:
-    """Return whether every part of the gap is 1 within its scatter, fitted and held out alike.
+def is_noise_only(
+    predictor: Predictor, residual: Residual, *, reach: int | None = ACCEPTANCE.correlated_lines
+) -> bool:
+    """Return whether every part of the gap is 1 within its random error, fitted and held out alike.
 
     Parameters
     ----------
@@ -42,127 +29,145 @@ def is_noise_only(predictor: Predictor, left: Residual, *, reach: int | None = N
     """
     observed = predictor.observed
     for where in (observed.fitted, observed.held_out_mask):
-        errors = gap_errors(observed, left, where, reach=reach)
-        if any(gap > largest_gap_by_chance(errors[part]) for part, gap in left.gaps(where).items()):
+        errors = gap_errors(observed, residual, where, reach=reach)
+        if any(gap > largest_gap_by_chance(errors[part]) for part, gap in residual.gaps(where).items()):
             return False
     return True
 
 
 def largest_gap_by_chance(error: float) -> float:
-    """Return the largest gap that counts as 1, of a gap's random error if nothing is missing.
+    """Return the largest gap that is compatible with noise, by the standard error of a gap.
 
-    A mean of squares is chi-square with 2 / error^2 degrees of freedom: with few of them, as leakage
-    leaves, it reaches further up than a normal number of the same scatter.
+    A mean of squares has a chi-square distribution of 2 / error^2 degrees of freedom: with few of them, as
+    under leakage, its upper tail is longer than that of a normal distribution.
     """
     freedom = 2 / error**2
-    return float(chi2.isf(CHANCE, freedom) / freedom)
+    return float(chi2.isf(ACCEPTANCE.gap_probability, freedom) / freedom)
 
 
 def ranked_by_bic(fits: Sequence[Fit]) -> list[Fit]:
-    """Return fits by BIC; of those that differ by rounding alone what belongs to the rig comes first.
+    """Return fits by BIC; of those that describe the same physics effects of the rig come first.
 
-    A rig is changed from test to test, a model is not: the likelier place for what was forgotten.
+    A rig changes from test to test, a model does not: an omission there is the likelier one.
     """
     bic = dict(zip(map(id, fits), _criteria(fits), strict=True))
-    order = sorted(fits, key=lambda one: bic[id(one)])
-    tied = [one for one in order if bic[id(one)] - bic[id(order[0])] < ROUNDING]
-    return sorted(tied, key=lambda one: one.effects[-1].structural) + order[len(tied) :]
+    order = sorted(fits, key=lambda candidate: bic[id(candidate)])
+    lowest = bic[id(order[0])]
+    equal = [candidate for candidate in order if bic[id(candidate)] - lowest < ACCEPTANCE.same_physics_bic]
+    return sorted(equal, key=lambda candidate: candidate.effects[-1].structural) + order[len(equal) :]
 
 
 def _criteria(fits: Sequence[Fit]) -> list[float]:
-    """Return the BIC of each fit; of one with a number more than another it lies no lower than that is told.
+    """Return the BIC of each fit, bounded from below for an effect that extends another fitted one.
 
-    Where power leaks, chi-square takes what goes together over many lines for many witnesses: a loss that
-    is two standard errors from none may seem beyond doubt. Standard errors know how lines go together.
+    Under leakage chi-square counts correlated lines as independent: a loss of two standard errors may seem
+    decisive. The standard error of the additional parameter includes the correlation of lines, so the gain
+    over the reduced model is at most the square of its significance.
     """
-    return [one.bic if (least := _least(one, fits)) is None else max(one.bic, least) for one in fits]
+    bounds = [_lower_bound(candidate, fits) for candidate in fits]
+    return [
+        candidate.bic if bound is None else max(candidate.bic, bound)
+        for candidate, bound in zip(fits, bounds, strict=True)
+    ]
 
 
-def _least(one: Fit, fits: Sequence[Fit]) -> float | None:
-    if (simpler := one.effects[-1].reduced_model() if one.effects else None) is None:
+def _lower_bound(candidate: Fit, fits: Sequence[Fit]) -> float | None:
+    """Return the lower bound of a BIC, see `_criteria`; None if no reduced model was fitted."""
+    reduced = candidate.effects[-1].reduced_model() if candidate.effects else None
+    if reduced is None:
         return None
-    effect, more = simpler
-    plain = next((f for f in fits if f.effects and _same(f.effects[-1], effect)), None)
+    effect, parameter = reduced
+    plain = next((f for f in fits if f.effects and _same_place(f.effects[-1], effect)), None)
     if plain is None:
         return None
-    errors, values = one.errors[-1], one.effects[-1].parameters
-    away = {name: abs(values[name]) / error if error > 0 else np.inf for name, error in errors.items()}
-    if any(far < CLEAR for name, far in away.items() if name != more):
-        return None  # only a product of its numbers may be told, of which the error of one knows nothing
-    told = one.correlation_length * away[more] ** 2
-    penalty = (one.bic - one.chi_square) - (plain.bic - plain.chi_square)
-    # Far from nothing a standard error tells that there is something, and not how much worse nothing is.
-    return float(plain.bic + penalty - told) if told < penalty + CONVINCING else None
+    errors, values = candidate.errors[-1], candidate.effects[-1].parameters
+    significance = {
+        name: abs(values[name]) / error if error > 0 else np.inf for name, error in errors.items()
+    }
+    others = (value for name, value in significance.items() if name != parameter)
+    if any(value < ACCEPTANCE.min_significance for value in others):
+        return None  # the data may determine only a product of its parameters, not the error of one
+    gain = candidate.correlation_length * significance[parameter] ** 2
+    penalty = (candidate.bic - candidate.chi_square) - (plain.bic - plain.chi_square)
+    # Far from zero a standard error shows that the parameter is nonzero, not how much worse zero is.
+    return float(plain.bic + penalty - gain) if gain < penalty + ACCEPTANCE.very_strong_bic else None
 
 
-def _same(one: Effect, other: Effect) -> bool:
-    return one.kind == other.kind and one.at == other.at
+def _same_place(first: Effect, second: Effect) -> bool:
+    return first.kind == second.kind and first.at == second.at
 
 
-def is_significant(predictor: Predictor, before: Fit, after: Fit) -> bool:
-    """Return whether an added effect is convincing: by BIC, on what was held out, and by its size."""
+def is_significant(predictor: Predictor, previous: Fit, candidate: Fit) -> bool:
+    """Return whether an added effect is significant: by BIC, on held-out data, and by its amount."""
     observed = predictor.observed
-    likelier = (before.bic - after.bic) / variance_inflation(predictor, after)
-    if likelier < CONVINCING:
+    gain = (previous.bic - candidate.bic) / variance_inflation(predictor, candidate)
+    if gain < ACCEPTANCE.very_strong_bic:
         return False
-    effect = after.effects[-1]
-    # Of distortion in bursts the size may be known to a factor only: likelihood alone tells that it is there.
-    if not effect.intermittent and not is_nonzero(effect, after.errors[-1]):
+    effect = candidate.effects[-1]
+    # The size of distortion in bursts may be known to a factor only: its BIC decides alone.
+    if not effect.intermittent and not is_nonzero(effect, candidate.errors[-1]):
         return False
     where = observed.held_out_mask
-    alone = _known_to_no_other(observed, effect)
-    if alone is None and observed.held_out.any() and not _tells(observed, before, after, where):
-        alone = np.ones(len(observed.outputs), bool)
-    if alone is not None:
-        # No other FRF can bear it out: it has to predict lines of its own that it was not fitted to.
-        predictor = predictor.without_lines(LINES_APART).with_nuisances_at(after.nuisance_position)
-        where = observed.usable & predictor.observed.held_out_lines[:, None] & alone
-        after = fit(predictor, after.effects)
-        if likelier > BEYOND_DOUBT and not _tells(observed, before, after, where):
-            return True  # as hum that is in one line or two
-    held_before, held_after = (f.residual.gap(where) for f in (before, after))
-    return held_after < held_before - gap_error(observed, after.residual, where)
+    channels = _untested_channels(observed, effect)
+    if (
+        channels is None
+        and observed.held_out.any()
+        and not _is_testable(observed, previous, candidate, where)
+    ):
+        channels = np.ones(len(observed.outputs), bool)
+    if channels is not None:
+        # No held-out FRF tests the effect: it has to predict held-out lines of its own channels.
+        predictor = predictor.without_lines(ACCEPTANCE.validation_lines)
+        predictor = predictor.with_nuisances_at(candidate.nuisance_position)
+        where = observed.usable & predictor.observed.held_out_lines[:, None] & channels
+        candidate = fit(predictor, candidate.effects)
+        if gain > ACCEPTANCE.decisive_bic and not _is_testable(observed, previous, candidate, where):
+            return True  # as hum, which is in one line or two
+    previous_gap, gap = (f.residual.gap(where) for f in (previous, candidate))
+    return gap < previous_gap - gap_error(observed, candidate.residual, where)
 
 
 def is_nonzero(effect: Effect, errors: Mapping[str, float]) -> bool:
-    """Return whether the amount of an effect is told from none by its standard error.
+    """Return whether the amount of an effect differs from its neutral value by its standard error.
 
-    Where another of its own numbers is not told at all, as an angle by motions along one axis alone, the
-    amount is no better told, though both together may be beyond doubt: that is left to the likelihood.
+    Where another parameter of the effect is undetermined, as an angle by motions along one axis alone, so
+    is the amount, though both together may be decisive: then BIC decides alone.
     """
     specs = effect.specs().items()
-    if any(s.absent is None and errors[name] > UNTOLD * (s.upper - s.lower) for name, s in specs):
+    undetermined = ACCEPTANCE.undetermined
+    if any(s.absent is None and errors[name] > undetermined * (s.upper - s.lower) for name, s in specs):
         return True
     amounts = (
         (effect.parameters[name] - s.absent, errors[name]) for name, s in specs if s.absent is not None
     )
-    return all(abs(away) >= CLEAR * error for away, error in amounts)
+    return all(abs(amount) >= ACCEPTANCE.min_significance * error for amount, error in amounts)
 
 
-def _known_to_no_other(observed: Observed, effect: Effect) -> BoolArray | None:
-    """Return the channels (n_out,) an effect acts on, if it leaves all that are held out as they were."""
+def _untested_channels(observed: Observed, effect: Effect) -> BoolArray | None:
+    """Return the channels (n_out,) that an effect acts on; None unless it leaves all held-out ones alone."""
     if not isinstance(effect.at, Channels):
         return None
-    alone = np.array([effect.acts_on(dof) for dof in observed.outputs])
-    held = observed.held_out
-    return alone if held.any() and not (alone & held).any() else None
+    channels = np.array([effect.acts_on(dof) for dof in observed.outputs])
+    held_out = observed.held_out
+    return channels if held_out.any() and not (channels & held_out).any() else None
 
 
-def _tells(observed: Observed, before: Fit, after: Fit, where: BoolArray) -> bool:
-    """Return whether what was held out tells if an effect is there: it would show in it."""
-    change = before.residual.vector(where) - after.residual.vector(where)
-    return float(change @ change) > TOLD * gap_error(observed, after.residual, where) * len(change)
+def _is_testable(observed: Observed, previous: Fit, candidate: Fit, where: BoolArray) -> bool:
+    """Return whether held-out data test an effect: it changes their residuals beyond the random error."""
+    change = previous.residual.vector(where) - candidate.residual.vector(where)
+    error = gap_error(observed, candidate.residual, where)
+    return float(change @ change) > ACCEPTANCE.held_out_significance * error * len(change)
 
 
 def variance_inflation(predictor: Predictor, best: Fit) -> float:
-    """Return by how much chi-square overstates a difference: correlated lines, or an incomplete model."""
+    """Return the variance inflation of chi-square: by correlated lines and by an incomplete model."""
     observed = predictor.observed
     lines = max(correlation_lengths(observed, best.residual).values())
     return lines * max(1.0, best.chi_square / best.n_data)
 
 
 def model_probabilities(predictor: Predictor, fits: Sequence[Fit]) -> list[float]:
-    """Return the share of belief of each fit among all, by BIC."""
+    """Return the probability of each fit among all, by BIC."""
     scale = variance_inflation(predictor, fits[0])
     bic = np.array(_criteria(fits))
     weight = np.exp(-0.5 * (bic - bic.min()) / scale)

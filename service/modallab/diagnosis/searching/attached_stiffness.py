@@ -1,4 +1,4 @@
-"""What sizes of an effect hang on a structure, all at once."""
+"""Dynamic stiffness that effects attach to a structure, for all values of a kind at once."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -7,122 +7,127 @@ from operator import is_
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.core.numerics import COMPARISON_ROUNDING
 from modallab.fe.attachment import Attachment, dynamic_stiffnesses
 from modallab.rig.effect import Effect
 from modallab.rig.run import Run
 
-ROUNDING = 1e-9  # of the largest singular value
-
-Own = tuple[Attachment, ...]
+Attachments = tuple[Attachment, ...]
 
 
 @dataclass(frozen=True, eq=False)
-class _Known:
-    """The first and the last of some sizes, and the stiffness of all, in the terms of their own motions."""
+class _CachedStiffness:
+    """Attachments of the first and the last value, and the stiffness of all, in their own coordinates."""
 
-    ends: list[Own]
+    ends: list[Attachments]
     stiffness: ComplexArray  # (n_variants, n_freq, r, r)
 
-    def same(self, ends: list[Own]) -> bool:
-        """Return whether elsewhere the same hangs there, but for the motions that it hangs on."""
-        return [_numbers(own) for own in ends] == [_numbers(own) for own in self.ends]
+    def matches(self, ends: list[Attachments]) -> bool:
+        """Return whether the attachments at another place are equal, but for the motions they act on."""
+        return [_signature(attachments) for attachments in ends] == [
+            _signature(attachments) for attachments in self.ends
+        ]
 
 
-def _numbers(own: Own) -> list[tuple[object, ...]]:
-    return [(a.columns.shape[1], a.inner, *a.key[2:]) for a in own]
+def _signature(attachments: Attachments) -> list[tuple[object, ...]]:
+    return [(a.columns.shape[1], a.inner, *a.key[2:]) for a in attachments]
 
 
 class AttachedStiffness:
-    """What effects hang on the structure of a run.
+    """Attachments of effects to the structure of a run.
 
-    Of a kind at many places the first and the last size tell whether those between are known from before:
-    what a size hangs there depends on the place by its motions and, of a member, by its own matrices.
+    The stiffness of a kind is cached by its first and last value: at another place with equal attachments
+    it differs in the motions it acts on alone. Members of different matrices have different attachments.
     """
 
     def __init__(self, run: Run, omega: FloatArray) -> None:
         self._run, self._omega = run, omega
-        self._before: dict[object, _Known] = {}
+        self._cache: dict[object, _CachedStiffness] = {}
 
     def of(self, variants: Sequence[Effect]) -> tuple[FloatArray, ComplexArray] | None:
-        """Return motions (n, r) and the dynamic stiffness of each size there, (n_variants, n_freq, r, r).
+        """Return motions (n, r) and the dynamic stiffness of each value, (n_variants, n_freq, r, r).
 
-        None if one does anything else to the structure, or nothing hangs there at all.
+        None if a value changes the structure in another way, or attaches nothing.
 
         Parameters
         ----------
         variants
             One kind of effect at one place, in several sizes.
         """
-        ends = [self._hung(effect) for effect in (variants[0], variants[-1])]
+        ends = [self._attachments(effect) for effect in (variants[0], variants[-1])]
         first, last = ends
         if first is None or last is None:
             return None
-        name = variants[0].kind, tuple(tuple(one.parameters.items()) for one in variants)
-        known = self._before.get(name)
-        if known is None or not known.same([first, last]):
-            hung = [first, *map(self._hung, variants[1:-1]), *([last] if len(variants) > 1 else [])]
-            own = [one for one in hung if one is not None]
-            if len(own) < len(hung) or not any(own):
+        name = variants[0].kind, tuple(tuple(variant.parameters.items()) for variant in variants)
+        cached = self._cache.get(name)
+        if cached is None or not cached.matches([first, last]):
+            attachments = [
+                first,
+                *map(self._attachments, variants[1:-1]),
+                *([last] if len(variants) > 1 else []),
+            ]
+            complete = [variant for variant in attachments if variant is not None]
+            if len(complete) < len(attachments) or not any(complete):
                 return None
-            if not _alike(own):
-                columns = _span(np.hstack([a.columns for one in own for a in one]))
-                return columns, np.array([self._stiffness(one, columns) for one in own])
-            known = self._before[name] = _Known([first, last], self._together(own))
+            if not _equal_motions(complete):
+                columns = _span(np.hstack([a.columns for variant in complete for a in variant]))
+                return columns, np.array([self._stiffness(variant, columns) for variant in complete])
+            cached = self._cache[name] = _CachedStiffness([first, last], self._block_diagonal(complete))
         columns = np.hstack([a.columns for a in first])
         basis = _span(columns)
         if basis.shape[1] == columns.shape[1]:
-            return columns, known.stiffness
-        seen = basis.T @ columns
-        return basis, seen @ known.stiffness @ seen.T
+            return columns, cached.stiffness
+        transformation = basis.T @ columns
+        return basis, transformation @ cached.stiffness @ transformation.T
 
-    def _hung(self, effect: Effect) -> Own | None:
-        """Return what an effect attaches to the structure; None if it does anything else to it."""
-        before, after = self._run.system, effect.on_system(self._run.system, self._run.acquisition_run)
-        if after.mass is not before.mass or after.stiffness is not before.stiffness:
+    def _attachments(self, effect: Effect) -> Attachments | None:
+        """Return the attachments of an effect; None if it changes the structure in any other way."""
+        system, modified = self._run.system, effect.on_system(self._run.system, self._run.acquisition_run)
+        if modified.mass is not system.mass or modified.stiffness is not system.stiffness:
             return None
-        n = len(before.attachments)
-        kept = len(after.attachments) >= n and all(map(is_, before.attachments, after.attachments))
-        return after.attachments[n:] if kept else None
+        n = len(system.attachments)
+        extended = len(modified.attachments) >= n and all(map(is_, system.attachments, modified.attachments))
+        return modified.attachments[n:] if extended else None
 
-    def _together(self, own: Sequence[Own]) -> ComplexArray:
-        """Return the stiffness of sizes that are alike, in the terms of their motions side by side."""
-        each = [dynamic_stiffnesses(sizes, self._omega) for sizes in zip(*own, strict=True)]
-        if len(each) == 1:
-            return each[0]
-        r = sum(z.shape[-1] for z in each)
-        whole = np.zeros((len(own), len(self._omega), r, r), complex)
+    def _block_diagonal(self, variants: Sequence[Attachments]) -> ComplexArray:
+        """Return the stiffness of values with equal motions, in the coordinates of these side by side."""
+        blocks = [dynamic_stiffnesses(sizes, self._omega) for sizes in zip(*variants, strict=True)]
+        if len(blocks) == 1:
+            return blocks[0]
+        r = sum(block.shape[-1] for block in blocks)
+        whole = np.zeros((len(variants), len(self._omega), r, r), complex)
         start = 0
-        for z in each:
-            stop = start + z.shape[-1]
-            whole[..., start:stop, start:stop] = z
+        for block in blocks:
+            stop = start + block.shape[-1]
+            whole[..., start:stop, start:stop] = block
             start = stop
         return whole
 
-    def _stiffness(self, own: Own, basis: FloatArray) -> ComplexArray:
+    def _stiffness(self, attachments: Attachments, basis: FloatArray) -> ComplexArray:
         """Return the stiffness of attachments in a basis (n, r) of their motions, (n_freq, r, r)."""
         total = np.zeros((len(self._omega), basis.shape[1], basis.shape[1]), complex)
-        for a in own:
-            seen = basis.T @ a.columns
-            total += seen @ a.dynamic_stiffness(self._omega) @ seen.T
+        for a in attachments:
+            transformation = basis.T @ a.columns
+            total += transformation @ a.dynamic_stiffness(self._omega) @ transformation.T
         return total
 
 
-def _alike(own: Sequence[Own]) -> bool:
-    """Return whether sizes hang on the same motions, with as many coordinates."""
-    first = own[0]
+def _equal_motions(variants: Sequence[Attachments]) -> bool:
+    """Return whether all values act on the same motions, with as many coordinates."""
+    first = variants[0]
     return all(
-        len(one) == len(first)
+        len(variant) == len(first)
         and all(
             a.inner == b.inner and np.array_equal(a.columns, b.columns)
-            for a, b in zip(one, first, strict=True)
+            for a, b in zip(variant, first, strict=True)
         )
-        for one in own[1:]
+        for variant in variants[1:]
     )
 
 
 def _span(columns: FloatArray) -> FloatArray:
-    """Return an orthonormal basis (n, r) of columns that may be many times the same few."""
+    """Return an orthonormal basis (n, r) of columns that may be linearly dependent."""
     if columns.shape[1] == 1:
         return np.asarray(columns / np.linalg.norm(columns))
     sides, sizes, _ = np.linalg.svd(columns, full_matrices=False)
-    return np.asarray(sides[:, sizes > ROUNDING * sizes[0]])
+    return np.asarray(sides[:, sizes > COMPARISON_ROUNDING * sizes[0]])

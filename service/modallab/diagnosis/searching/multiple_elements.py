@@ -1,42 +1,39 @@
-"""Several wrong elements as one explanation: whether it holds, and what else might stand in for each."""
+"""Several wrong elements as one explanation: acceptance, and the rivals of each."""
 
 from dataclasses import replace
 
 from modallab.core.progress import Progress, part
 from modallab.diagnosis.fitting.fit import Fit, fit
 from modallab.diagnosis.predicting.predictor import Predictor
-from modallab.diagnosis.searching.acceptance import (
-    CONVINCING,
-    is_noise_only,
-    is_nonzero,
-    variance_inflation,
-)
+from modallab.diagnosis.searching.acceptance import is_noise_only, is_nonzero, variance_inflation
 from modallab.diagnosis.searching.search_path import AcceptedEffect, SearchPath, kind_and_place
 from modallab.diagnosis.searching.search_round import Suspects, fit_candidates
+from modallab.diagnosis.searching.settings import ACCEPTANCE, MULTIPLE_ELEMENTS, SEARCH
 from modallab.diagnosis.searching.wrong_elements import wrong_elements
 from modallab.rig.effect import Effect
-
-PAIR = 2  # effects up to which an explanation is as simple as what is looked for first
-FEIGNED = 0.02  # change of a factor below which three or more of them may only feign another cause
 
 
 def multiple_elements(
     predictor: Predictor, best: Fit, suspects: Suspects, *, max_effects: int, progress: Progress
 ) -> Fit | None:
-    """Return the fit of few effects at elements that leave only noise, held out or not; None if none do.
+    """Return the fit of a few effects at elements that leave only noise, held out or not; None if none do.
 
     Parameters
     ----------
     best
-        What a single effect explains best: they have to be worth their number beside it.
+        The best fit of a single effect, which they have to improve significantly.
     """
-    found = wrong_elements(predictor.with_nuisances_at(best.starting_position), suspects.effects, progress)
-    if not 0 < len(found) <= max_effects or (len(found) > PAIR and min(map(_change, found)) < FEIGNED):
+    predictor_near = predictor.with_nuisances_at(best.starting_position)
+    elements = wrong_elements(predictor_near, suspects.effects, progress)
+    if not 0 < len(elements) <= max_effects:
         return None
-    fitted = fit(predictor.with_nuisances_at(best.starting_position), found)
-    worth = best.bic - fitted.bic > CONVINCING * variance_inflation(predictor, fitted)
-    clear = all(map(is_nonzero, fitted.effects, fitted.errors))
-    return fitted if worth and clear and is_noise_only(predictor, fitted.residual) else None
+    if len(elements) > SEARCH.pair and min(map(_change, elements)) < MULTIPLE_ELEMENTS.min_change:
+        return None
+    candidate = fit(predictor_near, elements)
+    gain = best.bic - candidate.bic
+    significant = gain > ACCEPTANCE.very_strong_bic * variance_inflation(predictor, candidate)
+    nonzero = all(map(is_nonzero, candidate.effects, candidate.errors))
+    return candidate if significant and nonzero and is_noise_only(predictor, candidate.residual) else None
 
 
 def _change(effect: Effect) -> float:
@@ -44,23 +41,23 @@ def _change(effect: Effect) -> float:
 
 
 def verify(
-    predictor: Predictor, start: Fit, found: Fit, suspects: Suspects, progress: Progress
+    predictor: Predictor, start: Fit, elements: Fit, suspects: Suspects, progress: Progress
 ) -> SearchPath:
-    """Return effects that were found together as a path, each with what might take its place.
+    """Return effects that were found together as a path, each with its rivals.
 
-    That is looked for with the others in the matrices, where they cost nothing, among what has no more
-    numbers: anything else is the worse explanation at best.
+    Rivals of one effect are sought with the other effects folded into the matrices, where they cost
+    nothing, among suspects with at most one parameter: any other rival is the worse explanation.
     """
-    predictor = predictor.with_nuisances_at(found.nuisance_position)
+    predictor = predictor.with_nuisances_at(elements.nuisance_position)
     simple = replace(suspects, effects=[e for e in suspects.effects if len(e.specs()) <= 1])
-    names = [kind_and_place(effect) for effect in found.effects]
+    names = [kind_and_place(effect) for effect in elements.effects]
     steps: list[AcceptedEffect] = []
-    for i, effect in enumerate(found.effects):
-        round_ = part(progress, i / len(names), (i + 1) / len(names))
-        others = tuple(e for j, e in enumerate(found.effects) if j != i)
-        beside = predictor.folded_into_matrices(others)
-        rivals = fit_candidates(beside, fit(beside, ()), simple, progress=round_)
-        own = fit(predictor, (*others, effect))
-        tried = (own, *(one for one in rivals if kind_and_place(one.effects[-1]) not in names))
-        steps.append(AcceptedEffect(names[i], start, own, tried))
+    for i, effect in enumerate(elements.effects):
+        stage = part(progress, i / len(names), (i + 1) / len(names))
+        others = tuple(e for j, e in enumerate(elements.effects) if j != i)
+        folded = predictor.folded_into_matrices(others)
+        rivals = fit_candidates(folded, fit(folded, ()), simple, progress=stage)
+        accepted = fit(predictor, (*others, effect))
+        rivals = [rival for rival in rivals if kind_and_place(rival.effects[-1]) not in names]
+        steps.append(AcceptedEffect(names[i], start, accepted, (accepted, *rivals)))
     return SearchPath(start, tuple(steps))

@@ -1,52 +1,49 @@
-"""What a first look at a hypothesis leaves unexplained, as one number."""
+"""Robust cost of a candidate on coarse predictions."""
 
 import numpy as np
 
 from modallab.core.arrays import FloatArray
 from modallab.diagnosis.predicting.coarse_prediction import CoarsePrediction
 from modallab.diagnosis.residuals.residual import inflation_weights
-
-NOISE_INFLATIONS = (0.0, 0.03, 0.3)  # from residuals of the size of noise to modes that sit elsewhere
-TOGETHER = 4  # numbers whose logarithms are taken as one of their product, which does not overflow yet
-HEAVY_TAIL = 9.0  # squared residual beyond which a line only says "wrong", not how wrong
+from modallab.diagnosis.searching.settings import LOSS
 
 
-class Costs:
-    """Saturating sums of squares of residuals, at every widening of their random errors.
+class RobustCost:
+    """Cauchy loss of residuals at every noise inflation, nuisance parameters projected out first."""
 
-    What could be explained by numbers that are a little off, within their tolerances, is taken out first.
-    """
-
-    def __init__(self, glimpses: CoarsePrediction) -> None:
-        observed = glimpses.observed
-        self._cleared = glimpses.project_out
-        self._weights = [inflation_weights(observed, observed.fitted, widen) for widen in NOISE_INFLATIONS]
+    def __init__(self, prediction: CoarsePrediction) -> None:
+        observed = prediction.observed
+        self._project_out = prediction.project_out
+        self._weights = [inflation_weights(observed, observed.fitted, w) for w in LOSS.noise_inflations]
 
     def project_out(self, vectors: FloatArray) -> FloatArray:
         """Return residuals of unit variance without nuisances; see `CoarsePrediction.project_out`."""
-        return self._cleared(vectors, 0.0)
+        return self._project_out(vectors, 0.0)
 
     def of(self, vectors: FloatArray) -> FloatArray:
-        """Return the cost (..., n_widenings) of residuals (..., n_residuals) of unit variance."""
-        looks = zip(self._weights, NOISE_INFLATIONS, strict=True)
-        squares = [self._cleared(vectors * weights, widen) ** 2 for weights, widen in looks]
-        return np.stack([cauchy_loss(one) for one in squares], axis=-1)
+        """Return the cost (..., n_inflations) of residuals (..., n_residuals) of unit variance."""
+        inflations = zip(self._weights, LOSS.noise_inflations, strict=True)
+        squares = [self._project_out(vectors * weights, w) ** 2 for weights, w in inflations]
+        return np.stack([cauchy_loss(square) for square in squares], axis=-1)
 
 
 def cauchy_loss(squares: FloatArray) -> FloatArray:
-    """Return sums (...) of HEAVY_TAIL ln(1 + s / HEAVY_TAIL) over the last axis."""
-    factors = squares / HEAVY_TAIL
+    """Return the Cauchy loss (...): the sum of c ln(1 + s / c) over squares s of the last axis."""
+    length, factors = LOSS.product_length, squares / LOSS.cauchy_scale
     factors += 1
-    n = factors.shape[-1] // TOGETHER
+    n = factors.shape[-1] // length
     product = factors[..., :n].copy()
-    for i in range(1, TOGETHER):
+    for i in range(1, length):
         product *= factors[..., i * n : (i + 1) * n]
-    rest = np.log(factors[..., TOGETHER * n :]).sum(axis=-1)
-    return np.asarray(HEAVY_TAIL * (np.log(product).sum(axis=-1) + rest))
+    remainder = np.log(factors[..., length * n :]).sum(axis=-1)
+    return np.asarray(LOSS.cauchy_scale * (np.log(product).sum(axis=-1) + remainder))
 
 
-def line_minimum_fraction(start: FloatArray, moved: FloatArray) -> float:
-    """Return how far the line from one vector to another falls, 1 at the other; 0 where it rises."""
-    slope = moved - start
-    along = float(slope @ slope)
-    return max(0.0, -float(slope @ start) / along) if along > 0 else 0.0
+def line_minimum_fraction(start: FloatArray, end: FloatArray) -> float:
+    """Return the fraction of the way from one residual vector to another at which the square is least.
+
+    1 at the end; 0 where the square rises from the start.
+    """
+    direction = end - start
+    square = float(direction @ direction)
+    return max(0.0, -float(direction @ start) / square) if square > 0 else 0.0

@@ -1,4 +1,4 @@
-"""A first look at every effect at every place, cheap enough for hundreds of them."""
+"""Scan of every suspect at every place by coarse predictions."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -9,83 +9,94 @@ from modallab.core.arrays import FloatArray
 from modallab.core.progress import Progress, part
 from modallab.diagnosis.predicting.coarse_prediction import CoarsePrediction
 from modallab.diagnosis.residuals.residual import residual
-from modallab.diagnosis.searching.robust_cost import NOISE_INFLATIONS, Costs, line_minimum_fraction
+from modallab.diagnosis.searching.robust_cost import RobustCost, line_minimum_fraction
+from modallab.diagnosis.searching.settings import LOSS, SCAN
 from modallab.diagnosis.searching.shortlist import shortlist
 from modallab.diagnosis.searching.starting_values import local_minima, smallest_amounts, with_amount_scaled
 from modallab.rig.effect import Effect
 
-KEPT = 5  # starts that each widening sends on
-USEFUL = 0.99  # of the cost without it that a kind must come below to be sent on beside those
-
 
 @dataclass(frozen=True)
 class StartingPoint:
-    """An effect at a place with a value from which a fit should start, and how blurred to start it."""
+    """Starting values of a candidate for a coarse fit."""
 
     effect: Effect
-    widening: float
+    """The candidate with its starting values."""
+    noise_inflation: float
+    """Relative error added to every random error at the start."""
 
 
 def scan(
-    glimpses: CoarsePrediction, accepted: Sequence[Effect], suspects: Sequence[Effect], progress: Progress
+    prediction: CoarsePrediction, accepted: Sequence[Effect], suspects: Sequence[Effect], progress: Progress
 ) -> list[StartingPoint]:
-    """Return the starts worth a fit.
+    """Return the starting points of coarse fits.
 
     Parameters
     ----------
-    glimpses
-        First looks round the accepted effects.
+    prediction
+        Coarse predictions of additions to the accepted effects.
     suspects
         One effect for every kind and place.
     """
-    worth = shortlist(glimpses, accepted, suspects, part(progress, 0.0, 0.5))
-    nothing, cost = _vector(glimpses, accepted), Costs(glimpses)
-    cleared = glimpses.project_out(nothing, 0.0)
-    tried: list[list[Effect]] = []
+    listed = shortlist(prediction, accepted, suspects, part(progress, 0.0, 0.5))
+    unmodified, cost = _vector(prediction, accepted), RobustCost(prediction)
+    start = prediction.project_out(unmodified, 0.0)
+    candidates: list[list[Effect]] = []
     costs: list[FloatArray] = []
-    for i, sizes in enumerate(worth):
-        progress(0.5 + 0.5 * i / len(worth), f"scanning {sizes[0].kind}")
-        looked_at, left = _tried(glimpses, accepted, sizes, cleared)
-        tried.append(looked_at)
-        costs.append(cost.of(left))
+    for i, sizes in enumerate(listed):
+        progress(0.5 + 0.5 * i / len(listed), f"scanning {sizes[0].kind}")
+        values, vectors = _predicted(prediction, accepted, sizes, start)
+        candidates.append(values)
+        costs.append(cost.of(vectors))
     chosen: dict[tuple[int, int], StartingPoint] = {}
-    for w, widening in enumerate(NOISE_INFLATIONS):
-        order = sorted(range(len(tried)), key=lambda i: float(costs[i][:, w].min()))
-        # The best place of each kind goes on as well, if it is of any use: no kind is crowded out by many
-        # places of another. So does what acts on all of a model: its narrow valley may lie between values.
-        useful = USEFUL * float(cost.of(nothing)[w])
-        firsts = {
-            (tried[i][0].kind, tried[i][0].at is None): i
-            for i in reversed(order)
-            if float(costs[i][:, w].min()) < useful or (tried[i][0].at is None and tried[i][0].structural)
-        }
-        for i in [*order[:KEPT], *firsts.values()]:
-            for best in local_minima(tried[i], costs[i][:, w]):
-                chosen.setdefault((i, best), StartingPoint(tried[i][best], widening))
+    for w, noise_inflation in enumerate(LOSS.noise_inflations):
+        by_value = [place_costs[:, w] for place_costs in costs]
+        useful_cost = SCAN.useful_cost * float(cost.of(unmodified)[w])
+        for i in _best_places(candidates, by_value, useful_cost):
+            for best in local_minima(candidates[i], by_value[i]):
+                chosen.setdefault((i, best), StartingPoint(candidates[i][best], noise_inflation))
     return list(chosen.values())
 
 
-def _vector(glimpses: CoarsePrediction, effects: Sequence[Effect]) -> FloatArray:
-    """Return the residuals of a first look."""
-    observed = glimpses.observed
-    return residual(observed, glimpses.predict(effects)).vector(observed.fitted)
+def _best_places(
+    candidates: Sequence[list[Effect]], costs: Sequence[FloatArray], useful_cost: float
+) -> list[int]:
+    """Return the places of least cost, and the best place of each kind that is of any use.
+
+    The latter so that many places of one kind displace no other kind. Effects on the whole model are
+    chosen in any case: their narrow minimum may lie between the values of the grid.
+    """
+    lowest = [float(cost.min()) for cost in costs]
+    order = sorted(range(len(candidates)), key=lambda i: lowest[i])
+    first_of_kind = {
+        (candidates[i][0].kind, candidates[i][0].at is None): i
+        for i in reversed(order)
+        if lowest[i] < useful_cost or (candidates[i][0].at is None and candidates[i][0].structural)
+    }
+    return [*order[: SCAN.max_starts], *first_of_kind.values()]
 
 
-def _tried(
-    glimpses: CoarsePrediction, accepted: Sequence[Effect], sizes: Sequence[Effect], start: FloatArray
+def _vector(prediction: CoarsePrediction, effects: Sequence[Effect]) -> FloatArray:
+    """Return the residuals (n_residuals,) of a coarse prediction."""
+    observed = prediction.observed
+    return residual(observed, prediction.predict(effects)).vector(observed.fitted)
+
+
+def _predicted(
+    prediction: CoarsePrediction, accepted: Sequence[Effect], sizes: Sequence[Effect], start: FloatArray
 ) -> tuple[list[Effect], FloatArray]:
-    """Return sizes of an effect at a place and the residuals of each, (n_sizes, n_residuals).
+    """Return values of an effect at a place and the residuals of each, (n_values, n_residuals).
 
     Parameters
     ----------
     start
-        Residuals without any of them, less what tolerances explain.
+        Residuals without the effect, nuisance parameters projected out.
     """
-    tried = list(sizes)
-    found = [_vector(glimpses, [*accepted, effect]) for effect in tried]
-    for i in smallest_amounts(tried):
-        # Where residuals are no larger than noise the best size is smaller than any that is tried.
-        if share := line_minimum_fraction(start, glimpses.project_out(found[i], 0.0)):
-            tried.append(with_amount_scaled(tried[i], share))
-            found.append(_vector(glimpses, [*accepted, tried[-1]]))
-    return tried, np.array(found)
+    values = list(sizes)
+    vectors = [_vector(prediction, [*accepted, effect]) for effect in values]
+    for i in smallest_amounts(values):
+        # Where residuals are no larger than noise the best amount is below any of the grid.
+        if share := line_minimum_fraction(start, prediction.project_out(vectors[i], 0.0)):
+            values.append(with_amount_scaled(values[i], share))
+            vectors.append(_vector(prediction, [*accepted, values[-1]]))
+    return values, np.array(vectors)

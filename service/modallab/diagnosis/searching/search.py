@@ -1,4 +1,4 @@
-"""Adds the effect that explains most, until only random error is left or no effect explains more."""
+"""Forward selection of effects until only random error is left or no effect is significant."""
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
@@ -7,28 +7,21 @@ from itertools import islice
 from modallab.core.progress import Progress, part
 from modallab.diagnosis.fitting.fit import Fit
 from modallab.diagnosis.predicting.predictor import Predictor
-from modallab.diagnosis.searching.acceptance import (
-    CONVINCING,
-    is_noise_only,
-    is_significant,
-    variance_inflation,
-)
-from modallab.diagnosis.searching.multiple_elements import PAIR, multiple_elements, verify
+from modallab.diagnosis.searching.acceptance import is_noise_only, is_significant, variance_inflation
+from modallab.diagnosis.searching.multiple_elements import multiple_elements, verify
 from modallab.diagnosis.searching.search_path import AcceptedEffect, SearchPath, kind_and_place, refine_path
 from modallab.diagnosis.searching.search_round import Suspects, fit_candidates
-
-BRANCHES = 3  # first effects, of as many kinds, that are followed up by a second one
-MUCH = 0.5  # of what was above 1 that an effect leaves at most where a third one is worth looking for
+from modallab.diagnosis.searching.settings import ACCEPTANCE, SEARCH
 
 
 def search(
     predictor: Predictor, start: Fit, suspects: Suspects, *, max_effects: int, progress: Progress
 ) -> SearchPath:
-    """Return the effects that explain the measurement, each better than noise could.
+    """Return the effects that explain the measurement, each of them significant.
 
-    Greedy, all accepted effects fitted together at every step. The first of a pair need not be the one
-    that alone explains most: where it and the best second one are not a full explanation, the best of
-    other kinds are followed up by a second effect too, and the best pair is where the search goes on.
+    Forward selection, all accepted effects fitted together at every step. The first effect of a pair need
+    not be the best single one: unless that one and its best second effect are a full explanation, the best
+    effects of other kinds are followed by a second effect too, and the search continues from the best pair.
 
     Parameters
     ----------
@@ -41,71 +34,86 @@ def search(
     first = fit_candidates(predictor, start, suspects, progress=part(progress, 0.05, 0.25))
     elements = None
     if first and not is_noise_only(predictor, first[0].residual):
-        looking = part(progress, 0.25, 0.3)
-        elements = multiple_elements(predictor, first[0], suspects, max_effects=max_effects, progress=looking)
-    if elements and len(elements.effects) <= PAIR:
-        return refine_path(predictor, verify(predictor, start, elements, suspects, part(progress, 0.3, 0.95)))
-    paths: list[SearchPath] = []
-    for i, (candidate, tried) in enumerate(islice(significant_fits(predictor, start, first), BRANCHES)):
-        name = kind_and_place(candidate.effects[-1])
-        if any(name == step.kind_and_place for path in paths for step in path.steps):
-            continue
-        single = SearchPath(start, (AcceptedEffect(name, start, candidate, tried),))
-        whole = part(progress, 0.3 + 0.15 * i, 0.45 + 0.15 * i)
-        paths.append(_longer(predictor, single, suspects, min(PAIR, max_effects), whole))
-        if max_effects == 1 or is_noise_only(predictor, paths[-1].fit.residual):
-            return refine_path(predictor, paths[-1])
-        if predictor.budget.exhausted:
-            break
-    if elements:  # no pair explains it, so they are worth their number
-        return refine_path(
-            predictor, verify(predictor, start, elements, suspects, part(progress, 0.75, 0.95))
-        )
+        stage = part(progress, 0.25, 0.3)
+        elements = multiple_elements(predictor, first[0], suspects, max_effects=max_effects, progress=stage)
+    if elements and len(elements.effects) <= SEARCH.pair:
+        stage = part(progress, 0.3, 0.95)
+        return refine_path(predictor, verify(predictor, start, elements, suspects, stage))
+    paths = _branches(predictor, start, first, suspects, max_effects, progress)
+    if paths and (max_effects == 1 or is_noise_only(predictor, paths[-1].fit.residual)):
+        return refine_path(predictor, paths[-1])
+    if elements:  # no pair explains the measurement, so that more elements are justified
+        stage = part(progress, 0.75, 0.95)
+        return refine_path(predictor, verify(predictor, start, elements, suspects, stage))
     if not paths:
         return SearchPath(start)
-    best = paths[0]  # unless another is better beyond what chance and an incomplete model feign
+    best = paths[0]  # unless another is better beyond chance and the error of an incomplete model
     for path in paths[1:]:
-        if path.fit.bic < best.fit.bic - CONVINCING * variance_inflation(predictor, best.fit):
+        margin = ACCEPTANCE.very_strong_bic * variance_inflation(predictor, best.fit)
+        if path.fit.bic < best.fit.bic - margin:
             best = path
-    best = _longer(predictor, best, suspects, max_effects, part(progress, 0.75, 0.95))
+    best = _extended(predictor, best, suspects, max_effects, part(progress, 0.75, 0.95))
     return refine_path(predictor, best)
 
 
-def significant_fits(
-    predictor: Predictor, before: Fit, fits: Sequence[Fit]
-) -> Iterator[tuple[Fit, tuple[Fit, ...]]]:
-    """Yield the best fit of each kind that is convincing, in order, with what else its round leaves open.
+def _branches(
+    predictor: Predictor,
+    start: Fit,
+    first: Sequence[Fit],
+    suspects: Suspects,
+    max_effects: int,
+    progress: Progress,
+) -> list[SearchPath]:
+    """Return paths of one or two effects, one for each of the best kinds; the last may leave only noise."""
+    paths: list[SearchPath] = []
+    branches = islice(significant_fits(predictor, start, first), SEARCH.max_branches)
+    for i, (candidate, round_fits) in enumerate(branches):
+        name = kind_and_place(candidate.effects[-1])
+        if any(name == step.kind_and_place for path in paths for step in path.steps):
+            continue
+        single = SearchPath(start, (AcceptedEffect(name, start, candidate, round_fits),))
+        stage = part(progress, 0.3 + 0.15 * i, 0.45 + 0.15 * i)
+        paths.append(_extended(predictor, single, suspects, min(SEARCH.pair, max_effects), stage))
+        if max_effects == 1 or is_noise_only(predictor, paths[-1].fit.residual):
+            break
+        if predictor.budget.exhausted:
+            break
+    return paths
 
-    What explains most but is not told from nothing, or not borne out, hides none of those behind it.
+
+def significant_fits(
+    predictor: Predictor, previous: Fit, fits: Sequence[Fit]
+) -> Iterator[tuple[Fit, tuple[Fit, ...]]]:
+    """Yield the best significant fit of each kind, best first, with the remaining fits of its round.
+
+    A fit that is not significant excludes its kind, not the fits after it.
     """
     best: dict[str, Fit] = {}
-    for one in fits:
-        best.setdefault(one.effects[-1].kind, one)
-    left = tuple(fits)
-    for kind, one in best.items():
-        if is_significant(predictor, before, one):
-            yield one, left
+    for candidate in fits:
+        best.setdefault(candidate.effects[-1].kind, candidate)
+    remaining = tuple(fits)
+    for kind, candidate in best.items():
+        if is_significant(predictor, previous, candidate):
+            yield candidate, remaining
         else:
-            left = tuple(fit for fit in left if fit.effects[-1].kind != kind)
+            remaining = tuple(fit for fit in remaining if fit.effects[-1].kind != kind)
 
 
-def _longer(
+def _extended(
     predictor: Predictor, path: SearchPath, suspects: Suspects, max_effects: int, progress: Progress
 ) -> SearchPath:
-    """Return a path with effects added up to so many, as long as each is convincing and one is missing.
+    """Return a path with effects added, as long as each is significant and one is missing.
 
-    Beyond a second one as long as the last closed much of the gap: what a catalogue lacks can be feigned
-    little by little by many effects, none of which is there.
+    Beyond the second one only if the last closed much of the gap: many effects together can imitate, little
+    by little, one that is not in the catalogue.
     """
-    while len(path.steps) < max_effects and not (
-        path.exhausted or is_noise_only(predictor, path.fit.residual)
-    ):
-        if predictor.budget.exhausted or (
-            len(path.steps) > 1 and not _closes_much(predictor, path.steps[-1])
-        ):
+    while len(path.steps) < max_effects:
+        if path.exhausted or is_noise_only(predictor, path.fit.residual) or predictor.budget.exhausted:
             break
-        found = fit_candidates(predictor, path.fit, suspects, progress=progress)
-        best = next(significant_fits(predictor, path.fit, found), None)
+        if len(path.steps) > 1 and not _closes_much(predictor, path.steps[-1]):
+            break
+        candidates = fit_candidates(predictor, path.fit, suspects, progress=progress)
+        best = next(significant_fits(predictor, path.fit, candidates), None)
         if best is None:
             return replace(path, exhausted=True)
         step = AcceptedEffect(kind_and_place(best[0].effects[-1]), path.fit, *best)
@@ -115,5 +123,5 @@ def _longer(
 
 def _closes_much(predictor: Predictor, step: AcceptedEffect) -> bool:
     where = predictor.observed.fitted
-    before, after = (one.residual.gap(where) - 1 for one in (step.previous_fit, step.fit))
-    return after < MUCH * before
+    previous_excess, excess = (fit.residual.gap(where) - 1 for fit in (step.previous_fit, step.fit))
+    return excess < SEARCH.closing_ratio * previous_excess

@@ -1,4 +1,4 @@
-"""One round of the search: every suspect beside what was accepted, the best of them fitted in full."""
+"""One round of the search: every suspect beside the accepted effects, the best candidates fitted."""
 
 from collections.abc import Iterable, Sequence
 from contextlib import suppress
@@ -18,129 +18,127 @@ from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.searching.acceptance import is_noise_only, ranked_by_bic
 from modallab.diagnosis.searching.scanning import scan
 from modallab.diagnosis.searching.search_path import kind_and_place
+from modallab.diagnosis.searching.settings import ROUND
 from modallab.fe.system import DynamicSystem
 from modallab.rig.effect import Effect
-
-FITTED = 6  # candidates of a round that are fitted in full
-PLACES_FITTED = 3  # of them that may be of one kind
-LINEAR = 0.6  # of a round's time, roughly, that all but nonlinear forces take
-SHOWN = 3  # that are fitted in any case, for whoever reads what else was thought of
-HOPELESS = 2.0  # times what an explanation that leaves noise alone left on a first look: no rival comes back
 
 
 @dataclass(frozen=True)
 class Suspects:
-    """What may be missing, one effect a kind and place; below a suspicion of `least` passed over."""
+    """Effects that may be missing, one for every kind and place."""
 
     effects: Sequence[Effect]
+    """The effects."""
     least: float = 0.0
+    """Suspicion below which a kind is not considered, 0 to 1."""
 
     def of(self, predictor: Predictor, accepted: Sequence[Effect]) -> list[Effect]:
-        """Return those that what disagrees with some effects accepted points at, the likeliest first."""
-        # What shows at one level or drive point need not show at the others.
-        every = [collect_evidence(test, accepted) for test in predictor.tests]
+        """Return the effects that the evidence beside accepted effects supports, the likeliest first."""
+        # Evidence at one level or drive point may be absent at the others.
+        evidence_by_test = [collect_evidence(test, accepted) for test in predictor.tests]
         kinds = {type(effect) for effect in self.effects}
-        likely = {cls: max(cls.signature(evidence) for evidence in every) for cls in kinds}
-        taken = {kind_and_place(effect) for effect in accepted}
-        left = [
+        suspicion = {cls: max(cls.signature(evidence) for evidence in evidence_by_test) for cls in kinds}
+        names = {kind_and_place(effect) for effect in accepted}
+        effects = [
             effect
             for effect in self.effects
-            if likely[type(effect)] >= self.least and kind_and_place(effect) not in taken
+            if suspicion[type(effect)] >= self.least and kind_and_place(effect) not in names
         ]
-        return sorted(left, key=lambda effect: -likely[type(effect)])
+        return sorted(effects, key=lambda effect: -suspicion[type(effect)])
 
 
 def fit_candidates(predictor: Predictor, base: Fit, suspects: Suspects, *, progress: Progress) -> list[Fit]:
-    """Return fits of the accepted effects with one suspect more, best first, one a kind and place."""
+    """Return fits of the accepted effects with one suspect added, best first, one per kind and place."""
     predictor = predictor.with_nuisances_at(base.starting_position)
     likely = suspects.of(predictor, base.effects)
     linear = [effect for effect in likely if effect.on_motion() is None]
-    costly = [effect for effect in likely if effect.on_motion() is not None]
-    share = LINEAR if costly else 1.0
-    tried = _Round(predictor, base.effects)
-    tried.look(linear, part(progress, 0.0, share))
-    if tried.explained is not None:
-        costly = [effect for effect in costly if _feigned(effect, tried.explained, predictor.system)]
-    tried.look(costly, part(progress, share, 1.0))
-    tried.look_simpler({kind_and_place(effect) for effect in suspects.effects})
-    return ranked_by_bic(tried.fits)
+    nonlinear = [effect for effect in likely if effect.on_motion() is not None]
+    share = ROUND.linear_share if nonlinear else 1.0
+    candidates = _Round(predictor, base.effects)
+    candidates.examine(linear, part(progress, 0.0, share))
+    if candidates.explanation is not None:
+        explanation, system = candidates.explanation, predictor.system
+        nonlinear = [effect for effect in nonlinear if _is_imitated(effect, explanation, system)]
+    candidates.examine(nonlinear, part(progress, share, 1.0))
+    candidates.fit_reduced_model({kind_and_place(effect) for effect in suspects.effects})
+    return ranked_by_bic(candidates.fits)
 
 
 class _Round:
-    """Suspects beside accepted effects: looked at all, the best of them fitted."""
+    """Suspects beside accepted effects: all scanned, the best of them fitted."""
 
     def __init__(self, predictor: Predictor, accepted: tuple[Effect, ...]) -> None:
         self._predictor, self._accepted = predictor, accepted
-        self._glimpses = predictor.coarse_prediction(accepted)
-        self._near: dict[tuple[str, str], tuple[float, Effect]] = {}
+        self._coarse = predictor.coarse_prediction(accepted)
+        self._candidates: dict[tuple[str, str], tuple[float, Effect]] = {}
         self._fitted: set[tuple[str, str]] = set()
-        self._hopeless = np.inf  # cost on a first look
+        self._max_cost = np.inf  # of a coarse fit
         self.fits: list[Fit] = []
-        self.explained: Effect | None = None  # that which leaves noise alone, and least on a first look
+        self.explanation: Effect | None = None  # leaves only noise, at the least cost of a coarse fit
 
-    def look(self, suspects: Sequence[Effect], progress: Progress) -> None:
-        """Look at suspects, and fit those that are among the best so far."""
+    def examine(self, suspects: Sequence[Effect], progress: Progress) -> None:
+        """Scan suspects, and fit those that are among the best so far."""
         if not suspects:
             return
-        starts = scan(self._glimpses, self._accepted, suspects, part(progress, 0.0, 0.5))
+        starts = scan(self._coarse, self._accepted, suspects, part(progress, 0.0, 0.5))
         for i, start in enumerate(starts):
             progress(0.5 + 0.25 * i / len(starts), f"approaching {start.effect.kind}")
-            with suppress(InvalidInputError):  # what cannot be predicted cannot be what was measured
-                effect, cost = coarse_fit(self._glimpses, self._accepted, start.effect, start.widening)
+            with suppress(InvalidInputError):  # an effect that cannot be predicted is no explanation
+                effect, cost = coarse_fit(self._coarse, self._accepted, start.effect, start.noise_inflation)
                 name = kind_and_place(effect)
-                if name not in self._near or cost < self._near[name][0]:
-                    self._near[name] = (cost, effect)
-        best = _worth_fitting(self._near.values())
+                if name not in self._candidates or cost < self._candidates[name][0]:
+                    self._candidates[name] = (cost, effect)
+        best = _worth_fitting(self._candidates.values())
         for i, (cost, effect) in enumerate(best):
             progress(0.75 + 0.25 * i / len(best), f"fitting {effect.kind}")
             self._fit(cost, effect)
 
-    def look_simpler(self, suspected: set[tuple[str, str]]) -> None:
-        """Fit what the best would be without its one number more, which may not have been among the best."""
-        best = min(self.fits, key=lambda one: one.bic, default=None)
-        simpler = None if best is None else best.effects[-1].reduced_model()
-        if simpler is not None and kind_and_place(simpler[0]) in suspected - self._fitted:
+    def fit_reduced_model(self, suspected: set[tuple[str, str]]) -> None:
+        """Fit the reduced model of the best effect, which may not have been among the best."""
+        best = min(self.fits, key=lambda candidate: candidate.bic, default=None)
+        reduced = None if best is None else best.effects[-1].reduced_model()
+        if reduced is not None and kind_and_place(reduced[0]) in suspected - self._fitted:
             with suppress(InvalidInputError):
-                self.fits.append(fit(self._predictor, (*self._accepted, simpler[0])))
+                self.fits.append(fit(self._predictor, (*self._accepted, reduced[0])))
 
     def _fit(self, cost: float, effect: Effect) -> None:
-        hopeless = cost > self._hopeless and (len(self.fits) >= SHOWN or effect.intermittent)
+        hopeless = cost > self._max_cost and (len(self.fits) >= ROUND.min_fits or effect.intermittent)
         given_up = self._predictor.budget.exhausted and len(self.fits) > 0
         if hopeless or given_up or kind_and_place(effect) in self._fitted:
             return
         self._fitted.add(kind_and_place(effect))
         with suppress(InvalidInputError):
-            found = fit(self._predictor, (*self._accepted, effect))
-            self.fits.append(found)
-            if HOPELESS * cost < self._hopeless and self._explains(found):
-                self._hopeless, self.explained = HOPELESS * cost, effect
+            candidate = fit(self._predictor, (*self._accepted, effect))
+            self.fits.append(candidate)
+            if ROUND.hopeless_cost * cost < self._max_cost and self._explains(candidate):
+                self._max_cost, self.explanation = ROUND.hopeless_cost * cost, effect
 
-    def _explains(self, found: Fit) -> bool:
-        # Gaps cost more than a fit where power leaks, and only those of fits that are nearly right matter.
-        near = found.chi_square < FIT.near_noise * found.n_data
-        return near and is_noise_only(self._predictor, found.residual)
+    def _explains(self, candidate: Fit) -> bool:
+        # Gaps cost more than a fit where power leaks, and only those of fits near the data matter.
+        near = candidate.chi_square < FIT.near_noise * candidate.n_data
+        return near and is_noise_only(self._predictor, candidate.residual)
 
 
-def _feigned(force: Effect, explained: Effect, system: DynamicSystem) -> bool:
-    """Return whether what leaves noise alone could be the straight line of a nonlinear force at a DoF.
+def _is_imitated(force: Effect, explanation: Effect, system: DynamicSystem) -> bool:
+    """Return whether a linear explanation may be the linearisation of a nonlinear force at a DoF.
 
-    Where it acts, or at the end of a member that is blamed; of all members, but never of a channel.
+    At the same DoF, at the end of a suspected member, or on the whole structure; never in a channel.
     """
-    if not explained.structural or not isinstance(force.at, Dof):
-        return explained.structural
-    if isinstance(explained.at, Dof):
-        return explained.at == force.at
-    if isinstance(explained.at, Members) and system.members is not None:
+    if not explanation.structural or not isinstance(force.at, Dof):
+        return explanation.structural
+    if isinstance(explanation.at, Dof):
+        return explanation.at == force.at
+    if isinstance(explanation.at, Members) and system.members is not None:
         ends = zip(system.members.numbers, system.members.ends, strict=True)
-        return any(force.at.node in pair for number, pair in ends if number in explained.at.numbers)
+        return any(force.at.node in pair for number, pair in ends if number in explanation.at.numbers)
     return True
 
 
-def _worth_fitting(near: Iterable[tuple[float, Effect]]) -> list[tuple[float, Effect]]:
-    """Return the effects that left least on first looks, and what: the best places of several kinds."""
+def _worth_fitting(candidates: Iterable[tuple[float, Effect]]) -> list[tuple[float, Effect]]:
+    """Return the effects of least cost with their costs: the best places of several kinds."""
     chosen: list[tuple[float, Effect]] = []
-    for cost, effect in sorted(near, key=lambda pair: pair[0]):
-        alike = sum(one.kind == effect.kind for _, one in chosen)
-        if len(chosen) < FITTED and alike < PLACES_FITTED:
+    for cost, effect in sorted(candidates, key=lambda pair: pair[0]):
+        of_kind = sum(listed.kind == effect.kind for _, listed in chosen)
+        if len(chosen) < ROUND.max_fits and of_kind < ROUND.max_fits_of_kind:
             chosen.append((cost, effect))
     return chosen

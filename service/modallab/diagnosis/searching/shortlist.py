@@ -1,4 +1,4 @@
-"""Which suspects, at which places and in which sizes, deserve a prediction of their own."""
+"""Shortlist of the suspects, places and values that are predicted one by one."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -12,102 +12,95 @@ from modallab.core.progress import Progress
 from modallab.diagnosis.predicting.coarse_prediction import CoarsePrediction
 from modallab.diagnosis.residuals.residual import residual
 from modallab.diagnosis.searching.modification_screen import ModificationScreen
-from modallab.diagnosis.searching.robust_cost import (
-    HEAVY_TAIL,
-    NOISE_INFLATIONS,
-    Costs,
-    line_minimum_fraction,
-)
+from modallab.diagnosis.searching.robust_cost import RobustCost, line_minimum_fraction
+from modallab.diagnosis.searching.settings import LOSS, SHORTLIST
 from modallab.diagnosis.searching.starting_values import scan_sizes, smallest_amounts, with_amount_scaled
 from modallab.rig.effect import Effect
 
-PLACES = 4  # of a kind that go on, for each widening
-ENOUGH = 1500  # numbers of FRFs, of all channels, that places are told apart by
-ROUGHLY = 2  # places of a nonlinear force that go on, for each widening
-SIZES = 5  # of it, or a few more, that its places are told apart by
-CHANNELS = 3  # that disagree most and may be at fault, for each widening
-
 
 @dataclass(frozen=True)
-class _Look:
-    """Sizes of an effect at a place, with what each leaves at every widening (n_sizes, n_widenings)."""
+class _ScreenedPlace:
+    """Values of an effect at a place with their costs."""
 
     sizes: list[Effect]
     costs: FloatArray
+    """(n_sizes, n_inflations)."""
 
-    def best(self, widening: int) -> Effect:
-        return self.sizes[int(self.costs[:, widening].argmin())]
+    def best(self, inflation: int) -> Effect:
+        """Return the value of least cost at a noise inflation."""
+        return self.sizes[int(self.costs[:, inflation].argmin())]
 
 
 def shortlist(
-    glimpses: CoarsePrediction, accepted: Sequence[Effect], suspects: Sequence[Effect], progress: Progress
+    prediction: CoarsePrediction, accepted: Sequence[Effect], suspects: Sequence[Effect], progress: Progress
 ) -> list[list[Effect]]:
-    """Return for each suspect that is worth it the sizes to predict.
+    """Return the values to predict, for each shortlisted suspect.
 
-    What hangs on the structure at one of many places is foreseen in closed form, and the best places of
-    each kind go on. Of what acts on single channels those go on that disagree.
+    Structural modifications at one of many places are screened in closed form, and the best places of each
+    kind listed. Of effects on single channels those of the channels of the largest gap are listed.
 
     Parameters
     ----------
     suspects
         One effect for every kind and place.
     """
-    predictor = glimpses.predictor
-    sample = glimpses.subsampled(round(glimpses.observed.fitted.sum() / ENOUGH))
-    foreseen, costs = ModificationScreen(sample, accepted), Costs(sample)
-    start = costs.project_out(foreseen.unmodified)
-    worst = _worst_channels(glimpses, accepted)
+    predictor = prediction.predictor
+    sample = prediction.subsampled(round(prediction.observed.fitted.sum() / SHORTLIST.sample_size))
+    screen, cost = ModificationScreen(sample, accepted), RobustCost(sample)
+    start = cost.project_out(screen.unmodified)
+    worst = _worst_channels(prediction, accepted)
     chosen: list[list[Effect]] = []
-    looks: dict[str, list[_Look]] = {}
-    unforeseen: dict[str, list[list[Effect]]] = {}
+    screened: dict[str, list[_ScreenedPlace]] = {}
+    unscreened: dict[str, list[list[Effect]]] = {}
     for i, suspect in enumerate(suspects):
         progress(i / len(suspects), f"places of {suspect.kind}")
         if isinstance(suspect.at, Channels) and not any(suspect.acts_on(dof) for dof in worst):
             continue
         sizes = scan_sizes(suspect, suspect.scan_values(predictor.system, predictor.setup))
-        look = _foreseen(foreseen, sizes, costs, start) if isinstance(suspect.at, Dof | Members) else None
-        if look is not None:
-            looks.setdefault(suspect.kind, []).append(look)
+        place = _screened(screen, sizes, cost, start) if isinstance(suspect.at, Dof | Members) else None
+        if place is not None:
+            screened.setdefault(suspect.kind, []).append(place)
         elif isinstance(suspect.at, Dof):
-            unforeseen.setdefault(suspect.kind, []).append(sizes)
+            unscreened.setdefault(suspect.kind, []).append(sizes)
         else:
             chosen.append(sizes)
-    for places in looks.values():
-        chosen += _best(places)
-    for at_places in unforeseen.values():
-        chosen += _likely(glimpses, accepted, at_places)
+    for screened_places in screened.values():
+        chosen += _best(screened_places)
+    for places in unscreened.values():
+        chosen += _likely(prediction, accepted, places)
     return chosen
 
 
-def _foreseen(
-    foreseen: ModificationScreen, sizes: list[Effect], costs: Costs, start: FloatArray
-) -> _Look | None:
-    """Return what sizes of an effect leave, one more between nothing and the smallest included.
+def _screened(
+    screen: ModificationScreen, sizes: list[Effect], cost: RobustCost, start: FloatArray
+) -> _ScreenedPlace | None:
+    """Return the costs of values of an effect, and of one between none and the smallest.
 
     Parameters
     ----------
     start
-        Residuals without any, less what tolerances explain.
+        Residuals without the effect, nuisance parameters projected out.
     """
-    ratios = foreseen.ratios(sizes)
+    ratios = screen.ratios(sizes)
     if ratios is None:
         return None
-    vectors, nothing = foreseen.vectors(ratios), foreseen.unmodified
-    # Where residuals are no larger than noise the best size is smaller than any that is tried.
+    vectors, unmodified = screen.vectors(ratios), screen.unmodified
+    # Where residuals are no larger than noise the best amount is below any of the grid.
     smallest = smallest_amounts(sizes)
-    moved = costs.project_out(vectors[smallest])
-    shares = [line_minimum_fraction(start, one) for one in moved]
-    between = {i: share for i, share in zip(smallest, shares, strict=True) if share}
-    along = [nothing + share * (vectors[i] - nothing) for i, share in between.items()]
-    smaller = [with_amount_scaled(sizes[i], share) for i, share in between.items()]
-    return _Look([*sizes, *smaller], costs.of(np.vstack([vectors, *along])))
+    ends = cost.project_out(vectors[smallest])
+    shares = [line_minimum_fraction(start, end) for end in ends]
+    scaled = {i: share for i, share in zip(smallest, shares, strict=True) if share}
+    scaled_vectors = [unmodified + share * (vectors[i] - unmodified) for i, share in scaled.items()]
+    scaled_sizes = [with_amount_scaled(sizes[i], share) for i, share in scaled.items()]
+    return _ScreenedPlace([*sizes, *scaled_sizes], cost.of(np.vstack([vectors, *scaled_vectors])))
 
 
-def _best(places: Sequence[_Look]) -> list[list[Effect]]:
-    """Return the sizes worth a prediction at the best places of one kind."""
+def _best(places: Sequence[_ScreenedPlace]) -> list[list[Effect]]:
+    """Return the values to predict at the best places of one kind."""
     chosen: dict[int, list[Effect]] = {}
-    for w in range(len(NOISE_INFLATIONS)):
-        for i in sorted(range(len(places)), key=lambda i: float(places[i].costs[:, w].min()))[:PLACES]:
+    for w in range(len(LOSS.noise_inflations)):
+        order = sorted(range(len(places)), key=lambda i: float(places[i].costs[:, w].min()))
+        for i in order[: SHORTLIST.max_places]:
             best = places[i].best(w)
             if best not in chosen.setdefault(i, []):
                 chosen[i].append(best)
@@ -115,43 +108,45 @@ def _best(places: Sequence[_Look]) -> list[list[Effect]]:
 
 
 def _likely(
-    glimpses: CoarsePrediction, accepted: Sequence[Effect], places: list[list[Effect]]
+    prediction: CoarsePrediction, accepted: Sequence[Effect], places: list[list[Effect]]
 ) -> list[list[Effect]]:
-    """Return the places where a few sizes of a kind, or more or less of each in a straight line, leave least.
+    """Return the places of least cost for a few values of a kind, and for values between none and these.
 
-    Nonlinear forces: a prediction of each costs many times that of anything else. One size would not do:
-    a hundred times what is there it explains nothing anywhere, and its straight line misleads.
+    For nonlinear forces, whose prediction costs many times that of any other effect. One value would not
+    do: a hundred times the true one explains nothing anywhere, and its linearisation misleads.
     """
-    if len(places) <= ROUGHLY or len(places[0]) <= 2:
+    if len(places) <= SHORTLIST.max_nonlinear_places or len(places[0]) <= 2:
         return places
-    observed, costs = glimpses.observed, Costs(glimpses)
+    observed, cost = prediction.observed, RobustCost(prediction)
 
-    def left(effects: Sequence[Effect]) -> FloatArray:
-        return residual(observed, glimpses.predict(effects)).vector(observed.fitted)
+    def vector(effects: Sequence[Effect]) -> FloatArray:
+        return residual(observed, prediction.predict(effects)).vector(observed.fitted)
 
-    nothing = left(accepted)
-    start, leaves = costs.project_out(nothing), []
+    unmodified = vector(accepted)
+    start, costs = cost.project_out(unmodified), []
     for sizes in places:
-        looks = []
-        for size in sizes[:: max(1, len(sizes) // SIZES)]:
-            moved = left([*accepted, size])
-            looks += [
-                moved,
-                nothing + line_minimum_fraction(start, costs.project_out(moved)) * (moved - nothing),
-            ]
-        leaves.append(costs.of(np.array(looks)).min(axis=0))
-    order = np.argsort(leaves, axis=0)[:ROUGHLY]
+        vectors = []
+        for size in sizes[:: max(1, len(sizes) // SHORTLIST.nonlinear_sizes)]:
+            modified = vector([*accepted, size])
+            share = line_minimum_fraction(start, cost.project_out(modified))
+            vectors += [modified, unmodified + share * (modified - unmodified)]
+        costs.append(cost.of(np.array(vectors)).min(axis=0))
+    order = np.argsort(costs, axis=0)[: SHORTLIST.max_nonlinear_places]
     return [places[i] for i in np.unique(order)]
 
 
-def _worst_channels(glimpses: CoarsePrediction, accepted: Sequence[Effect]) -> set[Dof]:
-    """Return the responses that disagree most at one of the widenings."""
-    observed, predicted = glimpses.observed, glimpses.predict(accepted)
+def _worst_channels(prediction: CoarsePrediction, accepted: Sequence[Effect]) -> set[Dof]:
+    """Return the responses of the largest gap at one of the noise inflations."""
+    observed, predicted = prediction.observed, prediction.predict(accepted)
+    scale = LOSS.cauchy_scale
     worst: set[Dof] = set()
-    for widen in NOISE_INFLATIONS:
-        left = residual(observed, predicted, noise_inflation=widen)
-        squares = [np.abs(left.frf) ** 2, *([] if left.response is None else [left.response**2])]
-        each = [HEAVY_TAIL * np.log1p(one / HEAVY_TAIL) * observed.fitted for one in squares]
-        order = np.argsort(-np.sum(each, axis=(0, 1)))
-        worst |= {observed.outputs[i] for i in order[:CHANNELS]}
+    for noise_inflation in LOSS.noise_inflations:
+        inflated = residual(observed, predicted, noise_inflation=noise_inflation)
+        squares = [
+            np.abs(inflated.frf) ** 2,
+            *([] if inflated.response is None else [inflated.response**2]),
+        ]
+        losses = [scale * np.log1p(square / scale) * observed.fitted for square in squares]
+        order = np.argsort(-np.sum(losses, axis=(0, 1)))
+        worst |= {observed.outputs[i] for i in order[: SHORTLIST.max_channels]}
     return worst

@@ -6,8 +6,9 @@ from modallab.core.progress import Progress, part
 from modallab.diagnosis.fitting.fit import Fit, fit
 from modallab.diagnosis.predicting.predictor import Predictor
 from modallab.diagnosis.result import NextTest
-from modallab.diagnosis.searching.acceptance import ALIKE, model_probabilities, variance_inflation
+from modallab.diagnosis.searching.acceptance import model_probabilities, variance_inflation
 from modallab.diagnosis.searching.search_path import AcceptedEffect, SearchPath
+from modallab.diagnosis.searching.settings import ACCEPTANCE
 from modallab.diagnosis.test_design.next_test import Explanation, propose
 from modallab.diagnosis.test_design.settings import RIVALS
 from modallab.rig.change import Change
@@ -69,7 +70,7 @@ def equivalent_fits(predictor: Predictor, step: AcceptedEffect, chosen: Fit) -> 
     structure does not exclude one of the rig: the bending stiffness of a stinger has a parameter more than
     the rotational spring to which it is equivalent.
     """
-    limit = ALIKE * variance_inflation(predictor, step.round_fits[0])
+    limit = ACCEPTANCE.equivalence_chi_square * variance_inflation(predictor, step.round_fits[0])
     pool = [
         candidate for candidate in step.round_fits if abs(candidate.chi_square - chosen.chi_square) < limit
     ]

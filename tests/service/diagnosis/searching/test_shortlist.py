@@ -9,7 +9,8 @@ from modallab.core.dof import Dof
 from modallab.core.progress import silent
 from modallab.diagnosis.predicting.coarse_prediction import CoarsePrediction
 from modallab.diagnosis.searching.modification_screen import ModificationScreen
-from modallab.diagnosis.searching.shortlist import PLACES, ROUGHLY, shortlist
+from modallab.diagnosis.searching.settings import SHORTLIST
+from modallab.diagnosis.searching.shortlist import shortlist
 from modallab.effects.cubic_stiffness import CubicStiffness
 from modallab.effects.extra_mass import ExtraMass
 from modallab.effects.ground_spring import GroundSpring
@@ -34,10 +35,11 @@ def test_places_are_told_apart_by_a_sample_of_lines_as_well(
 ) -> None:
     glimpses = looking_for(ExtraMass(Dof(6, "Y"), 0.1))
     suspects = [ExtraMass(Dof(n, "Y")) for n in NODES]
-    monkeypatch.setattr(module, "ENOUGH", glimpses.observed.fitted.sum() / 5)
+    size = int(glimpses.observed.fitted.sum()) // 5
+    monkeypatch.setattr(module, "SHORTLIST", replace(SHORTLIST, sample_size=size))
     found = places_of(shortlist(glimpses, [], suspects, silent), "extra_mass")
     assert Dof(6, "Y") in found
-    assert PLACES <= len(found) < len(suspects)
+    assert SHORTLIST.max_places <= len(found) < len(suspects)
 
 
 def test_a_sample_has_every_line_and_every_channel() -> None:
@@ -64,12 +66,12 @@ def test_a_nonlinear_force_is_looked_for_at_few_places_the_right_one_among_them(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     # What is not foreseen in closed form is predicted once a place: here a spring and a dashpot.
-    monkeypatch.setattr(module, "_foreseen", lambda *_: None)
+    monkeypatch.setattr(module, "_screened", lambda *_: None)
     for hidden in (GroundSpring(Dof(7, "Y"), 3e4), LocalDamping(Dof(3, "Y"), 20.0)):
         suspects = [replace(type(hidden)(), at=Dof(n, "Y")) for n in NODES]
         found = places_of(shortlist(looking_for(hidden), [], suspects, silent), hidden.kind)
         assert hidden.at in found
-        assert ROUGHLY <= len(found) <= 3 * ROUGHLY
+        assert SHORTLIST.max_nonlinear_places <= len(found) <= 3 * SHORTLIST.max_nonlinear_places
 
 
 @pytest.mark.parametrize("share", [1e-4, 4e-4, 1e-2], ids=["weakest", "between", "strong"])
