@@ -149,8 +149,11 @@ def dataclass_of(name: str, schema: Schema, known: Container[str], mixins: Mappi
     lines.append(f'    """{_text(schema.get("description") or name)}"""\n')
     required = schema.get("required", ())
     for field, told in schema["properties"].items():
-        default = "" if field in required else _default(told)
-        lines.append(f"    {field}: {annotation(told, known)}{default}")
+        hint, default = annotation(told, known), ""
+        if field not in required:
+            default = _default(told)
+            hint += " | None" if default == " = None" and "None" not in hint else ""
+        lines.append(f"    {field}: {hint}{default}")
         if told.get("description"):
             lines.append(f'    """{_text(told["description"])}"""')
     return "\n".join(lines) + "\n"

@@ -9,8 +9,7 @@ from modallab_client.correlation import Correlation, Expansion, ReducedModel
 from modallab_client.errors import ClientError, JobFailedError, JobTimeoutError
 from modallab_client.findings import Update
 from modallab_client.models import Measurement, Rig, Structure
-from modallab_client.modes import ModalModel
-from modallab_client.results import Diagnosis
+from modallab_client.results import Diagnosis, ModalModel
 from modallab_client.studies import Study
 
 __all__ = [

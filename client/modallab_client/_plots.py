@@ -13,8 +13,7 @@ if TYPE_CHECKING:
     from modallab_client.extraction import FitPicture, Indicators, StabilisationChart
     from modallab_client.findings import Update
     from modallab_client.models import Frf, Measurement
-    from modallab_client.modes import ModalModel
-    from modallab_client.results import Diagnosis, DiagnosisCurves
+    from modallab_client.results import Diagnosis, DiagnosisCurves, ModalModel
     from modallab_client.studies import Study
 
 UNITS = {"receptance": "m/N", "mobility": "m/(s N)", "inertance": "m/(s² N)"}

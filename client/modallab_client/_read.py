@@ -33,6 +33,8 @@ def read_as(cls: type[T], data: Mapping[str, Any], **arrays: Any) -> T:
     hints = _hints(kind)
     values = dict(arrays)
     for field in fields(kind):
+        if field.name in arrays:
+            continue
         if field.name in data:
             values[field.name] = _value(hints[field.name], data[field.name])
         elif field.name not in values and field.default is MISSING and field.default_factory is MISSING:
@@ -57,8 +59,11 @@ def _absent(name: str, hint: Any) -> Any:
         return {}
     if is_dataclass(hint):
         nested: Any = hint
-        return read_as(nested, {})
-    if hint is str:
+        try:
+            return read_as(nested, {})
+        except KeyError:
+            return None
+    if hint is str or origin is Literal:
         return ""
     raise KeyError(name)
 

@@ -2,7 +2,7 @@
 
 from modallab_client import correlation as results
 from modallab_client._wire import Arrays, Json, floats, texts
-from modallab_client.modes import ModalModel
+from modallab_client.results import ModalModel
 
 
 def has_responses(data: Json) -> bool:

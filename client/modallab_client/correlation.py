@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from modallab_client import _plots, _tables
 from modallab_client.models import FloatArray
-from modallab_client.modes import ModalModel
+from modallab_client.results import ModalModel
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

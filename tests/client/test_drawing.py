@@ -9,8 +9,9 @@ import pytest
 from matplotlib import pyplot
 from matplotlib.patches import Rectangle
 
-from modallab_client import _wire, _wire_correlation, _wire_findings, _wire_modes
+from modallab_client import _wire, _wire_correlation, _wire_findings
 from modallab_client._read import read_as
+from modallab_client.methods.modal_models import modal_model_of
 from modallab_client.models import ComplexArray, Measurement
 from modallab_client.results import Diagnosis, DiagnosisCurves, FittedParameter
 from tests.client.fake import DIAGNOSIS, MEASUREMENT, MODE, UPDATE
@@ -127,7 +128,7 @@ def test_a_number_has_two_digits_of_its_error(
 
 
 def test_modes_coefficients_and_mac_draw_themselves() -> None:
-    modes = _wire_modes.modal_model(MODEL, SHAPES).plot()
+    modes = modal_model_of(MODEL, SHAPES).plot()
     np.testing.assert_array_equal(modes.lines[0].get_xydata(), [[23.61, 0.0051]])
     bars = _wire_findings.update(UPDATE).plot()
     ends = [bar.get_y() + bar.get_height() for bar in bars.patches if isinstance(bar, Rectangle)]
@@ -171,7 +172,7 @@ def test_tables_are_escaped_for_the_notebook() -> None:
     assert "Measurement m&lt;1&gt;" in measurement()._repr_html_()
     assert "<td>extra mass at 7:+Y: mass 0.05000 ± 0.00040 kg</td>" in diagnosed
     assert "<th>coefficient</th>" in _wire_findings.update(UPDATE)._repr_html_()
-    assert "dobson" in _wire_modes.modal_model(MODEL, SHAPES)._repr_html_()
+    assert "dobson" in modal_model_of(MODEL, SHAPES)._repr_html_()
     modes = _wire.structure_modes({"frequencies": [1.0], "loss_factors": [0.1], "n_rigid_body": 2})
     assert "2 rigid-body modes" in modes._repr_html_()
     assert (

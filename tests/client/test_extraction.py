@@ -126,18 +126,17 @@ def test_options_of_an_extraction_are_keywords(lab: ModalLab, service: FakeServi
     assert service.body()["options"] == {"max_order": 30}
 
 
-def test_a_modal_model_says_what_was_chosen_what_is_left_and_what_wanders(
+def test_a_modal_model_says_what_was_chosen_what_is_left_and_what_shifts(
     lab: ModalLab, service: FakeService
 ) -> None:
     complexity = {"mpc": 0.99, "mean_phase": 0.01, "mean_phase_deviation": 0.02}
-    wander = {
+    inconsistency = {
         "cause": "roving_mass",
         "size": 0.02,
         "size_error": 0.001,
         "unit": "kg",
         "explained": 0.97,
         "still_frequency": [23.7],
-        "shift": None,
     }
     about = {
         "id": "mm1",
@@ -145,14 +144,18 @@ def test_a_modal_model_says_what_was_chosen_what_is_left_and_what_wanders(
         "dofs": ["1:+Y", "3:+Y"],
         "choices": {"lines": "8: near lines see least of others"},
         "resynthesis_error": {"1:+Y": 0.01, "3:+Y": 0.02},
-        "wander": wander,
+        "frequency_inconsistency": inconsistency,
         "notes": ["n"],
         "references": ["1:+Y"],
         "frfs": ["1:+Y", "3:+Y"],
     }
     service.on("GET /v1/modal-models/mm1", about)
     shift = np.array([[0.1, np.nan]])
-    arrays = npz(shapes=np.ones((2, 1)), wander_shift=shift, wander_shift_error=np.abs(shift))
+    arrays = npz(
+        shapes=np.ones((2, 1)),
+        frequency_inconsistency_shift=shift,
+        frequency_inconsistency_shift_error=np.abs(shift),
+    )
     service.on("GET /v1/modal-models/mm1/arrays", arrays)
     found = lab.modal_models.get("mm1")
     assert found.choices["lines"].startswith("8: ")
@@ -160,9 +163,9 @@ def test_a_modal_model_says_what_was_chosen_what_is_left_and_what_wanders(
     assert (found.references, found.frfs) == (("1:+Y",), ("1:+Y", "3:+Y"))
     assert found.modes[0].complexity is not None
     assert found.modes[0].complexity.mpc == 0.99
-    assert found.wander is not None
-    assert (found.wander.cause, found.wander.size) == ("roving_mass", 0.02)
-    np.testing.assert_array_equal(found.wander.shift, shift)
+    assert found.frequency_inconsistency is not None
+    assert (found.frequency_inconsistency.cause, found.frequency_inconsistency.size) == ("roving_mass", 0.02)
+    np.testing.assert_array_equal(found.frequency_inconsistency.shift, shift)
     assert found.notes == ("n",)
 
 

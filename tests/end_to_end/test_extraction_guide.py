@@ -76,7 +76,7 @@ def test_a_foreign_universal_file_gives_modes_in_two_lines_and_all_else_runs(
         assert len(names["circles"].modes) == 2
         assert names["fewer"].choices["leave_out"] == "4: as asked"
         np.testing.assert_allclose(names["together"].frequencies, KNOWN, rtol=1e-4)
-        wander = names["moved"].wander
+        wander = names["moved"].frequency_inconsistency
         assert wander.cause == "roving_mass"
         assert abs(wander.size - 0.02) < 3 * wander.size_error
 

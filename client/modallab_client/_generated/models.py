@@ -8,12 +8,114 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab_client.methods.diagnoses import DiagnosisMethods, FittedEffectMethods, FittedParameterMethods
+from modallab_client.methods.modal_models import FrequencyInconsistencyMethods, ModalModelMethods
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 ComplexArray = NDArray[np.complex128]
 
-Verdict = Literal["explained", "nothing_missing", "unexplained", "ambiguous"]
+
+@dataclass(frozen=True, kw_only=True)
+class CorrelationArrays:
+    """Matrices of a correlation"""
+
+    auto_orthogonality: tuple[tuple[Any, ...], ...] | None = None
+    """(n_measured, n_measured) 1, orthogonality of the measured modes in the reduced mass"""
+    comac: tuple[Any, ...]
+    """(n_dofs) 1, coordinate modal assurance criterion"""
+    cross_orthogonality: tuple[tuple[Any, ...], ...] | None = None
+    """(n_measured, n_model) 1, cross orthogonality in the reduced mass"""
+    dofs: tuple[str, ...]
+    """(n_dofs) degrees of freedom of the rows, `node:direction`"""
+    ecomac: tuple[Any, ...] | None = None
+    """(n_dofs) 1, enhanced coordinate MAC"""
+    fdac: tuple[tuple[tuple[Any, ...], ...], ...] | None = None
+    """(n_in, n_fdac, n_fdac) 1, frequency domain assurance criterion"""
+    fdac_freq: tuple[Any, ...] | None = None
+    """(n_fdac) Hz, lines of the FDAC"""
+    frac: tuple[tuple[Any, ...], ...] | None = None
+    """(n_out, n_in) 1, frequency response assurance criterion"""
+    frequency_differences: tuple[Any, ...]
+    """(n_pairs) Hz, measured less model"""
+    inputs: tuple[str, ...] | None = None
+    """(n_in) force degrees of freedom"""
+    mac: tuple[tuple[Any, ...], ...]
+    """(n_measured, n_model) 1, modal assurance criterion"""
+    outputs: tuple[str, ...] | None = None
+    """(n_out) response degrees of freedom"""
+    pairs: tuple[tuple[int, ...], ...]
+    """(n_pairs, 2) numbers of the measured and the model's mode, from 1"""
+    pole_weighted_mac: tuple[tuple[Any, ...], ...] | None = None
+    """(n_measured, n_model) 1, pole-weighted MAC"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Rival:
+    """Competing explanation of the same round."""
+
+    at: str | Mapping[str, Any] | None
+    """Place of the effect."""
+    gap_after: float | None
+    """Gap (mean squared residual) that remains with this effect on the fitted FRFs."""
+    kind: str
+    """Kind of effect."""
+    probability: float | None
+    """Posterior probability among the explanations of its round, 0 to 1."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class FollowUpTest:
+    """Further test of the same structure that the diagnosis explained together with the first."""
+
+    changed: Mapping[str, Any]
+    """Changes against the first test."""
+    measurement_id: str
+    """Measurement of the further test."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ModeShift:
+    """Shift of one mode against the model, with standard errors; nan where the test does not show it."""
+
+    frequency: float
+    """Hz, natural frequency of the model."""
+    frequency_error: float | None
+    """Standard error of `frequency_shift`."""
+    frequency_shift: float | None
+    """Natural frequency, measured over model, minus 1."""
+    loss_factor_error: float | None
+    """Standard error of `loss_factor_shift`."""
+    loss_factor_shift: float | None
+    """Loss factor, measured over model, minus 1."""
+    mode: int
+    """Number of the elastic mode of the model, counted from 1."""
+
+
+ChannelError = Literal["gain", "polarity", "delay", "rising_gain"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class ResponseMisfit:
+    """Deviation of the FRF of one response, averaged over all lines, with standard errors."""
+
+    amplitude: float | None
+    """Amplitude ratio, measured over predicted."""
+    amplitude_error: float | None
+    """Standard error of `amplitude`."""
+    course: ChannelError | None
+    """Channel error that accounts for nearly all of the gap; null: no single one does."""
+    delay: float | None
+    """s, delay of the measured response behind the predicted one."""
+    delay_error: float | None
+    """s, standard error of `delay`."""
+    dof: str
+    """Measured DoF of the response."""
+    gap: float | None
+    """Mean squared residual of the response."""
+    phase: float | None
+    """rad, phase, measured minus predicted."""
+    phase_error: float | None
+    """rad, standard error of `phase`."""
 
 
 GapPattern = Literal[
@@ -28,51 +130,6 @@ GapPattern = Literal[
 
 
 @dataclass(frozen=True, kw_only=True)
-class ModeShift:
-    """Shift of one mode against the model, with standard errors; nan where the test does not show it."""
-
-    mode: int
-    """Number of the elastic mode of the model, counted from 1."""
-    frequency: float
-    """Hz, natural frequency of the model."""
-    frequency_shift: float | None
-    """Natural frequency, measured over model, minus 1."""
-    frequency_error: float | None
-    """Standard error of `frequency_shift`."""
-    loss_factor_shift: float | None
-    """Loss factor, measured over model, minus 1."""
-    loss_factor_error: float | None
-    """Standard error of `loss_factor_shift`."""
-
-
-ChannelError = Literal["gain", "polarity", "delay", "rising_gain"]
-
-
-@dataclass(frozen=True, kw_only=True)
-class ResponseMisfit:
-    """Deviation of the FRF of one response, averaged over all lines, with standard errors."""
-
-    dof: str
-    """Measured DoF of the response."""
-    gap: float | None
-    """Mean squared residual of the response."""
-    amplitude: float | None
-    """Amplitude ratio, measured over predicted."""
-    amplitude_error: float | None
-    """Standard error of `amplitude`."""
-    phase: float | None
-    """rad, phase, measured minus predicted."""
-    phase_error: float | None
-    """rad, standard error of `phase`."""
-    delay: float | None
-    """s, delay of the measured response behind the predicted one."""
-    delay_error: float | None
-    """s, standard error of `delay`."""
-    course: ChannelError | None
-    """Channel error that accounts for nearly all of the gap; null: no single one does."""
-
-
-@dataclass(frozen=True, kw_only=True)
 class Localisation:
     """Location of the disagreement between the measurement and the model without added effects."""
 
@@ -80,66 +137,66 @@ class Localisation:
     """Hz, lower and upper limits of the frequency bands that disagree."""
     dofs: tuple[str, ...]
     """Responses that disagree most."""
-    modes: tuple[int, ...]
-    """Elastic modes of the model, counted from 1, in the bands that disagree."""
-    words: tuple[str, ...]
-    """Statements in plain English."""
-    signs: tuple[GapPattern, ...]
-    """Patterns that point to a class of causes."""
-    mode_shifts: tuple[ModeShift, ...]
-    """Shifts of natural frequencies and loss factors."""
-    responses: tuple[ResponseMisfit, ...]
-    """Deviation of each response."""
     level_dependence: float | None
     """Mean squared normalised difference of FRFs at two force levels; null: one level only."""
+    mode_shifts: tuple[ModeShift, ...]
+    """Shifts of natural frequencies and loss factors."""
+    modes: tuple[int, ...]
+    """Elastic modes of the model, counted from 1, in the bands that disagree."""
+    responses: tuple[ResponseMisfit, ...]
+    """Deviation of each response."""
+    signs: tuple[GapPattern, ...]
+    """Patterns that point to a class of causes."""
+    words: tuple[str, ...]
+    """Statements in plain English."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class NextTest:
+    """Proposed further test that would distinguish explanations which this measurement cannot."""
+
+    change: Mapping[str, Any]
+    """Changes against the first test, as `rig.change.Change.read` reads them."""
+    expected_separation: float | None
+    """Standard deviations, expected difference of the two closest explanations."""
+    separates: tuple[str, ...]
+    """Kinds of effects that the test distinguishes."""
+    why: str
+    """Reason for the proposal, in plain English."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class FittedParameter(FittedParameterMethods):
     """Parameter of an effect, as fitted, with its standard error."""
 
-    value: float
-    """In `unit`, the estimate."""
     standard_error: float | None
     """In `unit`, random error of the estimate; null where it cannot be stated."""
     unit: str
     """SI unit of value and standard error; `1` for a ratio."""
+    value: float
+    """In `unit`, the estimate."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class FittedEffect(FittedEffectMethods):
     """Effect with the parameters fitted to the measurement."""
 
-    kind: str
-    """Kind of effect, as the catalogue of effects names it."""
     at: str | Mapping[str, Any] | None
     """Place of the effect; null: the whole structure or the whole rig."""
+    kind: str
+    """Kind of effect, as the catalogue of effects names it."""
     parameters: Mapping[str, FittedParameter]
     """Fitted parameters by name."""
-
-
-@dataclass(frozen=True, kw_only=True)
-class Rival:
-    """Competing explanation of the same round."""
-
-    kind: str
-    """Kind of effect."""
-    at: str | Mapping[str, Any] | None
-    """Place of the effect."""
-    probability: float | None
-    """Posterior probability among the explanations of its round, 0 to 1."""
-    gap_after: float | None
-    """Gap (mean squared residual) that remains with this effect on the fitted FRFs."""
 
 
 @dataclass(frozen=True, kw_only=True)
 class EquivalentEffect:
     """Effect that this measurement cannot distinguish from the named one."""
 
-    kind: str
-    """Kind of effect."""
     at: str | Mapping[str, Any] | None
     """Place of the effect."""
+    kind: str
+    """Kind of effect."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -148,18 +205,18 @@ class Step:
 
     effect: FittedEffect
     """The added effect, with parameters from the fit of all effects together."""
-    probability: float | None
-    """Posterior probability among the explanations of its round, 0 to 1."""
-    gap_before: float | None
-    """Gap (mean squared residual) over the fitted FRFs before the effect was added."""
     gap_after: float | None
     """Gap over the fitted FRFs with the effect."""
-    held_out_gap_before: float | None
-    """Gap over the held-out FRFs before the effect was added."""
+    gap_before: float | None
+    """Gap (mean squared residual) over the fitted FRFs before the effect was added."""
     held_out_gap_after: float | None
     """Gap over the held-out FRFs with the effect."""
+    held_out_gap_before: float | None
+    """Gap over the held-out FRFs before the effect was added."""
     held_out_scatter: float | None
     """Standard deviation of `held_out_gap_after` if no other effect is missing."""
+    probability: float | None
+    """Posterior probability among the explanations of its round, 0 to 1."""
     rivals: tuple[Rival, ...]
     """Competing explanations of the round, best first, without the named one."""
     rivals_alike: tuple[EquivalentEffect, ...]
@@ -167,83 +224,418 @@ class Step:
 
 
 @dataclass(frozen=True, kw_only=True)
-class NextTest:
-    """Proposed further test that would distinguish explanations which this measurement cannot."""
-
-    why: str
-    """Reason for the proposal, in plain English."""
-    change: Mapping[str, Any]
-    """Changes against the first test, as `rig.change.Change.read` reads them."""
-    separates: tuple[str, ...]
-    """Kinds of effects that the test distinguishes."""
-    expected_separation: float | None
-    """Standard deviations, expected difference of the two closest explanations."""
-
-
-@dataclass(frozen=True, kw_only=True)
 class ToleratedParameter:
     """Nuisance parameter, free within its tolerance and fitted beside the missing effects."""
 
+    at: str | Mapping[str, Any] | None
+    """Channel to which the parameter belongs; null: all."""
+    mode: int | None
+    """Elastic mode of the model to which the parameter belongs, counted from 1; null: no mode."""
     name: str
     """Name as in `tolerances.Tolerances`."""
-    value: float
-    """Ratio true over declared; of a delay, s."""
     standard_error: float | None
     """In `unit`, random error of the value."""
     tolerance: float
     """In `unit`, prior standard deviation."""
     unit: str
     """Unit of value, error and tolerance; `1` for a ratio."""
-    at: str | Mapping[str, Any] | None
-    """Channel to which the parameter belongs; null: all."""
-    mode: int | None
-    """Elastic mode of the model to which the parameter belongs, counted from 1; null: no mode."""
+    value: float
+    """Ratio true over declared; of a delay, s."""
 
 
-@dataclass(frozen=True, kw_only=True)
-class FollowUpTest:
-    """Further test of the same structure that the diagnosis explained together with the first."""
-
-    measurement_id: str
-    """Measurement of the further test."""
-    changed: Mapping[str, Any]
-    """Changes against the first test."""
+Verdict = Literal["explained", "nothing_missing", "unexplained", "ambiguous"]
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
 class Diagnosis(DiagnosisMethods):
     """Disagreement of model and measurement, the missing effects, and the gap that remains."""
 
-    id: str
+    candidates: tuple[Rival, ...]
+    """All effects fitted in the first round, best first."""
     created: str
-    version: str
-    seed: int | None
-    made_from: Mapping[str, str]
-    verdict: Verdict
-    """Outcome of the diagnosis."""
+    """time of creation, ISO 8601, UTC"""
+    follow_ups: tuple[FollowUpTest, ...]
+    """Further tests that were explained together with the first."""
+    gaps: Mapping[str, Mapping[str, float | None]]
+    """Gap of each part (FRFs, force spectra, response spectra) under `before` and `after`."""
+    id: str
+    """id of the stored object"""
     located: Localisation
     """Location of the disagreement without added effects."""
-    steps: tuple[Step, ...]
-    """Added effects, the one that explains most first."""
+    made_from: Mapping[str, str]
+    """ids of the objects it was made from, by role"""
+    next_test: NextTest | None
+    """Proposed further test; null: no rival is left."""
+    notes: tuple[str, ...]
+    """Limitations of this diagnosis, in plain English."""
     remaining_gap: float | None
     """Gap (mean squared residual) over all usable FRFs with all added effects; 1: random error alone."""
     remaining_scatter: float | None
     """Standard deviation of `remaining_gap` if no effect is missing."""
-    gaps: Mapping[str, Mapping[str, float | None]]
-    """Gap of each part (FRFs, force spectra, response spectra) under `before` and `after`."""
-    candidates: tuple[Rival, ...]
-    """All effects fitted in the first round, best first."""
-    next_test: NextTest | None
-    """Proposed further test; null: no rival is left."""
-    tolerated: tuple[ToleratedParameter, ...]
-    """Nuisance parameters that were free within their tolerances."""
-    follow_ups: tuple[FollowUpTest, ...]
-    """Further tests that were explained together with the first."""
     request_options: Mapping[str, Any]
     """Options of the request, to repeat it."""
-    notes: tuple[str, ...]
-    """Limitations of this diagnosis, in plain English."""
-    structure_id: str
-    """Model with the added effects."""
     rig_id: str
     """Log book with the added effects."""
+    seed: int | None
+    """seed of its random numbers; null where there are none"""
+    steps: tuple[Step, ...]
+    """Added effects, the one that explains most first."""
+    structure_id: str
+    """Model with the added effects."""
+    tolerated: tuple[ToleratedParameter, ...]
+    """Nuisance parameters that were free within their tolerances."""
+    verdict: Verdict
+    """Outcome of the diagnosis."""
+    version: str
+    """version of the service that made it"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class DiagnosisArrays:
+    """Measured FRFs and those predicted before and after a diagnosis"""
+
+    after: tuple[tuple[tuple[tuple[Any, ...], ...], ...], ...]
+    """(n_lines, n_out, n_in) m/s^2/N, m/s/N or m/N, FRFs predicted with the named effects"""
+    before: tuple[tuple[tuple[tuple[Any, ...], ...], ...], ...]
+    """(n_lines, n_out, n_in) m/s^2/N, m/s/N or m/N, FRFs predicted by the given model"""
+    freq: tuple[Any, ...]
+    """(n_lines) Hz, frequency of each line"""
+    held_out: tuple[bool, ...]
+    """(n_out) true for a response kept out of every fit"""
+    inputs: tuple[str, ...]
+    """(n_in) force degrees of freedom"""
+    measured: tuple[tuple[tuple[tuple[Any, ...], ...], ...], ...]
+    """(n_lines, n_out, n_in) m/s^2/N, m/s/N or m/N, FRFs measured"""
+    outputs: tuple[str, ...]
+    """(n_out) response degrees of freedom"""
+    predicted: tuple[tuple[tuple[tuple[Any, ...], ...], ...], ...] | None = None
+    """(n_lines, n_pred, n_in) m/s^2/N, m/s/N or m/N, FRFs predicted at responses that were not measured"""
+    predicted_outputs: tuple[str, ...] | None = None
+    """(n_pred) degrees of freedom that were not measured"""
+    random_error: tuple[tuple[tuple[Any, ...], ...], ...]
+    """(n_lines, n_out, n_in) 1, relative random error of |H|"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class MeasurementArrays:
+    """FRFs, coherence and auto spectra of a measurement"""
+
+    averages: Any
+    """1, effective number of averages"""
+    coherence: tuple[tuple[Any, ...], ...] | tuple[tuple[tuple[Any, ...], ...], ...] | None = None
+    """(n_lines, n_out | n_lines, n_out, n_in) 1, ordinary coherence with one input, multiple with several at once"""
+    force_spectrum: tuple[tuple[tuple[Any, ...], ...], ...] | None = None
+    """(n_lines, n_out, n_in) N^2/Hz, one-sided auto spectrum of the force"""
+    freq: tuple[Any, ...]
+    """(n_lines) Hz, frequency of each line"""
+    input_condition: tuple[Any, ...] | None = None
+    """(n_lines) 1, condition number of the input spectral matrix"""
+    inputs: tuple[str, ...]
+    """(n_in) force degrees of freedom"""
+    kind: str
+    """`inertance`, `mobility` or `receptance`"""
+    notes: tuple[str, ...] | None = None
+    """(n_notes) remarks on lines left out"""
+    outputs: tuple[str, ...]
+    """(n_out) response degrees of freedom"""
+    response_spectrum: tuple[tuple[Any, ...], ...] | tuple[tuple[tuple[Any, ...], ...], ...] | None = None
+    """(n_lines, n_out | n_lines, n_out, n_in) unit^2/Hz, one-sided auto spectrum of the response"""
+    values: tuple[tuple[tuple[tuple[Any, ...], ...], ...], ...]
+    """(n_lines, n_out, n_in) m/s^2/N, m/s/N or m/N as `kind` says, FRFs"""
+
+
+InconsistencyCause = Literal["roving_mass", "squared_shape", "steady_drift", "unknown"]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class FrequencyInconsistency(FrequencyInconsistencyMethods):
+    """Natural frequencies that differ between FRFs by more than their random error. NaN marks a fit that was not valid. The meaning of `size` depends on the cause: `roving_mass`, kg that move with the response; `steady_drift`, relative frequency change from the first FRF to the last."""
+
+    cause: InconsistencyCause
+    """Cause identified from the pattern of the shifts."""
+    chi_square: tuple[float | None, ...]
+    """(n_modes,) chi-square of the fits about their weighted mean."""
+    degrees: tuple[int, ...]
+    """(n_modes,) degrees of freedom: the number of valid fits less one."""
+    explained: float | None
+    """Fraction of the total chi-square explained by the cause, 0 to 1."""
+    mode_size: tuple[float | None, ...]
+    """(n_modes,) size estimated from each mode alone."""
+    mode_size_error: tuple[float | None, ...]
+    """(n_modes,) standard errors of these sizes."""
+    size: float | None
+    """Size of the cause: kg of a roving mass, relative frequency change of a steady drift, else 0."""
+    size_error: float | None
+    """Standard error of the size, with the second-order terms that the model neglects."""
+    still_frequency: tuple[float | None, ...]
+    """Hz, (n_modes,) frequency without the roving mass, or before the drift; else the mean."""
+    unit: str
+    """Unit of the size: kg of a roving mass, else 1."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ShapeComplexity:
+    """Complexity of one mode shape."""
+
+    mean_phase: float
+    """rad, -pi/2 to pi/2, phase of the line nearest to the shape."""
+    mean_phase_deviation: float
+    """rad, mean deviation of the phases from that line."""
+    mpc: float
+    """Modal phase collinearity, 0 to 1; 1: all points move in phase or in antiphase."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Spread:
+    """Scatter of one quantity over the FRFs from which it was estimated."""
+
+    max: float
+    """Largest value."""
+    mean: float
+    """Arithmetic mean."""
+    min: float
+    """Smallest value."""
+    n: int
+    """Number of FRFs."""
+    sd: float
+    """Standard deviation of the sample, with n - 1."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Mode:
+    """One mode: eigenvalue (2 pi frequency)^2 (1 + i loss_factor), shape mass-normalised by transpose."""
+
+    complexity: ShapeComplexity
+    """Phase differences between the points of the mode."""
+    flags: tuple[str, ...]
+    """Warnings about this mode, as short codes."""
+    frequency: float
+    """Hz, natural frequency."""
+    frequency_spread: Spread | None
+    """Hz, scatter of the frequency over the FRFs."""
+    leakage_bias: Mapping[str, float | None]
+    """Bounds of the bias by leakage, by name: `frequency` (Hz), `loss_factor`; empty without leakage."""
+    loss_factor: float
+    """Structural loss factor eta; twice the damping ratio where damping is viscous."""
+    loss_factor_spread: Spread | None
+    """Scatter of the loss factor over the FRFs."""
+    standard_errors: Mapping[str, float | None]
+    """Standard errors by name: `frequency` (Hz), `loss_factor`."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ModalModel(ModalModelMethods):
+    """A consistent set of modes at named DoFs, in rising frequency."""
+
+    choices: Mapping[str, str]
+    """Value of each option in words, and the reason for it."""
+    created: str
+    """time of creation, ISO 8601, UTC"""
+    dofs: tuple[str, ...]
+    """Degrees of freedom of the mode shapes."""
+    drive: str | None
+    """DoF common to all FRFs; null where there is none, or several."""
+    frequency_inconsistency: FrequencyInconsistency | None
+    """Frequency differences between the FRFs; null where they agree. `/arrays` has those of each FRF."""
+    frfs: tuple[str, ...]
+    """Names of the FRFs in the order of the arrays: a DoF, of several references `5:+Y / 1:+Y`."""
+    id: str
+    """id of the stored object"""
+    made_from: Mapping[str, str]
+    """ids of the objects it was made from, by role"""
+    measurement_id: str | None
+    """Measurement from which the modes were extracted."""
+    method: str
+    """Extraction method, or `synthetic`."""
+    modes: tuple[Mode, ...]
+    """Modes in rising natural frequency; `/arrays` has their shapes."""
+    normalisation: Literal["mass", "none"]
+    """`mass`: shapes are mass-normalised; `none`: their scale is arbitrary."""
+    notes: tuple[str, ...]
+    """Remarks on the extraction, in sentences."""
+    options: Mapping[str, int | float | str | None]
+    """Options of the extraction method as asked for; null was left to the method."""
+    references: tuple[str, ...]
+    """DoFs common to several FRFs: drive points, or fixed responses of a roving hammer test; empty for modes that are not from FRFs. FRFs are ordered DoF by DoF, and by reference at each DoF."""
+    resynthesis_error: Mapping[str, float] | None
+    """By FRF: rms of the difference to the FRF that modes and residuals make, over the rms of the FRF, as mobility."""
+    seed: int | None
+    """seed of its random numbers; null where there are none"""
+    version: str
+    """version of the service that made it"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ModalModelArrays:
+    """Modes with their shapes, and modal constants of each FRF"""
+
+    dofs: tuple[str, ...]
+    """(n_dofs) degrees of freedom of the rows, `node:direction`"""
+    frequencies: tuple[Any, ...]
+    """(n_modes) Hz, natural frequencies, ascending"""
+    loss_factors: tuple[Any, ...]
+    """(n_modes) 1, loss factors"""
+    modal_constants: tuple[tuple[tuple[Any, ...], ...], ...] | None = None
+    """(n_modes, n_frfs) 1/kg, modal constants of receptance"""
+    resynthesis_error: tuple[Any, ...] | None = None
+    """(n_frfs) 1, rms of the residual over rms of the FRF, as mobility"""
+    shapes: tuple[tuple[tuple[Any, ...], ...], ...]
+    """(n_dofs, n_modes) mode shapes"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class FrfArrays:
+    """Frequency response functions"""
+
+    freq: tuple[Any, ...]
+    """(n_lines) Hz, frequency of each line"""
+    inputs: tuple[str, ...]
+    """(n_in) force degrees of freedom"""
+    kind: str
+    """`inertance`, `mobility` or `receptance`"""
+    notes: tuple[str, ...] | None = None
+    """(n_notes) remarks on lines left out"""
+    outputs: tuple[str, ...]
+    """(n_out) response degrees of freedom"""
+    values: tuple[tuple[tuple[tuple[Any, ...], ...], ...], ...]
+    """(n_lines, n_out, n_in) m/s^2/N, m/s/N or m/N as `kind` says, FRFs"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ExpandedModalModel:
+    """A consistent set of modes at named DoFs, in rising frequency."""
+
+    choices: Mapping[str, str]
+    """Value of each option in words, and the reason for it."""
+    created: str
+    """time of creation, ISO 8601, UTC"""
+    dofs: tuple[str, ...]
+    """Degrees of freedom of the mode shapes."""
+    drive: str | None
+    """DoF common to all FRFs; null where there is none, or several."""
+    fit_residuals: tuple[float, ...]
+    """By mode: norm of measured minus expanded shape over the measured norm."""
+    frequency_inconsistency: FrequencyInconsistency | None
+    """Frequency differences between the FRFs; null where they agree. `/arrays` has those of each FRF."""
+    frfs: tuple[str, ...]
+    """Names of the FRFs in the order of the arrays: a DoF, of several references `5:+Y / 1:+Y`."""
+    id: str
+    """id of the stored object"""
+    made_from: Mapping[str, str]
+    """ids of the objects it was made from, by role"""
+    measurement_id: str | None
+    """Measurement from which the modes were extracted."""
+    method: str
+    """Extraction method, or `synthetic`."""
+    modes: tuple[Mode, ...]
+    """Modes in rising natural frequency; `/arrays` has their shapes."""
+    normalisation: Literal["mass", "none"]
+    """`mass`: shapes are mass-normalised; `none`: their scale is arbitrary."""
+    notes: tuple[str, ...]
+    """Remarks on the extraction, in sentences."""
+    options: Mapping[str, int | float | str | None]
+    """Options of the extraction method as asked for; null was left to the method."""
+    rayleigh_frequencies: tuple[float, ...]
+    """Hz, by mode: from the Rayleigh quotient of the expanded shape."""
+    references: tuple[str, ...]
+    """DoFs common to several FRFs: drive points, or fixed responses of a roving hammer test; empty for modes that are not from FRFs. FRFs are ordered DoF by DoF, and by reference at each DoF."""
+    resynthesis_error: Mapping[str, float] | None
+    """By FRF: rms of the difference to the FRF that modes and residuals make, over the rms of the FRF, as mobility."""
+    seed: int | None
+    """seed of its random numbers; null where there are none"""
+    version: str
+    """version of the service that made it"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class StructureModeArrays:
+    """Elastic modes of a structure with their shapes"""
+
+    dofs: tuple[str, ...]
+    """(n_dofs) degrees of freedom of the rows, `node:direction`"""
+    frequencies: tuple[Any, ...]
+    """(n_modes) Hz, natural frequencies, ascending"""
+    shapes: tuple[tuple[Any, ...], ...] | tuple[tuple[tuple[Any, ...], ...], ...]
+    """(n_dofs, n_modes | n_dofs, n_modes, 2) 1/sqrt(kg), mass-normalised mode shapes"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class ReducedModelArrays:
+    """Mass and stiffness reduced to master degrees of freedom"""
+
+    dofs: tuple[str, ...]
+    """(n_dofs) degrees of freedom of the rows, `node:direction`"""
+    frequencies: tuple[Any, ...]
+    """(n_modes) Hz, natural frequencies of the reduced model"""
+    frequency_errors: tuple[Any, ...]
+    """(n_full) 1, relative frequency errors of the reduced model"""
+    mass: tuple[tuple[Any, ...], ...]
+    """(n_masters, n_masters) kg, reduced mass matrix"""
+    masters: tuple[str, ...]
+    """(n_masters) master degrees of freedom"""
+    model_frequencies: tuple[Any, ...]
+    """(n_full) Hz, natural frequencies of the full model"""
+    shapes: tuple[tuple[Any, ...], ...]
+    """(n_masters, n_modes) 1/sqrt(kg), mode shapes of the reduced model"""
+    stiffness: tuple[tuple[Any, ...], ...]
+    """(n_masters, n_masters) N/m, reduced stiffness matrix"""
+    transformation: tuple[tuple[Any, ...], ...]
+    """(n_dofs, n_masters) 1, motion of all degrees of freedom by the masters'"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class StudyArrays:
+    """Coefficients of all runs of a study"""
+
+    coefficients: tuple[tuple[Any, ...], ...]
+    """(n_runs, n_coefficients) 1, coefficients by run, null where a run failed"""
+    divisions: tuple[str, ...]
+    """(n_runs) parameterisation of each run"""
+    levels: tuple[str, ...]
+    """(n_runs) noise level of each run"""
+    members: tuple[int, ...]
+    """(n_coefficients) member of each coefficient"""
+    parts: tuple[str, ...]
+    """(n_coefficients) matrix part of each coefficient"""
+    seeds: tuple[int, ...]
+    """(n_runs) random seed of each run"""
+    true: tuple[Any, ...]
+    """(n_coefficients) 1, true coefficients"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class UpdatedMatrixArrays:
+    """Matrices of a direct updating method, and error matrices by name"""
+
+    dofs: tuple[str, ...]
+    """(n_dofs) degrees of freedom of the rows, `node:direction`"""
+    mass: tuple[tuple[Any, ...], ...] | None = None
+    """(n_dofs, n_dofs) kg, updated mass matrix"""
+    stiffness: tuple[tuple[Any, ...], ...] | None = None
+    """(n_dofs, n_dofs) N/m, updated stiffness matrix"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class CovarianceArrays:
+    """Covariance of updated coefficients"""
+
+    coefficients: tuple[str, ...]
+    """(n_coefficients) names of the coefficients"""
+    covariance: tuple[tuple[Any, ...], ...] | None = None
+    """(n_coefficients, n_coefficients) 1, covariance matrix"""
+    intervals: tuple[tuple[Any, ...], ...]
+    """(n_coefficients, 2) 1, 95 % confidence intervals"""
+    singular_values: tuple[Any, ...]
+    """(n_values) 1, singular values of the scaled sensitivity matrix"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class PosteriorArrays:
+    """Draws from the posterior of updated coefficients"""
+
+    coefficients: tuple[str, ...]
+    """(n_coefficients) names of the coefficients"""
+    draws: tuple[tuple[Any, ...], ...]
+    """(n_draws, n_coefficients) 1, coefficients of each draw"""
+    log_density: tuple[Any, ...]
+    """(n_draws) 1, logarithm of the posterior density"""

@@ -6,12 +6,13 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import ArrayLike
 
-from modallab_client import _wire, _wire_extraction, _wire_modes
+from modallab_client import _wire, _wire_extraction
 from modallab_client._sync.jobs import Job
 from modallab_client._sync.shelf import Shelf
 from modallab_client.extraction import FitPicture, ModalPair, StabilisationChart
+from modallab_client.methods.modal_models import modal_model_of
 from modallab_client.models import Frf
-from modallab_client.modes import ModalModel
+from modallab_client.results import ModalModel
 
 
 class ModalModels(Shelf):
@@ -70,7 +71,7 @@ class ModalModels(Shelf):
         """Return a modal model with its shapes."""
         about = self._transport.request("GET", f"/v1/modal-models/{modal_model_id}")
         arrays = self._transport.npz(f"/v1/modal-models/{modal_model_id}/arrays")
-        return _wire.read(_wire_modes.modal_model, about, arrays)
+        return _wire.read(modal_model_of, about, arrays)
 
     def fit(
         self, modal_model_id: str, *, mode: int, response: str, reference: str | None = None

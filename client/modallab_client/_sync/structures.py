@@ -8,7 +8,7 @@ from modallab_client._sync.described import Described
 from modallab_client._sync.modal_models import ModalModels
 from modallab_client.correlation import Expansion, ReducedModel
 from modallab_client.models import Frf, ModeShapes, Structure, StructureModes
-from modallab_client.modes import ModalModel
+from modallab_client.results import ModalModel
 
 Given = Mapping[str, Any]
 

@@ -10,8 +10,7 @@ from matplotlib import pyplot
 from modallab_client import _diagnosis_plot
 from modallab_client.findings import Iteration, Update
 from modallab_client.models import ComplexArray, FloatArray, Measurement
-from modallab_client.modes import ModalModel
-from modallab_client.results import DiagnosisCurves
+from modallab_client.results import DiagnosisCurves, ModalModel
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes

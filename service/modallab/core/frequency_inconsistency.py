@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.core.arrays import FloatArray, IntArray
+from modallab.core.arrays import FloatArray
+from modallab.core.reply import IntVector, NanFloat, Vector
 
 
 class InconsistencyCause(StrEnum):
@@ -33,22 +34,27 @@ class FrequencyInconsistency:
     """Hz, (n_modes, n_frf) deviation of each fit from the unweighted mean of its mode."""
     shift_error: FloatArray
     """Hz, (n_modes, n_frf) standard error of each fit."""
-    chi_square: FloatArray
+    chi_square: Vector
     """(n_modes,) chi-square of the fits about their weighted mean."""
-    degrees: IntArray
+    degrees: IntVector
     """(n_modes,) degrees of freedom: the number of valid fits less one."""
-    explained: float
+    explained: NanFloat
     """Fraction of the total chi-square explained by the cause, 0 to 1."""
-    size: float
+    size: NanFloat
     """Size of the cause: kg of a roving mass, relative frequency change of a steady drift, else 0."""
-    size_error: float
+    size_error: NanFloat
     """Standard error of the size, with the second-order terms that the model neglects."""
-    mode_size: FloatArray
+    mode_size: Vector
     """(n_modes,) size estimated from each mode alone."""
-    mode_size_error: FloatArray
+    mode_size_error: Vector
     """(n_modes,) standard errors of these sizes."""
-    still_frequency: FloatArray
+    still_frequency: Vector
     """Hz, (n_modes,) frequency without the roving mass, or before the drift; else the mean."""
+
+    @property
+    def unit(self) -> str:
+        """Unit of the size: kg of a roving mass, else 1."""
+        return "kg" if self.cause is InconsistencyCause.ROVING_MASS else "1"
 
     def __post_init__(self) -> None:
         for field in fields(self):

@@ -2,13 +2,14 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Literal
+from typing import Annotated, Literal
 
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray, frozen
 from modallab.core.dof import Dof
 from modallab.core.frequency_inconsistency import FrequencyInconsistency
+from modallab.core.reply import NanFloat, NotInReply
 
 
 @dataclass(frozen=True)
@@ -41,11 +42,11 @@ class Mode:
     """Hz, scatter of the frequency over the FRFs."""
     loss_factor_spread: Spread | None = None
     """Scatter of the loss factor over the FRFs."""
-    standard_errors: dict[str, float] = field(default_factory=dict)
+    standard_errors: dict[str, NanFloat] = field(default_factory=dict)
     """Standard errors by name: `frequency` (Hz), `loss_factor`."""
     shape_errors: FloatArray | None = None
     """(n_dof,) 1/sqrt(kg), standard errors of the magnitude of the shape."""
-    leakage_bias: dict[str, float] = field(default_factory=dict)
+    leakage_bias: dict[str, NanFloat] = field(default_factory=dict)
     """Bounds of the bias by leakage, by name: `frequency` (Hz), `loss_factor`; empty without leakage."""
     flags: tuple[str, ...] = ()
     """Warnings about this mode, as short codes."""
@@ -124,16 +125,16 @@ class ModalModel:
     """(n_modes, n_frf, 2) first and last line above 0 Hz of each single-mode fit."""
     residuals: ComplexArray | None = None
     """(2, n_frf) lower residual (1/kg, -m/omega^2) and upper residual (m/N)."""
-    beyond_eigenvalue: ComplexArray | None = None
+    out_of_band_eigenvalue: ComplexArray | None = None
     """(rad/s)^2, (n_beyond,) eigenvalues of modes outside the range whose resonances bend the FRFs in it:
     terms A/(lambda - omega^2) for any damping model."""
-    beyond_constant: ComplexArray | None = None
+    out_of_band_constant: ComplexArray | None = None
     """1/kg, (n_beyond, n_frf) modal constants A of these modes."""
     resynthesis_error: FloatArray | None = None
     """(n_frf,) rms misfit of the synthesised FRF over the rms of the FRF."""
-    wander: FrequencyInconsistency | None = None
+    frequency_inconsistency: FrequencyInconsistency | None = None
     """Frequency differences between the FRFs; None where they agree."""
-    chart: StabilisationChart | None = None
+    chart: Annotated[StabilisationChart | None, NotInReply("told by `/chart`")] = None
     """Stabilisation chart of a global method."""
     choices: dict[str, str] = field(default_factory=dict)
     """Value of each option in words, and the reason for it."""

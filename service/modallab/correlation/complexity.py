@@ -1,13 +1,38 @@
 """Complexity of mode shapes: phase differences between the points of a mode.
 
-With structural or viscous damping in proportion to mass and stiffness they do, and a shape is real but
-for a common factor. Damping put at one place, two modes close together, or an error of measurement part
-the phases.
+With proportional damping, structural or viscous, all points of a mode move in phase or in antiphase, and its
+shape is real but for a common factor. Local damping, close modes and measurement errors make phases differ.
 """
+
+from dataclasses import dataclass
 
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
+
+
+@dataclass(frozen=True)
+class ShapeComplexity:
+    """Complexity of one mode shape."""
+
+    mpc: float
+    """Modal phase collinearity, 0 to 1; 1: all points move in phase or in antiphase."""
+    mean_phase: float
+    """rad, -pi/2 to pi/2, phase of the line nearest to the shape."""
+    mean_phase_deviation: float
+    """rad, mean deviation of the phases from that line."""
+
+
+def shape_complexities(shapes: ComplexArray) -> tuple[ShapeComplexity, ...]:
+    """Return the complexity of each shape.
+
+    Parameters
+    ----------
+    shapes
+        (n_dof, n_modes), any unit.
+    """
+    columns = (phase_collinearity(shapes), mean_phase(shapes), mean_phase_deviation(shapes))
+    return tuple(ShapeComplexity(*row) for row in np.stack(columns, axis=1).tolist())
 
 
 def phase_collinearity(shapes: ComplexArray) -> FloatArray:

@@ -211,9 +211,9 @@ def _subset_of_lines(responses: Responses, lines: slice) -> Responses:
 
 def _inconsistency_warning(single_modes: ModalModel | None) -> Iterator[str]:
     """Yield a warning where FRFs have no common poles, with the cause."""
-    if single_modes is None or single_modes.wander is None:
+    if single_modes is None or single_modes.frequency_inconsistency is None:
         return
-    cause, *_ = inconsistency_notes(single_modes.wander, single_modes.frfs)
+    cause, *_ = inconsistency_notes(single_modes.frequency_inconsistency, single_modes.frfs)
     yield f"a global method takes all FRFs to be of one structure, and these are not: {cause}"
     followers = ", ".join(name for name, method in EXTRACTION_METHODS.items() if method.exact)
     yield (

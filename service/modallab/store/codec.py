@@ -96,7 +96,7 @@ def _put_measurement(body: Json, arrays: _ArrayMap) -> Measurement:
 
 
 _CHART = "chart_"  # before the names of a stabilisation chart's arrays
-_WANDER = "wander_"  # and of those that say how frequencies wander
+_INCONSISTENCY = "frequency_inconsistency_"  # and of those of frequency differences
 
 
 def _take_modal_model(thing: ModalModel) -> tuple[Json, Arrays]:
@@ -115,8 +115,8 @@ def _take_modal_model(thing: ModalModel) -> tuple[Json, Arrays]:
             "modal_constant_errors": thing.modal_constant_error,
             "fitted_lines": thing.fitted_lines,
             "residuals": thing.residuals,
-            "beyond_eigenvalues": thing.beyond_eigenvalue,
-            "beyond_constants": thing.beyond_constant,
+            "out_of_band_eigenvalues": thing.out_of_band_eigenvalue,
+            "out_of_band_constants": thing.out_of_band_constant,
             "resynthesis_error": thing.resynthesis_error,
         }
     )
@@ -125,9 +125,9 @@ def _take_modal_model(thing: ModalModel) -> tuple[Json, Arrays]:
     body = {"normalisation": thing.normalisation, "method": thing.method, "notes": list(thing.notes)}
     if thing.references:
         body["references"] = [str(dof) for dof in thing.references]
-    if thing.wander is not None:
-        body["wander"], wander_arrays = to_plain(thing.wander)
-        arrays |= {f"{_WANDER}{name}": array for name, array in wander_arrays.items()}
+    if thing.frequency_inconsistency is not None:
+        body["frequency_inconsistency"], inconsistency_arrays = to_plain(thing.frequency_inconsistency)
+        arrays |= {f"{_INCONSISTENCY}{name}": array for name, array in inconsistency_arrays.items()}
     return body | {"modes": modes, "choices": dict(thing.choices)}, arrays
 
 
@@ -148,17 +148,21 @@ def _put_modal_model(body: Json, arrays: _ArrayMap) -> ModalModel:
         modal_constant_error=arrays.get("modal_constant_errors"),
         fitted_lines=arrays.get("fitted_lines"),
         residuals=arrays.get("residuals"),
-        beyond_eigenvalue=arrays.get("beyond_eigenvalues"),
-        beyond_constant=arrays.get("beyond_constants"),
+        out_of_band_eigenvalue=arrays.get("out_of_band_eigenvalues"),
+        out_of_band_constant=arrays.get("out_of_band_constants"),
         resynthesis_error=arrays.get("resynthesis_error"),
         references=_references(body),
-        wander=from_plain(FrequencyInconsistency, body["wander"], _named(arrays, _WANDER))
-        if "wander" in body
-        else None,
+        frequency_inconsistency=_inconsistency(body, arrays),
         chart=None if f"{_CHART}order" not in arrays else _chart(arrays),
         choices=body.get("choices", {}),
         notes=tuple(body["notes"]),
     )
+
+
+def _inconsistency(body: Json, arrays: _ArrayMap) -> FrequencyInconsistency | None:
+    tree = body.get("frequency_inconsistency")
+    named = _named(arrays, _INCONSISTENCY)
+    return None if tree is None else from_plain(FrequencyInconsistency, tree, named)
 
 
 def _references(body: Json) -> tuple[Dof, ...]:

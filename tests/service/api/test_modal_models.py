@@ -1,4 +1,4 @@
-"""What a modal model shows of how it was found: choices, what is left, complexity, wander."""
+"""What a modal model shows of how it was found: choices, what is left, complexity, frequencies."""
 
 import io
 from typing import Any
@@ -63,12 +63,12 @@ def test_a_wave_that_travels_is_seen_in_imported_shapes(service: Any) -> None:
     assert travelling["mpc"] == pytest.approx(0.0, abs=1e-12)  # rounding
     assert standing == {"mpc": pytest.approx(1.0), "mean_phase": 0.0, "mean_phase_deviation": 0.0}
     assert stored["resynthesis_error"] is None
-    assert stored["wander"] is None
+    assert stored["frequency_inconsistency"] is None
     assert stored["choices"] == {}
 
 
 def test_frequencies_of_one_structure_do_not_wander(service: Any, measured: str) -> None:
-    assert extracted(service, measured)["wander"] is None
+    assert extracted(service, measured)["frequency_inconsistency"] is None
 
 
 @pytest.mark.parametrize("method", ["circle_fit", "dobson", "line_fit", "linear_fit", "peak_picking"])

@@ -10,7 +10,7 @@ from modallab.store.codec import CODECS
 DOFS = (Dof(1, "Y"), Dof(5, "Y", -1))
 
 
-def wandering() -> FrequencyInconsistency:
+def inconsistent() -> FrequencyInconsistency:
     return FrequencyInconsistency(
         cause=InconsistencyCause.ROVING_MASS,
         shift=np.array([[-0.5, np.nan]]),
@@ -28,34 +28,42 @@ def wandering() -> FrequencyInconsistency:
 
 def test_how_frequencies_wander_comes_back_and_is_served_under_its_own_names() -> None:
     given = ModalModel(
-        (Mode(23.5, 0.01, np.ones(2, complex)),), DOFS, references=DOFS[1:2], wander=wandering()
+        (Mode(23.5, 0.01, np.ones(2, complex)),),
+        DOFS,
+        references=DOFS[1:2],
+        frequency_inconsistency=inconsistent(),
     )
     codec = CODECS["modal_model"]
     body, arrays = codec.take_apart(given)
-    np.testing.assert_array_equal(arrays["wander_shift"], [[-0.5, np.nan]])
+    np.testing.assert_array_equal(arrays["frequency_inconsistency_shift"], [[-0.5, np.nan]])
     found = codec.put_together(body, arrays)
     assert found.drive == DOFS[1]
-    assert found.wander is not None
+    assert found.frequency_inconsistency is not None
     for field in fields(FrequencyInconsistency):
-        np.testing.assert_array_equal(getattr(found.wander, field.name), getattr(wandering(), field.name))
-    assert not found.wander.shift.flags.writeable
+        np.testing.assert_array_equal(
+            getattr(found.frequency_inconsistency, field.name), getattr(inconsistent(), field.name)
+        )
+    assert not found.frequency_inconsistency.shift.flags.writeable
 
 
 def test_poles_beyond_the_range_come_back() -> None:
     poles, constants = np.array([4.0 + 1j, 9.0]), np.array([[1.0, 2j], [3.0, 4.0]])
     given = ModalModel(
-        (Mode(23.5, 0.01, np.ones(2, complex)),), DOFS, beyond_eigenvalue=poles, beyond_constant=constants
+        (Mode(23.5, 0.01, np.ones(2, complex)),),
+        DOFS,
+        out_of_band_eigenvalue=poles,
+        out_of_band_constant=constants,
     )
     codec = CODECS["modal_model"]
     found = codec.put_together(*codec.take_apart(given))
-    np.testing.assert_array_equal(found.beyond_eigenvalue, poles)
-    np.testing.assert_array_equal(found.beyond_constant, constants)
+    np.testing.assert_array_equal(found.out_of_band_eigenvalue, poles)
+    np.testing.assert_array_equal(found.out_of_band_constant, constants)
 
 
 def test_a_model_of_an_earlier_version_has_neither_wander_nor_drive() -> None:
     codec = CODECS["modal_model"]
     body, arrays = codec.take_apart(ModalModel((Mode(23.5, 0.01, np.ones(2, complex)),), DOFS))
-    assert "wander" not in body
+    assert "frequency_inconsistency" not in body
     assert "drive" not in body
     found = codec.put_together(body, arrays)
-    assert (found.wander, found.drive) == (None, None)
+    assert (found.frequency_inconsistency, found.drive) == (None, None)

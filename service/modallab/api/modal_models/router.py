@@ -1,6 +1,6 @@
 """Modal models: read from measurements, or imported."""
 
-from typing import Annotated
+from typing import Annotated, Any
 
 from fastapi import APIRouter, File, UploadFile, status
 from starlette.responses import Response
@@ -22,8 +22,8 @@ from modallab.api.modal_models.fits import (
     frf_arrays,
     measured_for,
 )
-from modallab.api.modal_models.found import ModalModelOut
 from modallab.api.modal_models.reciprocal import OTHER, ModalReciprocityOut
+from modallab.api.modal_models.replies import ModalModelReply, modal_model_reply
 from modallab.api.modal_models.schemas import ModalModelIn, ModalModelStart
 from modallab.api.modal_models.table import COLUMNS, mode_rows
 from modallab.api.shelves import add_routes
@@ -60,8 +60,8 @@ def start_modal_model(
     return JobOut.of(jobs.submit(EXTRACTION.name, EXTRACTION.arguments(*body.to_task()), owner=owner))
 
 
-def _stored(model: ModalModel, store: Store, owner: str) -> ModalModelOut:
-    return ModalModelOut.of(model, store.modal_models.entry(store.modal_models.add(model, owner=owner)))
+def _stored(model: ModalModel, store: Store, owner: str) -> Any:
+    return modal_model_reply(model, store.modal_models.entry(store.modal_models.add(model, owner=owner)))
 
 
 def import_modal_file(
@@ -69,7 +69,7 @@ def import_modal_file(
     store: StoreDep,
     settings: SettingsDep,
     owner: OwnerDep,
-) -> ModalModelOut:
+) -> Any:
     return _stored(read_modal_model(file.file, largest=settings.upload_limit), store, owner)
 
 
@@ -84,10 +84,16 @@ router.add_api_route(
 )
 
 
-@router.post("/import", status_code=status.HTTP_201_CREATED, summary="Import modes", openapi_extra=FILE)
+@router.post(
+    "/import",
+    status_code=status.HTTP_201_CREATED,
+    response_model=ModalModelReply,
+    summary="Import modes",
+    openapi_extra=FILE,
+)
 def import_modal_model(
     body: Annotated[ModalModelIn, example(_IMPORT)], store: StoreDep, owner: OwnerDep
-) -> ModalModelOut:
+) -> Any:
     """Return a modal model from frequencies, loss factors and shapes as JSON, or a universal file."""
     return _stored(body.to_domain(), store, owner)
 
@@ -95,15 +101,15 @@ def import_modal_model(
 @router.get(
     "/{id}",
     summary="Get modes",
-    response_model=ModalModelOut,
+    response_model=ModalModelReply,
     responses=csv_replies(COLUMNS),
 )
-def get_modal_model(id: IdPath, store: StoreDep, as_csv: CsvWanted) -> ModalModelOut | Response:
+def get_modal_model(id: IdPath, store: StoreDep, as_csv: CsvWanted) -> Any:
     """Return the modes of a modal model without their shapes."""
     model = store.modal_models.get(id)
     if as_csv:
         return csv_reply(COLUMNS, mode_rows(model))
-    return ModalModelOut.of(model, store.modal_models.entry(id))
+    return modal_model_reply(model, store.modal_models.entry(id))
 
 
 @router.get(

@@ -1,6 +1,6 @@
 """Structures: described, changed, solved."""
 
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 from fastapi import APIRouter, File, Form, Query, UploadFile, status
@@ -12,12 +12,12 @@ from modallab.api.deps import IdPath, OwnerDep, SettingsDep, StoreDep
 from modallab.api.examples import example, examples
 from modallab.api.files import UFF, origin, uff_reply
 from modallab.api.media import CsvWanted, csv_replies, csv_reply
-from modallab.api.modal_models.found import ModalModelOut
+from modallab.api.modal_models.replies import ExpandedReply, ModalModelReply, modal_model_reply
 from modallab.api.modal_models.schemas import SyntheticIn
 from modallab.api.reductions import ReducedQuery, check_size, reduction_in
 from modallab.api.shelves import add_routes
 from modallab.api.structures.changes import ChangesIn
-from modallab.api.structures.expansions import ExpandedOut, ExpansionIn
+from modallab.api.structures.expansions import ExpansionIn
 from modallab.api.structures.frf import FrfQuery
 from modallab.api.structures.mesh import mesh_of
 from modallab.api.structures.schemas import ModesOut, StructureIn, StructureOut, damping_of
@@ -177,22 +177,32 @@ def get_geometry(id: IdPath, store: StoreDep) -> Response:
     return uff_reply(uff_geometry.write(structure, origin(entry, f"structure {structure.name}")), id)
 
 
-@router.post("/{id}/synthetic-modes", status_code=status.HTTP_201_CREATED, summary="Make synthetic modes")
+@router.post(
+    "/{id}/synthetic-modes",
+    status_code=status.HTTP_201_CREATED,
+    response_model=ModalModelReply,
+    summary="Make synthetic modes",
+)
 def make_synthetic_modes(
     id: IdPath, body: Annotated[SyntheticIn, example(_SYNTHETIC)], store: StoreDep, owner: OwnerDep
-) -> ModalModelOut:
+) -> Any:
     """Return modes of a structure at some degrees of freedom, with random errors, as a modal model."""
     system = as_modelled(store.structures.get(id))
     rng = np.random.default_rng(body.seed)
     model = synthetic_modes(system, body.count, body.places(), noise=body.noise.to_domain(), rng=rng)
     stored = store.modal_models.add(model, owner=owner, inputs={"structure_id": id}, seed=body.seed)
-    return ModalModelOut.of(model, store.modal_models.entry(stored))
+    return modal_model_reply(model, store.modal_models.entry(stored))
 
 
-@router.post("/{id}/expanded-modes", status_code=status.HTTP_201_CREATED, summary="Expand modes")
+@router.post(
+    "/{id}/expanded-modes",
+    status_code=status.HTTP_201_CREATED,
+    response_model=ExpandedReply,
+    summary="Expand modes",
+)
 def expand_modes(
     id: IdPath, body: Annotated[ExpansionIn, example(_EXPANSION)], store: StoreDep, owner: OwnerDep
-) -> ExpandedOut:
+) -> Any:
     """Return measured modes expanded to all degrees of freedom of a structure."""
     reduction = reduction_in(body.reduction)
     measured = store.modal_models.get(body.modal_model_id)
@@ -201,7 +211,13 @@ def expand_modes(
     found = expand(system, measured, reduction)
     inputs = {"structure_id": id, "modal_model_id": body.modal_model_id}
     stored = store.modal_models.add(found.model, owner=owner, inputs=inputs)
-    return ExpandedOut.of_expansion(found, store.modal_models.entry(stored))
+    return modal_model_reply(
+        found.model,
+        store.modal_models.entry(stored),
+        ExpandedReply,
+        fit_residuals=found.residual.tolist(),
+        rayleigh_frequencies=found.rayleigh.tolist(),
+    )
 
 
 @router.get(

@@ -41,7 +41,7 @@ def combine_fits(
     inconsistent (`find_frequency_inconsistency`), each FRF belongs to a slightly different structure and
     means are unweighted. Standard errors are those of the means: from the random error of the lines alone
     where the cause is known (roving mass, steady drift), else from the scatter over the FRFs. The
-    inconsistency itself is in `wander` and in the spreads, which are of unweighted values.
+    inconsistency itself is in `frequency_inconsistency` and in the spreads, which are of unweighted values.
 
     Shapes are mass-normalised, `phi_j = A_1j / sqrt(A_11)`, the root with its real part positive, or, with
     several references, from `reference_shapes`. Without a drive-point response they are the modal constants
@@ -64,7 +64,7 @@ def combine_fits(
     names, n_ref = frf_names(dofs, references), len(references)
     constant, error = table.modal_constant[order], table.modal_constant_error[order]
     shapes = reference_shapes(constant, error, dofs, references, noise_correlation)
-    wander = find_frequency_inconsistency(
+    inconsistency = find_frequency_inconsistency(
         FittedModes(
             frequency=table.frequency[order],
             frequency_error=table.frequency_error[order],
@@ -78,7 +78,7 @@ def combine_fits(
     identified = table.screening.good[order] | table.screening.outlying[order]
     return ModalModel(
         modes=tuple(
-            _mode(table, int(m), _averaging(wander, r), noise_correlation, shapes, r, names)
+            _mode(table, int(m), _averaging(inconsistency, r), noise_correlation, shapes, r, names)
             for r, m in enumerate(order)
         ),
         dofs=tuple(dofs),
@@ -90,12 +90,16 @@ def combine_fits(
         modal_constant=constant,
         modal_constant_error=error,
         fitted_lines=None if table.lines is None else table.lines[order],
-        wander=wander,
-        choices={**choices, "means": choice_of_means(wander, noise_correlation), **shapes.choice_text()},
+        frequency_inconsistency=inconsistency,
+        choices={
+            **choices,
+            "means": choice_of_means(inconsistency, noise_correlation),
+            **shapes.choice_text(),
+        },
         notes=(
             *notes,
             *no_scale(shapes),
-            *inconsistency_notes(wander, names),
+            *inconsistency_notes(inconsistency, names),
             *why_outlying(table, order, names),
         ),
     )
@@ -109,13 +113,13 @@ def _order(table: FitTable) -> IntArray:
     return np.asarray(identified[np.argsort(frequency, kind="stable")], np.int64)
 
 
-def _averaging(wander: FrequencyInconsistency | None, r: int) -> Averaging:
+def _averaging(inconsistency: FrequencyInconsistency | None, r: int) -> Averaging:
     """Return the kind of average of frequency and loss factor of a mode."""
-    if wander is None:
+    if inconsistency is None:
         return Averaging.WEIGHTED
-    if wander.cause is not InconsistencyCause.UNKNOWN:
+    if inconsistency.cause is not InconsistencyCause.UNKNOWN:
         return Averaging.PLAIN
-    differs = is_significant(float(wander.chi_square[r]), int(wander.degrees[r]))
+    differs = is_significant(float(inconsistency.chi_square[r]), int(inconsistency.degrees[r]))
     return Averaging.SCATTERED if differs else Averaging.WEIGHTED
 
 

@@ -32,12 +32,16 @@ def with_duplicate_flags(model: ModalModel, single_modes: ModalModel | None) -> 
     single_modes
         Modes identified FRF by FRF; None if there are none.
     """
-    if single_modes is None or single_modes.wander is None or single_modes.wander.cause not in CAUSES:
+    if (
+        single_modes is None
+        or single_modes.frequency_inconsistency is None
+        or single_modes.frequency_inconsistency.cause not in CAUSES
+    ):
         return model
-    cause, size = single_modes.wander.cause, single_modes.wander.size
+    cause, size = single_modes.frequency_inconsistency.cause, single_modes.frequency_inconsistency.size
     flags = [mode.flags for mode in model.modes]
     for m in np.flatnonzero(_explained(single_modes)).tolist():
-        frequency = single_modes.modes[m].frequency + single_modes.wander.shift[m]
+        frequency = single_modes.modes[m].frequency + single_modes.frequency_inconsistency.shift[m]
         lowest, highest = float(np.nanmin(frequency)), float(np.nanmax(frequency))
         within = np.flatnonzero((model.frequencies >= lowest) & (model.frequencies <= highest))
         for row in within.tolist() if len(within) > 1 else []:
@@ -59,26 +63,26 @@ def with_duplicate_flags(model: ModalModel, single_modes: ModalModel | None) -> 
 
 def _explained(single_modes: ModalModel) -> BoolArray:
     """Return which unambiguous modes shift as the common cause predicts, (n_modes,) boolean."""
-    wander = single_modes.wander
-    assert wander is not None
-    remainder = wander.shift - _expected(single_modes)
+    inconsistency = single_modes.frequency_inconsistency
+    assert inconsistency is not None
+    remainder = inconsistency.shift - _expected(single_modes)
     remainder = remainder - np.nanmean(remainder, axis=1, keepdims=True)
     clear = [not any(flag.startswith(AMBIGUOUS_FLAGS) for flag in mode.flags) for mode in single_modes.modes]
     return np.asarray(
         clear
         & (
             np.nansum(remainder**2, axis=1)
-            < DUPLICATE_MODES.unexplained_fraction * np.nansum(wander.shift**2, axis=1)
+            < DUPLICATE_MODES.unexplained_fraction * np.nansum(inconsistency.shift**2, axis=1)
         )
     )
 
 
 def _expected(single_modes: ModalModel) -> FloatArray:
     """Return the first-order shift of each mode in each FRF by the cause, (n_modes, n_frf) Hz."""
-    wander = single_modes.wander
-    assert wander is not None
-    if wander.cause is InconsistencyCause.STEADY_DRIFT:
-        along = np.linspace(0.0, 1.0, wander.shift.shape[1])[None]
-        return np.asarray(single_modes.frequencies[:, None] * wander.size * along)
+    inconsistency = single_modes.frequency_inconsistency
+    assert inconsistency is not None
+    if inconsistency.cause is InconsistencyCause.STEADY_DRIFT:
+        along = np.linspace(0.0, 1.0, inconsistency.shift.shape[1])[None]
+        return np.asarray(single_modes.frequencies[:, None] * inconsistency.size * along)
     square = (single_modes.shapes.T**2).real.repeat(len(single_modes.references), axis=1)
-    return np.asarray(-single_modes.frequencies[:, None] * wander.size * square / 2)
+    return np.asarray(-single_modes.frequencies[:, None] * inconsistency.size * square / 2)

@@ -11,9 +11,9 @@ from modallab.extraction.averaging.settings import SHARED_NOISE
 from modallab.extraction.single_mode.fitting import FitTable
 
 
-def choice_of_means(wander: FrequencyInconsistency | None, noise_correlation: float) -> str:
+def choice_of_means(inconsistency: FrequencyInconsistency | None, noise_correlation: float) -> str:
     """Return the kind of averages over FRFs, with its reason."""
-    return _means(wander) + (
+    return _means(inconsistency) + (
         f"; {100 * noise_correlation:.0f} % of their random error is the same in all FRFs, which no mean"
         " lessens"
         if noise_correlation > SHARED_NOISE.noted_fraction
@@ -21,13 +21,13 @@ def choice_of_means(wander: FrequencyInconsistency | None, noise_correlation: fl
     )
 
 
-def _means(wander: FrequencyInconsistency | None) -> str:
-    if wander is None:
+def _means(inconsistency: FrequencyInconsistency | None) -> str:
+    if inconsistency is None:
         return (
             "weighted by one over variance: the frequencies of the FRFs agree within their standard errors, "
             "as those of one structure do"
         )
-    if wander.cause is InconsistencyCause.UNKNOWN:
+    if inconsistency.cause is InconsistencyCause.UNKNOWN:
         return (
             "plain where the FRFs differ by more than their standard errors, these then with the scatter; "
             "weighted by one over variance for the other modes"
@@ -43,25 +43,25 @@ def no_scale(shapes: ReferenceShapes) -> Iterator[str]:
         yield f"no response at {designation} {drive_points}: shapes are not mass-normalised"
 
 
-def inconsistency_notes(wander: FrequencyInconsistency | None, names: Sequence[str]) -> Iterator[str]:
+def inconsistency_notes(inconsistency: FrequencyInconsistency | None, names: Sequence[str]) -> Iterator[str]:
     """Yield the cause of inconsistent frequencies, and the range of each mode."""
-    if wander is None:
+    if inconsistency is None:
         return
-    total, degrees = float(wander.chi_square.sum()), int(wander.degrees.sum())
+    total, degrees = float(inconsistency.chi_square.sum()), int(inconsistency.degrees.sum())
     yield (
-        f"frequencies wander from FRF to FRF beyond their standard errors "
-        f"(chi-square {total:.3g} of {degrees} degrees of freedom): {_cause(wander)}"
+        f"natural frequencies differ between FRFs by more than their standard errors "
+        f"(chi-square {total:.3g} of {degrees} degrees of freedom): {_cause(inconsistency)}"
     )
-    for number, shift in enumerate(wander.shift, start=1):
+    for number, shift in enumerate(inconsistency.shift, start=1):
         if (text := _range(shift, names)) is not None:
-            yield f"mode {number} wanders {text}"
+            yield f"mode {number} shifts {text}"
 
 
-def _cause(wander: FrequencyInconsistency) -> str:
-    share = f"explains {100 * wander.explained:.0f} % of it"
-    match wander.cause:
+def _cause(inconsistency: FrequencyInconsistency) -> str:
+    share = f"explains {100 * inconsistency.explained:.0f} % of it"
+    match inconsistency.cause:
         case InconsistencyCause.ROVING_MASS:
-            mass, error = 1e3 * wander.size, 1e3 * wander.size_error
+            mass, error = 1e3 * inconsistency.size, 1e3 * inconsistency.size_error
             size = f"{mass:.3g} +- {error:.2g} g"
             if mass < 0:
                 return (
@@ -77,7 +77,7 @@ def _cause(wander: FrequencyInconsistency) -> str:
                 "shapes without scale do not tell the mass"
             )
         case InconsistencyCause.STEADY_DRIFT:
-            change, error = 100 * wander.size, 100 * wander.size_error
+            change, error = 100 * inconsistency.size, 100 * inconsistency.size_error
             return (
                 f"all modes alike drift by {change:+.3g} +- {error:.2g} % from the first FRF to the last, "
                 f"which {share}: the structure changes during the test, as with temperature"

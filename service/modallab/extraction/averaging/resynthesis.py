@@ -112,8 +112,8 @@ def with_resynthesis(
     return replace(
         model,
         residuals=residuals[:2],
-        beyond_eigenvalue=out_of_band_poles,
-        beyond_constant=None if out_of_band_poles is None else residuals[2:],
+        out_of_band_eigenvalue=out_of_band_poles,
+        out_of_band_constant=None if out_of_band_poles is None else residuals[2:],
         resynthesis_error=misfit,
         notes=(*model.notes, *_misfit_notes(misfit, random, model.frfs, has_error=has_coherence(responses))),
     )
@@ -165,9 +165,9 @@ def _modes(model: ModalModel, freq: FloatArray, pole: ComplexArray, constant: Co
 
 def _out_of_band(model: ModalModel, freq: FloatArray) -> ComplexArray | float:
     """Return the receptance of poles outside the range, (n_freq, n_frf), 0 if there are none."""
-    if model.beyond_eigenvalue is None or model.beyond_constant is None:
+    if model.out_of_band_eigenvalue is None or model.out_of_band_constant is None:
         return 0.0
-    return out_of_band_columns(freq, model.beyond_eigenvalue)[:, 2:] @ model.beyond_constant
+    return out_of_band_columns(freq, model.out_of_band_eigenvalue)[:, 2:] @ model.out_of_band_constant
 
 
 def _constants(model: ModalModel) -> ComplexArray:
@@ -183,10 +183,10 @@ def _poles(model: ModalModel) -> ComplexArray:
     """Return the eigenvalue of every mode in every FRF, (n_modes, n_frf)."""
     common = np.repeat(_common(model)[:, None], len(model.frfs), axis=1)
     frequency, loss_factor = model.fitted_frequency, model.fitted_loss_factor
-    if model.wander is None or frequency is None or loss_factor is None:
+    if model.frequency_inconsistency is None or frequency is None or loss_factor is None:
         return common
     fitted = (2 * np.pi * frequency) ** 2 * (1 + 1j * loss_factor)
-    return np.where(np.isfinite(model.wander.shift), fitted, common)
+    return np.where(np.isfinite(model.frequency_inconsistency.shift), fitted, common)
 
 
 def _products(model: ModalModel, drive: Dof) -> ComplexArray:

@@ -140,15 +140,15 @@ def test_frfs_of_one_structure_count_as_they_are_sure_and_the_error_is_honest() 
         assert abs(np.mean(score)) < 0.15  # 3.7 times what 600 draws leave: weights follow no result
     assert np.std(plain) > 4 * mode.standard_errors["frequency"]
     assert model.choices["means"].startswith("weighted")
-    assert model.wander is None
+    assert model.frequency_inconsistency is None
 
 
 def test_frfs_that_differ_without_a_pattern_have_their_scatter_in_the_error() -> None:
     dofs = tuple(Dof(node, "Y") for node in range(1, 12))
     moved = 100.0 + 0.2 * np.random.default_rng(1).standard_normal(11)
     model = combine_fits(one_structure(2, np.full(11, 0.01), moved), dofs, dofs[:1], method="dobson")
-    assert model.wander is not None
-    assert model.wander.cause is InconsistencyCause.UNKNOWN
+    assert model.frequency_inconsistency is not None
+    assert model.frequency_inconsistency.cause is InconsistencyCause.UNKNOWN
     (mode,) = model.modes
     spread = mode.frequency_spread
     assert spread is not None

@@ -42,56 +42,61 @@ def drifting(change: float, of: Beam, seed: int) -> FittedModes:
 
 def test_random_error_alone_is_no_wander_but_one_time_in_a_thousand(plain_beam: Beam) -> None:
     found = [find_frequency_inconsistency(fitted(plain_beam, seed=seed)) for seed in range(300)]
-    assert sum(wander is not None for wander in found) <= 3  # 0.3 expected, 3 or more once in 300 such runs
+    assert (
+        sum(inconsistency is not None for inconsistency in found) <= 3
+    )  # 0.3 expected, 3 or more once in 300 such runs
 
 
 @pytest.mark.parametrize("grams", [2.0, 20.0, 50.0])
 def test_the_mass_that_roves_is_found_within_its_error(grams: float) -> None:
-    wander = find_frequency_inconsistency(fitted(beam(grams / 1e3, 0.0), seed=1))
-    assert wander is not None
-    assert wander.cause is InconsistencyCause.ROVING_MASS
-    assert wander.explained > 0.8  # 2 g: shifts of 2 standard errors, the rest is random error
+    inconsistency = find_frequency_inconsistency(fitted(beam(grams / 1e3, 0.0), seed=1))
+    assert inconsistency is not None
+    assert inconsistency.cause is InconsistencyCause.ROVING_MASS
+    assert inconsistency.explained > 0.8  # 2 g: shifts of 2 standard errors, the rest is random error
     # the error has the second order of the loading in it: 2 m phi^2, 1 to 7 % of the mass
-    assert abs(wander.size - grams / 1e3) < 2 * wander.size_error
-    assert wander.size_error < 0.15 * grams / 1e3
-    off = (wander.mode_size - grams / 1e3) / wander.mode_size_error
+    assert abs(inconsistency.size - grams / 1e3) < 2 * inconsistency.size_error
+    assert inconsistency.size_error < 0.15 * grams / 1e3
+    off = (inconsistency.mode_size - grams / 1e3) / inconsistency.mode_size_error
     assert np.sqrt((off**2).mean()) < 1.5  # 8 standard scores, known to a quarter, and conservative
 
 
 def test_without_the_mass_frequencies_are_those_of_the_unloaded_structure(plain_beam: Beam) -> None:
     loaded = beam(0.02, 0.0)
-    wander = find_frequency_inconsistency(fitted(loaded))
-    assert wander is not None
+    inconsistency = find_frequency_inconsistency(fitted(loaded))
+    assert inconsistency is not None
     exact = plain_beam.frequencies[:, 0]
-    before, after = np.abs(loaded.frequencies.mean(axis=1) - exact), np.abs(wander.still_frequency - exact)
+    before, after = (
+        np.abs(loaded.frequencies.mean(axis=1) - exact),
+        np.abs(inconsistency.still_frequency - exact),
+    )
     assert (after < 0.1 * before).all()  # what stays is of second order, m phi^2 of a twentieth at most
 
 
 def test_shifts_are_those_of_exact_poles_from_their_mean(roving_beam: Beam) -> None:
-    wander = find_frequency_inconsistency(fitted(roving_beam))
-    assert wander is not None
+    inconsistency = find_frequency_inconsistency(fitted(roving_beam))
+    assert inconsistency is not None
     exact = roving_beam.frequencies - roving_beam.frequencies.mean(axis=1, keepdims=True)
-    np.testing.assert_allclose(wander.shift, exact, atol=1e-12)  # rounding of 750 Hz
+    np.testing.assert_allclose(inconsistency.shift, exact, atol=1e-12)  # rounding of 750 Hz
 
 
 def test_shapes_without_scale_tell_the_pattern_and_not_the_mass(roving_beam: Beam) -> None:
-    wander = find_frequency_inconsistency(fitted(roving_beam, seed=2, scaled=False))
-    assert wander is not None
-    assert wander.cause is InconsistencyCause.SQUARED_SHAPE
-    assert wander.explained > 0.9
-    assert np.isnan(wander.mode_size).all()
+    inconsistency = find_frequency_inconsistency(fitted(roving_beam, seed=2, scaled=False))
+    assert inconsistency is not None
+    assert inconsistency.cause is InconsistencyCause.SQUARED_SHAPE
+    assert inconsistency.explained > 0.9
+    assert np.isnan(inconsistency.mode_size).all()
 
 
 @pytest.mark.parametrize("change", [-0.002, 0.001])
 def test_a_structure_that_warms_drifts_in_all_modes_alike(plain_beam: Beam, change: float) -> None:
     modes = drifting(change, plain_beam, seed=3)
-    wander = find_frequency_inconsistency(modes)
-    assert wander is not None
-    assert wander.cause is InconsistencyCause.STEADY_DRIFT
-    assert wander.size == pytest.approx(change, abs=3 * wander.size_error)
-    assert wander.size_error < 0.05 * abs(change)
+    inconsistency = find_frequency_inconsistency(modes)
+    assert inconsistency is not None
+    assert inconsistency.cause is InconsistencyCause.STEADY_DRIFT
+    assert inconsistency.size == pytest.approx(change, abs=3 * inconsistency.size_error)
+    assert inconsistency.size_error < 0.05 * abs(change)
     # to first order in the change; 1e-6 of 750 Hz is a millihertz, and 0.02 bandwidths are up to 0.08 Hz
-    np.testing.assert_allclose(wander.still_frequency, plain_beam.frequencies[:, 0], rtol=3e-4)
+    np.testing.assert_allclose(inconsistency.still_frequency, plain_beam.frequencies[:, 0], rtol=3e-4)
 
 
 def test_a_stiffness_that_falls_during_a_roving_test_is_named_from_its_records() -> None:
@@ -99,13 +104,13 @@ def test_a_stiffness_that_falls_during_a_roving_test_is_named_from_its_records()
     warming = (Drift(change=-0.01),)
     records = measure(steel_beam(), setup, warming, route=Route.SAMPLED, rng=np.random.default_rng(0))
     model = extract(records.frf, coherence=records.coherence, averages=records.averages)
-    wander = model.wander
-    assert wander is not None
-    assert wander.cause is InconsistencyCause.STEADY_DRIFT
+    inconsistency = model.frequency_inconsistency
+    assert inconsistency is not None
+    assert inconsistency.cause is InconsistencyCause.STEADY_DRIFT
     # frequencies go with the root of the stiffness; to first order in 1 % of it
-    assert wander.size == pytest.approx(np.sqrt(0.99) - 1, rel=0.01)
+    assert inconsistency.size == pytest.approx(np.sqrt(0.99) - 1, rel=0.01)
     exact = beam_system().modes().elastic(8).frequencies  # before it warms
-    np.testing.assert_allclose(wander.still_frequency, exact, rtol=2e-4)
+    np.testing.assert_allclose(inconsistency.still_frequency, exact, rtol=2e-4)
     assert any("all modes alike drift by -0.50" in note for note in model.notes)
 
 
@@ -113,10 +118,14 @@ def test_changes_without_a_pattern_are_named_unknown(plain_beam: Beam) -> None:
     modes = fitted(plain_beam, seed=4)
     rng = np.random.default_rng(5)
     shaken = replace(modes, frequency=modes.frequency * (1 + 1e-3 * rng.standard_normal((8, 11))))
-    wander = find_frequency_inconsistency(shaken)
-    assert wander is not None
-    assert (wander.cause, wander.explained, wander.size) == (InconsistencyCause.UNKNOWN, 0.0, 0.0)
-    np.testing.assert_allclose(wander.still_frequency, modes_mean(shaken))
+    inconsistency = find_frequency_inconsistency(shaken)
+    assert inconsistency is not None
+    assert (inconsistency.cause, inconsistency.explained, inconsistency.size) == (
+        InconsistencyCause.UNKNOWN,
+        0.0,
+        0.0,
+    )
+    np.testing.assert_allclose(inconsistency.still_frequency, modes_mean(shaken))
 
 
 def modes_mean(modes: FittedModes) -> FloatArray:
@@ -142,11 +151,11 @@ def test_fits_that_do_not_count_have_no_shift(roving_beam: Beam) -> None:
     good[0, 3] = False
     wild = modes.frequency.copy()
     wild[0, 3] = np.nan
-    wander = find_frequency_inconsistency(replace(modes, good=good, frequency=wild))
-    assert wander is not None
-    assert np.isnan(wander.shift[0, 3])
-    assert np.isfinite(np.delete(wander.shift[0], 3)).all()
-    assert wander.degrees[0] == 9
+    inconsistency = find_frequency_inconsistency(replace(modes, good=good, frequency=wild))
+    assert inconsistency is not None
+    assert np.isnan(inconsistency.shift[0, 3])
+    assert np.isfinite(np.delete(inconsistency.shift[0], 3)).all()
+    assert inconsistency.degrees[0] == 9
 
 
 def test_nothing_to_compare_is_no_wander() -> None:

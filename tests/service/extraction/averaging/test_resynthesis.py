@@ -123,10 +123,10 @@ def test_random_error_is_what_stays_of_a_noisy_test(plain_beam: Beam, freq: Floa
 
 def test_each_frf_of_a_roving_test_is_of_its_own_structure(roving_beam: Beam, freq: FloatArray) -> None:
     model = extract(roving_beam.frf(freq), coherence=None, averages=CLEAN)
-    assert model.wander is not None
+    assert model.frequency_inconsistency is not None
     assert model.resynthesis_error is not None
     assert model.resynthesis_error.max() < 0.02
-    one_structure = resynthesise(replace(model, wander=None), freq, FrfKind.INERTANCE)
+    one_structure = resynthesise(replace(model, frequency_inconsistency=None), freq, FrfKind.INERTANCE)
     # one common pole misses resonances by up to a bandwidth
     assert misfit(one_structure, roving_beam, freq).max() > 0.2
 
