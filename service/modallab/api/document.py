@@ -80,6 +80,11 @@ def build(app: FastAPI) -> Json:
     for name, schema in schemas.items():
         if name.startswith("Body_"):
             schema["description"] = f"Form of `{name.removeprefix('Body_')}`"
+            schema["additionalProperties"] = False
+            for field in schema["properties"].values():
+                # A form has no null: a field is there or is left out.
+                if len(field.get("anyOf", ())) == 2 and field["anyOf"][1] == {"type": "null"}:
+                    field |= field.pop("anyOf")[0]
     schemas["JobOut"]["properties"]["error"]["anyOf"][0] = {"$ref": _REF + "Problem"}
     renamed: Json = _rename(document, {name: _short(name) for name in schemas})
     for schema in renamed["components"]["schemas"].values():

@@ -65,8 +65,8 @@ class Operations:
         return _UNKNOWN
 
     def methods(self, path: str) -> list[str]:
-        """Return the methods that a path takes, sorted."""
-        return sorted({name for pattern, methods in self._by_path if pattern.match(path) for name in methods})
+        """Return the methods that a path takes, sorted; a path without parameters goes first."""
+        return next((sorted(methods) for pattern, methods in self._by_path if pattern.match(path)), [])
 
 
 def _operation(operation: Mapping[str, Any], definitions: Mapping[str, Any]) -> Operation:
@@ -80,11 +80,14 @@ async def check_request(request: Request) -> None:
     Raises
     ------
     HTTPException
-        415, if the body has another content type.
+        405, if the path does not take the method; 415, if the body has another content type.
     RequestValidationError
         If a query parameter or a field of a form does not exist.
     """
     operations: Operations = request.app.state.operations
+    if request.method not in operations.methods(get_route_path(request.scope)):
+        # A path such as `/structures/import` is no id of the route with a parameter.
+        raise HTTPException(405, "Method Not Allowed")
     operation = operations.of(request)
     _check_content_type(request.headers, list(operation.bodies))
     unknown = _unknown("query", request.query_params, operation.query)

@@ -30,7 +30,7 @@ class ReductionIn(Wire):
     """numbers of the reduction by name"""
 
 
-Reduced = Annotated[Text | ReductionIn, Field(description="a kind, or a kind with its parameters")]
+Reduced = Annotated[ReductionKind | ReductionIn, Field(description="a kind, or a kind with its parameters")]
 
 
 def reduction_in(given: str | ReductionIn) -> Reduction:

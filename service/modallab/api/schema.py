@@ -56,6 +56,26 @@ class OneOf:
 
 
 @dataclass(frozen=True)
+class Pattern:
+    """Regular expression of a text that is parsed elsewhere: shown and not enforced here."""
+
+    pattern: str
+
+    def __get_pydantic_json_schema__(self, core: CoreSchema, handler: GetJsonSchemaHandler) -> Json:
+        return dict(handler(core)) | {"pattern": self.pattern}
+
+
+@dataclass(frozen=True)
+class NamedByPattern:
+    """Names of an object by `propertyNames`: generators of clients do not know `patternProperties`."""
+
+    def __get_pydantic_json_schema__(self, core: CoreSchema, handler: GetJsonSchemaHandler) -> Json:
+        schema = dict(handler(core))
+        ((pattern, value),) = schema.pop("patternProperties").items()
+        return schema | {"propertyNames": {"pattern": pattern}, "additionalProperties": value}
+
+
+@dataclass(frozen=True)
 class Specified:
     """Unit, meaning and bounds of a number from the specification that its dataclass declares."""
 

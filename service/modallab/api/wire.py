@@ -6,7 +6,7 @@ from typing import Annotated, Any
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, StringConstraints
 from typing_extensions import TypeAliasType
 
-from modallab.api.schema import Limits, OneOf
+from modallab.api.schema import Limits, OneOf, Pattern
 from modallab.core.dof import Dof
 from modallab.core.place import Channels, EffectSpec, Members, Place
 from modallab.fe.settings import INPUT
@@ -37,7 +37,9 @@ DofText = Annotated[
     str,
     StringConstraints(max_length=20, pattern=r"^[^\x00]*$"),
     Field(description="degree of freedom as `node:direction`, for example `5:+Y`"),
+    Pattern(r"^[0-9]{1,9}:[+-]?R?[XYZ]$"),
 ]
+Translation = Annotated[DofText, Pattern(r"^[0-9]{1,9}:[+-]?[XYZ]$")]
 Seed = Annotated[int, Field(ge=0, le=2**63 - 1), NO_CONVERSION]
 
 
@@ -59,7 +61,7 @@ class Wanted(BaseModel):
 class MembersAt(Wire):
     """Members of the structure by number."""
 
-    members: list[Count] = Field(min_length=1, max_length=20_000)
+    members: list[NodeNumber] = Field(min_length=1, max_length=20_000)
     """numbers of members"""
 
 

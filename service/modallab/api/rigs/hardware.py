@@ -5,7 +5,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 
 from modallab.api.schema import Limits
-from modallab.api.wire import DofText, Fraction, NonNegative, Number, Wire
+from modallab.api.wire import Fraction, NonNegative, Number, Translation, Wire
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.rig.hardware import Accelerometers, Coil, Exciter, ForceTransducer, Noise
@@ -157,7 +157,7 @@ class NoiseIn(Wire):
 class SuspensionIn(Wire):
     """The elastic bands that the structure hangs on, all alike."""
 
-    at: Annotated[list[DofText], Field(min_length=1, max_length=100)]
+    at: Annotated[list[Translation], Field(min_length=1, max_length=100)]
     """degrees of freedom where a band pulls, translations"""
     stiffness: Annotated[Number, Limits(0.0, 1e9)]
     """N/m each"""

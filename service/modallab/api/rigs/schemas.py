@@ -14,7 +14,7 @@ from modallab.api.rigs.hardware import (
     StingerIn,
     SuspensionIn,
 )
-from modallab.api.wire import DofText, Effects, EntryOut, Reply, Wire, effect_out
+from modallab.api.wire import Effects, EntryOut, Reply, Translation, Wire, effect_out
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.rig.checks import Check, figures
@@ -31,11 +31,11 @@ _USUAL = {"shaker": "periodic_random", "hammer": "impact"}  # excitations, where
 class RigIn(Wire):
     """The log book of a test."""
 
-    drive: DofText | None = None
+    drive: Translation | None = None
     """degree of freedom of the force, a translation; give this or `drives`"""
-    drives: Annotated[list[DofText], Field(min_length=1, max_length=100)] | None = None
+    drives: Annotated[list[Translation], Field(min_length=1, max_length=100)] | None = None
     """degrees of freedom of several forces, or of the blows of a roving hammer"""
-    responses: Annotated[list[DofText], Field(min_length=1, max_length=2000)]
+    responses: Annotated[list[Translation], Field(min_length=1, max_length=2000)]
     """degrees of freedom of the accelerometers"""
     exciter: ExciterIn | None = None
     """exciter; null: an ideal shaker"""

@@ -4,7 +4,7 @@ from typing import Annotated, Literal
 
 from pydantic import Field
 
-from modallab.api.wire import Count, DofText, NodeNumber, NonNegative, Number, Positive, Wire
+from modallab.api.wire import DofText, NodeNumber, NonNegative, Positive, Wire
 from modallab.core.dof import Dof
 from modallab.fe.changes import (
     Change,
@@ -19,13 +19,13 @@ from modallab.fe.changes import (
 class MemberChangeIn(Wire):
     """A property of some members, multiplied by `factor` or set to `value`."""
 
-    members: list[Count] = Field(min_length=1, max_length=5000)
+    members: list[NodeNumber] = Field(min_length=1, max_length=5000)
     """numbers of the members"""
     property: MemberProperty
     """property that is changed"""
-    factor: Number | None = None
+    factor: NonNegative | None = None
     """1, factor by which the property is multiplied; give this or `value`"""
-    value: Number | None = None
+    value: NonNegative | None = None
     """value that the property is set to, in its SI unit"""
 
     def to_domain(self) -> Change:

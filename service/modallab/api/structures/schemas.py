@@ -7,7 +7,7 @@ from pydantic import Field, TypeAdapter, ValidationError
 
 from modallab.api.faults import wrong_json
 from modallab.api.names import CatalogueName
-from modallab.api.schema import Limits
+from modallab.api.schema import Limits, NamedByPattern
 from modallab.api.wire import (
     NO_CONVERSION,
     Count,
@@ -301,6 +301,7 @@ class PlateIn(_Described):
 
 
 Coordinates = tuple[Number, Number]
+NodeKey = Annotated[str, Field(pattern=r"^[1-9][0-9]{0,8}$")]
 
 
 class FrameIn(_OfBars):
@@ -308,7 +309,7 @@ class FrameIn(_OfBars):
 
     kind: Literal["frame"]
     """`frame`"""
-    nodes: dict[Annotated[str, Field(pattern=r"^[1-9][0-9]{0,8}$")], Coordinates] = Field(max_length=_MOST)
+    nodes: Annotated[dict[NodeKey, Coordinates], NamedByPattern()] = Field(max_length=_MOST)
     """m, X and Y of each node by its number"""
     sections: dict[Text, SectionIn] = Field(max_length=_MOST)
     """cross-sections by name"""
