@@ -51,6 +51,7 @@ openapi: setup ## write docs/openapi.json from the service
 
 sync-client: setup ## write result types from docs/openapi.json, and the synchronous client from the asynchronous one
 	$(BIN)/python client/generate_models.py
+	$(BIN)/python client/generate_options.py
 	$(BIN)/python client/unasync.py
 
 lock: setup ## renew requirements.lock

@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from pathlib import Path
+from typing import Unpack
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -12,6 +13,7 @@ from modallab_client._sync.shelf import Shelf
 from modallab_client.extraction import FitPicture, ModalPair, StabilisationChart
 from modallab_client.methods.modal_models import modal_model_of
 from modallab_client.models import Frf
+from modallab_client.options import ExtractionOptions
 from modallab_client.results import ModalModel
 
 
@@ -27,11 +29,8 @@ class ModalModels(Shelf):
         method: str = "dobson",
         bands: str | Sequence[Sequence[float]] = "auto",
         n_modes: int | None = None,
-        lines: int | None = None,
-        leave_out: int | None = None,
-        damping: str | None = None,
-        max_order: int | None = None,
         correct_window_damping: bool = False,
+        **options: Unpack[ExtractionOptions],
     ) -> Job[ModalModel]:
         """Start the extraction of modes; `result` of the job gives the modal model.
 
@@ -45,23 +44,18 @@ class ModalModels(Shelf):
             `auto`, or one (lower, upper) in Hz for each mode; of a global method each with one or more.
         n_modes
             Modes wanted; left out: as many as show.
-        lines, leave_out
-            Of single-mode methods: lines around each resonance, and how many of them nearest to it are not
-            used; left out: chosen from the data, which `choices` of the result tell.
-        damping
-            Law of a mode's damping, `structural` or `viscous`; left out: as the lines tell, else structural.
-        max_order
-            Of global methods: highest order of the stabilisation chart.
         correct_window_damping
             Take what an exponential window added out of the loss factors.
+        options
+            Options of the method, as `lines` and `damping`; left out: chosen from the data, which `choices`
+            of the result tell. Their meaning: `modallab_client.options.ExtractionOptions`.
         """
-        options = _wire.body(lines=lines, leave_out=leave_out, damping=damping, max_order=max_order)
         body = _wire.body(
             measurement_id=measurement_id,
             method=method,
             bands=bands,
             n_modes=n_modes,
-            options=options or None,
+            options=_wire.body(**options) or None,
             correct_window_damping=correct_window_damping or None,  # left out, it is not done
         )
         job = self._transport.request("POST", "/v1/modal-models", json=body)

@@ -1,7 +1,7 @@
 """Updates: a model brought closer to a test."""
 
 from collections.abc import Mapping, Sequence
-from typing import Any
+from typing import Any, Unpack
 
 from modallab_client import _wire, _wire_direct, _wire_findings
 from modallab_client._sync.jobs import Job
@@ -9,6 +9,7 @@ from modallab_client._sync.shelf import Shelf
 from modallab_client.direct import UpdatedMatrices
 from modallab_client.findings import Update
 from modallab_client.identified import Covariance, Sample
+from modallab_client.options import UpdateOptions
 
 
 class Updates(Shelf):
@@ -28,16 +29,9 @@ class Updates(Shelf):
         parts: Sequence[str] | None = None,
         lower: float | None = None,
         upper: float | None = None,
-        max_iterations: int | None = None,
-        prior: str | None = None,
-        underdetermined: str | None = None,
-        samples: int | None = None,
-        seed: int | None = None,
-        completion: str | Mapping[str, Any] | None = None,
-        expansion: str | Mapping[str, Any] | None = None,
-        n_modes: int | None = None,
         parameterisation: Mapping[str, Any] | None = None,
         options: Mapping[str, Any] | None = None,
+        **keywords: Unpack[UpdateOptions],
     ) -> Job[Update]:
         """Start an update of the structure to modes or FRFs; `result` of the job gives it.
 
@@ -57,33 +51,19 @@ class Updates(Shelf):
             Of mass, stiffness, axial, bending, damping, or properties: density, modulus, area and
             second_moment of bars, thickness of plates; left out: mass and stiffness, of a method of complex
             modes and of FRFs damping too.
-        lower, upper, max_iterations
-            Bounds of every coefficient, 1 = no change; steps of each stage.
-        prior, underdetermined
-            Of methods that correct all at once: what is held likely before, `sparse`, `common` or `range`;
-            fewer measured numbers than coefficients, `refused` or `regularised`.
-        samples, seed
-            Of methods that correct modes all at once: draws from the posterior behind the result.
-        completion, expansion, n_modes
-            Of direct methods: `expansion` of shapes to all DoFs, and by which reduction, or a reduction of
-            the model to measured DoFs; the lowest modes that are used, the others held against the result.
+        lower, upper
+            Bounds of every coefficient, 1 = no change.
         parameterisation, options
             The same and more as the JSON has it, as `{"attached": {"point_mass": "each"}}` of masses,
             springs and joints at nodes; the keywords above go into them.
+        keywords
+            Options of the method, as `max_iterations` and `prior`. Their meaning:
+            `modallab_client.options.UpdateOptions`.
         """
         chosen = dict(parameterisation or {}) | _wire.body(
             macros=macros, parts=parts, lower=lower, upper=upper
         )
-        tuned = dict(options or {}) | _wire.body(
-            max_iterations=max_iterations,
-            prior=prior,
-            underdetermined=underdetermined,
-            samples=samples,
-            seed=seed,
-            completion=completion,
-            expansion=expansion,
-            n_modes=n_modes,
-        )
+        tuned = dict(options or {}) | _wire.body(**keywords)
         body = _wire.body(parameterisation=chosen or None, options=tuned or None, method=method)
         body |= _wire.body(
             modal_model_id=modal_model_id, measurement_id=measurement_id, noise_floor=noise_floor

@@ -1,0 +1,79 @@
+"""Keywords of extractions and updates; written by `client/generate_options.py`."""
+
+from collections.abc import Mapping
+from typing import Any, TypedDict
+
+
+class ExtractionOptions(TypedDict, total=False):
+    """Options of the extraction methods."""
+
+    damping: str | None
+    # law of a mode's damping: structural, viscous; of circle_fit, dobson, line_fit, linear_fit, lscf,
+    # peak_picking, poly_reference_lscf
+    lines: int | None
+    # frequency lines around each resonance that a fit draws on; of circle_fit, dobson, line_fit,
+    # linear_fit, peak_picking
+    leave_out: int | None
+    # number of these lines, nearest resonance, that are not used; of dobson, line_fit, linear_fit
+    max_order: int | None
+    # highest model order of the stabilisation chart; of lscf, poly_reference_lscf
+
+
+class UpdateOptions(TypedDict, total=False):
+    """Options of the updating methods."""
+
+    min_mac: float
+    # modal assurance criterion below which a measured and a model mode do not pair; of
+    # complex_inverse_eigensensitivity, complex_one_shot, inverse_eigensensitivity, one_shot,
+    # zhang_sensitivity, zhang_subspace
+    rank_jump: float
+    # ratio of consecutive singular values that ends the rank; of complex_inverse_eigensensitivity,
+    # complex_one_shot, frf_residual, inverse_eigensensitivity, one_shot, zhang_sensitivity,
+    # zhang_subspace
+    max_iterations: int
+    # largest number of steps of a stage; of complex_inverse_eigensensitivity, complex_one_shot,
+    # frf_residual, inverse_eigensensitivity, one_shot
+    tolerance: float
+    # largest change of a coefficient that ends the last stage; of complex_inverse_eigensensitivity,
+    # complex_one_shot, frf_residual, inverse_eigensensitivity, one_shot
+    identified_within: float
+    # relative standard error, by the data alone, above which a coefficient is not identified; of
+    # complex_inverse_eigensensitivity, complex_one_shot, frf_residual, inverse_eigensensitivity, one_shot
+    location_tolerance: float
+    # largest change of a macro element's coefficient that ends the location stage; of
+    # complex_inverse_eigensensitivity, inverse_eigensensitivity
+    suspect_threshold: float
+    # distance from 1 at which a macro element is suspected; of complex_inverse_eigensensitivity,
+    # inverse_eigensensitivity, zhang_sensitivity, zhang_subspace
+    max_step: float
+    # largest change of a coefficient in one step of the updating stage; of
+    # complex_inverse_eigensensitivity, inverse_eigensensitivity
+    n_shapes: int
+    # number of lowest measured modes whose shapes count; of the others only the eigenvalue; of
+    # complex_inverse_eigensensitivity, inverse_eigensensitivity
+    balance: str
+    # rows divided by their size: those of eigenvalues alone, or both these and those of shapes:
+    # eigenvalues, both; of complex_inverse_eigensensitivity, inverse_eigensensitivity
+    damping_threshold: float
+    # loss factor from which the damping of a macro element is suspected; of
+    # complex_inverse_eigensensitivity
+    prior: str
+    # prior of the coefficients: sparse, few elements are wrong; common, many are a little wrong; range,
+    # only the bounds: sparse, common, range; of complex_one_shot, frf_residual, one_shot
+    underdetermined: str
+    # treatment of fewer measured numbers than coefficients: refused, regularised; of complex_one_shot,
+    # frf_residual, one_shot
+    samples: int
+    # number of draws from the posterior; 0: none; of complex_one_shot, one_shot
+    seed: int
+    # seed of these draws; of complex_one_shot, one_shot
+    completion: str | Mapping[str, Any]
+    # measured shapes expanded to all DoFs of the model, or the model reduced to measured ones: expansion,
+    # dynamic, guyan, irs, serep; of baruch, berman_nagy, eigendynamic_constraint, error_matrix,
+    # modified_error_matrix
+    expansion: str | Mapping[str, Any]
+    # the reduction by which shapes are expanded: dynamic, guyan, irs, serep; of baruch, berman_nagy,
+    # eigendynamic_constraint, error_matrix, modified_error_matrix
+    n_modes: int | None
+    # number of lowest measured modes that are used; all by default; of baruch, berman_nagy,
+    # eigendynamic_constraint, error_matrix, modified_error_matrix
