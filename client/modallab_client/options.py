@@ -13,6 +13,9 @@ class ExtractionOptions(TypedDict, total=False):
     lines: int | None
     # frequency lines around each resonance that a fit draws on; of circle_fit, dobson, line_fit,
     # linear_fit, peak_picking
+    arc: float | None
+    # angle of the circle, centred on resonance, whose lines are fitted; None: the whole circle, degree;
+    # of circle_fit
     leave_out: int | None
     # number of these lines, nearest resonance, that are not used; of dobson, line_fit, linear_fit
     max_order: int | None

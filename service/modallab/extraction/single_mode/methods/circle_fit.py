@@ -1,9 +1,13 @@
 """Circle fit: circle through the Nyquist plot of one mode, swept at a known rate."""
 
+from dataclasses import dataclass
+
 import numpy as np
 
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray
 from modallab.core.numerics import SAFE_SQUARED_DIVISOR
+from modallab.core.options import option
+from modallab.extraction.options import MIN_LINES, SingleModeOptions
 from modallab.extraction.single_mode.lines import Lines, physical_fits, scale, single_window
 from modallab.extraction.single_mode.method import (
     EXTRACTION_METHODS,
@@ -14,8 +18,23 @@ from modallab.extraction.single_mode.method import (
 from modallab.extraction.single_mode.settings import CIRCLE_FIT
 
 
+@dataclass(frozen=True)
+class CircleFitOptions(SingleModeOptions):
+    """Options of the circle fit."""
+
+    arc: float | None = option(
+        None,
+        unit="degree",
+        lower=180.0,
+        upper=360.0,
+        doc="angle of the circle, centred on resonance, whose lines are fitted; None: the whole circle",
+    )
+
+
 @in_blocks
-def circle_fit(freq: FloatArray, frf: ComplexArray, weight: FloatArray) -> ModeFits:
+def circle_fit(
+    freq: FloatArray, frf: ComplexArray, weight: FloatArray, *, arc: float | None = None
+) -> ModeFits:
     """Circle through the lines, resonance at the largest sweep rate, damping from every pair of lines.
 
     With theta the angle from resonance, `tan(theta/2) = (1 - (omega/omega_r)^2)/eta`. Resonance is where
@@ -28,13 +47,16 @@ def circle_fit(freq: FloatArray, frf: ComplexArray, weight: FloatArray) -> ModeF
     ----------
     freq, frf, weight
         As `ExtractionMethod`.
+    arc
+        Angle about resonance, in degrees, whose lines are fitted; None for all lines. A window keeps all of
+        its lines where those on the arc are fewer than four, or lie between the half-power points.
 
     References
     ----------
     Kennedy, C. C. and Pancu, C. D. P. (1947), Journal of the Aeronautical Sciences 14, 603-625;
     Ewins, D. J. (1984), Modal Testing, section 4.3.
     """
-    lines = scale(freq, frf, weight)
+    lines = scale(freq, frf, _weight_on_arc(freq, frf, weight, arc))
     centre, radius = _circle(lines)
     spoke = lines.z - centre[:, None]
     at, resonance, running = _resonance(lines, spoke)
@@ -48,13 +70,31 @@ def circle_fit(freq: FloatArray, frf: ComplexArray, weight: FloatArray) -> ModeF
     return physical_fits(lines, eigenvalue, 2j * width * to_resonance, centre - to_resonance, quality)
 
 
+def _weight_on_arc(freq: FloatArray, frf: ComplexArray, weight: FloatArray, arc: float | None) -> FloatArray:
+    """Return the weights (n_fits, n_lines), zero where a line is off the arc about the fitted resonance."""
+    if arc is None:
+        return weight
+    lines = scale(freq, frf, weight)
+    centre, _ = _circle(lines)
+    spoke = lines.z - centre[:, None]
+    _, resonance, _ = _resonance(lines, spoke)
+    angle = np.angle(spoke / np.exp(1j * resonance)[:, None])
+    on_arc = (weight > 0) & (np.abs(angle) <= np.radians(arc) / 2)
+    # half-power points lie at a quarter of a turn: within them the lines say too little of the damping
+    span = np.where(on_arc, angle, 0.0)
+    enough = (on_arc.sum(axis=1) >= MIN_LINES) & (span.max(axis=1) >= np.pi / 2)
+    enough &= span.min(axis=1) <= -np.pi / 2
+    return np.where(on_arc | ~enough[:, None], weight, 0.0)
+
+
 def circle_fit_plot(
-    freq: FloatArray, frf: ComplexArray, weight: FloatArray
+    freq: FloatArray, frf: ComplexArray, weight: FloatArray, *, arc: float | None = None
 ) -> dict[str, FloatArray | ComplexArray]:
     """Return the Nyquist circle with its points, the sweep rate, and the loss factor of every pair of lines.
 
     `sweep_rate` is that of the angle between neighbouring lines; `damping_surface` (n_above, n_below).
     """
+    weight = _weight_on_arc(freq[None], frf[None], weight[None], arc)[0]
     lines, x, points = single_window(freq, frf, weight)
     centre, radius = _circle(lines)
     spoke = lines.z - centre[:, None]
@@ -194,4 +234,6 @@ def _not_zero(values: FloatArray) -> FloatArray:
     return np.where(np.abs(values) < SAFE_SQUARED_DIVISOR, SAFE_SQUARED_DIVISOR, values)
 
 
-EXTRACTION_METHODS.register("circle_fit")(SingleModeMethod(fit=circle_fit, plot=circle_fit_plot))
+EXTRACTION_METHODS.register("circle_fit")(
+    SingleModeMethod(fit=circle_fit, plot=circle_fit_plot, options=CircleFitOptions, fit_options=("arc",))
+)
