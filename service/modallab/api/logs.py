@@ -49,8 +49,8 @@ class RequestId:
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return
-        given = Headers(scope=scope).get(_HEADER, "")
-        request_id = given if _SOUND.fullmatch(given) else secrets.token_hex(8)
+        header = Headers(scope=scope).get(_HEADER, "")
+        request_id = header if _SOUND.fullmatch(header) else secrets.token_hex(8)
 
         async def named(message: Message) -> None:
             if message["type"] == "http.response.start":

@@ -33,9 +33,13 @@ class ReductionIn(Wire):
 Reduced = Annotated[ReductionKind | ReductionIn, Field(description="a kind, or a kind with its parameters")]
 
 
-def reduction_in(given: str | ReductionIn) -> Reduction:
+def reduction_in(parameters: str | ReductionIn) -> Reduction:
     """Return the reduction that was asked for, its kind, parameters and bounds checked."""
-    return reduction_of(given) if isinstance(given, str) else reduction_of(given.kind, given.parameters)
+    return (
+        reduction_of(parameters)
+        if isinstance(parameters, str)
+        else reduction_of(parameters.kind, parameters.parameters)
+    )
 
 
 def check_size(system: DynamicSystem, n_masters: int, field: str) -> None:
@@ -73,13 +77,13 @@ class ReducedWanted(Wanted):
         """
         check_size(system, len(self.masters), "masters")
         numbers = {name: getattr(self, name) for name in ("frequency", "iterations", "modes")}
-        given = {name: value for name, value in numbers.items() if value is not None}
+        parameters = {name: value for name, value in numbers.items() if value is not None}
         masters = tuple(Dof.parse(text, field="masters") for text in self.masters)
-        reduced = reduce(system, masters, reduction_of(self.kind, given))
+        reduced = reduce(system, masters, reduction_of(self.kind, parameters))
         frequencies, shapes = reduced.modes()
         _, n_rigid_body = lowest_modes(system, 1)
         full = exact_modes(system, max(1, min(SHOWN, len(frequencies) - n_rigid_body)))
-        seen = full.shapes[[system.index(dof) for dof in masters]]
+        shapes_at_masters = full.shapes[[system.index(dof) for dof in masters]]
         return {
             "masters": np.array([str(dof) for dof in reduced.masters]),
             "dofs": np.array([str(dof) for dof in reduced.dofs]),
@@ -89,7 +93,7 @@ class ReducedWanted(Wanted):
             "frequencies": frequencies,
             "shapes": shapes,
             "model_frequencies": full.frequencies,
-            "frequency_errors": frequency_errors(reduced, seen, full.frequencies),
+            "frequency_errors": frequency_errors(reduced, shapes_at_masters, full.frequencies),
         }
 
 

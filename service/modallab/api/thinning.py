@@ -30,8 +30,8 @@ def thinned(magnitude: FloatArray, points: int) -> IntArray:
     level = np.log(np.maximum(magnitude, np.finfo(float).tiny)).sum(axis=1)
     edges = np.linspace(0, n_freq, points // 2 + 1).astype(int)
     stretches = [(a, b) for a, b in pairwise(edges) if b > a]
-    kept = {a + int(pick(level[a:b])) for a, b in stretches for pick in (np.argmax, np.argmin)}
-    return np.array(sorted(kept | {0, n_freq - 1}))
+    lines = {a + int(pick(level[a:b])) for a, b in stretches for pick in (np.argmax, np.argmin)}
+    return np.array(sorted(lines | {0, n_freq - 1}))
 
 
 def numbers(values: NDArray[Any]) -> Any:
@@ -40,6 +40,6 @@ def numbers(values: NDArray[Any]) -> Any:
         return numbers(np.stack([values.real, values.imag], axis=-1))
     if values.dtype.kind != "f" or np.isfinite(values).all():
         return values.tolist()
-    told = values.astype(object)
-    told[~np.isfinite(values)] = None
-    return told.tolist()
+    entries = values.astype(object)
+    entries[~np.isfinite(values)] = None
+    return entries.tolist()

@@ -39,15 +39,15 @@ def create_correlation(
     measured = store.modal_models.get(body.modal_model_id)
     if reduction is not None:
         check_size(system, len(measured.dofs), "reduction")
-    found = correlate(
+    correlation = correlate(
         system,
         measured,
         count=body.count,
         reduction=reduction,
         frf=None if body.measurement_id is None else small(store.measurements.get(body.measurement_id).frf),
     )
-    stored = store.correlations.add(found, owner=owner, inputs=body.inputs)
-    return CorrelationOut.of(found, store.correlations.entry(stored))
+    stored = store.correlations.add(correlation, owner=owner, inputs=body.inputs)
+    return CorrelationOut.of(correlation, store.correlations.entry(stored))
 
 
 @router.get("/{id}", summary="Get a correlation")

@@ -79,9 +79,9 @@ class ReciprocityOut(Reply):
         """Return what the contract shows of reciprocity."""
         frf, g2 = measurement.frf, measurement.coherence
         # a multiple coherence is of all forces together: it tells no FRF's own error
-        own = g2 if g2 is not None and g2.shape == frf.values.shape else None
-        found = reciprocity(frf, coherence=own, averages=measurement.averages)
-        columns = (found.scale, found.difference, found.misfit, found.differs)
+        coherence = g2 if g2 is not None and g2.shape == frf.values.shape else None
+        comparison = reciprocity(frf, coherence=coherence, averages=measurement.averages)
+        columns = (comparison.scale, comparison.difference, comparison.misfit, comparison.differs)
         return cls(
             pairs=[
                 ReciprocalPairOut(
@@ -93,8 +93,8 @@ class ReciprocityOut(Reply):
                     differs=differs,
                 )
                 for (j, k), scale, difference, misfit, differs in zip(
-                    found.pairs, *(numbers(column) for column in columns), strict=True
+                    comparison.pairs, *(numbers(column) for column in columns), strict=True
                 )
             ],
-            note=found.note,
+            note=comparison.note,
         )

@@ -153,8 +153,8 @@ class CurvesOut(Reply):
         for j, output in enumerate(frf.outputs):
             for i, given in enumerate(frf.inputs):
                 h = frf.values[keep, j, i]
-                own = None if g2 is None else g2[keep, j] if g2.ndim == 2 else g2[keep, j, i]
-                coherence = None if own is None else own.tolist()
+                frf_coherence = None if g2 is None else g2[keep, j] if g2.ndim == 2 else g2[keep, j, i]
+                coherence = None if frf_coherence is None else frf_coherence.tolist()
                 values = list(zip(h.real.tolist(), h.imag.tolist(), strict=True))
                 curves.append(
                     CurveOut(output=str(output), input=str(given), values=values, coherence=coherence)

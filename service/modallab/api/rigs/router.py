@@ -41,8 +41,8 @@ def get_checks(
     id: IdPath, structure_id: Annotated[Id, Query(description="what the rig tests")], store: StoreDep
 ) -> ChecksOut:
     """Return rules of good testing, evaluated for a rig on a structure."""
-    found = checks(store.structures.get(structure_id), store.rigs.get(id))
-    return ChecksOut(rig_id=id, structure_id=structure_id, checks=[CheckOut.of(check) for check in found])
+    outcomes = checks(store.structures.get(structure_id), store.rigs.get(id))
+    return ChecksOut(rig_id=id, structure_id=structure_id, checks=[CheckOut.of(check) for check in outcomes])
 
 
 add_routes(router, "rigs", "rig")

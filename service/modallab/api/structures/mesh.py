@@ -33,9 +33,13 @@ class BarsIn(Wire):
 
     def to_domain(self) -> MeshBar:
         """Return what the lines are made of."""
-        own = self.section
+        section = self.section
         return MeshBar(
-            self.material.to_domain(), own.to_domain(), own.second_moment_across, own.torsion, own.upright
+            self.material.to_domain(),
+            section.to_domain(),
+            section.second_moment_across,
+            section.torsion,
+            section.upright,
         )
 
 
@@ -74,8 +78,8 @@ class MeshIn(Wire):
     def to_domain(self) -> MeshDescription:
         """Return the description."""
         return MeshDescription(
-            {name: one.to_domain() for name, one in self.groups.items()},
-            tuple(HeldGroup(one.group, tuple(one.directions)) for one in self.supports),
+            {name: group.to_domain() for name, group in self.groups.items()},
+            tuple(HeldGroup(group.group, tuple(group.directions)) for group in self.supports),
             tuple(self.left_out),
             self.length_unit,
         )

@@ -119,7 +119,7 @@ def change_structure(
     id: IdPath, body: Annotated[ChangesIn, example(_CHANGES)], store: StoreDep, owner: OwnerDep
 ) -> StructureOut:
     """Return a new structure with changed members, masses or springs; the first one stays as it is."""
-    changed = change(store.structures.get(id), [one.to_domain() for one in body.changes])
+    changed = change(store.structures.get(id), [change_in.to_domain() for change_in in body.changes])
     return _out(store, store.structures.add(changed, owner=owner, inputs={"structure_id": id}))
 
 
@@ -208,15 +208,15 @@ def expand_modes(
     measured = store.modal_models.get(body.modal_model_id)
     system = as_modelled(store.structures.get(id))
     check_size(system, len(measured.dofs), "modal_model_id")
-    found = expand(system, measured, reduction)
+    expansion = expand(system, measured, reduction)
     inputs = {"structure_id": id, "modal_model_id": body.modal_model_id}
-    stored = store.modal_models.add(found.model, owner=owner, inputs=inputs)
+    stored = store.modal_models.add(expansion.model, owner=owner, inputs=inputs)
     return modal_model_reply(
-        found.model,
+        expansion.model,
         store.modal_models.entry(stored),
         ExpandedReply,
-        fit_residuals=found.residual.tolist(),
-        rayleigh_frequencies=found.rayleigh.tolist(),
+        fit_residuals=expansion.residual.tolist(),
+        rayleigh_frequencies=expansion.rayleigh.tolist(),
     )
 
 
