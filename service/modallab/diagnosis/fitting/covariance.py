@@ -225,8 +225,8 @@ def _sandwich(
     """
     jacobian = np.vstack([slopes, np.sqrt(weighting.prior) * prior])
     size = np.maximum(np.linalg.norm(jacobian, axis=0), SAFE_SQUARED_DIVISOR)
-    left, singular, right = np.linalg.svd(jacobian / size, full_matrices=False)
-    data, prior_rows = left[: len(slopes)], left[len(slopes) :]
+    left_vectors, singular, right = np.linalg.svd(jacobian / size, full_matrices=False)
+    data, prior_rows = left_vectors[: len(slopes)], left_vectors[len(slopes) :]
     data_product = data.T @ data if correlation is None else correlation.between(data)
     middle = weighting.variance * data_product + weighting.prior * prior_rows.T @ prior_rows
     inverse = right.T / np.maximum(singular, PRODUCT_ROUNDING) / size[:, None]

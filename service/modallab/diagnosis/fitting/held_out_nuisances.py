@@ -30,18 +30,18 @@ def fit_held_out_nuisances(
         Indices of the parameters that belong to held-out channels.
     """
     observed, position = predictor.observed, predictor.position.copy()
-    where = observed.held_out_mask
+    mask = observed.held_out_mask
     predict = predictor.linearisation_at(effects)
 
     def vector(predicted: Predicted) -> FloatArray:
-        return residual(observed, predicted).vector(where)
+        return residual(observed, predicted).vector(mask)
 
     derivatives = predictor.nuisances.derivatives(
         lambda deviations: predict([*deviations, *effects]), vector, predict(effects), observed, indices
     )
     prior = np.sqrt(observed.correlation_length) * np.eye(len(indices))
     rows = np.vstack([derivatives, prior])
-    target = -np.concatenate([fitted_residual.vector(where), prior @ position[indices]])
+    target = -np.concatenate([fitted_residual.vector(mask), prior @ position[indices]])
     limit = NUISANCE.max_deviation
     bounds = (
         -limit - COMPARISON_ROUNDING - position[indices],

@@ -82,8 +82,10 @@ class Nuisances:
         """
         points = {dof.point for dof, out in zip(outputs, held_out, strict=True) if out}
         places = [nuisance.at for nuisance in self.parameters]
-        alone = [isinstance(at, Channels) and {dof.point for dof in at.dofs} <= points for at in places]
-        return np.flatnonzero(~np.array(alone, bool)), np.flatnonzero(np.array(alone, bool))
+        held_out_only = [
+            isinstance(at, Channels) and {dof.point for dof in at.dofs} <= points for at in places
+        ]
+        return np.flatnonzero(~np.array(held_out_only, bool)), np.flatnonzero(np.array(held_out_only, bool))
 
     def derivatives(
         self,

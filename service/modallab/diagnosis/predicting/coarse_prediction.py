@@ -34,12 +34,12 @@ class CoarsePrediction:
     predict: Callable[[Sequence[Effect]], Predicted]
     """Return the expected spectra at the coarse lines with all these effects."""
 
-    def subsampled(self, every: int) -> "CoarsePrediction":
-        """Return the prediction compared at one of `every` lines per channel, shifted between channels."""
-        if every < 2:
+    def subsampled(self, stride: int) -> "CoarsePrediction":
+        """Return the prediction compared at one of `stride` lines per channel, shifted between channels."""
+        if stride < 2:
             return self
         line, channel = np.indices(self.observed.usable.shape)
-        usable = self.observed.usable & ((line + channel) % every == 0)
+        usable = self.observed.usable & ((line + channel) % stride == 0)
         return replace(self, observed=replace(self.observed, usable=usable))
 
     def _vector(self, predicted: Predicted) -> FloatArray:

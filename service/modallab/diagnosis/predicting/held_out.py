@@ -18,7 +18,7 @@ def select_held_out(
     structure: Structure,
     measurement: Measurement,
     fraction: float,
-    named: Sequence[Dof],
+    requested: Sequence[Dof],
     seed: int,
     *,
     spared: Collection[Dof] = (),
@@ -29,7 +29,7 @@ def select_held_out(
     ----------
     fraction
         Share of the FRFs, 0 to 0.5.
-    named
+    requested
         Responses that are held out in any case, or predicted if they were not measured.
     seed
         Seed of the random choice of the others. The drive point is never chosen, it alone relates the FRFs
@@ -52,10 +52,10 @@ def select_held_out(
             allowed=f"0 to {HOLD_OUT.max_fraction:g}",
         )
     outputs = {dof.point: dof for dof in measurement.frf.outputs}
-    for dof in named:
+    for dof in requested:
         structure.index(dof)
-    held_out = [outputs[dof.point] for dof in named if dof.point in outputs]
-    unmeasured = tuple(dof for dof in named if dof.point not in outputs)
+    held_out = [outputs[dof.point] for dof in requested if dof.point in outputs]
+    unmeasured = tuple(dof for dof in requested if dof.point not in outputs)
     n_random = int(fraction * len(outputs)) - len(held_out)
     if len(outputs) >= HOLD_OUT.min_responses and n_random > 0:
         observed = observe(measurement, (), fraction=0.0)

@@ -85,9 +85,9 @@ class JointPredictor:
         """Return the predictor with random errors as large as distortion in bursts makes them."""
         return JointPredictor.of([test.with_intermittent_errors(effects) for test in self.tests])
 
-    def without_lines(self, every: int) -> "JointPredictor":
-        """Return the predictor with one of `every` lines of each test held out as well."""
-        return JointPredictor.of([test.without_lines(every) for test in self.tests])
+    def without_lines(self, stride: int) -> "JointPredictor":
+        """Return the predictor with one of `stride` lines of each test held out as well."""
+        return JointPredictor.of([test.without_lines(stride) for test in self.tests])
 
     def predict(self, effects: Sequence[Effect]) -> Predicted:
         """Return the expected spectra of all tests."""

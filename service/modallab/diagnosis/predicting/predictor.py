@@ -74,8 +74,8 @@ class Predictor(Protocol):
     def with_intermittent_errors(self, effects: Sequence[Effect]) -> Self:
         """Return the predictor with random errors as large as distortion in bursts makes them."""
 
-    def without_lines(self, every: int) -> Self:
-        """Return the predictor with one of `every` lines of each test held out as well."""
+    def without_lines(self, stride: int) -> Self:
+        """Return the predictor with one of `stride` lines of each test held out as well."""
 
     def predict(self, effects: Sequence[Effect]) -> Predicted:
         """Return the expected spectra with additional effects."""

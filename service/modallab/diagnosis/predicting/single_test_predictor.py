@@ -124,13 +124,13 @@ class SingleTestPredictor:
         assert predicted.variance_ratios is not None
         return replace(self, observed=self.observed.with_variance_ratios(predicted.variance_ratios()))
 
-    def without_lines(self, every: int) -> "SingleTestPredictor":
-        """Return the predictor with one of `every` lines held out as well.
+    def without_lines(self, stride: int) -> "SingleTestPredictor":
+        """Return the predictor with one of `stride` lines held out as well.
 
         At steps of the golden section: at even steps harmonics would all be held out, or none of them.
         """
         golden_section = (5**0.5 - 1) / 2
-        lines = np.arange(len(self.observed.freq)) * golden_section % 1 < 1 / every
+        lines = np.arange(len(self.observed.freq)) * golden_section % 1 < 1 / stride
         held_out_lines = self.observed.held_out_lines | lines
         return replace(self, observed=replace(self.observed, held_out_lines=held_out_lines))
 

@@ -150,5 +150,5 @@ def _shared_noise(part: Observed) -> FloatArray:
 
 def _unit_ratios(part: Predicted) -> VarianceRatios:
     """Return the variance ratios of independent records."""
-    ones = np.ones(part.h.shape)
-    return VarianceRatios(np.ones(part.force.shape), ones, ones)
+    unit = np.ones(part.h.shape)
+    return VarianceRatios(np.ones(part.force.shape), unit, unit)

@@ -19,8 +19,8 @@ class LineCorrelation:
     in all channels of a run, and absent elsewhere: there every line enters with its own score.
     """
 
-    def __init__(self, residual: Residual, where: BoolArray) -> None:
-        self._kind = _Scores(residual, where) if residual.lines_correlated else _Pooled(residual, where)
+    def __init__(self, residual: Residual, mask: BoolArray) -> None:
+        self._kind = _Scores(residual, mask) if residual.lines_correlated else _Pooled(residual, mask)
 
     def between(self, columns: FloatArray) -> FloatArray:
         """Return U^T R U of orthonormal columns (n_data, n) with the residuals' correlation R."""
@@ -34,15 +34,15 @@ class _Scores:
     MacKinnon and White, Journal of Econometrics 29 (1985), 305-325, HC3.
     """
 
-    def __init__(self, residual: Residual, where: BoolArray) -> None:
-        n_lines, n_out = where.shape
-        line, series, _ = _labels(residual, where)
+    def __init__(self, residual: Residual, mask: BoolArray) -> None:
+        n_lines, n_out = mask.shape
+        line, series, _ = _labels(residual, mask)
         n_run = 1 if residual.force is None else residual.force.shape[1]
         run = _channel(series, n_out, n_run) if n_run == n_out else np.zeros_like(series)
-        self._vector = residual.vector(where)
+        self._vector = residual.vector(mask)
         self._mean_square = max(1.0, float(self._vector @ self._vector) / len(self._vector))
         self._shape = (n_run, n_lines)
-        ranges = (_correlation_range(part, where, n_run) for part in residual.parts.values())
+        ranges = (_correlation_range(part, mask, n_run) for part in residual.parts.values())
         self._range = max(LINE_CORRELATION.score_lags, *ranges)
         entry = run * n_lines + line, np.arange(len(line))
         self._sums = coo_array((np.ones(len(line)), entry), shape=(n_run * n_lines, len(line))).tocsr()
@@ -62,11 +62,13 @@ class _Scores:
         return np.asarray(short + (rotation * np.maximum(excess, 0.0)) @ rotation.T) / self._mean_square
 
 
-def _correlation_range(part: ComplexArray | FloatArray, where: BoolArray, n_run: int) -> int:
+def _correlation_range(part: ComplexArray | FloatArray, mask: BoolArray, n_run: int) -> int:
     """Return the lag in lines at which the taper of a part ends: 1.5 times its last significant one."""
-    mask = where if part.shape[1] == where.shape[1] else where.any(axis=1, keepdims=True)
+    run_mask = mask if part.shape[1] == mask.shape[1] else mask.any(axis=1, keepdims=True)
     n = len(part)
-    covariance = autocovariance(np.where(mask, part, 0)).real[: max(n // LINE_CORRELATION.leakage_range, 1)]
+    covariance = autocovariance(np.where(run_mask, part, 0)).real[
+        : max(n // LINE_CORRELATION.leakage_range, 1)
+    ]
     count = n * n_run
     bound = LINE_CORRELATION.significance * np.sqrt(np.log10(count) / count)
     threshold = bound * max(float(covariance[0]), SAFE_DIVISOR)
@@ -90,12 +92,12 @@ def _tapered(scores: FloatArray, lags: int) -> FloatArray:
 class _Pooled:
     """One correlation for all lines and channels of a part."""
 
-    def __init__(self, residual: Residual, where: BoolArray) -> None:
-        self._line, self._series, part = _labels(residual, where)
-        self._shape = (int(self._series.max()) + 1, len(where))
+    def __init__(self, residual: Residual, mask: BoolArray) -> None:
+        self._line, self._series, part = _labels(residual, mask)
+        self._shape = (int(self._series.max()) + 1, len(mask))
         part_of = np.zeros(self._shape[0], int)
         part_of[self._series] = part
-        values = self._by_series(residual.vector(where)[:, None])[..., 0]
+        values = self._by_series(residual.vector(mask)[:, None])[..., 0]
         lags = LINE_CORRELATION.pooled_lags
         self._weights = np.zeros((lags + 1, self._shape[0], 1, 1))
         for part_number in np.unique(part_of):
@@ -123,23 +125,23 @@ class _Pooled:
         return out
 
 
-def _labels(residual: Residual, where: BoolArray) -> tuple[IntArray, IntArray, IntArray]:
+def _labels(residual: Residual, mask: BoolArray) -> tuple[IntArray, IntArray, IntArray]:
     """Return line, series and part of every entry of a residual's vector, (n_data,) each.
 
     A series is a channel's real or imaginary part, a force or a response spectrum.
     """
-    n_lines, n_out = where.shape
+    n_lines, n_out = mask.shape
     line = np.arange(n_lines)[:, None]
     n_run = 0 if residual.force is None else residual.force.shape[1]
     channel, run = np.arange(n_out)[None], 2 * n_out + np.arange(n_run)[None]
 
     def as_vector(frf: IntArray, frf_imag: IntArray, force: IntArray, response: IntArray) -> IntArray:
         labels = Residual(
-            np.broadcast_to((frf + 1j * frf_imag) / np.sqrt(2), where.shape),
+            np.broadcast_to((frf + 1j * frf_imag) / np.sqrt(2), mask.shape),
             None if residual.force is None else np.broadcast_to(force.astype(float), residual.force.shape),
-            None if residual.response is None else np.broadcast_to(response.astype(float), where.shape),
+            None if residual.response is None else np.broadcast_to(response.astype(float), mask.shape),
         )
-        return np.asarray(np.rint(labels.vector(where)), int)
+        return np.asarray(np.rint(labels.vector(mask)), int)
 
     unit = np.ones((1, 1), int)
     lines = as_vector(line, line, line, line)

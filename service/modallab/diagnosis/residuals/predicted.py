@@ -40,8 +40,8 @@ class VarianceRatios:
     def of(cls, runs: VarianceFactors | None, spectra: CrossSpectra) -> "VarianceRatios":
         """Return the ratios of all runs side by side; 1 where all records are independent."""
         if runs is None:
-            ones = np.ones(spectra.xx.shape)
-            return cls(ones[..., 0].T, *2 * (_side_by_side(ones),))
+            unit = np.ones(spectra.xx.shape)
+            return cls(unit[..., 0].T, *2 * (_side_by_side(unit),))
         deviations = None
         if runs.tests is not None:
             force, frf, response = runs.tests

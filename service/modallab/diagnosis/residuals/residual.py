@@ -46,21 +46,21 @@ class Residual:
         parts = {"frf": self.frf, "force": self.force, "response": self.response}
         return {name: part for name, part in parts.items() if part is not None}
 
-    def vector(self, where: BoolArray) -> FloatArray:
-        """Return the residuals (n_data,) at the entries of `where` (n_freq, n_out), decorrelated.
+    def vector(self, mask: BoolArray) -> FloatArray:
+        """Return the residuals (n_data,) at the entries of `mask` (n_freq, n_out), decorrelated.
 
         Each has unit variance; noise of the force that channels have in common is counted once.
         """
         frf, response = self.frf, self.response
         if self.shared_noise is not None:
-            frf = decorrelated(frf, self.shared_noise, where)
-            response = None if response is None else decorrelated(response, self.shared_noise**2, where)
-        frf = frf[where]
+            frf = decorrelated(frf, self.shared_noise, mask)
+            response = None if response is None else decorrelated(response, self.shared_noise**2, mask)
+        frf = frf[mask]
         parts = [np.sqrt(2) * frf.real, np.sqrt(2) * frf.imag]
         if self.force is not None:
-            parts.append(self.force[_by_run(where, self.force.shape[1])])
+            parts.append(self.force[_by_run(mask, self.force.shape[1])])
         if response is not None:
-            parts.append(response[where])
+            parts.append(response[mask])
         return np.concatenate(parts)
 
     @cached_property
@@ -84,21 +84,21 @@ class Residual:
             parts["force"] = self.force * np.sqrt(self.force_variance / variance)
         return parts
 
-    def gaps(self, where: BoolArray) -> dict[str, float]:
-        """Return the mean square of each part at the entries of `where`."""
+    def gaps(self, mask: BoolArray) -> dict[str, float]:
+        """Return the mean square of each part at the entries of `mask`."""
         return {
-            name: float((np.abs(part[_by_run(where, part.shape[1])]) ** 2).mean()) if where.any() else 0.0
+            name: float((np.abs(part[_by_run(mask, part.shape[1])]) ** 2).mean()) if mask.any() else 0.0
             for name, part in self.rescaled.items()
         }
 
-    def gap(self, where: BoolArray) -> float:
+    def gap(self, mask: BoolArray) -> float:
         """Return the mean of the parts' mean squares."""
-        return float(np.mean(list(self.gaps(where).values())))
+        return float(np.mean(list(self.gaps(mask).values())))
 
 
-def _by_run(where: BoolArray, n_run: int) -> BoolArray:
+def _by_run(mask: BoolArray, n_run: int) -> BoolArray:
     """Return a mask (n_freq, n_run): as it is if every channel has its own run, else any channel's."""
-    return where if where.shape[1] == n_run else np.asarray(where.any(axis=1, keepdims=True))
+    return mask if mask.shape[1] == n_run else np.asarray(mask.any(axis=1, keepdims=True))
 
 
 def residual(observed: Observed, predicted: Predicted, *, noise_inflation: float = 0.0) -> Residual:
@@ -164,8 +164,8 @@ def logarithm_weight(error: FloatArray) -> FloatArray:
     return np.asarray(1 / (1 + (2 * error**2 / RESIDUAL.logarithm_limit) ** 2))
 
 
-def inflation_weights(observed: Observed, where: BoolArray, noise_inflation: float) -> FloatArray:
-    """Return the factors (n_data,) of a residual's vector over `where` under inflated random errors."""
+def inflation_weights(observed: Observed, mask: BoolArray, noise_inflation: float) -> FloatArray:
+    """Return the factors (n_data,) of a residual's vector over `mask` under inflated random errors."""
     inflation = noise_inflation**2
     frf = observed.error / np.sqrt(observed.error**2 + inflation)
     force = response = None
@@ -174,7 +174,7 @@ def inflation_weights(observed: Observed, where: BoolArray, noise_inflation: flo
         force = np.full(observed.force.shape, factor)
     if observed.incoherent_variance is not None:
         response = np.sqrt(observed.incoherent_variance / (observed.incoherent_variance + inflation))
-    return Residual((1 + 1j) / np.sqrt(2) * frf, force, response).vector(where)
+    return Residual((1 + 1j) / np.sqrt(2) * frf, force, response).vector(mask)
 
 
 def error_ratio(narrow: Observed, wide: Observed) -> FloatArray:
@@ -211,9 +211,9 @@ def correlation_lengths(
 
 
 def gap_errors(
-    observed: Observed, residual: Residual, where: BoolArray, *, reach: int | None = None
+    observed: Observed, residual: Residual, mask: BoolArray, *, reach: int | None = None
 ) -> dict[str, float]:
-    """Return the standard error of each part's gap over `where` if no effect is missing.
+    """Return the standard error of each part's gap over `mask` if no effect is missing.
 
     `reach` as in `correlation_lengths`.
     """
@@ -224,16 +224,16 @@ def gap_errors(
         # measured coherence: the square over that has an F distribution.
         f_variance = 1 + 2 / max(observed.averages - 3, RESIDUAL.min_freedom)
         square_variance = f_variance if np.iscomplexobj(part) else 2.0
-        mask = _by_run(where, part.shape[1])
-        count = max(int(mask.sum()), 1)
-        channels = _dependent_channels(np.where(mask, residual.rescaled[name], 0.0))
+        run_mask = _by_run(mask, part.shape[1])
+        count = max(int(run_mask.sum()), 1)
+        channels = _dependent_channels(np.where(run_mask, residual.rescaled[name], 0.0))
         errors[name] = float(np.sqrt(square_variance * length * channels / count))
     return errors
 
 
-def gap_error(observed: Observed, residual: Residual, where: BoolArray) -> float:
-    """Return the standard error of the whole gap over `where` if no effect is missing."""
-    errors = np.array(list(gap_errors(observed, residual, where).values()))
+def gap_error(observed: Observed, residual: Residual, mask: BoolArray) -> float:
+    """Return the standard error of the whole gap over `mask` if no effect is missing."""
+    errors = np.array(list(gap_errors(observed, residual, mask).values()))
     return float(np.sqrt((errors**2).sum()) / len(errors))
 
 

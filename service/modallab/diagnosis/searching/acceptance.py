@@ -28,9 +28,9 @@ def is_noise_only(
         a gap is not small. None asks for a large gap: a verdict has to be sure.
     """
     observed = predictor.observed
-    for where in (observed.fitted, observed.held_out_mask):
-        errors = gap_errors(observed, residual, where, reach=reach)
-        if any(gap > largest_gap_by_chance(errors[part]) for part, gap in residual.gaps(where).items()):
+    for mask in (observed.fitted, observed.held_out_mask):
+        errors = gap_errors(observed, residual, mask, reach=reach)
+        if any(gap > largest_gap_by_chance(errors[part]) for part, gap in residual.gaps(mask).items()):
             return False
     return True
 
@@ -84,8 +84,8 @@ def _lower_bound(candidate: Fit, fits: Sequence[Fit]) -> float | None:
     significance = {
         name: abs(values[name]) / error if error > 0 else np.inf for name, error in errors.items()
     }
-    others = (value for name, value in significance.items() if name != parameter)
-    if any(value < ACCEPTANCE.min_significance for value in others):
+    other_significance = (value for name, value in significance.items() if name != parameter)
+    if any(value < ACCEPTANCE.min_significance for value in other_significance):
         return None  # the data may determine only a product of its parameters, not the error of one
     gain = candidate.correlation_length * significance[parameter] ** 2
     penalty = (candidate.bic - candidate.chi_square) - (plain.bic - plain.chi_square)
@@ -107,24 +107,20 @@ def is_significant(predictor: Predictor, previous: Fit, candidate: Fit) -> bool:
     # The size of distortion in bursts may be known to a factor only: its BIC decides alone.
     if not effect.intermittent and not is_nonzero(effect, candidate.errors[-1]):
         return False
-    where = observed.held_out_mask
+    mask = observed.held_out_mask
     channels = _untested_channels(observed, effect)
-    if (
-        channels is None
-        and observed.held_out.any()
-        and not _is_testable(observed, previous, candidate, where)
-    ):
+    if channels is None and observed.held_out.any() and not _is_testable(observed, previous, candidate, mask):
         channels = np.ones(len(observed.outputs), bool)
     if channels is not None:
         # No held-out FRF tests the effect: it has to predict held-out lines of its own channels.
         predictor = predictor.without_lines(ACCEPTANCE.validation_lines)
         predictor = predictor.with_nuisances_at(candidate.nuisance_position)
-        where = observed.usable & predictor.observed.held_out_lines[:, None] & channels
+        mask = observed.usable & predictor.observed.held_out_lines[:, None] & channels
         candidate = fit(predictor, candidate.effects)
-        if gain > ACCEPTANCE.decisive_bic and not _is_testable(observed, previous, candidate, where):
+        if gain > ACCEPTANCE.decisive_bic and not _is_testable(observed, previous, candidate, mask):
             return True  # as hum, which is in one line or two
-    previous_gap, gap = (f.residual.gap(where) for f in (previous, candidate))
-    return gap < previous_gap - gap_error(observed, candidate.residual, where)
+    previous_gap, gap = (f.residual.gap(mask) for f in (previous, candidate))
+    return gap < previous_gap - gap_error(observed, candidate.residual, mask)
 
 
 def is_nonzero(effect: Effect, errors: Mapping[str, float]) -> bool:
@@ -152,10 +148,10 @@ def _untested_channels(observed: Observed, effect: Effect) -> BoolArray | None:
     return channels if held_out.any() and not (channels & held_out).any() else None
 
 
-def _is_testable(observed: Observed, previous: Fit, candidate: Fit, where: BoolArray) -> bool:
+def _is_testable(observed: Observed, previous: Fit, candidate: Fit, mask: BoolArray) -> bool:
     """Return whether held-out data test an effect: it changes their residuals beyond the random error."""
-    change = previous.residual.vector(where) - candidate.residual.vector(where)
-    error = gap_error(observed, candidate.residual, where)
+    change = previous.residual.vector(mask) - candidate.residual.vector(mask)
+    error = gap_error(observed, candidate.residual, mask)
     return float(change @ change) > ACCEPTANCE.held_out_significance * error * len(change)
 
 

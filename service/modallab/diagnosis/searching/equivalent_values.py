@@ -23,8 +23,10 @@ def resolve_equivalents(predictor: Predictor, original: Fit) -> Fit:
         equivalent = effect.equivalent(predictor.setup)
         if equivalent is not None:
             effects = [*best.effects[:i], equivalent, *best.effects[i + 1 :]]
-            other = fit(predictor.with_nuisances_at(best.nuisance_position), effects)
-            first, second = (best, other) if best.chi_square <= other.chi_square else (other, best)
+            alternative = fit(predictor.with_nuisances_at(best.nuisance_position), effects)
+            first, second = (
+                (best, alternative) if best.chi_square <= alternative.chi_square else (alternative, best)
+            )
             difference = (second.chi_square - first.chi_square) / variance_inflation(predictor, first)
             probability = float(expit(-difference / 2))
             compute_errors = partial(_mixture_errors, first.compute_errors, first, second, i, probability)

@@ -26,11 +26,11 @@ Exchange = tuple[Attachment | None, Attachment | None]
 
 
 class ModificationScreen:
-    """How FRFs change with one effect more, from the receptances of the loaded structure alone.
+    """Structural modification of FRFs by one additional effect, from receptances without it.
 
     alpha' / alpha = 1 - alpha_oB (I + Z alpha_BB)^-1 Z alpha_Bd / alpha_od, the Woodbury identity: one
-    solution for all sizes of an effect at a place. Exact for the FRFs at the lines; leakage, noise and
-    the force spectrum are taken to stay as they are, which is enough to choose places by.
+    solution for all values of an effect at a place. Exact for the FRFs at the lines; leakage, noise and
+    the force spectrum are taken as unchanged, which is accurate enough to rank places.
     """
 
     def __init__(self, prediction: CoarsePrediction, accepted: Sequence[Effect]) -> None:
@@ -147,8 +147,8 @@ class _WhitenedFrfs:
         difference[:, differing] += (1 - self._logarithm[differing]) * (1 - 1 / ratio[:, differing])
         difference /= self._error
         if self._shared.any():
-            shared = self._reduction * np.add.reduceat(self._shared * difference, self._start, axis=1)
-            difference -= np.repeat(shared, self._count, axis=1) * self._shared
+            common = self._reduction * np.add.reduceat(self._shared * difference, self._start, axis=1)
+            difference -= np.repeat(common, self._count, axis=1) * self._shared
         return difference
 
 

@@ -54,10 +54,10 @@ def verify(
     steps: list[AcceptedEffect] = []
     for i, effect in enumerate(elements.effects):
         stage = part(progress, i / len(names), (i + 1) / len(names))
-        others = tuple(e for j, e in enumerate(elements.effects) if j != i)
-        folded = predictor.folded_into_matrices(others)
+        accompanying = tuple(e for j, e in enumerate(elements.effects) if j != i)
+        folded = predictor.folded_into_matrices(accompanying)
         rivals = fit_candidates(folded, fit(folded, ()), simple, progress=stage)
-        accepted = fit(predictor, (*others, effect))
+        accepted = fit(predictor, (*accompanying, effect))
         rivals = [rival for rival in rivals if kind_and_place(rival.effects[-1]) not in names]
         steps.append(AcceptedEffect(names[i], start, accepted, (accepted, *rivals)))
     return SearchPath(start, tuple(steps))

@@ -122,6 +122,6 @@ def _extended(
 
 
 def _closes_much(predictor: Predictor, step: AcceptedEffect) -> bool:
-    where = predictor.observed.fitted
-    previous_excess, excess = (fit.residual.gap(where) - 1 for fit in (step.previous_fit, step.fit))
+    mask = predictor.observed.fitted
+    previous_excess, excess = (fit.residual.gap(mask) - 1 for fit in (step.previous_fit, step.fit))
     return excess < SEARCH.closing_ratio * previous_excess

@@ -82,10 +82,13 @@ def _exchanged(predictor: Predictor, path: SearchPath) -> SearchPath:
     for i, step in enumerate(steps):
         predictor = predictor.with_nuisances_at(best.nuisance_position)
         own_effect = next(e for e in best.effects if kind_and_place(e) == step.kind_and_place)
-        others = tuple(effect for effect in best.effects if effect is not own_effect)
+        accompanying = tuple(effect for effect in best.effects if effect is not own_effect)
         names = {kind_and_place(effect) for effect in best.effects}
         rivals = [f.effects[-1] for f in step.round_fits if kind_and_place(f.effects[-1]) not in names]
-        fits = [fit(predictor, (*others, effect)) for effect in (own_effect, *rivals[: SEARCH.max_exchanges])]
+        fits = [
+            fit(predictor, (*accompanying, effect))
+            for effect in (own_effect, *rivals[: SEARCH.max_exchanges])
+        ]
         order = ranked_by_bic(fits)
         best = order[0]
         name = kind_and_place(best.effects[-1])
@@ -98,11 +101,11 @@ def _ordered(predictor: Predictor, path: SearchPath) -> SearchPath:
     """Return the path ordered by the chi-square without each effect, the largest first."""
     if len(path.steps) < 2:
         return path
-    effects, where = path.fit.effects, predictor.observed.fitted
+    effects, mask = path.fit.effects, predictor.observed.fitted
     predictor = predictor.with_nuisances_at(path.fit.nuisance_position)
     squares = []
     for i in range(len(effects)):
-        vector = predictor.residual([e for j, e in enumerate(effects) if j != i]).vector(where)
+        vector = predictor.residual([e for j, e in enumerate(effects) if j != i]).vector(mask)
         squares.append(float(vector @ vector))
     round_fits = {step.kind_and_place: step.round_fits for step in path.steps}
     steps: list[AcceptedEffect] = []
