@@ -41,6 +41,8 @@ from modallab_client.errors import UnreachableError
 
 TITLE = """# The blind trial
 
+Terms and symbols: [glossary](glossary.md).
+
 Effects are hidden in simulated tests. A diagnosis that knows model, log book and measurement alone names
 them. `python -m benchmarks.blind_trial` draws the cases, runs them and writes this page; its docstring
 defines the sets. Another effect counts as correct (equivalent) where the two predictions differ by less than

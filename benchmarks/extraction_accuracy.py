@@ -126,6 +126,8 @@ def _worst(method: str, spoil: Spoil, least: float) -> FloatArray:
 
 INTRODUCTION = f"""# How well single modes are read
 
+Terms and symbols: [glossary](glossary.md).
+
 Written by `python -m benchmarks.extraction_accuracy --write`. One mode of 1 kg at 100 Hz, lines of 1 Hz;
 median error over {DRAWS} places of the resonance between two lines, {REPEATS} draws each where there is
 noise. Columns: half-power bandwidth in lines. Frequency, loss factor and |A| in %, phase in degrees; "-"
