@@ -12,7 +12,7 @@ from starlette.responses import Response
 from benchmarks.timing import ratio
 from modallab.api.app import create_app, job_book
 from modallab.api.deps import IdPath, StoreDep
-from modallab.api.settings import Settings
+from modallab.api.settings import ServiceSettings
 from modallab.core.dof import Dof
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.jobs.inline import InlineRunner
@@ -26,7 +26,7 @@ LIMIT = 1.5
 def run() -> list[tuple[str, float, float]]:
     """Return (name, processor time over that of the constant reply, limit)."""
     with tempfile.TemporaryDirectory() as folder:
-        settings = Settings(data=Path(folder))
+        settings = ServiceSettings(data=Path(folder))
         settings.store_place.prepare()
         app = create_app(settings, InlineRunner(job_book(settings), settings.store_place))
         stored = app.state.store.measurements.add(_measurement(), owner="local")

@@ -5,7 +5,7 @@ from pathlib import Path
 
 from modallab.api.app import create_app, job_book
 from modallab.api.document import written
-from modallab.api.settings import Settings
+from modallab.api.settings import ServiceSettings
 from modallab.jobs.inline import InlineRunner
 
 TARGET = Path(__file__).with_name("openapi.json")
@@ -14,7 +14,7 @@ TARGET = Path(__file__).with_name("openapi.json")
 def current() -> str:
     """Return the document of the running code, as its file has it."""
     with tempfile.TemporaryDirectory() as folder:
-        settings = Settings(data=Path(folder))
+        settings = ServiceSettings(data=Path(folder))
         settings.store_place.prepare()
         app = create_app(settings, InlineRunner(job_book(settings), settings.store_place))
         return written(app.openapi())

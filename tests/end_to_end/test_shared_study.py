@@ -10,11 +10,11 @@ from typing import Any
 
 import sqlalchemy as sa
 
-from modallab.api.settings import Settings
+from modallab.api.settings import ServiceSettings
 from tests.databases import database
 from tests.serving import Lab, free_port, running
 
-Served = tuple[Lab, Settings, dict[str, str]]
+Served = tuple[Lab, ServiceSettings, dict[str, str]]
 SEEDS = 16
 
 
@@ -29,7 +29,7 @@ def served(folder: Path) -> Iterator[Served]:
         arguments = ("serve", "--role", "api", "--port", str(port))
         with running(*arguments, data=folder, environment=environment):
             lab.wait_until_up()
-            yield lab, Settings(data=folder, database_url=url, database_schema=schema), environment
+            yield lab, ServiceSettings(data=folder, database_url=url, database_schema=schema), environment
 
 
 def question(lab: Lab) -> dict[str, Any]:
@@ -47,7 +47,7 @@ def question(lab: Lab) -> dict[str, Any]:
     }
 
 
-def hosts_of_shares(settings: Settings) -> dict[str, int]:
+def hosts_of_shares(settings: ServiceSettings) -> dict[str, int]:
     """Return how many runs each worker host made."""
     place = settings.job_place
     engine = sa.create_engine(sa.make_url(place.url).set(drivername="postgresql+psycopg"))

@@ -16,7 +16,7 @@ from modallab.api.measurements import router as measurements
 from modallab.api.modal_models import router as modal_models
 from modallab.api.operations import Operations, check_request
 from modallab.api.rigs import router as rigs
-from modallab.api.settings import Settings
+from modallab.api.settings import ServiceSettings
 from modallab.api.structures import router as structures
 from modallab.api.studies import router as studies
 from modallab.api.updates import router as updates
@@ -36,12 +36,12 @@ class Lab(FastAPI):
         return self.openapi_schema
 
 
-def job_book(settings: Settings) -> JobBook:
+def job_book(settings: ServiceSettings) -> JobBook:
     """Return the book of jobs that the settings name."""
     return JobBook(engine_of(settings.store_place), queue_length=settings.queue_length)
 
 
-def durable_runner(settings: Settings) -> DurableRunner:
+def durable_runner(settings: ServiceSettings) -> DurableRunner:
     """Return the runner that the settings name; with role `api` it only submits."""
     executor_id = settings.executor_id if settings.role == "all" else None
     return DurableRunner(
@@ -49,7 +49,7 @@ def durable_runner(settings: Settings) -> DurableRunner:
     )
 
 
-def create_app(settings: Settings, runner: JobRunner | None = None) -> FastAPI:
+def create_app(settings: ServiceSettings, runner: JobRunner | None = None) -> FastAPI:
     """Return the application, its database prepared by `modallab.api.cli` or `modallab init`.
 
     Parameters

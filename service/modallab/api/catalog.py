@@ -73,8 +73,8 @@ def list_members(family: Family) -> list[MemberOut]:
 
 
 def _summary(member: Any) -> str:
-    said = getattr(member, "summary", None)
-    return said if isinstance(said, str) else (inspect.getdoc(member) or "").split("\n")[0]
+    summary = getattr(member, "summary", None)
+    return summary if isinstance(summary, str) else (inspect.getdoc(member) or "").split("\n")[0]
 
 
 def _parameters(family: FamilyName, kind: str, member: Any) -> dict[str, dict[str, Any]]:

@@ -34,14 +34,14 @@ def _one_thread() -> None:
         os.environ.setdefault(name, "1")
 
 
-def _settings(**given: Any) -> Any:
+def _settings(**overrides: Any) -> Any:
     _one_thread()
     from pydantic import ValidationError
 
-    from modallab.api.settings import Settings
+    from modallab.api.settings import ServiceSettings
 
     try:
-        return Settings(**{name: value for name, value in given.items() if value is not None})
+        return ServiceSettings(**{name: value for name, value in overrides.items() if value is not None})
     except ValidationError as error:
         fault = error.errors()[0]
         raise typer.BadParameter(f"{'.'.join(map(str, fault['loc']))}: {fault['msg']}") from None
@@ -170,40 +170,40 @@ def diagnose(
     from modallab.diagnosis.reporting.report import report as page
     from modallab.diagnosis.reporting.summary import summary
 
-    asked = _asked(suspects, hold_out, tolerance) | {"max_effects": max_effects, "seed": seed}
-    asked |= {} if noise_floor is None else {"noise_floor": noise_floor}
-    tell = _Teller()
+    request = _request_options(suspects, hold_out, tolerance) | {"max_effects": max_effects, "seed": seed}
+    request |= {} if noise_floor is None else {"noise_floor": noise_floor}
+    reporter = _ProgressLine()
     try:
-        found = diagnose_files(Files(model, rig, measured), asked, averages=averages, progress=tell)
+        outcome = diagnose_files(Files(model, rig, measured), request, averages=averages, progress=reporter)
     except ModalLabError as error:
         typer.echo(f"modallab diagnose: {in_words(error)}", err=True)
         raise typer.Exit(2) from None
     finally:
-        tell.end()
-    typer.echo(found.json() if as_json else summary(found.diagnosis))
+        reporter.end()
+    typer.echo(outcome.json() if as_json else summary(outcome.diagnosis))
     if report is not None:
-        made = {"call": shlex.join(["modallab", *sys.argv[1:]]), "version": found.entry.version}
-        report.write_text(page(found.diagnosis, made), encoding="utf-8")
+        origin = {"call": shlex.join(["modallab", *sys.argv[1:]]), "version": outcome.entry.version}
+        report.write_text(page(outcome.diagnosis, origin), encoding="utf-8")
         typer.echo(f"The report: {report.resolve()}", err=as_json)
 
 
-def _asked(
+def _request_options(
     suspects: list[str] | None, hold_out: list[str] | None, tolerance: list[str] | None
 ) -> dict[str, Any]:
     """Return the part of a request's body that the options stand for; what is left out has its default."""
-    asked: dict[str, Any] = {"suspects": suspects} if suspects else {}
+    request: dict[str, Any] = {"suspects": suspects} if suspects else {}
     shares = [text for text in hold_out or () if _number(text) is not None]
     if len(shares) > 1:
         raise typer.BadParameter("one share, and any number of DoFs", param_hint="--hold-out")
     dofs = [text for text in hold_out or () if text not in shares]
     if hold_out:
-        asked["hold_out"] = {"dofs": dofs} | ({"fraction": float(shares[0])} if shares else {})
+        request["hold_out"] = {"dofs": dofs} | ({"fraction": float(shares[0])} if shares else {})
     for text in tolerance or ():
         name, _, value = text.partition("=")
         if not name or _number(value) is None:
             raise typer.BadParameter(f"{text!r} is not name=value", param_hint="--tolerance")
-        asked.setdefault("tolerances", {})[name] = float(value)
-    return asked
+        request.setdefault("tolerances", {})[name] = float(value)
+    return request
 
 
 def _number(text: str) -> float | None:
@@ -213,18 +213,18 @@ def _number(text: str) -> float | None:
         return None
 
 
-class _Teller:
+class _ProgressLine:
     """Says how far the work is: on one line of a terminal, else on a line of its own every tenth."""
 
     def __init__(self) -> None:
-        self._told = -1
+        self._tenth = -1
 
     def __call__(self, fraction: float, message: str) -> None:
         line = f"{fraction:4.0%}  {message}"
         if sys.stderr.isatty():
             sys.stderr.write(f"\r\033[K{line}")
-        elif int(10 * fraction) > self._told:
-            self._told = int(10 * fraction)
+        elif int(10 * fraction) > self._tenth:
+            self._tenth = int(10 * fraction)
             sys.stderr.write(f"{line}\n")
         sys.stderr.flush()
 

@@ -5,7 +5,7 @@ from typing import Annotated
 from fastapi import Depends, Path, Query, Request
 from pydantic import StringConstraints
 
-from modallab.api.settings import Settings
+from modallab.api.settings import ServiceSettings
 from modallab.jobs.runner import JobRunner
 from modallab.store.base import Store
 
@@ -22,8 +22,8 @@ async def _jobs(request: Request) -> JobRunner:
     return jobs
 
 
-async def _settings(request: Request) -> Settings:
-    settings: Settings = request.app.state.settings
+async def _settings(request: Request) -> ServiceSettings:
+    settings: ServiceSettings = request.app.state.settings
     return settings
 
 
@@ -33,7 +33,7 @@ async def _owner() -> str:
 
 StoreDep = Annotated[Store, Depends(_store)]
 JobsDep = Annotated[JobRunner, Depends(_jobs)]
-SettingsDep = Annotated[Settings, Depends(_settings)]
+SettingsDep = Annotated[ServiceSettings, Depends(_settings)]
 OwnerDep = Annotated[str, Depends(_owner)]
 
 Id = Annotated[str, StringConstraints(pattern=r"^[A-Za-z0-9_-]{1,64}$")]

@@ -93,14 +93,14 @@ class OptionsByMethod:
             return Wire()
         body = self._bodies[method]
         if isinstance(value, Mapping):
-            elsewhere = self._known() - body.model_fields.keys()
-            for name in value.keys() & elsewhere:
+            foreign_names = self._option_names() - body.model_fields.keys()
+            for name in value.keys() & foreign_names:
                 return ForeignOption(
                     method=method, name=name, value=value[name], allowed=[*body.model_fields]
                 )
         return body.model_validate(value)
 
-    def _known(self) -> set[str]:
+    def _option_names(self) -> set[str]:
         """Return the names of all methods' options."""
         return {name for body in self._bodies.values() for name in body.model_fields}
 
@@ -120,7 +120,7 @@ def _wire_type(hint: Any, spec: OptionSpec, declared: Field[Any]) -> Any:
     """Return the type of a request's field from that of a dataclass."""
     if get_origin(hint) in (Union, UnionType):
         alternatives = [
-            None if one is NoneType else _wire_type(one, spec, declared) for one in get_args(hint)
+            None if member is NoneType else _wire_type(member, spec, declared) for member in get_args(hint)
         ]
         return Union[tuple(alternatives)]  # noqa: UP007
     if spec.choices:
@@ -130,8 +130,8 @@ def _wire_type(hint: Any, spec: OptionSpec, declared: Field[Any]) -> Any:
     if hint is int and (spec.upper or 0) > _LARGE:
         return Annotated[int, WireField(ge=spec.lower, le=spec.upper), NO_CONVERSION]
     if hint in (int, float):
-        lower, above = (spec.lower, False) if spec.above is None else (spec.above, True)
-        return Annotated[Count if hint is int else Number, Limits(lower, spec.upper, above=above)]
+        lower, excluded = (spec.lower, False) if spec.above is None else (spec.above, True)
+        return Annotated[Count if hint is int else Number, Limits(lower, spec.upper, lower_excluded=excluded)]
     if hint is str:
         return Text
     if isinstance(hint, type) and issubclass(hint, Options):

@@ -17,7 +17,7 @@ Place = Sequence[str | int]
 # Names that the body may have at a place of pydantic's.
 NamesAt = Callable[[Place], Sequence[str]]
 
-_SHOWN = 200  # characters of a refused value that are shown
+_TEXT_LENGTH = 200  # characters of a refused value that are shown
 _KEY = "[key]"  # pydantic's mark of a name in a mapping that is wrong itself
 # What pydantic calls a bound, and what JSON Schema does.
 _BOUNDS = {
@@ -71,12 +71,12 @@ def faults(
 
 def _fault(field: str, error: Mapping[str, Any], names_at: NamesAt) -> Fault:
     message = error["msg"].removeprefix("Value error, ")  # pydantic's prefix of our own words
-    allowed = _allowed(error)
+    allowed = _allowed_values(error)
     if error["type"] == "extra_forbidden":
         *place, name = error["loc"]
         allowed = list(names_at(place))
         message = f"there is no such field{suggestion(str(name), allowed)}"
-    return Fault(field, message, shown(error.get("input")), allowed)
+    return Fault(field, message, as_json(error.get("input")), allowed)
 
 
 def adapter_names(adapter: TypeAdapter[Any]) -> NamesAt:
@@ -92,23 +92,23 @@ def wrong_json(error: ValidationError, adapter: TypeAdapter[Any], text: str, nam
     except ValueError:
         body = None
     first, *_ = faults(error.errors(), body, (name,), adapter_names(adapter))
-    return InvalidInputError(f"{first.field}: {first.message}", field=first.field, value=text[:_SHOWN])
+    return InvalidInputError(f"{first.field}: {first.message}", field=first.field, value=text[:_TEXT_LENGTH])
 
 
-def shown(value: Any) -> Json:
+def as_json(value: Any) -> Json:
     """Return a refused value as JSON has it; a long one, or one that is no JSON, as the start of its text."""
     if isinstance(value, float) and not math.isfinite(value):
         return str(value)
     if isinstance(value, str):
-        return value[:_SHOWN]
+        return value[:_TEXT_LENGTH]
     try:
         text = json.dumps(value, allow_nan=False)
     except (TypeError, ValueError):
-        return str(value)[:_SHOWN]
-    return value if len(text) <= _SHOWN else text[:_SHOWN]
+        return str(value)[:_TEXT_LENGTH]
+    return value if len(text) <= _TEXT_LENGTH else text[:_TEXT_LENGTH]
 
 
-def _allowed(error: Mapping[str, Any]) -> Json:
+def _allowed_values(error: Mapping[str, Any]) -> Json:
     """Return a list of names, or the broken bound by its name in JSON Schema; None where neither is known."""
     context: Mapping[str, Any] = error.get("ctx") or {}
     expected = context.get("expected") or context.get("expected_tags")

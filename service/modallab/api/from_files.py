@@ -14,7 +14,7 @@ from modallab.api.diagnoses.replies import diagnosis_reply
 from modallab.api.diagnoses.schemas import DiagnosisOptionsBody, diagnosis_options
 from modallab.api.faults import adapter_names, faults
 from modallab.api.rigs.schemas import RigIn
-from modallab.api.settings import Settings
+from modallab.api.settings import ServiceSettings
 from modallab.api.structures.schemas import StructureIn
 from modallab.api.wire import effect_out
 from modallab.core.dof import Dof
@@ -44,7 +44,7 @@ class Files:
 
 
 @dataclass(frozen=True, eq=False)
-class Found:
+class DiagnosisOutcome:
     """A diagnosis and what is known of how it was made."""
 
     diagnosis: Diagnosis
@@ -53,18 +53,18 @@ class Found:
     def json(self) -> str:
         """Return what the service would answer; in place of stored ids what is to be added to the files."""
         fields = diagnosis_reply(self.diagnosis, self.entry).model_dump(mode="json")
-        kept = {name: value for name, value in fields.items() if name not in _PASSING}
+        reply = {name: value for name, value in fields.items() if name not in _PASSING}
         added: dict[str, list[Any]] = {"model": [], "rig": []}
         for effect in (step.effect for step in self.diagnosis.steps):
-            numbers = {name: one.value for name, one in effect.parameters.items()}
-            where = "model" if EFFECTS[effect.kind].structural else "rig"
-            added[where].append(effect_out(EffectSpec(effect.kind, effect.at, numbers)))
-        return json.dumps(kept | {"added_effects": added}, indent=2)
+            numbers = {name: parameter.value for name, parameter in effect.parameters.items()}
+            file = "model" if EFFECTS[effect.kind].structural else "rig"
+            added[file].append(effect_out(EffectSpec(effect.kind, effect.at, numbers)))
+        return json.dumps(reply | {"added_effects": added}, indent=2)
 
 
 def diagnose_files(
     files: Files, request: Mapping[str, Any], *, averages: float | None, progress: Progress
-) -> Found:
+) -> DiagnosisOutcome:
     """Return the diagnosis of files, made by the function that the service calls, without a store.
 
     Parameters
@@ -82,7 +82,7 @@ def diagnose_files(
     structure = _of_file(files.model, lambda: _body(files.model, StructureIn).to_domain())
     setup = _of_file(files.rig, lambda: _body(files.rig, RigIn).to_domain())
     with files.measured.open("rb") as file:
-        largest = Settings.model_fields["upload_limit"].default
+        largest = ServiceSettings.model_fields["upload_limit"].default
         measurement = _of_file(
             files.measured, lambda: read_measurement(file, setup, largest=largest, averages=averages)
         )
@@ -92,7 +92,7 @@ def diagnose_files(
     for text in options.hold_out.dofs:
         structure.index(Dof.parse(text, field="hold_out.dofs"))
     diagnosis = diagnose_with_options(structure, measurement, options, progress=progress)
-    return Found(diagnosis, _entry(options.seed))
+    return DiagnosisOutcome(diagnosis, _entry(options.seed))
 
 
 def _entry(seed: int) -> Entry:
@@ -105,8 +105,8 @@ def _entry(seed: int) -> Entry:
 def in_words(error: ModalLabError) -> str:
     """Return what an error says, with the field, its value and what is allowed."""
     context = {name: error.context[name] for name in ("field", "value", "allowed") if name in error.context}
-    told = "; ".join(f"{name}: {value}" for name, value in context.items() if value != "")
-    return f"{error} ({told})" if told else str(error)
+    details = "; ".join(f"{name}: {value}" for name, value in context.items() if value != "")
+    return f"{error} ({details})" if details else str(error)
 
 
 def _body(path: Path, wire: Any) -> Any:

@@ -43,13 +43,13 @@ class JobOut(Reply):
     @classmethod
     def of(cls, job: Job) -> Self:
         """Return what the contract shows of a job."""
-        done = job.state is JobState.SUCCEEDED
+        succeeded = job.state is JobState.SUCCEEDED
         return cls(
             id=job.id,
             state=job.state,
             fraction=job.fraction,
             message=job.message,
-            result_id=job.result_id if done else None,
+            result_id=job.result_id if succeeded else None,
             error=None if job.error is None else problems.of_job(job.error),
         )
 
@@ -81,8 +81,8 @@ async def _events(jobs: JobRunner, job: Job) -> AsyncIterator[str]:
     while not job.state.final:
         await sleep(_LOOK)
         silent += _LOOK
-        before, job = job, await to_thread.run_sync(look)
-        if job != before:
+        previous, job = job, await to_thread.run_sync(look)
+        if job != previous:
             silent = 0.0
             yield _event(job)
         elif silent >= _KEEP_ALIVE:

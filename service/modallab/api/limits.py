@@ -31,17 +31,17 @@ class BodyLimit:
         if announced.isdecimal() and int(announced) > limit:
             await problems.response(_too_large(limit))(scope, receive, send)
             return
-        read = 0
+        n_bytes = 0
 
-        async def counted() -> Message:
-            nonlocal read
+        async def receive_counted() -> Message:
+            nonlocal n_bytes
             message = await receive()
-            read += len(message.get("body", b""))
-            if read > limit:  # sent in chunks, with no length announced
+            n_bytes += len(message.get("body", b""))
+            if n_bytes > limit:  # sent in chunks, with no length announced
                 raise HTTPException(413, _too_large(limit)["detail"])
             return message
 
-        await self._app(scope, counted, send)
+        await self._app(scope, receive_counted, send)
 
 
 def _too_large(limit: int) -> dict[str, Any]:

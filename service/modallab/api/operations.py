@@ -98,20 +98,20 @@ async def check_request(request: Request) -> None:
         raise RequestValidationError(unknown)
 
 
-def _unknown(part: str, sent: ImmutableMultiDict[str, Any], allowed: Container[str]) -> list[dict[str, Any]]:
+def _unknown(part: str, sent: ImmutableMultiDict[str, Any], expected: Container[str]) -> list[dict[str, Any]]:
     """Return pydantic's errors of names that are not allowed."""
     return [
         {"type": "extra_forbidden", "loc": (part, name), "msg": "", "input": value}
         for name, value in sent.items()
-        if name not in allowed
+        if name not in expected
     ]
 
 
-def _check_content_type(headers: Headers, allowed: list[str]) -> None:
+def _check_content_type(headers: Headers, expected: list[str]) -> None:
     sent = headers.get("content-type", "").partition(";")[0].strip().lower()
     has_body = headers.get("content-length", "0") != "0" or "transfer-encoding" in headers
-    if not allowed or not has_body or sent in allowed:
+    if not expected or not has_body or sent in expected:
         return
-    detail = f"send the body as {' or '.join(allowed)}, not as {sent or 'an unnamed content type'}"
-    context = {"field": "Content-Type", "value": sent, "allowed": allowed}
-    raise HTTPException(415, {"detail": detail, "context": context}, {"Accept": ", ".join(allowed)})
+    detail = f"send the body as {' or '.join(expected)}, not as {sent or 'an unnamed content type'}"
+    context = {"field": "Content-Type", "value": sent, "allowed": expected}
+    raise HTTPException(415, {"detail": detail, "context": context}, {"Accept": ", ".join(expected)})

@@ -63,8 +63,8 @@ TITLES: Mapping[str, str] = {
 _RETRY_AFTER = "5"  # s: about the length of a short job
 _MOST = 20  # faults that are listed
 
-_FIELD = "name of the field at fault, from the body, path or query; absent where no field is"
-_ALLOWED = "values allowed: a number, a list of names, bounds by their names in JSON Schema, or a sentence"
+_FIELD_DOC = "name of the field at fault, from the body, path or query; absent where no field is"
+_VALUES_DOC = "values allowed: a number, a list of names, bounds by their names in JSON Schema, or a sentence"
 
 
 class ProblemContext(BaseModel):
@@ -72,9 +72,9 @@ class ProblemContext(BaseModel):
 
     model_config = ConfigDict(extra="allow")
 
-    field: str = Field("", description=_FIELD)
+    field: str = Field("", description=_FIELD_DOC)
     value: Any = Field(None, description="value that was sent, as JSON; the start of a long one")
-    allowed: Any = Field(None, description=_ALLOWED)
+    allowed: Any = Field(None, description=_VALUES_DOC)
     errors: list[dict[str, Any]] = Field(
         [], description="every field at fault, as `field`, `message`, `value`, `allowed`"
     )

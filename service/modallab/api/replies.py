@@ -69,10 +69,10 @@ def stored_reply(
     """
     definitions = {n: d for n, d in _definitions(domain).items() if n not in leave_out}
     definitions |= {n: (hint, Field(description=text)) for n, (hint, text) in added.items()}
-    made: type[StoredReply] = create_model(
+    model: type[StoredReply] = create_model(
         name, __base__=StoredReply, __doc__=inspect.getdoc(domain), **definitions
     )
-    return made
+    return model
 
 
 @cache
@@ -90,20 +90,20 @@ def reply(domain: type, name: str, **added: tuple[Any, str]) -> type[Reply]:
     """Return a reply model with further fields, as `name=(type, description)`."""
     definitions = _definitions(domain)
     definitions |= {n: (hint, Field(description=text)) for n, (hint, text) in added.items()}
-    made: type[Reply] = create_model(name, __base__=Reply, __doc__=inspect.getdoc(domain), **definitions)
-    return made
+    model: type[Reply] = create_model(name, __base__=Reply, __doc__=inspect.getdoc(domain), **definitions)
+    return model
 
 
 def _definitions(domain: type) -> dict[str, Any]:
     """Return the fields of a derived model by name: type and description."""
     hints = get_type_hints(domain, include_extras=True)
     docs = attribute_docs(domain)
-    found = {}
+    definitions = {}
     for field in fields(domain):
         hint = wire_type(hints[field.name])
         if hint is not None:
-            found[field.name] = (hint, Field(description=docs.get(field.name)))
-    return found
+            definitions[field.name] = (hint, Field(description=docs.get(field.name)))
+    return definitions
 
 
 @cache
@@ -115,8 +115,8 @@ def attribute_docs(domain: type) -> dict[str, str]:
             continue
         (tree,) = ast.parse(textwrap.dedent(inspect.getsource(cls))).body
         assert isinstance(tree, ast.ClassDef)
-        for statement, below in zip(tree.body, tree.body[1:], strict=False):
-            match statement, below:
+        for statement, following in zip(tree.body, tree.body[1:], strict=False):
+            match statement, following:
                 case (
                     ast.AnnAssign(target=ast.Name(id=name)),
                     ast.Expr(value=ast.Constant(value=str(text))),
@@ -153,8 +153,8 @@ def wire_type(hint: Any) -> Any:
     """Return the wire's type of an annotation; None of what replies do not have."""
     marks: tuple[Any, ...] = ()
     if get_origin(hint) is Annotated:
-        hint, *rest = get_args(hint)
-        marks = tuple(rest)
+        hint, *metadata = get_args(hint)
+        marks = tuple(metadata)
     if any(isinstance(mark, NotInReply) for mark in marks):
         return None
     if any(isinstance(mark, MayBeNan) for mark in marks):
@@ -196,8 +196,8 @@ def _union(options: tuple[Any, ...], marks: tuple[Any, ...]) -> Any:
     if len(parts) == 1:
         inner = wire_type(Annotated[parts[0], *marks] if marks else parts[0])
         return None if inner is None else inner | None if not _annotated(inner) else _optional(inner)
-    made = [wire_type(option) for option in parts]
-    union: Any = Union[tuple(made)]  # noqa: UP007
+    alternatives = [wire_type(option) for option in parts]
+    union: Any = Union[tuple(alternatives)]  # noqa: UP007
     return union | None if len(parts) < len(options) else union
 
 
@@ -208,11 +208,11 @@ def _annotated(hint: Any) -> bool:
 def _optional(hint: Any) -> Any:
     """Return an annotated type or None; the validator is not run on None."""
     inner, *validators = get_args(hint)
-    (before,) = (v.func for v in validators if isinstance(v, BeforeValidator))
+    (validate,) = (v.func for v in validators if isinstance(v, BeforeValidator))
     shape = [v for v in validators if not isinstance(v, BeforeValidator)]
 
-    def unless_none(value: Any, before: Any = before) -> Any:
-        return None if value is None else before(value)
+    def unless_none(value: Any, validate: Any = validate) -> Any:
+        return None if value is None else validate(value)
 
     inner = Annotated[inner, *shape] if shape else inner
     return Annotated[inner | None, BeforeValidator(unless_none)]

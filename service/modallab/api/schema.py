@@ -29,17 +29,17 @@ class Limits:
 
     lower: float | None = None
     upper: float | None = None
-    above: bool = False
-    below: bool = False
+    lower_excluded: bool = False
+    upper_excluded: bool = False
 
     def __get_pydantic_json_schema__(self, core: CoreSchema, handler: GetJsonSchemaHandler) -> Json:
         schema = dict(handler(core))
         if self.lower is not None:
             schema.pop("minimum", None)
-            schema["exclusiveMinimum" if self.above else "minimum"] = self.lower
+            schema["exclusiveMinimum" if self.lower_excluded else "minimum"] = self.lower
         if self.upper is not None:
             schema.pop("maximum", None)
-            schema["exclusiveMaximum" if self.below else "maximum"] = self.upper
+            schema["exclusiveMaximum" if self.upper_excluded else "maximum"] = self.upper
         return schema
 
 

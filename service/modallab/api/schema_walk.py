@@ -28,9 +28,9 @@ def property_names(root: Schema, definitions: Mapping[str, Schema], place: Seque
     return sorted({name for schema in schemas for name in schema.get("properties", {})})
 
 
-def suggestion(name: str, allowed: Sequence[str]) -> str:
+def suggestion(name: str, candidates: Sequence[str]) -> str:
     """Return "; did you mean `x`?" with the nearest allowed name, or nothing where none is near."""
-    near = get_close_matches(name, allowed, n=1)
+    near = get_close_matches(name, candidates, n=1)
     return f"; did you mean `{near[0]}`?" if near else ""
 
 

@@ -10,7 +10,7 @@ from modallab.jobs.durable import JobPlace
 from modallab.store.place import StorePlace
 
 
-class Settings(BaseSettings):
+class ServiceSettings(BaseSettings):
     """Where the service listens and keeps its things, and how much it takes."""
 
     model_config = SettingsConfigDict(env_prefix="MODALLAB_", frozen=True)

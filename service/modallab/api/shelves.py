@@ -41,7 +41,7 @@ def add_routes(router: APIRouter, shelf: str, singular: str) -> None:
         description=f"Return the stored {plural} page by page, newest first.",
     )
     def list_entries(store: StoreDep, owner: OwnerDep, limit: Limit = 100, after: After = None) -> PageOut:
-        entries = of(store).list(owner=owner, limit=limit, after=after)
+        entries = of(store).list(owner=owner, limit=limit, cursor=after)
         items = [EntryOut(**EntryOut.fields(entry)) for entry in entries]
         return PageOut(items=items, next=items[-1].id if len(items) == limit else None)
 

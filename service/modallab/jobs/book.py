@@ -58,7 +58,7 @@ class JobBook:
                 connection.execute(sa.select(JOBS.c.id).where(_ACTIVE).order_by(JOBS.c.created)).scalars()
             )
 
-    def wanted(self, job_id: str) -> bool:
+    def is_active(self, job_id: str) -> bool:
         """Tell whether a job has not ended."""
         query = sa.select(JOBS.c.id).where(JOBS.c.id == job_id, _ACTIVE)
         with self._engine.begin() as connection:

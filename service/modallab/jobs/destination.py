@@ -11,6 +11,6 @@ class Destination:
     owner: str
     id: str
 
-    def beside(self, name: str) -> str:
+    def derived_id(self, name: str) -> str:
         """Return the id of something else the task makes, the same however often it runs."""
         return hashlib.sha256(f"{self.id}/{name}".encode()).hexdigest()[:24]

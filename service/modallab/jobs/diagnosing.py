@@ -64,7 +64,7 @@ class DiagnosisInputs:
         sources = {"structure_id": self.structure_id, "measurement_id": self.measurement_id}
         sources |= {f"follow_up_{i}": test.measurement_id for i, test in enumerate(self.follow_ups, 1)}
         sources |= {f"earlier_{i}": id for i, id in enumerate(earlier, 1)}
-        model, rig = into.beside("structure"), into.beside("rig")
+        model, rig = into.derived_id("structure"), into.derived_id("rig")
         with store.together() as batch:
             batch.structures.add(diagnosis.structure, owner=into.owner, inputs=sources, id=model)
             batch.rigs.add(diagnosis.setup, owner=into.owner, inputs=sources, id=rig)
@@ -93,7 +93,7 @@ def _act(
     earlier: list[str] = []
     rounds = 1 + MOST_TESTS
     for n in range(rounds):
-        between = Destination(into.owner, into.beside(f"diagnosis/{n + 1}"))
+        between = Destination(into.owner, into.derived_id(f"diagnosis/{n + 1}"))
         if store.diagnoses.holds(between.id):
             diagnosis = store.diagnoses.get(between.id)
         else:
@@ -101,7 +101,9 @@ def _act(
         if n == MOST_TESTS or diagnosis.next_test is None:
             break
         inputs.keep(store, between, diagnosis, earlier)
-        test = FurtherTest(into.beside(f"measurement/{n + 1}"), Change.read(diagnosis.next_test.change).plain)
+        test = FurtherTest(
+            into.derived_id(f"measurement/{n + 1}"), Change.read(diagnosis.next_test.change).plain
+        )
         measuring = part(progress, (n + FINDING) / rounds, (n + 1) / rounds)
         if why := _refused(store, measuring, into.owner, inputs, test):
             note = f"the next test could not be run: {why}"

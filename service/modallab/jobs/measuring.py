@@ -81,7 +81,7 @@ def measure_again(
     truth = _on_other_rig(store.truths.get(measurement_id, owner=entry.owner), first.setup, setup)
     seed = _further_seed(entry.seed or 0, number)
     measurement = _measured(store, progress, truth, setup, first.route or Route.SAMPLED, seed)
-    rig_id = into.beside("rig")
+    rig_id = into.derived_id("rig")
     with store.together() as batch:
         batch.rigs.add(setup, owner=into.owner, inputs={"rig_id": entry.inputs["rig_id"]}, id=rig_id)
         batch.measurements.add(

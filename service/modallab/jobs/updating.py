@@ -66,7 +66,7 @@ def update_and_store(
     sources = inputs.sources
     with store.together() as batch:
         if isinstance(result, UpdateResult):
-            updated_id = into.beside("structure")
+            updated_id = into.derived_id("structure")
             batch.structures.add(result.structure, owner=into.owner, inputs=sources, id=updated_id)
             sources = sources | {"updated_structure_id": updated_id}
         batch.updates.add(result, owner=into.owner, inputs=sources, id=into.id)

@@ -50,7 +50,7 @@ class ShareReporter(Reporter):
     """The same of a share: it stops with its job, and how far that is whoever shared it out will enter."""
 
     def _entered(self, fraction: float, message: str) -> bool:
-        return self._book.wanted(self._job_id)
+        return self._book.is_active(self._job_id)
 
 
 def count_shares(job: Job) -> int:
@@ -94,9 +94,9 @@ def perform(place: StorePlace, job_id: str, shares: Sequence[Json] | None = None
         return None
     job = book.get(job_id)
     into = Destination(job.owner, job.result_id)
-    made = {} if shares is None else {"shares": shares}
+    keywords = {} if shares is None else {"shares": shares}
     try:
-        TASKS[job.task](open_store(place), Reporter(book, job_id), into, **job.arguments, **made)
+        TASKS[job.task](open_store(place), Reporter(book, job_id), into, **job.arguments, **keywords)
     except CancelledError:
         return None
     except ModalLabError as error:

@@ -70,8 +70,8 @@ class Shelf(Protocol[T]):
         """Return what is known of a thing; `NotFoundError` if there is none."""
         ...
 
-    def list(self, *, owner: str, limit: int, after: str | None = None) -> list[Entry]:
-        """Return the newest entries of an owner, those older than `after`."""
+    def list(self, *, owner: str, limit: int, cursor: str | None = None) -> list[Entry]:
+        """Return the newest entries of an owner, those older than `cursor`."""
         ...
 
     def npz(self, id: str) -> bytes:

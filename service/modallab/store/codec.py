@@ -50,13 +50,13 @@ def _dofs(names: NDArray[np.str_]) -> tuple[Dof, ...]:
     return tuple(Dof.parse(name) for name in names.tolist())
 
 
-def _there(arrays: Mapping[str, NDArray[Any] | None]) -> Arrays:
+def _present(arrays: Mapping[str, NDArray[Any] | None]) -> Arrays:
     return {name: array for name, array in arrays.items() if array is not None}
 
 
 def arrays_of(thing: Measurement) -> Arrays:
     """Return a measurement's arrays by the names that the API serves them under."""
-    return _there(
+    return _present(
         {
             "freq": thing.frf.freq,
             "values": thing.frf.values,
@@ -102,7 +102,7 @@ _INCONSISTENCY = "frequency_inconsistency_"  # and of those of frequency differe
 def _take_modal_model(thing: ModalModel) -> tuple[Json, Arrays]:
     modes = [to_plain(mode)[0] for mode in thing.modes]
     shape_errors = [mode.shape_errors for mode in thing.modes if mode.shape_errors is not None]
-    arrays = _there(
+    arrays = _present(
         {
             "frequencies": thing.frequencies,
             "loss_factors": thing.loss_factors,
@@ -161,7 +161,7 @@ def _put_modal_model(body: Json, arrays: _ArrayMap) -> ModalModel:
 
 def _inconsistency(body: Json, arrays: _ArrayMap) -> FrequencyInconsistency | None:
     tree = body.get("frequency_inconsistency")
-    named = _named(arrays, _INCONSISTENCY)
+    named = _with_prefix(arrays, _INCONSISTENCY)
     return None if tree is None else from_plain(FrequencyInconsistency, tree, named)
 
 
@@ -171,7 +171,7 @@ def _references(body: Json) -> tuple[Dof, ...]:
     return tuple(Dof.parse(name) for name in names)
 
 
-def _named(arrays: _ArrayMap, prefix: str) -> _ArrayMap:
+def _with_prefix(arrays: _ArrayMap, prefix: str) -> _ArrayMap:
     return {name.removeprefix(prefix): a for name, a in arrays.items() if name.startswith(prefix)}
 
 

@@ -102,12 +102,12 @@ class SqlShelf(Generic[T]):
         """Return what is known of a thing."""
         return Entry(**self._row(id, *_ENTRY)._mapping)
 
-    def list(self, *, owner: str, limit: int, after: str | None = None) -> list[Entry]:
-        """Return the newest entries of an owner, those older than `after`."""
+    def list(self, *, owner: str, limit: int, cursor: str | None = None) -> list[Entry]:
+        """Return the newest entries of an owner, those older than `cursor`."""
         age = sa.tuple_(THINGS.c.created, THINGS.c.id)
         query = sa.select(*_ENTRY).where(THINGS.c.kind == self._kind, THINGS.c.owner == owner)
-        if after is not None:
-            query = query.where(age < sa.tuple_(*self._row(after, THINGS.c.created, THINGS.c.id)))
+        if cursor is not None:
+            query = query.where(age < sa.tuple_(*self._row(cursor, THINGS.c.created, THINGS.c.id)))
         query = query.order_by(THINGS.c.created.desc(), THINGS.c.id.desc()).limit(limit)
         with self._connect() as connection:
             return [Entry(**row._mapping) for row in connection.execute(query)]

@@ -10,7 +10,7 @@ from anyio.from_thread import BlockingPortal, start_blocking_portal
 from fastapi import FastAPI
 
 from modallab.api.app import create_app, job_book
-from modallab.api.settings import Settings
+from modallab.api.settings import ServiceSettings
 from modallab.jobs.inline import InlineRunner
 
 
@@ -51,13 +51,13 @@ class Service:
 
 
 @pytest.fixture(scope="module")
-def settings(tmp_path_factory: pytest.TempPathFactory) -> Settings:
+def settings(tmp_path_factory: pytest.TempPathFactory) -> ServiceSettings:
     """Settings of a service with an empty folder."""
-    return Settings(data=tmp_path_factory.mktemp("data"))
+    return ServiceSettings(data=tmp_path_factory.mktemp("data"))
 
 
 @pytest.fixture(scope="module")
-def service(settings: Settings) -> Iterator[Service]:
+def service(settings: ServiceSettings) -> Iterator[Service]:
     """A service with nothing in it, the same for the tests of a file."""
     settings.store_place.prepare()
     app = create_app(settings, InlineRunner(job_book(settings), settings.store_place))

@@ -146,7 +146,7 @@ def test_lists_show_an_owner_his_own_newest_first_page_by_page(store: SqlStore) 
     ids = [store.rigs.add(RIG, owner="me") for _ in range(5)]
     store.rigs.add(RIG, owner="you")
     first = [entry.id for entry in store.rigs.list(owner="me", limit=3)]
-    second = [entry.id for entry in store.rigs.list(owner="me", limit=3, after=first[-1])]
+    second = [entry.id for entry in store.rigs.list(owner="me", limit=3, cursor=first[-1])]
     assert first + second == ids[::-1]
 
 

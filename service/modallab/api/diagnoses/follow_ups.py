@@ -82,8 +82,8 @@ def check_follow_ups(
             value="true",
             allowed="false, or a measurement that was made here",
         )
-    for one in follow_ups:
-        further = FollowUp(store.measurements.get(one.measurement_id), one.changed.to_domain())
+    for item in follow_ups:
+        further = FollowUp(store.measurements.get(item.measurement_id), item.changed.to_domain())
         setup = further.with_consistent_log_book(first).setup
         for dof in (*setup.drives, *setup.responses):
             structure.index(dof)

@@ -71,8 +71,8 @@ def get_diagnosis_arrays(id: IdPath, store: StoreDep, form: ArraysFormatDep) -> 
 def get_diagnosis_report(id: IdPath, store: StoreDep) -> HTMLResponse:
     """Return the report of a diagnosis as one self-contained HTML page."""
     entry = store.diagnoses.entry(id)
-    made = {**entry.inputs, "id": entry.id, "created": entry.created, "version": entry.version}
-    return HTMLResponse(report(store.diagnoses.get(id), made), headers=_STATIC)
+    origin = {**entry.inputs, "id": entry.id, "created": entry.created, "version": entry.version}
+    return HTMLResponse(report(store.diagnoses.get(id), origin), headers=_STATIC)
 
 
 add_routes(router, "diagnoses", "diagnosis")

@@ -115,9 +115,9 @@ def get_measurement_hdf5(id: IdPath, store: StoreDep, kind: KindWanted = None) -
 def get_measurement_uff(id: IdPath, store: StoreDep, kind: KindWanted = None) -> Response:
     """Return the FRFs of a measurement as a universal file (dataset 58)."""
     measured = store.measurements.get(id)
-    wanted = measured_as(kind, measured)
-    content = "; ".join(["measurement", *wanted.notes[len(measured.notes) :]])
-    return uff_reply(uff.write(wanted, origin(store.measurements.entry(id), content)), id)
+    converted = measured_as(kind, measured)
+    content = "; ".join(["measurement", *converted.notes[len(measured.notes) :]])
+    return uff_reply(uff.write(converted, origin(store.measurements.entry(id), content)), id)
 
 
 @router.get(

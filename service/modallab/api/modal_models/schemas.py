@@ -21,9 +21,9 @@ from modallab.jobs.extracting import ExtractionInputs, ExtractionRequest
 class ModeNoiseIn(Wire):
     """Relative errors of eigenvalues and of shape entries."""
 
-    eigenvalue: Annotated[Number, Limits(0.0, 1.0, below=True)] = 0.0
+    eigenvalue: Annotated[Number, Limits(0.0, 1.0, upper_excluded=True)] = 0.0
     """1, relative error of eigenvalues"""
-    eigenvector: Annotated[Number, Limits(0.0, 1.0, below=True)] = 0.0
+    eigenvector: Annotated[Number, Limits(0.0, 1.0, upper_excluded=True)] = 0.0
     """1, relative error of shape entries"""
     distribution: Distribution = Distribution.UNIFORM
     """distribution of the errors"""

@@ -88,11 +88,11 @@ class StingerIn(Wire):
         return StingerRod(diameter, length, modulus, density)
 
 
-def _stinger(says: str) -> InvalidInputError:
+def _stinger(message: str) -> InvalidInputError:
     allowed = (
         "diameter, length, modulus and density; or axial_stiffness, bending_stiffness, lateral_stiffness"
     )
-    return InvalidInputError(says, field="stinger", allowed=allowed)
+    return InvalidInputError(message, field="stinger", allowed=allowed)
 
 
 class ForceTransducerIn(Wire):

@@ -160,9 +160,9 @@ def get_mode_arrays(id: IdPath, store: StoreDep, form: ArraysFormatDep, count: C
 
 
 @router.get("/{id}/frf", response_class=Response, responses=array_tables.FRFS, summary="Compute FRFs")
-def get_frf(id: IdPath, store: StoreDep, wanted: FrfQuery, form: ArraysFormatDep) -> Response:
+def get_frf(id: IdPath, store: StoreDep, frf_query: FrfQuery, form: ArraysFormatDep) -> Response:
     """Return the exact frequency response functions (FRFs) of a structure, without rig and noise."""
-    return form.reply(wanted.arrays(store.structures.get(id)))
+    return form.reply(frf_query.arrays(store.structures.get(id)))
 
 
 @router.get(
@@ -226,9 +226,9 @@ def expand_modes(
     responses=array_tables.REDUCED,
     summary="Reduce a structure",
 )
-def get_reduced(id: IdPath, store: StoreDep, wanted: ReducedQuery, form: ArraysFormatDep) -> Response:
+def get_reduced(id: IdPath, store: StoreDep, reduced_query: ReducedQuery, form: ArraysFormatDep) -> Response:
     """Return mass and stiffness of a structure reduced to master degrees of freedom."""
-    return form.reply(wanted.arrays(as_modelled(store.structures.get(id))))
+    return form.reply(reduced_query.arrays(as_modelled(store.structures.get(id))))
 
 
 add_routes(router, "structures", "structure")
