@@ -161,8 +161,8 @@ def _put_modal_model(body: Json, arrays: _ArrayMap) -> ModalModel:
 
 def _inconsistency(body: Json, arrays: _ArrayMap) -> FrequencyInconsistency | None:
     tree = body.get("frequency_inconsistency")
-    named = _with_prefix(arrays, _INCONSISTENCY)
-    return None if tree is None else from_plain(FrequencyInconsistency, tree, named)
+    fields_by_name = _with_prefix(arrays, _INCONSISTENCY)
+    return None if tree is None else from_plain(FrequencyInconsistency, tree, fields_by_name)
 
 
 def _references(body: Json) -> tuple[Dof, ...]:
