@@ -18,6 +18,7 @@ DOCUMENT = ROOT / "docs" / "openapi.json"
 TARGET = Path(__file__).parent / "modallab_client" / "_generated" / "models.py"
 METHODS = Path(__file__).parent / "modallab_client" / "methods"
 PREFIX = "#/components/schemas/"
+NUMBERED = {"pattern": "^[0-9]+$"}  # keys that are numbers
 HAND_WRITTEN = re.compile(r"Out$")  # replies that the service has not derived from its domain yet
 Schema = Mapping[str, Any]
 
@@ -70,7 +71,8 @@ def replied(document: Schema) -> dict[str, Schema]:
     for path in document["paths"].values():
         for operation in path.values():
             for status, response in operation.get("responses", {}).items():
-                if status.startswith("2"):
+                # arrays are asked for as npz files, where a reply offers them
+                if status.startswith("2") and set(response.get("content", ())) <= {"application/json"}:
                     for reference in references(response):
                         visit(reference)
     return ordered
@@ -109,7 +111,8 @@ def annotation(schema: Schema, known: Container[str]) -> str:
         case "array":
             return _array(schema, known)
         case "object" if isinstance(schema.get("additionalProperties"), dict):
-            return f"Mapping[str, {annotation(schema['additionalProperties'], known)}]"
+            key = "int" if schema.get("propertyNames") == NUMBERED else "str"
+            return f"Mapping[{key}, {annotation(schema['additionalProperties'], known)}]"
         case "object":
             return "Mapping[str, Any]"
         case str(name):

@@ -10,7 +10,7 @@ from modallab_client.models import FloatArray
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from modallab_client.correlation import Correlation, ResponseCorrelation
+    from modallab_client.results import Correlation, ResponseCorrelation
 
 FEW = 16  # bars that still have room for their names side by side
 SMALL = 12  # modes up to which every value of a matrix is written into it

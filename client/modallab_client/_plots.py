@@ -9,11 +9,16 @@ from modallab_client.errors import MissingExtraError
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from modallab_client.correlation import Correlation, ResponseCorrelation
     from modallab_client.extraction import FitPicture, Indicators, StabilisationChart
     from modallab_client.findings import Update
     from modallab_client.models import Frf, Measurement
-    from modallab_client.results import Diagnosis, DiagnosisCurves, ModalModel
+    from modallab_client.results import (
+        Correlation,
+        Diagnosis,
+        DiagnosisCurves,
+        ModalModel,
+        ResponseCorrelation,
+    )
     from modallab_client.studies import Study
 
 UNITS = {"receptance": "m/N", "mobility": "m/(s N)", "inertance": "m/(s² N)"}
@@ -134,12 +139,13 @@ def orthogonality(found: "Correlation") -> "tuple[Axes, Axes]":
     """Draw cross- and auto-orthogonality side by side; return both axes."""
     from modallab_client import _correlation_plot as parts
 
-    cross, auto, used = found.cross_orthogonality, found.auto_orthogonality, found.reduction
-    if cross is None or auto is None or used is None:
+    orthogonality = found.orthogonality
+    if orthogonality is None:
         raise ValueError("this correlation was made without a reduction of the mass")
     figure, (left, right) = _pyplot().subplots(1, 2, figsize=(10, 4.5), layout="constrained")
-    figure.colorbar(parts.matrix(left, cross), ax=[left, right], label=f"orthogonality in {used.kind} mass")
-    parts.matrix(right, auto)
+    image = parts.matrix(left, orthogonality.cross)
+    figure.colorbar(image, ax=[left, right], label=f"orthogonality in {orthogonality.reduction} mass")
+    parts.matrix(right, orthogonality.auto)
     left.set(xlabel="mode of the model", ylabel="measured mode", title="cross-orthogonality")
     right.set(xlabel="measured mode", ylabel="measured mode", title="auto-orthogonality")
     return left, right

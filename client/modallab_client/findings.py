@@ -5,7 +5,6 @@ from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 from modallab_client import _plots, _tables, identified
-from modallab_client.correlation import Correlation as Correlation
 from modallab_client.direct import DirectFindings as DirectFindings
 from modallab_client.direct import Suspects as Suspects
 from modallab_client.identified import Identifiability as Identifiability

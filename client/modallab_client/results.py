@@ -1,6 +1,7 @@
 """Result types: what requests of the client return, generated from the service's OpenAPI document."""
 
 from modallab_client._generated.models import (
+    Correlation,
     Diagnosis,
     EquivalentEffect,
     FittedEffect,
@@ -12,6 +13,8 @@ from modallab_client._generated.models import (
     Mode,
     ModeShift,
     NextTest,
+    Orthogonality,
+    ResponseCorrelation,
     ResponseMisfit,
     Rival,
     ShapeComplexity,
@@ -22,6 +25,7 @@ from modallab_client._generated.models import (
 from modallab_client.methods.diagnoses import DiagnosisCurves
 
 __all__ = [
+    "Correlation",
     "Diagnosis",
     "DiagnosisCurves",
     "EquivalentEffect",
@@ -34,6 +38,8 @@ __all__ = [
     "Mode",
     "ModeShift",
     "NextTest",
+    "Orthogonality",
+    "ResponseCorrelation",
     "ResponseMisfit",
     "Rival",
     "ShapeComplexity",

@@ -10,6 +10,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from docs.gallery.drawing import DPI, STYLE
+from modallab.api.replies import reply_of
 from modallab.core.dof import Dof
 from modallab.correlation.compare import Correlation, correlate
 from modallab.correlation.orthogonality import frequency_errors, orthogonality
@@ -20,8 +21,8 @@ from modallab.fe.expansion import expand
 from modallab.fe.reduction import reduce, reduction_of
 from modallab.fe.synthetic_modes import ModeNoise, exact_modes, synthetic_modes
 from modallab.rig.exact import exact_frf
-from modallab_client import correlation as drawable
 from modallab_client._correlation_plot import coordinates, fdac, matrix
+from modallab_client.methods.correlations import correlation_of
 
 BEAM = STRUCTURES["chapter-5-beam"]()
 SENSORS = tuple(Dof(node, "Y") for node in range(1, 22, 2))
@@ -56,18 +57,10 @@ def draw() -> Figure:
     """Return the picture: MAC, coordinates, lines."""
     correlation = case()
     assert correlation.responses is not None
-    names = tuple(str(dof) for dof in correlation.dofs)
-    drawn_correlation = drawable.Correlation(
-        mac=correlation.mac, pairs=(), frequency_differences=np.zeros(0), comac=correlation.comac, dofs=names
-    )
-    lines = drawable.ResponseCorrelation(
-        outputs=names,
-        inputs=("1:+Y",),
-        frac=correlation.responses.frac,
-        freq=correlation.responses.freq,
-        fdac=correlation.responses.fdac,
-        frequency_scale=correlation.responses.frequency_scale,
-    )
+    wire: Any = reply_of(Correlation).model_validate(correlation).model_dump(mode="json")
+    lines = {"fdac_freq": correlation.responses.freq, "fdac": correlation.responses.fdac}
+    drawn_correlation = correlation_of(wire, lines)
+    assert drawn_correlation.responses is not None
     with rc_context(STYLE | {"axes.grid": False}):
         figure = Figure(figsize=(10.5, 3.6), dpi=DPI, layout="constrained")
         parts: Any = figure.subfigures(1, 3)
@@ -76,11 +69,11 @@ def draw() -> Figure:
         matrix(axes, correlation.mac)
         axes.set(xlabel="mode of the model", ylabel="measured mode", title="MAC")
         upper, lower = middle_figure.subplots(2, 1, sharex=True)
-        coordinates(upper, lower, replace(drawn_correlation, ecomac=correlation.ecomac))
+        coordinates(upper, lower, drawn_correlation)
         lower.tick_params(axis="x", rotation=90)
         upper.set_title("by degree of freedom")
         axes = right_figure.subplots()
-        fdac(axes, lines, "1:+Y")
+        fdac(axes, drawn_correlation.responses, "1:+Y")
         axes.set_title("FDAC")
     return figure
 

@@ -7,8 +7,9 @@ import numpy as np
 import pytest
 from matplotlib import pyplot
 
-from modallab_client import ModalLab, _wire_correlation, errors
-from modallab_client.correlation import Correlation
+from modallab_client import ModalLab, errors
+from modallab_client.methods.correlations import correlation_of
+from modallab_client.results import Correlation
 from tests.client.fake import MODE, FakeService, npz
 
 REPLY: dict[str, Any] = {
@@ -20,21 +21,23 @@ REPLY: dict[str, Any] = {
     "dofs": ["1:+Y", "3:+Y"],
     "ecomac": [0.04, 0.0],
     "pole_weighted_mac": [[1.0, 0.0], [0.0, 0.8]],
-    "reduction": {
-        "kind": "serep",
+    "orthogonality": {
+        "reduction": "serep",
         "parameters": {"modes": 2.0},
         "n_motions": 2,
+        "cross": [[1.0, 0.05], [0.04, 0.99]],
+        "auto": [[1.0, 0.02], [0.02, 1.0]],
         "frequency_errors": [0.0, 1e-3],
     },
-    "cross_orthogonality": [[1.0, 0.05], [0.04, 0.99]],
-    "auto_orthogonality": [[1.0, 0.02], [0.02, 1.0]],
-    "frac": [[0.5], [0.25]],
-    "outputs": ["1:+Y", "3:+Y"],
-    "inputs": ["1:+Y"],
-    "frequency_scale": 1.1,
-    "fdac_on_ridge": 0.99,
-    "fdac_unscaled": 0.8,
-    "notes": ["n"],
+    "responses": {
+        "frac": [[0.5], [0.25]],
+        "outputs": ["1:+Y", "3:+Y"],
+        "inputs": ["1:+Y"],
+        "frequency_scale": 1.1,
+        "fdac_on_ridge": 0.99,
+        "fdac_unscaled": 0.8,
+        "notes": ["n"],
+    },
     "something_new": 1,
 }
 FREQ = np.array([2.0, 4.0, 6.0])
@@ -49,7 +52,7 @@ def _off_screen() -> Iterator[None]:
 
 
 def correlation() -> Correlation:
-    return _wire_correlation.correlation(REPLY, {"fdac_freq": FREQ, "fdac": FDAC})
+    return correlation_of(REPLY, {"fdac_freq": FREQ, "fdac": FDAC})
 
 
 def test_a_correlation_in_full_is_asked_for_by_keywords(lab: ModalLab, service: FakeService) -> None:
@@ -67,11 +70,11 @@ def test_a_correlation_in_full_is_asked_for_by_keywords(lab: ModalLab, service: 
     }
     again = lab.correlations.get("c1")
     for one in (found, again):
-        assert one.reduction is not None
+        assert one.orthogonality is not None
         assert one.responses is not None
         assert one.cross_orthogonality is not None
-        assert (one.reduction.kind, one.reduction.parameters) == ("serep", {"modes": 2.0})
-        assert one.reduction.n_motions == 2
+        assert (one.orthogonality.reduction, one.orthogonality.parameters) == ("serep", {"modes": 2.0})
+        assert one.orthogonality.n_motions == 2
         assert one.cross_orthogonality[0, 1] == 0.05
         assert (one.responses.frequency_scale, one.responses.notes) == (1.1, ("n",))
         np.testing.assert_array_equal(one.responses.fdac, FDAC)
@@ -79,10 +82,11 @@ def test_a_correlation_in_full_is_asked_for_by_keywords(lab: ModalLab, service: 
 
 
 def test_without_frfs_no_arrays_are_asked_for(lab: ModalLab, service: FakeService) -> None:
-    service.on("POST /v1/correlations", {**REPLY, "frac": None, "reduction": None})
+    service.on("POST /v1/correlations", {**REPLY, "responses": None, "orthogonality": None})
     found = lab.correlations.create("mm1", "s1")
     assert found.responses is None
-    assert found.reduction is None
+    assert found.orthogonality is None
+    assert found.auto_orthogonality is None
     assert len(service.requests) == 1
 
 
@@ -143,10 +147,10 @@ def test_degrees_of_freedom_are_drawn_by_name() -> None:
 
 def test_orthogonality_is_drawn_twice_and_only_if_there_is_any() -> None:
     left, right = correlation().plot_orthogonality()
-    np.testing.assert_array_equal(left.images[0].get_array(), REPLY["cross_orthogonality"])
-    np.testing.assert_array_equal(right.images[0].get_array(), REPLY["auto_orthogonality"])
+    np.testing.assert_array_equal(left.images[0].get_array(), REPLY["orthogonality"]["cross"])
+    np.testing.assert_array_equal(right.images[0].get_array(), REPLY["orthogonality"]["auto"])
     with pytest.raises(ValueError, match="without a reduction"):
-        _wire_correlation.correlation({**REPLY, "reduction": None}).plot_orthogonality()
+        correlation_of({**REPLY, "orthogonality": None}, None).plot_orthogonality()
 
 
 def test_lines_are_drawn_with_their_ridge_and_frfs_as_bars() -> None:

@@ -9,11 +9,11 @@ import pytest
 from matplotlib import pyplot
 from matplotlib.patches import Rectangle
 
-from modallab_client import _wire, _wire_correlation, _wire_findings
+from modallab_client import _wire, _wire_findings
 from modallab_client._read import read_as
 from modallab_client.methods.modal_models import modal_model_of
 from modallab_client.models import ComplexArray, Measurement
-from modallab_client.results import Diagnosis, DiagnosisCurves, FittedParameter
+from modallab_client.results import Correlation, Diagnosis, DiagnosisCurves, FittedParameter
 from tests.client.fake import DIAGNOSIS, MEASUREMENT, MODE, UPDATE
 
 MODEL = {"id": "mm1", "modes": [MODE], "method": "dobson", "dofs": ["1:+Y", "3:+Y"]}
@@ -134,9 +134,7 @@ def test_modes_coefficients_and_mac_draw_themselves() -> None:
     ends = [bar.get_y() + bar.get_height() for bar in bars.patches if isinstance(bar, Rectangle)]
     np.testing.assert_allclose(ends, [2.0, 2.0, 1.99])  # 1 + (x - 1) rounds in the last digit
     reply = {"mac": [[1.0, 0.1]], "pairs": [[1, 1]], "frequency_differences": [0.0], "comac": [1.0]}
-    np.testing.assert_array_equal(
-        _wire_correlation.correlation(reply).plot().images[0].get_array(), [[1.0, 0.1]]
-    )
+    np.testing.assert_array_equal(read_as(Correlation, reply).plot().images[0].get_array(), [[1.0, 0.1]])
 
 
 def resonances() -> DiagnosisCurves:

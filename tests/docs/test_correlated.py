@@ -8,6 +8,9 @@ from PIL import Image
 
 from docs.gallery.correlated import ROWS, case, draw, reductions
 from docs.gallery.drawing import DPI
+from modallab.api.replies import reply_of
+from modallab.correlation.compare import Correlation
+from modallab.correlation.responses import ResponseCorrelation
 from modallab.fe.reduction import REDUCTIONS
 
 DOCS = Path(__file__).parents[2] / "docs"
@@ -36,12 +39,14 @@ def test_the_picture_shows_what_the_page_says() -> None:
 
 
 def test_every_criterion_and_every_number_of_a_reduction_is_on_the_page() -> None:
-    from modallab.api.correlations.schemas import CorrelationOut
-
-    own = {"pairs", "frequency_differences", "dofs", "outputs", "inputs", "notes", "reduction"}
-    entry = {"id", "created", "version", "seed", "made_from"}
-    for name in CorrelationOut.model_fields.keys() - own - entry:
+    plain = {"pairs", "frequency_differences", "dofs", "orthogonality", "responses"}
+    orthogonality = {"cross", "auto", "frequency_errors"}
+    responses = reply_of(ResponseCorrelation).model_fields.keys() - {"outputs", "inputs", "notes"}
+    for name in reply_of(Correlation).model_fields.keys() - plain:
         assert f"`{name}`" in TEXT, name
+    for part, names in (("orthogonality", orthogonality), ("responses", responses)):
+        for name in names:
+            assert f"`{part}.{name}`" in TEXT, name
     for kind in REDUCTIONS:
         for name in (kind, *REDUCTIONS[kind].specs()):
             assert f"`{name}`" in TEXT, name

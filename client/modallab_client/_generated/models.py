@@ -7,6 +7,7 @@ from typing import Any, Literal
 import numpy as np
 from numpy.typing import NDArray
 
+from modallab_client.methods.correlations import CorrelationMethods, ResponseCorrelationMethods
 from modallab_client.methods.diagnoses import DiagnosisMethods, FittedEffectMethods, FittedParameterMethods
 from modallab_client.methods.modal_models import FrequencyInconsistencyMethods, ModalModelMethods
 
@@ -15,38 +16,76 @@ IntArray = NDArray[np.int64]
 ComplexArray = NDArray[np.complex128]
 
 
-@dataclass(frozen=True, kw_only=True)
-class CorrelationArrays:
-    """Matrices of a correlation"""
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Orthogonality:
+    """Orthogonality of measured and computed modes in a reduced mass, and the errors of the reduction."""
 
-    auto_orthogonality: tuple[tuple[Any, ...], ...] | None = None
-    """(n_measured, n_measured) 1, orthogonality of the measured modes in the reduced mass"""
-    comac: tuple[Any, ...]
-    """(n_dofs) 1, coordinate modal assurance criterion"""
-    cross_orthogonality: tuple[tuple[Any, ...], ...] | None = None
-    """(n_measured, n_model) 1, cross orthogonality in the reduced mass"""
+    auto: FloatArray
+    """(n_measured, n_measured) auto-orthogonality of the measured modes, 0 to 1."""
+    cross: FloatArray
+    """(n_measured, n_model) cross-orthogonality of measured and computed modes, 0 to 1."""
+    frequency_errors: FloatArray
+    """(n_model,) frequency of the reduced model over that of the full model, minus 1."""
+    n_motions: int
+    """Number of modes of the reduced model, rigid-body modes among them."""
+    parameters: Mapping[str, float]
+    """Parameters of the reduction by name."""
+    reduction: str
+    """Name of the reduction of the mass matrix."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ResponseCorrelation(ResponseCorrelationMethods):
+    """FRAC by FRF and FDAC by line, at the points that measurement and model share."""
+
+    fdac_on_ridge: float | None
+    """Mean FDAC along the ridge."""
+    fdac_unscaled: float | None
+    """Mean FDAC at equal frequencies."""
+    frac: FloatArray
+    """(n_out, n_in) frequency response assurance criterion (FRAC), 0 to 1."""
+    frequency_scale: float | None
+    """Measured over model frequency along the FDAC's ridge: about 1.1 for a structure 21 % stiffer than the model. null for a single response, or without a maximum between 1/1.5 and 1.5."""
+    inputs: tuple[str, ...]
+    """Common force DoFs as measured, with their signs."""
+    notes: tuple[str, ...]
+    """Remarks, in sentences."""
+    outputs: tuple[str, ...]
+    """Common response DoFs as measured, with their signs."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Correlation(CorrelationMethods):
+    """Correlation of measured modes with those of a model at their common DoFs."""
+
+    comac: FloatArray
+    """(n_common,) coordinate modal assurance criterion (CoMAC) over the pairs, 0 to 1."""
+    created: str
+    """time of creation, ISO 8601, UTC"""
     dofs: tuple[str, ...]
-    """(n_dofs) degrees of freedom of the rows, `node:direction`"""
-    ecomac: tuple[Any, ...] | None = None
-    """(n_dofs) 1, enhanced coordinate MAC"""
-    fdac: tuple[tuple[tuple[Any, ...], ...], ...] | None = None
-    """(n_in, n_fdac, n_fdac) 1, frequency domain assurance criterion"""
-    fdac_freq: tuple[Any, ...] | None = None
-    """(n_fdac) Hz, lines of the FDAC"""
-    frac: tuple[tuple[Any, ...], ...] | None = None
-    """(n_out, n_in) 1, frequency response assurance criterion"""
-    frequency_differences: tuple[Any, ...]
-    """(n_pairs) Hz, measured less model"""
-    inputs: tuple[str, ...] | None = None
-    """(n_in) force degrees of freedom"""
-    mac: tuple[tuple[Any, ...], ...]
-    """(n_measured, n_model) 1, modal assurance criterion"""
-    outputs: tuple[str, ...] | None = None
-    """(n_out) response degrees of freedom"""
-    pairs: tuple[tuple[int, ...], ...]
-    """(n_pairs, 2) numbers of the measured and the model's mode, from 1"""
-    pole_weighted_mac: tuple[tuple[Any, ...], ...] | None = None
-    """(n_measured, n_model) 1, pole-weighted MAC"""
+    """Common DoFs in their positive sense."""
+    ecomac: FloatArray | None
+    """(n_common,) enhanced coordinate modal assurance criterion (ECoMAC), 0 agrees."""
+    frequency_differences: FloatArray
+    """Hz, (n_pairs,) measured minus model frequency."""
+    id: str
+    """id of the stored object"""
+    mac: FloatArray
+    """(n_measured, n_model) modal assurance criterion (MAC), 0 to 1."""
+    made_from: Mapping[str, str]
+    """ids of the objects it was made from, by role"""
+    orthogonality: Orthogonality | None
+    """Orthogonality in the reduced mass matrix, where a reduction was requested."""
+    pairs: tuple[tuple[int, int], ...]
+    """Paired modes (measured, model), counted from 1."""
+    pole_weighted_mac: FloatArray | None
+    """(n_measured, n_model) pole-weighted MAC, 0 to 1."""
+    responses: ResponseCorrelation | None
+    """Correlation of FRFs, where measured FRFs were given."""
+    seed: int | None
+    """seed of its random numbers; null where there are none"""
+    version: str
+    """version of the service that made it"""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -290,60 +329,6 @@ class Diagnosis(DiagnosisMethods):
     """version of the service that made it"""
 
 
-@dataclass(frozen=True, kw_only=True)
-class DiagnosisArrays:
-    """Measured FRFs and those predicted before and after a diagnosis"""
-
-    after: tuple[tuple[tuple[tuple[Any, ...], ...], ...], ...]
-    """(n_lines, n_out, n_in) m/s^2/N, m/s/N or m/N, FRFs predicted with the named effects"""
-    before: tuple[tuple[tuple[tuple[Any, ...], ...], ...], ...]
-    """(n_lines, n_out, n_in) m/s^2/N, m/s/N or m/N, FRFs predicted by the given model"""
-    freq: tuple[Any, ...]
-    """(n_lines) Hz, frequency of each line"""
-    held_out: tuple[bool, ...]
-    """(n_out) true for a response kept out of every fit"""
-    inputs: tuple[str, ...]
-    """(n_in) force degrees of freedom"""
-    measured: tuple[tuple[tuple[tuple[Any, ...], ...], ...], ...]
-    """(n_lines, n_out, n_in) m/s^2/N, m/s/N or m/N, FRFs measured"""
-    outputs: tuple[str, ...]
-    """(n_out) response degrees of freedom"""
-    predicted: tuple[tuple[tuple[tuple[Any, ...], ...], ...], ...] | None = None
-    """(n_lines, n_pred, n_in) m/s^2/N, m/s/N or m/N, FRFs predicted at responses that were not measured"""
-    predicted_outputs: tuple[str, ...] | None = None
-    """(n_pred) degrees of freedom that were not measured"""
-    random_error: tuple[tuple[tuple[Any, ...], ...], ...]
-    """(n_lines, n_out, n_in) 1, relative random error of |H|"""
-
-
-@dataclass(frozen=True, kw_only=True)
-class MeasurementArrays:
-    """FRFs, coherence and auto spectra of a measurement"""
-
-    averages: Any
-    """1, effective number of averages"""
-    coherence: tuple[tuple[Any, ...], ...] | tuple[tuple[tuple[Any, ...], ...], ...] | None = None
-    """(n_lines, n_out | n_lines, n_out, n_in) 1, ordinary coherence with one input, multiple with several at once"""
-    force_spectrum: tuple[tuple[tuple[Any, ...], ...], ...] | None = None
-    """(n_lines, n_out, n_in) N^2/Hz, one-sided auto spectrum of the force"""
-    freq: tuple[Any, ...]
-    """(n_lines) Hz, frequency of each line"""
-    input_condition: tuple[Any, ...] | None = None
-    """(n_lines) 1, condition number of the input spectral matrix"""
-    inputs: tuple[str, ...]
-    """(n_in) force degrees of freedom"""
-    kind: str
-    """`inertance`, `mobility` or `receptance`"""
-    notes: tuple[str, ...] | None = None
-    """(n_notes) remarks on lines left out"""
-    outputs: tuple[str, ...]
-    """(n_out) response degrees of freedom"""
-    response_spectrum: tuple[tuple[Any, ...], ...] | tuple[tuple[tuple[Any, ...], ...], ...] | None = None
-    """(n_lines, n_out | n_lines, n_out, n_in) unit^2/Hz, one-sided auto spectrum of the response"""
-    values: tuple[tuple[tuple[tuple[Any, ...], ...], ...], ...]
-    """(n_lines, n_out, n_in) m/s^2/N, m/s/N or m/N as `kind` says, FRFs"""
-
-
 InconsistencyCause = Literal["roving_mass", "squared_shape", "steady_drift", "unknown"]
 
 
@@ -353,21 +338,21 @@ class FrequencyInconsistency(FrequencyInconsistencyMethods):
 
     cause: InconsistencyCause
     """Cause identified from the pattern of the shifts."""
-    chi_square: tuple[float | None, ...]
+    chi_square: FloatArray
     """(n_modes,) chi-square of the fits about their weighted mean."""
-    degrees: tuple[int, ...]
+    degrees: IntArray
     """(n_modes,) degrees of freedom: the number of valid fits less one."""
     explained: float | None
     """Fraction of the total chi-square explained by the cause, 0 to 1."""
-    mode_size: tuple[float | None, ...]
+    mode_size: FloatArray
     """(n_modes,) size estimated from each mode alone."""
-    mode_size_error: tuple[float | None, ...]
+    mode_size_error: FloatArray
     """(n_modes,) standard errors of these sizes."""
     size: float | None
     """Size of the cause: kg of a roving mass, relative frequency change of a steady drift, else 0."""
     size_error: float | None
     """Standard error of the size, with the second-order terms that the model neglects."""
-    still_frequency: tuple[float | None, ...]
+    still_frequency: FloatArray
     """Hz, (n_modes,) frequency without the roving mass, or before the drift; else the mean."""
     unit: str
     """Unit of the size: kg of a roving mass, else 1."""
@@ -466,42 +451,6 @@ class ModalModel(ModalModelMethods):
 
 
 @dataclass(frozen=True, kw_only=True)
-class ModalModelArrays:
-    """Modes with their shapes, and modal constants of each FRF"""
-
-    dofs: tuple[str, ...]
-    """(n_dofs) degrees of freedom of the rows, `node:direction`"""
-    frequencies: tuple[Any, ...]
-    """(n_modes) Hz, natural frequencies, ascending"""
-    loss_factors: tuple[Any, ...]
-    """(n_modes) 1, loss factors"""
-    modal_constants: tuple[tuple[tuple[Any, ...], ...], ...] | None = None
-    """(n_modes, n_frfs) 1/kg, modal constants of receptance"""
-    resynthesis_error: tuple[Any, ...] | None = None
-    """(n_frfs) 1, rms of the residual over rms of the FRF, as mobility"""
-    shapes: tuple[tuple[tuple[Any, ...], ...], ...]
-    """(n_dofs, n_modes) mode shapes"""
-
-
-@dataclass(frozen=True, kw_only=True)
-class FrfArrays:
-    """Frequency response functions"""
-
-    freq: tuple[Any, ...]
-    """(n_lines) Hz, frequency of each line"""
-    inputs: tuple[str, ...]
-    """(n_in) force degrees of freedom"""
-    kind: str
-    """`inertance`, `mobility` or `receptance`"""
-    notes: tuple[str, ...] | None = None
-    """(n_notes) remarks on lines left out"""
-    outputs: tuple[str, ...]
-    """(n_out) response degrees of freedom"""
-    values: tuple[tuple[tuple[tuple[Any, ...], ...], ...], ...]
-    """(n_lines, n_out, n_in) m/s^2/N, m/s/N or m/N as `kind` says, FRFs"""
-
-
-@dataclass(frozen=True, kw_only=True)
 class ExpandedModalModel:
     """A consistent set of modes at named DoFs, in rising frequency."""
 
@@ -545,97 +494,3 @@ class ExpandedModalModel:
     """seed of its random numbers; null where there are none"""
     version: str
     """version of the service that made it"""
-
-
-@dataclass(frozen=True, kw_only=True)
-class StructureModeArrays:
-    """Elastic modes of a structure with their shapes"""
-
-    dofs: tuple[str, ...]
-    """(n_dofs) degrees of freedom of the rows, `node:direction`"""
-    frequencies: tuple[Any, ...]
-    """(n_modes) Hz, natural frequencies, ascending"""
-    shapes: tuple[tuple[Any, ...], ...] | tuple[tuple[tuple[Any, ...], ...], ...]
-    """(n_dofs, n_modes | n_dofs, n_modes, 2) 1/sqrt(kg), mass-normalised mode shapes"""
-
-
-@dataclass(frozen=True, kw_only=True)
-class ReducedModelArrays:
-    """Mass and stiffness reduced to master degrees of freedom"""
-
-    dofs: tuple[str, ...]
-    """(n_dofs) degrees of freedom of the rows, `node:direction`"""
-    frequencies: tuple[Any, ...]
-    """(n_modes) Hz, natural frequencies of the reduced model"""
-    frequency_errors: tuple[Any, ...]
-    """(n_full) 1, relative frequency errors of the reduced model"""
-    mass: tuple[tuple[Any, ...], ...]
-    """(n_masters, n_masters) kg, reduced mass matrix"""
-    masters: tuple[str, ...]
-    """(n_masters) master degrees of freedom"""
-    model_frequencies: tuple[Any, ...]
-    """(n_full) Hz, natural frequencies of the full model"""
-    shapes: tuple[tuple[Any, ...], ...]
-    """(n_masters, n_modes) 1/sqrt(kg), mode shapes of the reduced model"""
-    stiffness: tuple[tuple[Any, ...], ...]
-    """(n_masters, n_masters) N/m, reduced stiffness matrix"""
-    transformation: tuple[tuple[Any, ...], ...]
-    """(n_dofs, n_masters) 1, motion of all degrees of freedom by the masters'"""
-
-
-@dataclass(frozen=True, kw_only=True)
-class StudyArrays:
-    """Coefficients of all runs of a study"""
-
-    coefficients: tuple[tuple[Any, ...], ...]
-    """(n_runs, n_coefficients) 1, coefficients by run, null where a run failed"""
-    divisions: tuple[str, ...]
-    """(n_runs) parameterisation of each run"""
-    levels: tuple[str, ...]
-    """(n_runs) noise level of each run"""
-    members: tuple[int, ...]
-    """(n_coefficients) member of each coefficient"""
-    parts: tuple[str, ...]
-    """(n_coefficients) matrix part of each coefficient"""
-    seeds: tuple[int, ...]
-    """(n_runs) random seed of each run"""
-    true: tuple[Any, ...]
-    """(n_coefficients) 1, true coefficients"""
-
-
-@dataclass(frozen=True, kw_only=True)
-class UpdatedMatrixArrays:
-    """Matrices of a direct updating method, and error matrices by name"""
-
-    dofs: tuple[str, ...]
-    """(n_dofs) degrees of freedom of the rows, `node:direction`"""
-    mass: tuple[tuple[Any, ...], ...] | None = None
-    """(n_dofs, n_dofs) kg, updated mass matrix"""
-    stiffness: tuple[tuple[Any, ...], ...] | None = None
-    """(n_dofs, n_dofs) N/m, updated stiffness matrix"""
-
-
-@dataclass(frozen=True, kw_only=True)
-class CovarianceArrays:
-    """Covariance of updated coefficients"""
-
-    coefficients: tuple[str, ...]
-    """(n_coefficients) names of the coefficients"""
-    covariance: tuple[tuple[Any, ...], ...] | None = None
-    """(n_coefficients, n_coefficients) 1, covariance matrix"""
-    intervals: tuple[tuple[Any, ...], ...]
-    """(n_coefficients, 2) 1, 95 % confidence intervals"""
-    singular_values: tuple[Any, ...]
-    """(n_values) 1, singular values of the scaled sensitivity matrix"""
-
-
-@dataclass(frozen=True, kw_only=True)
-class PosteriorArrays:
-    """Draws from the posterior of updated coefficients"""
-
-    coefficients: tuple[str, ...]
-    """(n_coefficients) names of the coefficients"""
-    draws: tuple[tuple[Any, ...], ...]
-    """(n_draws, n_coefficients) 1, coefficients of each draw"""
-    log_density: tuple[Any, ...]
-    """(n_draws) 1, logarithm of the posterior density"""

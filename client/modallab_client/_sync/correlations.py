@@ -3,9 +3,10 @@
 from collections.abc import Mapping
 from typing import Any
 
-from modallab_client import _wire, _wire_correlation
+from modallab_client import _wire
 from modallab_client._sync.shelf import Shelf
-from modallab_client.correlation import Correlation
+from modallab_client.methods.correlations import correlation_of
+from modallab_client.results import Correlation
 
 
 class Correlations(Shelf):
@@ -46,6 +47,6 @@ class Correlations(Shelf):
 
     def _read(self, reply: Any) -> Correlation:
         arrays = None
-        if _wire.read(_wire_correlation.has_responses, reply):  # an FDAC is too large for JSON
+        if reply.get("responses") is not None:  # an FDAC is too large for JSON
             arrays = self._transport.npz(f"{self.path}/{reply['id']}/arrays")
-        return _wire.read(_wire_correlation.correlation, reply, arrays)
+        return _wire.read(correlation_of, reply, arrays)

@@ -7,9 +7,9 @@ from typing import Any
 from modallab_client import ModalLab
 from modallab_client.demo import thesis
 from modallab_client.demo.beside import Beside, Line
-from modallab_client.findings import Correlation, Update
+from modallab_client.findings import Update
 from modallab_client.models import Measurement
-from modallab_client.results import ModalModel
+from modallab_client.results import Correlation, ModalModel
 
 Say = Callable[[str], None]
 

@@ -137,9 +137,10 @@ def _nested(value: Any) -> Any:
     return numbers(value) if isinstance(value, np.ndarray) else value
 
 
-# Formats by which generators tell arrays from lists, and complex numbers from pairs.
+# Formats by which generators tell arrays from lists, complex numbers from pairs, and keys that are numbers.
 _COMPLEX = Field(json_schema_extra={"format": "complex"})
 _ARRAY = Field(json_schema_extra={"format": "array"})
+_NUMBERED = Field(json_schema_extra={"propertyNames": {"pattern": "^[0-9]+$"}})
 
 _SCALARS: Mapping[Any, Any] = {
     Dof: Annotated[str, BeforeValidator(str)],
@@ -183,11 +184,10 @@ def _array(hint: Any, marks: tuple[Any, ...]) -> Any:
     if axes is None:
         return None
     (scalar,) = get_args(get_args(hint)[1])
-    item: Any = {"f": float | None, "c": tuple[float, float], "i": int, "b": bool, "u": int}[
-        np.dtype(scalar).kind
-    ]
+    pair = Annotated[tuple[float, float], _COMPLEX]
+    item: Any = {"f": float | None, "c": pair, "i": int, "b": bool, "u": int}[np.dtype(scalar).kind]
     for _ in range(axes):
-        item = list[item]
+        item = Annotated[list[item], _ARRAY]
     return Annotated[item, BeforeValidator(_nested)]
 
 
@@ -221,7 +221,10 @@ def _optional(hint: Any) -> Any:
 def _container(origin: Any, options: tuple[Any, ...]) -> Any:
     if issubclass(origin, Mapping):
         key, item = (wire_type(option) for option in options)
-        return None if item is None else dict[key, item]  # type: ignore[valid-type]
+        if item is None:
+            return None
+        table: Any = dict[key, item]  # type: ignore[valid-type]
+        return Annotated[table, _NUMBERED] if key is int else table
     if origin is tuple and not (len(options) == 2 and options[1] is Ellipsis):
         return tuple[tuple(wire_type(option) for option in options)]  # type: ignore[misc]
     item = wire_type(options[0])

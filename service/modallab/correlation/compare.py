@@ -4,12 +4,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from modallab.core.arrays import ComplexArray, FloatArray, frozen
+from modallab.core.arrays import ComplexArray, frozen
 from modallab.core.common_dofs import common_points, rows_at
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfSet
 from modallab.core.modal_model import ModalModel
+from modallab.core.reply import Matrix, Vector
 from modallab.correlation.coordinate import comac, ecomac
 from modallab.correlation.mac import mac, pair_modes, pole_weighted_mac
 from modallab.correlation.orthogonality import Orthogonality
@@ -24,19 +25,19 @@ from modallab.fe.system import DynamicSystem
 class Correlation:
     """Correlation of measured modes with those of a model at their common DoFs."""
 
-    mac: FloatArray
+    mac: Matrix
     """(n_measured, n_model) modal assurance criterion (MAC), 0 to 1."""
     pairs: tuple[tuple[int, int], ...]
-    """Paired modes (measured, model), counted from 0."""
-    frequency_differences: FloatArray
+    """Paired modes (measured, model), counted from 1."""
+    frequency_differences: Vector
     """Hz, (n_pairs,) measured minus model frequency."""
-    comac: FloatArray
+    comac: Vector
     """(n_common,) coordinate modal assurance criterion (CoMAC) over the pairs, 0 to 1."""
     dofs: tuple[Dof, ...]
     """Common DoFs in their positive sense."""
-    ecomac: FloatArray | None = None
+    ecomac: Vector | None = None
     """(n_common,) enhanced coordinate modal assurance criterion (ECoMAC), 0 agrees."""
-    pole_weighted_mac: FloatArray | None = None
+    pole_weighted_mac: Matrix | None = None
     """(n_measured, n_model) pole-weighted MAC, 0 to 1."""
     orthogonality: Orthogonality | None = None
     """Orthogonality in the reduced mass matrix, where a reduction was requested."""
@@ -122,7 +123,7 @@ def compare(
     paired = measured_shapes[:, rows], model_shapes[:, columns]
     return Correlation(
         mac=values,
-        pairs=pairs,
+        pairs=tuple((row + 1, column + 1) for row, column in pairs),
         frequency_differences=measured.frequencies[rows] - model.frequencies[columns],
         comac=comac(*paired),
         dofs=dofs,

@@ -9,6 +9,7 @@ import numpy as np
 from modallab.core.arrays import ComplexArray, FloatArray, frozen
 from modallab.core.errors import InvalidInputError
 from modallab.core.modal_model import ModalModel
+from modallab.core.reply import Matrix, Vector
 from modallab.fe.reduction import ReducedSystem
 
 
@@ -65,11 +66,11 @@ class Orthogonality:
     """Parameters of the reduction by name."""
     n_motions: int
     """Number of modes of the reduced model, rigid-body modes among them."""
-    cross: FloatArray
+    cross: Matrix
     """(n_measured, n_model) cross-orthogonality of measured and computed modes, 0 to 1."""
-    auto: FloatArray
+    auto: Matrix
     """(n_measured, n_measured) auto-orthogonality of the measured modes, 0 to 1."""
-    frequency_errors: FloatArray = field(default_factory=lambda: np.zeros(0))
+    frequency_errors: Vector = field(default_factory=lambda: np.zeros(0))
     """(n_model,) frequency of the reduced model over that of the full model, minus 1."""
 
     def __post_init__(self) -> None:

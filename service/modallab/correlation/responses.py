@@ -8,6 +8,7 @@ from modallab.core.arrays import ComplexArray, FloatArray, frozen
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfKind, FrfSet
+from modallab.core.reply import Matrix
 from modallab.correlation.frequency_response import fdac, frac, ridge
 from modallab.correlation.settings import RESPONSES
 from modallab.fe.receptance import receptance
@@ -22,7 +23,7 @@ class ResponseCorrelation:
     """Common response DoFs as measured, with their signs."""
     inputs: tuple[Dof, ...]
     """Common force DoFs as measured, with their signs."""
-    frac: FloatArray
+    frac: Matrix
     """(n_out, n_in) frequency response assurance criterion (FRAC), 0 to 1."""
     freq: FloatArray
     """Hz, (n_lines,) lines of both axes of the FDAC, a selection of the measured lines."""

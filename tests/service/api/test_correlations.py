@@ -54,8 +54,8 @@ def test_a_correlation_says_by_itself_what_needs_no_mass(service: Any, beam: str
     np.testing.assert_allclose(np.diag(found["pole_weighted_mac"]), 1.0, rtol=1e-9)
     np.testing.assert_allclose(found["ecomac"], 0.0, atol=1e-9)
     assert len(found["ecomac"]) == len(found["dofs"]) == 11
-    for name in ("reduction", "cross_orthogonality", "auto_orthogonality", "frac", "frequency_scale"):
-        assert found[name] is None
+    assert found["orthogonality"] is None
+    assert found["responses"] is None
 
 
 @pytest.mark.parametrize(("kind", "most"), [("serep", 1e-9), ("irs", 2e-3), ("guyan", 0.05)])
@@ -64,11 +64,12 @@ def test_mass_tells_modes_apart_as_well_as_its_reduction_is(
 ) -> None:
     body = {"modal_model_id": modes, "structure_id": beam, "reduction": kind}
     found = service.post("/v1/correlations", body)
-    assert found["reduction"]["kind"] == kind
-    assert max(found["reduction"]["frequency_errors"]) < most
-    for name in ("cross_orthogonality", "auto_orthogonality"):
+    orthogonality = found["orthogonality"]
+    assert orthogonality["reduction"] == kind
+    assert max(orthogonality["frequency_errors"]) < most
+    for name in ("cross", "auto"):
         # Guyan misses the sixth frequency by 2.6 %, IRS by 0.014 %: their masses are as far off
-        np.testing.assert_allclose(found[name], np.eye(6), atol=most)
+        np.testing.assert_allclose(orthogonality[name], np.eye(6), atol=most)
     assert service.get(f"/v1/correlations/{found['id']}") == found
 
 
@@ -77,15 +78,19 @@ def test_measured_frfs_show_a_global_stiffness(service: Any, beam: str, modes: s
     body |= {"reduction": {"kind": "serep", "parameters": {"modes": 7}}}
     found = service.post("/v1/correlations", body)
     assert found["made_from"]["measurement_id"] == measured
-    assert found["reduction"]["parameters"] == {"modes": 7.0}
-    assert found["reduction"]["n_motions"] == 2 + 7  # rigid-body motions of the free beam
-    assert found["frequency_scale"] == pytest.approx(1.1, rel=1e-3)  # sqrt(1.21); a sixth of a line
-    assert found["fdac_on_ridge"] > found["fdac_unscaled"]
-    assert np.array(found["frac"]).shape == (len(found["outputs"]), len(found["inputs"])) == (11, 1)
-    assert found["outputs"] == SENSORS
+    orthogonality, responses = found["orthogonality"], found["responses"]
+    assert orthogonality["parameters"] == {"modes": 7.0}
+    assert orthogonality["n_motions"] == 2 + 7  # rigid-body motions of the free beam
+    assert responses["frequency_scale"] == pytest.approx(1.1, rel=1e-3)  # sqrt(1.21); a sixth of a line
+    assert responses["fdac_on_ridge"] > responses["fdac_unscaled"]
+    shape = (len(responses["outputs"]), len(responses["inputs"]))
+    assert np.array(responses["frac"]).shape == shape == (11, 1)
+    assert responses["outputs"] == SENSORS
     arrays = npz(service, f"/v1/correlations/{found['id']}/arrays")
-    for name in ("mac", "pole_weighted_mac", "cross_orthogonality", "frac", "pairs", "ecomac"):
+    for name in ("mac", "pole_weighted_mac", "pairs", "ecomac"):
         np.testing.assert_array_equal(arrays[name], found[name])
+    np.testing.assert_array_equal(arrays["cross_orthogonality"], orthogonality["cross"])
+    np.testing.assert_array_equal(arrays["frac"], responses["frac"])
     n = len(arrays["fdac_freq"])
     assert arrays["fdac"].shape == (1, n, n)
     assert n <= 200
@@ -185,7 +190,7 @@ def test_a_structure_that_sensors_leave_free_is_refused_a_static_reduction(servi
     found = service.post(
         "/v1/correlations", ids | {"reduction": {"kind": "serep", "parameters": {"modes": 4}}}
     )
-    np.testing.assert_allclose(found["cross_orthogonality"], np.eye(4), atol=1e-9)
+    np.testing.assert_allclose(found["orthogonality"]["cross"], np.eye(4), atol=1e-9)
 
 
 def test_what_is_too_much_to_wait_for_is_refused(service: Any) -> None:
@@ -229,5 +234,5 @@ def test_dofs_in_common_with_nothing_are_named(service: Any, beam: str, measured
     assert reply.json()["context"]["field"] == "reduction"
     body = {"modal_model_id": few, "structure_id": two, "measurement_id": measured}
     found = service.post("/v1/correlations", body)  # points 1 and 3 are there too
-    assert found["outputs"] == ["1:+Y", "3:-Y"]
-    assert found["notes"] == ["9 measured points are none of the model's"]
+    assert found["responses"]["outputs"] == ["1:+Y", "3:-Y"]
+    assert found["responses"]["notes"] == ["9 measured points are none of the model's"]

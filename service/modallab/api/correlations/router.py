@@ -1,13 +1,14 @@
 """Correlations: measured modes, and measured FRFs, against those of a model."""
 
-from typing import Annotated
+from typing import Annotated, Any
 
 from fastapi import APIRouter, status
 from starlette.responses import Response
 
 from modallab.api import array_tables
 from modallab.api.arrays import ArraysFormatDep
-from modallab.api.correlations.schemas import CorrelationIn, CorrelationOut, arrays_out, small
+from modallab.api.correlations.replies import CorrelationReply, correlation_arrays, correlation_reply
+from modallab.api.correlations.schemas import CorrelationIn, small
 from modallab.api.deps import IdPath, OwnerDep, StoreDep
 from modallab.api.examples import examples
 from modallab.api.reductions import check_size, reduction_in
@@ -29,10 +30,10 @@ _BODY = examples(
 )
 
 
-@router.post("", status_code=status.HTTP_201_CREATED, summary="Create a correlation")
-def create_correlation(
-    body: Annotated[CorrelationIn, _BODY], store: StoreDep, owner: OwnerDep
-) -> CorrelationOut:
+@router.post(
+    "", status_code=status.HTTP_201_CREATED, response_model=CorrelationReply, summary="Create a correlation"
+)
+def create_correlation(body: Annotated[CorrelationIn, _BODY], store: StoreDep, owner: OwnerDep) -> Any:
     """Return the correlation of measured modes, and of measured FRFs if given, with a structure."""
     reduction = None if body.reduction is None else reduction_in(body.reduction)
     system = as_modelled(store.structures.get(body.structure_id))
@@ -47,13 +48,13 @@ def create_correlation(
         frf=None if body.measurement_id is None else small(store.measurements.get(body.measurement_id).frf),
     )
     stored = store.correlations.add(correlation, owner=owner, inputs=body.inputs)
-    return CorrelationOut.of(correlation, store.correlations.entry(stored))
+    return correlation_reply(correlation, store.correlations.entry(stored))
 
 
-@router.get("/{id}", summary="Get a correlation")
-def get_correlation(id: IdPath, store: StoreDep) -> CorrelationOut:
+@router.get("/{id}", response_model=CorrelationReply, summary="Get a correlation")
+def get_correlation(id: IdPath, store: StoreDep) -> Any:
     """Return a stored correlation."""
-    return CorrelationOut.of(store.correlations.get(id), store.correlations.entry(id))
+    return correlation_reply(store.correlations.get(id), store.correlations.entry(id))
 
 
 @router.get(
@@ -64,7 +65,7 @@ def get_correlation(id: IdPath, store: StoreDep) -> CorrelationOut:
 )
 def get_correlation_arrays(id: IdPath, store: StoreDep, form: ArraysFormatDep) -> Response:
     """Return all matrices of a correlation, with the frequency domain assurance criterion."""
-    return form.reply(arrays_out(store.correlations.get(id)))
+    return form.reply(correlation_arrays(store.correlations.get(id)))
 
 
 add_routes(router, "correlations", "correlation")
