@@ -15,7 +15,7 @@ from modallab.rig.setup import AcquisitionRun
 
 
 @dataclass(frozen=True, eq=False)
-class ModelState:
+class DeviatingModel:
     """The model, its own effects, and the deviations of the nuisance parameters."""
 
     system: DynamicSystem
@@ -32,12 +32,12 @@ class ModelState:
     """Deviations of transducers and channels, which act in each run."""
 
     @classmethod
-    def of(cls, structure: Structure) -> "ModelState":
+    def of(cls, structure: Structure) -> "DeviatingModel":
         """Return the state of a model without nuisance parameters."""
         system = assemble(structure)
         return cls(system, system, tuple(build(spec) for spec in structure.effects))
 
-    def at_position(self, position: FloatArray, run: AcquisitionRun) -> "ModelState":
+    def at_position(self, position: FloatArray, run: AcquisitionRun) -> "DeviatingModel":
         """Return the state with the nuisance parameters at a position (n,)."""
         # Deviations of the whole structure are equal in every run: applied once.
         whole, deviations = split_by_scope(self.nuisances.effects(position))
@@ -46,7 +46,7 @@ class ModelState:
             system = effect.on_system(system, run)
         return replace(self, deviating_system=system, position=position, run_deviations=tuple(deviations))
 
-    def folded(self, effects: Sequence[Effect], run: AcquisitionRun) -> "ModelState":
+    def folded(self, effects: Sequence[Effect], run: AcquisitionRun) -> "DeviatingModel":
         """Return the state with effects in the matrices of the structure."""
         system = self.deviating_system
         for effect in effects:

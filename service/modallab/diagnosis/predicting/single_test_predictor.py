@@ -12,7 +12,7 @@ from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.dof import Dof
 from modallab.diagnosis.optimisation.nuisances import Nuisances
 from modallab.diagnosis.predicting.coarse_prediction import CoarsePrediction, coarse_prediction
-from modallab.diagnosis.predicting.model_state import ModelState
+from modallab.diagnosis.predicting.model_state import DeviatingModel
 from modallab.diagnosis.predicting.prediction_budget import PredictionBudget
 from modallab.diagnosis.predicting.settings import PREDICTION
 from modallab.diagnosis.residuals.observed import Observed
@@ -43,7 +43,7 @@ def _no_heartbeat() -> None:
 class SingleTestPredictor:
     """Predicts one test exactly as its log book says, with additional effects; see `Predictor`."""
 
-    model: ModelState
+    model: DeviatingModel
     """The model with the nuisance parameters at their position."""
     setup: RigSetup
     """Log book."""
@@ -70,7 +70,7 @@ class SingleTestPredictor:
     ) -> "SingleTestPredictor":
         """Return the predictor of a first test."""
         budget = PredictionBudget() if budget is None else budget
-        return cls(ModelState.of(structure), setup, observed, heartbeat, budget)
+        return cls(DeviatingModel.of(structure), setup, observed, heartbeat, budget)
 
     def follow_up(self, setup: RigSetup, observed: Observed) -> "SingleTestPredictor":
         """Return the predictor of a further test, with the same model and effects named as in this one."""

@@ -144,7 +144,7 @@ class ShortlistSettings(Settings):
 
 
 @dataclass(frozen=True)
-class ScreeningSettings(Settings):
+class ModificationScreenSettings(Settings):
     """Structural modifications at all places in closed form."""
 
     difference_step: float = setting(
@@ -263,7 +263,7 @@ ACCEPTANCE = AcceptanceSettings()
 LOSS = LossSettings()
 STARTING_VALUES = StartingValueSettings()
 SHORTLIST = ShortlistSettings()
-SCREENING = ScreeningSettings()
+SCREENING = ModificationScreenSettings()
 SCAN = ScanSettings()
 ROUND = RoundSettings()
 SEARCH = SearchSettings()
