@@ -8,9 +8,9 @@ from fastapi import APIRouter, Depends, FastAPI
 
 import modallab
 from modallab.api import about, catalog, document, jobs, problems
+from modallab.api.body_limit import BodyLimit
 from modallab.api.correlations import router as correlations
 from modallab.api.diagnoses import router as diagnoses
-from modallab.api.limits import BodyLimit
 from modallab.api.logs import RequestId
 from modallab.api.measurements import router as measurements
 from modallab.api.modal_models import router as modal_models

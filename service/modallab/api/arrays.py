@@ -9,6 +9,7 @@ from fastapi import Depends, Query, Request
 from numpy.typing import NDArray
 from starlette.responses import JSONResponse, Response
 
+from modallab.api.limits import REPLY
 from modallab.api.media import JSON_TYPE, accepts
 from modallab.api.thinning import numbers
 from modallab.core.errors import InvalidInputError
@@ -18,7 +19,6 @@ Arrays = Mapping[str, NDArray[Any]]
 Item = Literal["real", "complex", "integer", "text", "flag"]
 
 MEDIA_TYPE = "application/octet-stream"
-MOST_NUMBERS = 500_000  # of a JSON reply: beyond, encoding takes longer than a second
 _SINGLE = {"c": np.complex64, "f": np.float32}
 _ITEMS: Mapping[Item, dict[str, Any]] = {
     "real": {"type": ["number", "null"]},
@@ -140,7 +140,7 @@ def _bytes(payload: bytes) -> Response:
 
 def _json(arrays: Arrays) -> Response:
     size = sum(array.size * (2 if array.dtype.kind == "c" else 1) for array in arrays.values())
-    if size > MOST_NUMBERS:
+    if size > REPLY.json_array_values:
         raise InvalidInputError(
             "these arrays are too large for JSON: take them as npz",
             field="Accept",

@@ -10,13 +10,12 @@ from pydantic import Field as WireField
 from pydantic import GetCoreSchemaHandler, ValidationInfo, ValidatorFunctionWrapHandler, create_model
 from pydantic_core import CoreSchema, core_schema
 
+from modallab.api.limits import REQUEST
 from modallab.api.schema import Limits, OneOf
 from modallab.api.wire import NO_CONVERSION, Count, Number, Text, Wire
 from modallab.core.options import Options, OptionSpec, unknown_option
 
 OptionsT = TypeVar("OptionsT", bound=Options)
-
-_LARGE = 2**31  # above the limit of `Count`, an integer has the bounds of its own option
 
 
 def body_of(cls: type[Options], **wire_types: Any) -> type[Wire]:
@@ -127,7 +126,7 @@ def _wire_type(hint: Any, spec: OptionSpec, declared: Field[Any]) -> Any:
         return Annotated[Text, OneOf(_names(spec.choices))]
     if hint is bool:
         return bool
-    if hint is int and (spec.upper or 0) > _LARGE:
+    if hint is int and (spec.upper or 0) > REQUEST.integer:
         return Annotated[int, WireField(ge=spec.lower, le=spec.upper), NO_CONVERSION]
     if hint in (int, float):
         lower, excluded = (spec.lower, False) if spec.above is None else (spec.above, True)

@@ -9,6 +9,7 @@ from typing import Any
 
 from pydantic import TypeAdapter, ValidationError
 
+from modallab.api.limits import REPLY
 from modallab.api.schema_walk import property_names, suggestion
 from modallab.core.errors import InvalidInputError
 
@@ -17,7 +18,6 @@ Place = Sequence[str | int]
 # Names that the body may have at a place of pydantic's.
 NamesAt = Callable[[Place], Sequence[str]]
 
-_TEXT_LENGTH = 200  # characters of a refused value that are shown
 _KEY = "[key]"  # pydantic's mark of a name in a mapping that is wrong itself
 # What pydantic calls a bound, and what JSON Schema does.
 _BOUNDS = {
@@ -92,7 +92,9 @@ def wrong_json(error: ValidationError, adapter: TypeAdapter[Any], text: str, nam
     except ValueError:
         body = None
     first, *_ = faults(error.errors(), body, (name,), adapter_names(adapter))
-    return InvalidInputError(f"{first.field}: {first.message}", field=first.field, value=text[:_TEXT_LENGTH])
+    return InvalidInputError(
+        f"{first.field}: {first.message}", field=first.field, value=text[: REPLY.value_characters]
+    )
 
 
 def as_json(value: Any) -> Json:
@@ -100,12 +102,12 @@ def as_json(value: Any) -> Json:
     if isinstance(value, float) and not math.isfinite(value):
         return str(value)
     if isinstance(value, str):
-        return value[:_TEXT_LENGTH]
+        return value[: REPLY.value_characters]
     try:
         text = json.dumps(value, allow_nan=False)
     except (TypeError, ValueError):
-        return str(value)[:_TEXT_LENGTH]
-    return value if len(text) <= _TEXT_LENGTH else text[:_TEXT_LENGTH]
+        return str(value)[: REPLY.value_characters]
+    return value if len(text) <= REPLY.value_characters else text[: REPLY.value_characters]
 
 
 def _allowed_values(error: Mapping[str, Any]) -> Json:

@@ -10,12 +10,11 @@ from starlette.responses import StreamingResponse
 
 from modallab.api import problems
 from modallab.api.deps import IdPath, JobsDep, OwnerDep
+from modallab.api.limits import JOB_STREAM
 from modallab.api.wire import Reply
 from modallab.jobs.runner import Job, JobRunner, JobState
 
 router = APIRouter(prefix="/jobs", tags=["jobs"])
-_LOOK = 0.1  # s between two looks at a job
-_KEEP_ALIVE = 15.0  # s of silence after which proxies may close a stream
 _EVENTS: dict[int | str, dict[str, Any]] = {
     200: {
         "description": "One event a change",
@@ -79,13 +78,13 @@ async def _events(jobs: JobRunner, job: Job) -> AsyncIterator[str]:
     yield _event(job)
     silent = 0.0
     while not job.state.final:
-        await sleep(_LOOK)
-        silent += _LOOK
+        await sleep(JOB_STREAM.polling_interval)
+        silent += JOB_STREAM.polling_interval
         previous, job = job, await to_thread.run_sync(look)
         if job != previous:
             silent = 0.0
             yield _event(job)
-        elif silent >= _KEEP_ALIVE:
+        elif silent >= JOB_STREAM.keep_alive:
             silent = 0.0
             yield ": still here\n\n"
 

@@ -1,49 +1,132 @@
-"""Refuses bodies that are too large before they are read."""
+"""Limits of requests and replies of the service, beyond those that a request's schema states."""
 
-from typing import Any
+from dataclasses import dataclass
 
-from starlette.datastructures import Headers
-from starlette.exceptions import HTTPException
-from starlette.types import ASGIApp, Message, Receive, Scope, Send
-
-from modallab.api import problems
+from modallab.core.settings import Settings, setting
 
 
-class BodyLimit:
-    """Answers 413 as soon as a request announces, or has sent, more than it may.
+@dataclass(frozen=True)
+class RequestLimits(Settings):
+    """Largest requests that are answered, or queued as jobs."""
 
-    FastAPI's own limit answers in plain text; this one sends a problem document.
-    """
+    integer: int = setting(
+        2**31,
+        doc="largest magnitude of an integer without bounds of its own",
+        derived="signed 32-bit integer",
+    )
+    real: float = setting(
+        1e30,
+        doc="largest magnitude of a number",
+        derived="a larger number has no meaning in any unit used here and would overflow in a product",
+    )
+    described_items: int = setting(
+        2000,
+        unit="nodes or members",
+        doc="items of a structure that is described item by item",
+        derived="larger structures come from the catalogue or from files",
+    )
+    mesh_groups: int = setting(
+        1000,
+        unit="groups",
+        doc="groups that the description of a mesh names",
+        derived="far more groups than a mesh names",
+    )
+    plate_elements: int = setting(
+        40_000,
+        unit="elements",
+        doc="elements of a plate from the catalogue",
+        derived="about 120,000 degrees of freedom: modes of more take longer than a request may",
+    )
+    test_values: int = setting(
+        2_000_000,
+        unit="lines x FRFs",
+        doc="FRF values of one test",
+        derived="its arrays take some hundred megabytes while they are made",
+    )
+    correlation_values: int = setting(
+        2_000_000,
+        unit="lines x FRFs",
+        doc="measured FRF values that are correlated with a model within a request",
+        derived="the request waits for the result; as many values as one test has at most",
+    )
+    transformation_values: int = setting(
+        2_000_000,
+        unit="DoFs x masters",
+        doc="entries of the transformation of a reduction",
+        derived="memory: 16 MB in double precision",
+    )
+    structure_frf_values: int = setting(
+        200_000, unit="lines x responses", doc="values of exact FRFs", derived="memory: 3 MB"
+    )
+    structure_frf_dofs: int = setting(
+        1_000,
+        unit="DoFs",
+        doc="degrees of freedom of a structure whose exact FRFs are asked for",
+        derived="the structure is solved at every line while the request waits",
+    )
+    study_coefficients: int = setting(
+        2_000_000,
+        unit="runs x coefficients",
+        doc="coefficients of all runs of a study",
+        derived="memory: 16 MB",
+    )
+    follow_ups: int = setting(
+        8, unit="tests", doc="follow-up tests of a diagnosis", derived="each takes as long as the first test"
+    )
 
-    def __init__(self, app: ASGIApp, *, json: int, upload: int) -> None:
-        self._app, self._json, self._upload = app, json, upload
 
-    async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
-        if scope["type"] != "http":
-            await self._app(scope, receive, send)
-            return
-        headers = Headers(scope=scope)
-        # By its address, too: any client may call any body a form.
-        form = headers.get("content-type", "").startswith("multipart/form-data")
-        upload = form and scope["path"].endswith("/import")
-        limit = self._upload if upload else self._json
-        announced = headers.get("content-length", "")
-        if announced.isdecimal() and int(announced) > limit:
-            await problems.response(_too_large(limit))(scope, receive, send)
-            return
-        n_bytes = 0
+@dataclass(frozen=True)
+class ReplyLimits(Settings):
+    """Largest replies, and what errors list."""
 
-        async def receive_counted() -> Message:
-            nonlocal n_bytes
-            message = await receive()
-            n_bytes += len(message.get("body", b""))
-            if n_bytes > limit:  # sent in chunks, with no length announced
-                raise HTTPException(413, _too_large(limit)["detail"])
-            return message
+    json_array_values: int = setting(
+        500_000,
+        unit="numbers",
+        doc="numbers of arrays in JSON; more are sent as npz only",
+        derived="encoding more takes longer than a second",
+    )
+    json_curve_values: int = setting(
+        50_000,
+        unit="numbers",
+        doc="numbers of thinned curves in JSON",
+        derived="encoding more costs a hundred times what npz does",
+    )
+    plot_rows: int = setting(
+        40,
+        unit="rows",
+        doc="lines, or rows of a surface, in the plot data of a fit",
+        derived="more lines hide each other in a plot",
+    )
+    reduced_modes: int = setting(
+        10,
+        unit="modes",
+        doc="elastic modes of the full model that a reduced model is compared with",
+        derived="a reduction is meant for the lowest modes",
+    )
+    value_characters: int = setting(
+        200, unit="characters", doc="characters of a refused value in an error", derived="two lines of text"
+    )
+    faults: int = setting(20, unit="faults", doc="faults listed in an error", derived="one screen of text")
 
-        await self._app(scope, receive_counted, send)
+
+@dataclass(frozen=True)
+class JobStreamSettings(Settings):
+    """Timing of the event stream of a job."""
+
+    polling_interval: float = setting(
+        0.1, unit="s", doc="time between two looks at a job", derived="as often as progress is written"
+    )
+    keep_alive: float = setting(
+        15.0,
+        unit="s",
+        doc="silence after which a comment is sent",
+        derived="shorter than the silence after which proxies close a stream",
+    )
+    retry_after: int = setting(
+        5, unit="s", doc="`Retry-After` of a full queue", derived="about the length of a short job"
+    )
 
 
-def _too_large(limit: int) -> dict[str, Any]:
-    detail = f"the body is larger than {limit} bytes"
-    return problems.document(413, "content_too_large", detail, {"allowed": limit})
+REQUEST = RequestLimits()
+REPLY = ReplyLimits()
+JOB_STREAM = JobStreamSettings()

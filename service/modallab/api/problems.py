@@ -13,6 +13,7 @@ from starlette.exceptions import HTTPException
 from starlette.responses import JSONResponse
 
 from modallab.api.faults import Fault, faults
+from modallab.api.limits import JOB_STREAM, REPLY
 from modallab.api.operations import Operations
 from modallab.core import errors
 from modallab.jobs.runner import QueueFullError
@@ -60,8 +61,6 @@ TITLES: Mapping[str, str] = {
     "unknown_dof": "The structure has no such degree of freedom",
     "unsupported_media_type": "The body has another content type than the address takes",
 }
-_RETRY_AFTER = "5"  # s: about the length of a short job
-_MOST = 20  # faults that are listed
 
 _FIELD_DOC = "name of the field at fault, from the body, path or query; absent where no field is"
 _VALUES_DOC = "values allowed: a number, a list of names, bounds by their names in JSON Schema, or a sentence"
@@ -100,7 +99,7 @@ def document(status: int, code: str, detail: str, context: Mapping[str, Any]) ->
 
 def response(problem: Mapping[str, Any]) -> JSONResponse:
     """Return the reply that carries a problem document."""
-    headers = {"Retry-After": _RETRY_AFTER} if problem["status"] == 503 else None
+    headers = {"Retry-After": str(JOB_STREAM.retry_after)} if problem["status"] == 503 else None
     return JSONResponse(problem, problem["status"], media_type="application/problem+json", headers=headers)
 
 
@@ -144,7 +143,7 @@ def _of_domain(_request: Request, error: Exception) -> JSONResponse:
 
 def _of_validation(request: Request, error: Exception) -> JSONResponse:
     assert isinstance(error, RequestValidationError)
-    listed = _faults(request, error)[:_MOST]
+    listed = _faults(request, error)[: REPLY.faults]
     first = listed[0]
     context = {"field": first.field, "value": first.value, "allowed": first.allowed}
     detail = f"{first.field}: {first.message}"

@@ -8,6 +8,7 @@ from fastapi import Query
 from numpy.typing import NDArray
 from pydantic import Field
 
+from modallab.api.limits import REPLY, REQUEST
 from modallab.api.names import ReductionKind
 from modallab.api.wire import DofText, Number, Text, Wanted, Wire
 from modallab.core.dof import Dof
@@ -16,9 +17,6 @@ from modallab.correlation.orthogonality import frequency_errors
 from modallab.fe.reduction import Reduction, reduce, reduction_of
 from modallab.fe.synthetic_modes import exact_modes, lowest_modes
 from modallab.fe.system import DynamicSystem
-
-MOST_VALUES = 2_000_000  # DoFs times masters: 16 MB
-SHOWN = 10  # elastic modes of the full model that the reduced one is held against
 
 
 class ReductionIn(Wire):
@@ -45,12 +43,12 @@ def reduction_in(parameters: str | ReductionIn) -> Reduction:
 def check_size(system: DynamicSystem, n_masters: int, field: str) -> None:
     """Raise `InvalidInputError` if a transformation is too large to wait for."""
     size = len(system.dofs) * n_masters
-    if size > MOST_VALUES:
+    if size > REQUEST.transformation_values:
         raise InvalidInputError(
             "too large a transformation to wait for",
             field=field,
             value=size,
-            allowed=f"degrees of freedom x masters <= {MOST_VALUES}",
+            allowed=f"degrees of freedom x masters <= {REQUEST.transformation_values}",
         )
 
 
@@ -82,7 +80,7 @@ class ReducedWanted(Wanted):
         reduced = reduce(system, masters, reduction_of(self.kind, parameters))
         frequencies, shapes = reduced.modes()
         _, n_rigid_body = lowest_modes(system, 1)
-        full = exact_modes(system, max(1, min(SHOWN, len(frequencies) - n_rigid_body)))
+        full = exact_modes(system, max(1, min(REPLY.reduced_modes, len(frequencies) - n_rigid_body)))
         shapes_at_masters = full.shapes[[system.index(dof) for dof in masters]]
         return {
             "masters": np.array([str(dof) for dof in reduced.masters]),

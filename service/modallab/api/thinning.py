@@ -9,8 +9,6 @@ from numpy.typing import NDArray
 
 from modallab.core.arrays import FloatArray, IntArray
 
-MOST_JSON = 50_000  # numbers in a JSON reply; beyond, encoding costs a hundred times what npz does
-
 Points = Annotated[int, Query(ge=2, le=20_000, description="lines of each curve, about")]
 
 

@@ -6,6 +6,7 @@ from typing import Annotated, Any
 from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, StringConstraints
 from typing_extensions import TypeAliasType
 
+from modallab.api.limits import REQUEST
 from modallab.api.schema import Limits, OneOf, Pattern
 from modallab.core.dof import Dof
 from modallab.core.place import Channels, EffectSpec, Members, Place
@@ -24,8 +25,8 @@ def _refuse_conversion(value: Any) -> Any:
 # stands last in every number's type: bounds that follow it are lost to the JSON schema.
 NO_CONVERSION = BeforeValidator(_refuse_conversion)
 # A number beyond this has no meaning in any unit used here, and would overflow in the first product.
-Number = Annotated[float, Field(ge=-1e30, le=1e30), NO_CONVERSION]
-Count = Annotated[int, Field(ge=-(2**31), le=2**31), NO_CONVERSION]
+Number = Annotated[float, Field(ge=-REQUEST.real, le=REQUEST.real), NO_CONVERSION]
+Count = Annotated[int, Field(ge=-REQUEST.integer, le=REQUEST.integer), NO_CONVERSION]
 Positive = Annotated[Number, Limits(INPUT.min_positive, INPUT.max_property)]
 NonNegative = Annotated[Number, Limits(0.0, INPUT.max_property)]
 Fraction = Annotated[Number, Limits(0.0, 1.0)]

@@ -12,11 +12,9 @@ from modallab.diagnosis.predicting.follow_up import FollowUp
 from modallab.diagnosis.result import Diagnosis
 from modallab.jobs.destination import Destination
 from modallab.jobs.measuring import measure_again
+from modallab.jobs.settings import JOB
 from modallab.rig.change import Change
 from modallab.store.base import Store
-
-MOST_TESTS = 2  # further tests that are run for one diagnosis
-FINDING = 0.85  # share of a round's progress that is the diagnosis, the rest its further test
 
 
 @dataclass(frozen=True)
@@ -91,20 +89,22 @@ def _act(
 ) -> None:
     """Diagnose, run the test that is proposed, diagnose again, until none is proposed."""
     earlier: list[str] = []
-    rounds = 1 + MOST_TESTS
+    rounds = 1 + JOB.further_tests
     for n in range(rounds):
         between = Destination(into.owner, into.derived_id(f"diagnosis/{n + 1}"))
         if store.diagnoses.holds(between.id):
             diagnosis = store.diagnoses.get(between.id)
         else:
-            diagnosis = inputs.diagnose(store, options, part(progress, n / rounds, (n + FINDING) / rounds))
-        if n == MOST_TESTS or diagnosis.next_test is None:
+            diagnosis = inputs.diagnose(
+                store, options, part(progress, n / rounds, (n + JOB.diagnosis_share) / rounds)
+            )
+        if n == JOB.further_tests or diagnosis.next_test is None:
             break
         inputs.keep(store, between, diagnosis, earlier)
         test = FurtherTest(
             into.derived_id(f"measurement/{n + 1}"), Change.read(diagnosis.next_test.change).plain
         )
-        measuring = part(progress, (n + FINDING) / rounds, (n + 1) / rounds)
+        measuring = part(progress, (n + JOB.diagnosis_share) / rounds, (n + 1) / rounds)
         if why := _refused(store, measuring, into.owner, inputs, test):
             note = f"the next test could not be run: {why}"
             diagnosis = replace(diagnosis, notes=(*diagnosis.notes, note))

@@ -30,6 +30,17 @@ class JobSettings(Settings):
     listed_dofs: int = setting(
         20, unit="DoFs", doc="degrees of freedom listed in an error message", derived="length of one line"
     )
+    further_tests: int = setting(
+        2,
+        unit="tests",
+        doc="further tests that one diagnosis runs",
+        derived="a job takes at most three times as long as one diagnosis",
+    )
+    diagnosis_share: float = setting(
+        0.85,
+        doc="share of a round's progress that is the diagnosis; the rest is the further test",
+        derived="a diagnosis takes longer than a simulated test; changes the displayed progress only",
+    )
 
 
 JOB = JobSettings()

@@ -2,6 +2,7 @@
 
 import csv
 import io
+from dataclasses import replace
 from typing import Any
 
 import jsonschema_rs
@@ -9,6 +10,8 @@ import numpy as np
 import pytest
 from starlette.datastructures import Headers
 
+from modallab.api import arrays
+from modallab.api.limits import REPLY
 from modallab.api.media import JSON_TYPE, accepts
 
 
@@ -117,7 +120,7 @@ def test_modes_come_as_a_table(service: Any, beam: str, modes: str) -> None:
 def test_arrays_too_large_for_json_are_refused_with_the_type_to_ask_for(
     service: Any, test: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr("modallab.api.arrays.MOST_NUMBERS", 100)
+    monkeypatch.setattr(arrays, "REPLY", replace(REPLY, json_array_values=100))
     reply = service.request("GET", f"/v1/measurements/{test}/arrays", headers={"accept": "application/json"})
     assert (reply.status_code, reply.json()["context"]["field"]) == (422, "Accept")
     assert reply.json()["context"]["allowed"] == "application/octet-stream"

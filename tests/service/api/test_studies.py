@@ -1,11 +1,13 @@
 """Studies over HTTP: asked for, refused, and what comes back."""
 
 import io
+from dataclasses import replace
 from typing import Any
 
 import numpy as np
 import pytest
 
+from modallab.api.limits import REQUEST
 from modallab.api.studies import schemas
 
 SENSORS = [f"{n}:+Y" for n in range(1, 22, 2)]
@@ -141,6 +143,6 @@ def test_a_truth_that_is_another_structure_is_refused(service: Any, beam: str) -
 def test_more_coefficients_than_are_kept_are_refused_with_the_runs_that_fit(
     service: Any, beam: str, stiffer: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(schemas, "MOST_NUMBERS", 250)
+    monkeypatch.setattr(schemas, "REQUEST", replace(REQUEST, study_coefficients=250))
     refused = service.post("/v1/studies", asked(beam, stiffer), status=422)
     assert refused["context"] == {"field": "seeds", "value": 8, "allowed": "up to 6 runs"}

@@ -1,12 +1,11 @@
 """Request of a correlation."""
 
 from modallab.api.deps import Id
+from modallab.api.limits import REQUEST
 from modallab.api.reductions import Reduced
 from modallab.api.wire import ModeCount, Wire
 from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfSet
-
-MOST_VALUES = 2_000_000  # measured lines times FRFs that are held against a model while one waits
 
 
 class CorrelationIn(Wire):
@@ -36,11 +35,11 @@ class CorrelationIn(Wire):
 
 def small(frf: FrfSet) -> FrfSet:
     """Return FRFs as they are; `InvalidInputError` if they are too many to wait for."""
-    if frf.values.size > MOST_VALUES:
+    if frf.values.size > REQUEST.correlation_values:
         raise InvalidInputError(
             "too many lines and FRFs to wait for",
             field="measurement_id",
             value=frf.values.size,
-            allowed=f"lines x FRFs <= {MOST_VALUES}",
+            allowed=f"lines x FRFs <= {REQUEST.correlation_values}",
         )
     return frf

@@ -8,6 +8,7 @@ from modallab.api.deps import Id
 from modallab.api.derived import body_of
 from modallab.api.diagnoses.follow_ups import FollowUpIn
 from modallab.api.diagnoses.tolerated import TolerancesIn
+from modallab.api.limits import REQUEST
 from modallab.api.wire import NO_CONVERSION, NoiseFloor, Text
 from modallab.core.dof import Dof
 from modallab.diagnosis.optimisation.tolerances import Tolerances
@@ -16,7 +17,6 @@ from modallab.fe.structure import Structure
 from modallab.jobs.diagnosing import DiagnosisInputs
 from modallab.rig.effect import EFFECTS
 
-MOST_FOLLOW_UPS = 8  # each takes as long as the first
 Kinds = Annotated[list[Text], Field(min_length=1, max_length=100)]
 
 
@@ -35,7 +35,7 @@ class DiagnosisStart(DiagnosisOptionsBody):  # type: ignore[misc]
     suspects: Literal["all"] | Kinds = Field(default="all", description="kinds of effects to look for")
     structure_id: Id
     measurement_id: Id
-    follow_ups: list[FollowUpIn] = Field(default=[], max_length=MOST_FOLLOW_UPS)
+    follow_ups: list[FollowUpIn] = Field(default=[], max_length=REQUEST.follow_ups)
 
     def to_task(self, structure: Structure) -> tuple[DiagnosisInputs, DiagnosisOptions]:
         """Return the task's inputs and options, checked as far as can be before the work.

@@ -5,7 +5,8 @@ from typing import Self
 import numpy as np
 from pydantic import Field
 
-from modallab.api.thinning import MOST_JSON, numbers, thinned
+from modallab.api.limits import REPLY
+from modallab.api.thinning import numbers, thinned
 from modallab.api.wire import Reply
 from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfKind
@@ -36,12 +37,12 @@ class IndicatorsOut(Reply):
         mif, cmif = real_part_indicator(frf), complex_mode_indicator(frf)
         peaks, dips = thinned(cmif, points), thinned(mif, points)
         keep = np.union1d(peaks, dips)  # a dip of one need be no peak of the other
-        if len(keep) * (mif.shape[1] + cmif.shape[1]) > MOST_JSON:
+        if len(keep) * (mif.shape[1] + cmif.shape[1]) > REPLY.json_curve_values:
             raise InvalidInputError(
                 "these curves are too long for JSON: take fewer points",
                 field="points",
                 value=points,
-                allowed=f"about {MOST_JSON // (2 * (mif.shape[1] + cmif.shape[1]))}",
+                allowed=f"about {REPLY.json_curve_values // (2 * (mif.shape[1] + cmif.shape[1]))}",
             )
         return cls(
             freq=frf.freq[keep].tolist(),

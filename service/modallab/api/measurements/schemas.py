@@ -5,8 +5,9 @@ from typing import Any, Self
 import numpy as np
 
 from modallab.api.deps import Id
+from modallab.api.limits import REPLY
 from modallab.api.rigs.schemas import setup_out
-from modallab.api.thinning import MOST_JSON, thinned
+from modallab.api.thinning import thinned
 from modallab.api.wire import Effects, EntryOut, Reply, Seed, Wire, effect_out
 from modallab.core.errors import InvalidInputError
 from modallab.fe.structure import Structure
@@ -142,12 +143,12 @@ class CurvesOut(Reply):
         """
         frf = measurement.frf
         keep = thinned(np.abs(frf.values).reshape(len(frf.freq), -1), points)
-        if 3 * len(keep) * frf.values[0].size > MOST_JSON:
+        if 3 * len(keep) * frf.values[0].size > REPLY.json_curve_values:
             raise InvalidInputError(
                 "these curves are too long for JSON: take fewer points, or the arrays as npz",
                 field="points",
                 value=points,
-                allowed=f"points x FRFs <= {MOST_JSON // 3}",
+                allowed=f"points x FRFs <= {REPLY.json_curve_values // 3}",
             )
         curves, g2 = [], measurement.coherence
         for j, output in enumerate(frf.outputs):

@@ -8,6 +8,7 @@ from fastapi import Query
 from numpy.typing import NDArray
 from pydantic import BaseModel, Field
 
+from modallab.api.limits import REPLY
 from modallab.api.measurements.indicators import IndicatorsOut
 from modallab.api.thinning import numbers
 from modallab.api.wire import DofText
@@ -27,7 +28,6 @@ REFERENCE = Annotated[
 ]
 Pair = tuple[float | None, float | None]
 
-_MOST_ROWS = 40  # of what is drawn as many lines or as a surface: more hide each other
 _AXES = {"damping_surface": ("x_above", "x_below")}
 
 
@@ -108,7 +108,7 @@ class FitOut(BaseModel):
 
 
 def _few(details: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
-    """Return the arrays with at most `_MOST_ROWS` rows, and columns where these have an axis of their own."""
+    """Return arrays of at most `REPLY.plot_rows` rows; columns with an axis are thinned alike."""
     few = dict(details)
     for name, values in details.items():
         if values.ndim == 2:
@@ -123,7 +123,7 @@ def _few(details: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
 
 
 def _some(n: int) -> NDArray[np.int64]:
-    return np.unique(np.linspace(0, n - 1, min(n, _MOST_ROWS)).round().astype(np.int64))
+    return np.unique(np.linspace(0, n - 1, min(n, REPLY.plot_rows)).round().astype(np.int64))
 
 
 class ChartOut(BaseModel):

@@ -5,6 +5,7 @@ from typing import Annotated, Any, Self
 
 from pydantic import Field
 
+from modallab.api.limits import REQUEST
 from modallab.api.rigs.analyser import AnalyserIn
 from modallab.api.rigs.hardware import (
     AccelerometersIn,
@@ -23,8 +24,6 @@ from modallab.rig.setup import RigSetup
 from modallab.rig.suspension import Suspension
 from modallab.store.base import Entry
 
-# Lines x responses of one test: its arrays take some hundred megabytes while they are made.
-_MOST_VALUES = 2_000_000
 _USUAL = {"shaker": "periodic_random", "hammer": "impact"}  # excitations, where none is named
 
 
@@ -71,12 +70,12 @@ class RigIn(Wire):
         )
         check_compatible(setup)
         values = len(setup.responses) * len(setup.drives) * setup.analyser.n_lines
-        if values > _MOST_VALUES:
+        if values > REQUEST.test_values:
             raise InvalidInputError(
                 "lines times responses are too many",
                 field="n_lines",
                 value=values,
-                allowed=f"<= {_MOST_VALUES}",
+                allowed=f"<= {REQUEST.test_values}",
             )
         return setup
 

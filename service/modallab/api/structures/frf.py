@@ -8,6 +8,7 @@ from fastapi import Query
 from numpy.typing import NDArray
 from pydantic import Field
 
+from modallab.api.limits import REQUEST
 from modallab.api.schema import Limits
 from modallab.api.wire import DofText, Wanted
 from modallab.core.dof import Dof
@@ -15,9 +16,6 @@ from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfKind
 from modallab.fe.structure import Structure
 from modallab.rig.exact import exact_frf
-
-MOST_VALUES = 200_000  # lines times responses: 3 MB
-MOST_DOFS = 1_000  # of a structure that is solved while its reader waits
 
 
 class FrfWanted(Wanted):
@@ -65,19 +63,19 @@ class FrfWanted(Wanted):
 
     def _check_small(self, structure: Structure) -> None:
         size = self.n_lines * len(self.responses)
-        if size > MOST_VALUES:
+        if size > REQUEST.structure_frf_values:
             raise InvalidInputError(
                 "too many numbers to wait for: measure them by the expected route on an ideal rig",
                 field="n_lines",
                 value=size,
-                allowed=f"lines x responses <= {MOST_VALUES}",
+                allowed=f"lines x responses <= {REQUEST.structure_frf_values}",
             )
-        if len(structure.dofs) > MOST_DOFS:
+        if len(structure.dofs) > REQUEST.structure_frf_dofs:
             raise InvalidInputError(
                 "too large a structure to wait for: measure it by the expected route on an ideal rig",
                 field="structure_id",
                 value=len(structure.dofs),
-                allowed=f"<= {MOST_DOFS} degrees of freedom",
+                allowed=f"<= {REQUEST.structure_frf_dofs} degrees of freedom",
             )
 
 

@@ -3,11 +3,10 @@
 from pydantic import Field, TypeAdapter, ValidationError
 
 from modallab.api.faults import wrong_json
+from modallab.api.limits import REQUEST
 from modallab.api.structures.schemas import Directions, MaterialIn, SectionIn
 from modallab.api.wire import Number, Positive, Text, Wire
 from modallab.interchange.mesh.description import HeldGroup, MeshBar, MeshDescription, MeshPlate
-
-_MOST = 1000  # groups
 
 
 class LineSectionIn(SectionIn):
@@ -68,10 +67,12 @@ class HeldIn(Wire):
 class MeshIn(Wire):
     """What a mesh does not say, by the names of its groups."""
 
-    groups: dict[Text, BarsIn | PlatesIn] = Field(min_length=1, max_length=_MOST)
-    supports: list[HeldIn] = Field([], max_length=_MOST)
+    groups: dict[Text, BarsIn | PlatesIn] = Field(min_length=1, max_length=REQUEST.mesh_groups)
+    supports: list[HeldIn] = Field([], max_length=REQUEST.mesh_groups)
     left_out: list[Text] = Field(
-        [], max_length=_MOST, description="groups, or types of cells as `line`, that become no members"
+        [],
+        max_length=REQUEST.mesh_groups,
+        description="groups, or types of cells as `line`, that become no members",
     )
     length_unit: Number = Field(default=1.0, description="m; 0.001 of a mesh in mm")
 

@@ -6,6 +6,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, TypeAdapter, ValidationError
 
 from modallab.api.faults import wrong_json
+from modallab.api.limits import REQUEST
 from modallab.api.names import CatalogueName
 from modallab.api.schema import Limits, NamedByPattern
 from modallab.api.wire import (
@@ -38,9 +39,7 @@ from modallab.fe.structure import (
     Support,
 )
 
-_MOST = 2000  # nodes or members that are described one by one
-_MOST_PLATES = 40_000  # about 120,000 degrees of freedom: beyond, modes take longer than a request may
-ElementCount = Annotated[int, Field(ge=1, le=_MOST), NO_CONVERSION]
+ElementCount = Annotated[int, Field(ge=1, le=REQUEST.described_items), NO_CONVERSION]
 
 
 ShearCoefficient = Annotated[Number, Limits(INPUT.min_shear_coefficient, INPUT.max_shear_coefficient)]
@@ -188,11 +187,11 @@ class GroundSpringIn(Wire):
 class _Described(Wire):
     damping: DampingIn = StructuralIn(law="structural")
     """damping law; left out: undamped"""
-    supports: list[SupportIn] = Field([], max_length=_MOST)
+    supports: list[SupportIn] = Field([], max_length=REQUEST.described_items)
     """supports, none if left out"""
-    masses: list[PointMassIn] = Field([], max_length=_MOST)
+    masses: list[PointMassIn] = Field([], max_length=REQUEST.described_items)
     """point masses"""
-    springs: list[GroundSpringIn] = Field([], max_length=_MOST)
+    springs: list[GroundSpringIn] = Field([], max_length=REQUEST.described_items)
     """springs to the ground"""
     effects: Effects = ()
     """effects that the structure has beside its elements"""
@@ -284,9 +283,12 @@ class PlateIn(_Described):
     def to_domain(self) -> Structure:
         """Return the structure."""
         along, across = self.n_elements
-        if along * across > _MOST_PLATES:
+        if along * across > REQUEST.plate_elements:
             raise StructureError(
-                "too many elements", field="n_elements", value=along * across, allowed=f"<= {_MOST_PLATES}"
+                "too many elements",
+                field="n_elements",
+                value=along * across,
+                allowed=f"<= {REQUEST.plate_elements}",
             )
         plain = plate(
             length=self.length,
@@ -309,13 +311,13 @@ class FrameIn(_OfBars):
 
     kind: Literal["frame"]
     """`frame`"""
-    nodes: Annotated[dict[NodeKey, Coordinates], NamedByPattern()] = Field(max_length=_MOST)
+    nodes: Annotated[dict[NodeKey, Coordinates], NamedByPattern()] = Field(max_length=REQUEST.described_items)
     """m, X and Y of each node by its number"""
-    sections: dict[Text, SectionIn] = Field(max_length=_MOST)
+    sections: dict[Text, SectionIn] = Field(max_length=REQUEST.described_items)
     """cross-sections by name"""
-    materials: dict[Text, MaterialIn] = Field(max_length=_MOST)
+    materials: dict[Text, MaterialIn] = Field(max_length=REQUEST.described_items)
     """materials by name"""
-    members: list[MemberIn] = Field(max_length=_MOST)
+    members: list[MemberIn] = Field(max_length=REQUEST.described_items)
     """bars between the nodes"""
 
     def to_domain(self) -> Structure:

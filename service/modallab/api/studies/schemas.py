@@ -8,6 +8,7 @@ from pydantic import BaseModel, Field
 
 from modallab.api.deps import Id
 from modallab.api.derived import OptionsByMethod
+from modallab.api.limits import REQUEST
 from modallab.api.modal_models.schemas import Dofs, ModeNoiseIn, distinct
 from modallab.api.updates.parameterisation import Macros, ParameterisationIn, Parts
 from modallab.api.updates.schemas import UPDATE_BODIES, coefficient_options, refuse
@@ -26,8 +27,6 @@ from modallab.updating.studies.run import StudyUpdate
 from modallab.updating.studies.settings import STUDY
 from modallab.updating.studies.study import Study, StudyCell
 from modallab.updating.studies.truth import true_coefficients
-
-MOST_NUMBERS = 2_000_000  # coefficients of all runs of a study
 
 
 class LevelIn(ModeNoiseIn):
@@ -118,12 +117,12 @@ class StudyStart(Wire):
 
 def _check_size(n_runs: int, n_coefficients: int) -> None:
     """Raise `InvalidInputError` where all runs together have more coefficients than are kept."""
-    if n_runs * n_coefficients > MOST_NUMBERS:
+    if n_runs * n_coefficients > REQUEST.study_coefficients:
         raise InvalidInputError(
             f"{n_runs} runs of {n_coefficients} coefficients are too much for one study",
             field="seeds",
             value=n_runs,
-            allowed=f"up to {MOST_NUMBERS // n_coefficients} runs",
+            allowed=f"up to {REQUEST.study_coefficients // n_coefficients} runs",
         )
 
 
