@@ -101,11 +101,16 @@ def _union(options: list[Any], data: Any) -> Any:
         if is_dataclass(option) != isinstance(data, Mapping):
             continue
         kind = get_type_hints(option).get("kind") if is_dataclass(option) else None
-        if kind is not None and get_origin(kind) is Literal and data.get("kind") not in get_args(kind):
+        discriminated = get_origin(kind) is Literal and "kind" in data
+        if discriminated and data["kind"] not in get_args(kind):
             continue
-        if is_dataclass(option) and not all(
-            field.name in data or field.default is not MISSING or field.default_factory is not MISSING
-            for field in fields(option)
+        if (
+            is_dataclass(option)
+            and not discriminated
+            and not all(
+                field.name in data or field.default is not MISSING or field.default_factory is not MISSING
+                for field in fields(option)
+            )
         ):
             continue
         return _value(option, data)

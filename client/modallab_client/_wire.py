@@ -2,13 +2,16 @@
 
 import io
 import json
-from collections.abc import Callable, Iterable, Mapping
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager
 from typing import Any, TypeVar
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from modallab_client import models
+from modallab_client._generated.models import CatalogueEntry, JobStatus, Page, StoredEntry
+from modallab_client._read import read_as
 from modallab_client.errors import BY_CODE, ClientError, JobFailedError, UnexpectedReplyError
 
 Json = Mapping[str, Any]
@@ -51,7 +54,7 @@ def problem(status: int, content_type: str, content: bytes) -> ClientError:
     return kind(detail, code=code, context=context if isinstance(context, Mapping) else None, status=status)
 
 
-def job_failure(status: models.JobStatus) -> JobFailedError:
+def job_failure(status: JobStatus) -> JobFailedError:
     """Return the error of a job that did not succeed, in the service's own words."""
     document = status.error or {}
     fallback = {"cancelled": "the job was cancelled"}.get(status.state, f"job {status.id} failed")
@@ -71,13 +74,30 @@ def read(build: Callable[..., T], *parts: Any) -> T:
     UnexpectedReplyError
         If a field is missing or of another shape than the contract says.
     """
-    try:
+    with _unreadable(build.__name__):
         return build(*parts)
+
+
+def reply(kind: type[T], data: Json, **arrays: Any) -> T:
+    """Return a reply as a generated type, with the fields that another request brought.
+
+    Raises
+    ------
+    UnexpectedReplyError
+        If a field is missing or of another type.
+    """
+    with _unreadable(kind.__name__):
+        return read_as(kind, data, **arrays)
+
+
+@contextmanager
+def _unreadable(name: str) -> Iterator[None]:
+    """Raise `UnexpectedReplyError` in place of the errors of a reply of another shape."""
+    try:
+        yield
     except (KeyError, TypeError, ValueError, AttributeError) as error:
         what = f"{type(error).__name__}: {error}"
-        raise UnexpectedReplyError(
-            f"the service's reply could not be read as {build.__name__}, {what}"
-        ) from error
+        raise UnexpectedReplyError(f"the service's reply could not be read as {name}, {what}") from error
 
 
 def arrays(content: bytes) -> dict[str, NDArray[Any]]:
@@ -114,30 +134,15 @@ def pairs(values: ArrayLike) -> Any:
     return np.stack([given.real, given.imag], axis=-1).tolist()
 
 
-def page(data: Json) -> tuple[list[models.Entry], str | None]:
-    """Return the entries of a page, and from where the next one goes on."""
-    return [_entry(one) for one in data["items"]], data.get("next")
-
-
-def _entry(data: Json) -> models.Entry:
-    return models.Entry(data["id"], data["created"], data.get("seed"), data.get("made_from") or {})
+def page(data: Json) -> tuple[tuple[StoredEntry, ...], str | None]:
+    """Return the entries of a page, and `after` of the next one; None at the end."""
+    entries = read_as(Page, data)
+    return entries.items, entries.next
 
 
 def event(text: str) -> dict[str, Any]:
     """Return the fields of one server-sent event."""
     return dict(json.loads(text))
-
-
-def job_status(data: Json) -> models.JobStatus:
-    """Return a job's status."""
-    return models.JobStatus(
-        id=data["id"],
-        state=data["state"],
-        fraction=float(data.get("fraction") or 0.0),
-        message=data.get("message") or "",
-        result_id=data.get("result_id"),
-        error=data.get("error"),
-    )
 
 
 def structure(data: Json) -> models.Structure:
@@ -253,12 +258,9 @@ def truth(data: Json) -> models.Truth:
     return models.Truth(data["structure_id"], tuple(data["effects"]))
 
 
-def catalogue(members: Iterable[Json]) -> tuple[models.CatalogueEntry, ...]:
-    """Return what can be chosen by name."""
-    return tuple(
-        models.CatalogueEntry(one["kind"], one.get("summary") or "", one.get("parameters") or {})
-        for one in members
-    )
+def catalogue(members: Iterable[Json]) -> tuple[CatalogueEntry, ...]:
+    """Return the members of a family of the catalogue."""
+    return tuple(read_as(CatalogueEntry, member) for member in members)
 
 
 def floats(values: Any) -> NDArray[np.float64]:

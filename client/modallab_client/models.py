@@ -18,35 +18,6 @@ if TYPE_CHECKING:
 FloatArray = NDArray[np.float64]
 ComplexArray = NDArray[np.complex128]
 
-FINISHED = ("succeeded", "failed", "cancelled")
-
-
-@dataclass(frozen=True)
-class JobStatus:
-    """Where work on the service stands."""
-
-    id: str
-    state: str  # queued, running, succeeded, failed or cancelled
-    fraction: float = 0.0  # 0 to 1
-    message: str = ""
-    result_id: str | None = None
-    error: Mapping[str, Any] | None = None  # a problem document, where the work failed
-
-    @property
-    def finished(self) -> bool:
-        """True when nothing more will happen."""
-        return self.state in FINISHED
-
-
-@dataclass(frozen=True)
-class Entry:
-    """A stored thing in a list: enough to find it, and to make it again."""
-
-    id: str
-    created: str  # ISO 8601, UTC
-    seed: int | None
-    made_from: Mapping[str, str]  # ids of what it was made from
-
 
 @dataclass(frozen=True)
 class Structure:
@@ -231,12 +202,3 @@ class Truth:
 
     structure_id: str
     effects: tuple[Mapping[str, Any], ...]  # kind, at, parameters
-
-
-@dataclass(frozen=True)
-class CatalogueEntry:
-    """One thing that can be chosen by name, with the numbers it takes."""
-
-    kind: str
-    summary: str
-    parameters: Mapping[str, Mapping[str, Any]]  # unit, lower, upper, default, doc of each

@@ -1,6 +1,7 @@
 """Result types: what requests of the client return, generated from the service's OpenAPI document."""
 
 from modallab_client._generated.models import (
+    CatalogueEntry,
     Correlation,
     Diagnosis,
     EquivalentEffect,
@@ -8,23 +9,28 @@ from modallab_client._generated.models import (
     FittedParameter,
     FollowUpTest,
     FrequencyInconsistency,
+    JobStatus,
     Localisation,
     ModalModel,
     Mode,
     ModeShift,
     NextTest,
+    OptionSpec,
     Orthogonality,
+    ParameterSpec,
     ResponseCorrelation,
     ResponseMisfit,
     Rival,
     ShapeComplexity,
     Spread,
     Step,
+    StoredEntry,
     ToleratedParameter,
 )
 from modallab_client.methods.diagnoses import DiagnosisCurves
 
 __all__ = [
+    "CatalogueEntry",
     "Correlation",
     "Diagnosis",
     "DiagnosisCurves",
@@ -33,17 +39,21 @@ __all__ = [
     "FittedParameter",
     "FollowUpTest",
     "FrequencyInconsistency",
+    "JobStatus",
     "Localisation",
     "ModalModel",
     "Mode",
     "ModeShift",
     "NextTest",
+    "OptionSpec",
     "Orthogonality",
+    "ParameterSpec",
     "ResponseCorrelation",
     "ResponseMisfit",
     "Rival",
     "ShapeComplexity",
     "Spread",
     "Step",
+    "StoredEntry",
     "ToleratedParameter",
 ]

@@ -274,10 +274,11 @@ def test_a_diagnosis_reads_as_it_is_written_in_the_contract(lab: ModalLab, servi
 
 
 def test_the_catalogue_lists_what_can_be_chosen(lab: ModalLab, service: FakeService) -> None:
-    entry = {"kind": "extra_mass", "summary": "s", "parameters": {"mass": {"unit": "kg", "lower": 0}}}
+    mass = {"kind": "parameter", "unit": "kg", "lower": 0, "upper": 1.0, "absent": 0.0, "doc": "mass"}
+    entry = {"kind": "extra_mass", "summary": "s", "parameters": {"mass": mass}}
     service.on("GET /v1/catalog/effects", httpx.Response(200, json=[entry]))
     service.on("GET /v1/catalog/extraction-methods", httpx.Response(200, json=[{"kind": "dobson"}]))
-    assert lab.catalog.effects()[0].parameters["mass"]["unit"] == "kg"
+    assert lab.catalog.effects()[0].parameters["mass"].unit == "kg"
     assert lab.catalog.extraction_methods()[0].kind == "dobson"
 
 

@@ -4,7 +4,7 @@ from typing import ClassVar
 
 from modallab_client import _wire
 from modallab_client._async.transport import AsyncTransport
-from modallab_client.models import Entry
+from modallab_client.results import StoredEntry
 
 
 class AsyncShelf:
@@ -15,14 +15,14 @@ class AsyncShelf:
     def __init__(self, transport: AsyncTransport) -> None:
         self._transport = transport
 
-    async def list(self) -> tuple[Entry, ...]:
+    async def list(self) -> tuple[StoredEntry, ...]:
         """Return what is stored, newest first, as entries without content."""
-        found: tuple[Entry, ...] = ()
+        found: tuple[StoredEntry, ...] = ()
         after: str | None = None
         while True:
             reply = await self._transport.request("GET", self.path, params=_wire.body(after=after))
             entries, after = _wire.read(_wire.page, reply)
-            found += tuple(entries)
+            found += entries
             if after is None:
                 return found
 

@@ -9,11 +9,92 @@ from numpy.typing import NDArray
 
 from modallab_client.methods.correlations import CorrelationMethods, ResponseCorrelationMethods
 from modallab_client.methods.diagnoses import DiagnosisMethods, FittedEffectMethods, FittedParameterMethods
+from modallab_client.methods.jobs import JobStatusMethods
 from modallab_client.methods.modal_models import FrequencyInconsistencyMethods, ModalModelMethods
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 ComplexArray = NDArray[np.complex128]
+
+
+@dataclass(frozen=True, kw_only=True)
+class ParameterSpec:
+    """Specification of a parameter that may be fitted."""
+
+    absent: float | None
+    """Value at which the effect vanishes; null where another parameter gives its size."""
+    doc: str
+    """Meaning, in one line."""
+    kind: Literal["parameter"]
+    """Type of this specification."""
+    lower: float
+    """Smallest value allowed."""
+    scan_values: tuple[float, ...]
+    """Initial values of a fit; without any they are spread about the default."""
+    unit: str
+    """SI unit; `1` of a ratio."""
+    upper: float
+    """Largest value allowed."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class OptionSpec:
+    """Specification of one option; a default of null stands for a value chosen from the data."""
+
+    above: float | None
+    """Bound that a value must exceed."""
+    choices: tuple[str, ...]
+    """Names allowed; empty where the option is no name of a closed set."""
+    default: float | str | None
+    """Value of an option left out."""
+    doc: str
+    """Meaning, in one line."""
+    kind: Literal["option"]
+    """Type of this specification."""
+    lower: float | None
+    """Smallest value allowed."""
+    unit: str
+    """SI unit; `1` of a count or a ratio; empty where the option is no number."""
+    upper: float | None
+    """Largest value allowed."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class CatalogueEntry:
+    """Member of a family of the catalogue, with unit and bounds of its parameters."""
+
+    kind: str
+    """Name in requests."""
+    parameters: Mapping[str, ParameterSpec | OptionSpec]
+    """Parameters or options by name."""
+    summary: str
+    """Meaning in one line."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class StoredEntry:
+    """Identity and origin of a stored object."""
+
+    created: str
+    """time of creation, ISO 8601, UTC"""
+    id: str
+    """id of the stored object"""
+    made_from: Mapping[str, str]
+    """ids of the objects it was made from, by role"""
+    seed: int | None
+    """seed of its random numbers; null where there are none"""
+    version: str
+    """version of the service that made it"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Page:
+    """Page of a list of stored objects."""
+
+    items: tuple[StoredEntry, ...]
+    """Entries, newest first."""
+    next: str | None
+    """Value of `after` for the next page; null at the end."""
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -86,6 +167,31 @@ class Correlation(CorrelationMethods):
     """seed of its random numbers; null where there are none"""
     version: str
     """version of the service that made it"""
+
+
+JobState = Literal["queued", "running", "succeeded", "failed", "cancelled"]
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class JobStatus(JobStatusMethods):
+    """Status of a background task."""
+
+    created: str
+    """ISO 8601, UTC, time of the request."""
+    error: Mapping[str, Any] | None
+    """Problem document of a failed job; else null."""
+    fraction: float
+    """1, share of the work that is done, 0 to 1."""
+    id: str
+    """Id of the job."""
+    message: str
+    """Step under way."""
+    result_id: str | None
+    """Id of the result; null until the job has succeeded."""
+    state: JobState
+    """State of the job."""
+    task: str
+    """Name of the task, for example `measure_and_store`."""
 
 
 @dataclass(frozen=True, kw_only=True)
@@ -329,6 +435,14 @@ class Diagnosis(DiagnosisMethods):
     """version of the service that made it"""
 
 
+@dataclass(frozen=True, kw_only=True)
+class Health:
+    """Health of the service."""
+
+    status: str
+    """`ok`"""
+
+
 InconsistencyCause = Literal["roving_mass", "squared_shape", "steady_drift", "unknown"]
 
 
@@ -494,3 +608,17 @@ class ExpandedModalModel:
     """seed of its random numbers; null where there are none"""
     version: str
     """version of the service that made it"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Versions:
+    """Versions of the service and of the libraries that its figures depend on."""
+
+    numpy: str
+    """version of NumPy"""
+    python: str
+    """version of Python"""
+    scipy: str
+    """version of SciPy"""
+    version: str
+    """version of the service"""

@@ -2,7 +2,7 @@
 
 from modallab_client import _wire
 from modallab_client._sync.transport import Transport
-from modallab_client.models import CatalogueEntry
+from modallab_client.results import CatalogueEntry
 
 
 class Catalog:

@@ -10,7 +10,7 @@ from modallab_client import _wire
 from modallab_client._sync.transport import Transport
 from modallab_client._waiting import closing, sleep
 from modallab_client.errors import JobTimeoutError, UnexpectedReplyError, UnreachableError
-from modallab_client.models import JobStatus
+from modallab_client.results import JobStatus
 
 T = TypeVar("T")
 
@@ -29,7 +29,7 @@ class Jobs:
 
     def get(self, job_id: str) -> JobStatus:
         """Return where a job stands."""
-        return _wire.read(_wire.job_status, self._transport.request("GET", f"/v1/jobs/{job_id}"))
+        return _wire.reply(JobStatus, self._transport.request("GET", f"/v1/jobs/{job_id}"))
 
     def cancel(self, job_id: str) -> None:
         """Ask a job to stop."""
@@ -93,7 +93,7 @@ class Job(Generic[T]):
                 for event in stream:
                     heard = time.monotonic()
                     if "state" in event:  # and not a mere sign of life
-                        yield _wire.read(_wire.job_status, {"id": self.id, **event})
+                        yield _wire.reply(JobStatus, {"id": self.id, **event})
             try:
                 yield self.status()
                 heard = time.monotonic()

@@ -4,7 +4,7 @@ from typing import ClassVar
 
 from modallab_client import _wire
 from modallab_client._sync.transport import Transport
-from modallab_client.models import Entry
+from modallab_client.results import StoredEntry
 
 
 class Shelf:
@@ -15,14 +15,14 @@ class Shelf:
     def __init__(self, transport: Transport) -> None:
         self._transport = transport
 
-    def list(self) -> tuple[Entry, ...]:
+    def list(self) -> tuple[StoredEntry, ...]:
         """Return what is stored, newest first, as entries without content."""
-        found: tuple[Entry, ...] = ()
+        found: tuple[StoredEntry, ...] = ()
         after: str | None = None
         while True:
             reply = self._transport.request("GET", self.path, params=_wire.body(after=after))
             entries, after = _wire.read(_wire.page, reply)
-            found += tuple(entries)
+            found += entries
             if after is None:
                 return found
 

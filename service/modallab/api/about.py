@@ -1,4 +1,4 @@
-"""The service itself: is it well, which version is it."""
+"""Health and versions of the service."""
 
 import platform
 
@@ -12,15 +12,15 @@ from modallab.api.wire import Reply
 router = APIRouter(tags=["service"])
 
 
-class HealthOut(Reply):
-    """The service answers."""
+class Health(Reply):
+    """Health of the service."""
 
     status: str
     """`ok`"""
 
 
-class VersionOut(Reply):
-    """What a result has to be compared with if it is to come out the same."""
+class Versions(Reply):
+    """Versions of the service and of the libraries that its figures depend on."""
 
     version: str
     """version of the service"""
@@ -33,15 +33,15 @@ class VersionOut(Reply):
 
 
 @router.get("/health", summary="Get the health of the service")
-async def get_health() -> HealthOut:
+async def get_health() -> Health:
     """Return `ok` while the service runs."""
-    return HealthOut(status="ok")
+    return Health(status="ok")
 
 
 @router.get("/version", summary="Get versions")
-async def get_version() -> VersionOut:
+async def get_version() -> Versions:
     """Return the versions of the service and of its numerical libraries."""
-    return VersionOut(
+    return Versions(
         version=modallab.__version__,
         python=platform.python_version(),
         numpy=np.__version__,

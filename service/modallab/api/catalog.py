@@ -1,14 +1,16 @@
-"""What can be chosen, read from the families: a new member shows up with no other change."""
+"""Catalogue of interchangeable parts: effects, structures, excitations, methods and the like."""
 
 import inspect
 from collections.abc import Callable, Mapping
-from dataclasses import asdict
 from typing import Annotated, Any, Literal
 
 from fastapi import APIRouter, Path
+from pydantic import Field
 
+from modallab.api.replies import reply
 from modallab.api.wire import Reply
 from modallab.core.options import OptionSpec
+from modallab.core.parameters import ParameterSpec
 from modallab.estimation.estimator import ESTIMATORS
 from modallab.estimation.windows import WINDOWS
 from modallab.extraction import method_options as extraction
@@ -42,7 +44,7 @@ FAMILIES: Mapping[FamilyName, Mapping[str, Any]] = {
     "updating-methods": updating.METHODS,
     "reductions": REDUCTIONS,
 }
-# What a method may be told, of families that have options.
+# Options of the members, of families that have options.
 OFFERED: Mapping[FamilyName, Callable[[str], Mapping[str, OptionSpec]]] = {
     "extraction-methods": extraction.method_options,
     "updating-methods": updating.method_options,
@@ -52,22 +54,27 @@ OFFERED: Mapping[FamilyName, Callable[[str], Mapping[str, OptionSpec]]] = {
 Family = Annotated[FamilyName, Path(description="family of interchangeable parts")]
 
 
-class MemberOut(Reply):
-    """One choice: its kind, what it is, its parameters with unit and bounds."""
+_KIND = "Type of this specification."
+Parameter: Any = reply(ParameterSpec, "ParameterSpec", kind=(Literal["parameter"], _KIND))
+Option: Any = reply(OptionSpec, "OptionSpec", kind=(Literal["option"], _KIND))
+
+
+class CatalogueEntry(Reply):
+    """Member of a family of the catalogue, with unit and bounds of its parameters."""
 
     kind: str
-    """name in requests"""
+    """Name in requests."""
     summary: str
-    """meaning in one line"""
-    parameters: dict[str, dict[str, Any]]
-    """parameters or options by name: `unit`, `lower`, `upper`, `doc`, `default` or `choices` where present"""
+    """Meaning in one line."""
+    parameters: dict[str, Annotated[Parameter | Option, Field(discriminator="kind")]]
+    """Parameters or options by name."""
 
 
 @router.get("/{family}", summary="List the members of a family")
-def list_members(family: Family) -> list[MemberOut]:
-    """Return the members of a family, with unit and bounds of their parameters."""
+def list_members(family: Family) -> list[CatalogueEntry]:
+    """Return the members of a family of interchangeable parts, with unit and bounds of their parameters."""
     return [
-        MemberOut(kind=kind, summary=_summary(member), parameters=_parameters(family, kind, member))
+        CatalogueEntry(kind=kind, summary=_summary(member), parameters=_parameters(family, kind, member))
         for kind, member in FAMILIES[family].items()
     ]
 
@@ -77,8 +84,8 @@ def _summary(member: Any) -> str:
     return summary if isinstance(summary, str) else (inspect.getdoc(member) or "").split("\n")[0]
 
 
-def _parameters(family: FamilyName, kind: str, member: Any) -> dict[str, dict[str, Any]]:
+def _parameters(family: FamilyName, kind: str, member: Any) -> dict[str, Any]:
     if options := OFFERED.get(family):
-        return {name: asdict(spec) for name, spec in options(kind).items()}
+        return dict(options(kind))
     specs = getattr(member, "specs", None)
-    return {} if specs is None else {name: asdict(spec) for name, spec in specs().items()}
+    return {} if specs is None else dict(specs())

@@ -85,7 +85,7 @@ def build(app: FastAPI) -> Json:
                 # A form has no null: a field is there or is left out.
                 if len(field.get("anyOf", ())) == 2 and field["anyOf"][1] == {"type": "null"}:
                     field |= field.pop("anyOf")[0]
-    schemas["JobOut"]["properties"]["error"]["anyOf"][0] = {"$ref": _REF + "Problem"}
+    schemas["JobStatus"]["properties"]["error"]["anyOf"][0] = {"$ref": _REF + "Problem"}
     renamed: Json = _rename(document, {name: _short(name) for name in schemas})
     for schema in renamed["components"]["schemas"].values():
         for spec in schema.get("properties", {}).values():

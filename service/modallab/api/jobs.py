@@ -1,8 +1,8 @@
-"""Jobs: how far they are, as a reply or as a stream, and how to stop them."""
+"""Jobs: status, event stream and cancellation."""
 
 from collections.abc import AsyncIterator
 from functools import partial
-from typing import Any, Self
+from typing import Any
 
 from anyio import sleep, to_thread
 from fastapi import APIRouter, status
@@ -11,7 +11,7 @@ from starlette.responses import StreamingResponse
 from modallab.api import problems
 from modallab.api.deps import IdPath, JobsDep, OwnerDep
 from modallab.api.limits import JOB_STREAM
-from modallab.api.wire import Reply
+from modallab.api.replies import reply
 from modallab.jobs.runner import Job, JobRunner, JobState
 
 router = APIRouter(prefix="/jobs", tags=["jobs"])
@@ -23,46 +23,31 @@ _EVENTS: dict[int | str, dict[str, Any]] = {
 }
 
 
-class JobOut(Reply):
-    """A job; `result_id` is the id of what it made, `error` the problem that stopped it."""
-
-    id: str
-    """id of the job"""
-    state: JobState
-    """state of the job"""
-    fraction: float
-    """1, share of the work that is done, 0 to 1"""
-    message: str
-    """step that is under way"""
-    result_id: str | None
-    """id of the result; null until the job has succeeded"""
-    error: dict[str, Any] | None
-    """problem that ended a failed job"""
-
-    @classmethod
-    def of(cls, job: Job) -> Self:
-        """Return what the contract shows of a job."""
-        succeeded = job.state is JobState.SUCCEEDED
-        return cls(
-            id=job.id,
-            state=job.state,
-            fraction=job.fraction,
-            message=job.message,
-            result_id=job.result_id if succeeded else None,
-            error=None if job.error is None else problems.of_job(job.error),
-        )
+JobReply: Any = reply(
+    Job,
+    "JobStatus",
+    result_id=(str | None, "Id of the result; null until the job has succeeded."),
+    error=(dict[str, Any] | None, "Problem document of a failed job; else null."),
+)
 
 
-@router.get("/{id}", summary="Get a job")
-def get_job(id: IdPath, jobs: JobsDep, owner: OwnerDep) -> JobOut:
+def job_reply(job: Job) -> Any:
+    """Return the reply of a job."""
+    result_id = job.result_id if job.state is JobState.SUCCEEDED else None
+    error = None if job.error is None else problems.of_job(job.error)
+    return JobReply.model_validate(vars(job) | {"result_id": result_id, "error": error})
+
+
+@router.get("/{id}", response_model=JobReply, summary="Get a job")
+def get_job(id: IdPath, jobs: JobsDep, owner: OwnerDep) -> Any:
     """Return the state and the progress of a job."""
-    return JobOut.of(jobs.get(id, owner=owner))
+    return job_reply(jobs.get(id, owner=owner))
 
 
-@router.delete("/{id}", status_code=status.HTTP_200_OK, summary="Cancel a job")
-def cancel_job(id: IdPath, jobs: JobsDep, owner: OwnerDep) -> JobOut:
+@router.delete("/{id}", status_code=status.HTTP_200_OK, response_model=JobReply, summary="Cancel a job")
+def cancel_job(id: IdPath, jobs: JobsDep, owner: OwnerDep) -> Any:
     """Return a job after asking it to stop; a job that has ended stays as it is."""
-    return JobOut.of(jobs.cancel(id, owner=owner))
+    return job_reply(jobs.cancel(id, owner=owner))
 
 
 @router.get("/{id}/events", response_class=StreamingResponse, responses=_EVENTS, summary="Follow a job")
@@ -90,4 +75,4 @@ async def _events(jobs: JobRunner, job: Job) -> AsyncIterator[str]:
 
 
 def _event(job: Job) -> str:
-    return f"data: {JobOut.of(job).model_dump_json()}\n\n"
+    return f"data: {job_reply(job).model_dump_json()}\n\n"

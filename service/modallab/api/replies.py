@@ -12,26 +12,18 @@ from functools import cache
 from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
-from pydantic import BaseModel, BeforeValidator, ConfigDict, Field, create_model
+from pydantic import BeforeValidator, Field, create_model
 
 from modallab.api.thinning import numbers
-from modallab.api.wire import ChannelsAt, EntryOut, MembersAt, place_out
+from modallab.api.wire import ChannelsAt, MembersAt, Reply, StoredEntry, place_out
 from modallab.core.dof import Dof
 from modallab.core.place import Place
 from modallab.core.reply import Axes, MayBeNan, NotInReply
 from modallab.store.base import Entry
 
 
-class Reply(BaseModel):
-    """Base of derived replies; values are read from the attributes of domain types."""
-
-    model_config = ConfigDict(from_attributes=True, frozen=True)
-
-
-class StoredReply(EntryOut):
+class StoredReply(StoredEntry):
     """Base of derived replies of stored resources."""
-
-    model_config = ConfigDict(from_attributes=True, frozen=True)
 
     @classmethod
     def of(cls, value: object, entry: Entry, **added: Any) -> Any:
@@ -46,9 +38,9 @@ class StoredReply(EntryOut):
         added
             Values of the fields that the domain type does not have.
         """
-        names = cls.model_fields.keys() - EntryOut.model_fields.keys() - added.keys()
+        names = cls.model_fields.keys() - StoredEntry.model_fields.keys() - added.keys()
         read = {name: getattr(value, name) for name in names}
-        return cls.model_validate({**EntryOut.fields(entry), **read, **added}, from_attributes=True)
+        return cls.model_validate({**StoredEntry.fields(entry), **read, **added}, from_attributes=True)
 
 
 def stored_reply(
@@ -102,8 +94,14 @@ def _definitions(domain: type) -> dict[str, Any]:
     for field in fields(domain):
         hint = wire_type(hints[field.name])
         if hint is not None:
-            definitions[field.name] = (hint, Field(description=docs.get(field.name)))
+            definitions[field.name] = (hint, Field(description=docs.get(field.name) or _declared(field)))
     return definitions
+
+
+def _declared(field: Any) -> str | None:
+    """Return the description of a field that is declared by `core.parameters` or `core.options`."""
+    spec = field.metadata.get("spec") or field.metadata.get("option")
+    return None if spec is None else f"{spec.unit}, {spec.doc}." if spec.unit else f"{spec.doc}."
 
 
 @cache

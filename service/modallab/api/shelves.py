@@ -1,19 +1,19 @@
-"""The verbs that every resource has."""
+"""List and removal of the entries of a resource."""
 
 from fastapi import APIRouter, status
 
 from modallab.api.deps import After, IdPath, Limit, OwnerDep, StoreDep
-from modallab.api.wire import EntryOut, Reply
+from modallab.api.wire import Reply, StoredEntry
 from modallab.store.base import Shelf, Store
 
 
-class PageOut(Reply):
-    """Entries, newest first; `next` is the `after` of the next page."""
+class Page(Reply):
+    """Page of a list of stored objects."""
 
-    items: list[EntryOut]
-    """entries, newest first"""
+    items: list[StoredEntry]
+    """Entries, newest first."""
     next: str | None
-    """value of `after` for the next page; null at the end"""
+    """Value of `after` for the next page; null at the end."""
 
 
 def add_routes(router: APIRouter, shelf: str, singular: str) -> None:
@@ -40,10 +40,10 @@ def add_routes(router: APIRouter, shelf: str, singular: str) -> None:
         summary=f"List {plural}",
         description=f"Return the stored {plural} page by page, newest first.",
     )
-    def list_entries(store: StoreDep, owner: OwnerDep, limit: Limit = 100, after: After = None) -> PageOut:
+    def list_entries(store: StoreDep, owner: OwnerDep, limit: Limit = 100, after: After = None) -> Page:
         entries = of(store).list(owner=owner, limit=limit, cursor=after)
-        items = [EntryOut(**EntryOut.fields(entry)) for entry in entries]
-        return PageOut(items=items, next=items[-1].id if len(items) == limit else None)
+        items = [StoredEntry(**StoredEntry.fields(entry)) for entry in entries]
+        return Page(items=items, next=items[-1].id if len(items) == limit else None)
 
     @router.delete(
         "/{id}",

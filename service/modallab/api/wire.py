@@ -122,13 +122,13 @@ def effect_out(spec: EffectSpec) -> dict[str, Any]:
 
 
 class Reply(BaseModel):
-    """A reply's part, its fields described by the strings under them."""
+    """Base of replies; values are read from the attributes of domain types."""
 
-    model_config = ConfigDict(use_attribute_docstrings=True)
+    model_config = ConfigDict(from_attributes=True, frozen=True, use_attribute_docstrings=True)
 
 
-class EntryOut(Reply):
-    """What is known of a stored thing: enough to make it again."""
+class StoredEntry(Reply):
+    """Identity and origin of a stored object."""
 
     id: str
     """id of the stored object"""

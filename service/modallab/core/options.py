@@ -5,15 +5,16 @@ from collections.abc import Iterable, Mapping
 from dataclasses import MISSING, Field, dataclass, field, fields, replace
 from enum import StrEnum
 from functools import cache
-from typing import Any, TypeVar, get_args, get_type_hints
+from typing import Any, ClassVar, Literal, TypeVar, get_args, get_type_hints
 
 from modallab.core.errors import InvalidInputError
 
 
 @dataclass(frozen=True)
 class OptionSpec:
-    """Specification of one option; a default of None stands for a value chosen from the data."""
+    """Specification of one option; a default of null stands for a value chosen from the data."""
 
+    kind: ClassVar[Literal["option"]] = "option"
     doc: str
     """Meaning, in one line."""
     unit: str = ""

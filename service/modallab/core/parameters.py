@@ -2,26 +2,28 @@
 
 from dataclasses import dataclass, field, fields
 from functools import cache
-from typing import Any
+from typing import Any, ClassVar, Literal
 
 from modallab.core.errors import InvalidInputError
 
 
 @dataclass(frozen=True)
 class ParameterSpec:
-    """Meaning and bounds of a fitted parameter.
+    """Specification of a parameter that may be fitted."""
 
-    `absent` is the value at which it has no effect; None where it only says how the effect acts, and
-    another number how much. `scan_values` are values worth a first look; without any they are spread
-    about the default.
-    """
-
+    kind: ClassVar[Literal["parameter"]] = "parameter"
     unit: str
+    """SI unit; `1` of a ratio."""
     lower: float
+    """Smallest value allowed."""
     upper: float
+    """Largest value allowed."""
     absent: float | None
+    """Value at which the effect vanishes; None where another parameter gives its size."""
     doc: str
+    """Meaning, in one line."""
     scan_values: tuple[float, ...] = ()
+    """Initial values of a fit; without any they are spread about the default."""
 
     @property
     def signed(self) -> bool:

@@ -3,9 +3,10 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 from enum import StrEnum
-from typing import Any, Protocol, Self
+from typing import Annotated, Any, Protocol, Self
 
 from modallab.core.errors import ModalLabError
+from modallab.core.reply import NotInReply
 
 
 class JobState(StrEnum):
@@ -25,18 +26,28 @@ class JobState(StrEnum):
 
 @dataclass(frozen=True)
 class Job:
-    """Long work by name; `arguments` are JSON values, `result_id` is fixed before it starts."""
+    """Status of a background task."""
 
     id: str
-    owner: str
+    """Id of the job."""
+    owner: Annotated[str, NotInReply("is the sender of the request")]
+    """Owner of the job and of its result."""
     task: str
-    arguments: Mapping[str, Any]
-    created: str  # ISO 8601, UTC
+    """Name of the task, for example `measure_and_store`."""
+    arguments: Annotated[Mapping[str, Any], NotInReply("are the body of the request that started it")]
+    """Arguments of the task as JSON values."""
+    created: str
+    """ISO 8601, UTC, time of the request."""
     state: JobState
+    """State of the job."""
     fraction: float
+    """1, share of the work that is done, 0 to 1."""
     message: str
+    """Step under way."""
     result_id: str
-    error: Mapping[str, Any] | None = None  # code, title, detail, context
+    """Id of the result, fixed before the task starts."""
+    error: Mapping[str, Any] | None = None
+    """Code, title, detail and context of the error that ended the job; None: no error."""
 
 
 class QueueFullError(ModalLabError):

@@ -13,7 +13,7 @@ from modallab.api.diagnoses.follow_ups import check_follow_ups
 from modallab.api.diagnoses.replies import DiagnosisReply, diagnosis_reply
 from modallab.api.diagnoses.schemas import DiagnosisStart
 from modallab.api.examples import example
-from modallab.api.jobs import JobOut
+from modallab.api.jobs import JobReply, job_reply
 from modallab.api.shelves import add_routes
 from modallab.diagnosis.predicting.comparability import check_comparable
 from modallab.diagnosis.reporting.report import report
@@ -36,10 +36,10 @@ _BODY = {
 }
 
 
-@router.post("", status_code=status.HTTP_202_ACCEPTED, summary="Start a diagnosis")
+@router.post("", status_code=status.HTTP_202_ACCEPTED, response_model=JobReply, summary="Start a diagnosis")
 def start_diagnosis(
     body: Annotated[DiagnosisStart, example(_BODY)], store: StoreDep, jobs: JobsDep, owner: OwnerDep
-) -> JobOut:
+) -> Any:
     """Start a job that searches for the effects that a structure and a rig lack."""
     measurement = store.measurements.get(body.measurement_id)
     structure = store.structures.get(body.structure_id)
@@ -47,7 +47,7 @@ def start_diagnosis(
     check_random_error_known(replace(measurement, noise_floor=body.noise_floor))
     inputs, options = body.to_task(structure)
     check_follow_ups(store, structure, body.measurement_id, body.follow_ups, act=body.act)
-    return JobOut.of(jobs.submit(DIAGNOSIS.name, DIAGNOSIS.arguments(inputs, options), owner=owner))
+    return job_reply(jobs.submit(DIAGNOSIS.name, DIAGNOSIS.arguments(inputs, options), owner=owner))
 
 
 @router.get("/{id}", summary="Get a diagnosis", response_model=DiagnosisReply)

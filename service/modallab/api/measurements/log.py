@@ -4,13 +4,13 @@ from collections.abc import Mapping
 from typing import Any, Self
 
 from modallab.api.rigs.schemas import setup_out
-from modallab.api.wire import EntryOut
+from modallab.api.wire import StoredEntry
 from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
 from modallab.store.base import Entry
 
 
-class LogOut(EntryOut):
+class LogOut(StoredEntry):
     """What was declared and asked. With the truth, which its owner has, it makes the same bytes again.
 
     `rig` is what declares that rig again; `route` and `seed` are null where FRFs were brought from elsewhere.

@@ -1,6 +1,6 @@
 """Measurements: made on the virtual rig, or imported."""
 
-from typing import Annotated
+from typing import Annotated, Any
 
 import numpy as np
 from fastapi import APIRouter, File, Form, Query, UploadFile, status
@@ -11,7 +11,7 @@ from modallab.api.arrays import ArraysFormatDep
 from modallab.api.deps import Id, IdPath, JobsDep, OwnerDep, SettingsDep, StoreDep
 from modallab.api.examples import example
 from modallab.api.files import FRF_TEXT, HDF5, UFF, frf_text_reply, hdf5_reply, origin, uff_reply
-from modallab.api.jobs import JobOut
+from modallab.api.jobs import JobReply, job_reply
 from modallab.api.kinds import KindWanted, measured_as
 from modallab.api.measurements.indicators import IndicatorsOut, ReciprocityOut
 from modallab.api.measurements.log import LogOut
@@ -51,14 +51,14 @@ _TEST = {
 }
 
 
-@router.post("", status_code=status.HTTP_202_ACCEPTED, summary="Start a measurement")
+@router.post("", status_code=status.HTTP_202_ACCEPTED, response_model=JobReply, summary="Start a measurement")
 def start_measurement(
     body: Annotated[MeasurementStart, example(_TEST)], store: StoreDep, jobs: JobsDep, owner: OwnerDep
-) -> JobOut:
+) -> Any:
     """Start a job that measures the FRFs of a structure on a rig."""
     structure, setup = store.structures.get(body.structure_id), store.rigs.get(body.rig_id)
     arguments = MEASUREMENT.arguments(*body.to_task(structure, setup))
-    return JobOut.of(jobs.submit(MEASUREMENT.name, arguments, owner=owner))
+    return job_reply(jobs.submit(MEASUREMENT.name, arguments, owner=owner))
 
 
 @router.post("/import", status_code=status.HTTP_201_CREATED, summary="Import a measurement")

@@ -8,7 +8,7 @@ from modallab.api.deps import Id
 from modallab.api.limits import REPLY
 from modallab.api.rigs.schemas import setup_out
 from modallab.api.thinning import thinned
-from modallab.api.wire import Effects, EntryOut, Reply, Seed, Wire, effect_out
+from modallab.api.wire import Effects, Reply, Seed, StoredEntry, Wire, effect_out
 from modallab.core.errors import InvalidInputError
 from modallab.fe.structure import Structure
 from modallab.jobs.measuring import MeasurementInputs, MeasurementOptions
@@ -53,7 +53,7 @@ class MeasurementStart(Wire):
         return MeasurementInputs(self.structure_id, self.rig_id), options
 
 
-class MeasurementOut(EntryOut):
+class MeasurementOut(StoredEntry):
     """A measurement without its arrays: what was measured, and the rig as declared."""
 
     rig_id: str

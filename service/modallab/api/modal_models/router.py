@@ -10,7 +10,7 @@ from modallab.api.arrays import ArraysFormatDep
 from modallab.api.deps import IdPath, JobsDep, OwnerDep, SettingsDep, StoreDep
 from modallab.api.examples import example
 from modallab.api.files import FILE, UFF, FormRoute, origin, uff_reply
-from modallab.api.jobs import JobOut
+from modallab.api.jobs import JobReply, job_reply
 from modallab.api.kinds import KindWanted, measured_as
 from modallab.api.media import CsvWanted, csv_replies, csv_reply
 from modallab.api.modal_models.fits import (
@@ -51,13 +51,13 @@ _IMPORT = {
 }
 
 
-@router.post("", status_code=status.HTTP_202_ACCEPTED, summary="Start an extraction")
+@router.post("", status_code=status.HTTP_202_ACCEPTED, response_model=JobReply, summary="Start an extraction")
 def start_modal_model(
     body: Annotated[ModalModelStart, example(_START)], store: StoreDep, jobs: JobsDep, owner: OwnerDep
-) -> JobOut:
+) -> Any:
     """Start a job that extracts modes from a measurement."""
     store.measurements.check(body.measurement_id)
-    return JobOut.of(jobs.submit(EXTRACTION.name, EXTRACTION.arguments(*body.to_task()), owner=owner))
+    return job_reply(jobs.submit(EXTRACTION.name, EXTRACTION.arguments(*body.to_task()), owner=owner))
 
 
 def _stored(model: ModalModel, store: Store, owner: str) -> Any:

@@ -15,7 +15,7 @@ from modallab.api.rigs.hardware import (
     StingerIn,
     SuspensionIn,
 )
-from modallab.api.wire import Effects, EntryOut, Reply, Translation, Wire, effect_out
+from modallab.api.wire import Effects, Reply, StoredEntry, Translation, Wire, effect_out
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.rig.checks import Check, figures
@@ -92,7 +92,7 @@ class RigIn(Wire):
         return tuple(Dof.parse(text, field="drives") for text in self.drives or ())
 
 
-class RigOut(EntryOut):
+class RigOut(StoredEntry):
     """A rig as declared, defaults filled in."""
 
     drive: str

@@ -14,11 +14,11 @@ from modallab.api.wire import (
     Count,
     DofText,
     Effects,
-    EntryOut,
     NodeNumber,
     NonNegative,
     Number,
     Positive,
+    StoredEntry,
     Text,
     Wire,
 )
@@ -362,7 +362,7 @@ class CatalogueIn(Wire):
 StructureIn = Annotated[BeamIn | FrameIn | PlateIn | CatalogueIn, Field(discriminator="kind")]
 
 
-class StructureOut(EntryOut):
+class StructureOut(StoredEntry):
     """A stored structure in numbers."""
 
     name: str
@@ -376,7 +376,7 @@ class StructureOut(EntryOut):
     groups: dict[str, list[int]] = Field(description="members by the names under which they may be updated")
 
 
-class ModesOut(EntryOut):
+class ModesOut(StoredEntry):
     """Elastic modes, rising; frequencies in Hz."""
 
     frequencies: list[float]

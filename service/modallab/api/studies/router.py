@@ -1,6 +1,6 @@
 """Studies: how surely an updating method finds known errors from noisy modes."""
 
-from typing import Annotated
+from typing import Annotated, Any
 
 from fastapi import APIRouter, status
 from starlette.responses import Response
@@ -9,7 +9,7 @@ from modallab.api import array_tables
 from modallab.api.arrays import ArraysFormatDep
 from modallab.api.deps import IdPath, JobsDep, OwnerDep, StoreDep
 from modallab.api.examples import example
-from modallab.api.jobs import JobOut
+from modallab.api.jobs import JobReply, job_reply
 from modallab.api.shelves import add_routes
 from modallab.api.studies.schemas import StudyOut, StudyStart, study_arrays
 from modallab.jobs.tasks import STUDY
@@ -29,14 +29,14 @@ _BODY = {
 }
 
 
-@router.post("", status_code=status.HTTP_202_ACCEPTED, summary="Start a study")
+@router.post("", status_code=status.HTTP_202_ACCEPTED, response_model=JobReply, summary="Start a study")
 def start_study(
     body: Annotated[StudyStart, example(_BODY)], store: StoreDep, jobs: JobsDep, owner: OwnerDep
-) -> JobOut:
+) -> Any:
     """Start a job that runs an updating method on many sets of noisy modes."""
     model, truth = (with_effects(store.structures.get(id)) for id in (body.structure_id, body.truth_id))
     arguments = STUDY.arguments(*body.to_task(model, truth))
-    return JobOut.of(jobs.submit(STUDY.name, arguments, owner=owner))
+    return job_reply(jobs.submit(STUDY.name, arguments, owner=owner))
 
 
 @router.get("/{id}", summary="Get a study")

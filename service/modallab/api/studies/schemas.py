@@ -12,7 +12,7 @@ from modallab.api.limits import REQUEST
 from modallab.api.modal_models.schemas import Dofs, ModeNoiseIn, distinct
 from modallab.api.updates.parameterisation import Macros, ParameterisationIn, Parts
 from modallab.api.updates.schemas import UPDATE_BODIES, coefficient_options, refuse
-from modallab.api.wire import EntryOut, ModeCount, Number, Seed, Text, Wire
+from modallab.api.wire import ModeCount, Number, Seed, StoredEntry, Text, Wire
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.fe.structure import Structure
@@ -180,7 +180,7 @@ class RunOut(BaseModel):
         return cls(**(vars(run) | {"suspected": suspected}))
 
 
-class StudyOut(EntryOut):
+class StudyOut(StoredEntry):
     """How surely a method found what was wrong: a row a level and division, and every run."""
 
     method: str

@@ -1,6 +1,6 @@
 """Updates: models corrected by measured modes or frequency responses."""
 
-from typing import Annotated
+from typing import Annotated, Any
 
 from fastapi import APIRouter, status
 from starlette.responses import Response
@@ -9,7 +9,7 @@ from modallab.api import array_tables
 from modallab.api.arrays import ArraysFormatDep
 from modallab.api.deps import IdPath, JobsDep, OwnerDep, StoreDep
 from modallab.api.examples import examples
-from modallab.api.jobs import JobOut
+from modallab.api.jobs import JobReply, job_reply
 from modallab.api.shelves import add_routes
 from modallab.api.updates.direct import direct_arrays
 from modallab.api.updates.identified import identified_arrays
@@ -53,7 +53,7 @@ _DIRECT = {
 _BODIES = {"coefficients": _BODY, "at_once": _AT_ONCE, "responses": _RESPONSES, "matrices": _DIRECT}
 
 
-@router.post("", status_code=status.HTTP_202_ACCEPTED, summary="Start an update")
+@router.post("", status_code=status.HTTP_202_ACCEPTED, response_model=JobReply, summary="Start an update")
 def start_update(
     body: Annotated[
         UpdateStart, examples(coefficients=_BODY, at_once=_AT_ONCE, responses=_RESPONSES, matrices=_DIRECT)
@@ -61,7 +61,7 @@ def start_update(
     store: StoreDep,
     jobs: JobsDep,
     owner: OwnerDep,
-) -> JobOut:
+) -> Any:
     """Start a job that corrects a structure from measured modes or FRFs."""
     structure = with_effects(store.structures.get(body.structure_id))
     arguments = UPDATE.arguments(*body.to_task(structure))
@@ -69,7 +69,7 @@ def start_update(
         store.modal_models.check(body.modal_model_id)
     if body.measurement_id is not None:
         check_responses(structure, store.measurements.get(body.measurement_id), body.noise_floor)
-    return JobOut.of(jobs.submit(UPDATE.name, arguments, owner=owner))
+    return job_reply(jobs.submit(UPDATE.name, arguments, owner=owner))
 
 
 @router.get("/{id}", summary="Get an update")

@@ -15,7 +15,7 @@ from modallab.api.updates.located import LocatedOut, located_fields, number
 from modallab.api.updates.parameterisation import ParameterisationIn
 from modallab.api.updates.posterior import PosteriorOut
 from modallab.api.updates.responses import ResponsesOut
-from modallab.api.wire import EntryOut, NoiseFloor, Text, Wire
+from modallab.api.wire import NoiseFloor, StoredEntry, Text, Wire
 from modallab.core.errors import InvalidInputError
 from modallab.fe.structure import Structure
 from modallab.jobs.updating import UpdateInputs, UpdateRequest
@@ -132,7 +132,7 @@ class UpdateStart(Wire):
         return UpdateInputs(self.structure_id, self.modal_model_id, self.measurement_id)
 
 
-class UpdateOut(EntryOut):
+class UpdateOut(StoredEntry):
     """How an update went; coefficients and errors by part and member, 1 = no change, 0 of damping.
 
     A direct method has none of these but `direct`, one that only locates none but `suspected` and `located`;
