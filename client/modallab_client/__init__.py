@@ -9,8 +9,7 @@ from modallab_client.correlation import Expansion, ReducedModel
 from modallab_client.errors import ClientError, JobFailedError, JobTimeoutError
 from modallab_client.findings import Update
 from modallab_client.models import Measurement, Rig, Structure
-from modallab_client.results import Correlation, Diagnosis, ModalModel
-from modallab_client.studies import Study
+from modallab_client.results import Correlation, Diagnosis, ModalModel, Study
 
 __all__ = [
     "AsyncJob",

@@ -18,8 +18,8 @@ if TYPE_CHECKING:
         DiagnosisCurves,
         ModalModel,
         ResponseCorrelation,
+        Study,
     )
-    from modallab_client.studies import Study
 
 UNITS = {"receptance": "m/N", "mobility": "m/(s N)", "inertance": "m/(s² N)"}
 MANY = 12  # curves beyond which a legend hides more than it tells

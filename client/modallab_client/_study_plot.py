@@ -10,7 +10,7 @@ from modallab_client.models import FloatArray
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from modallab_client.studies import Study, StudyCell
+    from modallab_client.results import Study, StudyCell
 
 
 def errors(axes: "Axes", study: "Study", of: "Callable[[StudyCell], tuple[float, float] | None]") -> None:
@@ -32,10 +32,12 @@ def shares(axes: "Axes", study: "Study", of: "Callable[[StudyCell], float | None
 
 
 def _by_division(study: "Study") -> "list[tuple[str, Sequence[StudyCell]]]":
-    return [(name, [cell for cell in study.cells if cell.division == name]) for name in study.divisions]
+    names = [division.name for division in study.plan.divisions]
+    return [(name, [cell for cell in study.cells if cell.division == name]) for name in names]
 
 
 def _levels(axes: "Axes", study: "Study") -> FloatArray:
-    places = np.arange(len(study.levels), dtype=float)
-    axes.set_xticks(places, study.levels)
+    levels = study.plan.levels
+    places = np.arange(len(levels), dtype=float)
+    axes.set_xticks(places, [level.name for level in levels])
     return places

@@ -7,7 +7,9 @@ import numpy as np
 import pytest
 from matplotlib import pyplot
 
-from modallab_client import ModalLab, _wire_study
+from modallab_client import ModalLab
+from modallab_client._read import read_as
+from modallab_client.results import Study
 from tests.client.fake import FakeService, npz
 
 CELL = {
@@ -39,12 +41,30 @@ RUN = {
 }
 STUDY: dict[str, Any] = {
     "id": "st<1>",
-    "method": "one_shot",
-    "levels": [{"name": "NL1", "eigenvalue": 0.0}, {"name": "NL3", "eigenvalue": 0.005}],
-    "divisions": ["each"],
-    "seeds": [3, 4],
+    "plan": {
+        "method": "one_shot",
+        "levels": [
+            {"name": "NL1", "noise": {"eigenvalue": 0.0, "eigenvector": 0.0, "distribution": "uniform"}},
+            {"name": "NL3", "noise": {"eigenvalue": 0.005, "eigenvector": 0.05, "distribution": "uniform"}},
+        ],
+        "divisions": [
+            {
+                "name": "each",
+                "parameterisation": {
+                    "macros": [{"members": [11], "part": "stiffness"}],
+                    "lower": 0.05,
+                    "upper": 10.0,
+                },
+            }
+        ],
+        "seeds": [3, 4],
+        "count": 10,
+        "dofs": ["1:+Y"],
+        "options": {"max_iterations": 30},
+    },
+    "true": {"mass": {"11": 1.0}, "stiffness": {"11": 2.0}},
     "wrong": {"mass": {}, "stiffness": {"11": 2.0}},
-    "table": [CELL, CELL | NOT_MADE | {"level": "NL3", "n_failed": 2, "suspected": 0.0}],
+    "cells": [CELL, CELL | NOT_MADE | {"level": "NL3", "n_failed": 2, "suspected": 0.0}],
     "runs": [RUN, RUN | NOT_MADE | {"level": "NL3", "converged": False, "stopped_because": "too few rows"}],
 }
 
@@ -70,7 +90,12 @@ def test_a_study_and_its_coefficients_are_read(lab: ModalLab, service: FakeServi
     arrays = {"parts": np.array(["mass", "stiffness"]), "members": np.array([11, 11]), "true": np.ones(2)}
     service.on("GET /v1/studies/st1/arrays", npz(**arrays, coefficients=np.array([[1.0, 2.0], [np.nan] * 2])))
     study = lab.studies.get("st1")
-    assert (study.levels, study.divisions, study.seeds) == (("NL1", "NL3"), ("each",), (3, 4))
+    plan = study.plan
+    assert [level.name for level in plan.levels] == ["NL1", "NL3"]
+    assert plan.levels[1].noise.eigenvector == 0.05
+    (division,) = plan.divisions
+    assert (division.name, division.parameterisation.macros[0].members) == ("each", (11,))
+    assert (plan.seeds, plan.options["max_iterations"]) == ((3, 4), 30)
     assert study.wrong["stiffness"] == {11: 2.0}
     assert study.runs[0].suspected["stiffness"] == (11, 12)
     assert (study.runs[1].stopped_because, study.runs[1].coefficient_error) == ("too few rows", None)
@@ -80,7 +105,7 @@ def test_a_study_and_its_coefficients_are_read(lab: ModalLab, service: FakeServi
 
 
 def test_a_table_has_a_row_for_every_level_and_division() -> None:
-    study = _wire_study.study(STUDY)
+    study = read_as(Study, STUDY)
     head, one, other = study.table().splitlines()
     assert head.split()[:4] == ["level", "division", "runs", "failed"]
     assert one.split() == ["NL1", "each", "2", "0", "100%", "0.5", "0", "0.002", "1e-05", "2e-05", "95.0%"]
@@ -89,7 +114,7 @@ def test_a_table_has_a_row_for_every_level_and_division() -> None:
 
 
 def test_errors_suspects_and_coverage_are_drawn_by_level() -> None:
-    axes = _wire_study.study(STUDY).plot()
+    axes = read_as(Study, STUDY).plot()
     assert [tick.get_text() for tick in axes[2].get_xticklabels()] == ["NL1", "NL3"]
     # nothing was made at the second level
     np.testing.assert_array_equal(axes[0].lines[0].get_ydata(), [0.0, np.nan])

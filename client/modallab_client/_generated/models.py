@@ -11,6 +11,7 @@ from modallab_client.methods.correlations import CorrelationMethods, ResponseCor
 from modallab_client.methods.diagnoses import DiagnosisMethods, FittedEffectMethods, FittedParameterMethods
 from modallab_client.methods.jobs import JobStatusMethods
 from modallab_client.methods.modal_models import FrequencyInconsistencyMethods, ModalModelMethods
+from modallab_client.methods.studies import StudyMethods
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -608,6 +609,185 @@ class ExpandedModalModel:
     """seed of its random numbers; null where there are none"""
     version: str
     """version of the service that made it"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class StudyCell:
+    """Statistics of the runs of one level and division; quantiles are of successful runs."""
+
+    coefficient_error: tuple[float, float] | None
+    """Median and 90 % quantile of the largest error of a coefficient in a run."""
+    coverage: float | None
+    """Mean share of 95 % intervals that hold the true coefficient."""
+    division: str
+    """Name of the division into macro elements."""
+    frequency_error: tuple[float, float] | None
+    """Median and 90 % quantile of the largest relative error of a frequency in a run."""
+    level: str
+    """Name of the noise level."""
+    n_converged: int
+    """Runs that converged."""
+    n_failed: int
+    """Runs without a result."""
+    n_runs: int
+    """Number of runs."""
+    suspected: float
+    """Share of all runs in which every wrong coefficient was suspected."""
+    unfounded: float
+    """Suspected coefficients that are right, mean of successful runs."""
+
+
+Part = Literal[
+    "mass",
+    "stiffness",
+    "axial",
+    "bending",
+    "damping",
+    "density",
+    "modulus",
+    "area",
+    "second_moment",
+    "thickness",
+    "point_mass",
+    "ground_spring_x",
+    "ground_spring_y",
+    "ground_spring_z",
+    "ground_spring_rx",
+    "ground_spring_ry",
+    "ground_spring_rz",
+    "joint_stiffness",
+]
+
+
+@dataclass(frozen=True, kw_only=True)
+class MacroElement:
+    """Members that share one coefficient of one part; a single member is one too. Nodes in place of members for parts of nodes."""
+
+    members: tuple[int, ...]
+    """Numbers of the members, or nodes, that share the coefficient."""
+    part: Part
+    """Corrected part of their matrices."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Parameterisation:
+    """Coefficients of an update: nominal 1, for damping 0. The bounds are those of coefficients that multiply a matrix; loss factors have `COEFFICIENTS.loss_factor_bounds`. Raises ------ InvalidInputError If there is no macro element, a part of a member is in two of them, a matrix depends on its own coefficient and on that of a property, or the bounds exclude 1."""
+
+    lower: float
+    """Lower bound of the coefficients that multiply a matrix."""
+    macros: tuple[MacroElement, ...]
+    """(n_params,) macro element of each coefficient."""
+    upper: float
+    """Upper bound of the coefficients that multiply a matrix."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Division:
+    """Division of members into macro elements."""
+
+    name: str
+    """Name of the division."""
+    parameterisation: Parameterisation
+    """Coefficients that are free to change, with their bounds."""
+
+
+Distribution = Literal["uniform", "normal"]
+
+
+@dataclass(frozen=True, kw_only=True)
+class ModeNoise:
+    """Relative errors of eigenvalues and of shape entries."""
+
+    distribution: Distribution
+    """Distribution of the errors."""
+    eigenvalue: float
+    """1, size of the relative errors of eigenvalues."""
+    eigenvector: float
+    """1, size of the relative errors of shape entries."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class Level:
+    """Noise level of the modes."""
+
+    name: str
+    """Name of the noise level."""
+    noise: ModeNoise
+    """Errors of the modes."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class StudyPlan:
+    """Updates of a study: one for each noise level, division and seed. A seed gives the same errors at every level, apart from their size, and in every division. Raises ------ InvalidInputError If the method neither corrects coefficients nor locates by them, a name or a seed comes twice, the divisions are of different parts, or there are no runs or too many."""
+
+    count: int
+    """Number of measured modes."""
+    divisions: tuple[Division, ...]
+    """Divisions into macro elements."""
+    dofs: tuple[str, ...]
+    """DoFs of the measured shapes."""
+    levels: tuple[Level, ...]
+    """Noise levels of the modes."""
+    method: str
+    """Name of the updating method."""
+    options: Mapping[str, Any]
+    """Options of the method."""
+    seeds: tuple[int, ...]
+    """Seeds of the noise."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class StudyUpdate:
+    """Result of one update of a study; numbers are None where the update failed."""
+
+    all_suspected: bool
+    """True if every wrong coefficient was suspected."""
+    coefficient_error: float | None
+    """Largest absolute error of a coefficient."""
+    converged: bool
+    """True if the update converged."""
+    coverage: float | None
+    """Share of 95 % intervals that hold the true coefficient; null without intervals."""
+    division: str
+    """Name of the division into macro elements."""
+    frequency_error: float | None
+    """Largest relative error of a natural frequency of the updated model; null for error location."""
+    level: str
+    """Name of the noise level."""
+    n_unfounded: int
+    """Suspected coefficients that are right."""
+    seed: int
+    """Seed of the noise."""
+    stopped_because: str
+    """Reason for the end, for readers."""
+    suspected: Mapping[str, tuple[int, ...]]
+    """Suspected members by part."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Study(StudyMethods):
+    """Study of an updating method on noisy modes of a known structure."""
+
+    cells: tuple[StudyCell, ...]
+    """Statistics by level, then division."""
+    created: str
+    """time of creation, ISO 8601, UTC"""
+    id: str
+    """id of the stored object"""
+    made_from: Mapping[str, str]
+    """ids of the objects it was made from, by role"""
+    plan: StudyPlan
+    """Plan of the study."""
+    runs: tuple[StudyUpdate, ...]
+    """Results of all runs."""
+    seed: int | None
+    """seed of its random numbers; null where there are none"""
+    true: Mapping[str, Mapping[int, float]]
+    """True coefficients by part and member."""
+    version: str
+    """version of the service that made it"""
+    wrong: Mapping[str, Mapping[int, float]]
+    """True coefficients that differ from nominal."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -3,10 +3,12 @@
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-from modallab_client import _wire, _wire_study
+from modallab_client import _wire
+from modallab_client._read import read_as
 from modallab_client._sync.jobs import Job
 from modallab_client._sync.shelf import Shelf
-from modallab_client.studies import Study, StudyCoefficients
+from modallab_client.methods.studies import StudyCoefficients, study_coefficients
+from modallab_client.results import Study
 
 
 class Studies(Shelf):
@@ -64,9 +66,10 @@ class Studies(Shelf):
     def get(self, study_id: str) -> Study:
         """Return a finished study."""
         reply = self._transport.request("GET", f"{self.path}/{study_id}")
-        return _wire.read(_wire_study.study, reply)
+        study: Study = _wire.read(read_as, Study, reply)
+        return study
 
     def coefficients(self, study_id: str) -> StudyCoefficients:
         """Return the coefficients that all runs of a study found."""
         arrays = self._transport.npz(f"{self.path}/{study_id}/arrays")
-        return _wire.read(_wire_study.coefficients, arrays)
+        return _wire.read(study_coefficients, arrays)

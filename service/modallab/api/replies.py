@@ -7,7 +7,7 @@ import re
 import textwrap
 import types
 from collections.abc import Mapping
-from dataclasses import fields, is_dataclass
+from dataclasses import asdict, fields, is_dataclass
 from functools import cache
 from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
 
@@ -17,6 +17,7 @@ from pydantic import BeforeValidator, Field, create_model
 from modallab.api.thinning import numbers
 from modallab.api.wire import ChannelsAt, MembersAt, Reply, StoredEntry, place_out
 from modallab.core.dof import Dof
+from modallab.core.options import Options
 from modallab.core.place import Place
 from modallab.core.reply import Axes, MayBeNan, NotInReply
 from modallab.store.base import Entry
@@ -135,6 +136,10 @@ def _nested(value: Any) -> Any:
     return numbers(value) if isinstance(value, np.ndarray) else value
 
 
+def _mapping(value: Any) -> Any:
+    return asdict(value) if is_dataclass(value) and not isinstance(value, type) else value
+
+
 # Formats by which generators tell arrays from lists, complex numbers from pairs, and keys that are numbers.
 _COMPLEX = Field(json_schema_extra={"format": "complex"})
 _ARRAY = Field(json_schema_extra={"format": "array"})
@@ -145,6 +150,7 @@ _SCALARS: Mapping[Any, Any] = {
     complex: Annotated[tuple[float, float], BeforeValidator(_pair), _COMPLEX],
 }
 PlaceOut = str | MembersAt | ChannelsAt | None
+_OPTIONS = Annotated[dict[str, Any], BeforeValidator(_mapping)]
 _MAYBE = Annotated[float | None, BeforeValidator(_finite)]
 
 
@@ -171,6 +177,8 @@ def wire_type(hint: Any) -> Any:
         return _container(origin, get_args(hint))
     if hint in _SCALARS:
         return _SCALARS[hint]
+    if isinstance(hint, type) and issubclass(hint, Options):
+        return _OPTIONS
     if is_dataclass(hint) and isinstance(hint, type):
         return reply_of(hint)
     return hint

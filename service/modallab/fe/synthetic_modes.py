@@ -45,8 +45,11 @@ class ModeNoise:
     """Relative errors of eigenvalues and of shape entries."""
 
     eigenvalue: float = 0.0
+    """1, size of the relative errors of eigenvalues."""
     eigenvector: float = 0.0
+    """1, size of the relative errors of shape entries."""
     distribution: Distribution = Distribution.UNIFORM
+    """Distribution of the errors."""
 
     def __post_init__(self) -> None:
         for name in ("eigenvalue", "eigenvector"):

@@ -24,7 +24,9 @@ class MacroElement:
     """
 
     members: tuple[int, ...]
+    """Numbers of the members, or nodes, that share the coefficient."""
     part: Part
+    """Corrected part of their matrices."""
 
     def __str__(self) -> str:
         return f"{self.part} of {'node ' * self.part.is_nodal}{', '.join(map(str, self.members))}"
@@ -45,8 +47,11 @@ class Parameterisation:
     """
 
     macros: tuple[MacroElement, ...]
+    """(n_params,) macro element of each coefficient."""
     lower: float = COEFFICIENTS.lower
+    """Lower bound of the coefficients that multiply a matrix."""
     upper: float = COEFFICIENTS.upper
+    """Upper bound of the coefficients that multiply a matrix."""
 
     def __post_init__(self) -> None:
         if not self.macros:

@@ -15,7 +15,6 @@ METHODS = ("get", "post", "put", "patch", "delete")
 UNDESCRIBED = frozenset(
     {
         "AddedMassIn",
-        "CellOut",
         "ChangedIn",
         "ChartOut",
         "DiagnosisStart",
@@ -40,9 +39,7 @@ UNDESCRIBED = frozenset(
         "PosteriorOut",
         "QuantityOut",
         "ResponsesOut",
-        "RunOut",
         "ShareOut",
-        "StudyOut",
         "StudyStart",
         "UpdateOptionsIn",
         "UpdateOut",

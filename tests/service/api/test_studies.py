@@ -40,22 +40,26 @@ def arrays(service: Any, id: str) -> dict[str, Any]:
 
 
 def test_a_table_has_a_row_for_every_level_and_division(found: Any) -> None:
-    assert [(row["level"], row["division"]) for row in found["table"]] == [
+    assert [(row["level"], row["division"]) for row in found["cells"]] == [
         ("NL1", "each"),
         ("NL1", "two"),
         ("own", "each"),
         ("own", "two"),
     ]
-    assert [level["name"] for level in found["levels"]] == ["NL1", "own"]
-    assert found["levels"][1]["distribution"] == "normal"
+    assert [level["name"] for level in found["plan"]["levels"]] == ["NL1", "own"]
+    assert found["plan"]["levels"][1]["noise"]["distribution"] == "normal"
+    assert found["plan"]["options"]["max_iterations"] == 30
+    division = found["plan"]["divisions"][1]
+    assert division["parameterisation"]["macros"][0] == {"members": [11], "part": "mass"}
+    assert found["true"]["stiffness"]["11"] == 1.5
     assert found["wrong"] == {"mass": {}, "stiffness": {"11": 1.5, "12": 1.5}}
-    for row in found["table"]:
+    for row in found["cells"]:
         assert (row["n_runs"], row["n_failed"], row["suspected"]) == (2, 0, 1.0)
         median, most = row["coefficient_error"]
         assert median <= most
     # exact modes, quadratic convergence below 1e-4
-    assert found["table"][0]["coefficient_error"][1] < 1e-6
-    assert found["table"][2]["coefficient_error"][0] > 1e-6
+    assert found["cells"][0]["coefficient_error"][1] < 1e-6
+    assert found["cells"][2]["coefficient_error"][0] > 1e-6
 
 
 def test_every_run_can_be_made_again_as_an_update(service: Any, beam: str, stiffer: str, found: Any) -> None:
@@ -81,7 +85,7 @@ def test_the_same_seeds_give_the_same_bytes(service: Any, beam: str, stiffer: st
     again = service.result_of("/v1/studies", asked(beam, stiffer))
     one, other = (service.request("GET", f"/v1/studies/{id}/arrays").content for id in (found["id"], again))
     assert one == other
-    assert service.get(f"/v1/studies/{again}")["table"] == found["table"]
+    assert service.get(f"/v1/studies/{again}")["cells"] == found["cells"]
 
 
 def test_runs_that_cannot_be_made_are_rows_of_a_study_that_succeeds(
@@ -89,7 +93,7 @@ def test_runs_that_cannot_be_made_are_rows_of_a_study_that_succeeds(
 ) -> None:
     id = service.result_of("/v1/studies", asked(beam, stiffer, count=2, levels=["NL1"]))
     study = service.get(f"/v1/studies/{id}")
-    each, two = study["table"]
+    each, two = study["cells"]
     assert (each["n_failed"], each["coefficient_error"]) == (2, None)
     assert two["n_failed"] == 0
     assert study["runs"][0]["stopped_because"] == "24 measured numbers cannot determine 40 coefficients"

@@ -11,7 +11,8 @@ from modallab.api.deps import IdPath, JobsDep, OwnerDep, StoreDep
 from modallab.api.examples import example
 from modallab.api.jobs import JobReply, job_reply
 from modallab.api.shelves import add_routes
-from modallab.api.studies.schemas import StudyOut, StudyStart, study_arrays
+from modallab.api.studies.replies import StudyReply, study_arrays, study_reply
+from modallab.api.studies.schemas import StudyStart
 from modallab.jobs.tasks import STUDY
 from modallab.rig.exact import with_effects
 
@@ -39,10 +40,10 @@ def start_study(
     return job_reply(jobs.submit(STUDY.name, arguments, owner=owner))
 
 
-@router.get("/{id}", summary="Get a study")
-def get_study(id: IdPath, store: StoreDep) -> StudyOut:
+@router.get("/{id}", response_model=StudyReply, summary="Get a study")
+def get_study(id: IdPath, store: StoreDep) -> Any:
     """Return the statistics of a study by noise level and parameterisation."""
-    return StudyOut.of(store.studies.get(id), store.studies.entry(id))
+    return study_reply(store.studies.get(id), store.studies.entry(id))
 
 
 @router.get(

@@ -1,10 +1,8 @@
-"""Wire types of studies."""
+"""Request of a study."""
 
-from typing import Annotated, Any, Self
+from typing import Annotated
 
-import numpy as np
-from numpy.typing import NDArray
-from pydantic import BaseModel, Field
+from pydantic import Field
 
 from modallab.api.deps import Id
 from modallab.api.derived import OptionsByMethod
@@ -12,20 +10,17 @@ from modallab.api.limits import REQUEST
 from modallab.api.modal_models.schemas import Dofs, ModeNoiseIn, distinct
 from modallab.api.updates.parameterisation import Macros, ParameterisationIn, Parts
 from modallab.api.updates.schemas import UPDATE_BODIES, coefficient_options, refuse
-from modallab.api.wire import ModeCount, Number, Seed, StoredEntry, Text, Wire
+from modallab.api.wire import ModeCount, Number, Seed, Text, Wire
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.fe.structure import Structure
 from modallab.jobs.studying import StudyInputs
 from modallab.rig.exact import as_modelled
-from modallab.store.base import Entry
 from modallab.updating.error_location.method import LOCATORS
 from modallab.updating.method import UPDATERS
 from modallab.updating.options import SAMPLING
 from modallab.updating.studies.plan import NOISE_LEVELS, Division, Level, StudyPlan, check_method
-from modallab.updating.studies.run import StudyUpdate
 from modallab.updating.studies.settings import STUDY
-from modallab.updating.studies.study import Study, StudyCell
 from modallab.updating.studies.truth import true_coefficients
 
 
@@ -131,98 +126,3 @@ def _check_dofs(structure: Structure, dofs: tuple[Dof, ...]) -> None:
     system = as_modelled(structure)
     for dof in dofs:
         system.index(dof)
-
-
-class CellOut(BaseModel):
-    """The runs of one level and division; errors are the largest of a run: their median and 90 %.
-
-    `suspected`: share of runs in which every wrong coefficient was suspected. `unfounded`: suspects that are
-    right, a run. `coverage`: share of 95 % intervals that hold the truth. A method that only locates has
-    neither this nor an error of frequencies.
-    """
-
-    level: str
-    division: str
-    n_runs: int
-    n_failed: int
-    n_converged: int
-    suspected: float
-    unfounded: float
-    coefficient_error: tuple[float, float] | None
-    frequency_error: tuple[float, float] | None
-    coverage: float | None
-
-    @classmethod
-    def of(cls, cell: StudyCell) -> Self:
-        """Return what the reply shows of a cell."""
-        return cls(**vars(cell))
-
-
-class RunOut(BaseModel):
-    """One update; its numbers are None if it could not be made, for the reason in `stopped_because`."""
-
-    level: str
-    division: str
-    seed: int
-    converged: bool
-    stopped_because: str
-    suspected: dict[str, list[int]]
-    all_suspected: bool
-    n_unfounded: int
-    coefficient_error: float | None
-    frequency_error: float | None
-    coverage: float | None
-
-    @classmethod
-    def of(cls, run: StudyUpdate) -> Self:
-        """Return what the reply shows of a run."""
-        suspected = {part: list(members) for part, members in run.suspected.items()}
-        return cls(**(vars(run) | {"suspected": suspected}))
-
-
-class StudyOut(StoredEntry):
-    """How surely a method found what was wrong: a row a level and division, and every run."""
-
-    method: str
-    levels: list[dict[str, Any]]
-    divisions: list[str]
-    seeds: list[int]
-    count: int
-    dofs: list[str]
-    wrong: dict[str, dict[int, float]] = Field(description="coefficients that were to be found")
-    table: list[CellOut]
-    runs: list[RunOut]
-
-    @classmethod
-    def of(cls, study: Study, entry: Entry) -> Self:
-        """Return what the contract shows of a study."""
-        plan = study.plan
-        return cls(
-            **cls.fields(entry),
-            method=plan.method,
-            levels=[{"name": level.name} | vars(level.noise) for level in plan.levels],
-            divisions=[division.name for division in plan.divisions],
-            seeds=list(plan.seeds),
-            count=plan.count,
-            dofs=[str(dof) for dof in plan.dofs],
-            wrong=study.wrong,
-            table=[CellOut.of(cell) for cell in study.cells],
-            runs=[RunOut.of(run) for run in study.runs],
-        )
-
-
-def study_arrays(study: Study) -> dict[str, NDArray[Any]]:
-    """Return coefficients (n_runs, n_coefficients), NaN of runs that were not made, and what they are of."""
-    coefficients = np.full((len(study.runs), study.coefficients.shape[1]), np.nan)
-    coefficients[[run.succeeded for run in study.runs]] = study.coefficients
-    keys = [(part, number, value) for part, table in study.true.items() for number, value in table.items()]
-    parts, members, true = zip(*keys, strict=True)
-    return {
-        "coefficients": coefficients,
-        "parts": np.array(parts),
-        "members": np.array(members),
-        "true": np.array(true),
-        "levels": np.array([run.level for run in study.runs]),
-        "divisions": np.array([run.division for run in study.runs]),
-        "seeds": np.array([run.seed for run in study.runs]),
-    }

@@ -26,7 +26,9 @@ class Level:
     """Noise level of the modes."""
 
     name: str
+    """Name of the noise level."""
     noise: ModeNoise
+    """Errors of the modes."""
 
 
 @dataclass(frozen=True)
@@ -34,7 +36,9 @@ class Division:
     """Division of members into macro elements."""
 
     name: str
+    """Name of the division."""
     parameterisation: Parameterisation
+    """Coefficients that are free to change, with their bounds."""
 
 
 @dataclass(frozen=True)
@@ -51,12 +55,19 @@ class StudyPlan:
     """
 
     method: str
+    """Name of the updating method."""
     levels: tuple[Level, ...]
+    """Noise levels of the modes."""
     divisions: tuple[Division, ...]
+    """Divisions into macro elements."""
     seeds: tuple[int, ...]
-    count: int  # modes
-    dofs: tuple[Dof, ...]  # where shapes are measured
+    """Seeds of the noise."""
+    count: int
+    """Number of measured modes."""
+    dofs: tuple[Dof, ...]
+    """DoFs of the measured shapes."""
     options: UpdateOptions | LocationOptions
+    """Options of the method."""
 
     def __post_init__(self) -> None:
         check_method(self.method)
