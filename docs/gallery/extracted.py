@@ -78,7 +78,7 @@ def numbers(method: str) -> str:
     truth = exact_modes(assemble(BEAM), MODE).frequencies[MODE - 1]
     rows = [(mode.frequency, mode.standard_errors.get("frequency"), truth, "frequency, Hz", 3)]
     rows += [(mode.loss_factor, mode.standard_errors.get("loss_factor"), LOSS, "loss factor", 5)]
-    lines = [f"| mode {MODE} | read | standard error | true |", "|---|---:|---:|---:|"]
+    lines = [f"| mode {MODE} | estimate | standard error | true |", "|---|---:|---:|---:|"]
     for value, error, true, name, digits in rows:
         error_text = "-" if error is None else f"{error:.1g}"
         lines.append(f"| {name} | {value:.{digits}f} | {error_text} | {true:.{digits}f} |")
