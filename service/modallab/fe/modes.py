@@ -249,7 +249,10 @@ def undamped_basis(
         return _of_lowest(lowest, bodies.shape[1], frequency_max)
     squares, shapes = eigh(stiffness.toarray(), mass.toarray())
     n_rigid = bodies.shape[1]
-    shapes = np.hstack([bodies, shapes[:, n_rigid:]])
+    elastic = shapes[:, n_rigid:]
+    # rounding of the largest eigenvalue leaves rigid-body motion in low elastic modes of slender structures
+    elastic = elastic - bodies @ (bodies.T @ (mass @ elastic))
+    shapes = np.hstack([bodies, elastic / np.sqrt((elastic * (mass @ elastic)).sum(axis=0))])
     squares = np.concatenate([np.zeros(n_rigid), squares[n_rigid:]])
     return ModalBasis(squares.astype(complex), shapes, n_rigid)
 
