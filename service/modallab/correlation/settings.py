@@ -6,7 +6,7 @@ from modallab.core.settings import Settings, setting
 
 
 @dataclass(frozen=True)
-class PairingSettings(Settings):
+class ModePairingSettings(Settings):
     """Modal assurance criteria and the pairing of modes."""
 
     min_mac: float = setting(
@@ -24,7 +24,7 @@ class PairingSettings(Settings):
     )
 
 
-PAIRING = PairingSettings()
+PAIRING = ModePairingSettings()
 
 
 @dataclass(frozen=True)

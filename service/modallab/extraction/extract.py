@@ -121,8 +121,8 @@ def _by_identified_damping_model(read: Read, options: ExtractionOptions, progres
     """Return the modes with the damping model that they indicate, structural where they do not decide."""
     model = read(options=options, progress=part(progress, 0.0, PROGRESS_SHARES.structural_fit))
     choice = select_damping_model(model)
-    if choice.law is Damping.VISCOUS:
-        viscous = replace(options, damping=choice.law)
+    if choice.damping is Damping.VISCOUS:
+        viscous = replace(options, damping=choice.damping)
         model = read(options=viscous, progress=part(progress, PROGRESS_SHARES.structural_fit, 1.0))
     progress(1.0, "law of damping told")
     return with_damping_model(model, choice)

@@ -91,7 +91,7 @@ def extract_globally(
         responses,
         line_weights(responses, bias),
         charts,
-        options.law,
+        options.assumed_damping,
         leaked=None
         if leakage is None
         else leakage_correction(leakage, single_modes, responses.drive_row, responses.averages),
@@ -174,7 +174,7 @@ def _single_mode_model(
         return extract_mode_by_mode(
             EXTRACTION_METHODS[STARTING_METHOD],
             responses if leakage is not None else _subset_of_frfs(_subset_of_lines(responses, lines)),
-            DistantLinesOptions(damping=options.law),
+            DistantLinesOptions(damping=options.assumed_damping),
             method=STARTING_METHOD,
             bands=None,
             n_modes=None,

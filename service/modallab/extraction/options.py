@@ -24,7 +24,7 @@ class ExtractionOptions(Options):
     damping: Damping | None = option(None, doc="law of a mode's damping")
 
     @property
-    def law(self) -> Damping:
+    def assumed_damping(self) -> Damping:
         """The law of damping of the fits: structural where none is asked for."""
         return self.damping or Damping.STRUCTURAL
 

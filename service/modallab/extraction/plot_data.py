@@ -121,7 +121,7 @@ def fit_plot_data(
 
 
 def _refit(
-    law: DampingModel, model: ModalModel, mode: int, row: int, data: FitData
+    damping_model: DampingModel, model: ModalModel, mode: int, row: int, data: FitData
 ) -> tuple[ConvergedFits, int]:
     """Return the fit of one FRF, and its index among the fits computed for it.
 
@@ -133,7 +133,7 @@ def _refit(
     fitted = np.nan if model.fitted_frequency is None else float(model.fitted_frequency[mode, row])
     if not np.isfinite(fitted):
         rows = np.arange(data.freq.shape[1])
-        return fit_all(method, law, data, _other_modes(law, model, mode, data, rows)), row
+        return fit_all(method, damping_model, data, _other_modes(damping_model, model, mode, data, rows)), row
     drive = None if data.leakage is None else data.drive
     rows = np.unique([row] if drive is None else [row, drive])
     selection = FitData(
@@ -144,9 +144,13 @@ def _refit(
         data.leakage,
         None if drive is None else int(np.searchsorted(rows, drive)),
     )
-    other_modes, place = _other_modes(law, model, mode, selection, rows), int(np.searchsorted(rows, row))
+    other_modes, place = (
+        _other_modes(damping_model, model, mode, selection, rows),
+        int(np.searchsorted(rows, row)),
+    )
     candidates = [
-        fit_all(method, law, selection, other_modes, inertance=np.array([kind])) for kind in (False, True)
+        fit_all(method, damping_model, selection, other_modes, inertance=np.array([kind]))
+        for kind in (False, True)
     ]
     distance = [abs(float(candidate.table.frequency[0, place]) - fitted) for candidate in candidates]
     return candidates[int(np.argmin(distance))], place
@@ -248,7 +252,7 @@ def _window_lines(
 
 
 def _other_modes(
-    law: DampingModel, model: ModalModel, mode: int, data: FitData, rows: IntArray
+    damping_model: DampingModel, model: ModalModel, mode: int, data: FitData, rows: IntArray
 ) -> ComplexArray:
     """Return the receptance of all other modes of the model, (1, n_rows, n_lines)."""
     response = np.zeros_like(data.receptance)
@@ -261,5 +265,5 @@ def _other_modes(
             loss_factor = np.where(identified, model.fitted_loss_factor[m, rows], mean_mode.loss_factor)
             eigenvalue = (2 * np.pi * frequency) ** 2 * (1 + 1j * loss_factor)
             constant = model.modal_constant[m, rows]
-            response += law.response(data.freq, eigenvalue[:, None], constant[:, None])
+            response += damping_model.response(data.freq, eigenvalue[:, None], constant[:, None])
     return response

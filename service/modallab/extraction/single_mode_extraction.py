@@ -62,10 +62,12 @@ def extract_mode_by_mode(
     )
     progress(0.2, f"fitting {len(fit_bands)} modes in {len(dofs)} FRFs")
     data = window_data(freq, responses.receptance, responses.variance, windows, leakage, responses.drive_row)
-    settled = fit_all(fit, DAMPING_MODELS[options.law], data, progress=part(progress, 0.2, 0.9))
+    settled = fit_all(fit, DAMPING_MODELS[options.assumed_damping], data, progress=part(progress, 0.2, 0.9))
     if leakage is not None:
         accuracy = line_accuracy(responses, windows.index) if has_coherence(responses) else None
-        settled = with_leakage_errors(fit, DAMPING_MODELS[options.law], data, leakage, settled, accuracy)
+        settled = with_leakage_errors(
+            fit, DAMPING_MODELS[options.assumed_damping], data, leakage, settled, accuracy
+        )
     table = replace(settled.table, lines=windows.ends)
     notes = [*peaks.notes, *_empty_band_notes(table, freq, fit_bands, requested=bands is not None)]
     if not registered.exact:
@@ -83,10 +85,12 @@ def extract_mode_by_mode(
         method=method,
         notes=notes,
         choices=line_choice.choices,
-        noise_correlation=shared_noise_fraction(DAMPING_MODELS[options.law], data, settled, windows.index),
+        noise_correlation=shared_noise_fraction(
+            DAMPING_MODELS[options.assumed_damping], data, settled, windows.index
+        ),
     )
     if leakage is None and registered.exact:
-        model = flag_misfits(model, responses, DAMPING_MODELS[options.law], line_choice.leave_out)
+        model = flag_misfits(model, responses, DAMPING_MODELS[options.assumed_damping], line_choice.leave_out)
     if bands is not None:
         model = flag_further_peaks(model, freq, indicator, fit_bands)
     model = with_damping_model_flags(model, responses, options)

@@ -115,9 +115,9 @@ def natural_shear(shapes: FloatArray, slopes: FloatArray, tangent: FloatArray) -
     return out
 
 
-def strain_energy(strains: FloatArray, law: FloatArray, weight: FloatArray) -> FloatArray:
+def strain_energy(strains: FloatArray, elasticity: FloatArray, weight: FloatArray) -> FloatArray:
     """Return B^T C B times a weight (n,): strains (n, s, m), law (n, s, s)."""
-    return np.asarray(strains.swapaxes(1, 2) @ (weight[:, None, None] * law) @ strains)
+    return np.asarray(strains.swapaxes(1, 2) @ (weight[:, None, None] * elasticity) @ strains)
 
 
 def symmetric(matrices: FloatArray) -> FloatArray:

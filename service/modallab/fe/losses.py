@@ -18,13 +18,15 @@ class Losses:
     viscous_mass: FloatArray  # a', 1/s
 
     @classmethod
-    def of(cls, law: Damping, loss_factor: FloatArray) -> "Losses":
+    def of(cls, damping: Damping, loss_factor: FloatArray) -> "Losses":
         """Return the damping of members with some loss factors, (n_members,), under a damping law."""
         zeros = np.zeros(len(loss_factor))
-        if isinstance(law, StructuralDamping):
-            return cls(loss_factor, zeros + law.mass_coefficient, zeros, zeros)
-        if isinstance(law, ViscousDamping):
-            return cls(loss_factor, zeros, zeros + law.stiffness_coefficient, zeros + law.mass_coefficient)
+        if isinstance(damping, StructuralDamping):
+            return cls(loss_factor, zeros + damping.mass_coefficient, zeros, zeros)
+        if isinstance(damping, ViscousDamping):
+            return cls(
+                loss_factor, zeros, zeros + damping.stiffness_coefficient, zeros + damping.mass_coefficient
+            )
         return cls(loss_factor, zeros, zeros, zeros)
 
     def mean(self, omega: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -94,14 +94,14 @@ class Companions:
         by_source = {f.response.point: f.data.real for f in forces if f.response}
         if len(by_source) == len(forces):  # all was measured at once
             values = self._stacked(
-                "force spectra", by_source, [self._inputs for _ in self._outputs], whole=True
+                "force spectra", by_source, [self._inputs for _ in self._outputs], keep_input_axis=True
             )
         elif len(by_run) < len(forces):
             self.notes.append("force spectra left out: which belongs to which response is not clear")
             return None
         else:
             keys = [list(zip(runs, self._inputs, strict=True)) for runs in self._runs]
-            values = self._stacked("force spectra", by_run, keys, whole=True)
+            values = self._stacked("force spectra", by_run, keys, keep_input_axis=True)
         return None if values is None else values / self._units[1] ** 2
 
     def _densities(self, numerator: int) -> list[Function]:
@@ -122,13 +122,13 @@ class Companions:
         name: str,
         curves: Mapping[Any, FloatArray],
         keys: Sequence[Sequence[Hashable]],
-        whole: bool = False,
+        keep_input_axis: bool = False,
     ) -> FloatArray | None:
-        """Return curves by response and input; a single input has no axis, unless `whole` is set."""
+        """Return curves by response and input, a single input without axis unless `keep_input_axis`."""
         if not curves:
             return None
         if not all(key in curves for row in keys for key in row):
             self.notes.append(f"{name} left out: not there for every FRF")
             return None
         values = np.stack([np.stack([curves[key] for key in row], axis=-1) for row in keys], axis=1)
-        return values if whole or values.shape[2] > 1 else values[:, :, 0]
+        return values if keep_input_axis or values.shape[2] > 1 else values[:, :, 0]

@@ -48,10 +48,10 @@ def front(origin: Origin) -> bytes:
     return dataset(151, [*header, date, program, date]) + dataset(164, units)
 
 
-def _date(moment: datetime) -> str:
+def _date(timestamp: datetime) -> str:
     # Not by strftime: its month is in the language of the computer.
-    day = f"{moment.day:02d}-{_MONTHS[moment.month - 1]}-{moment.year % 100:02d}"
-    return f"{day:<10}{moment:%H:%M:%S}"
+    day = f"{timestamp.day:02d}-{_MONTHS[timestamp.month - 1]}-{timestamp.year % 100:02d}"
+    return f"{day:<10}{timestamp:%H:%M:%S}"
 
 
 def _factors(*values: float) -> str:

@@ -172,12 +172,16 @@ class Recorder:
         return samples, lines
 
     def _source_signals(
-        self, stretch: ComplexArray | None, lines: ComplexArray | None, starts: IntArray
+        self, stationary_lines: ComplexArray | None, lines: ComplexArray | None, starts: IntArray
     ) -> list[SourceSignal]:
         """Return the source signals of some records: stationary and periodic part."""
         share = self._chain.source.continuous
         first = np.zeros_like(starts)
-        signals = [] if stretch is None else [SourceSignal(stretch, share, self._repeats, starts, first)]
+        signals = (
+            []
+            if stationary_lines is None
+            else [SourceSignal(stationary_lines, share, self._repeats, starts, first)]
+        )
         signal_index = first if lines is None or len(lines) == 1 else np.arange(len(starts))
         fresh_signals = [] if lines is None else [SourceSignal(lines, 1 - share, 1, first, signal_index)]
         return [*signals, *fresh_signals]

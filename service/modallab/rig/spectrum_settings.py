@@ -135,7 +135,7 @@ class WishartSettings(Settings):
 
 
 @dataclass(frozen=True)
-class NoiseBiasSettings(Settings):
+class NoiseBiasRemovalSettings(Settings):
     """Correction of FRFs for noise."""
 
     min_averages: int = setting(
@@ -151,4 +151,4 @@ LEAKAGE_KERNEL = LeakageKernelSettings()
 RECORD_CORRELATION = RecordCorrelationSettings()
 SIMULATED_VARIANCE = SimulatedVarianceSettings()
 WISHART = WishartSettings()
-NOISE_BIAS = NoiseBiasSettings()
+NOISE_BIAS = NoiseBiasRemovalSettings()

@@ -52,12 +52,12 @@ class BoundedGaussNewton:
         weights
             (n_data,) of the residuals; all 1 if none are given.
         """
-        reach, last_gain = LEAST_SQUARES.first_step, np.inf
+        trust_radius, last_gain = LEAST_SQUARES.first_step, np.inf
         for _ in range(evaluations):
-            step, predicted_gain = self._step(reach, weights)
+            step, predicted_gain = self._step(trust_radius, weights)
             if not self._fresh and predicted_gain > max(LEAST_SQUARES.slow_gain * last_gain, tolerance):
                 self._renew()
-                step, predicted_gain = self._step(reach, weights)
+                step, predicted_gain = self._step(trust_radius, weights)
             last_gain = predicted_gain
             cost = self._cost(self.vector, weights)
             if not predicted_gain > tolerance * max(1.0, cost / len(self.vector)):
@@ -69,9 +69,9 @@ class BoundedGaussNewton:
             longest = float(np.abs(step).max())
             if vector is not None and successful:
                 self._move(target, vector)
-                reach = max(reach, LEAST_SQUARES.growth * longest)
+                trust_radius = max(trust_radius, LEAST_SQUARES.growth * longest)
             else:
-                reach = longest / LEAST_SQUARES.shrinkage
+                trust_radius = longest / LEAST_SQUARES.shrinkage
             if not self._fresh and not (successful and gain > LEAST_SQUARES.poor_gain * predicted_gain):
                 self._renew()
 
@@ -91,15 +91,15 @@ class BoundedGaussNewton:
         self.position = target
         self.vector, self._fresh = vector, False
 
-    def _step(self, reach: float, weights: FloatArray | None) -> tuple[FloatArray, float]:
+    def _step(self, trust_radius: float, weights: FloatArray | None) -> tuple[FloatArray, float]:
         """Return the best step within bounds and trust region, and its predicted gain."""
         system = np.column_stack([self.jacobian, self.vector])
         if weights is not None:
             system *= weights[:, None]
         triangle = np.asarray(np.linalg.qr(system, mode="r"))
         jacobian, vector = triangle[:, :-1], triangle[:, -1]
-        low = np.maximum(self._low - self.position, -reach)
-        high = np.minimum(self._high - self.position, reach)
+        low = np.maximum(self._low - self.position, -trust_radius)
+        high = np.minimum(self._high - self.position, trust_radius)
         # A parameter on its bound still needs a box that is not empty.
         box = low, np.maximum(high, low + PRODUCT_ROUNDING)
         step = np.asarray(lsq_linear(jacobian, -vector, box, method="bvls").x.clip(low, high))

@@ -173,18 +173,18 @@ class SingleTestPredictor:
 
     def predict(self, effects: Sequence[Effect]) -> Predicted:
         """Return the expected spectra with additional effects."""
-        whole = self.chain(effects)
-        spectra = expected_spectra(whole)
-        leaking = whole.source.continuous > 0
+        measuring_chain = self.chain(effects)
+        spectra = expected_spectra(measuring_chain)
+        leaking = measuring_chain.source.continuous > 0
         excitation, factors = EXCITATIONS[self.setup.analyser.excitation.kind], None
         intermittent = is_intermittent(effects, self.setup)
         if excitation.deterministic:
-            factors = partial(periodic_factors, whole, spectra)
+            factors = partial(periodic_factors, measuring_chain, spectra)
         elif intermittent:
-            factors = partial(self._simulated_factors, whole, spectra, effects)
+            factors = partial(self._simulated_factors, measuring_chain, spectra, effects)
         return Predicted.of(
             spectra,
-            partial(correlated_excess_variance, whole, spectra) if leaking else None,
+            partial(correlated_excess_variance, measuring_chain, spectra) if leaking else None,
             factors,
             lines_correlated=leaking or intermittent or excitation.transient is not None,
         )
@@ -197,17 +197,21 @@ class SingleTestPredictor:
         """Return variance ratios of simulated tests with distortion in bursts; None without bursts."""
         if not is_intermittent(effects, self.setup):
             return None
-        whole = self.chain(effects)
-        spectra = expected_spectra(whole)
-        factors = self._simulated_factors(whole, spectra, effects, SIMULATED_VARIANCE.n_tests)
+        measuring_chain = self.chain(effects)
+        spectra = expected_spectra(measuring_chain)
+        factors = self._simulated_factors(measuring_chain, spectra, effects, SIMULATED_VARIANCE.n_tests)
         return None if factors is None else VarianceRatios.of(factors, spectra)
 
     def _simulated_factors(
-        self, whole: Chain, spectra: CrossSpectra, effects: Sequence[Effect], repeats: int | None = None
+        self,
+        measuring_chain: Chain,
+        spectra: CrossSpectra,
+        effects: Sequence[Effect],
+        repeats: int | None = None,
     ) -> VarianceFactors | None:
         n_before = self.simulated.n_simulated
-        factors = self.simulated.factors(whole, spectra, effects, repeats=repeats)
-        cost = PREDICTION.stepping_cost * len(whole.runs[0].local_forces)
+        factors = self.simulated.factors(measuring_chain, spectra, effects, repeats=repeats)
+        cost = PREDICTION.stepping_cost * len(measuring_chain.runs[0].local_forces)
         self.budget.spend(cost * (self.simulated.n_simulated - n_before))
         return factors
 
@@ -224,8 +228,8 @@ class SingleTestPredictor:
     def with_frequency_shift(self, effects: Sequence[Effect], shift: float) -> Predicted:
         """Return the expected spectra with every natural frequency shifted by a ratio of itself."""
         system = self.model.deviating_system.scaled(stiffness=(1 + shift) ** 2)
-        whole = chain(system, self.setup, self._acting(self._in_this_test(effects)))
-        return Predicted.of(expected_spectra(whole))
+        measuring_chain = chain(system, self.setup, self._acting(self._in_this_test(effects)))
+        return Predicted.of(expected_spectra(measuring_chain))
 
     def coarse(self, effects: Sequence[Effect]) -> Predicted:
         """Return the expected spectra at every `step`-th line, leakage on a coarse grid."""
@@ -262,5 +266,5 @@ class SingleTestPredictor:
             acquisition_run=replace(first.acquisition_run, outputs=dofs),
             responses=tuple(map(Channel.ideal, dofs)),
         )
-        whole = replace(chain(system, self.setup), runs=(run,))
-        return np.asarray(whole.respond(freq).inertance[0])
+        measuring_chain = replace(chain(system, self.setup), runs=(run,))
+        return np.asarray(measuring_chain.respond(freq).inertance[0])

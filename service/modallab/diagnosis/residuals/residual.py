@@ -189,7 +189,7 @@ def error_ratio(narrow: Observed, wide: Observed) -> FloatArray:
 
 
 def correlation_lengths(
-    observed: Observed, residual: Residual, *, reach: int | None = None
+    observed: Observed, residual: Residual, *, max_lag: int | None = None
 ) -> dict[str, float]:
     """Return the number of lines per independent line, by part.
 
@@ -198,27 +198,27 @@ def correlation_lengths(
 
     Parameters
     ----------
-    reach
+    max_lag
         Largest distance, in lines, of correlated lines; None for any distance, but then a missing effect
         that changes slowly from line to line looks like leakage too.
     """
     if not residual.lines_correlated:
         return dict.fromkeys(residual.parts, observed.correlation_length)
     return {
-        name: _correlation_length(np.where(_by_run(observed.usable, part.shape[1]), part, 0.0), reach)
+        name: _correlation_length(np.where(_by_run(observed.usable, part.shape[1]), part, 0.0), max_lag)
         for name, part in residual.rescaled.items()
     }
 
 
 def gap_errors(
-    observed: Observed, residual: Residual, mask: BoolArray, *, reach: int | None = None
+    observed: Observed, residual: Residual, mask: BoolArray, *, max_lag: int | None = None
 ) -> dict[str, float]:
     """Return the standard error of each part's gap over `mask` if no effect is missing.
 
-    `reach` as in `correlation_lengths`.
+    `max_lag` as in `correlation_lengths`.
     """
     errors: dict[str, float] = {}
-    for name, length in correlation_lengths(observed, residual, reach=reach).items():
+    for name, length in correlation_lengths(observed, residual, max_lag=max_lag).items():
         part = residual.parts[name]
         # A complex residual holds two numbers, so its mean square scatters less. Its error is from a
         # measured coherence: the square over that has an F distribution.
@@ -253,10 +253,10 @@ def autocovariance(part: ComplexArray | FloatArray) -> ComplexArray:
     return np.asarray(np.fft.ifft((np.abs(spectrum) ** 2).sum(axis=1))[: len(part)])
 
 
-def _correlation_length(part: ComplexArray | FloatArray, reach: int | None) -> float:
+def _correlation_length(part: ComplexArray | FloatArray, max_lag: int | None) -> float:
     """Return the lines per independent line: 1 + 2 sum (1 - k/n) |rho_k|^2 over the lags k."""
     n = len(part)
     covariance = autocovariance(part)
     pairs = 1 - np.arange(1, n) / n  # of n lines only n - k pairs are k apart
     rho = np.abs(covariance[1:]) / max(float(np.abs(covariance[0])), SAFE_DIVISOR) / pairs
-    return float(1 + 2 * (pairs * np.minimum(rho, 1.0) ** 2)[:reach].sum())
+    return float(1 + 2 * (pairs * np.minimum(rho, 1.0) ** 2)[:max_lag].sum())

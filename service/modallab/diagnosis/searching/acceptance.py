@@ -16,20 +16,20 @@ from modallab.rig.effect import Effect
 
 
 def is_noise_only(
-    predictor: Predictor, residual: Residual, *, reach: int | None = ACCEPTANCE.correlated_lines
+    predictor: Predictor, residual: Residual, *, max_lag: int | None = ACCEPTANCE.correlated_lines
 ) -> bool:
     """Return whether every part of the gap is 1 within its random error, fitted and held out alike.
 
     Parameters
     ----------
-    reach
+    max_lag
         As `correlation_lengths`. Leakage correlates all lines, but so does a missing effect, above all an
         unknown noise level: a search takes lines more than a few apart for independent and continues where
         a gap is not small. None asks for a large gap: a verdict has to be sure.
     """
     observed = predictor.observed
     for mask in (observed.fitted, observed.held_out_mask):
-        errors = gap_errors(observed, residual, mask, reach=reach)
+        errors = gap_errors(observed, residual, mask, max_lag=max_lag)
         if any(gap > largest_gap_by_chance(errors[part]) for part, gap in residual.gaps(mask).items()):
             return False
     return True

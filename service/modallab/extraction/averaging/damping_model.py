@@ -17,7 +17,7 @@ DISQUALIFYING_FLAGS = ("misfit", "further peak", "leakage_bias", "references dif
 class DampingModelChoice:
     """Damping model that the phases of modal constants indicate."""
 
-    law: Damping | None
+    damping: Damping | None
     """None where the phases do not decide."""
     phase_ratio: float
     """Phase of the constants over that of viscous modes: 0 structural, 1 viscous."""
@@ -27,10 +27,10 @@ class DampingModelChoice:
     @property
     def reason(self) -> str:
         """Damping model and reason, as in the `choices` of a modal model."""
-        if self.law is None:
+        if self.damping is None:
             return f"{Damping.STRUCTURAL}: unless another is asked for; the lines do not tell which law holds"
         turned = f"{self.phase_ratio:.2g} +- {self.error:.1g} of what viscous damping would turn them by"
-        return f"{self.law}: as the lines tell, whose modal constants are turned by {turned}"
+        return f"{self.damping}: as the lines tell, whose modal constants are turned by {turned}"
 
 
 def select_damping_model(model: ModalModel) -> DampingModelChoice:
@@ -81,7 +81,7 @@ def _phases(model: ModalModel, rows: list[int]) -> tuple[FloatArray, FloatArray,
 def with_damping_model(model: ModalModel, choice: DampingModelChoice) -> ModalModel:
     """Return the model with the choice of its damping model, without flags on it if it was decided."""
     model = replace(model, choices={**model.choices, "damping": choice.reason})
-    if choice.law is None:
+    if choice.damping is None:
         return model
     modes = (
         replace(mode, flags=tuple(flag for flag in mode.flags if not flag.startswith("damping_law")))

@@ -28,7 +28,7 @@ def with_damping_model_flags(
     options
         Of the extraction.
     """
-    if options.law is Damping.VISCOUS or not has_coherence(responses):
+    if options.assumed_damping is Damping.VISCOUS or not has_coherence(responses):
         return model
     return replace(model, modes=tuple(_flagged(mode) for mode in model.modes))
 

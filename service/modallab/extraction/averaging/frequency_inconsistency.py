@@ -52,7 +52,7 @@ class FittedModes:
 
 
 @dataclass(frozen=True, eq=False)
-class _Law:
+class _EigenvalueRegression:
     """Regression of relative eigenvalues, `level - slope regressor`, for each mode and for all together."""
 
     mode_slope: FloatArray
@@ -123,7 +123,7 @@ def _centred(values: FloatArray, weight: FloatArray) -> FloatArray:
 
 def _identified_cause(
     modes: FittedModes, total: FloatArray, degrees: int
-) -> tuple[InconsistencyCause, _Law | None, float]:
+) -> tuple[InconsistencyCause, _EigenvalueRegression | None, float]:
     """Return the cause, its regression and the part of the chi-square it explains; UNKNOWN if none does."""
     position = np.linspace(0.0, 1.0, modes.good.shape[1])[None].repeat(len(total), axis=0)
     squared = (modes.shape**2).real
@@ -131,7 +131,7 @@ def _identified_cause(
     # errors of the regressor are converted to the shifts that they would cause
     blurred = np.hypot(modes.shift_error, 2 * mass.slope * np.abs(modes.shape) * modes.shape_error)
     mass = _fit_law(modes, squared, blurred)
-    candidates: list[tuple[float, InconsistencyCause, _Law]] = []
+    candidates: list[tuple[float, InconsistencyCause, _EigenvalueRegression]] = []
     for cause, law in (
         (InconsistencyCause.ROVING_MASS if modes.scaled else InconsistencyCause.SQUARED_SHAPE, mass),
         (InconsistencyCause.STEADY_DRIFT, _fit_law(modes, position, modes.shift_error)),
@@ -152,7 +152,7 @@ def _identified_cause(
     return cause, law, explained
 
 
-def _fit_law(modes: FittedModes, regressor: FloatArray, error: FloatArray) -> _Law:
+def _fit_law(modes: FittedModes, regressor: FloatArray, error: FloatArray) -> _EigenvalueRegression:
     weight = _weight(modes, error)
     x, y = _centred(regressor, weight), _centred(modes.shift, weight)
     xx, xy, yy = (np.asarray((weight * product).sum(axis=1)) for product in (x * x, x * y, y * y))
@@ -164,7 +164,7 @@ def _fit_law(modes: FittedModes, regressor: FloatArray, error: FloatArray) -> _L
     spare = np.maximum(modes.good.sum(axis=1) - 2, 1)
     mode_error = np.sqrt(np.maximum(mode_remainder / spare, 1) / np.where(determined, xx, 1.0))
     scatter = max(remainder / max(int((modes.good.sum(axis=1) - 1).sum()) - 1, 1), 1.0)
-    return _Law(
+    return _EigenvalueRegression(
         mode_slope=np.where(determined, mode_slope, np.nan),
         mode_error=np.where(determined, mode_error, np.nan),
         slope=common,
@@ -182,32 +182,32 @@ def _weighted(values: FloatArray, weight: FloatArray) -> FloatArray:
     return np.asarray((weight * values).sum(axis=1) / np.where(total > 0, total, 1.0))
 
 
-def _level(cause: InconsistencyCause, law: _Law | None, n_modes: int) -> FloatArray:
-    if law is None:
+def _level(cause: InconsistencyCause, pattern: _EigenvalueRegression | None, n_modes: int) -> FloatArray:
+    if pattern is None:
         return np.ones(n_modes)
-    return law.mode_level if cause is InconsistencyCause.SQUARED_SHAPE else law.level
+    return pattern.mode_level if cause is InconsistencyCause.SQUARED_SHAPE else pattern.level
 
 
 def _sizes(
-    cause: InconsistencyCause, law: _Law | None, modes: FittedModes
+    cause: InconsistencyCause, pattern: _EigenvalueRegression | None, modes: FittedModes
 ) -> tuple[tuple[float, float], tuple[FloatArray, FloatArray]]:
     """Return size and standard error, of all modes and of each; see `FrequencyInconsistency`."""
     unknown = np.full(len(modes.good), np.nan)
-    if law is None or cause in (InconsistencyCause.UNKNOWN, InconsistencyCause.SQUARED_SHAPE):
+    if pattern is None or cause in (InconsistencyCause.UNKNOWN, InconsistencyCause.SQUARED_SHAPE):
         return (0.0, 0.0), (unknown, unknown)
     if cause is InconsistencyCause.STEADY_DRIFT:
-        return (-law.slope / 2, law.error / 2), (-law.mode_slope / 2, law.mode_error / 2)
+        return (-pattern.slope / 2, pattern.error / 2), (-pattern.mode_slope / 2, pattern.mode_error / 2)
     # The second-order term is m phi^2 of the mass from the mode itself, and about as much from others.
     largest = np.where(modes.good, np.abs(modes.shape) ** 2, 0.0).max(axis=1, initial=0.0)
-    neglected = 2 * law.slope**2 * largest
-    determined = np.isfinite(law.mode_slope)
-    weight = np.where(determined, 1 / np.hypot(law.mode_error, neglected) ** 2, 0.0)
-    mode_mass = np.where(determined, law.mode_slope, 0.0)
+    neglected = 2 * pattern.slope**2 * largest
+    determined = np.isfinite(pattern.mode_slope)
+    weight = np.where(determined, 1 / np.hypot(pattern.mode_error, neglected) ** 2, 0.0)
+    mode_mass = np.where(determined, pattern.mode_slope, 0.0)
     mass = float((weight * mode_mass).sum() / weight.sum())
     scatter = float((weight * (mode_mass - mass) ** 2).sum() / max(int(determined.sum()) - 1, 1))
     error = np.sqrt(max(scatter, 1.0) / weight.sum())
     systematic = float((weight * neglected).sum() / weight.sum())  # same sign in all modes
     return (mass, float(np.hypot(error, systematic))), (
-        law.mode_slope,
-        np.hypot(law.mode_error, neglected),
+        pattern.mode_slope,
+        np.hypot(pattern.mode_error, neglected),
     )

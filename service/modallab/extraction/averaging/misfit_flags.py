@@ -16,7 +16,9 @@ from modallab.extraction.preprocessing.settings import BANDS
 from modallab.extraction.single_mode.damping_models import DampingModel
 
 
-def flag_misfits(model: ModalModel, responses: Responses, law: DampingModel, leave_out: int) -> ModalModel:
+def flag_misfits(
+    model: ModalModel, responses: Responses, damping_model: DampingModel, leave_out: int
+) -> ModalModel:
     """Return the model with the flag `misfit` at every mode that one mode does not explain.
 
     All modes, each with the pole of the FRF, and a mass-like and a stiffness-like residual are subtracted
@@ -29,14 +31,14 @@ def flag_misfits(model: ModalModel, responses: Responses, law: DampingModel, lea
         With the lines of its fits; from records without leakage.
     responses
         FRFs of the fits.
-    law
+    damping_model
         Damping model.
     leave_out
         Number of lines nearest to resonance that the fits left out.
     """
     if model.fitted_lines is None:
         return model
-    misfit = _relative_misfit(model, responses, law, leave_out)
+    misfit = _relative_misfit(model, responses, damping_model, leave_out)
     modes = tuple(_flagged(mode, float(share)) for mode, share in zip(model.modes, misfit, strict=True))
     return replace(model, modes=modes)
 
@@ -80,7 +82,7 @@ def _flagged(mode: Mode, share: float) -> Mode:
 
 
 def _relative_misfit(
-    model: ModalModel, responses: Responses, law: DampingModel, leave_out: int
+    model: ModalModel, responses: Responses, damping_model: DampingModel, leave_out: int
 ) -> FloatArray:
     """Return the remainder of each mode's lines relative to its response, (n_modes,)."""
     lines, fitted = np.asarray(model.fitted_lines), np.asarray(model.fitted_frequency)
@@ -95,11 +97,11 @@ def _relative_misfit(
     remainder = responses.receptance[index, column]
     used = without_nearest(freq * np.abs(remainder), used, leave_out)
     pole, constant = _poles(model), np.asarray(model.modal_constant)
-    modes = law.response(freq, pole[:, :, None], constant[:, :, None])
+    modes = damping_model.response(freq, pole[:, :, None], constant[:, :, None])
     for m in range(
         len(pole)
     ):  # all in one array would need memory proportional to the squared number of modes
-        remainder = remainder - law.response(freq, pole[m][:, None], constant[m][:, None])
+        remainder = remainder - damping_model.response(freq, pole[m][:, None], constant[m][:, None])
     power = (np.abs(_without_residuals(remainder * used, freq, used)) ** 2 * used).sum(axis=2)
     random = np.where(used, variance, 0.0).sum(axis=2)
     size = (np.abs(modes) ** 2 * used).sum(axis=2)

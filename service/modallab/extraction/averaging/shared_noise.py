@@ -9,7 +9,9 @@ from modallab.extraction.single_mode.fitting import ConvergedFits, FitData
 from modallab.extraction.single_mode.settings import SINGLE_MODE_FIT
 
 
-def shared_noise_fraction(law: DampingModel, data: FitData, settled: ConvergedFits, index: IntArray) -> float:
+def shared_noise_fraction(
+    damping_model: DampingModel, data: FitData, settled: ConvergedFits, index: IntArray
+) -> float:
     """Return the correlation of the errors of different FRFs near resonances, 0 to 1.
 
     Responses recorded simultaneously are divided by the same force, whose noise shifts a mode by the same
@@ -19,7 +21,7 @@ def shared_noise_fraction(law: DampingModel, data: FitData, settled: ConvergedFi
 
     Parameters
     ----------
-    law
+    damping_model
         Damping model.
     data, settled
         Lines of every fit, and the converged fits.
@@ -29,7 +31,7 @@ def shared_noise_fraction(law: DampingModel, data: FitData, settled: ConvergedFi
     table = settled.table
     eigenvalue = (2 * np.pi * table.frequency) ** 2 * (1 + 1j * table.loss_factor)
     good = table.screening.good & (eigenvalue.real > 0)
-    mode = law.response(
+    mode = damping_model.response(
         data.freq,
         np.where(good, eigenvalue, 1 + 1j)[:, :, None],
         np.where(good, table.modal_constant, 1.0)[:, :, None],

@@ -36,14 +36,14 @@ def poles_of_fractions(freq: FloatArray, frf: ComplexArray, weight: FloatArray, 
             allowed=f"1 to {usable // MATRIX_FRACTION.lines_per_order}, rising",
         )
     fractions = fit_fractions(circle, orders)
-    row, turn, logarithm = _stable_in_band(circle, *_inverse_zeros(fractions.denominator, orders))
+    row, inverse_zero, logarithm = _stable_in_band(circle, *_inverse_zeros(fractions.denominator, orders))
     spacing = float(freq[1] - freq[0])
     rate = circle.points * spacing  # z = exp(s / rate), s from the first line on
     pole = 2j * np.pi * freq[0] + rate * logarithm
     ranked = np.lexsort((np.abs(pole), row))
-    row, turn, pole = row[ranked], turn[ranked], pole[ranked]
+    row, inverse_zero, pole = row[ranked], inverse_zero[ranked], pole[ranked]
     # dz = z ds / rate
-    residue = _residues(circle, fractions, row, 1 / turn) * (rate * turn)[:, None]
+    residue = _residues(circle, fractions, row, 1 / inverse_zero) * (rate * inverse_zero)[:, None]
     strength = _strengths(freq, residue, weight.reshape(len(freq), -1), pole)
     strength /= np.sqrt(max(fractions.noise, np.finfo(float).tiny))
     return Poles(orders, orders[row], pole, residue, strength, spacing)
@@ -83,18 +83,18 @@ def _eigenvalues(matrix: ComplexArray) -> ComplexArray:
 
 
 def _stable_in_band(
-    circle: ZDomainData, row: IntArray, turn: ComplexArray
+    z_data: ZDomainData, row: IntArray, inverse_zero: ComplexArray
 ) -> tuple[IntArray, ComplexArray, ComplexArray]:
     """Return stable poles with a frequency on the arc, and the logarithms of z = 1/turn."""
-    stable = np.abs(turn) > 1
-    row, turn = row[stable], turn[stable]
-    logarithm = -np.log(turn)
+    stable = np.abs(inverse_zero) > 1
+    row, inverse_zero = row[stable], inverse_zero[stable]
+    logarithm = -np.log(inverse_zero)
     logarithm.imag %= 2 * np.pi
-    inside = logarithm.imag <= 2 * np.pi * (circle.frf.shape[2] - 1) / circle.points
-    return row[inside], turn[inside], logarithm[inside]
+    inside = logarithm.imag <= 2 * np.pi * (z_data.frf.shape[2] - 1) / z_data.points
+    return row[inside], inverse_zero[inside], logarithm[inside]
 
 
-def _residues(circle: ZDomainData, fractions: Fractions, row: IntArray, z: ComplexArray) -> ComplexArray:
+def _residues(z_data: ZDomainData, fractions: Fractions, row: IntArray, z: ComplexArray) -> ComplexArray:
     """Return the residues of `H(z)` at its poles, (n_poles, n_out * n_in).
 
     Where `A v = 0` and `u^H A = 0` the residue of `B A^-1` is `B v u^H / (u^H A' v)`.
@@ -118,8 +118,8 @@ def _residues(circle: ZDomainData, fractions: Fractions, row: IntArray, z: Compl
         numerator = (of_all @ part.reshape(-1, terms * n_in).T).reshape(n_orders, n_in * n, terms)
         value = at.of(numerator.swapaxes(1, 2))
         across[:, start : start + n] = (value.reshape(len(z), n_in, n) * v[:, :, None]).sum(axis=1)
-    whole = across[:, :, None] * (u / steep[:, None])[:, None, :] * circle.scale
-    return np.asarray(whole.reshape(len(z), circle.scale.size))
+    whole = across[:, :, None] * (u / steep[:, None])[:, None, :] * z_data.scale
+    return np.asarray(whole.reshape(len(z), z_data.scale.size))
 
 
 def _powers(z: ComplexArray, terms: int) -> ComplexArray:

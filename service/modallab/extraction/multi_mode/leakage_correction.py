@@ -73,7 +73,7 @@ def _as_fit(model: ModalModel) -> ModalFit:
     )
 
 
-def corrected_lines(stretch: BandData, leaked: LeakageCorrection, damping: Damping) -> BandData:
+def corrected_lines(band_data: BandData, leaked: LeakageCorrection, damping: Damping) -> BandData:
     """Return the lines with leakage corrected, and weights that include the remaining leakage.
 
     A leaked resonance has the shape of the window, to which a pole finder fits several poles. The closed form
@@ -82,14 +82,14 @@ def corrected_lines(stretch: BandData, leaked: LeakageCorrection, damping: Dampi
     is at least its difference from the reference modes.
     """
     if leaked.modes is None:
-        return stretch
-    receptance = stretch.receptance * _correction_factors(leaked.modes, stretch, leaked, damping)
-    weight = leaked_weights(leaked.modes.eigenvalue, replace(stretch, receptance=receptance))
-    squared_difference = np.abs(receptance - fitted_receptance(leaked.modes, stretch.freq, damping)) ** 2
+        return band_data
+    receptance = band_data.receptance * _correction_factors(leaked.modes, band_data, leaked, damping)
+    weight = leaked_weights(leaked.modes.eigenvalue, replace(band_data, receptance=receptance))
+    squared_difference = np.abs(receptance - fitted_receptance(leaked.modes, band_data.freq, damping)) ** 2
     doubt = np.where(
         weight * squared_difference > LEAKAGE_CORRECTION.disagreement_errors**2, squared_difference, 0.0
     )
-    return replace(stretch, receptance=receptance, weight=weight / (1 + weight * doubt))
+    return replace(band_data, receptance=receptance, weight=weight / (1 + weight * doubt))
 
 
 def all_starts(start: StartingPoles, leaked: LeakageCorrection, freq: FloatArray) -> StartingPoles:
@@ -115,16 +115,16 @@ def all_starts(start: StartingPoles, leaked: LeakageCorrection, freq: FloatArray
     return StartingPoles(np.concatenate([reference_modes.eigenvalue[inside], start.eigenvalue[new]]), reach)
 
 
-def leaked_weights(eigenvalue: ComplexArray, stretch: BandData) -> FloatArray:
+def leaked_weights(eigenvalue: ComplexArray, band_data: BandData) -> FloatArray:
     """Return weights with the error of the leakage correction, proportional to power near a resonance."""
-    eigenvalue_of_line = eigenvalue[nearest_mode(eigenvalue, stretch.freq)]
+    eigenvalue_of_line = eigenvalue[nearest_mode(eigenvalue, band_data.freq)]
     relative_size = np.maximum(
-        eigenvalue_of_line.imag / np.abs(eigenvalue_of_line - (2 * np.pi * stretch.freq) ** 2),
+        eigenvalue_of_line.imag / np.abs(eigenvalue_of_line - (2 * np.pi * band_data.freq) ** 2),
         LEAKAGE_CORRECTION.smallest_flank_error,
     )
-    used = stretch.weight > 0
-    error = (LEAKAGE_CORRECTION.resonance_error * relative_size[:, None] * np.abs(stretch.receptance)) ** 2
-    return np.where(used, 1 / (1 / np.where(used, stretch.weight, 1.0) + error), 0.0)
+    used = band_data.weight > 0
+    error = (LEAKAGE_CORRECTION.resonance_error * relative_size[:, None] * np.abs(band_data.receptance)) ** 2
+    return np.where(used, 1 / (1 / np.where(used, band_data.weight, 1.0) + error), 0.0)
 
 
 def nearest_mode(eigenvalue: ComplexArray, freq: FloatArray) -> IntArray:
@@ -138,14 +138,14 @@ def nearest_mode(eigenvalue: ComplexArray, freq: FloatArray) -> IntArray:
 
 
 def _correction_factors(
-    fit: ModalFit, stretch: BandData, leaked: LeakageCorrection, damping: Damping
+    fit: ModalFit, band_data: BandData, leaked: LeakageCorrection, damping: Damping
 ) -> ComplexArray:
     """Return the ratio of true to leaked lines, (n_lines, n_frf)."""
-    nearest = nearest_mode(fit.eigenvalue, stretch.freq)
-    x = (2 * np.pi * stretch.freq[:, None]) ** 2
+    nearest = nearest_mode(fit.eigenvalue, band_data.freq)
+    x = (2 * np.pi * band_data.freq[:, None]) ** 2
     eigenvalue = fit.eigenvalue[nearest][:, None]
     constant = fit.modal_constant[nearest]
-    background = fitted_receptance(fit, stretch.freq, damping) - constant / (eigenvalue - x)
+    background = fitted_receptance(fit, band_data.freq, damping) - constant / (eigenvalue - x)
     # a mode's receptance, turned to inertance, is a mode and its modal constant
     residual = constant - x * background
     drive = leaked.drive
@@ -154,8 +154,8 @@ def _correction_factors(
     else:
         driven, drive_residual = constant[:, drive, None], residual[:, drive, None]
     correction = leaked.leakage.correction(
-        stretch.freq[:, None, None],
-        float(np.median(np.diff(stretch.freq))),
+        band_data.freq[:, None, None],
+        float(np.median(np.diff(band_data.freq))),
         SinglePole(eigenvalue, -eigenvalue * constant, residual[..., None]),
         SinglePole(eigenvalue, -eigenvalue * driven, drive_residual[..., None]),
     )

@@ -22,7 +22,7 @@ from modallab.extraction.preprocessing.leaked_lines import (
 
 
 def with_leaked_errors(
-    refined: RefinedModes, stretch: BandData, leaked: LeakageCorrection, damping: Damping
+    refined: RefinedModes, band_data: BandData, leaked: LeakageCorrection, damping: Damping
 ) -> ModalFit:
     """Return the fit with standard errors from the correlated errors of leaked lines.
 
@@ -34,7 +34,7 @@ def with_leaked_errors(
     ----------
     refined
         Fit to corrected lines; a mode with too few lines keeps its errors.
-    stretch
+    band_data
         Lines before correction.
     leaked
         Leakage correction.
@@ -42,22 +42,22 @@ def with_leaked_errors(
         Damping model.
     """
     fit, n = refined.fit, len(refined.fit.eigenvalue)
-    spacing = float(np.median(np.diff(stretch.freq)))
+    spacing = float(np.median(np.diff(band_data.freq)))
     variance = np.diag(fit.eigenvalue_covariance).copy()
     constant = fit.modal_constant_error.copy()
-    receptance = fitted_receptance(fit, stretch.freq, damping)
+    receptance = fitted_receptance(fit, band_data.freq, damping)
     nearest, misfit_factor = (
-        nearest_mode(fit.eigenvalue, stretch.freq),
+        nearest_mode(fit.eigenvalue, band_data.freq),
         max(float(np.median(fit.misfit)), 1.0),
     )
     for m in range(n):
-        index = _lines_of_mode(fit, stretch.freq, m, nearest)
+        index = _lines_of_mode(fit, band_data.freq, m, nearest)
         if len(index) < LEAKED_MODES.minimum_lines:
             continue
-        freq, whole = stretch.freq[index], receptance[index].T
-        mode = _Mode(fit, m, freq, refined.weight[index].T, whole)
-        leaked_lines_of_mode = _lines_about_mode(fit, leaked, m, freq, spacing, whole)
-        noise = _noise(stretch, leaked, index, leaked_lines_of_mode, fit.common_noise)
+        freq, total_receptance = band_data.freq[index], receptance[index].T
+        mode = _Mode(fit, m, freq, refined.weight[index].T, total_receptance)
+        leaked_lines_of_mode = _lines_about_mode(fit, leaked, m, freq, spacing, total_receptance)
+        noise = _noise(band_data, leaked, index, leaked_lines_of_mode, fit.common_noise)
         errors = mode.errors(leaked_lines_of_mode, noise, leaked.averages, fit.common_noise)
         turn = np.array([-fit.loss_factor[m], 1.0]) / fit.eigenvalue[m].real
         variance[m] = misfit_factor * errors.eigenvalue[0, 0] / (8 * np.pi**2 * fit.frequency[m]) ** 2
@@ -78,7 +78,7 @@ class _Mode:
     """One mode and the influence of its lines; arrays (n_frf, n_lines)."""
 
     def __init__(
-        self, fit: ModalFit, m: int, freq: FloatArray, weight: FloatArray, whole: ComplexArray
+        self, fit: ModalFit, m: int, freq: FloatArray, weight: FloatArray, total_receptance: ComplexArray
     ) -> None:
         flank = 1 / (fit.eigenvalue[m] - (2 * np.pi * freq) ** 2)
         constant = fit.modal_constant[m]
@@ -88,10 +88,10 @@ class _Mode:
         along = (weight * flank.conj() * slope).sum(axis=1) / power
         slope = slope - along[:, None] * flank
         total = float((weight * np.abs(slope) ** 2).sum())
-        self._pole_influence = weight * slope.conj() * whole / (total or np.inf)
+        self._pole_influence = weight * slope.conj() * total_receptance / (total or np.inf)
         size = np.abs(constant)
         turn = constant.conj() / np.where(size > 0, size, 1.0)
-        self._constant_influence = turn[:, None] * weight * flank.conj() * whole / power[:, None]
+        self._constant_influence = turn[:, None] * weight * flank.conj() * total_receptance / power[:, None]
         self._constant_slope = -turn * along
 
     def errors(self, lines: LeakedLines, noise: "_Noise", averages: float, common: float) -> _Errors:
@@ -155,14 +155,14 @@ class _Noise:
 
 
 def _noise(
-    stretch: BandData, leaked: LeakageCorrection, index: IntArray, lines: LeakedLines, common: float
+    band_data: BandData, leaked: LeakageCorrection, index: IntArray, lines: LeakedLines, common: float
 ) -> _Noise:
     """Return the errors of lines beside leakage; their common part is at most its median over the FRFs.
 
     A minimum over many FRFs would be low by chance, because each is the difference of two estimates.
     """
-    freq, spacing = stretch.freq[index], float(np.median(np.diff(stretch.freq)))
-    exactness = (stretch.weight[index] * np.abs(stretch.receptance[index]) ** 2).T
+    freq, spacing = band_data.freq[index], float(np.median(np.diff(band_data.freq)))
+    exactness = (band_data.weight[index] * np.abs(band_data.receptance[index]) ** 2).T
     line_variance = np.where(exactness > 0, 1 / np.where(exactness > 0, exactness, 1.0), 0.0)
     leaked_variance = np.diagonal(lines.errors.covariance, axis1=-2, axis2=-1).real / leaked.averages
     excess = np.maximum(line_variance - leaked_variance, 0.0)

@@ -20,7 +20,7 @@ from modallab.extraction.options import Damping
 
 
 def with_leakage_errors(
-    refined: RefinedModes, stretch: BandData, leaked: LeakageCorrection, damping: Damping
+    refined: RefinedModes, band_data: BandData, leaked: LeakageCorrection, damping: Damping
 ) -> RefinedModes:
     """Return the modes with the errors of the reference modes, and the bias that may remain.
 
@@ -35,18 +35,18 @@ def with_leakage_errors(
     ----------
     refined
         Fit to corrected lines.
-    stretch
+    band_data
         Lines before correction.
     leaked
         Leakage correction.
     damping
         Damping model.
     """
-    has_covariance = stretch.weights_known and stretch.n_ref == 1 and np.isfinite(leaked.averages)
+    has_covariance = band_data.weights_known and band_data.n_ref == 1 and np.isfinite(leaked.averages)
     refined = replace(refined, fit=_with_correlated_lines(refined.fit, leaked.leakage.error_correlation))
     if has_covariance:
-        refined = replace(refined, fit=with_leaked_errors(refined, stretch, leaked, damping))
-    fit, spacing = refined.fit, float(np.median(np.diff(stretch.freq)))
+        refined = replace(refined, fit=with_leaked_errors(refined, band_data, leaked, damping))
+    fit, spacing = refined.fit, float(np.median(np.diff(band_data.freq)))
     full_bias = np.stack([np.full(len(fit.frequency), spacing / 2), spacing / fit.frequency], axis=1)
     full_bias[:, 1] = np.minimum(full_bias[:, 1], fit.loss_factor)  # leakage adds damping
     if leaked.modes is None:
@@ -60,9 +60,11 @@ def with_leakage_errors(
             > LEAKED_MODES.largest_relative_error * reference_modes.loss_factor
         )[nearest]
     )
-    sensitivity = _sensitivity(refined, stretch, leaked, damping)
+    sensitivity = _sensitivity(refined, band_data, leaked, damping)
     bias = np.where(imprecise[:, None], leaked.bias[nearest], _propagated_bias(sensitivity, leaked, nearest))
-    bias = np.maximum(_remaining_bias(refined, stretch, damping), np.where(matched[:, None], bias, full_bias))
+    bias = np.maximum(
+        _remaining_bias(refined, band_data, damping), np.where(matched[:, None], bias, full_bias)
+    )
     fit = _with_imprecise_references(
         _with_reference_errors(fit, sensitivity), reference_modes, nearest, imprecise
     )
@@ -78,7 +80,7 @@ class _Sensitivity:
 
 
 def _sensitivity(
-    refined: RefinedModes, stretch: BandData, leaked: LeakageCorrection, damping: Damping
+    refined: RefinedModes, band_data: BandData, leaked: LeakageCorrection, damping: Damping
 ) -> _Sensitivity:
     reference_modes = leaked.modes
     assert reference_modes is not None
@@ -86,8 +88,8 @@ def _sensitivity(
     def followed(frequency: FloatArray, loss_factor: FloatArray) -> tuple[FloatArray, ComplexArray]:
         eigenvalue = (2 * np.pi * frequency) ** 2 * (1 + 1j * loss_factor)
         perturbed_correction = replace(leaked, modes=replace(reference_modes, eigenvalue=eigenvalue))
-        lines = corrected_lines(stretch, perturbed_correction, damping).receptance
-        stepped, constant = one_step(stretch.freq, lines, refined.weight, refined.fit, damping=damping)
+        lines = corrected_lines(band_data, perturbed_correction, damping).receptance
+        stepped, constant = one_step(band_data.freq, lines, refined.weight, refined.fit, damping=damping)
         return np.stack([np.sqrt(stepped.real) / (2 * np.pi), stepped.imag / stepped.real], axis=1), constant
 
     unperturbed, constant = followed(reference_modes.frequency, reference_modes.loss_factor)
@@ -143,19 +145,19 @@ def _nearest_reference(
     return nearest, np.asarray(distance.min(axis=1) < reach)
 
 
-def _remaining_bias(refined: RefinedModes, stretch: BandData, damping: Damping) -> FloatArray:
+def _remaining_bias(refined: RefinedModes, band_data: BandData, damping: Damping) -> FloatArray:
     """Return the part of the correction that may remain as bias, (n_modes, 2)."""
     fit = refined.fit
     uncorrected = fit_modes(
-        stretch.freq,
-        stretch.receptance,
-        leaked_weights(fit.eigenvalue, stretch),
+        band_data.freq,
+        band_data.receptance,
+        leaked_weights(fit.eigenvalue, band_data),
         fit.eigenvalue,
         damping=damping,
         participation=fit.participation,
     )
     damping_shift = fit.loss_factor - uncorrected.loss_factor
-    spacing = float(np.median(np.diff(stretch.freq)))
+    spacing = float(np.median(np.diff(band_data.freq)))
     remaining = LEAKED_MODES.remaining_fraction * np.minimum(np.abs(damping_shift), fit.loss_factor)
     return np.stack([np.full_like(remaining, LEAKED_MODES.remaining_shift * spacing), remaining], axis=1)
 

@@ -103,18 +103,18 @@ def _gain(power: FloatArray) -> FloatArray:
     return np.asarray(gain / np.exp(np.log(gain).mean()))
 
 
-def fit_fractions(circle: ZDomainData, orders: IntArray) -> Fractions:
+def fit_fractions(z_data: ZDomainData, orders: IntArray) -> Fractions:
     """Return the fractions of every order.
 
     Parameters
     ----------
-    circle
+    z_data
         From `to_z_domain`.
     orders
         (n_orders,) rising.
     """
-    normal = _normal(circle, int(orders[-1]))
-    added = _noise_contribution(circle, normal)
+    normal = _normal(z_data, int(orders[-1]))
+    added = _noise_contribution(z_data, normal)
     level = _noise_level(_factor(normal.reduced, normal.total), added)
     unbiased = replace(normal, reduced=normal.reduced - MATRIX_FRACTION.compensated_bias * level * added)
     return Fractions(unbiased.solve(orders), normal.numerator, level)
@@ -144,14 +144,14 @@ class _Normal:
         return solved
 
 
-def _normal(circle: ZDomainData, order: int) -> _Normal:
-    n_out, n_in, n_freq = circle.frf.shape
+def _normal(z_data: ZDomainData, order: int) -> _Normal:
+    n_out, n_in, n_freq = z_data.frf.shape
     size = (order + 1) * n_in
-    weighted = circle.weight[:, None] * circle.frf
-    power = np.einsum("oik,ojk->ijk", weighted.conj(), circle.frf)
+    weighted = z_data.weight[:, None] * z_data.frf
+    power = np.einsum("oik,ojk->ijk", weighted.conj(), z_data.frf)
     # all sums by one transform: one call a set costs as much as the sums
-    rows = (weighted.reshape(-1, n_freq), power.reshape(-1, n_freq), circle.weight)
-    toeplitz = _toeplitz(circle.sums(np.concatenate(rows), order))
+    rows = (weighted.reshape(-1, n_freq), power.reshape(-1, n_freq), z_data.weight)
+    toeplitz = _toeplitz(z_data.sums(np.concatenate(rows), order))
     first, last = len(rows[0]), len(rows[0]) + len(rows[1])
     square = (order + 1, order + 1)
     output_blocks = toeplitz[:first].reshape(n_out, n_in, *square).transpose(0, 2, 3, 1)
@@ -195,20 +195,20 @@ def _inverse(factors: ComplexArray) -> ComplexArray:
     return np.stack([scipy.linalg.lapack.ztrtri(factor, lower=1)[0] for factor in factors])
 
 
-def _noise_contribution(circle: ZDomainData, normal: _Normal) -> ComplexArray:
+def _noise_contribution(z_data: ZDomainData, normal: _Normal) -> ComplexArray:
     """Return C, what noise as the weights tell it adds to M.
 
     Of the noise in an equation the numerators take up a share: the leverage of its line.
     """
-    n_in = circle.frf.shape[1]
+    n_in = z_data.frf.shape[1]
     order = normal.inverse.shape[1] - 1
     lags = _along_diagonals(normal.inverse)
-    round_circle = np.zeros((len(lags), circle.points), complex)
+    round_circle = np.zeros((len(lags), z_data.points), complex)
     round_circle[:, : order + 1] = lags[:, order:]
-    round_circle[:, circle.points - order :] = lags[:, :order]
-    leverage = circle.weight * scipy.fft.fft(round_circle)[:, : circle.weight.shape[1]].real
+    round_circle[:, z_data.points - order :] = lags[:, :order]
+    leverage = z_data.weight * scipy.fft.fft(round_circle)[:, : z_data.weight.shape[1]].real
     unexplained = np.clip(1 - leverage, 0.0, 1.0)
-    noise_block = _toeplitz(circle.sums((circle.noise * unexplained[:, None]).sum(axis=0), order))
+    noise_block = _toeplitz(z_data.sums((z_data.noise * unexplained[:, None]).sum(axis=0), order))
     added = np.zeros((order + 1, n_in, order + 1, n_in), complex)
     for i in range(n_in):
         added[:, i, :, i] = noise_block[i]

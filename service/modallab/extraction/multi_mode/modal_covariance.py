@@ -66,7 +66,7 @@ def uncertainty(
     misfit_factor = np.maximum(misfit, 1.0)
     # E|error|^2 is shared by two parts: half of it each
     covariance = inverse @ (0.5 * np.einsum("j,jpq->pq", misfit_factor, normal)) @ inverse
-    share = _common_share(lines, basis, parameters, linear)
+    share = _shared_noise_fraction(lines, basis, parameters, linear)
     if share > 0:
         common_covariance = (
             _common_noise_covariance(lines, basis, parameters, linear, c, misfit_factor) * share
@@ -108,7 +108,7 @@ def _misfit(
     return np.asarray(linear.misfit / np.maximum(n_used - used_up / 2, 1.0))
 
 
-def _common_share(
+def _shared_noise_fraction(
     lines: ScaledLines, basis: PoleBasis, parameters: FloatArray, linear: LinearSolution
 ) -> float:
     """Return the part, 0 to 1, of the least relative variance at a line that is common to all FRFs.
@@ -119,7 +119,7 @@ def _common_share(
     if lines.response.shape[1] == lines.n_references:
         return 0.0  # of one DoF no FRF has another beside it
     cross_power = power = expected = expected_power = 0.0
-    of_frf = lines.mixture(basis, parameters).coefficients(linear.coefficients).T
+    of_frf = lines.reference_mixing(basis, parameters).coefficients(linear.coefficients).T
     for block in line_blocks(len(lines.omega), 8 * lines.response.shape[1]):
         frf_response = all_columns(basis, lines.omega[block], parameters, lines.fixed_poles) @ of_frf
         # of several references: what the FRFs of one have in common
@@ -159,7 +159,7 @@ def _common_noise_covariance(
     n_parameters = c.shape[1]
     # how the parameters' influence is made of columns and slopes
     make = np.concatenate([-linear.mixed @ c.swapaxes(1, 2), c.swapaxes(1, 2)], axis=1)
-    mix = lines.mixture(basis, parameters)
+    mix = lines.reference_mixing(basis, parameters)
     of_frf = mix.coefficients(linear.coefficients).T
     influence = mix.influence(make)
     total = np.zeros((n_parameters, n_parameters))

@@ -26,7 +26,7 @@ class SharedShapeBasis:
     @property
     def paired_columns(self) -> bool:
         """As of the law."""
-        return self._law.paired_columns
+        return self._damping_basis.paired_columns
 
     @property
     def slope_weights(self) -> FloatArray:
@@ -42,7 +42,7 @@ class SharedShapeBasis:
         return turn
 
     @property
-    def _law(self) -> ModelledPoleBasis:
+    def _damping_basis(self) -> ModelledPoleBasis:
         return BASES[self.damping]
 
     @property
@@ -71,19 +71,19 @@ class SharedShapeBasis:
 
     def parameters(self, eigenvalue: ComplexArray) -> FloatArray:
         """Return those of the law, (n_modes, 2)."""
-        return self._law.parameters(eigenvalue)
+        return self._damping_basis.parameters(eigenvalue)
 
     def loss_factor(self, parameters: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return (n_modes,) and the derivatives by the law's parameters, (n_modes, 2)."""
-        return self._law.loss_factor(parameters[:, :POLE_PARAMETERS])
+        return self._damping_basis.loss_factor(parameters[:, :POLE_PARAMETERS])
 
     def columns(self, omega: FloatArray, parameters: FloatArray) -> ComplexArray:
         """Return those of the law, (n_lines, n_modes, 2)."""
-        return self._law.columns(omega, parameters[:, :POLE_PARAMETERS])
+        return self._damping_basis.columns(omega, parameters[:, :POLE_PARAMETERS])
 
     def slopes(self, omega: FloatArray, parameters: FloatArray) -> ComplexArray:
         """Return those of the law, (n_lines, n_modes, n_own)."""
-        return self._law.slopes(omega, parameters[:, :POLE_PARAMETERS])
+        return self._damping_basis.slopes(omega, parameters[:, :POLE_PARAMETERS])
 
     def mixing(self, parameters: FloatArray) -> FloatArray:
         """Return (n_references, n_modes, 2 + n_own, 2 + n_slopes).
@@ -92,16 +92,16 @@ class SharedShapeBasis:
         parts of psi, and the inverse of how the law makes modal constants of coefficients. The slopes by the
         law's parameters are those of both; those by parts of an L are the columns, at that reference alone.
         """
-        law, n_own = parameters[:, :POLE_PARAMETERS], self._law.slope_weights.shape[2]
-        unit = np.linalg.inv(self._law.constant(law)[:, 0])  # (n_modes, coefficient, part)
+        law, n_own = parameters[:, :POLE_PARAMETERS], self._damping_basis.slope_weights.shape[2]
+        unit = np.linalg.inv(self._damping_basis.constant(law)[:, 0])  # (n_modes, coefficient, part)
         reach = self.constant(parameters).swapaxes(0, 1)  # (n_references, n_modes, part, part of psi)
         shape = (self.n_references, len(parameters), 2 + n_own, 2 + self.slope_weights.shape[2])
         mixing = np.zeros(shape)
         mixing[:, :, :2, :2] = unit @ reach
         for p in range(POLE_PARAMETERS):
             of_law = np.zeros((len(parameters), 2 + n_own, 2))
-            of_law[:, :2] = -unit @ self._law.constant_by_pole(law)[:, p] @ unit
-            of_law[:, 2:] = self._law.slope_weights[:, p].T @ unit
+            of_law[:, :2] = -unit @ self._damping_basis.constant_by_pole(law)[:, p] @ unit
+            of_law[:, 2:] = self._damping_basis.slope_weights[:, p].T @ unit
             mixing[:, :, :, 2 + 2 * p : 4 + 2 * p] = of_law @ reach
         modes = np.arange(len(parameters))
         for n, free in enumerate(self._free.T):

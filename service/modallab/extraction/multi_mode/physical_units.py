@@ -32,7 +32,7 @@ def to_physical_units(
     constant, conditional, propagated = _constants(basis, parameters, linear, covariances)
     residuals = linear.coefficients[:, 2 * n :].reshape(len(scale), -1)
     stiffness_line, mass_line = residuals[:, 0] + 1j * residuals[:, 1], residuals[:, 2] + 1j * residuals[:, 3]
-    reach = basis.participation(parameters) if isinstance(basis, SharedShapeBasis) else None
+    participation = basis.participation(parameters) if isinstance(basis, SharedShapeBasis) else None
     covariance = jacobian @ covariances.parameters @ jacobian.T
     return ModalFit(
         eigenvalue=(2 * np.pi * frequency) ** 2 * (1 + 1j * loss_factor),
@@ -42,11 +42,11 @@ def to_physical_units(
         modal_constant_error=np.sqrt(conditional + propagated) * scale,
         misfit=covariances.misfit.repeat(lines.n_references),
         common_noise=covariances.common_noise,
-        participation=reach,
+        participation=participation,
         significance=None
-        if reach is None
-        else _significance(constant, np.sqrt(conditional), frequency, loss_factor * frequency, reach),
-        conditional_error=None if reach is None else np.sqrt(conditional) * scale,
+        if participation is None
+        else _significance(constant, np.sqrt(conditional), frequency, loss_factor * frequency, participation),
+        conditional_error=None if participation is None else np.sqrt(conditional) * scale,
     )
 
 
@@ -99,7 +99,7 @@ def _significance(
     error: FloatArray,
     frequency: FloatArray,
     width: FloatArray,
-    reach: ComplexArray,
+    participation: ComplexArray,
 ) -> FloatArray:
     """Return the standard errors by which FRFs show each mode beside neighbouring modes, (n_modes,).
 
@@ -115,15 +115,15 @@ def _significance(
     """
     significance, by_reference = (
         np.empty(len(frequency)),
-        constant.reshape(len(frequency), -1, reach.shape[1]),
+        constant.reshape(len(frequency), -1, participation.shape[1]),
     )
     for r in range(len(frequency)):
         near = np.abs(frequency - frequency[r]) < SELECTION.pair_distance * np.maximum(width, width[r])
         near[r] = False
-        strongest = np.abs(reach[near]).argmax(axis=1)
+        strongest = np.abs(participation[near]).argmax(axis=1)
         shapes = by_reference[near, :, strongest].T
         across = _orthogonal_part(by_reference[r], shapes)
-        distinct = _orthogonal_part(across.T, reach[near].T).T
+        distinct = _orthogonal_part(across.T, participation[near].T).T
         significance[r] = (np.abs(distinct).ravel() / np.maximum(error[r], SAFE_DIVISOR)).max()
     return significance
 

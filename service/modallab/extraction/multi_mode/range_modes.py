@@ -43,7 +43,7 @@ class RangeModes:
 
 def modes_of(
     find: GlobalMethod,
-    stretch: BandData,
+    band_data: BandData,
     orders: IntArray,
     damping: Damping,
     *,
@@ -64,25 +64,25 @@ def modes_of(
         Leakage to be undone, and modes known one by one to undo it by; None where there is none.
     """
     progress(0.0, "looking for poles")
-    clean = stretch if leaked is None else corrected_lines(stretch, leaked, damping)
+    clean = band_data if leaked is None else corrected_lines(band_data, leaked, damping)
     poles = poles_of_lines(find, clean.freq, *_pole_finder_data(clean), orders)
     if not len(poles.order):
         return None
     stability = stabilise(poles)
     selection = select(poles, stability)
     eigenvalue = np.asarray(selection.frequency**2 * (2 * np.pi) ** 2 * (1 + 1j * selection.loss_factor))
-    start = StartingPoles(eigenvalue, None if stretch.n_ref == 1 else selection.participation)
+    start = StartingPoles(eigenvalue, None if band_data.n_ref == 1 else selection.participation)
     if leaked is not None:
-        start = all_starts(start, leaked, stretch.freq)
+        start = all_starts(start, leaked, band_data.freq)
     if not len(start.eigenvalue):
         return None
     refined = refine(clean, start, damping, part(progress, RANGES.pole_share, 1.0))
     if refined is None:
         return None
     if leaked is not None:
-        refined = with_leakage_errors(refined, stretch, leaked, damping)
-    fit, between = refined.fit, between_ends(refined.fit, stretch.freq)
-    match = _match(selection, fit, stretch.freq)
+        refined = with_leakage_errors(refined, band_data, leaked, damping)
+    fit, between = refined.fit, between_ends(refined.fit, band_data.freq)
+    match = _match(selection, fit, band_data.freq)
     modes = between & (fit.loss_factor > 0)
     if leaked is None:  # else modes known one by one may be without a column
         modes &= np.isin(np.arange(len(modes)), match) | _with_peaks(fit, clean)
@@ -98,15 +98,15 @@ def modes_of(
     )
 
 
-def _pole_finder_data(stretch: BandData) -> tuple[ComplexArray, FloatArray]:
+def _pole_finder_data(band_data: BandData) -> tuple[ComplexArray, FloatArray]:
     """Return mobility and its weights for a pole finder, (n_lines, n_dof, n_ref).
 
     Many DoFs are replaced by their principal components, with each DoF relative to its noise, so that the
     noise of the components is equal.
     """
-    n_ref = stretch.n_ref
-    omega = 2 * np.pi * stretch.freq[:, None]
-    mobility, weight = 1j * omega * stretch.receptance, stretch.weight / omega**2
+    n_ref = band_data.n_ref
+    omega = 2 * np.pi * band_data.freq[:, None]
+    mobility, weight = 1j * omega * band_data.receptance, band_data.weight / omega**2
     # the lines of all references below one another: a combination of DoFs is one for all of them
     mobility, weight = stack_references(mobility, n_ref), stack_references(weight, n_ref)
     if mobility.shape[1] > RANGES.largest_dofs:
@@ -120,7 +120,7 @@ def _pole_finder_data(stretch: BandData) -> tuple[ComplexArray, FloatArray]:
         determined = variance > 0
         mobility = normalised @ components.conj().T
         weight = np.where(determined, 1 / np.where(determined, variance, 1.0), 0.0)
-    shape = (len(stretch.freq), n_ref, -1)
+    shape = (len(band_data.freq), n_ref, -1)
     by_reference = np.asarray(mobility, complex).reshape(shape).transpose(0, 2, 1)
     return by_reference, weight.reshape(shape).transpose(0, 2, 1)
 
@@ -141,14 +141,14 @@ def _match(selection: Selection, fit: ModalFit, freq: FloatArray) -> IntArray:
     return np.where(near, nearest, -1)
 
 
-def _with_peaks(fit: ModalFit, stretch: BandData) -> BoolArray:
+def _with_peaks(fit: ModalFit, band_data: BandData) -> BoolArray:
     """Return which modes are nearest to a peak of the lines, or overlap such a mode."""
-    mobility = stretch.freq[:, None] * stretch.receptance
+    mobility = band_data.freq[:, None] * band_data.receptance
     try:
         bands = find_bands(mode_indicator(mobility, np.ones(len(mobility), bool)))
     except NoModeInBandError:
         return np.zeros(len(fit.frequency), bool)
-    peaks = stretch.freq[[band.peak for band in bands]]
+    peaks = band_data.freq[[band.peak for band in bands]]
     nearest = np.abs(peaks[:, None] - fit.frequency).argmin(axis=1)
     width = fit.loss_factor * fit.frequency
     distance = np.abs(fit.frequency[:, None] - fit.frequency[nearest])

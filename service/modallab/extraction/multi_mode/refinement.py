@@ -46,7 +46,7 @@ class RefinedModes:
 
 
 def refine(
-    stretch: BandData, start: StartingPoles, damping: Damping, progress: Progress
+    band_data: BandData, start: StartingPoles, damping: Damping, progress: Progress
 ) -> RefinedModes | None:
     """Return the fit of all modes that are seen; None if there is none.
 
@@ -57,32 +57,32 @@ def refine(
     damping
         Law of the modes.
     """
-    weight = stretch.weight
+    weight = band_data.weight
     left_out: list[str] = []
-    start = _with_outer_modes(start, stretch.freq)
+    start = _with_outer_modes(start, band_data.freq)
     for n in range(REFINEMENT.iterations):
         step = part(progress, 1 - REFINEMENT.later_share**n, 1 - REFINEMENT.later_share ** (n + 1))
         fit = fit_modes(
-            stretch.freq,
-            stretch.receptance,
+            band_data.freq,
+            band_data.receptance,
             weight,
             start.eigenvalue,
             damping=damping,
             participation=start.participation,
             progress=step,
         )
-        if not stretch.weights_known and n < REFINEMENT.reweighted_fits:
-            fitted = fitted_receptance(fit, stretch.freq, damping)
-            weight = weights_from_residuals(stretch.receptance, fitted, stretch.weight)
+        if not band_data.weights_known and n < REFINEMENT.reweighted_fits:
+            fitted = fitted_receptance(fit, band_data.freq, damping)
+            weight = weights_from_residuals(band_data.receptance, fitted, band_data.weight)
             start = StartingPoles(fit.eigenvalue, fit.participation)
             continue
-        insignificant = insignificant_poles(fit, stretch.freq)
+        insignificant = insignificant_poles(fit, band_data.freq)
         if not insignificant.any():
             return RefinedModes(fit, weight, tuple(left_out))
         left_out += [
             f"{f:.4g} Hz: no FRF shows it beyond its random error" for f in fit.frequency[insignificant]
         ]
-        if not (between_ends(fit, stretch.freq) & (fit.loss_factor > 0) & ~insignificant).any():
+        if not (between_ends(fit, band_data.freq) & (fit.loss_factor > 0) & ~insignificant).any():
             return None
         reach = fit.participation
         start = StartingPoles(

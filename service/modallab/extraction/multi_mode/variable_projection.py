@@ -33,7 +33,7 @@ class ScaledLines:
     size: FloatArray  # (n_dof,) m/N, the unit of each response
     fixed_poles: tuple[float, ...] = ()  # in `unit`, poles held above the range
 
-    def mixture(self, basis: PoleBasis, parameters: FloatArray) -> ReferenceMixing:
+    def reference_mixing(self, basis: PoleBasis, parameters: FloatArray) -> ReferenceMixing:
         """Return how a DoF's FRFs follow from those of each reference."""
         return reference_mixing(basis, parameters, 4 + 2 * len(self.fixed_poles))
 
@@ -99,7 +99,7 @@ def solve_linear(lines: ScaledLines, basis: PoleBasis, parameters: FloatArray) -
     parameters
         (n_modes, n_parameters) on the scale of `lines`.
     """
-    mix = lines.mixture(basis, parameters)
+    mix = lines.reference_mixing(basis, parameters)
     n_columns = mix.n_dof_columns
     frf_products, frf_sums = _products(lines, basis, parameters, mix)
     products, right_side = mix.products(frf_products), mix.sums(frf_sums)

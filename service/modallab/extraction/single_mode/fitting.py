@@ -121,7 +121,7 @@ class ConvergedFits:
 
 def fit_all(
     method: ExtractionMethod,
-    law: DampingModel,
+    damping_model: DampingModel,
     data: FitData,
     fixed_modes: ComplexArray | float = 0.0,
     progress: Progress = silent,
@@ -138,7 +138,7 @@ def fit_all(
 
     Parameters
     ----------
-    method, law
+    method, damping_model
         Single-mode method and damping law.
     data
         From `window_data`.
@@ -154,19 +154,22 @@ def fit_all(
     n_iterations = SINGLE_MODE_FIT.iterations if data.leakage is None else SINGLE_MODE_FIT.leaked_iterations
     for n in range(n_iterations):
         progress(n / (n_iterations + 1), f"round {n + 1} of {n_iterations + 1}")
-        iteration = fit_once(method, law, data, data.receptance * correction - other_modes, inertance)
+        iteration = fit_once(
+            method, damping_model, data, data.receptance * correction - other_modes, inertance
+        )
         other_modes = (
-            _other_modes(law, data, iteration.table.modal_constant, iteration.eigenvalue) + fixed_modes
+            _other_modes(damping_model, data, iteration.table.modal_constant, iteration.eigenvalue)
+            + fixed_modes
         )
         if data.leakage is not None:
             new_correction = leakage_corrections(
-                law, data, data.leakage, iteration, iteration.residual + other_modes
+                damping_model, data, data.leakage, iteration, iteration.residual + other_modes
             )
             share = 1.0 if n < SINGLE_MODE_FIT.leaked_iterations // 2 else SINGLE_MODE_FIT.late_step
             correction = (1 - share) * correction + share * new_correction
     # the lines are free of leakage after correction
     cleaned = data.receptance * correction - other_modes
-    final = fit_once(method, law, replace(data, leakage=None), cleaned, inertance)
+    final = fit_once(method, damping_model, replace(data, leakage=None), cleaned, inertance)
     return ConvergedFits(final.table, cleaned, other_modes, final.inertance)
 
 
@@ -188,7 +191,7 @@ class FitIteration:
 
 def fit_once(
     method: ExtractionMethod,
-    law: DampingModel,
+    damping_model: DampingModel,
     data: FitData,
     target: ComplexArray,
     inertance: BoolArray | None = None,
@@ -203,14 +206,16 @@ def fit_once(
     rows = (frf.size // n_lines, n_lines)
     freq = np.broadcast_to(data.freq, frf.shape)
     order = np.repeat([0, 2], n_modes * n_frf) if inertance is None else np.repeat(2 * inertance, n_frf)
-    fits = law.fit(method, freq.reshape(rows), frf.reshape(rows), weight.reshape(rows), order)
+    fits = damping_model.fit(method, freq.reshape(rows), frf.reshape(rows), weight.reshape(rows), order)
     if inertance is None:
         kind = _better_kind(np.where(fits.found, fits.misfit, np.inf).reshape(2, n_modes, n_frf))
         first = kind * n_modes + np.arange(n_modes)
     else:
         kind, first = inertance.astype(np.int64), np.arange(n_modes)
     pick = first[:, None] * n_frf + np.arange(n_frf)
-    return _tabulate(law, data, fits, pick, frf.reshape(rows)[pick], weight.reshape(rows)[pick], kind == 1)
+    return _tabulate(
+        damping_model, data, fits, pick, frf.reshape(rows)[pick], weight.reshape(rows)[pick], kind == 1
+    )
 
 
 def _better_kind(misfit: FloatArray) -> IntArray:
@@ -221,7 +226,7 @@ def _better_kind(misfit: FloatArray) -> IntArray:
 
 
 def _tabulate(
-    law: DampingModel,
+    damping_model: DampingModel,
     data: FitData,
     fits: ModeFits,
     pick: IntArray,
@@ -245,12 +250,12 @@ def _tabulate(
     eigenvalue = np.where(good, fitted_eigenvalue, np.where(n_good > 0, mean_eigenvalue, 1j))
     # back from inertance: divide the response by -omega^2, the modal constant by that at the pole
     factor = np.where(inertance[:, None, None], -np.maximum(data.x, SINGLE_MODE_FIT.smallest_eigenvalue), 1)
-    divisor = np.where(inertance[:, None], -law.pole(eigenvalue, eigenvalue)[0], 1)
-    shape = law.response(data.freq, eigenvalue[:, :, None], np.ones(1, complex))
+    divisor = np.where(inertance[:, None], -damping_model.pole(eigenvalue, eigenvalue)[0], 1)
+    shape = damping_model.response(data.freq, eigenvalue[:, :, None], np.ones(1, complex))
     linear_constant, linear_error = _constant_at_eigenvalue(frf, weight, factor * shape)
     constant = np.where(good, fits.modal_constant[pick] / divisor, linear_constant) * (n_good > 0)
     error = np.where(good, fits.modal_constant_error[pick] * misfit_factor / np.abs(divisor), linear_error)
-    mode = law.response(data.freq, eigenvalue[:, :, None], constant[:, :, None])
+    mode = damping_model.response(data.freq, eigenvalue[:, :, None], constant[:, :, None])
     total = weight.sum(axis=2, keepdims=True)
     residual = (weight * (frf - factor * mode)).sum(axis=2, keepdims=True) / np.where(total > 0, total, 1)
     table = FitTable(frequency, loss_factor, constant, *errors, error, screening)
@@ -274,7 +279,11 @@ def _constant_at_eigenvalue(
 
 
 def leakage_corrections(
-    law: DampingModel, data: FitData, leakage: WindowLeakage, fits: FitIteration, residual: ComplexArray
+    damping_model: DampingModel,
+    data: FitData,
+    leakage: WindowLeakage,
+    fits: FitIteration,
+    residual: ComplexArray,
 ) -> ComplexArray:
     """Return the ratio of true to leaked receptance of every line, (n_modes, n_frf, n_lines).
 
@@ -283,20 +292,22 @@ def leakage_corrections(
     # one mode after another, because each line needs a hundred quadrature nodes
     corrections = [
         leakage.correction(data.freq[m], data.spacing, *pole_pair)
-        for m, pole_pair in enumerate(inertance_poles(law, data, fits, residual))
+        for m, pole_pair in enumerate(inertance_poles(damping_model, data, fits, residual))
     ]
     return np.stack(corrections)
 
 
 def inertance_poles(
-    law: DampingModel, data: FitData, fits: FitIteration, residual: ComplexArray
+    damping_model: DampingModel, data: FitData, fits: FitIteration, residual: ComplexArray
 ) -> list[tuple[SinglePole, SinglePole]]:
     """Return each mode as a pole in inertance, in all FRFs and at the drive point.
 
     Parameters as in `leakage_corrections`.
     """
-    squared, constant = law.pole(fits.eigenvalue, fits.table.modal_constant)
-    mode = law.response(data.freq, fits.eigenvalue[:, :, None], fits.table.modal_constant[:, :, None])
+    squared, constant = damping_model.pole(fits.eigenvalue, fits.table.modal_constant)
+    mode = damping_model.response(
+        data.freq, fits.eigenvalue[:, :, None], fits.table.modal_constant[:, :, None]
+    )
     # in inertance a mode is a pole and its modal constant
     pole = constant[:, :, None] / (squared[:, :, None] - data.x)
     inertance = constant[:, :, None] - data.x * (residual + mode - pole)
@@ -318,14 +329,14 @@ def inertance_poles(
 
 
 def _other_modes(
-    law: DampingModel, data: FitData, constant: ComplexArray, eigenvalue: ComplexArray
+    damping_model: DampingModel, data: FitData, constant: ComplexArray, eigenvalue: ComplexArray
 ) -> ComplexArray:
     """Return the receptance of all other modes in every window, (n_modes, n_frf, n_lines)."""
     total = np.zeros_like(data.receptance)
     for m in range(
         len(constant)
     ):  # all in one array would need memory proportional to the squared number of modes
-        mode = law.response(data.freq, eigenvalue[m][:, None], constant[m][:, None])
+        mode = damping_model.response(data.freq, eigenvalue[m][:, None], constant[m][:, None])
         mode[m] = 0
         total += mode
     return total

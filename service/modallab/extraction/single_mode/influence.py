@@ -12,7 +12,12 @@ from modallab.extraction.single_mode.settings import INFLUENCE
 
 
 def influence(
-    method: ExtractionMethod, law: DampingModel, data: FitData, fits: FitIteration, m: int, frfs: slice
+    method: ExtractionMethod,
+    damping_model: DampingModel,
+    data: FitData,
+    fits: FitIteration,
+    m: int,
+    frfs: slice,
 ) -> ComplexArray:
     """Return the influence g, (n_frf, 4, n_lines): errors e of lines shift a parameter by `Re(sum g e)`.
 
@@ -22,7 +27,7 @@ def influence(
 
     Parameters
     ----------
-    method, law
+    method, damping_model
         Single-mode method and damping law.
     data, fits
         Lines, and the fits to them.
@@ -32,7 +37,7 @@ def influence(
     identified = fits.table.frequency[m, frfs, None] > 0
     freq, weight = data.freq[m, frfs], np.where(identified, data.weight[m, frfs], 0.0)
     eigenvalue, constant = fits.eigenvalue[m, frfs, None], fits.table.modal_constant[m, frfs, None]
-    exact = law.response(freq, eigenvalue, constant) + fits.residual[m, frfs]
+    exact = damping_model.response(freq, eigenvalue, constant) + fits.residual[m, frfs]
     n_frf, n_lines = freq.shape
     step = INFLUENCE.step * np.abs(exact).max(axis=1)
     perturbations = np.concatenate([np.zeros((1, n_lines)), np.eye(n_lines), 1j * np.eye(n_lines)])
@@ -43,7 +48,7 @@ def influence(
         freq=np.repeat(freq, len(perturbations), axis=0).reshape(batch),
         weight=np.repeat(weight, len(perturbations), axis=0).reshape(batch),
     )
-    refits = fit_once(method, law, repeated, lines.reshape(batch), fits.inertance[m : m + 1])
+    refits = fit_once(method, damping_model, repeated, lines.reshape(batch), fits.inertance[m : m + 1])
     perturbed = np.stack([refits.eigenvalue, refits.table.modal_constant], axis=-1).reshape(
         n_frf, len(perturbations), 2
     )

@@ -47,7 +47,7 @@ def line_accuracy(responses: Responses, index: IntArray) -> LineAccuracy:
 
 def leaked_covariance(
     method: ExtractionMethod,
-    law: DampingModel,
+    damping_model: DampingModel,
     data: FitData,
     leakage: WindowLeakage,
     fits: FitIteration,
@@ -62,7 +62,7 @@ def leaked_covariance(
 
     Parameters
     ----------
-    method, law, data, leakage
+    method, damping_model, data, leakage
         As in `fit_all`.
     fits
         Fits to cleaned lines.
@@ -73,18 +73,19 @@ def leaked_covariance(
     """
     (n_modes, n_frf, n_lines), background = data.freq.shape, fits.residual + other_modes
     receptance = (
-        law.response(data.freq, fits.eigenvalue[..., None], fits.table.modal_constant[..., None]) + background
+        damping_model.response(data.freq, fits.eigenvalue[..., None], fits.table.modal_constant[..., None])
+        + background
     )
     step = max(LEAKED_LINES.pairs_in_memory // n_lines**2, 1)
     out = np.empty((n_modes, n_frf, 4, 4))
-    for m, (response, drive) in enumerate(inertance_poles(law, data, fits, background)):
+    for m, (response, drive) in enumerate(inertance_poles(damping_model, data, fits, background)):
         for start in range(0, n_frf, step):
             frfs = slice(start, start + step)
             if accuracy is None:
                 errors = _independent(data.weight[m, frfs], receptance[m, frfs])
             else:
                 errors = _errors(leakage, data, m, frfs, (response, drive), accuracy)
-            line_influence = influence(method, law, data, fits, m, frfs) * receptance[m, frfs, None]
+            line_influence = influence(method, damping_model, data, fits, m, frfs) * receptance[m, frfs, None]
             out[m, frfs] = errors.propagate(line_influence)
     return out
 

@@ -25,7 +25,7 @@ from modallab.extraction.single_mode.settings import FEEDBACK
 
 def with_leakage_errors(
     method: ExtractionMethod,
-    law: DampingModel,
+    damping_model: DampingModel,
     data: FitData,
     leakage: WindowLeakage,
     settled: ConvergedFits,
@@ -39,7 +39,7 @@ def with_leakage_errors(
 
     Parameters
     ----------
-    method, law, data, leakage
+    method, damping_model, data, leakage
         As in `fit_all`.
     settled
         Result of `fit_all`.
@@ -47,22 +47,22 @@ def with_leakage_errors(
         Random error of the lines; None without coherence.
     """
     kind = settled.inertance
-    fits = fit_once(method, law, data, settled.cleaned, kind)
+    fits = fit_once(method, damping_model, data, settled.cleaned, kind)
     background = fits.residual + settled.other_modes
 
     def refit(eigenvalue: ComplexArray) -> tuple[ComplexArray, ComplexArray]:
         corrected = replace(fits, eigenvalue=eigenvalue)
         lines = (
-            data.receptance * leakage_corrections(law, data, leakage, corrected, background)
+            data.receptance * leakage_corrections(damping_model, data, leakage, corrected, background)
             - settled.other_modes
         )
-        refitted = fit_once(method, law, data, lines, kind)
+        refitted = fit_once(method, damping_model, data, lines, kind)
         return refitted.eigenvalue, refitted.table.modal_constant
 
-    uncorrected = fit_once(method, law, data, data.receptance - settled.other_modes, kind).table
+    uncorrected = fit_once(method, damping_model, data, data.receptance - settled.other_modes, kind).table
     loop = feedback(refit, fits.eigenvalue)
-    covariance = leaked_covariance(method, law, data, leakage, fits, settled.other_modes, accuracy)
-    shift = residual_shift(method, law, data, settled, fits)
+    covariance = leaked_covariance(method, damping_model, data, leakage, fits, settled.other_modes, accuracy)
+    shift = residual_shift(method, damping_model, data, settled, fits)
     covariance = (
         covariance * fits.misfit_factor[..., None, None] ** 2 + shift[..., :, None] * shift[..., None, :]
     )

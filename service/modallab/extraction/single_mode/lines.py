@@ -171,28 +171,28 @@ def physical_fits(
     outcome = np.where(
         (lines.outcome == Outcome.FOUND) & ~(inside & finite), Outcome.NO_RESONANCE, lines.outcome
     )
-    identified = outcome == Outcome.FOUND
-    pole = np.where(identified, eigenvalue, 0.1j)
+    has_mode = outcome == Outcome.FOUND
+    pole = np.where(has_mode, eigenvalue, 0.1j)
     variances, misfit = error_variances(
-        lines, pole, np.where(identified, constant, 1), np.where(identified, residual, 0)
+        lines, pole, np.where(has_mode, constant, 1), np.where(has_mode, residual, 0)
     )
-    stiffness = np.where(identified, physical.real, 1.0)
-    loss_factor = np.where(identified, physical.imag, 0.0) / stiffness
+    stiffness = np.where(has_mode, physical.real, 1.0)
+    loss_factor = np.where(has_mode, physical.imag, 0.0) / stiffness
     frequency = np.sqrt(stiffness) / (2 * np.pi)
     part_error = np.sqrt(variances / 2)  # half of the squared complex error belongs to either part
     eigenvalue_error = lines.half * part_error[:, 0]
     return ModeFits(
-        frequency=_where_found(identified, frequency),
+        frequency=_where_found(has_mode, frequency),
         loss_factor=loss_factor,
-        modal_constant=_where_found(identified, constant * lines.size * lines.half),
-        residual=_where_found(identified, residual * lines.size),
-        frequency_error=_where_found(identified, eigenvalue_error / (8 * np.pi**2 * frequency)),
-        loss_factor_error=_where_found(identified, eigenvalue_error / stiffness * np.hypot(1, loss_factor)),
-        modal_constant_error=_where_found(identified, part_error[:, 1] * lines.size * lines.half),
-        residual_error=_where_found(identified, part_error[:, 2] * lines.size),
-        misfit=_where_found(identified, misfit),
+        modal_constant=_where_found(has_mode, constant * lines.size * lines.half),
+        residual=_where_found(has_mode, residual * lines.size),
+        frequency_error=_where_found(has_mode, eigenvalue_error / (8 * np.pi**2 * frequency)),
+        loss_factor_error=_where_found(has_mode, eigenvalue_error / stiffness * np.hypot(1, loss_factor)),
+        modal_constant_error=_where_found(has_mode, part_error[:, 1] * lines.size * lines.half),
+        residual_error=_where_found(has_mode, part_error[:, 2] * lines.size),
+        misfit=_where_found(has_mode, misfit),
         outcome=outcome.astype(np.int64),
-        quality={name: _where_found(identified, values) for name, values in (quality or {}).items()},
+        quality={name: _where_found(has_mode, values) for name, values in (quality or {}).items()},
     )
 
 
@@ -225,5 +225,5 @@ def error_variances(
     return variances, (lines.weight * np.abs(remainder) ** 2).sum(axis=1) / spare
 
 
-def _where_found(identified: BoolArray, values: NDArray[Number]) -> NDArray[Number]:
-    return np.where(identified, values, np.zeros((), values.dtype))
+def _where_found(has_mode: BoolArray, values: NDArray[Number]) -> NDArray[Number]:
+    return np.where(has_mode, values, np.zeros((), values.dtype))

@@ -40,7 +40,8 @@ def plan(options: SingleModeOptions, leakage: WindowLeakage | None) -> Plan:
 
 def damping_choice(options: ExtractionOptions) -> str:
     """Return the damping law, and whether it was requested."""
-    return f"{options.law}: {'unless another is asked for' if options.damping is None else REQUESTED}"
+    reason = "unless another is asked for" if options.damping is None else REQUESTED
+    return f"{options.assumed_damping}: {reason}"
 
 
 def choice_value(choices: Mapping[str, str], option: str) -> str | None:

@@ -10,7 +10,11 @@ from modallab.extraction.single_mode.settings import RESIDUAL_BIAS, SINGLE_MODE_
 
 
 def residual_shift(
-    method: ExtractionMethod, law: DampingModel, data: FitData, settled: ConvergedFits, fits: FitIteration
+    method: ExtractionMethod,
+    damping_model: DampingModel,
+    data: FitData,
+    settled: ConvergedFits,
+    fits: FitIteration,
 ) -> FloatArray:
     """Return the change of the fits if the residual may vary over the lines, (n_modes, n_frf, 4).
 
@@ -21,16 +25,18 @@ def residual_shift(
 
     Parameters
     ----------
-    method, law, data, settled
+    method, damping_model, data, settled
         As in `fit_all`, and its result.
     fits
         Fits to the cleaned lines.
     """
     if len(data.freq) < RESIDUAL_BIAS.minimum_modes:
         return np.zeros((*data.freq.shape[:2], 4))
-    modes = law.response(data.freq, fits.eigenvalue[..., None], fits.table.modal_constant[..., None])
+    modes = damping_model.response(
+        data.freq, fits.eigenvalue[..., None], fits.table.modal_constant[..., None]
+    )
     residual = _two_terms(data, settled.cleaned - modes)
-    refitted = fit_once(method, law, data, settled.cleaned - residual, settled.inertance)
+    refitted = fit_once(method, damping_model, data, settled.cleaned - residual, settled.inertance)
     identified = (fits.table.frequency > 0) & (refitted.table.frequency > 0)
     pole = np.where(identified, refitted.eigenvalue - fits.eigenvalue, 0)
     constant = np.where(identified, refitted.table.modal_constant - fits.table.modal_constant, 0)

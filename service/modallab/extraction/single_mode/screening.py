@@ -25,7 +25,7 @@ def screen(
     loss_factor: FloatArray,
     frequency_error: FloatArray,
     loss_factor_error: FloatArray,
-    identified: BoolArray,
+    has_mode: BoolArray,
     spacing: float,
 ) -> Screening:
     """Return which fits are accepted.
@@ -44,7 +44,7 @@ def screen(
     """
     width = loss_factor * frequency
     precise = (
-        identified
+        has_mode
         & (frequency_error < SCREENING.largest_error * np.maximum(width, spacing))
         & (loss_factor_error < loss_factor)
     )

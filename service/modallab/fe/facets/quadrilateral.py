@@ -26,7 +26,7 @@ def _shapes(xi: float, eta: float) -> tuple[FloatArray, FloatArray]:
     return along * across / 4, np.array([XI * across, ETA * along]) / 4
 
 
-def _tied(corners: FloatArray, xi: float, eta: float) -> FloatArray:
+def _assumed_shear_strain(corners: FloatArray, xi: float, eta: float) -> FloatArray:
     """Return assumed shear strains along xi and eta, (n, 2, 12), from the midpoints of opposite sides."""
 
     def at(place: tuple[float, float], axis: int) -> FloatArray:
@@ -59,7 +59,7 @@ def quadrilateral(facets: Facets) -> FacetParts:
         overlap += area[:, None, None] * np.outer(shapes, shapes)
         membrane += strain_energy(membrane_strains(local), law, area * thickness)
         bending += strain_energy(bending_strains(local), law, area * thickness**3 / 12)
-        bending += strain_energy(inverse @ _tied(corners, *place), eye, area * sheared)
+        bending += strain_energy(inverse @ _assumed_shear_strain(corners, *place), eye, area * sheared)
         drilling += strain_energy(
             drilling_strain(shapes, local), eye[:, :1, :1], area * facets.shear_modulus * thickness
         )

@@ -59,14 +59,14 @@ def test_the_law_that_is_asked_for_is_taken_whatever_the_lines_tell() -> None:
     model = viscous(40, "lscf", STRUCTURAL)
     assert model.choices["damping"] == "structural: as asked"
     told = select_damping_model(model)
-    assert told.law is Damping.VISCOUS
+    assert told.damping is Damping.VISCOUS
     assert told.phase_ratio == pytest.approx(1.0, abs=4 * told.error)
 
 
 def test_a_delay_is_not_taken_for_a_law() -> None:
     # it turns constants by 2 to 15 times what the law does, each mode by another
     told = select_damping_model(viscous(40, "lscf", STRUCTURAL, delay=-1e-4))
-    assert told.law is None
+    assert told.damping is None
 
 
 def test_few_modes_tell_no_law() -> None:
@@ -78,4 +78,4 @@ def test_few_modes_tell_no_law() -> None:
         modal_constant_error=np.asarray(model.modal_constant_error)[:2],
         chart=None,
     )
-    assert select_damping_model(alone).law is None
+    assert select_damping_model(alone).damping is None

@@ -57,7 +57,7 @@ def circle_fit(
     Ewins, D. J. (1984), Modal Testing, section 4.3.
     """
     lines = scale(freq, frf, _weight_on_arc(freq, frf, weight, arc))
-    centre, radius = _circle(lines)
+    centre, radius = _fitted_circle(lines)
     spoke = lines.z - centre[:, None]
     at, resonance, running = _resonance(lines, spoke)
     half_tan = _half_tan(spoke / np.exp(1j * resonance)[:, None])
@@ -75,7 +75,7 @@ def _weight_on_arc(freq: FloatArray, frf: ComplexArray, weight: FloatArray, arc:
     if arc is None:
         return weight
     lines = scale(freq, frf, weight)
-    centre, _ = _circle(lines)
+    centre, _ = _fitted_circle(lines)
     spoke = lines.z - centre[:, None]
     _, resonance, _ = _resonance(lines, spoke)
     angle = np.angle(spoke / np.exp(1j * resonance)[:, None])
@@ -96,14 +96,14 @@ def circle_fit_plot(
     """
     weight = _weight_on_arc(freq[None], frf[None], weight[None], arc)[0]
     lines, x, points = single_window(freq, frf, weight)
-    centre, radius = _circle(lines)
+    centre, radius = _fitted_circle(lines)
     spoke = lines.z - centre[:, None]
     at, resonance, _ = _resonance(lines, spoke)
-    turned = spoke / np.exp(1j * resonance)[:, None]
-    offset, half_tan = (lines.x - at[:, None])[0], _half_tan(turned)[0]
+    rotated = spoke / np.exp(1j * resonance)[:, None]
+    offset, half_tan = (lines.x - at[:, None])[0], _half_tan(rotated)[0]
     upper, lower = np.flatnonzero(offset > 0), np.flatnonzero(offset < 0)
     width = (offset[upper, None] - offset[lower]) / _not_zero(half_tan[upper, None] + half_tan[lower])
-    turn = np.angle(turned[0, 1:] * turned[0, :-1].conj())
+    turn = np.angle(rotated[0, 1:] * rotated[0, :-1].conj())
     circle = np.exp(1j * np.linspace(0, 2 * np.pi, CIRCLE_FIT.plot_points))
     size = lines.size
     stiffness = lines.centre + lines.half * at
@@ -115,7 +115,7 @@ def circle_fit_plot(
         "circle": size * (centre + radius * circle),
         "resonance": size * (centre + radius * np.exp(1j * resonance)),
         "x_resonance": stiffness,
-        "angle": np.angle(turned[0]),
+        "angle": np.angle(rotated[0]),
         "x_sweep": (x[1:] + x[:-1]) / 2,
         "sweep_rate": turn / np.diff(x),
         "x_above": x[upper],
@@ -124,7 +124,7 @@ def circle_fit_plot(
     }
 
 
-def _circle(lines: Lines) -> tuple[ComplexArray, FloatArray]:
+def _fitted_circle(lines: Lines) -> tuple[ComplexArray, FloatArray]:
     """Return centre and radius, (n_fits,), by least squares on |z - c|^2 = R^2, then on the distances."""
     w = lines.weight / lines.weight.sum(axis=1, keepdims=True)
     mean = (w * lines.z).sum(axis=1)
@@ -222,10 +222,10 @@ def _damping_pairs(lines: Lines, at: FloatArray, half_tan: FloatArray) -> tuple[
     return mean, np.sqrt(square) / _not_zero(mean)
 
 
-def _half_tan(turned: ComplexArray) -> FloatArray:
+def _half_tan(rotated: ComplexArray) -> FloatArray:
     """Return tan|theta/2| of the angle theta of complex numbers, without a branch cut."""
-    size = np.abs(turned)
-    values = np.abs(turned.imag) / _not_zero(size + turned.real)
+    size = np.abs(rotated)
+    values = np.abs(rotated.imag) / _not_zero(size + rotated.real)
     return np.minimum(values, CIRCLE_FIT.largest_half_tangent)
 
 

@@ -42,8 +42,8 @@ def dobson(freq: FloatArray, frf: ComplexArray, weight: FloatArray) -> ModeFits:
     """
     lines = scale(freq, frf, weight)
     delta, final = _quotients(lines)
-    slope, _, certainty = _slopes(lines.x, delta, final)
-    eigenvalue, constant = _mode(lines.x, slope, certainty)
+    slope, _, inverse_variance = _slopes(lines.x, delta, final)
+    eigenvalue, constant = _mode(lines.x, slope, inverse_variance)
     return physical_fits(lines, eigenvalue, constant, mean_residual(lines, eigenvalue, constant))
 
 
@@ -56,8 +56,8 @@ def dobson_plot(
     """
     lines, x, points = single_window(freq, frf, weight)
     delta, final = _quotients(lines)
-    slope, level, certainty = _slopes(lines.x, delta, final)
-    u, v, _ = weighted_line(lines.x, slope, certainty)
+    slope, level, inverse_variance = _slopes(lines.x, delta, final)
+    u, v, _ = weighted_line(lines.x, slope, inverse_variance)
     fitted_lines = slope[0, :, None] * lines.x[0] + level[0, :, None]
     off_diagonal = ~np.eye(len(x), dtype=bool)
     shape = (len(x), len(x) - 1)
@@ -89,8 +89,8 @@ def _quotients(lines: Lines) -> tuple[ComplexArray, FloatArray]:
     weight = power * power
     weight *= pair_weight / np.where(square > 0, square, np.inf)
     for _ in range(DOBSON.weight_iterations - 1):
-        slope, _, certainty = _slopes(x, delta, weight)
-        gap = _mode(x, slope, certainty)[0][:, None] - x
+        slope, _, inverse_variance = _slopes(x, delta, weight)
+        gap = _mode(x, slope, inverse_variance)[0][:, None] - x
         flank = 1 / np.maximum(gap.real**2 + gap.imag**2, UNIT_ROUNDING**2) ** 2
         np.multiply(trust, flank[:, :, None], out=weight)
         weight *= flank[:, None, :]
@@ -105,14 +105,16 @@ def _slopes(
     total, mean, square = np.moveaxis(weight @ powers, 2, 0)
     level, tilt = np.moveaxis((weight * delta) @ powers[:, :, :2], 2, 0)
     total = np.where(total > 0, total, 1.0)
-    certainty = np.maximum(square - mean**2 / total, 0.0)
-    slope = (tilt - level * mean / total) / np.where(certainty > 0, certainty, np.inf)
-    return slope, (level - slope * mean) / total, certainty
+    inverse_variance = np.maximum(square - mean**2 / total, 0.0)
+    slope = (tilt - level * mean / total) / np.where(inverse_variance > 0, inverse_variance, np.inf)
+    return slope, (level - slope * mean) / total, inverse_variance
 
 
-def _mode(x: FloatArray, slope: ComplexArray, certainty: FloatArray) -> tuple[ComplexArray, ComplexArray]:
+def _mode(
+    x: FloatArray, slope: ComplexArray, inverse_variance: FloatArray
+) -> tuple[ComplexArray, ComplexArray]:
     """Return eigenvalue and modal constant from the straight line through the slopes."""
-    u, v, _ = weighted_line(x, slope, certainty)
+    u, v, _ = weighted_line(x, slope, inverse_variance)
     u = np.where(u == 0, UNIT_ROUNDING, u)
     return -v / u, 1 / u
 
