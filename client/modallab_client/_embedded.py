@@ -13,12 +13,9 @@ from pathlib import Path
 from typing import IO
 
 from modallab_client.errors import ConflictError, MissingExtraError, ServiceStartError, UnreachableError
+from modallab_client.settings import EMBEDDED
 
-START_TIMEOUT = 60.0  # s, a cold start on a slow disk included
-STOP_TIMEOUT = 20.0  # s, more than the guardian grants the service
-NOTICE = 1.5  # s the guardian may take to notice that the service has died, and to clear up
-LOG_TAIL = 40  # lines of the log worth an error message
-NEEDED = ("modallab", "alembic", "dbos", "fastapi", "pydantic", "scipy", "sqlalchemy", "uvicorn")
+PACKAGES = ("modallab", "alembic", "dbos", "fastapi", "pydantic", "scipy", "sqlalchemy", "uvicorn")
 GUARDIAN = Path(__file__).with_name("_guardian.py")
 
 
@@ -30,7 +27,7 @@ def require_service() -> None:
     MissingExtraError
         If one is not; the message holds the command that installs them.
     """
-    missing = [name for name in NEEDED if importlib.util.find_spec(name) is None]
+    missing = [name for name in PACKAGES if importlib.util.find_spec(name) is None]
     if missing:
         raise MissingExtraError(
             "embedded() needs the service's packages beside the client: pip install 'modallab[service]'",
@@ -93,8 +90,8 @@ class ServiceProcess:
         code = self._process.poll()
         if code is not None:
             self._fail(f"the embedded service ended with code {code} while it started")
-        if time.monotonic() - self._started > START_TIMEOUT:
-            self._fail(f"the embedded service did not answer within {START_TIMEOUT:g} s")
+        if time.monotonic() - self._started > EMBEDDED.start_timeout:
+            self._fail(f"the embedded service did not answer within {EMBEDDED.start_timeout:g} s")
 
     def check_running(self) -> None:
         """Return if the service's process lives.
@@ -105,7 +102,7 @@ class ServiceProcess:
             If it has ended; the end of its log is in the message.
         """
         try:
-            code = self._process.wait(NOTICE)
+            code = self._process.wait(EMBEDDED.exit_notice)
         except subprocess.TimeoutExpired:
             return
         raise UnreachableError(f"the embedded service has ended with code {code}.\n{self.log_tail()}")
@@ -116,7 +113,7 @@ class ServiceProcess:
             lines = self._log.read_text(errors="replace").splitlines()
         except OSError:
             return ""
-        return "\n".join(lines[-LOG_TAIL:])
+        return "\n".join(lines[-EMBEDDED.log_lines :])
 
     def _fail(self, reason: str) -> None:
         tail = self.log_tail()
@@ -154,7 +151,7 @@ def _stop(process: "subprocess.Popen[bytes]", temporary: str) -> None:
         except BrokenPipeError:
             pass  # the guardian has ended by itself
     try:
-        process.wait(STOP_TIMEOUT)
+        process.wait(EMBEDDED.stop_timeout)
     except subprocess.TimeoutExpired:
         process.kill()
         process.wait()

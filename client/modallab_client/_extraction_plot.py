@@ -1,4 +1,4 @@
-"""What an extraction tells, drawn on axes that are there."""
+"""Plots of fits, mode indicator functions and stabilisation diagrams on given axes."""
 
 from collections.abc import Callable, Mapping, Sequence
 from typing import TYPE_CHECKING, Any
@@ -6,6 +6,7 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 
 from modallab_client.models import ComplexArray, FloatArray
+from modallab_client.settings import PLOT
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -16,8 +17,7 @@ if TYPE_CHECKING:
 
 RAW, FITTED = "0.65", "C3"
 PARTS = (("real part", np.real, "C0", "o"), ("imaginary part", np.imag, "C1", "s"))
-FLATTEST = 0.01  # of the loss factor: a carpet flatter than that is drawn as flat as it is
-# by stability: what it is called, colour, marker, size
+# by stability: label, colour, marker, size
 SYMBOLS = (
     ("new", "0.8", ".", 8),
     ("steady in frequency", "C0", ".", 14),
@@ -27,11 +27,11 @@ SYMBOLS = (
 
 
 def heading(picture: "FitPicture") -> str:
-    """Return which fit this is and what came of it."""
-    known = "".join(f", {name.replace('_', ' ')} {value:.2g} %" for name, value in picture.quality.items())
+    """Return the title of a fit: mode, response, method, and the estimates."""
+    quality = "".join(f", {name.replace('_', ' ')} {value:.2g} %" for name, value in picture.quality.items())
     return (
         f"mode {picture.mode} at {picture.response}, {picture.method}: "
-        f"{picture.frequency:.6g} Hz, loss factor {picture.loss_factor:.4g}{known}"
+        f"{picture.frequency:.6g} Hz, loss factor {picture.loss_factor:.4g}{quality}"
     )
 
 
@@ -73,24 +73,30 @@ def nyquist(axes: "Axes", picture: "FitPicture", unit: str) -> None:
         axes.legend(fontsize="x-small")
 
 
-def own(figure: "Figure", place: Any, picture: "FitPicture") -> "tuple[Axes, ...]":
-    """Draw what is the method's own where it has something; return its axes."""
-    draw = OWN.get(picture.method)
+def method_plot(figure: "Figure", place: Any, picture: "FitPicture") -> "tuple[Axes, ...]":
+    """Draw the plot particular to the method, if it has one; return its axes."""
+    draw = METHOD_PLOTS.get(picture.method)
     return () if draw is None or not picture.details else draw(figure, place, picture)
 
 
-def _carpet(figure: "Figure", place: Any, picture: "FitPicture") -> "tuple[Axes, ...]":
+def _damping_surface(figure: "Figure", place: Any, picture: "FitPicture") -> "tuple[Axes, ...]":
     """Draw the loss factor of every pair of lines, one above and one below resonance."""
     axes = figure.add_subplot(place)
-    drawn, loss = picture.details, picture.loss_factor
-    above, below = (_hertz(picture, np.asarray(drawn[name])) for name in ("x_above", "x_below"))
-    surface = np.asarray(drawn["damping_surface"])
+    details, loss = picture.details, picture.loss_factor
+    upper, lower = (_hertz(picture, np.asarray(details[name])) for name in ("x_above", "x_below"))
+    surface = np.asarray(details["damping_surface"])
     if not surface.size:  # all lines to one side
         axes.set_axis_off()
         return (axes,)
-    away = max(float(np.abs(surface - loss).max()), FLATTEST * loss)
+    half_range = max(float(np.abs(surface - loss).max()), PLOT.surface_range * loss)
     mesh = axes.pcolormesh(
-        below, above, surface, vmin=loss - away, vmax=loss + away, cmap="coolwarm", shading="nearest"
+        lower,
+        upper,
+        surface,
+        vmin=loss - half_range,
+        vmax=loss + half_range,
+        cmap="coolwarm",
+        shading="nearest",
     )
     figure.colorbar(mesh, ax=axes, label="loss factor")
     axes.set(xlabel="line below resonance, Hz", ylabel="line above, Hz")
@@ -133,18 +139,18 @@ def _sides(figure: "Figure", place: Any, picture: "FitPicture") -> "tuple[Axes, 
 def _half_power(figure: "Figure", place: Any, picture: "FitPicture") -> "tuple[Axes, ...]":
     """Draw the peak and the points of half its power."""
     axes = figure.add_subplot(place)
-    drawn = {name: np.ravel(values) for name, values in picture.details.items()}
-    axes.plot(_hertz(picture, drawn["x"]), drawn["magnitude"], "ko-", markersize=4, linewidth=0.8)
-    axes.plot(_hertz(picture, drawn["x_peak"]), drawn["peak"], "D", color=FITTED, label="peak")
-    axes.plot(_hertz(picture, drawn["x_half"]), drawn["half"], "s-", color=FITTED, label="half power")
+    details = {name: np.ravel(values) for name, values in picture.details.items()}
+    axes.plot(_hertz(picture, details["x"]), details["magnitude"], "ko-", markersize=4, linewidth=0.8)
+    axes.plot(_hertz(picture, details["x_peak"]), details["peak"], "D", color=FITTED, label="peak")
+    axes.plot(_hertz(picture, details["x_half"]), details["half"], "s-", color=FITTED, label="half power")
     axes.set_xlabel("frequency, Hz")
     axes.set_title("highest line", fontsize="small")
     axes.legend(fontsize="x-small")
     return (axes,)
 
 
-OWN: Mapping[str, Callable[["Figure", Any, "FitPicture"], "tuple[Axes, ...]"]] = {
-    "circle_fit": _carpet,
+METHOD_PLOTS: Mapping[str, Callable[["Figure", Any, "FitPicture"], "tuple[Axes, ...]"]] = {
+    "circle_fit": _damping_surface,
     "line_fit": _inverse,
     "dobson": _quotients,
     "linear_fit": _sides,
@@ -170,37 +176,37 @@ def _squared(picture: "FitPicture") -> str:
 
 
 def responses(
-    upper: "Axes", lower: "Axes", given: "Frf | Measurement", wanted: Sequence[str], *, behind: bool
+    upper: "Axes", lower: "Axes", source: "Frf | Measurement", outputs: Sequence[str], *, behind: bool
 ) -> None:
     """Draw magnitude and phase of some responses to every input."""
-    shown = given.freq > 0
-    freq = given.freq[shown]
-    for output in wanted:
-        i = given.outputs.index(output)
-        for j, drive in enumerate(given.inputs):
-            values = given.values[shown, i, j]
+    positive = source.freq > 0
+    freq = source.freq[positive]
+    for output in outputs:
+        i = source.outputs.index(output)
+        for j, drive in enumerate(source.inputs):
+            values = source.values[positive, i, j]
             style: dict[str, Any] = {"color": RAW, "linewidth": 2.0} if behind else {"linewidth": 0.9}
             size = np.where(np.abs(values) > 0, np.abs(values), np.nan)
-            named = f"{output} / {drive}"
+            label = f"{output} / {drive}"
             if behind:  # one word in the legend for all of them
-                named = "_measured" if upper.lines else "measured"
-            upper.semilogy(freq, size, label=named, **style)
+                label = "_measured" if upper.lines else "measured"
+            upper.semilogy(freq, size, label=label, **style)
             lower.plot(freq, _open(values), **style)
 
 
 def _open(values: ComplexArray) -> FloatArray:
-    """Return the phase, degrees, with gaps where it leaps from one end to the other."""
+    """Return the phase, degrees, with gaps where it is wrapped."""
     phase = np.degrees(np.angle(values))
     phase[1:][np.abs(np.diff(phase)) > 270] = np.nan
     return np.asarray(phase)
 
 
-def indicators(upper: "Axes", lower: "Axes", found: "Indicators") -> None:
+def indicators(upper: "Axes", lower: "Axes", functions: "Indicators") -> None:
     """Draw CMIF and MIF."""
-    for n, curve in enumerate(found.cmif, 1):
-        upper.semilogy(found.freq, np.where(curve > 0, curve, np.nan), linewidth=0.9, label=f"value {n}")
-    for drive, curve in zip(found.inputs, found.mif, strict=True):
-        lower.plot(found.freq, curve, linewidth=0.9, label=f"force {drive}")
+    for n, curve in enumerate(functions.cmif, 1):
+        upper.semilogy(functions.freq, np.where(curve > 0, curve, np.nan), linewidth=0.9, label=f"value {n}")
+    for drive, curve in zip(functions.inputs, functions.mif, strict=True):
+        lower.plot(functions.freq, curve, linewidth=0.9, label=f"force {drive}")
     upper.set_ylabel("CMIF, m/(s N)")
     lower.set(ylim=(0, 1.05), ylabel="MIF (0 at a mode)", xlabel="frequency, Hz")
     for axes in (upper, lower):
@@ -208,25 +214,25 @@ def indicators(upper: "Axes", lower: "Axes", found: "Indicators") -> None:
             axes.legend(fontsize="x-small")
 
 
-def chart(axes: "Axes", found: "StabilisationChart") -> None:
+def chart(axes: "Axes", diagram: "StabilisationChart") -> None:
     """Draw poles by order and frequency, the modes, and the CMIF behind."""
-    for frequency in found.modes:
+    for frequency in diagram.modes:
         axes.axvline(frequency, color=FITTED, linewidth=0.7, alpha=0.6)
     for level, (label, colour, marker, size) in enumerate(SYMBOLS):
-        here = found.stability == level
+        at_level = diagram.stability == level
         axes.scatter(
-            found.frequency[here],
-            found.order[here],
+            diagram.frequency[at_level],
+            diagram.order[at_level],
             s=size,
             c=colour,
             marker=marker,
             label=label,
             linewidths=0,
         )
-    taken = found.mode > 0
+    selected = diagram.mode > 0
     axes.scatter(
-        found.frequency[taken],
-        found.order[taken],
+        diagram.frequency[selected],
+        diagram.order[selected],
         s=34,
         facecolors="none",
         edgecolors=FITTED,
@@ -234,11 +240,11 @@ def chart(axes: "Axes", found: "StabilisationChart") -> None:
         label="speaks for a mode",
     )
     axes.set(xlabel="frequency, Hz", ylabel="order")
-    if found.indicators is not None:
+    if diagram.indicators is not None:
         behind = axes.twinx()
-        for curve in found.indicators.cmif:
+        for curve in diagram.indicators.cmif:
             behind.semilogy(
-                found.indicators.freq, np.where(curve > 0, curve, np.nan), color="0.6", linewidth=0.8
+                diagram.indicators.freq, np.where(curve > 0, curve, np.nan), color="0.6", linewidth=0.8
             )
         behind.set_ylabel("CMIF, m/(s N)", color="0.5")
         axes.set_zorder(behind.get_zorder() + 1)

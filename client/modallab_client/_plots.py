@@ -1,10 +1,11 @@
-"""Results draw themselves; matplotlib is needed only here, and only when something is drawn."""
+"""Plots of results, the only modules that need matplotlib, imported when a plot is drawn."""
 
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
 from modallab_client.errors import MissingExtraError
+from modallab_client.settings import PLOT
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
@@ -22,7 +23,6 @@ if TYPE_CHECKING:
     )
 
 UNITS = {"receptance": "m/N", "mobility": "m/(s N)", "inertance": "m/(s² N)"}
-MANY = 12  # curves beyond which a legend hides more than it tells
 
 
 def _pyplot() -> Any:
@@ -37,18 +37,18 @@ def measurement(test: "Measurement") -> "tuple[Axes, Axes]":
     """Draw |H| of every FRF over the coherence; return both axes."""
     rows = {"height_ratios": [3, 1]}
     _, (upper, lower) = _pyplot().subplots(2, 1, sharex=True, gridspec_kw=rows, layout="constrained")
-    shown = test.freq > 0  # at rest there is rounding and nothing else
-    freq, magnitude = test.freq[shown], np.abs(test.values[shown])
+    positive = test.freq > 0  # at rest there is rounding and nothing else
+    freq, magnitude = test.freq[positive], np.abs(test.values[positive])
     for i, output in enumerate(test.outputs):
         for j, drive in enumerate(test.inputs):
             # zeros have no logarithm: leave them out of the curve
             curve = np.where(magnitude[:, i, j] > 0, magnitude[:, i, j], np.nan)
             upper.semilogy(freq, curve, label=f"{output} / {drive}", linewidth=0.9)
     upper.set_ylabel(f"|{test.kind}|, {UNITS.get(test.kind, '')}")
-    if len(upper.lines) <= MANY:
+    if len(upper.lines) <= PLOT.legend_curves:
         upper.legend(fontsize="x-small", ncols=2)
     if test.coherence is not None:
-        lower.plot(freq, test.coherence[shown].reshape(len(freq), -1), linewidth=0.7)
+        lower.plot(freq, test.coherence[positive].reshape(len(freq), -1), linewidth=0.7)
     lower.set(ylim=(0, 1.05), ylabel="coherence", xlabel="frequency, Hz")
     return upper, lower
 
@@ -66,53 +66,53 @@ def modal_model(model: "ModalModel") -> "Axes":
     return axes  # type: ignore[no-any-return]
 
 
-def frf(made: "Frf", measured: "Measurement | None", output: str | None) -> "tuple[Axes, Axes]":
-    """Draw made FRFs, magnitude over phase, measured ones behind; return both axes."""
+def frf(synthesised: "Frf", measured: "Measurement | None", output: str | None) -> "tuple[Axes, Axes]":
+    """Draw synthesised FRFs, magnitude over phase, with the measured ones behind; return both axes."""
     from modallab_client import _extraction_plot as parts
 
-    if measured is not None and measured.kind != made.kind:
-        raise ValueError(f"these are {made.kind}, the measured ones {measured.kind}: ask for one kind")
+    if measured is not None and measured.kind != synthesised.kind:
+        raise ValueError(f"these are {synthesised.kind}, the measured ones {measured.kind}: ask for one kind")
     rows = {"height_ratios": [3, 1]}
     _, (upper, lower) = _pyplot().subplots(2, 1, sharex=True, gridspec_kw=rows, layout="constrained")
-    wanted = made.outputs if output is None else (output,)
+    outputs = synthesised.outputs if output is None else (output,)
     if measured is not None:
-        parts.responses(upper, lower, measured, wanted, behind=True)
-    parts.responses(upper, lower, made, wanted, behind=False)
-    upper.set_ylabel(f"|{made.kind}|, {UNITS.get(made.kind, '')}")
+        parts.responses(upper, lower, measured, outputs, behind=True)
+    parts.responses(upper, lower, synthesised, outputs, behind=False)
+    upper.set_ylabel(f"|{synthesised.kind}|, {UNITS.get(synthesised.kind, '')}")
     lower.set(xlabel="frequency, Hz", ylabel="phase, degrees", ylim=(-190, 190), yticks=(-180, 0, 180))
-    if len(wanted) <= MANY:
+    if len(outputs) <= PLOT.legend_curves:
         upper.legend(fontsize="x-small", ncols=2)
     return upper, lower
 
 
 def fit(picture: "FitPicture") -> "tuple[Axes, ...]":
-    """Draw one fit: magnitude, Nyquist plot, and what is the method's own; return the axes."""
+    """Draw one fit: magnitude, Nyquist plot, and the plot particular to the method; return the axes."""
     from modallab_client import _extraction_plot as parts
 
     figure = _pyplot().figure(figsize=(11, 4), layout="constrained")
-    left, middle, right = figure.add_gridspec(1, 3, width_ratios=[1.1, 1, 1.1])
-    size, turn = figure.add_subplot(left), figure.add_subplot(middle)
+    first, second, third = figure.add_gridspec(1, 3, width_ratios=[1.1, 1, 1.1])
+    size, turn = figure.add_subplot(first), figure.add_subplot(second)
     figure.suptitle(parts.heading(picture), fontsize="medium")
     parts.magnitude(size, picture, UNITS.get(picture.kind, ""))
     parts.nyquist(turn, picture, UNITS.get(picture.kind, ""))
-    return size, turn, *parts.own(figure, right, picture)
+    return size, turn, *parts.method_plot(figure, third, picture)
 
 
-def indicators(found: "Indicators") -> "tuple[Axes, Axes]":
+def indicators(functions: "Indicators") -> "tuple[Axes, Axes]":
     """Draw CMIF over MIF; return both axes."""
     from modallab_client import _extraction_plot as parts
 
     _, (upper, lower) = _pyplot().subplots(2, 1, sharex=True, layout="constrained")
-    parts.indicators(upper, lower, found)
+    parts.indicators(upper, lower, functions)
     return upper, lower
 
 
-def chart(found: "StabilisationChart") -> "Axes":
+def chart(diagram: "StabilisationChart") -> "Axes":
     """Draw order over frequency by stability, modes and CMIF; return the axes."""
     from modallab_client import _extraction_plot as parts
 
     _, axes = _pyplot().subplots(figsize=(9, 5), layout="constrained")
-    parts.chart(axes, found)
+    parts.chart(axes, diagram)
     return axes  # type: ignore[no-any-return]
 
 
@@ -126,46 +126,48 @@ def mac(correlation: "Correlation") -> "Axes":
     return axes  # type: ignore[no-any-return]
 
 
-def coordinates(found: "Correlation") -> "tuple[Axes, Axes]":
+def coordinates(correlation: "Correlation") -> "tuple[Axes, Axes]":
     """Draw CoMAC over ECoMAC by DoF; return both axes."""
     from modallab_client import _correlation_plot as parts
 
     _, (upper, lower) = _pyplot().subplots(2, 1, sharex=True, layout="constrained")
-    parts.coordinates(upper, lower, found)
+    parts.coordinates(upper, lower, correlation)
     return upper, lower
 
 
-def orthogonality(found: "Correlation") -> "tuple[Axes, Axes]":
+def orthogonality(correlation: "Correlation") -> "tuple[Axes, Axes]":
     """Draw cross- and auto-orthogonality side by side; return both axes."""
     from modallab_client import _correlation_plot as parts
 
-    orthogonality = found.orthogonality
+    orthogonality = correlation.orthogonality
     if orthogonality is None:
         raise ValueError("this correlation was made without a reduction of the mass")
-    figure, (left, right) = _pyplot().subplots(1, 2, figsize=(10, 4.5), layout="constrained")
-    image = parts.matrix(left, orthogonality.cross)
-    figure.colorbar(image, ax=[left, right], label=f"orthogonality in {orthogonality.reduction} mass")
-    parts.matrix(right, orthogonality.auto)
-    left.set(xlabel="mode of the model", ylabel="measured mode", title="cross-orthogonality")
-    right.set(xlabel="measured mode", ylabel="measured mode", title="auto-orthogonality")
-    return left, right
+    figure, (cross_axes, auto_axes) = _pyplot().subplots(1, 2, figsize=(10, 4.5), layout="constrained")
+    image = parts.matrix(cross_axes, orthogonality.cross)
+    figure.colorbar(
+        image, ax=[cross_axes, auto_axes], label=f"orthogonality in {orthogonality.reduction} mass"
+    )
+    parts.matrix(auto_axes, orthogonality.auto)
+    cross_axes.set(xlabel="mode of the model", ylabel="measured mode", title="cross-orthogonality")
+    auto_axes.set(xlabel="measured mode", ylabel="measured mode", title="auto-orthogonality")
+    return cross_axes, auto_axes
 
 
-def fdac(found: "ResponseCorrelation", drive: str) -> "Axes":
+def fdac(correlation: "ResponseCorrelation", drive: str) -> "Axes":
     """Draw the FDAC of one input; return the axes."""
     from modallab_client import _correlation_plot as parts
 
     figure, axes = _pyplot().subplots(layout="constrained")
-    figure.colorbar(parts.fdac(axes, found, drive), label="FDAC")
+    figure.colorbar(parts.fdac(axes, correlation, drive), label="FDAC")
     return axes  # type: ignore[no-any-return]
 
 
-def frac(found: "ResponseCorrelation") -> "Axes":
+def frac(correlation: "ResponseCorrelation") -> "Axes":
     """Draw the FRAC of every FRF; return the axes."""
     from modallab_client import _correlation_plot as parts
 
     _, axes = _pyplot().subplots(layout="constrained")
-    parts.frac(axes, found)
+    parts.frac(axes, correlation)
     return axes  # type: ignore[no-any-return]
 
 
@@ -173,17 +175,17 @@ def update(result: "Update") -> "Axes":
     """Draw the coefficients by member with their standard errors, or errors by DoF; return the axes."""
     _, axes = _pyplot().subplots(layout="constrained")
     if result.direct is not None:
-        for matrix, found in result.direct.dof_errors.items():
-            axes.semilogy(range(1, len(found) + 1), list(found.values()), ".", label=matrix)
+        for matrix, dof_errors in result.direct.dof_errors.items():
+            axes.semilogy(range(1, len(dof_errors) + 1), list(dof_errors.values()), ".", label=matrix)
         axes.set(xlabel="DoF, by error", ylabel="relative error")
         axes.legend()
         return axes  # type: ignore[no-any-return]
-    shown = result.coefficients
+    coefficients = result.coefficients
     if result.suspects is not None:
         found_changes = result.suspects.changes.items()
-        shown = {part: {n: 1 + change for n, change in table.items()} for part, table in found_changes}
-    width = 0.8 / max(1, len(shown))
-    for i, (part, members) in enumerate(shown.items()):
+        coefficients = {part: {n: 1 + change for n, change in table.items()} for part, table in found_changes}
+    width = 0.8 / max(1, len(coefficients))
+    for i, (part, members) in enumerate(coefficients.items()):
         unchanged = 0.0 if part == "damping" else 1.0
         errors = [result.standard_errors.get(part, {}).get(member, 0.0) for member in members]
         places = [member + i * width for member in members]
@@ -196,15 +198,15 @@ def update(result: "Update") -> "Axes":
     return axes  # type: ignore[no-any-return]
 
 
-def study(found: "Study") -> "tuple[Axes, ...]":
+def study(results: "Study") -> "tuple[Axes, ...]":
     """Draw errors, suspects and coverage by level of noise; return the axes."""
     from modallab_client import _study_plot as parts
 
     _, grid = _pyplot().subplots(2, 2, figsize=(10, 7), sharex=True, layout="constrained")
-    parts.errors(grid[0, 0], found, lambda cell: cell.coefficient_error)
-    parts.errors(grid[0, 1], found, lambda cell: cell.frequency_error)
-    parts.shares(grid[1, 0], found, lambda cell: cell.suspected)
-    parts.shares(grid[1, 1], found, lambda cell: cell.coverage)
+    parts.errors(grid[0, 0], results, lambda cell: cell.coefficient_error)
+    parts.errors(grid[0, 1], results, lambda cell: cell.frequency_error)
+    parts.shares(grid[1, 0], results, lambda cell: cell.suspected)
+    parts.shares(grid[1, 1], results, lambda cell: cell.coverage)
     grid[0, 0].set_ylabel("largest error of a coefficient, median to 90 %")
     grid[0, 1].set_ylabel("largest error of a frequency, relative")
     grid[1, 0].set(ylabel="runs that suspect all that is wrong, %", xlabel="level of noise")
@@ -214,34 +216,34 @@ def study(found: "Study") -> "tuple[Axes, ...]":
     return tuple(grid.flat)
 
 
-def diagnosis(found: "Diagnosis") -> "tuple[Axes, ...]":
-    """Draw the gap by step, and where there are curves what they tell; return the axes."""
+def diagnosis(result: "Diagnosis") -> "tuple[Axes, ...]":
+    """Draw the gap by step, and the measured and predicted curves if there are any; return the axes."""
     from modallab_client import _diagnosis_plot as parts
 
     pyplot = _pyplot()
-    if found.curves is None:
+    if result.curves is None:
         _, axes = pyplot.subplots(layout="constrained")
-        parts.gap_by_step(axes, found)
-        axes.set_title(parts.heading(found))
+        parts.gap_by_step(axes, result)
+        axes.set_title(parts.heading(result))
         return (axes,)
     figure, grid = pyplot.subplots(2, 2, figsize=(11, 7), layout="constrained")
-    figure.suptitle(parts.heading(found))
-    parts.gap_by_step(grid[0, 0], found)
-    parts.where(grid[0, 1], found.curves)
-    parts.enlarged(grid[1, 0], grid[1, 1], found.curves, added=bool(found.steps))
+    figure.suptitle(parts.heading(result))
+    parts.gap_by_step(grid[0, 0], result)
+    parts.difference_map(grid[0, 1], result.curves)
+    parts.enlarged(grid[1, 0], grid[1, 1], result.curves, added=bool(result.steps))
     return tuple(grid.flat)
 
 
-def curves(found: "DiagnosisCurves", output: str) -> "Axes":
+def curves(frfs: "DiagnosisCurves", output: str) -> "Axes":
     """Draw one response of a diagnosis to its first input; return the axes."""
     _, axes = _pyplot().subplots(layout="constrained")
-    i = found.outputs.index(output)
-    shown = found.freq > 0  # at rest there is rounding and nothing else
+    i = frfs.outputs.index(output)
+    positive = frfs.freq > 0  # at rest there is rounding and nothing else
     for name, style in (("measured", "k-"), ("before", "C1-"), ("after", "C0--")):
-        size = np.abs(getattr(found, name)[shown, i, 0])
-        axes.semilogy(found.freq[shown], size, style, label=name, linewidth=0.9)
-    held = ", held out of every fit" if found.held_out[i] else ""
+        size = np.abs(getattr(frfs, name)[positive, i, 0])
+        axes.semilogy(frfs.freq[positive], size, style, label=name, linewidth=0.9)
+    suffix = ", held out of every fit" if frfs.held_out[i] else ""
     axes.set(xlabel="frequency, Hz", ylabel="|inertance|, m/(s² N)")
-    axes.set_title(f"response {output} / {found.inputs[0]}{held}")
+    axes.set_title(f"response {output} / {frfs.inputs[0]}{suffix}")
     axes.legend()
     return axes  # type: ignore[no-any-return]

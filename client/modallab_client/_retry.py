@@ -2,8 +2,7 @@
 
 from collections.abc import Mapping
 
-PAUSES = (0.2, 0.4, 0.8, 1.6)  # s; a service that restarts is back within about three seconds
-LONGEST_PAUSE = 30.0  # s; a service that asks for more is told to the caller as busy
+from modallab_client.settings import CONNECTION
 
 
 def pause_after_failure(method: str, attempt: int) -> float | None:
@@ -11,7 +10,11 @@ def pause_after_failure(method: str, attempt: int) -> float | None:
 
     A POST may have arrived before the connection broke, so only GET is repeated.
     """
-    return PAUSES[attempt] if method == "GET" and attempt < len(PAUSES) else None
+    return (
+        CONNECTION.retry_pauses[attempt]
+        if method == "GET" and attempt < len(CONNECTION.retry_pauses)
+        else None
+    )
 
 
 def pause_after_reply(method: str, attempt: int, status: int, headers: Mapping[str, str]) -> float | None:
@@ -19,11 +22,15 @@ def pause_after_reply(method: str, attempt: int, status: int, headers: Mapping[s
 
     503 with Retry-After says that nothing was done, so any method may be repeated.
     """
-    if attempt >= len(PAUSES):
+    if attempt >= len(CONNECTION.retry_pauses):
         return None
-    if status == 503 and (wanted := _seconds(headers.get("retry-after", ""))) is not None:
-        return max(wanted, PAUSES[attempt]) if wanted <= LONGEST_PAUSE else None
-    return PAUSES[attempt] if method == "GET" and status in (502, 503, 504) else None
+    if status == 503 and (requested := _seconds(headers.get("retry-after", ""))) is not None:
+        return (
+            max(requested, CONNECTION.retry_pauses[attempt])
+            if requested <= CONNECTION.longest_pause
+            else None
+        )
+    return CONNECTION.retry_pauses[attempt] if method == "GET" and status in (502, 503, 504) else None
 
 
 def _seconds(text: str) -> float | None:

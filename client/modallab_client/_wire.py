@@ -19,9 +19,9 @@ Arrays = Mapping[str, NDArray[Any]]
 T = TypeVar("T")
 
 
-def body(**given: Any) -> dict[str, Any]:
+def body(**fields: Any) -> dict[str, Any]:
     """Return the fields that were given; None stands for the service's own default."""
-    return {name: value for name, value in given.items() if value is not None}
+    return {name: value for name, value in fields.items() if value is not None}
 
 
 def payload(content_type: str, content: bytes) -> Any:
@@ -115,11 +115,11 @@ def arrays(content: bytes) -> dict[str, NDArray[Any]]:
         raise UnexpectedReplyError("the reply is no npz file of plain arrays") from error
 
 
-def npz(**given: ArrayLike | None) -> bytes:
+def npz(**values: ArrayLike | None) -> bytes:
     """Return an npz file of the arrays that were given."""
     file = io.BytesIO()
-    named: dict[str, Any] = {name: np.asarray(value) for name, value in given.items() if value is not None}
-    np.savez(file, **named)
+    arrays: dict[str, Any] = {name: np.asarray(value) for name, value in values.items() if value is not None}
+    np.savez(file, **arrays)
     return file.getvalue()
 
 
@@ -130,8 +130,8 @@ def numbers(values: ArrayLike) -> list[float]:
 
 def pairs(values: ArrayLike) -> Any:
     """Return complex numbers as JSON has them, [re, im] innermost."""
-    given = np.asarray(values, dtype=complex)
-    return np.stack([given.real, given.imag], axis=-1).tolist()
+    numbers = np.asarray(values, dtype=complex)
+    return np.stack([numbers.real, numbers.imag], axis=-1).tolist()
 
 
 def page(data: Json) -> tuple[tuple[StoredEntry, ...], str | None]:

@@ -29,8 +29,8 @@ class ClientError(Exception):
 
     def __str__(self) -> str:
         short = {name: value for name, value in self.context.items() if isinstance(value, (str, float, int))}
-        named = ", ".join(f"{name}={value!r}" for name, value in short.items())
-        return f"{self.detail} ({named})" if named else self.detail
+        details = ", ".join(f"{name}={value!r}" for name, value in short.items())
+        return f"{self.detail} ({details})" if details else self.detail
 
 
 class InvalidInputError(ClientError, ValueError):

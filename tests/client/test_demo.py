@@ -10,7 +10,7 @@ from modallab_client import results
 from modallab_client._read import read_as
 from modallab_client.demo import hidden, thesis
 from modallab_client.demo.__main__ import main
-from modallab_client.demo.beside import Beside, Line
+from modallab_client.demo.comparison import ComparisonTable, Line
 
 
 def found(*effects: dict[str, Any], alike: tuple[dict[str, Any], ...] = ()) -> results.Diagnosis:
@@ -89,7 +89,7 @@ def test_the_size_is_held_against_the_truth(diagnosis: results.Diagnosis, words:
 
 
 def test_a_table_has_the_lab_above_the_thesis() -> None:
-    table = Beside("Table", (Line("f & g, Hz", (22.96, 62.5), thesis.MEASURED[:2], 1),), "a note")
+    table = ComparisonTable("Table", (Line("f & g, Hz", (22.96, 62.5), thesis.MEASURED[:2], 1),), "a note")
     assert table.text().splitlines()[2:] == [
         "f & g, Hz     lab  23.0  62.5",
         "           thesis  23.0  62.5",

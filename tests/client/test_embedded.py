@@ -8,11 +8,13 @@ import subprocess
 import sys
 import time
 from collections.abc import Callable
+from dataclasses import replace
 from pathlib import Path
 
 import pytest
 
 from modallab_client import AsyncModalLab, ModalLab, _embedded, errors
+from modallab_client.settings import EMBEDDED
 
 PRETENDED = Path(__file__).with_name("pretend_service.py")
 
@@ -91,7 +93,7 @@ def test_a_service_that_hangs_is_given_up(monkeypatch: pytest.MonkeyPatch) -> No
     monkeypatch.setattr(
         _embedded, "serve_command", lambda: [sys.executable, "-c", "import time; time.sleep(99)"]
     )
-    monkeypatch.setattr(_embedded, "START_TIMEOUT", 0.3)
+    monkeypatch.setattr(_embedded, "EMBEDDED", replace(EMBEDDED, start_timeout=0.3))
     with pytest.raises(errors.ServiceStartError, match="did not answer"), ModalLab.embedded():
         pass
 
@@ -101,7 +103,7 @@ def test_a_first_request_may_come_late(monkeypatch: pytest.MonkeyPatch, tmp_path
     lab = ModalLab.embedded(tmp_path)
     assert soon((tmp_path / "pids").exists)
     time.sleep(1.0)  # longer than the service needs once it has got this far
-    monkeypatch.setattr(_embedded, "START_TIMEOUT", 0.0)
+    monkeypatch.setattr(_embedded, "EMBEDDED", replace(EMBEDDED, start_timeout=0.0))
     assert lab.request("GET", "/v1/health") == {"status": "ok"}
     lab.close()
 

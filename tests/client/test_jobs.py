@@ -1,6 +1,7 @@
 """Waiting for work on the service."""
 
 import asyncio
+from dataclasses import replace
 from typing import Any
 
 import httpx
@@ -9,6 +10,7 @@ import pytest
 from modallab_client import AsyncModalLab, Job, JobFailedError, JobTimeoutError, ModalLab, errors
 from modallab_client._sync import jobs
 from modallab_client.models import Measurement
+from modallab_client.settings import CONNECTION
 from tests.client.fake import MEASUREMENT, FakeService, events, npz, problem
 
 
@@ -66,7 +68,7 @@ def test_a_service_that_restarts_is_waited_for(job: Job[Measurement], service: F
 def test_a_service_that_stays_away_is_not(
     job: Job[Measurement], service: FakeService, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(jobs, "ABSENCE", 0.0)
+    monkeypatch.setattr(jobs, "CONNECTION", replace(CONNECTION, outage=0.0))
     service.on("GET /v1/jobs/j1/events", broken)
     service.on("GET /v1/jobs/j1", broken)
     with pytest.raises(errors.UnreachableError, match="connection refused"):

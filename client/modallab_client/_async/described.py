@@ -9,7 +9,7 @@ from modallab_client import _matrices, _wire
 from modallab_client._async.shelf import AsyncShelf
 from modallab_client.models import Structure
 
-Given = Mapping[str, Any]
+JsonObject = Mapping[str, Any]
 
 
 class AsyncDescribed(AsyncShelf):
@@ -26,12 +26,12 @@ class AsyncDescribed(AsyncShelf):
         *,
         length: float,
         n_elements: int,
-        section: Given,
-        material: Given,
-        damping: Given | None = None,
+        section: JsonObject,
+        material: JsonObject,
+        damping: JsonObject | None = None,
         theory: str | None = None,
-        supports: Sequence[Given] | None = None,
-        effects: Sequence[Given] | None = None,
+        supports: Sequence[JsonObject] | None = None,
+        effects: Sequence[JsonObject] | None = None,
     ) -> Structure:
         """Return a new straight beam along X, its nodes 1 to n + 1 with DoFs Y and RZ.
 
@@ -55,20 +55,20 @@ class AsyncDescribed(AsyncShelf):
             What has no field here: `[{"kind", "at", "parameters"}]`.
         """
         shape = _wire.body(length=length, n_elements=n_elements, section=section, material=material)
-        rest = _wire.body(damping=damping, theory=theory, supports=supports, effects=effects)
-        return await self.create(kind="beam", **shape, **rest)
+        optional = _wire.body(damping=damping, theory=theory, supports=supports, effects=effects)
+        return await self.create(kind="beam", **shape, **optional)
 
     async def frame(
         self,
         *,
         nodes: Mapping[str, Sequence[float]],
-        sections: Mapping[str, Given],
-        materials: Mapping[str, Given],
-        members: Sequence[Given],
-        damping: Given | None = None,
+        sections: Mapping[str, JsonObject],
+        materials: Mapping[str, JsonObject],
+        members: Sequence[JsonObject],
+        damping: JsonObject | None = None,
         theory: str | None = None,
-        supports: Sequence[Given] | None = None,
-        effects: Sequence[Given] | None = None,
+        supports: Sequence[JsonObject] | None = None,
+        effects: Sequence[JsonObject] | None = None,
     ) -> Structure:
         """Return a new frame of members between nodes; a plane frame lies in X, Y.
 
@@ -84,8 +84,8 @@ class AsyncDescribed(AsyncShelf):
             As of a beam.
         """
         shape = _wire.body(nodes=nodes, sections=sections, materials=materials, members=members)
-        rest = _wire.body(damping=damping, theory=theory, supports=supports, effects=effects)
-        return await self.create(kind="frame", **shape, **rest)
+        optional = _wire.body(damping=damping, theory=theory, supports=supports, effects=effects)
+        return await self.create(kind="frame", **shape, **optional)
 
     async def plate(
         self,
@@ -94,11 +94,11 @@ class AsyncDescribed(AsyncShelf):
         width: float,
         thickness: float,
         n_elements: Sequence[int],
-        material: Given,
+        material: JsonObject,
         edges: Mapping[str, str] | None = None,
-        damping: Given | None = None,
-        supports: Sequence[Given] | None = None,
-        effects: Sequence[Given] | None = None,
+        damping: JsonObject | None = None,
+        supports: Sequence[JsonObject] | None = None,
+        effects: Sequence[JsonObject] | None = None,
     ) -> Structure:
         """Return a new flat rectangular plate in X, Y with DoFs Z, RX and RY, nodes row by row.
 
@@ -116,8 +116,8 @@ class AsyncDescribed(AsyncShelf):
             As of a beam.
         """
         shape = _wire.body(length=length, width=width, thickness=thickness, material=material, edges=edges)
-        rest = _wire.body(damping=damping, supports=supports, effects=effects)
-        return await self.create(kind="plate", n_elements=list(n_elements), **shape, **rest)
+        optional = _wire.body(damping=damping, supports=supports, effects=effects)
+        return await self.create(kind="plate", n_elements=list(n_elements), **shape, **optional)
 
     async def upload(
         self,
@@ -125,7 +125,7 @@ class AsyncDescribed(AsyncShelf):
         *,
         dofs: Sequence[str] | None = None,
         name: str | None = None,
-        damping: Given | None = None,
+        damping: JsonObject | None = None,
     ) -> Structure:
         """Return a structure from Nastran bulk data or a file of matrices, by path or as bytes.
 
@@ -146,14 +146,19 @@ class AsyncDescribed(AsyncShelf):
         return await self._import(file, name=name, damping=damping)
 
     async def _import(
-        self, file: str | Path | bytes, *, name: str | None, damping: Given | None, mesh: str | None = None
+        self,
+        file: str | Path | bytes,
+        *,
+        name: str | None,
+        damping: JsonObject | None,
+        mesh: str | None = None,
     ) -> Structure:
         content = file if isinstance(file, bytes) else Path(file).read_bytes()
-        called = "model" if isinstance(file, bytes) else Path(file).name
+        file_name = "model" if isinstance(file, bytes) else Path(file).name
         law = None if damping is None else json.dumps(damping)
         data = _wire.body(name=name, damping=law, mesh=mesh)
         reply = await self._transport.request(
-            "POST", f"{self.path}/import", files={"file": (called, content)}, data=data
+            "POST", f"{self.path}/import", files={"file": (file_name, content)}, data=data
         )
         return _wire.read(_wire.structure, reply)
 
@@ -161,12 +166,12 @@ class AsyncDescribed(AsyncShelf):
         self,
         file: str | Path | bytes,
         *,
-        groups: Mapping[str, Given],
-        supports: Sequence[Given] = (),
+        groups: Mapping[str, JsonObject],
+        supports: Sequence[JsonObject] = (),
         left_out: Sequence[str] = (),
         length_unit: float = 1.0,
         name: str | None = None,
-        damping: Given | None = None,
+        damping: JsonObject | None = None,
     ) -> Structure:
         """Return a structure from a mesh of gmsh, Abaqus, VTK or Medit, by path or as bytes.
 
@@ -187,8 +192,8 @@ class AsyncDescribed(AsyncShelf):
             As of `upload`.
         """
         mesh = {"groups": groups, "supports": list(supports), "left_out": list(left_out)}
-        told = json.dumps(mesh | {"length_unit": length_unit})
-        return await self._import(file, name=name, damping=damping, mesh=told)
+        description = json.dumps(mesh | {"length_unit": length_unit})
+        return await self._import(file, name=name, damping=damping, mesh=description)
 
     async def import_matrices(
         self,
@@ -199,7 +204,7 @@ class AsyncDescribed(AsyncShelf):
         groups: Mapping[str, tuple[Any, Any]] | None = None,
         coordinates: Mapping[int, Sequence[float]] | None = None,
         name: str | None = None,
-        damping: Given | None = None,
+        damping: JsonObject | None = None,
     ) -> Structure:
         """Return a structure from its mass and stiffness matrices, (n, n), whole or in named groups.
 

@@ -12,7 +12,7 @@ from modallab_client._async.shelf import AsyncShelf
 from modallab_client.extraction import Indicators, Reciprocity
 from modallab_client.models import Curves, Measurement, MeasurementLog, Truth
 
-Given = Mapping[str, Any]
+JsonObject = Mapping[str, Any]
 
 
 class AsyncMeasurements(AsyncShelf):
@@ -25,7 +25,7 @@ class AsyncMeasurements(AsyncShelf):
         structure_id: str,
         rig_id: str,
         *,
-        effects: Sequence[Given] = (),
+        effects: Sequence[JsonObject] = (),
         route: str = "sampled",
         seed: int = 0,
     ) -> AsyncJob[Measurement]:

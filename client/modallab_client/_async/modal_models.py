@@ -84,8 +84,8 @@ class AsyncModalModels(AsyncShelf):
             One of the model's `references`, which may be left out where there is but one.
         """
         path = f"{self.path}/{modal_model_id}/fits"
-        asked = _wire.body(mode=mode, response=response, reference=reference)
-        reply = await self._transport.request("GET", path, params=asked)
+        query = _wire.body(mode=mode, response=response, reference=reference)
+        reply = await self._transport.request("GET", path, params=query)
         return _wire.read(_wire_extraction.fit, reply)
 
     async def chart(self, modal_model_id: str, points: int = 800) -> StabilisationChart:
@@ -115,16 +115,16 @@ class AsyncModalModels(AsyncShelf):
         path = f"{self.path}/{modal_model_id}/frf"
         return _wire.read(_wire.frf, await self._transport.npz(path, _wire.body(kind=kind)))
 
-    async def reciprocity(self, modal_model_id: str, other: str) -> tuple[ModalPair, ...]:
+    async def reciprocity(self, modal_model_id: str, other_id: str) -> tuple[ModalPair, ...]:
         """Return how modal constants agree with those of a test that drives where this one listens.
 
         Parameters
         ----------
-        modal_model_id, other
+        modal_model_id, other_id
             Two modal models, each with the other's drive point among its responses.
         """
         path = f"{self.path}/{modal_model_id}/reciprocity"
-        reply = await self._transport.request("GET", path, params={"other": other})
+        reply = await self._transport.request("GET", path, params={"other": other_id})
         return _wire.read(_wire_extraction.modal_pairs, reply)
 
     async def import_(

@@ -17,14 +17,14 @@ class AsyncShelf:
 
     async def list(self) -> tuple[StoredEntry, ...]:
         """Return what is stored, newest first, as entries without content."""
-        found: tuple[StoredEntry, ...] = ()
-        after: str | None = None
+        collected: tuple[StoredEntry, ...] = ()
+        cursor: str | None = None
         while True:
-            reply = await self._transport.request("GET", self.path, params=_wire.body(after=after))
-            entries, after = _wire.read(_wire.page, reply)
-            found += entries
-            if after is None:
-                return found
+            reply = await self._transport.request("GET", self.path, params=_wire.body(after=cursor))
+            entries, cursor = _wire.read(_wire.page, reply)
+            collected += entries
+            if cursor is None:
+                return collected
 
     async def delete(self, id: str) -> None:
         """Remove one; things that others were made from stay, with a `ConflictError`."""

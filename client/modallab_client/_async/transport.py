@@ -12,8 +12,7 @@ from modallab_client import _retry, _wire
 from modallab_client._embedded import ServiceProcess
 from modallab_client._waiting import async_closing, async_run, async_sleep
 from modallab_client.errors import UnreachableError
-
-STARTING = 0.05  # s between two looks at a service that starts
+from modallab_client.settings import CONNECTION
 
 
 class AsyncTransport:
@@ -56,7 +55,7 @@ class AsyncTransport:
                 self._ready = False
             if not self._ready:
                 self._service.check_start()
-                await async_sleep(STARTING)
+                await async_sleep(CONNECTION.start_polling)
 
     async def aclose(self) -> None:
         """Close the connections, and end an embedded service."""
@@ -137,8 +136,8 @@ class AsyncTransport:
     async def _unreachable(self, error: httpx.TransportError) -> UnreachableError:
         if self._service is not None:
             await async_run(self._service.check_running)
-        what = str(error) or type(error).__name__
-        return UnreachableError(f"no reply from {self._base}: {what}", context={"url": self._base})
+        reason = str(error) or type(error).__name__
+        return UnreachableError(f"no reply from {self._base}: {reason}", context={"url": self._base})
 
 
 def _content(reply: httpx.Response) -> Any:

@@ -11,14 +11,11 @@ from modallab_client._sync.transport import Transport
 from modallab_client._waiting import closing, sleep
 from modallab_client.errors import JobTimeoutError, UnexpectedReplyError, UnreachableError
 from modallab_client.results import JobStatus
+from modallab_client.settings import CONNECTION
 
 T = TypeVar("T")
 
 OnProgress = Callable[[float, str], object]
-
-SILENCE = 30.0  # s without an event after which the connection is taken for broken
-ABSENCE = 60.0  # s a service that went away is waited for: it takes its jobs up again when it is back
-PAUSES = (0.05, 0.1, 0.2, 0.5, 1.0)  # s between two looks where the stream keeps breaking
 
 
 class Jobs:
@@ -69,38 +66,38 @@ class Job(Generic[T]):
         JobTimeoutError
             If the time is over.
         """
-        ends = math.inf if timeout is None else time.monotonic() + timeout
-        told: tuple[float, str] | None = None
-        with closing(self._statuses(ends)) as statuses:
+        deadline = math.inf if timeout is None else time.monotonic() + timeout
+        reported: tuple[float, str] | None = None
+        with closing(self._statuses(deadline)) as statuses:
             for status in statuses:
                 news = (status.fraction, status.message)
-                if on_progress is not None and news != told:
+                if on_progress is not None and news != reported:
                     on_progress(*news)
-                told = news
+                reported = news
                 if status.finished:
                     return self._outcome(status)
-                if time.monotonic() >= ends:
+                if time.monotonic() >= deadline:
                     break
         raise JobTimeoutError(f"job {self.id} is not finished after {timeout:g} s", context={"job": self.id})
 
-    def _statuses(self, ends: float) -> Generator[JobStatus]:
+    def _statuses(self, deadline: float) -> Generator[JobStatus]:
         """Yield the job's states: from the event stream, and by asking wherever that breaks."""
-        heard, breaks = time.monotonic(), 0
+        last_event, breaks = time.monotonic(), 0
         while True:
-            patience = max(0.01, min(SILENCE, ends - time.monotonic()))
+            patience = max(0.01, min(CONNECTION.event_timeout, deadline - time.monotonic()))
             events = self._transport.events(f"/v1/jobs/{self.id}/events", patience=patience)
             with closing(events) as stream:
                 for event in stream:
-                    heard = time.monotonic()
+                    last_event = time.monotonic()
                     if "state" in event:  # and not a mere sign of life
                         yield _wire.reply(JobStatus, {"id": self.id, **event})
             try:
                 yield self.status()
-                heard = time.monotonic()
+                last_event = time.monotonic()
             except UnreachableError:
-                if time.monotonic() > min(heard + ABSENCE, ends):
+                if time.monotonic() > min(last_event + CONNECTION.outage, deadline):
                     raise
-            sleep(PAUSES[min(breaks, len(PAUSES) - 1)])
+            sleep(CONNECTION.polling[min(breaks, len(CONNECTION.polling) - 1)])
             breaks += 1
 
     def _outcome(self, status: JobStatus) -> T:

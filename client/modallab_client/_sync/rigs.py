@@ -7,7 +7,7 @@ from modallab_client import _wire
 from modallab_client._sync.shelf import Shelf
 from modallab_client.models import Rig
 
-Given = Mapping[str, Any]
+JsonObject = Mapping[str, Any]
 
 
 class Rigs(Shelf):
@@ -21,14 +21,14 @@ class Rigs(Shelf):
         responses: Sequence[str],
         drive: str | None = None,
         drives: Sequence[str] | None = None,
-        exciter: Given | None = None,
-        stinger: Given | None = None,
-        force_transducer: Given | None = None,
-        accelerometers: Given | Sequence[Given] | None = None,
-        suspension: Given | None = None,
-        analyser: Given | None = None,
-        noise: Given | None = None,
-        effects: Sequence[Given] | None = None,
+        exciter: JsonObject | None = None,
+        stinger: JsonObject | None = None,
+        force_transducer: JsonObject | None = None,
+        accelerometers: JsonObject | Sequence[JsonObject] | None = None,
+        suspension: JsonObject | None = None,
+        analyser: JsonObject | None = None,
+        noise: JsonObject | None = None,
+        effects: Sequence[JsonObject] | None = None,
     ) -> Rig:
         """Return a new rig; parts left out are ideal: no mass, no noise.
 
@@ -49,8 +49,8 @@ class Rigs(Shelf):
         """
         test = _wire.body(responses=responses, drive=drive, drives=drives, analyser=analyser, noise=noise)
         hardware = _wire.body(exciter=exciter, stinger=stinger, force_transducer=force_transducer)
-        rest = _wire.body(accelerometers=accelerometers, suspension=suspension, effects=effects)
-        body = test | hardware | rest
+        attached = _wire.body(accelerometers=accelerometers, suspension=suspension, effects=effects)
+        body = test | hardware | attached
         return _wire.read(_wire.rig, self._transport.request("POST", "/v1/rigs", json=body))
 
     def get(self, rig_id: str) -> Rig:

@@ -10,7 +10,7 @@ from modallab_client.correlation import Expansion, ReducedModel
 from modallab_client.models import Frf, ModeShapes, Structure, StructureModes
 from modallab_client.results import ModalModel
 
-Given = Mapping[str, Any]
+JsonObject = Mapping[str, Any]
 
 
 class Structures(Described):
@@ -19,7 +19,7 @@ class Structures(Described):
     def change(
         self,
         structure_id: str,
-        changes: Sequence[Given] = (),
+        changes: Sequence[JsonObject] = (),
         *,
         members: Sequence[int] | None = None,
         node: int | None = None,
@@ -44,9 +44,9 @@ class Structures(Described):
         factor, value
             `factor` multiplies, `value` sets.
         """
-        where = _wire.body(members=members, node=node, dof=dof)
-        one = where | _wire.body(property=property, factor=factor, value=value)
-        body = {"changes": [*changes, one] if one else list(changes)}
+        location = _wire.body(members=members, node=node, dof=dof)
+        change = location | _wire.body(property=property, factor=factor, value=value)
+        body = {"changes": [*changes, change] if change else list(changes)}
         path = f"/v1/structures/{structure_id}/changes"
         return _wire.read(_wire.structure, self._transport.request("POST", path, json=body))
 
@@ -91,10 +91,10 @@ class Structures(Described):
         n_lines
             0 Hz counted; left out: 401.
         """
-        asked = _wire.body(drive=drive, responses=list(responses), kind=kind)
+        query = _wire.body(drive=drive, responses=list(responses), kind=kind)
         lines = _wire.body(frequency_max=frequency_max, n_lines=n_lines)
         path = f"{self.path}/{structure_id}/frf"
-        return _wire.read(_wire.frf, self._transport.npz(path, asked | lines))
+        return _wire.read(_wire.frf, self._transport.npz(path, query | lines))
 
     def synthetic_modes(
         self,
@@ -102,7 +102,7 @@ class Structures(Described):
         *,
         dofs: Sequence[str],
         count: int = 10,
-        noise: Given | None = None,
+        noise: JsonObject | None = None,
         seed: int | None = None,
     ) -> ModalModel:
         """Return the structure's modes as a modal model, as if they had been measured.
@@ -126,7 +126,7 @@ class Structures(Described):
         return ModalModels(self._transport).get(reply["id"])
 
     def expanded_modes(
-        self, structure_id: str, modal_model_id: str, *, reduction: str | Given = "serep"
+        self, structure_id: str, modal_model_id: str, *, reduction: str | JsonObject = "serep"
     ) -> Expansion:
         """Return measured modes at all DoFs of a structure, as a modal model of their own.
 
@@ -160,8 +160,8 @@ class Structures(Described):
         **parameters
             Its numbers: `frequency` in Hz of `dynamic`, `iterations` of `irs`, `modes` of `serep`.
         """
-        asked = {"masters": list(masters), "kind": kind, **parameters}
-        arrays = self._transport.npz(f"{self.path}/{structure_id}/reduced", asked)
+        query = {"masters": list(masters), "kind": kind, **parameters}
+        arrays = self._transport.npz(f"{self.path}/{structure_id}/reduced", query)
         return _wire.read(_wire_correlation.reduced, arrays)
 
     def geometry(self, structure_id: str) -> bytes:

@@ -12,8 +12,7 @@ from modallab_client import _retry, _wire
 from modallab_client._embedded import ServiceProcess
 from modallab_client._waiting import closing, run, sleep
 from modallab_client.errors import UnreachableError
-
-STARTING = 0.05  # s between two looks at a service that starts
+from modallab_client.settings import CONNECTION
 
 
 class Transport:
@@ -56,7 +55,7 @@ class Transport:
                 self._ready = False
             if not self._ready:
                 self._service.check_start()
-                sleep(STARTING)
+                sleep(CONNECTION.start_polling)
 
     def close(self) -> None:
         """Close the connections, and end an embedded service."""
@@ -137,8 +136,8 @@ class Transport:
     def _unreachable(self, error: httpx.TransportError) -> UnreachableError:
         if self._service is not None:
             run(self._service.check_running)
-        what = str(error) or type(error).__name__
-        return UnreachableError(f"no reply from {self._base}: {what}", context={"url": self._base})
+        reason = str(error) or type(error).__name__
+        return UnreachableError(f"no reply from {self._base}: {reason}", context={"url": self._base})
 
 
 def _content(reply: httpx.Response) -> Any:

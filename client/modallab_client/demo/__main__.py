@@ -1,4 +1,4 @@
-"""`python -m modallab_client.demo`: the thesis's beam, an updated model, a hidden effect named."""
+"""`python -m modallab_client.demo`: the beam of the 1992 thesis, its update, and a hidden effect diagnosed."""
 
 import argparse
 import sys
@@ -17,12 +17,12 @@ def main(arguments: list[str] | None = None) -> None:
     parser = argparse.ArgumentParser(prog="modallab demo", description=__doc__)
     parser.add_argument("--seed", type=int, default=4, help="draws the noise and the hidden effect")
     parser.add_argument("--out", type=Path, default=Path("demo-out"), help="folder for the page")
-    given = parser.parse_args(arguments)
-    if given.seed < 0:
+    options = parser.parse_args(arguments)
+    if options.seed < 0:
         parser.error("--seed is not negative")
     if find_spec("matplotlib") is None:
         parser.error("the demo draws with matplotlib: pip install 'modallab[plot]'")
-    run(given.seed, given.out)
+    run(options.seed, options.out)
 
 
 def run(seed: int, folder: Path) -> None:
@@ -34,33 +34,35 @@ def run(seed: int, folder: Path) -> None:
 
     say("starting the service beside this process")
     with ModalLab.embedded() as lab:
-        found = chapter_5.run(lab, seed=seed, say=say)
-        _write(*(f"\n{table.text()}" for table in chapter_5.tables(found)), "")
+        chapter = chapter_5.run(lab, seed=seed, say=say)
+        _write(*(f"\n{table.text()}" for table in chapter_5.tables(chapter)), "")
         secret = hidden.draw(seed)
-        case = hidden.run(lab, found.model_id, found.rig_id, secret, seed=seed, say=say)
-        _write("", _told(case), "")
+        case = hidden.run(lab, chapter.model_id, chapter.rig_id, secret, seed=seed, say=say)
+        _write("", _summary(case), "")
     say("the service is stopped; drawing")
-    page = _draw(found, case, seed, folder)
+    page = _write_page(chapter, case, seed, folder)
     say(f"done: open {page.resolve()}")
     say(f"the diagnosis alone: {page.with_name('report.html').resolve()}")
 
 
-def _told(case: Case) -> str:
-    """Return the diagnosis beside the truth."""
-    found = case.found
+def _summary(case: Case) -> str:
+    """Return the diagnosis and the hidden truth as text."""
+    diagnosis = case.diagnosis
     rows = [
-        (hidden.sized(step.effect), hidden.share(step), *hidden.closed(step)) for step in case.found.steps
+        (hidden.sized(step.effect), hidden.share(step), *hidden.closed(step)) for step in case.diagnosis.steps
     ]
     table = _tables.text(("named", "probability", "gap", "gap on held-out FRFs"), rows)
-    verdict = f"Verdict: {found.verdict.replace('_', ' ')}; a gap of 1 means that only random error is left."
-    words = [verdict, table, *found.left_open(), "", f"Now the truth. Hidden was: {case.hidden}."]
+    verdict = (
+        f"Verdict: {diagnosis.verdict.replace('_', ' ')}; a gap of 1 means that only random error is left."
+    )
+    words = [verdict, table, *diagnosis.left_open(), "", f"Now the truth. Hidden was: {case.hidden}."]
     return "\n".join(
-        [*words, hidden.outcome(case.hidden, found), hidden.compared(case.hidden, found)]
+        [*words, hidden.outcome(case.hidden, diagnosis), hidden.compared(case.hidden, diagnosis)]
     ).rstrip()
 
 
-def _draw(found: Chapter5, case: Case, seed: int, folder: Path) -> Path:
-    """Write page and picture, and return where the page is."""
+def _write_page(chapter: Chapter5, case: Case, seed: int, folder: Path) -> Path:
+    """Write the page and the picture; return the path of the page."""
     import matplotlib as mpl  # only now: the terminal need not wait for it
 
     mpl.use("agg")
@@ -70,11 +72,13 @@ def _draw(found: Chapter5, case: Case, seed: int, folder: Path) -> Path:
 
     folder.mkdir(parents=True, exist_ok=True)
     place = folder / "demo.html"
-    place.write_text(page(found, case, seed=seed), encoding="utf-8")
+    place.write_text(page(chapter, case, seed=seed), encoding="utf-8")
     (folder / "report.html").write_text(case.report, encoding="utf-8")
-    heading = f"Hidden: {case.hidden}. {hidden.outcome(case.hidden, case.found)}"
-    assert case.found.curves is not None
-    picture = figures.overview(found.test, found.modes, found.update, case.found.curves, heading=heading)
+    heading = f"Hidden: {case.hidden}. {hidden.outcome(case.hidden, case.diagnosis)}"
+    assert case.diagnosis.curves is not None
+    picture = figures.overview(
+        chapter.test, chapter.modes, chapter.update, case.diagnosis.curves, heading=heading
+    )
     (folder / "demo.png").write_bytes(picture)
     return place
 

@@ -6,7 +6,7 @@ from typing import Any
 
 from modallab_client import ModalLab
 from modallab_client.demo import thesis
-from modallab_client.demo.beside import Beside, Line
+from modallab_client.demo.comparison import ComparisonTable, Line
 from modallab_client.findings import Update
 from modallab_client.models import Measurement
 from modallab_client.results import Correlation, ModalModel
@@ -37,15 +37,15 @@ MACROS = [list(range(first, first + 4)) for first in range(1, 21, 4)]
 
 @dataclass(frozen=True, eq=False)
 class Chapter5:
-    """What the beam's test led to."""
+    """Test, modes and updated model of the beam."""
 
     model_id: str
     rig_id: str
     test: Measurement
     modes: ModalModel
-    before: Correlation
+    before_update: Correlation
     update: Update
-    after: Correlation
+    after_update: Correlation
 
 
 def run(lab: ModalLab, *, seed: int, say: Say) -> Chapter5:
@@ -57,27 +57,29 @@ def run(lab: ModalLab, *, seed: int, say: Say) -> Chapter5:
     test = lab.measurements.start(truth.id, rig.id, seed=seed).result()
     say("reading its modes (Dobson) and comparing them with the model's")
     modes = lab.modal_models.start(test.id, method="dobson", n_modes=N_MODES).result()
-    before = lab.correlations.create(modes.id, model.id, count=N_MODES)
+    before_update = lab.correlations.create(modes.id, model.id, count=N_MODES)
     say("updating the model: macro elements first, then elements")
     job = lab.updates.start(model.id, modes.id, macros=MACROS, parts=["mass", "stiffness"])
     update = job.result()
-    after = lab.correlations.create(modes.id, update.structure_id or model.id, count=N_MODES)
-    return Chapter5(model.id, rig.id, test, modes, before, update, after)
+    after_update = lab.correlations.create(modes.id, update.structure_id or model.id, count=N_MODES)
+    return Chapter5(model.id, rig.id, test, modes, before_update, update, after_update)
 
 
-def tables(found: Chapter5) -> tuple[Beside, ...]:
-    """Return tables 5.4 to 5.7 beside the printed ones."""
-    update = found.update
-    measured = Line("measured, Hz", found.modes.frequencies, thesis.MEASURED, 1)
+def tables(chapter: Chapter5) -> tuple[ComparisonTable, ...]:
+    """Return tables 5.4 to 5.7 compared with the printed ones."""
+    update = chapter.update
+    measured = Line("measured, Hz", chapter.modes.frequencies, thesis.MEASURED, 1)
     frequencies, mac = update.frequencies, update.mac
 
-    def compared(title: str, stage: str, printed: thesis.Row, printed_mac: thesis.Row, note: str) -> Beside:
+    def compared(
+        title: str, stage: str, printed: thesis.Row, printed_mac: thesis.Row, note: str
+    ) -> ComparisonTable:
         model = Line("model, Hz", frequencies[stage], printed, 1)
-        return Beside(title, (measured, model, Line("MAC", mac[stage], printed_mac, 3)), note)
+        return ComparisonTable(title, (measured, model, Line("MAC", mac[stage], printed_mac, 3)), note)
 
     suspected = {part: len(members) for part, members in update.suspected.items()}
     return (
-        Beside("Table 5.4: modes read from each FRF, scatter over the 11", _scatter(found.modes)),
+        ComparisonTable("Table 5.4: modes read from each FRF, scatter over the 11", _scatter(chapter.modes)),
         compared("Table 5.5: before updating", "before", thesis.MODEL, thesis.MODEL_MAC, ""),
         compared(
             "Table 5.6: after error location",
@@ -105,6 +107,6 @@ def _scatter(modes: ModalModel) -> tuple[Line, ...]:
         spreads = [getattr(mode, f"{quantity}_spread") for mode in modes.modes]
         scale, unit = (1.0, "Hz") if quantity == "frequency" else (100.0, "%")
         digits = 1 if quantity == "frequency" and statistic != "sd" else 2
-        here = [scale * getattr(spread, statistic) for spread in spreads]
-        lines.append(Line(f"{name.replace('_', ' ')}, {unit}", here, printed, digits))
+        values = [scale * getattr(spread, statistic) for spread in spreads]
+        lines.append(Line(f"{name.replace('_', ' ')}, {unit}", values, printed, digits))
     return tuple(lines)

@@ -1,4 +1,4 @@
-"""The demo's drawings, each on axes that it is given."""
+"""Plots of the demo on given axes."""
 
 from collections.abc import Callable, Mapping
 from io import BytesIO, StringIO
@@ -11,19 +11,19 @@ from modallab_client import _diagnosis_plot
 from modallab_client.findings import Iteration, Update
 from modallab_client.models import ComplexArray, FloatArray, Measurement
 from modallab_client.results import DiagnosisCurves, ModalModel
+from modallab_client.settings import PLOT
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-RANGE = 8.0  # half-power bandwidths on each side of a resonance that a Nyquist plot shows
 WRONG = {"mass": {1, 2}, "stiffness": {11, 12}}  # members that the hidden truth changes
 
 
 def frfs(axes: "Axes", test: Measurement) -> None:
     """Draw the magnitude of every FRF."""
-    shown = test.freq > 0
-    axes.semilogy(test.freq[shown], np.abs(test.values[shown, :, 0]), linewidth=0.8)
+    positive = test.freq > 0
+    axes.semilogy(test.freq[positive], np.abs(test.values[positive, :, 0]), linewidth=0.8)
     axes.set(xlabel="frequency, Hz", ylabel="|inertance|, m/(s² N)", title="11 measured FRFs")
 
 
@@ -40,13 +40,13 @@ def nyquist(axes: "Axes", test: Measurement, modes: ModalModel, *, mode: int, ou
         eigenvalue = (2 * np.pi * frequency) ** 2 * (1 + 1j * eta)
         return np.asarray(constant / (eigenvalue - (2 * np.pi * freq) ** 2))
 
-    near = np.abs(test.freq - frequency) < RANGE * eta * frequency
+    near = np.abs(test.freq - frequency) < PLOT.nyquist_bandwidths * eta * frequency
     freq = test.freq[near]
     measured = test.values[near, output, 0] / -((2 * np.pi * freq) ** 2)
-    # What the other modes add hardly changes over one resonance: the circle is moved as a whole.
-    moved = complex(np.mean(measured - resonance(freq)))
+    # The contribution of other modes hardly changes over one resonance: it shifts the circle as a whole.
+    residual = complex(np.mean(measured - resonance(freq)))
     fine = np.linspace(freq[0], freq[-1], 600)
-    circle = resonance(fine) + moved
+    circle = resonance(fine) + residual
     axes.plot(1e6 * circle.real, 1e6 * circle.imag, color="C1", linewidth=1.2, label="fitted mode")
     axes.plot(1e6 * measured.real, 1e6 * measured.imag, "o", color="C0", markersize=4, label="measured lines")
     axes.set(xlabel="Re receptance, µm/N", ylabel="Im receptance, µm/N")
@@ -74,9 +74,9 @@ def coefficients(axes: "Axes", update: Update, part: str) -> None:
 
 def _paths(history: tuple[Iteration, ...], part: str) -> Mapping[int, list[float]]:
     """Return the coefficient of every member by iteration, from 1 at the start."""
-    paths = {member: [1.0] for one in history for c in one.coefficients for member in c.members}
-    for one in history:
-        now = {m: c.value for c in one.coefficients if c.part == part for m in c.members}
+    paths = {member: [1.0] for iteration in history for c in iteration.coefficients for member in c.members}
+    for iteration in history:
+        now = {m: c.value for c in iteration.coefficients if c.part == part for m in c.members}
         for member, values in paths.items():
             values.append(now.get(member, 1.0))
     return paths
@@ -94,12 +94,12 @@ def explained(axes: "Axes", curves: DiagnosisCurves) -> None:
         magnitude = np.abs(getattr(curves, name)[lines, output, 0])
         axes.semilogy(curves.freq[lines], magnitude, style, linewidth=1.2, markersize=5, label=label)
     axes.set(xlabel="frequency, Hz", ylabel="|inertance|, m/(s² N)")
-    held = ", held out of every fit" if curves.held_out[output] else ""
-    axes.set_title(f"response {curves.outputs[output]}{held}")
+    suffix = ", held out of every fit" if curves.held_out[output] else ""
+    axes.set_title(f"response {curves.outputs[output]}{suffix}")
     axes.legend(fontsize="small")
 
 
-def alone(draw: "Callable[[Axes], None]", size: tuple[float, float] = (7.5, 3.6)) -> "Figure":
+def single_plot(draw: "Callable[[Axes], None]", size: tuple[float, float] = (7.5, 3.6)) -> "Figure":
     """Return a figure with one drawing."""
     figure, axes = pyplot.subplots(figsize=size, layout="constrained")
     draw(axes)

@@ -1,4 +1,4 @@
-"""An effect hidden in a second test of the beam, and what the diagnosis makes of it."""
+"""An effect hidden in a second test of the beam, and its diagnosis."""
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -16,13 +16,13 @@ Place = str | dict[str, list[int]] | None
 
 @dataclass(frozen=True)
 class Suspect:
-    """What may be hidden: its number, and the range it is drawn from, evenly in its logarithm."""
+    """Kind of effect that may be hidden: its parameter, and the range of a log-uniform draw."""
 
     parameter: str
     unit: str
     lower: float
     upper: float
-    where: str = "everywhere"  # or member, node
+    location: str = "everywhere"  # or member, node
 
 
 SUSPECTS: Mapping[str, Suspect] = {
@@ -55,7 +55,7 @@ class Hidden:
 
     def __str__(self) -> str:
         size = f"{self.parameter} {self.value:.4g} {self.unit}".strip()
-        return f"{named(self.kind, self.at)}, {size}"
+        return f"{described(self.kind, self.at)}, {size}"
 
 
 @dataclass(frozen=True, eq=False)
@@ -64,24 +64,24 @@ class Case:
 
     hidden: Hidden
     test: Measurement
-    found: results.Diagnosis
+    diagnosis: results.Diagnosis
     report: str
 
 
-def named(kind: str, at: str | Mapping[str, Any] | None) -> str:
+def described(kind: str, at: str | Mapping[str, Any] | None) -> str:
     """Return kind and place of an effect in words."""
     name = kind.replace("_", " ")
     return name if at is None else f"{name} at {place(at).replace('member', 'element')}"
 
 
 def sized(effect: results.FittedEffect) -> str:
-    """Return an effect that was found, its size with the standard error."""
-    numbers = [f"{name} {one}" for name, one in effect.parameters.items()]
-    return ", ".join([named(effect.kind, effect.at), *numbers])
+    """Return a fitted effect in words: its place, and its parameters with standard errors."""
+    numbers = [f"{name} {size}" for name, size in effect.parameters.items()]
+    return ", ".join([described(effect.kind, effect.at), *numbers])
 
 
 def share(step: results.Step) -> str:
-    """Return how probable a step is; never certain."""
+    """Return the probability of a step in words, `> 0.999` at most."""
     if step.probability is None:
         return ""
     return "> 0.999" if step.probability > 0.999 else f"{step.probability:.3f}"
@@ -91,10 +91,10 @@ def closed(step: results.Step) -> tuple[str, str]:
     """Return the gap before and after a step: over the FRFs that were fitted, and over those held out."""
     held_out = (step.held_out_gap_before, step.held_out_gap_after)
     pairs = ((step.gap_before, step.gap_after), held_out)
-    fitted, kept = (
+    fitted, held_out_text = (
         "" if before is None or after is None else f"{before:.4g} → {after:.3g}" for before, after in pairs
     )
-    return fitted, kept
+    return fitted, held_out_text
 
 
 def draw(seed: int, kind: str | None = None) -> Hidden:
@@ -106,15 +106,15 @@ def draw(seed: int, kind: str | None = None) -> Hidden:
         A kind to hide instead of a random one.
     """
     rng = np.random.default_rng([seed, 5])  # 5: not the numbers that the tests' noise is drawn from
-    drawn = str(rng.choice(sorted(SUSPECTS)))
-    name = drawn if kind is None else kind
+    random_kind = str(rng.choice(sorted(SUSPECTS)))
+    name = random_kind if kind is None else kind
     suspect = SUSPECTS[name]
     value = float(np.exp(rng.uniform(np.log(suspect.lower), np.log(suspect.upper))))
     if suspect.parameter == "factor" and rng.random() < 0.5:
         value = 1 / value
     member, node = int(rng.integers(1, 21)), int(rng.integers(1, 22))
     places: dict[str, Place] = {"member": {"members": [member]}, "node": f"{node}:+Y", "everywhere": None}
-    return Hidden(name, places[suspect.where], suspect.parameter, value, suspect.unit)
+    return Hidden(name, places[suspect.location], suspect.parameter, value, suspect.unit)
 
 
 def run(lab: ModalLab, model_id: str, rig_id: str, hidden: Hidden, *, seed: int, say: Say) -> Case:
@@ -123,50 +123,50 @@ def run(lab: ModalLab, model_id: str, rig_id: str, hidden: Hidden, *, seed: int,
     job = lab.measurements.start(model_id, rig_id, effects=[hidden.effect], seed=seed + 1)
     test = job.result()
     say("diagnosing: every suspect at every place")
-    diagnosis = lab.diagnoses.start(model_id, test.id, seed=seed, act=True)
-    found = diagnosis.result(on_progress=_milestones(say))
-    return Case(hidden, test, found, lab.diagnoses.report(found.id))
+    diagnosis_job = lab.diagnoses.start(model_id, test.id, seed=seed, act=True)
+    result = diagnosis_job.result(on_progress=_milestones(say))
+    return Case(hidden, test, result, lab.diagnoses.report(result.id))
 
 
 def _milestones(say: Say) -> Callable[[float, str], None]:
     """Return a callback that says a quarter of the way once."""
-    told = [0]
+    quarters = [0]
 
-    def tell(fraction: float, message: str) -> None:
-        if int(4 * fraction) > told[0]:
-            told[0] = int(4 * fraction)
+    def report(fraction: float, message: str) -> None:
+        if int(4 * fraction) > quarters[0]:
+            quarters[0] = int(4 * fraction)
             say(f"  {fraction:4.0%} {message}")
 
-    return tell
+    return report
 
 
-def compared(hidden: Hidden, found: results.Diagnosis) -> str:
+def compared(hidden: Hidden, diagnosis: results.Diagnosis) -> str:
     """Return how far the size that was found is from the hidden one; nothing if it was not named."""
-    for step in found.steps:
-        one = step.effect.parameters.get(hidden.parameter)
-        if (step.effect.kind, step.effect.at) != (hidden.kind, hidden.at) or one is None:
+    for step in diagnosis.steps:
+        parameter = step.effect.parameters.get(hidden.parameter)
+        if (step.effect.kind, step.effect.at) != (hidden.kind, hidden.at) or parameter is None:
             continue
-        off = one.value - hidden.value
-        share = f"{100 * abs(off) / abs(hidden.value):.2g} % off the hidden {hidden.value:.5g}"
-        if not one.standard_error:
+        error = parameter.value - hidden.value
+        share = f"{100 * abs(error) / abs(hidden.value):.2g} % off the hidden {hidden.value:.5g}"
+        if not parameter.standard_error:
             return f"Its {hidden.parameter} is {share}."
-        errors = f"{abs(off) / one.standard_error:.1f} standard errors"
+        errors = f"{abs(error) / parameter.standard_error:.1f} standard errors"
         return f"Its {hidden.parameter} is {share}, which is {errors}."
     return ""
 
 
-def outcome(hidden: Hidden, found: results.Diagnosis) -> str:
+def outcome(hidden: Hidden, diagnosis: results.Diagnosis) -> str:
     """Return whether the hidden effect was named."""
     truth = (hidden.kind, hidden.at)
-    if not found.steps:
+    if not diagnosis.steps:
         return "It was not named."
-    first = found.steps[0]
+    first = diagnosis.steps[0]
     if (first.effect.kind, first.effect.at) == truth:
-        others = [named(other.kind, other.at) for other in first.rivals_alike]
-        alike = f"; this test cannot tell it from {', '.join(others)}" if others else ""
-        return f"It was named first{alike}."
-    if truth in [(other.kind, other.at) for other in first.rivals_alike]:
+        equivalents = [described(rival.kind, rival.at) for rival in first.rivals_alike]
+        suffix = f"; this test cannot tell it from {', '.join(equivalents)}" if equivalents else ""
+        return f"It was named first{suffix}."
+    if truth in [(rival.kind, rival.at) for rival in first.rivals_alike]:
         return "It is among those that this test cannot tell from the one named first."
-    if truth in [(step.effect.kind, step.effect.at) for step in found.steps]:
+    if truth in [(step.effect.kind, step.effect.at) for step in diagnosis.steps]:
         return "It was named, but not first."
     return "It was not named."

@@ -1,4 +1,4 @@
-"""The demo's page: one HTML file that holds all it shows."""
+"""The demo's page: one self-contained HTML file."""
 
 from base64 import b64encode
 from html import escape
@@ -29,25 +29,25 @@ iframe { width: 100%; height: 75vh; border: 1px solid #d8dce4; }
 """
 
 
-def page(found: Chapter5, case: Case, *, seed: int) -> str:
+def page(chapter: Chapter5, case: Case, *, seed: int) -> str:
     """Return the demo's page, which loads nothing from elsewhere."""
     body = [
         "<h1>A beam, its test, its model</h1>",
         "<p class='soft'>Made by <code>modallab demo</code> over HTTP, "
         f"seed {seed}; the same seed makes the same page.</p>",
-        *_test(found),
-        *_update(found),
+        *_test(chapter),
+        *_update(chapter),
         *_diagnosis(case),
     ]
     head = f"<meta charset='utf-8'><title>modallab demo</title><style>{STYLE}</style>"
     return f"<!DOCTYPE html>\n<html lang='en'><head>{head}</head>\n<body>{''.join(body)}</body></html>\n"
 
 
-def _test(found: Chapter5) -> list[str]:
-    upper, _ = found.test.plot()
-    last = len(found.modes.modes) - 1
-    circle = figures.alone(
-        lambda axes: figures.nyquist(axes, found.test, found.modes, mode=last, output=0), (6, 4.5)
+def _test(chapter: Chapter5) -> list[str]:
+    upper, _ = chapter.test.plot()
+    last = len(chapter.modes.modes) - 1
+    circle = figures.single_plot(
+        lambda axes: figures.nyquist(axes, chapter.test, chapter.modes, mode=last, output=0), (6, 4.5)
     )
     return [
         "<h2>The test</h2>",
@@ -56,18 +56,18 @@ def _test(found: Chapter5) -> list[str]:
         "it: elements 1 and 2 are twice as dense as the model has them, 11 and 12 twice as stiff.</p>",
         _figure(cast("Figure", upper.figure), "FRFs, and their coherence below"),
         _figure(circle, "A resonance as a circle: measured lines, and the mode fitted to them (Dobson)"),
-        chapter_5.tables(found)[0].html(),
+        chapter_5.tables(chapter)[0].html(),
     ]
 
 
-def _update(found: Chapter5) -> list[str]:
-    _, before, location, after = chapter_5.tables(found)
+def _update(chapter: Chapter5) -> list[str]:
+    _, before_update, location, after_update = chapter_5.tables(chapter)
     pictures = (
-        (cast("Figure", found.before.plot().figure), "MAC of the model as given"),
-        (cast("Figure", found.after.plot().figure), "MAC of the updated model"),
+        (cast("Figure", chapter.before_update.plot().figure), "MAC of the model as given"),
+        (cast("Figure", chapter.after_update.plot().figure), "MAC of the updated model"),
     )
-    drawn = [
-        figures.alone(lambda axes, part=part: figures.coefficients(axes, found.update, part))  # type: ignore[misc]
+    drawings = [
+        figures.single_plot(lambda axes, part=part: figures.coefficients(axes, chapter.update, part))  # type: ignore[misc]
         for part in figures.WRONG
     ]
     words = (
@@ -77,26 +77,26 @@ def _update(found: Chapter5) -> list[str]:
     )
     return [
         "<h2>Test and model compared, and the model updated</h2>",
-        f"<div class='two'>{''.join(_figure(*one) for one in pictures)}</div>",
-        before.html(),
+        f"<div class='two'>{''.join(_figure(*picture) for picture in pictures)}</div>",
+        before_update.html(),
         f"<p>{words}</p>",
-        _figure(drawn[0], "Mass coefficients by iteration"),
-        _figure(drawn[1], "Stiffness coefficients by iteration"),
+        _figure(drawings[0], "Mass coefficients by iteration"),
+        _figure(drawings[1], "Stiffness coefficients by iteration"),
         location.html(),
-        after.html(),
+        after_update.html(),
     ]
 
 
 def _diagnosis(case: Case) -> list[str]:
-    found = case.found
-    drawing = cast("Figure", found.plot()[0].figure)
-    rows = [(hidden.sized(step.effect), hidden.share(step), *hidden.closed(step)) for step in found.steps]
+    diagnosis = case.diagnosis
+    drawing = cast("Figure", diagnosis.plot()[0].figure)
+    rows = [(hidden.sized(step.effect), hidden.share(step), *hidden.closed(step)) for step in diagnosis.steps]
     head = ("named", "probability", "gap", "gap on held-out FRFs")
-    caption = f"Verdict: {found.verdict.replace('_', ' ')}. At a gap of 1 only random error is left."
+    caption = f"Verdict: {diagnosis.verdict.replace('_', ' ')}. At a gap of 1 only random error is left."
+    verdict = f"{hidden.outcome(case.hidden, diagnosis)} {hidden.compared(case.hidden, diagnosis)}"
     return [
         "<h2>A hidden effect named</h2>",
-        f"<p class='named'>Hidden: <b>{escape(str(case.hidden))}</b>.<br>"
-        f"{escape(f'{hidden.outcome(case.hidden, found)} {hidden.compared(case.hidden, found)}')}</p>",
+        f"<p class='named'>Hidden: <b>{escape(str(case.hidden))}</b>.<br>{escape(verdict)}</p>",
         _tables.html(head, rows, caption=caption),
         _figure(drawing, "The gap by step, where the model as given is off, and a response before and after"),
         "<details open><summary>The service's own report of this diagnosis</summary>"

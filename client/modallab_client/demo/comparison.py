@@ -1,4 +1,4 @@
-"""Numbers of the lab beside printed ones, one column a mode."""
+"""Tables that compare numbers of the lab with printed ones, one column a mode."""
 
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
@@ -9,17 +9,17 @@ from modallab_client.models import FloatArray
 
 @dataclass(frozen=True)
 class Line:
-    """A quantity as the lab finds it and as it is printed."""
+    """A quantity as the lab computes it and as it is printed."""
 
     quantity: str
-    here: Sequence[float] | FloatArray
+    computed: Sequence[float] | FloatArray
     printed: Sequence[float]
     digits: int
 
 
 @dataclass(frozen=True)
-class Beside:
-    """A printed table and the lab's own."""
+class ComparisonTable:
+    """A printed table compared with the lab's."""
 
     title: str
     lines: tuple[Line, ...]
@@ -35,10 +35,10 @@ class Beside:
         return _tables.html(*self._rows(), caption=f"{self.title}. {self.note}".strip())
 
     def _rows(self) -> _tables.Table:
-        head = ("", "", *(str(mode) for mode in range(1, len(self.lines[0].here) + 1)))
+        head = ("", "", *(str(mode) for mode in range(1, len(self.lines[0].computed) + 1)))
         rows = []
         for line in self.lines:
-            rows.append((line.quantity, "lab", *_digits(line.here, line.digits)))
+            rows.append((line.quantity, "lab", *_digits(line.computed, line.digits)))
             rows.append(("", "thesis", *_digits(line.printed, line.digits)))
         return head, rows
 
