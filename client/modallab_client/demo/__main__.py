@@ -1,4 +1,4 @@
-"""`python -m modallab_client.demo`: the beam of the 1992 thesis, its update, and a hidden effect diagnosed."""
+"""`python -m modallab_client.demo`: the beam of the 1992 thesis, its update, and a diagnosed effect."""
 
 import argparse
 import sys
