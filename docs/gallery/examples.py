@@ -19,7 +19,7 @@ STRUCTURE = {
     ),
     "density_error": Example(
         at={"members": [9, 10, 11, 12]},
-        shows="Four heavy members of twenty in mid-span: modes that move there fall most.",
+        shows="Four heavy members of twenty at mid-span: frequencies of modes that move there fall most.",
     ),
     "stiffness_error": Example(
         at={"members": [9, 10, 11, 12]},
@@ -79,7 +79,7 @@ STRUCTURE = {
         levels=(0.2, 2.0),
         panels=("magnitude", "coherence"),
         band=(2.0, 150.0),
-        shows="At a low level friction holds the beam down; at a high one it is hardly there.",
+        shows="At a low level friction holds the free end; at a high level it has little influence.",
     ),
     "rattle": Example(
         structure="clamped beam",

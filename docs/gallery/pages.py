@@ -22,20 +22,21 @@ _NAMES = {
     "response": "the response spectrum",
 }
 _HOOKS = ("on_motion", "on_spectra", "on_records", "on_source", "on_noise")
-_NONLINEAR = """`expected` puts the best straight line in the force's place, for a Gaussian motion of the size
-that this line itself allows, and adds what the line leaves as a force that is not coherent with the source.
-`sampled` steps the force itself through time. They agree to second order. They part where the motion is not
-Gaussian: one narrow resonance far into the nonlinearity, jumps between two states of motion, and the scatter
+_NONLINEAR = """The route `expected` replaces the nonlinear force by its best linear approximation for a
+Gaussian motion (equivalent linearisation), whose size follows from the linearised structure, and adds
+the remainder of the force as a force that is incoherent with the source. The route `sampled` integrates
+the nonlinear force in time. The two agree to second order. They differ where the motion is not Gaussian:
+a single narrow resonance with strong nonlinearity, jumps between two states of motion, and the scatter
 of coherence from record to record."""
-_CONVERTED = """`expected` adds to the spectra what the fault leaves on average of signals that are Gaussian.
-`sampled` does it to every sample. They part where the signals are not Gaussian, and in the scatter from
+_CONVERTED = """The route `expected` adds the mean influence on Gaussian signals to the spectra, the
+route `sampled` changes every sample. They differ where signals are not Gaussian, and in the scatter from
 record to record."""
-_SHAPED = """`expected` works it into the spectra that the lines see, `sampled` into the signal that the
-source plays. They differ by random error alone."""
-_NOISY = """`expected` adds its power to the auto spectra, `sampled` adds it to every record. They differ
-by random error alone."""
-_LINEAR = """It is linear: `expected`, `drawn` and `sampled` take the same response at every frequency, and
-differ by random error alone."""
+_SHAPED = """The route `expected` includes the effect in the expected spectra, the route `sampled` in the
+signal of the source. They differ by random error only."""
+_NOISY = """The route `expected` adds the power to the auto spectra, the route `sampled` adds a random
+signal to every record. They differ by random error only."""
+_LINEAR = """The effect is linear: the routes `expected`, `drawn` and `sampled` use the same frequency
+response, and differ by random error only."""
 
 
 def page(kind: str) -> str:
@@ -44,12 +45,12 @@ def page(kind: str) -> str:
     parts = [
         f"{HEADER}\n# {kind}\n\n{_sentence(cls.summary)}",
         f"![{kind}: the measurement without and with it]({kind}.png)\n\n{_caption(kind, example)}",
-        f"## What happens, and the source\n\n{_physics(cls)}",
-        f"## Numbers\n\n{parameter_table(cls)}",
-        f"## Where it sits\n\n{_where(cls)}",
-        f"## How it is declared\n\n{_declared(kind)}",
-        f"## On the two routes\n\n{_routes(cls)}",
-        f"## What looks like it\n\n{_alike(cls)}",
+        f"## Equation and source\n\n{_physics(cls)}",
+        f"## Parameters\n\n{parameter_table(cls)}",
+        f"## Place\n\n{_where(cls)}",
+        f"## Declaration\n\n{_declared(kind)}",
+        f"## Routes\n\n{_routes(cls)}",
+        f"## Similar effects\n\n{_alike(cls)}",
         "[All effects](README.md)",
     ]
     return "\n\n".join(parts) + "\n"
@@ -58,10 +59,11 @@ def page(kind: str) -> str:
 def index() -> str:
     """Return the gallery's front page, Markdown."""
     parts = [
-        f"{HEADER}\n# What a test does to a measurement",
-        "One picture an effect: the expected measurement without it in grey, with it in colour, at a"
-        "\nbelievable strength. Each links to a page with the equation, its source and its numbers."
-        "\nHow they act together: [the virtual rig](../rig.md), [measuring channels](../channels.md).",
+        f"{HEADER}\n# Effects: influences of rig and structure on a measurement",
+        "Terms and symbols: [glossary](../glossary.md).",
+        "Each picture shows the expected measurement without the effect in grey and with it in colour, at a"
+        "\nrealistic strength. It links to a page with the equation, its source and the parameters."
+        "\nEffects in a test: [the virtual rig](../rig.md), [measuring channels](../channels.md).",
     ]
     for group in GROUPS:
         members = [kind for kind in EFFECTS if group_of(kind) == group]
@@ -69,7 +71,7 @@ def index() -> str:
             f"| {_thumbnail(kind)} | [`{kind}`]({kind}.md): {EFFECTS[kind].summary} |" for kind in members
         ]
         parts.append("\n".join([f"## {group}\n", "| | |", "|---|---|", *rows]))
-    return "\n\n".join([*parts, f"## What each of them touches\n\n{_overview()}"]) + "\n"
+    return "\n\n".join([*parts, f"## Measured quantities that each effect changes\n\n{_overview()}"]) + "\n"
 
 
 def _overview() -> str:
@@ -81,21 +83,21 @@ def _overview() -> str:
         marks = ["x" if name in changed else "" for name in TOUCHABLE]
         rows.append(f"| [`{kind}`]({kind}.md) | {' | '.join(marks)} |")
     head = f"| effect | {' | '.join(names)} |\n|---{'|---' * len(names)}|"
-    note = "By more than 0.2 dB, 1 degree or 0.01 of coherence somewhere in the band of its picture."
+    note = "Marked: a change of more than 0.2 dB, 1 degree or 0.01 of coherence in the band of the picture."
     return "\n".join([f"{note}\n\n{head}", *rows])
 
 
 def parameter_table(cls: type[Effect]) -> str:
     """Return the numbers of an effect as a table."""
     if not cls.specs():
-        return "It has none: it is there or not."
+        return "None: the effect is present or absent."
     usual = cls(at=None)
     rows = []
     for name, spec in cls.specs().items():
         absent = "-" if spec.absent is None else f"{spec.absent:g}"
         bounds = f"{getattr(usual, name):g} | {spec.lower:g} | {spec.upper:g} | {absent}"
         rows.append(f"| `{name}` | {spec.doc} | {spec.unit} | {bounds} |")
-    head = "| name | meaning | unit | default | least | most | absent at |\n|---|---|---|---|---|---|---|"
+    head = "| name | meaning | unit | default | lower bound | upper bound | absent at |\n" + "|---" * 7 + "|"
     return "\n".join([head, *rows])
 
 
@@ -116,23 +118,21 @@ def _caption(kind: str, example: Example) -> str:
     used = {name: value for name, value in example.rig.items() if name not in ("drive", "responses")}
     common = f", with `{json.dumps(used)}` in both" if used else ""
     loud = (
-        f", the source at {' and '.join(f'{level:g} N' for level in example.levels)}"
-        if example.levels
-        else ""
+        f"; source level {' and '.join(f'{level:g} N' for level in example.levels)}" if example.levels else ""
     )
     added = json.dumps(_added(kind, example))
-    return f"{sentence}{common}. The difference is `{added}`{loud}.\n\n{_touches(kind)}"
+    return f"{sentence}{common}. The second measurement adds `{added}`{loud}.\n\n{_touches(kind)}"
 
 
 def _touches(kind: str) -> str:
     changed = touched(kind)
     unchanged = [_NAMES[name] for name in TOUCHABLE if name not in changed]
     sentence = "It changes " + ", ".join(_NAMES[name] for name in changed)
-    return f"{sentence}; it leaves {', '.join(unchanged)} as they are." if unchanged else f"{sentence}."
+    return f"{sentence}; it does not change {', '.join(unchanged)}." if unchanged else f"{sentence}."
 
 
 def _added(kind: str, example: Example) -> Any:
-    """Return what the second measurement has and the first lacks, as a request writes it."""
+    """Return the difference of the two measurements as the body of a request."""
     if example.declared is not None:
         return example.declared
     defaults = EFFECTS[kind](at=None).parameters
@@ -184,10 +184,10 @@ def _routes(cls: type[Effect]) -> str:
 
 
 def _alike(cls: type[Effect]) -> str:
-    more = " [How a diagnosis tells them apart](../diagnosis.md)."
+    more = " [How a diagnosis distinguishes effects](../diagnosis.md)."
     return (
         SIMILAR_EFFECTS.get(
-            cls.kind, "A diagnosis fits it against all others and lists rivals that are alike."
+            cls.kind, "A diagnosis fits all suspected effects and lists those that it cannot distinguish."
         )
         + more
     )

@@ -1,9 +1,9 @@
-"""What a class cannot know of itself: the part of a log book that declares it, and what looks like it."""
+"""Texts beside the classes of effects: the hardware that implies an effect, and similar effects."""
 
 from collections.abc import Mapping
 from typing import Any
 
-# Parts of a rig's body that imply an effect; what has none here is declared by name.
+# Parts of a rig's body that imply an effect; effects without an entry are declared by name.
 HARDWARE: Mapping[str, Mapping[str, Any]] = {
     "ac_coupling": {"analyser": {"coupling": "ac", "coupling_frequency": 1.0}},
     "accelerometer_mass": {"accelerometers": {"mass": 0.02, "roving": True}},
@@ -33,78 +33,89 @@ HARDWARE: Mapping[str, Mapping[str, Any]] = {
 }
 
 SIMILAR_EFFECTS: Mapping[str, str] = {
-    "ac_coupling": "A `channel_delay` turns the phase in proportion to frequency, this in proportion to the"
-    " period: look at the lowest lines.",
-    "accelerometer_mass": "An `extra_mass` shifts every FRF alike; an accelerometer that roves shifts each by"
-    " its own amount, which reciprocity and a second pass with another accelerometer show.",
-    "attached_oscillator": "An `extra_mass` never splits a resonance. Far above its own frequency an"
-    " oscillator does what a `ground_spring` does, far below it what an `extra_mass` does: the band must"
-    " hold its resonance.",
-    "cable_mass": "As `accelerometer_mass`, and the damping rises with it.",
-    "cancelled_mass": "Of the spectra alone no different from an `exciter_armature` of the same mass.",
-    "channel_delay": "`ac_coupling` turns the phase at low frequency, `polarity` by half a turn everywhere;"
-    " a delay draws a straight line through 0 Hz. Repeat with two gauges on one point.",
-    "cubic_stiffness": "A `ground_spring` does the same at one level. Repeat at three times the level:"
-    " only this one moves.",
-    "damping_law": "A `loss_factor_error` changes all modes by one factor; the law tilts damping over"
-    " frequency.",
-    "density_error": "Everywhere, it does to frequencies what `stiffness_error` does the other way round;"
-    " modal constants and the mass line below the first mode tell them apart.",
-    "double_hit": "Ripples of the force spectrum that are even over the band, their distance one over the"
-    " time between the blows; an armature's drop-outs sit at resonances instead.",
-    "drift": "`accelerometer_mass` shifts FRFs by place, drift by the order in which they were measured:"
-    " repeat the first run last.",
-    "exciter_armature": "Nothing in the FRF. `exciter_coil` makes the drop-outs broad, `stinger_axial`"
-    " brings a resonance of its own above which force is lost.",
-    "exciter_coil": "An `exciter_armature` alone leaves peaks beside the drop-outs; back-EMF damps them.",
-    "exciter_suspension": "Only the force at low frequency knows; an `exciter_armature` shows at high"
-    " frequency.",
-    "extra_mass": "At the drive point it cannot be told from a `force_transducer_mass`, nor at a fixed"
-    " accelerometer from its mass: drive elsewhere. A `ground_spring` raises frequencies.",
-    "force_noise": "`response_noise` takes coherence at antiresonances, this at resonances, where the"
-    " force drops out. H2 is right where H1 is low.",
-    "force_transducer_mass": "An `extra_mass` at the drive point is the same: move the drive point, or"
-    " cancel the mass.",
-    "force_transducer_stiffness": "In series with `stinger_axial`: from the spectra only the sum of both"
-    " flexibilities can be known.",
-    "friction": "`local_damping` does the same at one level. Repeat louder: friction damps less.",
-    "gain_error": "A `density_error` and a `stiffness_error` of equal size everywhere scale all FRFs as a"
-    " force gauge's gain does. One channel's gain is borne out by no other FRF.",
-    "ground_spring": "A `stiffness_error` leaves rigid-body motion alone; a spring to the ground lifts it"
-    " off 0 Hz, as a `suspension` does with loss.",
-    "joint_flexibility": "`stiffness_error` of one member beside the joint is close in low modes;"
-    " a joint leaves modes alone that do not bend there.",
-    "leakage": "`response_noise` lowers coherence by level alone; leakage does it beside and at sharp"
-    " resonances. A longer record lessens it, and leaves noise as it is.",
-    "local_damping": "`loss_factor_error` damps all modes; a damper only those that move where it sits."
-    " `friction` depends on the level.",
-    "loss_factor_error": "`damping_law` changes damping by frequency, `local_damping` by mode shape."
-    " `leakage` lowers peaks too, but with coherence.",
-    "mains_hum": "Lines at the mains frequency and its odd harmonics that stay when the exciter is silent.",
-    "misplaced_accelerometer": "A `gain_error` is the same at every line; a wrong place is most wrong where"
-    " shapes are steep, and shows modes that have a node at the channel.",
-    "mounted_resonance": "A `gain_error` does not grow with frequency; this grows with its square.",
-    "overload": "Noise and `quantisation` raise the floor too, but go on as the level falls; clipping ends.",
-    "polarity": "A `channel_delay` of half a turn is one at one frequency only. The drive point's imaginary"
-    " part has one sign.",
-    "quantisation": "As `response_noise` and `force_noise` together, tied to the converter's range:"
-    " it falls by 6 dB a bit and does not follow the level.",
-    "rattle": "`cubic_stiffness` grows smoothly with the level; a gap is nothing up to a level, then all.",
-    "response_noise": "Coherence falls at antiresonances; with `force_noise` at resonances. H1 stays right,"
-    " H2 is too high.",
-    "rotational_ground_spring": "A `ground_spring` at the same node holds modes that move there, this those"
-    " that turn there.",
-    "shear_and_rotary_inertia": "A `stiffness_error` everywhere changes all frequencies by one factor;"
-    " shear lowers them by the square of the order.",
-    "stiffness_error": "Everywhere, it does to frequencies what `density_error` does the other way round."
-    " In one member it follows the strain energy there; a `ground_spring` lifts rigid-body motion too.",
-    "stinger_axial": "With `force_transducer_stiffness` in series. An `exciter_armature` alone has no"
-    " resonance above which force is lost.",
-    "stinger_bending": "A `rotational_ground_spring` or a `ground_spring` at the drive point does the same;"
-    " it goes when the drive point moves.",
-    "stinger_mass": "As an `exciter_armature` of the same mass, on a rigid stinger below its own resonances.",
-    "suspension": "A `ground_spring` is the same without loss.",
-    "swapped_channels": "Two FRFs fit each other's prediction and nothing else is wrong.",
-    "transverse_sensitivity": "A `misplaced_accelerometer` errs by the slope, this by motion across the axis:"
-    " turn the accelerometer by 180 degrees about its axis and the sign changes.",
+    "ac_coupling": "`channel_delay` changes the phase in proportion to frequency, `ac_coupling` in inverse "
+    "proportion: see the lowest lines.",
+    "accelerometer_mass": "`extra_mass` shifts all FRFs by the same amount, a roving accelerometer each by "
+    "its own amount. Reciprocity, or a second test with another accelerometer, shows this.",
+    "attached_oscillator": "`extra_mass` never splits a resonance. Far above its own frequency an "
+    "oscillator acts as a `ground_spring`, far below it as an `extra_mass`: the band must contain its "
+    "resonance.",
+    "cable_mass": "As `accelerometer_mass`, with an increase of damping.",
+    "cancelled_mass": "The spectra alone do not distinguish it from an `exciter_armature` of the same mass.",
+    "channel_delay": "`ac_coupling` changes the phase at low frequency, `polarity` by 180 degrees "
+    "everywhere; the phase of a delay is a straight line through 0 Hz. Check: two sensors at the same "
+    "point.",
+    "cubic_stiffness": "`ground_spring` has the same effect at one level. Check: a test at three times the "
+    "level, in which only the cubic spring shifts the frequencies.",
+    "damping_law": "`loss_factor_error` multiplies the damping of all modes by one factor; another law "
+    "changes it in proportion to frequency.",
+    "density_error": "With `at: null` its effect on frequencies is the inverse of that of "
+    "`stiffness_error`; modal constants, and the mass line below the first mode, distinguish them.",
+    "double_hit": "The force spectrum has ripples of constant spacing, one over the time between the "
+    "blows. The dips of an `exciter_armature` are at resonances instead.",
+    "drift": "`accelerometer_mass` shifts FRFs according to the place of the sensor, drift according to "
+    "the order of the runs. Check: repeat the first run at the end.",
+    "exciter_armature": "The FRF does not change. `exciter_coil` broadens the dips of the force spectrum; "
+    "`stinger_axial` adds a resonance above which the force is lost.",
+    "exciter_coil": "`exciter_armature` alone leaves peaks beside the dips of the force spectrum; back-EMF "
+    "damps them.",
+    "exciter_suspension": "Only the force spectrum at low frequency changes; `exciter_armature` changes it "
+    "at high frequency.",
+    "extra_mass": "At the drive point it is equivalent to `force_transducer_mass`, at a fixed "
+    "accelerometer to `accelerometer_mass`. Check: another drive point. `ground_spring` raises "
+    "frequencies.",
+    "force_noise": "`response_noise` lowers the coherence at antiresonances, `force_noise` at resonances, "
+    "where the force is small. H2 is then correct, and H1 too small.",
+    "force_transducer_mass": "`extra_mass` at the drive point is equivalent. Check: another drive point, "
+    "or mass cancellation.",
+    "force_transducer_stiffness": "It acts in series with `stinger_axial`: the spectra determine only the "
+    "sum of both flexibilities.",
+    "friction": "`local_damping` has the same effect at one level. Check: a higher level, at which "
+    "friction damps less.",
+    "gain_error": "`density_error` and `stiffness_error` of equal size everywhere scale all FRFs, as a "
+    "gain error of the force transducer does. No other FRF confirms the gain error of a single response.",
+    "ground_spring": "`stiffness_error` does not affect rigid-body motion; a spring to the ground raises "
+    "the frequencies of rigid-body modes above 0 Hz, as `suspension`, with loss, does.",
+    "joint_flexibility": "`stiffness_error` of a member beside the joint is similar in low modes. A joint "
+    "does not change modes without bending there.",
+    "leakage": "`response_noise` lowers the coherence according to level only, leakage beside and at sharp "
+    "resonances. A longer record reduces leakage, but not noise.",
+    "local_damping": "`loss_factor_error` damps all modes, a local damper only those that move at its "
+    "place. `friction` depends on the level.",
+    "loss_factor_error": "`damping_law` changes damping according to frequency, `local_damping` according "
+    "to mode shapes. `leakage` also lowers peaks, but reduces the coherence.",
+    "mains_hum": "Lines at the mains frequency and its odd harmonics remain when the exciter is off.",
+    "misplaced_accelerometer": "`gain_error` is the same at every line. The error of a wrong place is "
+    "largest where shapes are steep; modes with a node at the channel become visible.",
+    "mounted_resonance": "`gain_error` is independent of frequency; this error grows with the square of "
+    "frequency.",
+    "overload": "Noise and `quantisation` also raise the floor of the spectra, but remain at lower levels; "
+    "clipping vanishes.",
+    "polarity": "`channel_delay` has a phase of 180 degrees at one frequency only. The imaginary part of "
+    "the drive point FRF has a known sign.",
+    "quantisation": "As `response_noise` and `force_noise` together, in proportion to the range of the "
+    "converter: 6 dB less for each bit, and independent of the signal level.",
+    "rattle": "The effect of `cubic_stiffness` grows gradually with the level; a gap has no effect up to a "
+    "certain level.",
+    "response_noise": "The coherence falls at antiresonances; with `force_noise` at resonances. H1 stays "
+    "correct, H2 is too large.",
+    "rotational_ground_spring": "`ground_spring` at the same node restrains modes that translate there, "
+    "this effect those that rotate there.",
+    "shear_and_rotary_inertia": "`stiffness_error` everywhere changes all frequencies by one factor; shear "
+    "lowers them by the square of the order.",
+    "stiffness_error": "With `at: null` its effect on frequencies is the inverse of that of "
+    "`density_error`. In one member it follows the strain energy there; `ground_spring` also raises "
+    "rigid-body modes.",
+    "stinger_axial": "It acts in series with `force_transducer_stiffness`. `exciter_armature` alone has no "
+    "resonance above which the force is lost.",
+    "stinger_bending": "`rotational_ground_spring` or `ground_spring` at the drive point is equivalent. "
+    "Check: another drive point.",
+    "stinger_mass": "As an `exciter_armature` of the same mass, for a rigid stinger below its own "
+    "resonances.",
+    "suspension": "`ground_spring` is the same without loss.",
+    "swapped_channels": "Each of two FRFs agrees with the prediction of the other; all others agree with "
+    "their own.",
+    "transverse_sensitivity": "The error of `misplaced_accelerometer` follows the slope of the shape, this "
+    "one the motion across the axis. Check: rotate the accelerometer by 180 degrees about its axis; the "
+    "sign of the error changes.",
 }

@@ -17,10 +17,11 @@ from modallab.rig.setup import AcquisitionRun, RigSetup
 @EFFECTS.register("density_error")
 @dataclass(frozen=True)
 class DensityError(Effect):
-    """The mass matrix of some members, or of all, is another multiple of the model's.
+    """Wrong density: the mass matrix of some members, or of all, is a multiple of that in the model.
 
-    M' = M + (factor - 1) sum M_e. To first order omega^2 falls by (factor - 1) times the members' share
-    of a mode's kinetic energy: Rayleigh, The Theory of Sound (1894), chapter IV.
+    M' = M + (factor - 1) sum M_e over these members. To first order the relative decrease of omega^2 is
+    (factor - 1) times their share of the kinetic energy of the mode: Rayleigh, The Theory of Sound (1894),
+    chapter IV.
     """
 
     kind: ClassVar[str] = "density_error"

@@ -21,10 +21,10 @@ from modallab.rig.setup import RigSetup
 @EFFECTS.register("friction")
 @dataclass(frozen=True)
 class Friction(Effect):
-    """f = f_c tanh(v / v_s) from one DoF to the ground: Coulomb's law with its step made steep, not sharp.
+    """Coulomb friction from one DoF to the ground with a smoothed step, f = f_c tanh(v / v_s).
 
-    To a Gaussian velocity of root mean square s, well above v_s, it is a damper f_c sqrt(2/pi)/s:
-    damping falls as the level rises. Booton (1954), IRE Trans. Circuit Theory 1, 9-18.
+    For a Gaussian velocity of rms s, well above v_s, the equivalent damper is f_c sqrt(2/pi)/s: damping falls
+    as the level rises. Booton (1954), IRE Trans. Circuit Theory 1, 9-18.
     """
 
     kind: ClassVar[str] = "friction"

@@ -19,11 +19,12 @@ from modallab.rig.setup import AcquisitionRun, RigSetup
 @EFFECTS.register("loss_factor_error")
 @dataclass(frozen=True)
 class LossFactorError(Effect):
-    """The stiffness-proportional damping of some members, or of all, is a multiple of the model's.
+    """Wrong loss factor: the stiffness-proportional damping of some members, or of all, is a multiple.
 
-    D_e = factor eta K_e, as the damping coefficients c_i of the 1992 thesis [6.2], and the share b K_e of
-    viscous damping alike. What the law ties to mass (a of a M + b K) is no property of their material and
-    stays. Modal damping belongs to no member: everywhere, all its loss factors are multiplied.
+    D_e = factor eta K_e, as the damping coefficients c_i of the 1992 thesis [6.2]; the part b K_e of viscous
+    damping is multiplied in the same way. The mass-proportional part (a of a M + b K) is not a material
+    property and does not change. Modal damping has no members: with the place null all its loss factors are
+    multiplied.
     """
 
     kind: ClassVar[str] = "loss_factor_error"
@@ -76,7 +77,7 @@ class LossFactorError(Effect):
 
     @classmethod
     def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:
-        """Return everywhere and every member, of what there is to multiply."""
+        """Return the whole structure and every member with damping."""
         table = system.members
         if table is None:
             return ()

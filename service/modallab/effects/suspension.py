@@ -20,10 +20,11 @@ from modallab.rig.setup import AcquisitionRun, RigSetup
 @EFFECTS.register("suspension")
 @dataclass(frozen=True)
 class SuspensionStiffness(Effect):
-    """One soft, lossy spring k (1 + i eta) to the ground; a rig's suspension is one for each band.
+    """Soft spring to the ground with hysteretic loss, k (1 + i eta), one for each elastic band of the rig.
 
-    Rigid-body modes move off zero: a body of mass M bounces on two bands at omega = sqrt(2 k / M). A free
-    structure needs them below a tenth of the first elastic mode. Ewins, Modal Testing (2000), chapter 3.
+    Rigid-body modes have frequencies above 0 Hz: a body of mass M on two bands bounces at
+    omega = sqrt(2 k / M). A structure counts as free if these are below a tenth of the first elastic
+    frequency. Ewins, Modal Testing (2000), chapter 3.
     """
 
     kind: ClassVar[str] = "suspension"
