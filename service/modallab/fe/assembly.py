@@ -48,16 +48,16 @@ def coefficients_of(structure: Structure) -> Coefficients:
 
 
 class Assembly:
-    """The element matrices of a structure in global axes and the pattern they add up in.
+    """Element matrices of a structure in global axes, with the sparsity pattern of the assembled matrices.
 
-    `mass`, `axial`, `bending` are (n_members, w, w), of bars w = 6 and DoFs (X, Y, RZ) at each end; `rows`
-    (n_members, w) gives their place in the system, -1 where a DoF is fixed or a member has fewer.
+    `mass`, `axial` and `bending` are (n_members, w, w); bars have w = 6, DoFs (X, Y, RZ) at each end. `rows`
+    (n_members, w) has their row numbers in the system, -1 for a fixed DoF or a member with fewer DoFs.
 
     Parameters
     ----------
-    jumps
-        Whether joint rotations are rows of the system, after those of its DoFs. If not, joints are left
-        out, and `assemble` attaches them.
+    joint_rotations
+        True: joint rotations are rows of the system, after its DoFs. False: joints are left out, and
+        `assemble` attaches them.
     """
 
     def __init__(self, structure: Structure, *, joint_rotations: bool = False) -> None:

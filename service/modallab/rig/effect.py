@@ -51,10 +51,10 @@ class Effect(Parameterised):
     structural: ClassVar[bool] = False  # True: it belongs to the model, else to the log book
     allowed_places: ClassVar[tuple[type, ...]] = (NoneType,)  # what `at` may be
     at_drive: ClassVar[bool] = False  # True: a DoF it sits at can only be a drive point
-    same_in_all_runs: ClassVar[bool] = False  # True: makes the same of a structure in every run; asked once
+    same_in_all_runs: ClassVar[bool] = False  # True: changes the structure equally in every run
     suspected: ClassVar[bool] = True  # False: a diagnosis looks for it only when told to
-    intermittent: ClassVar[bool] = False  # True: what it adds comes in bursts, which few records carry
-    nested_kind: ClassVar[str | None] = None  # the kind that it is where its one number more is nothing
+    intermittent: ClassVar[bool] = False  # True: its contribution is concentrated in few records
+    nested_kind: ClassVar[str | None] = None  # kind with one parameter fewer, a special case of this one
     tolerance: ClassVar[str | None] = None  # name of the model tolerance that its first parameter may have
     at: Place = None
 

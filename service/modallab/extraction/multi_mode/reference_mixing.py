@@ -10,11 +10,12 @@ from modallab.extraction.multi_mode.pole_basis import PoleBasis
 
 @dataclass(frozen=True, eq=False)
 class ReferenceMixing:
-    """Sums over the lines of every FRF by itself, made into those of all FRFs of a DoF, and back.
+    """Linear map between the least-squares columns of single FRFs and those of all FRFs of one DoF.
 
-    All FRFs have the same few columns, whatever their reference; the columns that a DoF's FRFs share are
-    made of them. Their sums over the lines are, too: so the lines are gone through once, with few columns,
-    and not once a reference with all of them.
+    The design matrix of a single FRF has the same few columns for every reference. The columns that all FRFs
+    of a DoF share (shape entries of common modes) are linear combinations of these, and so are their sums
+    over the frequency lines. The lines are therefore summed once, with the few columns of a single FRF, and
+    not once for each reference with all columns.
     """
 
     matrices: FloatArray | None  # (n_references, n_each, n_all) columns, then slopes; None: nothing is shared
@@ -23,7 +24,13 @@ class ReferenceMixing:
     n_dof_columns: int  # columns of a DoF's FRFs
 
     def products(self, frf_products: FloatArray) -> FloatArray:
-        """Return (n_dof, n_all, n_all) of the columns' and slopes' products (n_frf, n_each, n_each)."""
+        """Return the normal matrices of the DoFs, (n_dof, n_all, n_all).
+
+        Parameters
+        ----------
+        frf_products
+            Those of the FRFs, (n_frf, n_each, n_each).
+        """
         if self.matrices is None:
             return frf_products
         by_reference = frf_products.reshape(-1, *self.matrices.shape[:2], frf_products.shape[2])
@@ -36,7 +43,10 @@ class ReferenceMixing:
         return total
 
     def sums(self, frf_sums: FloatArray) -> FloatArray:
-        """Return (n_dof, n) of products with something else, (n_frf, n): of the columns, or slopes too."""
+        """Return the right-hand sides of the DoFs (n_dof, n_all) from those of the FRFs (n_frf, n_each).
+
+        Both may have the columns only, without the slopes.
+        """
         if self.matrices is None:
             return frf_sums
         columns = frf_sums.shape[1] == self.n_frf_columns
@@ -45,7 +55,7 @@ class ReferenceMixing:
         return np.asarray(np.einsum("jkl,klc->jc", by_reference, whole, optimize=True))
 
     def coefficients(self, of_all: FloatArray) -> FloatArray:
-        """Return those of every FRF, (n_frf, n_each), of those of a DoF (n_dof, n_all)."""
+        """Return the coefficients of every FRF (n_frf, n_each) from those of the DoFs (n_dof, n_all)."""
         if self.matrices is None:
             return of_all
         columns = self.matrices[:, : self.n_frf_columns, : self.n_dof_columns]
@@ -54,17 +64,17 @@ class ReferenceMixing:
         )
 
     def influence(self, of_all: FloatArray) -> list[FloatArray]:
-        """Return, reference by reference, (n_dof, n_each, n) of columns' and slopes' (n_dof, n_all, n)."""
+        """Return the rows of each reference, (n_dof, n_each, n), from those of the DoFs (n_dof, n_all, n)."""
         return [of_all] if self.matrices is None else [np.asarray(whole @ of_all) for whole in self.matrices]
 
 
 def reference_mixing(basis: PoleBasis, parameters: FloatArray, n_residuals: int) -> ReferenceMixing:
-    """Return how the columns of all references are made; each has residuals of its own.
+    """Return the linear map for all references; residuals belong to a single reference.
 
     Parameters
     ----------
     n_residuals
-        Columns that an FRF has beside those of the modes.
+        Number of residual columns of an FRF, beside those of the modes.
     """
     n_modes, mixing = len(parameters), basis.mixing(parameters)
     n_each = 2 * n_modes + n_residuals

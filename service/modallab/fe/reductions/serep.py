@@ -24,7 +24,7 @@ class Serep(Reduction):
     """
 
     kind = "serep"
-    summary = "all follow as in the model's lowest modes: exact for these"
+    summary = "all DoFs follow the lowest modes of the model: exact for these modes"
     modes: float = parameter(
         0.0,
         unit="1",
@@ -43,7 +43,7 @@ class Serep(Reduction):
             )
 
     def transformation(self, split: Partition) -> FloatArray:
-        """Return T, (n, n_master)."""
+        """Return the transformation T from master DoFs to all DoFs, (n, n_master)."""
         shapes, n_rigid_body = self._candidates(split)
         n_modes = self._n_selected(shapes[split.rows], n_rigid_body)
         return np.asarray(shapes[:, :n_modes] @ np.linalg.pinv(shapes[split.rows, :n_modes]))
