@@ -114,13 +114,12 @@ def test_plain_english_names_are_used_and_not_explained_twice() -> None:
 
 
 @pytest.mark.parametrize("row", glossary_rows(), ids=lambda row: row[0])
-def test_row_has_a_term_a_meaning_and_a_name(row: tuple[str, ...]) -> None:
+def test_row_has_a_term_and_a_meaning(row: tuple[str, ...]) -> None:
     assert len(row) == len(COLUMNS), "four cells; write a bar inside a cell as \\|"
     term, _, meaning, names = row
     assert term
-    assert names
     assert meaning.endswith(".")
-    assert re.fullmatch(r"(`[^`]+`(, )?)+", names)
+    assert re.fullmatch(r"(`[^`]+`(, `[^`]+`)*)?", names)  # no name: a term of the guides
 
 
 @pytest.mark.parametrize("guide", sorted(GLOSSARY.parent.glob("*.md")), ids=lambda path: path.stem)
