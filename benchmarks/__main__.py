@@ -8,11 +8,11 @@ from pathlib import Path
 
 def main() -> int:
     """Print name, ratio and limit of every benchmark; return 1 if a limit is broken."""
-    here = Path(__file__).parent
+    folder = Path(__file__).parent
     broken = False
-    for module in pkgutil.iter_modules([str(here)]):
-        found = importlib.import_module(f"benchmarks.{module.name}")
-        for name, ratio, limit in found.run() if hasattr(found, "run") else []:
+    for module in pkgutil.iter_modules([str(folder)]):
+        benchmark = importlib.import_module(f"benchmarks.{module.name}")
+        for name, ratio, limit in benchmark.run() if hasattr(benchmark, "run") else []:
             verdict = "" if ratio <= limit else "  OVER"
             broken |= bool(verdict)
             print(f"{name:<66} {ratio:8.3g}  limit {limit:<6.3g}{verdict}", flush=True)

@@ -1,8 +1,8 @@
 """How |H|, phase and coherence of averaged records scatter: drawn, simulated pair by pair, and printed.
 
-`drawn` is the rig's own draw of averaged spectra. `simulated` shares nothing with it: it averages the
-products of complex Gaussian pairs and forms H1 and coherence by hand. `printed` are the forms of first
-order in 1/n_d, 1992 thesis eq. [5.16] to [5.19].
+`simulate_wishart` is the rig's own draw of averaged spectra. `simulated` shares nothing with it: it
+averages the products of complex Gaussian pairs and forms H1 and coherence by hand. `printed` are the
+forms of first order in 1/n_d, 1992 thesis eq. [5.16] to [5.19].
 
     python -m benchmarks.averaging_scatter
 """
@@ -37,7 +37,7 @@ class Scatter:
         return np.array([self.magnitude, self.phase, self.coherence])
 
 
-def drawn(averages: float, seed: int, n_tests: int = N_TESTS, n_lines: int = N_LINES) -> Scatter:
+def simulate_wishart(averages: float, seed: int, n_tests: int = N_TESTS, n_lines: int = N_LINES) -> Scatter:
     """Return the scatter of drawn tests, `n_lines` lines of each coherence side by side in one run."""
     g2: FloatArray = np.repeat(COHERENCES, n_lines)
     unit = np.ones((1, len(g2), 1, 1), complex)
@@ -47,8 +47,8 @@ def drawn(averages: float, seed: int, n_tests: int = N_TESTS, n_lines: int = N_L
     # every line of a coherence is one more sample of it
     place = np.arange(len(g2)).reshape(len(COHERENCES), n_lines).T
     h = ESTIMATORS["h1"](spectra)[:, place, 0, 0]
-    found = coherence(spectra)[:, place, 0]
-    return _scatter(h.reshape(-1, len(COHERENCES)), found.reshape(-1, len(COHERENCES)))
+    rows = coherence(spectra)[:, place, 0]
+    return _scatter(h.reshape(-1, len(COHERENCES)), rows.reshape(-1, len(COHERENCES)))
 
 
 def simulated(averages: int, seed: int, n_tests: int = N_TESTS * N_LINES) -> Scatter:
@@ -82,22 +82,26 @@ def _scatter(h: ComplexArray, g2: FloatArray) -> Scatter:
 
 def run() -> list[tuple[str, float, float]]:
     """Return the largest difference of the draw from the simulation and from the printed forms."""
-    few = drawn(10, seed=1).errors / simulated(10, seed=2).errors
-    found = [("drawn against simulated scatter, n_d = 10: largest difference", few, 0.02)]
+    few = simulate_wishart(10, seed=1).errors / simulated(10, seed=2).errors
+    rows = [("drawn against simulated scatter, n_d = 10: largest difference", few, 0.02)]
     for averages in (30, 100):
-        many = drawn(averages, seed=1).errors / printed(averages)
-        found.append((f"drawn scatter against [5.16-5.19], n_d = {averages}: largest", many, 0.05))
-    return [(name, float(np.abs(ratio - 1).max()), limit) for name, ratio, limit in found]
+        many = simulate_wishart(averages, seed=1).errors / printed(averages)
+        rows.append((f"drawn scatter against [5.16-5.19], n_d = {averages}: largest", many, 0.05))
+    return [(name, float(np.abs(ratio - 1).max()), limit) for name, ratio, limit in rows]
 
 
 def main() -> None:
     """Print all scatters."""
     print("n_d  coherence  error of    printed   drawn     simulated  drawn/printed  drawn/simulated")
     for averages in (10, 30, 100):
-        ours, other, form = drawn(averages, 1).errors, simulated(averages, 2).errors, printed(averages)
+        ours, sampled, form = (
+            simulate_wishart(averages, 1).errors,
+            simulated(averages, 2).errors,
+            printed(averages),
+        )
         for i, g2 in enumerate(COHERENCES):
             for j, name in enumerate(("|H|", "phase", "coherence")):
-                a, b, c = ours[j, i], other[j, i], form[j, i]
+                a, b, c = ours[j, i], sampled[j, i], form[j, i]
                 print(
                     f"{averages:3d}  {g2:<9g}  {name:10}  {c:.5f}   {a:.5f}   {b:.5f}"
                     f"    {100 * (a / c - 1):+6.2f} %       {100 * (a / b - 1):+6.2f} %"

@@ -53,7 +53,7 @@ single cases are not kept in git.
 """
 
 
-def one(number: int, seed: int, set_name: str, ask: Ask) -> dict[str, Any]:
+def run_case(number: int, seed: int, set_name: str, ask: Ask) -> dict[str, Any]:
     """Return the score of one case by its number; a case that cannot be drawn says why.
 
     Raises
@@ -77,26 +77,26 @@ def revision() -> str:
     code = ["status", "--porcelain", "--", "*.py", "pyproject.toml", "requirements.lock"]
     try:
         commit, changed = (
-            subprocess.run([*git, *asked], capture_output=True, text=True, check=True).stdout.strip()
-            for asked in (["describe", "--always"], code)
+            subprocess.run([*git, *revision_query], capture_output=True, text=True, check=True).stdout.strip()
+            for revision_query in (["describe", "--always"], code)
         )
     except (OSError, subprocess.CalledProcessError):
         return ""
     return f"{commit}-dirty" if changed else commit
 
 
-def numbers(text: str) -> list[int]:
+def case_numbers(text: str) -> list[int]:
     """Return case numbers from `3,7,10-14`."""
-    found: list[int] = []
+    listed: list[int] = []
     for part in text.split(","):
         first, _, last = part.partition("-")
-        found += range(int(first), int(last or first) + 1)
-    return found
+        listed += range(int(first), int(last or first) + 1)
+    return listed
 
 
 def read(paths: Iterable[Path]) -> list[dict[str, Any]]:
     """Return the lines of earlier runs, the last of each case; one that was cut off does not count."""
-    found: dict[tuple[str, int, int], dict[str, Any]] = {}
+    records: dict[tuple[str, int, int], dict[str, Any]] = {}
     for path in paths:
         for text in path.read_text().splitlines() if path.exists() else []:
             try:
@@ -104,10 +104,10 @@ def read(paths: Iterable[Path]) -> list[dict[str, Any]]:
             except json.JSONDecodeError:
                 continue
             # Before any further test a case of 3a is one of 3.
-            own = {name: line[name] for name in ("seed", "revision") if name in line}
-            for each in (line, *([line["first"] | own] if "first" in line else [])):
-                found[each["set"], each["seed"], each["number"]] = each
-    return list(found.values())
+            identity = {name: line[name] for name in ("seed", "revision") if name in line}
+            for record in (line, *([line["first"] | identity] if "first" in line else [])):
+                records[record["set"], record["seed"], record["number"]] = record
+    return list(records.values())
 
 
 def _write(line: dict[str, Any], path: Path) -> None:
@@ -117,13 +117,13 @@ def _write(line: dict[str, Any], path: Path) -> None:
 
 
 def trial(
-    wanted: Sequence[int], seed: int, which: str, out: Path | None, workers: int, ask: Ask = answered_here
+    numbers: Sequence[int], seed: int, set_name: str, out: Path | None, workers: int, ask: Ask = answered_here
 ) -> list[dict[str, Any]]:
     """Run cases, each written down as soon as it is done."""
     lines = []
     with ProcessPoolExecutor(workers) as pool:
-        tasks = [pool.submit(one, number, seed, which, ask) for number in wanted]
-        for done, task in enumerate(as_completed(tasks), 1):
+        tasks = [pool.submit(run_case, number, seed, set_name, ask) for number in numbers]
+        for n_done, task in enumerate(as_completed(tasks), 1):
             try:
                 line = task.result()
             except UnreachableError:
@@ -132,8 +132,8 @@ def trial(
             lines.append(line)
             if out is not None:
                 _write(line, out)
-            told = f"{line['number']:4d} void {line['void']}" if "void" in line else row(line)
-            print(f"[{done}/{len(tasks)}] {told}", flush=True)
+            outcome = f"{line['number']:4d} void {line['void']}" if "void" in line else row(line)
+            print(f"[{n_done}/{len(tasks)}] {outcome}", flush=True)
     return lines
 
 
@@ -144,7 +144,7 @@ def main() -> None:
     )
     parser.add_argument("--set", choices=SETS, default="1")
     parser.add_argument("--cases", type=int, default=ROUND, help="numbers 0 to this; a round has 52")
-    parser.add_argument("--only", type=numbers, help="case numbers instead, such as 3,7,10-14")
+    parser.add_argument("--only", type=case_numbers, help="case numbers instead, such as 3,7,10-14")
     parser.add_argument("--types", nargs="*", choices=sorted({type_of(n) for n in range(ROUND)}))
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--workers", type=int, default=2)
@@ -152,26 +152,26 @@ def main() -> None:
     parser.add_argument("--out", type=Path, nargs="*", default=[], help="lines of results, one a case")
     parser.add_argument("--resume", action="store_true", help="leave out cases that are in --out already")
     parser.add_argument("--report", type=Path, help="write tables of --out to this file and run nothing")
-    told = parser.parse_args()
-    if told.service and told.set == "3a":
+    options = parser.parse_args()
+    if options.service and options.set == "3a":
         parser.error("set 3a measures further tests on the sealed truth: it is run without --service")
-    if told.report:
-        lines = [line for line in read(told.out) if "void" not in line]
+    if options.report:
+        lines = [line for line in read(options.out) if "void" not in line]
         if not lines:
-            print(f"No lines to report: `make trial` makes them; {told.report} stays as it is.")
+            print(f"No lines to report: `make trial` makes them; {options.report} stays as it is.")
             return
-        told.report.write_text(TITLE + "\n" + report(lines))
+        options.report.write_text(TITLE + "\n" + report(lines))
         return
-    wanted = told.only if told.only is not None else range(told.cases)
-    if told.types:
-        wanted = [number for number in wanted if type_of(number) in told.types]
-    if told.resume:
-        known = {(line["set"], line["seed"], line["number"]) for line in read(told.out)}
-        wanted = [number for number in wanted if (told.set, told.seed, number) not in known]
-    with service_at(told.service) if told.service else nullcontext() as url:
+    numbers = options.only if options.only is not None else range(options.cases)
+    if options.types:
+        numbers = [number for number in numbers if type_of(number) in options.types]
+    if options.resume:
+        finished = {(line["set"], line["seed"], line["number"]) for line in read(options.out)}
+        numbers = [number for number in numbers if (options.set, options.seed, number) not in finished]
+    with service_at(options.service) if options.service else nullcontext() as url:
         ask = partial(answered_by, url) if url else answered_here
-        out = told.out[0] if told.out else None
-        lines = trial(wanted, told.seed, told.set, out, told.workers, ask)
+        out = options.out[0] if options.out else None
+        lines = trial(numbers, options.seed, options.set, out, options.workers, ask)
     print(report([line for line in lines if "void" not in line]))
 
 

@@ -110,7 +110,7 @@ def seconds(name: str, case: Timed) -> float:
     start = time.process_time()
     diagnosis = diagnose(case.structure, measurement, suspects=case.suspects)
     elapsed = time.process_time() - start
-    steps = ", ".join(f"{one.effect.kind} {one.effect.at}" for one in diagnosis.steps)
+    steps = ", ".join(f"{case.effect.kind} {case.effect.at}" for case in diagnosis.steps)
     print(
         f"{name:<18} {elapsed:7.1f} s  {diagnosis.verdict}: {steps}  gap {diagnosis.remaining_gap:.2f}",
         flush=True,
@@ -120,8 +120,8 @@ def seconds(name: str, case: Timed) -> float:
 
 def run() -> list[tuple[str, float, float]]:
     """Return median and longest seconds over what is allowed, each limit 1."""
-    beam = [seconds(name, one) for name, one in beam_cases().items()]
-    frame = [seconds(name, one) for name, one in frame_cases().items()]
+    beam = [seconds(name, case) for name, case in beam_cases().items()]
+    frame = [seconds(name, case) for name, case in frame_cases().items()]
     of_beam, of_frame = float(np.median(beam)), float(np.median(frame))
     return [
         (f"diagnosis of the beam, median over {BEAM_MEDIAN:.0f} s", of_beam / BEAM_MEDIAN, 1.0),

@@ -30,7 +30,7 @@ def against_numbers(n_in: int, n_tests: int) -> float:
     )
     ties = n_in * (n_in - 1) // 2
 
-    def drawn() -> None:
+    def draw() -> None:
         wishart_spectra(expected, np.random.default_rng(0), n_tests)
 
     def numbers() -> None:
@@ -41,4 +41,4 @@ def against_numbers(n_in: int, n_tests: int) -> float:
             rng.standard_normal((N_FREQ, n_in, N_OUT, 2))
             rng.standard_gamma(AVERAGES - n_in, (N_FREQ, N_OUT))
 
-    return ratio(drawn, numbers, 5)
+    return ratio(draw, numbers, 5)

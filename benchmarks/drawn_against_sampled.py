@@ -22,7 +22,7 @@ from modallab.rig.sampled import sampled_spectra
 from modallab.rig.setup import RigSetup
 from modallab.rig.wishart import wishart_spectra
 
-ALLOWED = 0.05
+TOLERANCE = 0.05
 
 
 def bench(excitation: str, window: str, n_lines: int, n_out: int, averages: int = 20) -> Chain:
@@ -63,23 +63,27 @@ def compare(whole: Chain, n_tests: int, seed: int) -> dict[str, FloatArray]:
     rng = np.random.default_rng(seed)
     n_run = len(whole.runs)
     sampled = estimates([sampled_spectra(whole, rng, silent) for _ in range(n_tests)], n_run)
-    drawn = estimates([wishart_spectra(expected_spectra(whole), rng, n_tests)], n_run)
-    found: dict[str, FloatArray] = {}
+    direct = estimates([wishart_spectra(expected_spectra(whole), rng, n_tests)], n_run)
+    comparison: dict[str, FloatArray] = {}
     for name, part in (("H1", 0), ("coherence", 1)):
         a, b = (
             np.stack([route[0].real, route[0].imag], axis=-1) if part == 0 else route[1][..., None]
-            for route in (sampled, drawn)
+            for route in (sampled, direct)
         )
-        found[f"{name} mean"], found[f"{name} variance"] = scores(a, b)
-    return found
+        comparison[f"{name} mean"], comparison[f"{name} variance"] = scores(a, b)
+    return comparison
 
 
 def run() -> list[tuple[str, float, float]]:
     """Return how far the standard deviation of z is from 1, with independent records."""
-    found = compare(bench("periodic_random", "rectangular", n_lines=201, n_out=8), n_tests=1000, seed=1)
+    comparison = compare(bench("periodic_random", "rectangular", n_lines=201, n_out=8), n_tests=1000, seed=1)
     return [
-        (f"drawn against sampled, 1,000 tests each: |SD of z - 1|, {name}", float(abs(z.std() - 1)), ALLOWED)
-        for name, z in found.items()
+        (
+            f"drawn against sampled, 1,000 tests each: |SD of z - 1|, {name}",
+            float(abs(z.std() - 1)),
+            TOLERANCE,
+        )
+        for name, z in comparison.items()
     ]
 
 

@@ -31,7 +31,7 @@ SHA256 = "7fc801385e60704fc77a04b8662fa2a5b06bce8df1b410e3d489dd5daab44146"
 FRFS = "beam.uff"  # three inertances of a beam, 64,000 lines up to 6.4 kHz, no coherence
 METHODS = ("dobson", "line_fit", "linear_fit", "circle_fit", "lscf")
 LARGEST = 2**31
-SAME = 1e-3  # relative, of frequencies of one mode
+SAME_FREQUENCY = 1e-3  # relative, of frequencies of one mode
 WIDTH = 36  # of a file's name
 
 
@@ -43,22 +43,22 @@ def examples() -> dict[str, bytes]:
     RuntimeError
         If what was fetched is not what it was when this was written.
     """
-    kept = Path(tempfile.gettempdir()) / "modallab-examples" / Path(ADDRESS).name
-    if not kept.exists():
-        kept.parent.mkdir(exist_ok=True)
+    archive_path = Path(tempfile.gettempdir()) / "modallab-examples" / Path(ADDRESS).name
+    if not archive_path.exists():
+        archive_path.parent.mkdir(exist_ok=True)
         with urllib.request.urlopen(ADDRESS, timeout=60) as reply:
-            kept.write_bytes(reply.read())
-    payload = kept.read_bytes()
+            archive_path.write_bytes(reply.read())
+    payload = archive_path.read_bytes()
     if hashlib.sha256(payload).hexdigest() != SHA256:
-        kept.unlink()
+        archive_path.unlink()
         raise RuntimeError("the source distribution has another checksum; it has been thrown away")
-    found = {}
+    models = {}
     with tarfile.open(fileobj=io.BytesIO(payload)) as archive:
         for member in archive.getmembers():
-            held = archive.extractfile(member) if Path(member.name).parent.name == "data" else None
-            if held is not None:
-                found[Path(member.name).name] = held.read()
-    return dict(sorted(found.items()))
+            member_file = archive.extractfile(member) if Path(member.name).parent.name == "data" else None
+            if member_file is not None:
+                models[Path(member.name).name] = member_file.read()
+    return dict(sorted(models.items()))
 
 
 def said_of(content: bytes) -> str:
@@ -87,36 +87,38 @@ def report(files: dict[str, bytes], plot: Path | None) -> None:
     """Print a row for every file, and the modes of the FRFs by every method."""
     for name, content in files.items():
         begun = time.perf_counter()
-        told = said_of(content)
-        print(f"{name[:WIDTH]:<{WIDTH}} {time.perf_counter() - begun:5.2f} s  {told}", flush=True)
+        stated = said_of(content)
+        print(f"{name[:WIDTH]:<{WIDTH}} {time.perf_counter() - begun:5.2f} s  {stated}", flush=True)
     with ModalLab.embedded() as lab:
         begun = time.perf_counter()
         test = lab.measurements.upload(files[FRFS])
         print(f"\n{FRFS}, uploaded in {time.perf_counter() - begun:.1f} s: {'; '.join(test.notes)}")
-        found = {}
+        models = {}
         for method in METHODS:
             begun = time.perf_counter()
-            found[method] = lab.modal_models.start(test.id, method=method).result()
-            left = ", ".join(f"{100 * error:.2g}" for error in found[method].resynthesis_error.values())
-            print(f"{method:<10} {time.perf_counter() - begun:5.1f} s, {left} % of the FRFs left", flush=True)
-        print(found[METHODS[0]].notes[0])
-        _table("natural frequency, Hz", found, lambda modes, n: f"{modes.frequencies[n]:10.3f}")
-        _table("loss factor, 1e-3", found, lambda modes, n: f"{1e3 * modes.loss_factors[n]:10.4f}")
+            models[method] = lab.modal_models.start(test.id, method=method).result()
+            errors = ", ".join(f"{100 * error:.2g}" for error in models[method].resynthesis_error.values())
+            print(
+                f"{method:<10} {time.perf_counter() - begun:5.1f} s, {errors} % of the FRFs left", flush=True
+            )
+        print(models[METHODS[0]].notes[0])
+        _table("natural frequency, Hz", models, lambda modes, n: f"{modes.frequencies[n]:10.3f}")
+        _table("loss factor, 1e-3", models, lambda modes, n: f"{1e3 * modes.loss_factors[n]:10.4f}")
         if plot is not None:
-            magnitude, _ = lab.modal_models.frf(found[METHODS[0]].id).plot(test)
+            magnitude, _ = lab.modal_models.frf(models[METHODS[0]].id).plot(test)
             magnitude.get_figure(root=True).savefig(plot)
 
 
-def _table(head: str, found: dict[str, ModalModel], cell: Callable[[ModalModel, int], str]) -> None:
+def _table(head: str, models: dict[str, ModalModel], cell: Callable[[ModalModel, int], str]) -> None:
     """Print a row for every mode of the first method, with what others have nearest to it."""
-    print(f"\n{head:<24}" + "".join(f"{method:>11}" for method in found))
-    first = next(iter(found.values()))
+    print(f"\n{head:<24}" + "".join(f"{method:>11}" for method in models))
+    first = next(iter(models.values()))
     for number, frequency in enumerate(first.frequencies):
         cells = []
-        for modes in found.values():
-            away = np.abs(modes.frequencies / frequency - 1)
-            cells.append(cell(modes, int(away.argmin())) if away.min() < SAME else "-")
-        print(f"mode {number + 1:<19}" + "".join(f"{one:>11}" for one in cells))
+        for modes in models.values():
+            deviation = np.abs(modes.frequencies / frequency - 1)
+            cells.append(cell(modes, int(deviation.argmin())) if deviation.min() < SAME_FREQUENCY else "-")
+        print(f"mode {number + 1:<19}" + "".join(f"{text:>11}" for text in cells))
 
 
 if __name__ == "__main__":

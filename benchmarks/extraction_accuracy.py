@@ -102,20 +102,18 @@ def _exact(method: str) -> bool:
 
 def run() -> list[tuple[str, float, float]]:
     """Return (name, worst median error over bandwidths, limit)."""
-    found = []
+    rows = []
     for method in METHODS:
         if _exact(method):
             least = 0.2 if method in ("dobson", "linear_fit") else 2.0
             worst = _worst(method, clean, least)
-            found.append((f"clean, {method}, from {least:g} lines: frequency", worst[0], 1e-6))
-            found.append((f"clean, {method}, from {least:g} lines: loss factor", worst[1], 1e-3))
+            rows.append((f"clean, {method}, from {least:g} lines: frequency", worst[0], 1e-6))
+            rows.append((f"clean, {method}, from {least:g} lines: loss factor", worst[1], 1e-3))
     leaked = _worst(AUTOMATIC, hann_h2, 0.5)
-    found.append(("Hanning H2, as chosen, from 0.5 lines: loss factor", leaked[1], 0.02))
-    found.append(("Hanning H2, as chosen, from 0.5 lines: |A|", leaked[2], 0.1))
-    found.append(
-        ("5 % noise, as chosen, from 0.5 lines: loss factor", _worst(AUTOMATIC, noisy, 0.5)[1], 0.05)
-    )
-    return found
+    rows.append(("Hanning H2, as chosen, from 0.5 lines: loss factor", leaked[1], 0.02))
+    rows.append(("Hanning H2, as chosen, from 0.5 lines: |A|", leaked[2], 0.1))
+    rows.append(("5 % noise, as chosen, from 0.5 lines: loss factor", _worst(AUTOMATIC, noisy, 0.5)[1], 0.05))
+    return rows
 
 
 def _worst(method: str, spoil: Spoil, least: float) -> FloatArray:

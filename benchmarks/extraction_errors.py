@@ -38,12 +38,12 @@ RESPONSES = tuple(Dof(node, "Y") for node in range(1, 22, 2))
 
 def run() -> list[tuple[str, float, float]]:
     """Return (name, how far the share of intervals that hold the truth is from 95 %, limit)."""
-    found = []
+    rows = []
     for method in METHODS:
-        for what, covered in coverages(method).items():
-            name = f"{method}: {100 * covered:.1f} % of intervals of {what} hold the truth; off"
-            found.append((name, abs(covered - COVERED), MOST_OFF))
-    return found
+        for quantity, covered in coverages(method).items():
+            name = f"{method}: {100 * covered:.1f} % of intervals of {quantity} hold the truth; off"
+            rows.append((name, abs(covered - COVERED), MOST_OFF))
+    return rows
 
 
 def coverages(
@@ -56,7 +56,7 @@ def coverages(
     With a window the force is random, and modes flagged for leakage do not count.
     """
     frequency, loss_factor, constant = _truth()
-    size, shown = np.abs(constant), np.abs(constant) > 0.05 * np.abs(constant).max(axis=1)[:, None]
+    size, significant = np.abs(constant), np.abs(constant) > 0.05 * np.abs(constant).max(axis=1)[:, None]
     inside: dict[str, list[FloatArray]] = {"frequency": [], "loss factor": [], "|A|": []}
     leakage = None if window is None else WindowLeakage.from_window(WINDOWS[window].samples(1024), estimator)
     for measurement in _tests(n_tests, estimator, window):
@@ -69,21 +69,21 @@ def coverages(
             estimator=estimator,
         )
         assert leakage is not None or len(model.modes) == len(frequency)
-        own, true = _alike(model, frequency)
+        matched, true = _matched(model, frequency)
         assert model.modal_constant is not None
         assert model.modal_constant_error is not None
-        off = np.abs(np.abs(model.modal_constant[own]) - size[true]) / model.modal_constant_error[own]
-        for name, exact, found in (
+        off = np.abs(np.abs(model.modal_constant[matched]) - size[true]) / model.modal_constant_error[matched]
+        for name, exact, rows in (
             ("frequency", frequency, model.frequencies),
             ("loss_factor", loss_factor, model.loss_factors),
         ):
-            away = np.abs(found[own] - exact[true]) / _errors(model, name)[own]
-            inside[name.replace("_", " ")].append(away)
-        inside["|A|"].append(off[shown[true]])
-    return {what: float((np.concatenate(scores) < 1.96).mean()) for what, scores in inside.items()}
+            score = np.abs(rows[matched] - exact[true]) / _errors(model, name)[matched]
+            inside[name.replace("_", " ")].append(score)
+        inside["|A|"].append(off[significant[true]])
+    return {quantity: float((np.concatenate(scores) < 1.96).mean()) for quantity, scores in inside.items()}
 
 
-def _alike(model: ModalModel, frequency: FloatArray) -> tuple[IntArray, IntArray]:
+def _matched(model: ModalModel, frequency: FloatArray) -> tuple[IntArray, IntArray]:
     """Return which modes are those of which frequencies, the ones left out that leakage may bias."""
     nearest = np.abs(model.frequencies - frequency[:, None]).argmin(axis=1)
     flagged = np.array([any("leakage_bias" in flag for flag in mode.flags) for mode in model.modes])
@@ -99,8 +99,8 @@ def _truth() -> tuple[FloatArray, FloatArray, ComplexArray]:
     system = assemble(STRUCTURES["chapter-5-beam"]())
     basis = system.modes()
     eigenvalue, shapes = basis.eigenvalues[MODES], basis.shapes[:, MODES]
-    here = shapes[system.index(DRIVE)]
-    constant = np.array([shapes[system.index(response)] * here for response in RESPONSES]).T
+    drive_shapes = shapes[system.index(DRIVE)]
+    constant = np.array([shapes[system.index(response)] * drive_shapes for response in RESPONSES]).T
     return np.sqrt(eigenvalue.real) / (2 * np.pi), eigenvalue.imag / eigenvalue.real, constant
 
 
@@ -116,10 +116,15 @@ def _tests(n_tests: int, estimator: str, window: str | None) -> Iterator[Measure
     rng = np.random.default_rng(0)
     for start in range(0, n_tests, AT_ONCE):
         n = min(AT_ONCE, n_tests - start)
-        drawn = wishart_spectra(expected, rng, n)
+        spectra = wishart_spectra(expected, rng, n)
         for i in range(n):
-            one = slice(i, i + 1)
-            yield measurement_of(replace(drawn, ff=drawn.ff[one], fx=drawn.fx[one], xx=drawn.xx[one]), setup)
+            frf_slice = slice(i, i + 1)
+            yield measurement_of(
+                replace(
+                    spectra, ff=spectra.ff[frf_slice], fx=spectra.fx[frf_slice], xx=spectra.xx[frf_slice]
+                ),
+                setup,
+            )
 
 
 if __name__ == "__main__":

@@ -13,7 +13,7 @@ from pathlib import Path
 
 import numpy as np
 
-from benchmarks.updating_job import children, held
+from benchmarks.updating_job import children, peak_memory
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab_client import ModalLab
 
@@ -71,23 +71,23 @@ def main() -> None:
         test = lab.measurements.upload(payload)
         print(f"uploaded in {time.monotonic() - begun:.1f} s")
         for method in METHODS:
-            told: list[tuple[float, float]] = []
-            begun, before = time.monotonic(), sum(map(spent, children(os.getpid())))
+            progress: list[tuple[float, float]] = []
+            begun, cpu_before = time.monotonic(), sum(map(spent, children(os.getpid())))
 
             def note(
-                fraction: float, _: str, told: list[tuple[float, float]] = told, at: float = begun
+                fraction: float, _: str, progress: list[tuple[float, float]] = progress, at: float = begun
             ) -> None:
-                told.append((time.monotonic() - at, fraction))
+                progress.append((time.monotonic() - at, fraction))
 
             modes = lab.modal_models.start(test.id, method=method, n_modes=N_MODES).result(on_progress=note)
             took = time.monotonic() - begun
-            silence = max(b - a for (a, _), (b, _) in pairwise([(0.0, 0.0), *told, (took, 1.0)]))
+            silence = max(b - a for (a, _), (b, _) in pairwise([(0.0, 0.0), *progress, (took, 1.0)]))
             off = np.abs(modes.frequencies / natural - 1).max()
-            rising = all(a <= b for (_, a), (_, b) in pairwise(told))
-            memory = max(map(held, children(os.getpid()))) / 1e6
-            worked = sum(map(spent, children(os.getpid()))) - before
+            rising = all(a <= b for (_, a), (_, b) in pairwise(progress))
+            memory = max(map(peak_memory, children(os.getpid()))) / 1e6
+            worked = sum(map(spent, children(os.getpid()))) - cpu_before
             print(
-                f"{method:<8} {took:6.1f} s, {worked:.1f} s of work, {memory:.2f} GB; told {len(told)} times"
+                f"{method:<8} {took:6.1f} s, {worked:.1f} s of work, {memory:.2f} GB; {len(progress)} reports"
                 f"{'' if rising else ', NOT rising'}, longest silence {silence:.1f} s; "
                 f"{len(modes.modes)} modes, frequencies within {off:.1e}, "
                 f"{100 * max(modes.resynthesis_error.values()):.1f} % left",

@@ -8,7 +8,7 @@ from functools import cache
 
 import numpy as np
 
-from benchmarks.one_shot import BAY, CLOSE, DOFS, EACH, MEMBERS, pattern, true_bay
+from benchmarks.one_shot import BAY, CLOSE, DOFS, ELEMENTWISE, MEMBERS, pattern, true_bay
 from modallab.core.arrays import FloatArray
 from modallab.core.dof import Dof
 from modallab.core.frf import FrfKind, FrfSet
@@ -61,14 +61,14 @@ def exact(frf: FrfSet) -> TargetResponses:
 
 
 def noisy(frf: FrfSet, seed: int, coherence: float = COHERENCE) -> TargetResponses:
-    """Return responses with noise of their own, of that coherence, and with the coherence that is seen."""
+    """Return responses with independent noise of that coherence, and with the estimated coherence."""
     rng = np.random.default_rng(seed)
     loose = (1 - coherence) / coherence
     noise = np.sqrt(loose / (2 * AVERAGES)) * rng.standard_normal((2, *frf.values.shape))
     values = frf.values * (1 + noise[0] + 1j * noise[1])
-    left = loose * rng.standard_gamma(AVERAGES - 1, values.shape) / AVERAGES * np.abs(frf.values) ** 2
-    seen = np.abs(values) ** 2 / (np.abs(values) ** 2 + left)
-    return target_responses(replace(frf, values=values), seen, AVERAGES)
+    noise_power = loose * rng.standard_gamma(AVERAGES - 1, values.shape) / AVERAGES * np.abs(frf.values) ** 2
+    estimate = np.abs(values) ** 2 / (np.abs(values) ** 2 + noise_power)
+    return target_responses(replace(frf, values=values), estimate, AVERAGES)
 
 
 def wrong_beam(seed: int) -> tuple[Structure, dict[tuple[str, int], float]]:
@@ -78,7 +78,7 @@ def wrong_beam(seed: int) -> tuple[Structure, dict[tuple[str, int], float]]:
     return change(BEAM, [MemberChange((n,), kinds[p], factor=f) for (p, n), f in wrong.items()]), wrong
 
 
-def found(structure: Structure, parameters: Parameterisation, target: TargetResponses) -> UpdateResult:
+def update(structure: Structure, parameters: Parameterisation, target: TargetResponses) -> UpdateResult:
     """Return the structure updated on responses."""
     return RESPONSE_UPDATERS["frf_residual"](structure, parameters, target)
 
@@ -93,13 +93,15 @@ def of_bay(seed: int, loss: float = LOSS) -> float:
     """Return the largest error of 62 coefficients of the bay from exact responses to one force."""
     wrong, law = pattern(seed), StructuralDamping(stiffness_coefficient=loss)
     truth = replace(true_bay(wrong), damping=law)
-    return worst(found(replace(BAY, damping=law), EACH, exact(responses(truth, LINES, DOFS, DRIVE))), wrong)
+    return worst(
+        update(replace(BAY, damping=law), ELEMENTWISE, exact(responses(truth, LINES, DOFS, DRIVE))), wrong
+    )
 
 
 def of_beam(seed: int) -> float:
     """Return the largest error of 40 coefficients of the beam from exact responses to one force."""
     truth, wrong = wrong_beam(seed)
-    return worst(found(BEAM, BEAM_EACH, exact(responses(truth, BEAM_LINES, BEAM_DOFS, DRIVE))), wrong)
+    return worst(update(BEAM, BEAM_EACH, exact(responses(truth, BEAM_LINES, BEAM_DOFS, DRIVE))), wrong)
 
 
 @dataclass(frozen=True)
@@ -108,7 +110,7 @@ class Found:
 
     covered: float  # share of coefficients inside their intervals
     worst: float  # largest error of a coefficient
-    after: float  # mean square of what is left over its random error
+    mean_square: float  # mean square of what is left over its random error
 
 
 @cache
@@ -120,7 +122,7 @@ def _noisy_case() -> tuple[FrfSet, dict[tuple[str, int], float]]:
 def of_noise(seed: int) -> Found:
     """Return how one draw of noise on the first pattern of the bay went."""
     frf, wrong = _noisy_case()
-    return _held(found(damped(BAY), EACH, noisy(frf, seed)), wrong)
+    return _outcome(update(damped(BAY), ELEMENTWISE, noisy(frf, seed)), wrong)
 
 
 def of_force_noise(case: str, seed: int) -> Found:
@@ -132,11 +134,11 @@ def of_force_noise(case: str, seed: int) -> Found:
     test = measure(truth, setup, route=Route.DRAWN, rng=np.random.default_rng(seed))
     frf, common = without_noise_bias(test)
     target = target_responses(frf, test.coherence, test.averages, common=common)
-    model, parameters = (damped(BAY), EACH) if case == "bay" else (BEAM, BEAM_EACH)
-    return _held(found(model, parameters, target), wrong)
+    model, parameters = (damped(BAY), ELEMENTWISE) if case == "bay" else (BEAM, BEAM_EACH)
+    return _outcome(update(model, parameters, target), wrong)
 
 
-def _held(result: UpdateResult, wrong: dict[tuple[str, int], float]) -> Found:
+def _outcome(result: UpdateResult, wrong: dict[tuple[str, int], float]) -> Found:
     inside = [
         low <= wrong.get((part, number), 1.0) <= high
         for part, table in result.intervals.items()
@@ -150,25 +152,29 @@ def run() -> list[tuple[str, float, float]]:
     """Return (name, figure, limit): of patterns not found, and of noise."""
     bay = sum(of_bay(seed) >= CLOSE for seed in range(PATTERNS))
     beam = sum(of_beam(seed) >= CLOSE for seed in range(PATTERNS))
-    drawn = [of_noise(seed) for seed in range(SEEDS)]
-    covered = float(np.mean([one.covered for one in drawn]))
+    noisy_runs = [of_noise(seed) for seed in range(SEEDS)]
+    covered = float(np.mean([run.covered for run in noisy_runs]))
     forced = {
         case: float(np.mean([of_force_noise(case, seed).covered for seed in range(MORE_SEEDS)]))
         for case in ("bay", "beam")
     }
-    both = [
-        (f"frf_residual, noise of the force, {case}: 95 % intervals {what}", figure, limit)
-        for case, held in forced.items()
-        for what, figure, limit in (("that miss the truth", 1 - held, 0.10), ("that hold it", held, 0.99))
+    two_sided = [
+        (f"frf_residual, noise of the force, {case}: 95 % intervals {label}", figure, limit)
+        for case, share in forced.items()
+        for label, figure, limit in (("that miss the truth", 1 - share, 0.10), ("that hold it", share, 0.99))
     ]
     return [
         (f"frf_residual: of {PATTERNS} patterns of {2 * len(MEMBERS)} coefficients not exact", bay, 2.0),
         (f"frf_residual: of {PATTERNS} patterns of the beam not exact", beam, 2.0),
         ("frf_residual, noise: 95 % intervals that miss the truth", 1 - covered, 0.10),
         ("frf_residual, noise: those that hold it", covered, 0.99),
-        ("frf_residual, noise: worst coefficient, median", float(np.median([o.worst for o in drawn])), 0.05),
-        ("frf_residual, noise: mean square left, largest", max(one.after for one in drawn), 1.2),
-        *both,
+        (
+            "frf_residual, noise: worst coefficient, median",
+            float(np.median([o.worst for o in noisy_runs])),
+            0.05,
+        ),
+        ("frf_residual, noise: mean square left, largest", max(run.mean_square for run in noisy_runs), 1.2),
+        *two_sided,
     ]
 
 

@@ -77,13 +77,13 @@ class Scores:
 
 def run() -> list[tuple[str, float, float]]:
     """Return (name, how far the share of intervals that hold the truth is from 95 %, limit)."""
-    found = []
+    rows = []
     for (method, estimator), scores in all_scores(N_TESTS).items():
         for quantity in QUANTITIES:
             covered, lower, upper = coverage(scores.of(quantity))
             off = max(lower - 0.95, 0.95 - upper, 0.0)
-            found.append((f"leaked, {method}, {estimator}: {quantity} {100 * covered:.1f} %; off", off, OFF))
-    return found
+            rows.append((f"leaked, {method}, {estimator}: {quantity} {100 * covered:.1f} %; off", off, OFF))
+    return rows
 
 
 def coverage(scores: FloatArray) -> tuple[float, float, float]:
@@ -102,12 +102,13 @@ def all_scores(
 ) -> dict[tuple[str, str], Scores]:
     """Return the scores of every method and estimator, from the same records; seeds from `first` on."""
     true, kinds = truth(), [(method, estimator) for method in methods for estimator in ESTIMATORS]
-    each: dict[tuple[str, str], list[tuple[FloatArray, ...]]] = {kind: [] for kind in kinds}
+    kind_scores: dict[tuple[str, str], list[tuple[FloatArray, ...]]] = {kind: [] for kind in kinds}
     for tests in measured(n_tests, first):
         for method, estimator in kinds:
-            each[method, estimator].append(_scores(tests[estimator], method, estimator, true))
+            kind_scores[method, estimator].append(_scores(tests[estimator], method, estimator, true))
     return {
-        kind: Scores(*(np.array(part) for part in zip(*tests, strict=True))) for kind, tests in each.items()
+        kind: Scores(*(np.array(part) for part in zip(*tests, strict=True)))
+        for kind, tests in kind_scores.items()
     }
 
 
@@ -158,7 +159,7 @@ def _scores(measurement: Measurement, method: str, estimator: str, true: Truth) 
         return (*out, visible)
     assert model.modal_constant is not None
     assert model.modal_constant_error is not None
-    shown = np.abs(true.constant) > NODE * np.abs(true.constant).max(axis=1)[:, None]
+    significant = np.abs(true.constant) > NODE * np.abs(true.constant).max(axis=1)[:, None]
     for m, frequency in enumerate(true.frequency):
         at = int(np.abs(model.frequencies - frequency).argmin())
         mode = model.modes[at]
@@ -170,21 +171,21 @@ def _scores(measurement: Measurement, method: str, estimator: str, true: Truth) 
         out[0][m] = (mode.frequency - frequency) / mode.standard_errors["frequency"]
         out[1][m] = (mode.loss_factor - true.loss_factor[m]) / mode.standard_errors["loss_factor"]
         off = np.abs(model.modal_constant[at]) - np.abs(true.constant[m])
-        out[2][m] = np.where(shown[m], off / model.modal_constant_error[at], np.nan)
+        out[2][m] = np.where(significant[m], off / model.modal_constant_error[at], np.nan)
     return (*out, visible)
 
 
 def report(scores: dict[tuple[str, str], Scores]) -> Iterator[str]:
     """Yield counts and shares by method, estimator and quantity, and by mode."""
-    for (method, estimator), each in scores.items():
+    for (method, estimator), kind_scores in scores.items():
         for quantity in QUANTITIES:
-            values = each.of(quantity)
+            values = kind_scores.of(quantity)
             covered, lower, upper = coverage(values)
-            n, visible = int(np.isfinite(values).any(axis=2).sum()), int(each.seen.sum())
+            n, visible = int(np.isfinite(values).any(axis=2).sum()), int(kind_scores.visible.sum())
             yield (
                 f"{method} {estimator} {quantity:<12} {100 * covered:5.1f} % "
                 f"({100 * lower:.1f} to {100 * upper:.1f}) of {n} modes; "
-                f"{visible - n} flagged, {each.seen.size - visible} not seen"
+                f"{visible - n} flagged, {kind_scores.visible.size - visible} not seen"
             )
             for m, width in enumerate(BANDWIDTHS):
                 z = values[:, m]

@@ -80,21 +80,21 @@ def bare_transforms(rig: RigSetup) -> Callable[[], object]:
     records with what it takes for the modes to ring out, of the length that the recorder lays out.
     """
     recorder = Recorder(chain(assemble(STRUCTURES["chapter-5-beam"]()), rig))
-    taken, long = recorder.stretch_layout
+    layout, long = recorder.stretch_layout
     shape = recorder.shape
     stationary = rig.analyser.excitation.kind == "random"
 
     def bare() -> None:
         rng = np.random.default_rng(0)
         for _ in NODES:
-            for start in range(0, AVERAGES, taken):
-                n = min(taken, AVERAGES - start)
+            for start in range(0, AVERAGES, layout):
+                n = min(layout, AVERAGES - start)
                 rng.standard_normal((shape[0], n * shape[1]))
-                each, length = (1, long) if stationary else (n, 1)
-                source = rng.standard_normal((each, 1, 2 * ((N_LINES - 1) * length + 1))).view(complex)
-                both = np.broadcast_to(source, (each, shape[0], source.shape[2]))
-                heard = scipy.fft.irfft(both, length * shape[1])
-                records = heard.reshape(-1, *shape) if stationary else heard
+                n_draws, length = (1, long) if stationary else (n, 1)
+                source = rng.standard_normal((n_draws, 1, 2 * ((N_LINES - 1) * length + 1))).view(complex)
+                sources = np.broadcast_to(source, (n_draws, shape[0], source.shape[2]))
+                signals = scipy.fft.irfft(sources, length * shape[1])
+                records = signals.reshape(-1, *shape) if stationary else signals
                 for record in records[:n]:
                     scipy.fft.rfft(record)
 
@@ -105,16 +105,16 @@ def run() -> list[tuple[str, float, float]]:
     """Return (name, time over that of the peer, limit)."""
     test = f"11 roving FRFs x {N_LINES} lines"
     solving, numbers = eigensolutions(), bare_numbers()
-    found = []
+    rows = []
     for kind, window, most_expected, most_sampled in SIGNALS:
         rig = setup(kind, window)
         measured = ratio(measuring(rig, Route.EXPECTED), solving)
-        found.append((f"expected, {kind}: {test}, against 11 eigensolutions", measured, most_expected))
+        rows.append((f"expected, {kind}: {test}, against 11 eigensolutions", measured, most_expected))
         measured = ratio(measuring(rig, Route.SAMPLED), bare_transforms(rig), 5)
-        found.append((f"sampled, {kind}: {test}, against rng + rfft", measured, most_sampled))
+        rows.append((f"sampled, {kind}: {test}, against rng + rfft", measured, most_sampled))
     spectra = expected_spectra(chain(assemble(STRUCTURES["chapter-5-beam"]()), setup("periodic_random")))
-    drawn = ratio(lambda: wishart_spectra(spectra, np.random.default_rng(0)), numbers)
-    return [*found, (f"drawn: {test} round their expectation, against rng", drawn, 3.0)]
+    direct_ratio = ratio(lambda: wishart_spectra(spectra, np.random.default_rng(0)), numbers)
+    return [*rows, (f"drawn: {test} round their expectation, against rng", direct_ratio, 3.0)]
 
 
 if __name__ == "__main__":

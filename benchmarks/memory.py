@@ -44,12 +44,12 @@ def measure(kind: str, averages: int) -> None:
 
 def run() -> list[tuple[str, float, float]]:
     """Return (name, memory of many averages over that of few, limit)."""
-    found = []
+    rows = []
     for kind in ("periodic_random", "random"):
         idle, few, many = (peak(kind, averages) for averages in (0, FEW, MANY))
         name = f"memory of {MANY:,} sampled averages against {FEW}, {kind}"
-        found.append((name, (many - idle) / (few - idle), LIMIT))
-    return found
+        rows.append((name, (many - idle) / (few - idle), LIMIT))
+    return rows
 
 
 if __name__ == "__main__":

@@ -26,7 +26,7 @@ NODES = (1, 3, 5, 7, 8, 10, 13, 14, 16, 18, 20, 23, 26, 28, 30)
 DOFS = tuple(Dof(node, direction) for node in NODES for direction in ("X", "Y"))
 MODES = 10
 MEMBERS = tuple(member.number for member in BAY.members)
-EACH = parameterise([(number,) for number in MEMBERS])
+ELEMENTWISE = parameterise([(number,) for number in MEMBERS])
 BEGIN = (1, 5, 8, 13, 16, 20, 25, 29, 32)  # where the macro elements of the thesis begin
 MACROS = parameterise([tuple(range(*ends)) for ends in pairwise(BEGIN)])
 PATTERNS = SEEDS = 50
@@ -88,7 +88,7 @@ class Found:
 def exact(seed: int) -> tuple[float, int]:
     """Return the largest error of a coefficient and the iterations of one pattern without noise."""
     wrong, options = pattern(seed), UpdateOptions(max_iterations=ITERATIONS)
-    result = UPDATERS["one_shot"](BAY, EACH, measured(wrong, ModeNoise(), 0), options=options)
+    result = UPDATERS["one_shot"](BAY, ELEMENTWISE, measured(wrong, ModeNoise(), 0), options=options)
     return float(np.abs(misses(result, wrong)).max()), result.iterations["updating"]
 
 
@@ -117,7 +117,9 @@ def true_frequencies() -> FloatArray:
 
 def noisy(seed: int, method: str = "one_shot") -> Found:
     """Return how one draw of NL3 on the case of table 3.1 went."""
-    result = UPDATERS[method](BAY, EACH if method == "one_shot" else MACROS, measured(WRONG, NL3, seed))
+    result = UPDATERS[method](
+        BAY, ELEMENTWISE if method == "one_shot" else MACROS, measured(WRONG, NL3, seed)
+    )
     inside = [
         low <= WRONG.get((part, number), 1.0) <= high
         for part, table in result.intervals.items()
@@ -135,17 +137,17 @@ def run() -> list[tuple[str, float, float]]:
     """Return (name, figure, limit): of patterns found, and of noise against location and updating."""
     errors, steps = zip(*(exact(seed) for seed in range(PATTERNS)), strict=True)
     missed = sum(error >= CLOSE for error in errors)
-    drawn = [noisy(seed) for seed in range(SEEDS)]
+    noisy_runs = [noisy(seed) for seed in range(SEEDS)]
     plain = [noisy(seed, "inverse_eigensensitivity") for seed in range(SEEDS)]
-    worst = float(np.median([one.worst for one in drawn]))
-    covered = float(np.mean([one.covered for one in drawn]))
+    worst = float(np.median([run.worst for run in noisy_runs]))
+    covered = float(np.mean([run.covered for run in noisy_runs]))
     largest = max(garteur(seed) for seed in (1, 2, 3))
     return [
         ("one_shot: largest error of 166 coefficients from five modes", largest, 1e-3),
         (f"one_shot: of {PATTERNS} patterns not within {CLOSE:g} in {ITERATIONS} steps", missed, 2.0),
         ("one_shot: most steps of a pattern", max(steps), ITERATIONS),
-        (f"one_shot, NL3: of {SEEDS} draws with a wrong element unsuspected", _unsuspected(drawn), 0.0),
-        ("one_shot, NL3: largest error of a frequency", max(one.frequency for one in drawn), 0.003),
+        (f"one_shot, NL3: of {SEEDS} draws with a wrong element unsuspected", _unsuspected(noisy_runs), 0.0),
+        ("one_shot, NL3: largest error of a frequency", max(run.frequency for run in noisy_runs), 0.003),
         ("one_shot, NL3: 95 % intervals that miss the truth", 1 - covered, 0.10),
         ("one_shot, NL3: those that hold it", covered, 0.99),
         ("one_shot, NL3: worst coefficient, median", worst, 0.235),
@@ -153,8 +155,8 @@ def run() -> list[tuple[str, float, float]]:
     ]
 
 
-def _unsuspected(drawn: list[Found]) -> int:
-    return sum(not one.suspected for one in drawn)
+def _unsuspected(noisy_runs: list[Found]) -> int:
+    return sum(not run.suspected for run in noisy_runs)
 
 
 if __name__ == "__main__":

@@ -18,7 +18,7 @@ from typing import Any
 
 import numpy as np
 
-from benchmarks.blind_trial import one as trial_case
+from benchmarks.blind_trial import run_case as trial_case
 from modallab_client import ModalLab
 
 SEED = 9001
@@ -57,12 +57,12 @@ def client_answers() -> dict[str, Any]:
             for route in ("expected", "drawn", "sampled"):
                 name = f"{rig_name}/{route}"
                 test = lab.measurements.start(truth.id, rig.id, route=route, seed=5).result()
-                every = slice(None, None, 7)
-                values = test.values[every]
+                sampling = slice(None, None, 7)
+                values = test.values[sampling]
                 answers[f"measurement/{name}"] = {
                     "real": values.real.tolist(),
                     "imag": values.imag.tolist(),
-                    "coherence": test.coherence[every].tolist(),
+                    "coherence": test.coherence[sampling].tolist(),
                 }
                 if route == "sampled":
                     answers |= _extractions(lab, test.id, name)
@@ -130,27 +130,32 @@ def _answer_here() -> Any:
     return answered_here
 
 
-def differences(before: Any, after: Any, where: str = "") -> Iterator[str]:
+def differences(reference: Any, current: Any, path: str = "") -> Iterator[str]:
     """Yield where two answers differ by more than rounding."""
-    if isinstance(before, dict) and isinstance(after, dict):
-        for name in before.keys() | after.keys():
-            yield from differences(before.get(name), after.get(name), f"{where}/{name}")
-    elif isinstance(before, list) and isinstance(after, list) and _numeric(before) and _numeric(after):
-        first, second = np.array(before, float), np.array(after, float)
+    if isinstance(reference, dict) and isinstance(current, dict):
+        for name in reference.keys() | current.keys():
+            yield from differences(reference.get(name), current.get(name), f"{path}/{name}")
+    elif (
+        isinstance(reference, list)
+        and isinstance(current, list)
+        and _numeric(reference)
+        and _numeric(current)
+    ):
+        first, second = np.array(reference, float), np.array(current, float)
         if first.shape != second.shape:
-            yield f"{where}: shape {first.shape} is now {second.shape}"
+            yield f"{path}: shape {first.shape} is now {second.shape}"
         elif first.size and not np.allclose(
             first, second, rtol=RELATIVE, atol=FLOOR * np.nanmax(np.abs(first)), equal_nan=True
         ):
-            yield f"{where}: numbers differ, at most by {np.nanmax(np.abs(first - second)):.3g}"
-    elif isinstance(before, list) and isinstance(after, list) and len(before) == len(after):
-        for i, (first, second) in enumerate(zip(before, after, strict=True)):
-            yield from differences(first, second, f"{where}/{i}")
-    elif isinstance(before, float) and isinstance(after, float):
-        if not np.isclose(before, after, rtol=RELATIVE, atol=0, equal_nan=True):
-            yield f"{where}: {before!r} is now {after!r}"
-    elif before != after:
-        yield f"{where}: {str(before)[:80]!r} is now {str(after)[:80]!r}"
+            yield f"{path}: numbers differ, at most by {np.nanmax(np.abs(first - second)):.3g}"
+    elif isinstance(reference, list) and isinstance(current, list) and len(reference) == len(current):
+        for i, (first, second) in enumerate(zip(reference, current, strict=True)):
+            yield from differences(first, second, f"{path}/{i}")
+    elif isinstance(reference, float) and isinstance(current, float):
+        if not np.isclose(reference, current, rtol=RELATIVE, atol=0, equal_nan=True):
+            yield f"{path}: {reference!r} is now {current!r}"
+    elif reference != current:
+        yield f"{path}: {str(reference)[:80]!r} is now {str(current)[:80]!r}"
 
 
 def _numeric(values: list[Any]) -> bool:
@@ -167,21 +172,21 @@ def main() -> int:
     parser.add_argument("--against", type=Path, help="folder of earlier answers")
     parser.add_argument("--workers", type=int, default=2)
     parser.add_argument("--parts", nargs="+", default=["client", "trial"], choices=["client", "trial"])
-    asked = parser.parse_args()
-    asked.write.mkdir(parents=True, exist_ok=True)
+    options = parser.parse_args()
+    options.write.mkdir(parents=True, exist_ok=True)
     changed = 0
-    for name in asked.parts:
+    for name in options.parts:
         if name == "client":
             answers = client_answers()
         else:
-            with ProcessPoolExecutor(asked.workers) as pool:
-                found = pool.map(trial_answer, CASES)
-                answers = {str(number): answer for number, answer in zip(CASES, found, strict=True)}
+            with ProcessPoolExecutor(options.workers) as pool:
+                figures = pool.map(trial_answer, CASES)
+                answers = {str(number): answer for number, answer in zip(CASES, figures, strict=True)}
         # as an earlier run was read: tuples are lists, keys are text
         answers = json.loads(json.dumps(answers))
-        (asked.write / f"{name}.json").write_text(json.dumps(answers))
-        if asked.against:
-            lines = list(differences(json.loads((asked.against / f"{name}.json").read_text()), answers))
+        (options.write / f"{name}.json").write_text(json.dumps(answers))
+        if options.against:
+            lines = list(differences(json.loads((options.against / f"{name}.json").read_text()), answers))
             print(f"{name}: {len(answers)} answers, {len(lines)} differences", *lines, sep="\n  ")
             changed += len(lines)
     return int(changed > 0)

@@ -35,13 +35,13 @@ from benchmarks.trial.running import Answer, Question, answered_here, run
 from modallab.core.settings import Settings
 
 # Own cases: of sets 1 (exact model), 2 (leakage) and 3 (tolerances), drawn by the trial's own seeds.
-OWN = (
+GROUPED = (
     *(("1", 9001, number) for number in range(28)),
     *(("2", 10001, number) for number in range(8)),
     *(("3", 10001, number) for number in range(12)),
 )
 ROOMS = ("modallab.diagnosis",)
-MOVED = 1  # changed cases from which on the fields of a group are varied one by one
+LEAST_CHANGES = 1  # changed cases from which on the fields of a group are varied one by one
 EXPLANATION = """
 Each settings dataclass of the diagnosis is halved and doubled, all fields together, and its fields one by
 one where that changed an answer (`python -m benchmarks.sensitivity`). Wins and losses are cases that are
@@ -66,15 +66,15 @@ class Variation:
 @cache
 def groups() -> dict[str, Settings]:
     """Return all settings that decide what a diagnosis says, by module and name."""
-    found: dict[str, Settings] = {}
+    result: dict[str, Settings] = {}
     for module in pkgutil.walk_packages(modallab.__path__, "modallab."):
         if not module.name.endswith(".settings") or not module.name.startswith(ROOMS):
             continue
         room = importlib.import_module(module.name)
         for name, value in vars(room).items():
             if isinstance(value, Settings):
-                found[f"{module.name.removeprefix('modallab.').removesuffix('.settings')}.{name}"] = value
-    return found
+                result[f"{module.name.removeprefix('modallab.').removesuffix('.settings')}.{name}"] = value
+    return result
 
 
 def varied(value: Any, unit: str, factor: float) -> Any:
@@ -100,14 +100,14 @@ def applied(variation: Variation) -> Iterator[None]:
     settings = groups()[variation.group]
     specs = settings.specs()
     names = [variation.field] if variation.field else [f.name for f in fields(settings)]
-    before = {name: getattr(settings, name) for name in names}
+    original = {name: getattr(settings, name) for name in names}
     try:
         for name in names:
-            changed = varied(before[name], specs[name].unit, FACTORS[variation.direction])
+            changed = varied(original[name], specs[name].unit, FACTORS[variation.direction])
             object.__setattr__(settings, name, changed)
         yield
     finally:
-        for name, value in before.items():
+        for name, value in original.items():
             object.__setattr__(settings, name, value)
 
 
@@ -136,25 +136,25 @@ def foreign_case(variation: Variation, folder: Path) -> dict[str, Any]:
     body = {"tolerances": json.loads(tolerances.read_text())} if tolerances.exists() else {}
     files = Files(folder / "structure.json", folder / "rig.json", measured)
     with applied(variation):
-        found = diagnose_files(files, body, averages=None, progress=silent).diagnosis
-    named = [step.effect.kind for step in found.steps]
+        result = diagnose_files(files, body, averages=None, progress=silent).diagnosis
+    effects = [step.effect.kind for step in result.steps]
     hidden = [set(effect["kinds"]) for effect in json.loads((folder / "truth.json").read_text())["effects"]]
-    right = len(named) == len(hidden) and all(kinds & set(named) for kinds in hidden)
+    right = len(effects) == len(hidden) and all(kinds & set(effects) for kinds in hidden)
     return {"case": folder.name, "right": right, "seconds": time.process_time() - start}
 
 
-def name_of(which: Any) -> str:
+def name_of(case: Any) -> str:
     """Return the name of an own case (set, seed, number) or of a foreign one, its folder's."""
-    return which.name if isinstance(which, Path) else "/".join(map(str, which))
+    return case.name if isinstance(case, Path) else "/".join(map(str, case))
 
 
-def answer(variation: Variation, which: Any) -> dict[str, Any]:
+def answer(variation: Variation, case: Any) -> dict[str, Any]:
     """Return one answer as plain data; one that fails counts as wrong."""
     try:
-        line = foreign_case(variation, which) if isinstance(which, Path) else own_case(variation, *which)
+        line = foreign_case(variation, case) if isinstance(case, Path) else own_case(variation, *case)
     except Exception as error:
         line = {
-            "case": name_of(which),
+            "case": name_of(case),
             "right": False,
             "seconds": 0.0,
             "trouble": f"{type(error).__name__}: {error}",
@@ -178,17 +178,17 @@ class Study:
 
     def run(self, variations: Sequence[Variation]) -> None:
         """Answer all cases with each variation, each answer written down at once."""
-        names = {which: name_of(which) for which in self.cases}
+        names = {case: name_of(case) for case in self.cases}
         waiting = [
-            (variation, which)
+            (variation, case)
             for variation in variations
-            for which in self.cases
-            if (variation, names[which]) not in self.answers
+            for case in self.cases
+            if (variation, names[case]) not in self.answers
         ]
         with ProcessPoolExecutor(self.workers) as pool:
             tasks = {}
-            for variation, which in waiting:
-                tasks[pool.submit(answer, variation, which)] = variation
+            for variation, case in waiting:
+                tasks[pool.submit(answer, variation, case)] = variation
             for task in as_completed(tasks):
                 line = task.result()
                 self.answers[tasks[task], line["case"]] = line
@@ -202,12 +202,12 @@ class Study:
         """Return cases that are right only with the variation, only without it, and all compared."""
         wins = losses = compared = 0
         for (varied_by, name), line in self.answers.items():
-            before = self.answers.get((Variation(), name))
-            if varied_by != variation or before is None:
+            original = self.answers.get((Variation(), name))
+            if varied_by != variation or original is None:
                 continue
             compared += 1
-            wins += line["right"] and not before["right"]
-            losses += before["right"] and not line["right"]
+            wins += line["right"] and not original["right"]
+            losses += original["right"] and not line["right"]
         return wins, losses, compared
 
 
@@ -235,8 +235,8 @@ def report(study: Study) -> str:
     ]
     lines += [
         f"| {variation} | {wins} | {losses} | {compared} | {chance:.2g} |"
-        for _, moved, variation, wins, losses, compared, chance in rows
-        if moved
+        for _, n_changed, variation, wins, losses, compared, chance in rows
+        if n_changed
     ]
     steady = sum(not row[1] for row in rows)
     return "\n".join([*lines, "", f"{steady} of {len(rows)} variations changed no answer.", ""])
@@ -250,28 +250,31 @@ def main() -> None:
     parser.add_argument("--foreign", type=Path, help="folder of another laboratory's cases")
     parser.add_argument("--hours", type=float, default=6.0)
     parser.add_argument("--workers", type=int, default=2)
-    parser.add_argument("--cases", type=int, default=len(OWN), help="own cases, the first so many")
+    parser.add_argument("--cases", type=int, default=len(GROUPED), help="own cases, the first so many")
     parser.add_argument("--groups", nargs="+", help="these groups alone")
     parser.add_argument("--report", type=Path, help="write the table to this file")
-    told = parser.parse_args()
-    if told.out.exists() and not told.resume:
-        parser.error(f"{told.out} exists: --resume goes on with it")
-    cases = [*OWN[: told.cases], *(sorted(p for p in told.foreign.iterdir()) if told.foreign else ())]
-    study = Study(cases, told.out, told.workers, time.monotonic() + 3600 * told.hours)
-    names = told.groups or list(groups())
+    options = parser.parse_args()
+    if options.out.exists() and not options.resume:
+        parser.error(f"{options.out} exists: --resume goes on with it")
+    cases = [
+        *GROUPED[: options.cases],
+        *(sorted(p for p in options.foreign.iterdir()) if options.foreign else ()),
+    ]
+    study = Study(cases, options.out, options.workers, time.monotonic() + 3600 * options.hours)
+    names = options.groups or list(groups())
     study.run([Variation()])
     for name in names:
-        both = [Variation(name, "", direction) for direction in FACTORS]
-        study.run(both)
+        variations = [Variation(name, "", direction) for direction in FACTORS]
+        study.run(variations)
         if time.monotonic() > study.deadline:
             break
-        if any(sum(study.compare(variation)[:2]) >= MOVED for variation in both):
+        if any(sum(study.compare(variation)[:2]) >= LEAST_CHANGES for variation in variations):
             singles = [f.name for f in fields(groups()[name])]
             study.run([Variation(name, field, direction) for field in singles for direction in FACTORS])
     text = report(study)
     print(text)
-    if told.report:
-        told.report.write_text(text)
+    if options.report:
+        options.report.write_text(text)
 
 
 if __name__ == "__main__":

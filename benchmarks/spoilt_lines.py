@@ -63,28 +63,28 @@ def on_a_floor(mode: ModeFit, rng: np.random.Generator) -> Lines:
 
 def drawn_h1(mode: ModeFit, rng: np.random.Generator) -> Lines:
     """Return H1 of a finite number of averages through a Hann window."""
-    ff, fx, xx = _drawn(mode, rng)
+    ff, fx, xx = _simulate(mode, rng)
     return Lines(fx / ff, np.abs(fx) ** 2 / (ff * xx), WindowLeakage.from_window(HANN, "h1"))
 
 
 def drawn_h2(mode: ModeFit, rng: np.random.Generator) -> Lines:
     """Return H2 of the same."""
-    ff, fx, xx = _drawn(mode, rng)
+    ff, fx, xx = _simulate(mode, rng)
     return Lines(
         np.asarray(xx / fx.conj()), np.abs(fx) ** 2 / (ff * xx), WindowLeakage.from_window(HANN, "h2")
     )
 
 
-def _drawn(mode: ModeFit, rng: np.random.Generator) -> tuple[FloatArray, ComplexArray, FloatArray]:
+def _simulate(mode: ModeFit, rng: np.random.Generator) -> tuple[FloatArray, ComplexArray, FloatArray]:
     """Return spectra averaged from Gaussian lines with the expected ones."""
     ff, fx, xx = _leaked(mode)
     shape = (2, len(ff), int(AVERAGES))
-    one, other = (rng.standard_normal(shape) + 1j * rng.standard_normal(shape)) / np.sqrt(2)
-    force = np.sqrt(ff)[:, None] * one
+    first, second = (rng.standard_normal(shape) + 1j * rng.standard_normal(shape)) / np.sqrt(2)
+    force = np.sqrt(ff)[:, None] * first
     residual_error = np.sqrt(xx - np.abs(fx) ** 2 / ff)
-    motion = (fx / ff)[:, None] * force + residual_error[:, None] * other
-    each = np.abs(force) ** 2, force.conj() * motion, np.abs(motion) ** 2
-    return each[0].mean(axis=1), each[1].mean(axis=1), each[2].mean(axis=1)
+    motion = (fx / ff)[:, None] * force + residual_error[:, None] * second
+    products = np.abs(force) ** 2, force.conj() * motion, np.abs(motion) ** 2
+    return products[0].mean(axis=1), products[1].mean(axis=1), products[2].mean(axis=1)
 
 
 CONDITIONS: dict[str, Spoil] = {
@@ -111,9 +111,9 @@ def _inertance(mode: ModeFit, freq: FloatArray) -> ComplexArray:
 
 def _with_error(values: ComplexArray, error: FloatArray, rng: np.random.Generator) -> Lines:
     """Return lines with `error` on each part, and the coherence that says so."""
-    drawn = rng.standard_normal(values.shape) + 1j * rng.standard_normal(values.shape)
+    noise = rng.standard_normal(values.shape) + 1j * rng.standard_normal(values.shape)
     square = 2 * (error / np.abs(values)) ** 2
-    return Lines(values + error * drawn, 1 / (1 + AVERAGES * square))
+    return Lines(values + error * noise, 1 / (1 + AVERAGES * square))
 
 
 @cache

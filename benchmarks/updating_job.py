@@ -31,11 +31,11 @@ PATIENCE = 600.0  # s for one reply: modes of the true plate are solved for whil
 
 
 @contextmanager
-def told(what: str) -> Iterator[None]:
+def timed(label: str) -> Iterator[None]:
     """Print how long something took."""
     start = time.monotonic()
     yield
-    print(f"  {what:<30} {time.monotonic() - start:6.1f} s", flush=True)
+    print(f"  {label:<30} {time.monotonic() - start:6.1f} s", flush=True)
 
 
 def children(process: int) -> Iterator[int]:
@@ -46,10 +46,10 @@ def children(process: int) -> Iterator[int]:
             yield from children(child)
 
 
-def held(process: int) -> int:
+def peak_memory(process: int) -> int:
     """Return the most memory that a process held, kB."""
-    found = re.search(r"VmHWM:\s*(\d+) kB", Path(f"/proc/{process}/status").read_text())
-    return int(found[1]) if found else 0
+    match = re.search(r"VmHWM:\s*(\d+) kB", Path(f"/proc/{process}/status").read_text())
+    return int(match[1]) if match else 0
 
 
 def updated(n_dofs: int = N_DOFS) -> tuple[float, float]:
@@ -58,7 +58,7 @@ def updated(n_dofs: int = N_DOFS) -> tuple[float, float]:
     wrong = [{"members": groups[i], "property": "modulus", "factor": f} for i, f in WRONG.items()]
     dofs = [str(dof) for dof in sensors(n_dofs)]
     with ModalLab.embedded(timeout=PATIENCE) as lab:
-        with told("model, and one changed"):
+        with timed("model, and one changed"):
             plate = lab.structures.plate(
                 length=LENGTH,
                 width=WIDTH,
@@ -67,16 +67,16 @@ def updated(n_dofs: int = N_DOFS) -> tuple[float, float]:
                 material={"modulus": STEEL.modulus, "density": STEEL.density},
             )
             true = lab.structures.change(plate.id, wrong)
-        with told(f"{MEASURED} modes of it"):
+        with timed(f"{MEASURED} modes of it"):
             measured = lab.structures.synthetic_modes(true.id, dofs=dofs, count=MEASURED)
-        with told("update"):
+        with timed("update"):
             options = {"max_iterations": STEPS, "tolerance": 1e-12}
             job = lab.updates.start(plate.id, measured.id, method="one_shot", macros=groups, options=options)
-            found = job.result()
-        memory = max(held(process) for process in children(os.getpid()))
-    assert found.iterations["updating"] == STEPS
+            match = job.result()
+        memory = max(peak_memory(process) for process in children(os.getpid()))
+    assert match.iterations["updating"] == STEPS
     errors = [
-        abs(found.coefficients[part][group[0]] - (WRONG.get(i, 1.0) if part == "stiffness" else 1.0))
+        abs(match.coefficients[part][group[0]] - (WRONG.get(i, 1.0) if part == "stiffness" else 1.0))
         for part in ("mass", "stiffness")
         for i, group in enumerate(groups)
     ]

@@ -60,7 +60,7 @@ def sensors(n_dofs: int) -> tuple[Dof, ...]:
     return tuple(Dof(int(row * (along + 1) + column + 1), "Z") for row in rows for column in columns)
 
 
-def moved(assembly: Assembly, seed: int) -> Coefficients:
+def random_coefficients(assembly: Assembly, seed: int) -> Coefficients:
     """Return stiffnesses a step away from 1 in every macro element."""
     base = coefficients_of(assembly.structure)
     steps = np.random.default_rng(seed).normal(scale=CHANGED, size=50)
@@ -71,18 +71,18 @@ def moved(assembly: Assembly, seed: int) -> Coefficients:
 def eigen_solution(n_dofs: int) -> float:
     """Return the time of modes from those a step away, over one factorisation and a solve a mode."""
     assembly = Assembly(plate_of(n_dofs))
-    before, after = assembly.system(), assembly.system(moved(assembly, 1))
-    known = first_basis(before.mass, before.stiffness, before.rigid, MODES)
-    near = known.shapes[:, known.n_rigid_body :].real
-    loads = np.random.default_rng(0).standard_normal((len(before.dofs), MODES))
+    initial, changed = assembly.system(), assembly.system(random_coefficients(assembly, 1))
+    basis = first_basis(initial.mass, initial.stiffness, initial.rigid, MODES)
+    near = basis.shapes[:, basis.n_rigid_body :].real
+    loads = np.random.default_rng(0).standard_normal((len(initial.dofs), MODES))
 
     def ours() -> object:
         return undamped_basis(
-            after.mass, after.stiffness, after.rigid, frequency_max=known.frequency_max, near=near
+            changed.mass, changed.stiffness, changed.rigid, frequency_max=basis.frequency_max, near=near
         )
 
     def least() -> object:
-        return factorised(after.stiffness + after.mass).solve(loads)
+        return factorised(changed.stiffness + changed.mass).solve(loads)
 
     return ratio(ours, least, rounds=5)
 
@@ -112,9 +112,9 @@ def jacobian(n_dofs: int) -> float:
     return ratio(ours, least, rounds=5)
 
 
-def element_pass(part: PartMatrices, left: FloatArray, right: FloatArray) -> FloatArray:
+def element_pass(part: PartMatrices, left_factor: FloatArray, right: FloatArray) -> FloatArray:
     """Return left^T A right of every element: gathered, multiplied, and not yet added up."""
-    return np.asarray(left[part.rows].swapaxes(1, 2) @ (part.matrices @ right[part.rows]))
+    return np.asarray(left_factor[part.rows].swapaxes(1, 2) @ (part.matrices @ right[part.rows]))
 
 
 def case(n_dofs: int) -> tuple[Structure, Parameterisation, ModalModel]:
@@ -134,13 +134,13 @@ def measure(n_dofs: int) -> None:
     start = time.process_time()
     result = UPDATERS["one_shot"](structure, parameters, measured, options=options)
     seconds = time.process_time() - start
-    held = re.search(r"VmHWM:\s*(\d+) kB", Path("/proc/self/status").read_text())
-    assert held is not None
-    found = [result.coefficients[macro.part][macro.members[0]] for macro in parameters.macros]
-    n_macros = len(found) // 2
+    match = re.search(r"VmHWM:\s*(\d+) kB", Path("/proc/self/status").read_text())
+    assert match is not None
+    coefficients = [result.coefficients[macro.part][macro.members[0]] for macro in parameters.macros]
+    n_macros = len(coefficients) // 2
     truth = [1.0] * n_macros + [WRONG.get(i, 1.0) for i in range(n_macros)]
-    error = float(np.abs(np.subtract(found, truth)).max())
-    print(seconds, held[1], error, result.iterations["updating"])
+    error = float(np.abs(np.subtract(coefficients, truth)).max())
+    print(seconds, match[1], error, result.iterations["updating"])
 
 
 def updated(n_dofs: int) -> tuple[float, float, float]:

@@ -32,8 +32,8 @@ def shapes(x: ArrayLike, *, curved: bool = False) -> FloatArray:
     bx = np.multiply.outer(WAVE_NUMBERS, np.asarray(x, float).ravel())
     sign = -1.0 if curved else 1.0
     ratio = (np.cosh(z) - np.cos(z)) / (np.sinh(z) - np.sin(z))
-    found = np.cosh(bx) + sign * np.cos(bx) - ratio * (np.sinh(bx) + sign * np.sin(bx))
-    return np.asarray(found.reshape(len(MODES), *np.shape(x)))
+    determinant = np.cosh(bx) + sign * np.cos(bx) - ratio * (np.sinh(bx) + sign * np.sin(bx))
+    return np.asarray(determinant.reshape(len(MODES), *np.shape(x)))
 
 
 def energy_shares(member: int, *, strain: bool) -> FloatArray:
@@ -64,9 +64,9 @@ def matrices(mass: dict[int, float], stiffness: dict[int, float]) -> tuple[Float
     )
     m, k = np.zeros((42, 42)), np.zeros((42, 42))
     for member in range(1, N_ELEMENTS + 1):
-        own = slice(2 * member - 2, 2 * member + 2)
-        m[own, own] += mass.get(member, 1.0) * STEEL.density * BAR.area * h / 420 * part_m
-        k[own, own] += stiffness.get(member, 1.0) * RIGIDITY / h**3 * part_k
+        member_dofs = slice(2 * member - 2, 2 * member + 2)
+        m[member_dofs, member_dofs] += mass.get(member, 1.0) * STEEL.density * BAR.area * h / 420 * part_m
+        k[member_dofs, member_dofs] += stiffness.get(member, 1.0) * RIGIDITY / h**3 * part_k
     return m, k
 
 
@@ -74,5 +74,5 @@ def inertance(m: FloatArray, k: FloatArray, freq: FloatArray, nodes: tuple[int, 
     """Inertance of nodes to a force at node 1, (n_freq, n_nodes), damped by D = 100 M + 0.005 K."""
     omega = 2 * np.pi * freq[:, None, None]
     dynamic = k + 1j * (100.0 * m + 0.005 * k) - omega**2 * m
-    moved = np.linalg.solve(dynamic, np.broadcast_to(np.eye(42)[:, :1], (len(freq), 42, 1)))
-    return np.asarray(-(omega[:, 0] ** 2) * moved[:, [2 * node - 2 for node in nodes], 0])
+    receptances = np.linalg.solve(dynamic, np.broadcast_to(np.eye(42)[:, :1], (len(freq), 42, 1)))
+    return np.asarray(-(omega[:, 0] ** 2) * receptances[:, [2 * node - 2 for node in nodes], 0])

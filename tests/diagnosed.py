@@ -34,8 +34,8 @@ def curves(n_freq: int = 60) -> Curves:
     freq = np.linspace(0.0, 400.0, n_freq)
 
     def frf(resonance: float) -> ComplexArray:
-        one = -(freq**2) / (resonance**2 * (1 + 0.01j) - freq**2)
-        return np.asarray(one[:, None, None] * np.arange(1.0, 7.0)[:, None], complex)
+        resonance_term = -(freq**2) / (resonance**2 * (1 + 0.01j) - freq**2)
+        return np.asarray(resonance_term[:, None, None] * np.arange(1.0, 7.0)[:, None], complex)
 
     measured = frf(120.0)
     measured[:, 3] *= 1.5  # the channel that is furthest off

@@ -61,7 +61,7 @@ def rig(
     )
 
 
-def drawn(setup: RigSetup, effects: Sequence[Effect] = (), *, seed: int = 0) -> Measurement:
+def draw_measurement(setup: RigSetup, effects: Sequence[Effect] = (), *, seed: int = 0) -> Measurement:
     """Return a measurement drawn round the expected spectra."""
     spectra = expected_spectra(chain(assemble(model()), setup, effects))
     return measurement_of(wishart_spectra(spectra, np.random.default_rng(seed)), setup)

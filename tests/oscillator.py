@@ -24,9 +24,9 @@ TIP = Dof(2, "Y")
 
 def structure(ratio: float = RATIO) -> Structure:
     """One element, clamped at one end, guided at the other."""
-    held = (Support(1, ("Y", "RZ")), Support(2, ("RZ",)))
+    supports = (Support(1, ("Y", "RZ")), Support(2, ("RZ",)))
     law = ViscousDamping(stiffness_coefficient=2 * ratio / OMEGA)
-    return beam(length=LENGTH, n_elements=1, section=BAR, material=STEEL, damping=law, supports=held)
+    return beam(length=LENGTH, n_elements=1, section=BAR, material=STEEL, damping=law, supports=supports)
 
 
 def system(ratio: float = RATIO) -> DynamicSystem:
@@ -37,8 +37,8 @@ def system(ratio: float = RATIO) -> DynamicSystem:
 def rig_at_tip(level: float = 1.0, excitation: str = "random", **analyser: float | str) -> RigSetup:
     """A rig that drives and hears the tip, to ten times its natural frequency unless told otherwise."""
     setting = ExcitationSetting(excitation, level)
-    given = {"frequency_max": 540.0, "n_lines": 541, "window": "hann"} | analyser
-    return RigSetup((TIP,), (TIP,), analyser=Analyser(excitation=setting, **given))  # type: ignore[arg-type]
+    settings = {"frequency_max": 540.0, "n_lines": 541, "window": "hann"} | analyser
+    return RigSetup((TIP,), (TIP,), analyser=Analyser(excitation=setting, **settings))  # type: ignore[arg-type]
 
 
 def density(setup: RigSetup) -> float:

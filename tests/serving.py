@@ -65,9 +65,9 @@ class Lab:
                 time.sleep(0.05)
         raise TimeoutError("the service did not answer")
 
-    def request(self, method: str, path: str, **given: Any) -> httpx.Response:
+    def request(self, method: str, path: str, **options: Any) -> httpx.Response:
         """Return the reply to a request."""
-        return self._http.request(method, path, **given)
+        return self._http.request(method, path, **options)
 
     def json(self, method: str, path: str, body: Any = None) -> Any:
         """Return the JSON of a good reply."""
@@ -79,9 +79,9 @@ class Lab:
         """Return a job as soon as it is in this state and that far."""
         begin = time.monotonic()
         while time.monotonic() - begin < timeout:
-            found = self.json("GET", f"/jobs/{job}")
-            if found["state"] == state and found["fraction"] >= fraction:
-                return found
-            assert found["state"] in ("queued", "running"), found
+            job_status = self.json("GET", f"/jobs/{job}")
+            if job_status["state"] == state and job_status["fraction"] >= fraction:
+                return job_status
+            assert job_status["state"] in ("queued", "running"), job_status
             time.sleep(0.02)
-        raise TimeoutError(f"job {job} is not {state}: {found}")
+        raise TimeoutError(f"job {job} is not {state}: {job_status}")

@@ -71,25 +71,27 @@ def solved(
         z = np.zeros((n + 3 * n_in, n + 3 * n_in), complex)
         z[:n, :n] = still - omega**2 * heavy
         right = np.zeros((n + 3 * n_in, n_in), complex)
-        for i, one in enumerate(shakers):
-            point, tip = system.index(one.dof), n + 3 * i
+        for i, shaker in enumerate(shakers):
+            point, tip = system.index(shaker.dof), n + 3 * i
             armature, current = tip + 1, tip + 2
-            z[point, point] -= omega**2 * one.cancelled
-            spring = one.gauge * (1 + 1j * DRIVE.joint_loss_factor)
+            z[point, point] -= omega**2 * shaker.cancelled
+            spring = shaker.gauge * (1 + 1j * DRIVE.joint_loss_factor)
             z[np.ix_([point, tip], [point, tip])] += spring * np.array([[1, -1], [-1, 1]])
-            spring = one.stinger * (1 + 1j * DRIVE.joint_loss_factor)
-            t = omega * np.sqrt(one.rod / spring)  # dynamic stiffness of a rod: waves along it
+            spring = shaker.stinger * (1 + 1j * DRIVE.joint_loss_factor)
+            t = omega * np.sqrt(shaker.rod / spring)  # dynamic stiffness of a rod: waves along it
             rod = spring * t * np.array([[1 / np.tan(t), -1 / np.sin(t)], [-1 / np.sin(t), 1 / np.tan(t)]])
             z[np.ix_([tip, armature], [tip, armature])] += rod
-            z[armature, armature] += one.suspension + 1j * omega * one.damper - omega**2 * one.armature
-            z[armature, current] = -one.force_factor
-            z[current, armature] = 1j * omega * one.force_factor
-            z[current, current] = one.resistance + 1j * omega * one.inductance
-            right[current, i] = one.resistance / one.force_factor  # the voltage of 1 N at rest
+            z[armature, armature] += (
+                shaker.suspension + 1j * omega * shaker.damper - omega**2 * shaker.armature
+            )
+            z[armature, current] = -shaker.force_factor
+            z[current, armature] = 1j * omega * shaker.force_factor
+            z[current, current] = shaker.resistance + 1j * omega * shaker.inductance
+            right[current, i] = shaker.resistance / shaker.force_factor  # the voltage of 1 N at rest
         x = np.linalg.solve(z, right)
-        points, currents = [system.index(one.dof) for one in shakers], n + 3 * np.arange(n_in) + 2
-        springs = np.array([one.gauge * (1 + 1j * DRIVE.joint_loss_factor) for one in shakers])[:, None]
-        inertia = np.array([one.cancelled for one in shakers])[:, None] * omega**2
+        points, currents = [system.index(shaker.dof) for shaker in shakers], n + 3 * np.arange(n_in) + 2
+        springs = np.array([shaker.gauge * (1 + 1j * DRIVE.joint_loss_factor) for shaker in shakers])[:, None]
+        inertia = np.array([shaker.cancelled for shaker in shakers])[:, None] * omega**2
         forces.append(springs * (x[currents - 2] - x[points]) + inertia * x[points])
         motions.append(x[:n])
         powers.append(0.5 * (right[currents].diagonal() * x[currents].diagonal().conj()).real)
@@ -102,8 +104,8 @@ def block(mass: float, stiffness: float = 0.0) -> DynamicSystem:
     Half of it sits at either end of a bar of 1 mm, on which the halves resonate above 70 kHz up to 2 kg:
     rigid to 1e-4 below 800 Hz, to 1e-5 below 200 Hz.
     """
-    own = STEEL.density * BAR.area * 0.001
-    half = (mass - own) / 2
+    rod_mass = STEEL.density * BAR.area * 0.001
+    half = (mass - rod_mass) / 2
     system = assemble(
         Structure(
             nodes={1: (0.0, 0.0), 2: (0.001, 0.0)},

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from benchmarks.trial.foreign import FOREIGN
-from benchmarks.trial.hidden import GAPS, TRIES, Gauge, hide
+from benchmarks.trial.hidden import GAPS, PLACES, Gauge, hide
 from benchmarks.trial.mistakes import MISTAKES
 from benchmarks.trial.rigs import ON_CANTILEVER, ON_FRAME, ON_HAMMER, Bench, bench, small_bench
 from benchmarks.trial.tolerated import Tolerated
@@ -56,8 +56,8 @@ KINDS = (
 SETS = ("1", "2", "3", "3a")
 NOISES = (1e-5, 1e-4, 1e-3)
 # After one single of each kind, a round goes on with these.
-OTHERS = ("pair",) * 6 + ("nothing",) * 4 + ("unknown",) * 4 + ("log_book",) * 2
-ROUND = len(KINDS) + len(OTHERS)
+OTHER_TYPES = ("pair",) * 6 + ("nothing",) * 4 + ("unknown",) * 4 + ("log_book",) * 2
+ROUND = len(KINDS) + len(OTHER_TYPES)
 NEARLY = 0.95  # of the least gap: logarithms of strengths are found to a thousandth
 # Signals that do not repeat leak already, and no hammer plays them.
 NOT_LEAKING = ("leakage", "double_hit")
@@ -94,7 +94,7 @@ class Case:
     seed: int  # of the measurement
     setup: RigSetup  # by which it is measured
     excluded: tuple[str, ...] = ()  # kinds that the diagnosis must not look for
-    what: str = ""  # in a word, where the truth alone does not say it
+    description: str = ""  # in a word, where the truth alone is not enough
     deviating: tuple[Effect, ...] = ()  # within tolerances
 
     @property
@@ -115,7 +115,7 @@ class Case:
         return self.set in ("3", "3a")
 
 
-def case(number: int, seed: int, which: str = "1") -> Case:
+def case(number: int, seed: int, set_name: str = "1") -> Case:
     """Return a case: the same whatever others are drawn with it.
 
     Parameters
@@ -123,16 +123,16 @@ def case(number: int, seed: int, which: str = "1") -> Case:
     which
         One of `SETS`; 3a has the cases of 3.
     """
-    of_set = {"1": 1, "2": 2, "3": 3, "3a": 3}[which]
+    of_set = {"1": 1, "2": 2, "3": 3, "3a": 3}[set_name]
     rng = np.random.default_rng(np.random.SeedSequence(entropy=(seed, of_set), spawn_key=(number,)))
     noise, leaking = NOISES[(number + number // ROUND) % len(NOISES)], of_set == 2
-    draw = _Draw(number, which, rng, noise, leaking, of_set == 3)
+    draw = _Draw(number, set_name, rng, noise, leaking, of_set == 3)
     type_ = type_of(number)
     if type_ == "single":
         return draw.single(KINDS[number % ROUND])
     return {
         "pair": draw.pair,
-        "nothing": draw.nothing,
+        "nothing": draw.without_effect,
         "unknown": draw.unknown,
         "log_book": draw.log_book,
     }[type_]()
@@ -141,19 +141,19 @@ def case(number: int, seed: int, which: str = "1") -> Case:
 def type_of(number: int) -> str:
     """Return of which type a case of this number is."""
     place = number % ROUND
-    return "single" if place < len(KINDS) else OTHERS[place - len(KINDS)]
+    return "single" if place < len(KINDS) else OTHER_TYPES[place - len(KINDS)]
 
 
 def small_case(kind: str | None, seed: int, among: Sequence[str]) -> Case:
     """Return a quick case on a short beam, with one effect or none, of which few are suspected."""
     rng = np.random.default_rng(seed)
     draw = _Draw(seed, "1", rng, 1e-4, False, False)
-    where = small_bench(rng, noise=1e-4)
-    others = [name for name in EFFECTS if name not in among]
+    bench = small_bench(rng, noise=1e-4)
+    remaining_kinds = [name for name in EFFECTS if name not in among]
     if kind is None:
-        return draw.sealed("nothing", where, (), 1.0, excluded=others)
-    effect, gap = hide(kind, where, rng, lambda one: Gauge(where).opened([one]), least=10.0)
-    return draw.sealed("single", where, (effect,), gap, excluded=others)
+        return draw.sealed("nothing", bench, (), 1.0, excluded=remaining_kinds)
+    effect, gap = hide(kind, bench, rng, lambda effect: Gauge(bench).opened([effect]), least=10.0)
+    return draw.sealed("single", bench, (effect,), gap, excluded=remaining_kinds)
 
 
 @dataclass(frozen=True)
@@ -170,49 +170,51 @@ class _Draw:
     def bench(self, *kinds: str) -> Bench:
         return bench(kinds, self.rng, noise=self.noise, leaking=self.leaking)
 
-    def tolerated(self, where: Bench) -> Tolerated:
-        return Tolerated(where, tolerant=self.tolerant)
+    def tolerated(self, bench: Bench) -> Tolerated:
+        return Tolerated(bench, tolerant=self.tolerant)
 
-    def seen(
-        self, kinds: Sequence[str], where: Bench
+    def visible(
+        self, kinds: Sequence[str], bench: Bench
     ) -> tuple[tuple[Effect, ...], float, tuple[Effect, ...]]:
         """Return an effect of each kind, the gap of all, and deviations that none of them hides behind."""
-        known = self.tolerated(where)
-        for _ in range(TRIES):
-            hidden = tuple(hide(k, where, self.rng, lambda one: known.gauge.opened([one]))[0] for k in kinds)
-            deviating = known.deviations(self.rng)
-            left = min(known.unexplained([*deviating, one]) for one in hidden)
-            if left >= GAPS[0] * NEARLY:
-                gap = known.unexplained([*deviating, *hidden])
+        tolerated = self.tolerated(bench)
+        for _ in range(PLACES):
+            hidden = tuple(
+                hide(k, bench, self.rng, lambda effect: tolerated.gauge.opened([effect]))[0] for k in kinds
+            )
+            deviating = tolerated.deviations(self.rng)
+            unexplained = min(tolerated.unexplained([*deviating, effect]) for effect in hidden)
+            if unexplained >= GAPS[0] * NEARLY:
+                gap = tolerated.unexplained([*deviating, *hidden])
                 return hidden, gap, deviating
         raise ModalLabError(f"{', '.join(kinds)} cannot be seen beyond what is tolerated")
 
     def sealed(
         self,
         type_: str,
-        where: Bench,
+        bench: Bench,
         truth: Sequence[Effect],
         gap: float,
         *,
         setup: RigSetup | None = None,
         excluded: Sequence[str] = (),
-        what: str = "",
+        description: str = "",
         deviating: Sequence[Effect] | None = None,
     ) -> Case:
         if deviating is None:
-            deviating = self.tolerated(where).deviations(self.rng)
+            deviating = self.tolerated(bench).deviations(self.rng)
         seed = int(self.rng.integers(2**31))
         return Case(
             self.number,
             self.set,
             type_,
-            where,
+            bench,
             tuple(truth),
             gap,
             seed,
-            setup or where.setup,
+            setup or bench.setup,
             tuple(excluded),
-            what,
+            description,
             tuple(deviating),
         )
 
@@ -222,38 +224,38 @@ class _Draw:
     def single(self, kind: str) -> Case:
         if kind not in self.possible((kind,)):
             kind = str(self.rng.choice(self.possible(KINDS)))
-        where = self.bench(kind)
-        hidden, gap, deviating = self.seen((kind,), where)
-        return self.sealed("single", where, hidden, gap, deviating=deviating)
+        bench = self.bench(kind)
+        hidden, gap, deviating = self.visible((kind,), bench)
+        return self.sealed("single", bench, hidden, gap, deviating=deviating)
 
     def pair(self) -> Case:
         kinds = [str(k) for k in self.rng.choice(self.possible(PAIRED), size=2, replace=False)]
-        where = self.bench(*kinds)
-        hidden, gap, deviating = self.seen(kinds, where)
-        return self.sealed("pair", where, hidden, gap, deviating=deviating)
+        bench = self.bench(*kinds)
+        hidden, gap, deviating = self.visible(kinds, bench)
+        return self.sealed("pair", bench, hidden, gap, deviating=deviating)
 
-    def nothing(self) -> Case:
+    def without_effect(self) -> Case:
         return self.sealed("nothing", self.bench(), (), 1.0)
 
     def unknown(self) -> Case:
         """Return a case with an effect out of the catalogue, foreign or taken out of it, in turn."""
         foreign = bool(self.number % 2)
         kind = str(self.rng.choice(list(FOREIGN) if foreign else self.possible(UNMISTAKABLE)))
-        where = self.bench(kind)
-        hidden, gap, deviating = self.seen((kind,), where)
+        bench = self.bench(kind)
+        hidden, gap, deviating = self.visible((kind,), bench)
         without = () if foreign else (kind,)
-        return self.sealed("unknown", where, hidden, gap, excluded=without, deviating=deviating)
+        return self.sealed("unknown", bench, hidden, gap, excluded=without, deviating=deviating)
 
     def log_book(self) -> Case:
         """Return a case whose log book is wrong by a believable factor, so that it can be seen."""
-        where = self.bench()
-        gauge = self.tolerated(where).gauge
+        bench = self.bench()
+        gauge = self.tolerated(bench).gauge
         for name in self.rng.permutation(list(MISTAKES)):
-            setup, amounts = MISTAKES[str(name)](where.setup, self.rng)
+            setup, amounts = MISTAKES[str(name)](bench.setup, self.rng)
             try:
                 gap = gauge.opened([], setup)
             except ModalLabError:
                 continue
             if gap >= GAPS[0]:
-                return self.sealed("log_book", where, amounts, gap, setup=setup, what=str(name))
+                return self.sealed("log_book", bench, amounts, gap, setup=setup, description=str(name))
         raise ModalLabError("no mistake of this log book can be seen")

@@ -32,7 +32,7 @@ class GainBump(Effect):
         """See `Effect.on_channel`."""
         if channel.force or not self.acts_on(channel.dof):
             return channel
-        return channel.through(self._reading)
+        return channel.with_filter(self._reading)
 
     def _reading(self, omega: FloatArray) -> ComplexArray:
         off = (omega / (2 * np.pi) - self.centre) / self.width
@@ -58,7 +58,7 @@ class Echo(Effect):
         """See `Effect.on_channel`."""
         if channel.force:
             return channel
-        return channel.through(lambda omega: 1 + self.ratio * np.exp(-1j * omega * self.delay))
+        return channel.with_filter(lambda omega: 1 + self.ratio * np.exp(-1j * omega * self.delay))
 
 
 @dataclass(frozen=True)

@@ -26,8 +26,8 @@ from modallab.rig.nonlinear_records import modal_feedbacks
 from modallab.rig.setup import RigSetup
 
 GAPS = (2.0, 1e4)
-EVERYWHERE = 0.25  # how often a kind with many places acts everywhere
-TRIES = 12  # places that are tried for one at which an effect can be seen
+SHARE_EVERYWHERE = 0.25  # how often a kind with many places acts everywhere
+PLACES = 12  # places that are tried for one at which an effect can be seen
 STEP = 0.5  # in the logarithm of a strength that is too much to be predicted or measured
 LADDER = 9  # strengths at which a kind is looked at first
 
@@ -104,25 +104,25 @@ class Gauge:
     def __init__(self, bench: Bench, deviations: Sequence[Sequence[Effect]] = ()) -> None:
         self.bench = bench
         if deviations:
-            self._along = np.array([self._vector(one)[0] for one in deviations]).T  # (n_residuals, n)
+            self._along = np.array([self._vector(effect)[0] for effect in deviations]).T  # (n_residuals, n)
         else:
             self._along = np.zeros((0, 0))
 
     def opened(
-        self, effects: Sequence[Effect], setup: RigSetup | None = None, named: Sequence[Effect] = ()
+        self, effects: Sequence[Effect], setup: RigSetup | None = None, accepted: Sequence[Effect] = ()
     ) -> float:
         """Return the gap that effects open in expectation, beyond what deviations could be.
 
         Random error included: 1 if they do nothing, or if what is named does the same.
         """
-        vector, weight = self._vector(effects, setup, named)
+        vector, weight = self._vector(effects, setup, accepted)
         return 1.0 + float(weight @ self._beyond(vector) ** 2)
 
-    def apart(
-        self, effects: Sequence[Effect], named: Sequence[Effect], setup: RigSetup | None = None
+    def distance(
+        self, effects: Sequence[Effect], accepted: Sequence[Effect], setup: RigSetup | None = None
     ) -> float:
         """Return how far what was named predicts from the truth, in standard deviations of all data."""
-        vector, _ = self._vector(effects, setup, named)
+        vector, _ = self._vector(effects, setup, accepted)
         return float(np.sqrt(max(float(vector @ self._beyond(vector)), 0.0)))
 
     def _beyond(self, vector: FloatArray) -> FloatArray:
@@ -137,25 +137,25 @@ class Gauge:
         return np.asarray(vector - along @ np.linalg.solve(normal, along.T @ vector))
 
     def _vector(
-        self, effects: Sequence[Effect], setup: RigSetup | None = None, named: Sequence[Effect] = ()
+        self, effects: Sequence[Effect], setup: RigSetup | None = None, accepted: Sequence[Effect] = ()
     ) -> tuple[FloatArray, FloatArray]:
         """Return whitened residuals of all lines, and weights that make the gap of their squares."""
         actual, structure = setup or self.bench.setup, self.bench.structure
         measured = measurement_of(spectra_of(self.bench, effects, setup), self.bench.setup)
         observed = observe(measured, (), fraction=0.0)
-        left = SingleTestPredictor.of(structure, self.bench.setup, observed).residual(named)
+        residual = SingleTestPredictor.of(structure, self.bench.setup, observed).residual(accepted)
         # Logarithms of averages are set right for their mean, which these spectra without scatter are not.
         usual = SingleTestPredictor.of(structure, actual, observed).residual(effects)
-        off = left.frf - usual.frf
+        off = residual.frf - usual.frf
         parts = [np.sqrt(2) * off.real, np.sqrt(2) * off.imag]
         sizes = [2 * int(observed.usable.sum())] * 2
-        for part, own in ((left.force, usual.force), (left.response, usual.response)):
-            if part is not None and own is not None:
-                alike = part.shape == observed.usable.shape
-                where = observed.usable if alike else observed.usable.any(axis=1, keepdims=True)
-                where = np.broadcast_to(where, part.shape)
-                parts.append(np.where(where, part - own, 0.0))
-                sizes.append(int(where.sum()))
+        for part, part_reference in ((residual.force, usual.force), (residual.response, usual.response)):
+            if part is not None and part_reference is not None:
+                same_shape = part.shape == observed.usable.shape
+                usable = observed.usable if same_shape else observed.usable.any(axis=1, keepdims=True)
+                usable = np.broadcast_to(usable, part.shape)
+                parts.append(np.where(usable, part - part_reference, 0.0))
+                sizes.append(int(usable.sum()))
         weights = [np.full(p.size, 1 / (n * (len(parts) - 1))) for p, n in zip(parts, sizes, strict=True)]
         return np.concatenate([p.ravel() for p in parts]), np.concatenate(weights)
 
@@ -176,9 +176,9 @@ def hide(
     places = list(cls.places(assemble(bench.structure), bench.setup))
     if not places:
         raise ModalLabError(f"{kind} has no place on this rig")
-    for _ in range(TRIES):
+    for _ in range(PLACES):
         spread = [place for place in places if place is not None]
-        everywhere = None in places and (not spread or rng.random() < EVERYWHERE)
+        everywhere = None in places and (not spread or rng.random() < SHARE_EVERYWHERE)
         place = None if everywhere else spread[int(rng.integers(len(spread)))]
         bare = cls(at=place).with_parameters(_besides(kind, place, bench, rng))
         sized = _sized(bare, bench, rng, opened, least)
@@ -195,11 +195,11 @@ def _sized(
         gap = opened(bare)
         return (bare, gap) if gap >= least else None
     up, share = bool(rng.integers(2)), rng.random()
-    found = _of_share(bare, up, share, opened, least)
+    root = _of_share(bare, up, share, opened, least)
     try:
-        return found and (measurable(found[0], bench), found[1])
+        return root and (measurable(root[0], bench), root[1])
     except DivergedError:  # where none has to be, strengths are not limited
-        return _of_share(bare, up, share, lambda one: opened(measurable(one, bench)), least)
+        return _of_share(bare, up, share, lambda effect: opened(measurable(effect, bench)), least)
 
 
 def measurable(effect: Effect, bench: Bench) -> Effect:
@@ -224,17 +224,17 @@ def _of_share(
 
     # A spring strong enough to hold still is possible again: what is possible ends where it first does.
     ladder = np.linspace(low, high, LADDER)
-    seen = [_possible(excess, float(strength)) for strength in ladder]
-    if None in seen:
-        ladder, high = ladder[: seen.index(None)], float(ladder[seen.index(None)])
+    excesses = [_possible(excess, float(strength)) for strength in ladder]
+    if None in excesses:
+        ladder, high = ladder[: excesses.index(None)], float(ladder[excesses.index(None)])
         while (most := _possible(excess, high)) is None:
             high -= STEP
             if high <= low:
                 return None
     else:
-        most = float(seen[-1] or 0.0)
+        most = float(excesses[-1] or 0.0)
     # Where more of it does less the strongest is not the most visible.
-    for strength, excess_there in zip(ladder, seen, strict=False):
+    for strength, excess_there in zip(ladder, excesses, strict=False):
         if excess_there is not None and most < min(excess_there, np.log(GAPS[1] - 1)):
             most, high = excess_there, float(strength)
     bottom = max(excess(low), float(np.log(least - 1)))
@@ -245,11 +245,11 @@ def _of_share(
     target = float(np.log(np.expm1(ends[0] + share * (ends[1] - ends[0]))))
 
     def beyond(strength: float) -> float:
-        seen = _possible(excess, strength)
-        return most if seen is None else seen - target
+        excesses = _possible(excess, strength)
+        return most if excesses is None else excesses - target
 
-    found = brentq(beyond, low, high, xtol=1e-3, maxiter=60)
-    return None if _possible(excess, found) is None else (at(found), opened(at(found)))
+    root = brentq(beyond, low, high, xtol=1e-3, maxiter=60)
+    return None if _possible(excess, root) is None else (at(root), opened(at(root)))
 
 
 def _possible(excess: Callable[[float], float], strength: float) -> float | None:
@@ -276,7 +276,7 @@ def _besides(kind: str, place: Place, bench: Bench, rng: np.random.Generator) ->
     def between(low: float, high: float) -> float:
         return float(np.exp(rng.uniform(np.log(low), np.log(high))))
 
-    drawn: dict[str, Callable[[], dict[str, float]]] = {
+    parameters: dict[str, Callable[[], dict[str, float]]] = {
         "attached_oscillator": lambda: {
             "frequency": between(0.03 * top, 0.9 * top),
             "loss_factor": between(0.01, 0.1),
@@ -295,7 +295,7 @@ def _besides(kind: str, place: Place, bench: Bench, rng: np.random.Generator) ->
         "stinger_bending": lambda: {"length": between(0.03, 0.15)},
         "suspension": lambda: {"loss_factor": between(0.02, 0.3)},
     }
-    return drawn[kind]() if kind in drawn else {}
+    return parameters[kind]() if kind in parameters else {}
 
 
 def _speed(place: Place, bench: Bench) -> float:

@@ -46,22 +46,22 @@ def _transducer(setup: RigSetup, rng: np.random.Generator) -> Misled:
 
 def _noisier(setup: RigSetup, rng: np.random.Generator) -> Misled:
     ratio = setup.noise.response * _factor(rng, 1.5, 30.0)
-    found = _effect("response_noise", ratio=ratio - setup.noise.response)
-    return replace(setup, noise=Noise(setup.noise.force, ratio)), (found,)
+    mistake = _effect("response_noise", ratio=ratio - setup.noise.response)
+    return replace(setup, noise=Noise(setup.noise.force, ratio)), (mistake,)
 
 
 def _noisier_force(setup: RigSetup, rng: np.random.Generator) -> Misled:
     ratio = setup.noise.force * _factor(rng, 1.5, 30.0)
-    found = _effect("force_noise", ratio=ratio - setup.noise.force)
-    return replace(setup, noise=Noise(ratio, setup.noise.response)), (found,)
+    mistake = _effect("force_noise", ratio=ratio - setup.noise.force)
+    return replace(setup, noise=Noise(ratio, setup.noise.response)), (mistake,)
 
 
 def _mounting(setup: RigSetup, rng: np.random.Generator) -> Misled:
     frequency = _factor(rng, 1.5e3, 1e4)
     actual = replace(setup, accelerometers=replace(setup.accelerometers, mounted_frequency=frequency))
-    held = actual.accelerometers.held
-    assert held is not None
-    return actual, (_effect("mounted_resonance", frequency=held.frequency, loss=held.loss),)
+    mounting = actual.accelerometers.effective_mounting
+    assert mounting is not None
+    return actual, (_effect("mounted_resonance", frequency=mounting.frequency, loss=mounting.loss),)
 
 
 def _drive(setup: RigSetup, _: np.random.Generator) -> Misled:
@@ -71,8 +71,8 @@ def _drive(setup: RigSetup, _: np.random.Generator) -> Misled:
 
 def _window(setup: RigSetup, _: np.random.Generator) -> Misled:
     """Return the rig with another window than written down: no effect amounts to that."""
-    other = "flat_top" if setup.analyser.window == "hann" else "hann"
-    return replace(setup, analyser=replace(setup.analyser, window=other)), ()
+    window = "flat_top" if setup.analyser.window == "hann" else "hann"
+    return replace(setup, analyser=replace(setup.analyser, window=window)), ()
 
 
 MISTAKES: dict[str, Callable[[RigSetup, np.random.Generator], Misled]] = {

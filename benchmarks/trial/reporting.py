@@ -170,7 +170,7 @@ def _by_kind(lines: Sequence[Line]) -> list[str]:
         mine = [line for line in lines if line["type"] == "single" and line["truth"][0]["kind"] == kind]
         if not mine:
             continue
-        wrong = Counter(_called(line) for line in mine if not line["right"])
+        wrong = Counter(_case_name(line) for line in mine if not line["right"])
         answers = ", ".join(f"{name} {count}" for name, count in wrong.most_common())
         errors = [
             e
@@ -185,7 +185,7 @@ def _by_kind(lines: Sequence[Line]) -> list[str]:
     return rows
 
 
-def _called(line: Line) -> str:
+def _case_name(line: Line) -> str:
     """Return the kind named first for a single effect, marked if at another place; else the verdict."""
     if not line["steps"]:
         return "nothing" if line["verdict"] == "nothing_missing" else str(line["verdict"])
@@ -235,12 +235,12 @@ def _between(right: int, count: int) -> tuple[float, float]:
 def row(line: Line) -> str:
     """Return one case in one line."""
     truth = " + ".join(f"{t['kind']} at {t['at']}" for t in line["truth"]) or line["what"] or "nothing"
-    named = " + ".join(f"{s['kind']} at {s['at']}" for s in line["steps"]) or "nothing"
+    effects = " + ".join(f"{s['kind']} at {s['at']}" for s in line["steps"]) or "nothing"
     mark = "alias" if line["by_alias"] else "right" if line["right"] else "WRONG"
     belief = f"p {line['steps'][0]['probability']:.2f}" if line["steps"] else ""
     trouble = line["trouble"].strip().splitlines()[-1] if line["trouble"] else ""
     return (
         f"{line['number']:4d} {mark:5s} {line['type']:8s} gap {line['gap']:8.1f} -> "
-        f"{line.get('remaining_gap', float('nan')):7.2f}  {truth:44s} named {named:44s} "
+        f"{line.get('remaining_gap', float('nan')):7.2f}  {truth:44s} named {effects:44s} "
         f"{line['verdict']:15s} {belief} {line['seconds']:.1f} s {trouble}"
     )

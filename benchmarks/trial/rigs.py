@@ -49,8 +49,8 @@ def frame() -> Structure:
     """Return two legs at a right angle, clamped at the foot: X and Y move together."""
     nodes = {i + 1: (0.0, 0.1 * i) for i in range(8)} | {i + 1: (0.1 * (i - 7), 0.7) for i in range(8, 13)}
     members = tuple(Member(i, (i, i + 1), BAR, STEEL) for i in range(1, 13))
-    held = (Support(1, ("X", "Y", "RZ")),)
-    return Structure(nodes=nodes, members=members, supports=held, damping=LAW, name="frame")
+    supports = (Support(1, ("X", "Y", "RZ")),)
+    return Structure(nodes=nodes, members=members, supports=supports, damping=LAW, name="frame")
 
 
 @lru_cache(maxsize=1)

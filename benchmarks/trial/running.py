@@ -37,9 +37,9 @@ def _measured(
     case: Case, actual: RigSetup, declared: RigSetup, acting: Sequence[Effect], seed: int
 ) -> Measurement:
     rng = np.random.default_rng(seed)
-    found = measure(case.bench.structure, actual, acting, route=Route.SAMPLED, rng=rng)
-    frf = replace(found.frf, inputs=declared.drives)
-    return replace(found, frf=frf, setup=declared)
+    measurement = measure(case.bench.structure, actual, acting, route=Route.SAMPLED, rng=rng)
+    frf = replace(measurement.frf, inputs=declared.drives)
+    return replace(measurement, frf=frf, setup=declared)
 
 
 @dataclass(frozen=True)
@@ -55,16 +55,16 @@ class Question:
     @classmethod
     def of(cls, case: Case) -> "Question":
         """Return what is asked of a case once it has been measured."""
-        kept = pickle.dumps(sealed(case))
+        sealed_case = pickle.dumps(sealed(case))
         tolerated = tolerances(case.bench) if case.tolerances else NO_TOLERANCES
-        return cls(case.bench.structure, pickle.loads(kept), case.suspects, tolerated)
+        return cls(case.bench.structure, pickle.loads(sealed_case), case.suspects, tolerated)
 
 
 @dataclass(frozen=True)
 class Answer:
     """A diagnosis, or the trouble that there is none."""
 
-    found: Diagnosis | None
+    diagnosis: Diagnosis | None
     seconds: float
     trouble: str = ""
 
@@ -75,9 +75,9 @@ Ask = Callable[[Question], Answer]
 def answered_here(question: Question) -> Answer:
     """Return the answer of a diagnosis in this process, and the CPU time that it took."""
     start = time.process_time()
-    found, trouble = None, ""
+    diagnosis, trouble = None, ""
     try:
-        found = door.diagnose(
+        diagnosis = door.diagnose(
             question.structure,
             question.measurement,
             suspects=question.suspects,
@@ -86,7 +86,7 @@ def answered_here(question: Question) -> Answer:
         )
     except Exception:  # whatever it is, the trial goes on and counts it as wrong
         trouble = traceback.format_exc(limit=-6)
-    return Answer(found, time.process_time() - start, trouble)
+    return Answer(diagnosis, time.process_time() - start, trouble)
 
 
 def run(case: Case, ask: Ask = answered_here) -> dict[str, Any]:
@@ -113,7 +113,7 @@ def run(case: Case, ask: Ask = answered_here) -> dict[str, Any]:
 def _scored(
     case: Case, question: Question, first: Answer, last: Answer, tests: Sequence[dict[str, Any]] = ()
 ) -> dict[str, Any]:
-    return score(case, question.measurement, last.found) | {
+    return score(case, question.measurement, last.diagnosis) | {
         "seconds": first.seconds,
         "seconds_with_tests": last.seconds,
         "trouble": last.trouble,
@@ -128,10 +128,12 @@ def _followed_up(
 
     Where there is no answer after a test, that before it stays, with the trouble.
     """
-    last, further = first, list[FollowUp]()
-    while last.found is not None and last.found.next_test is not None and len(further) < MOST_TESTS:
-        plain = dict(last.found.next_test.change)
-        tests.append({"change": plain, "why": last.found.next_test.why})
+    last, follow_ups = first, list[FollowUp]()
+    while (
+        last.diagnosis is not None and last.diagnosis.next_test is not None and len(follow_ups) < MOST_TESTS
+    ):
+        plain = dict(last.diagnosis.next_test.change)
+        tests.append({"change": plain, "why": last.diagnosis.next_test.why})
         try:
             change = Change.read(plain)
             declared, actual = change.applied(case.bench.setup), change.applied(case.setup)
@@ -139,10 +141,10 @@ def _followed_up(
             tests[-1]["refused"] = str(error)
             break
         acting = effects_in_other_test(case.acting, case.setup, actual)
-        seed = case.seed + 1 + len(further)
-        further.append(FollowUp(_measured(case, actual, declared, acting, seed), change))
-        again = ask(replace(question, follow_ups=tuple(further)))
-        last = Answer(again.found or last.found, last.seconds + again.seconds, again.trouble)
+        seed = case.seed + 1 + len(follow_ups)
+        follow_ups.append(FollowUp(_measured(case, actual, declared, acting, seed), change))
+        again = ask(replace(question, follow_ups=tuple(follow_ups)))
+        last = Answer(again.diagnosis or last.diagnosis, last.seconds + again.seconds, again.trouble)
         if again.trouble:
             break
     return last

@@ -17,21 +17,21 @@ from modallab.diagnosis.result import Diagnosis, FittedEffect, Verdict
 from modallab.rig.effect import EFFECTS, Effect
 from modallab.rig.measurement import Measurement
 
-APART = 3.0  # standard deviations of all data together within which two predictions are one
+INDISTINGUISHABLE = 3.0  # standard deviations of all data together within which two predictions are one
 MOST_ALIKE = 3
 WITHIN = 1.96  # standard errors: 95 %
 FOUR = 4.0  # of its scatter above 1: a gap that counts as closed
 CANDIDATES = 8  # that are written down
 
 
-def score(case: Case, measurement: Measurement, found: Diagnosis | None) -> dict[str, Any]:
+def score(case: Case, measurement: Measurement, diagnosis: Diagnosis | None) -> dict[str, Any]:
     """Return what became of a case, as plain data; without a diagnosis everything is wrong."""
     line: dict[str, Any] = {
         "number": case.number,
         "set": case.set,
         "type": case.type,
-        "what": case.what,
-        "truth": [_told(effect) for effect in case.truth],
+        "what": case.description,
+        "truth": [_plain_effect(effect) for effect in case.truth],
         "excluded": list(case.excluded),
         "gap": case.gap,
         "noise": case.bench.setup.noise.response,
@@ -42,24 +42,26 @@ def score(case: Case, measurement: Measurement, found: Diagnosis | None) -> dict
         "right": False,
         "by_alias": False,
     }
-    if found is None:
+    if diagnosis is None:
         return line
-    return line | _steps(case, found) | _judged(case, found) | _closed(case, measurement, found)
+    return (
+        line | _steps(case, diagnosis) | _judgement(case, diagnosis) | _closed(case, measurement, diagnosis)
+    )
 
 
-def _told(effect: Effect) -> dict[str, Any]:
+def _plain_effect(effect: Effect) -> dict[str, Any]:
     return {"kind": effect.kind, "at": str(effect.at), "parameters": effect.parameters}
 
 
-def built(named: FittedEffect) -> Effect:
+def built(effects: FittedEffect) -> Effect:
     """Return what was named as an effect."""
-    values = {name: one.value for name, one in named.parameters.items()}
-    return EFFECTS[named.kind](at=named.at).with_parameters(values)
+    values = {name: parameter.value for name, parameter in effects.parameters.items()}
+    return EFFECTS[effects.kind](at=effects.at).with_parameters(values)
 
 
-def same(named: FittedEffect, effect: Effect) -> bool:
+def is_same_effect(effects: FittedEffect, effect: Effect) -> bool:
     """Return whether kind and place are those of an effect, senses of DoFs apart."""
-    return named.kind == effect.kind and _unsigned(named.at) == _unsigned(effect.at)
+    return effects.kind == effect.kind and _unsigned(effects.at) == _unsigned(effect.at)
 
 
 def _unsigned(place: Place) -> object:
@@ -68,11 +70,11 @@ def _unsigned(place: Place) -> object:
     return frozenset(dof.point for dof in place.dofs) if isinstance(place, Channels) else place
 
 
-def _steps(case: Case, found: Diagnosis) -> dict[str, Any]:
+def _steps(case: Case, diagnosis: Diagnosis) -> dict[str, Any]:
     """Return what was named, each with whether it is true."""
     steps_told = []
-    for step in found.steps:
-        true = next((effect for effect in case.truth if same(step.effect, effect)), None)
+    for step in diagnosis.steps:
+        true = next((effect for effect in case.truth if is_same_effect(step.effect, effect)), None)
         steps_told.append(
             {
                 "kind": step.effect.kind,
@@ -89,104 +91,105 @@ def _steps(case: Case, found: Diagnosis) -> dict[str, Any]:
             }
         )
     return {
-        "verdict": found.verdict.value,
+        "verdict": diagnosis.verdict.value,
         "steps": steps_told,
         "candidates": [
-            [f"{r.kind} at {r.at}", r.probability, r.gap_after] for r in found.candidates[:CANDIDATES]
+            [f"{r.kind} at {r.at}", r.probability, r.gap_after] for r in diagnosis.candidates[:CANDIDATES]
         ],
-        "located": list(found.located.words),
-        "gaps": {when: dict(parts) for when, parts in found.gaps.items()},
+        "located": list(diagnosis.located.words),
+        "gaps": {when: dict(parts) for when, parts in diagnosis.gaps.items()},
     }
 
 
-def _errors(named: FittedEffect, true: Effect) -> dict[str, list[float]]:
+def _errors(effects: FittedEffect, true: Effect) -> dict[str, list[float]]:
     """Return errors by parameter.
 
     Of its true value, of its distance from absent, in its standard errors.
     """
-    found = {}
+    diagnosis = {}
     for name, spec in true.specs().items():
-        value, truth = named.parameters[name], true.parameters[name]
+        value, truth = effects.parameters[name], true.parameters[name]
         off = value.value - truth
         # What is absent at the far end of a scale is told by its own size.
         far = spec.absent is not None and abs(spec.absent) > 1
         size = truth if spec.absent is None or far else truth - spec.absent
         tiny = 1e-300
-        found[name] = [
+        diagnosis[name] = [
             abs(off) / max(abs(truth), tiny),
             abs(off) / max(abs(size), tiny),
             off / max(value.standard_error, tiny),
         ]
-    return found
+    return diagnosis
 
 
-def _judged(case: Case, found: Diagnosis) -> dict[str, Any]:
+def _judgement(case: Case, diagnosis: Diagnosis) -> dict[str, Any]:
     """Return whether the answer is right, and whether by another name for the same."""
-    alone = {
-        "nothing": found.verdict is Verdict.NOTHING_MISSING,
-        "unknown": found.verdict is Verdict.UNEXPLAINED,
-        "log_book": found.verdict is Verdict.UNEXPLAINED,  # where no effect amounts to the mistake
+    single_steps = {
+        "nothing": diagnosis.verdict is Verdict.NOTHING_MISSING,
+        "unknown": diagnosis.verdict is Verdict.UNEXPLAINED,
+        "log_book": diagnosis.verdict is Verdict.UNEXPLAINED,  # where no effect amounts to the mistake
     }
     if case.type == "nothing":
-        return {"right": alone["nothing"], "false_alarm": not alone["nothing"]}
-    everything = [built(step.effect) for step in found.steps]
+        return {"right": single_steps["nothing"], "false_alarm": not single_steps["nothing"]}
+    all_effects = [built(step.effect) for step in diagnosis.steps]
     if case.type == "unknown" or not case.truth:
-        distance = _apart(case, everything)
-        by_alias = not alone[case.type] and distance < _limit(everything)
-        return {"right": alone[case.type] or by_alias, "by_alias": by_alias, "apart": distance}
-    hits = [any(same(step.effect, effect) for step in found.steps) for effect in case.truth]
+        distance = _distance(case, all_effects)
+        by_alias = not single_steps[case.type] and distance < _limit(all_effects)
+        return {"right": single_steps[case.type] or by_alias, "by_alias": by_alias, "apart": distance}
+    hits = [any(is_same_effect(step.effect, effect) for step in diagnosis.steps) for effect in case.truth]
     if case.type == "pair":
-        named, right = everything, all(hits)
+        effects, right = all_effects, all(hits)
     else:
-        named = everything[:1]
-        right = bool(found.steps) and same(found.steps[0].effect, case.truth[0])
-    result: dict[str, Any] = {"named": hits, "right": right, "extra": len(found.steps) > len(case.truth)}
-    if not right and len(named) == len(case.truth):
-        few = all(len(step.rivals_alike) <= MOST_ALIKE for step in found.steps[: len(named)])
-        distance = _apart(case, named)
-        by_alias = few and distance < _limit(named)
+        effects = all_effects[:1]
+        right = bool(diagnosis.steps) and is_same_effect(diagnosis.steps[0].effect, case.truth[0])
+    result: dict[str, Any] = {"named": hits, "right": right, "extra": len(diagnosis.steps) > len(case.truth)}
+    if not right and len(effects) == len(case.truth):
+        few = all(len(step.rivals_alike) <= MOST_ALIKE for step in diagnosis.steps[: len(effects)])
+        distance = _distance(case, effects)
+        by_alias = few and distance < _limit(effects)
         result |= {"right": by_alias, "by_alias": by_alias, "apart": distance}
     return result
 
 
-def _limit(named: Sequence[Effect]) -> float:
+def _limit(effects: Sequence[Effect]) -> float:
     """Return how far apart two predictions may be; what was fitted is off by its own random error."""
-    return float(np.sqrt(APART**2 + sum(len(effect.specs()) for effect in named)))
+    return float(np.sqrt(INDISTINGUISHABLE**2 + sum(len(effect.specs()) for effect in effects)))
 
 
-def _apart(case: Case, named: Sequence[Effect]) -> float:
+def _distance(case: Case, effects: Sequence[Effect]) -> float:
     """Return how far what was named predicts from the truth, in standard deviations of all data together."""
     gauge = Tolerated(case.bench, tolerant=case.tolerances).gauge
     true = () if case.type == "log_book" else case.truth
     setup = case.setup if case.type == "log_book" else None
     try:
-        return gauge.apart(true, named, setup)
+        return gauge.distance(true, effects, setup)
     except ModalLabError:  # too much for expected spectra
         return float("inf")
 
 
-def _closed(case: Case, measurement: Measurement, found: Diagnosis) -> dict[str, Any]:
+def _closed(case: Case, measurement: Measurement, diagnosis: Diagnosis) -> dict[str, Any]:
     """Return how much of the difference from the FRF without random error was closed, and what is left."""
-    curves = found.curves
-    held: BoolArray = curves.held_out if curves.held_out.any() else np.ones(len(curves.outputs), bool)
-    above = measurement.frf.freq > 0
+    curves = diagnosis.curves
+    held_out: BoolArray = curves.held_out if curves.held_out.any() else np.ones(len(curves.outputs), bool)
+    positive = measurement.frf.freq > 0
     try:
         true = Predicted.of(spectra_of(case.bench, case.acting, case.setup)).h
     except ModalLabError:
         return {}
-    true = true[np.ix_(above, held)]
+    true = true[np.ix_(positive, held_out)]
     n = len(measurement.frf.freq)
-    told = [
-        curve[:n][np.ix_(above, held)][..., 0] for curve in (curves.before, curves.after, curves.random_error)
+    predictions = [
+        curve[:n][np.ix_(positive, held_out)][..., 0]
+        for curve in (curves.before, curves.after, curves.random_error)
     ]
-    before, after = (float((np.abs(curve - true) ** 2).sum()) for curve in told[:2])
-    noise = float((2 * told[2] ** 2 * np.abs(true) ** 2).sum())
-    scatter = found.remaining_scatter
+    initial, final = (float((np.abs(curve - true) ** 2).sum()) for curve in predictions[:2])
+    noise = float((2 * predictions[2] ** 2 * np.abs(true) ** 2).sum())
+    scatter = diagnosis.remaining_scatter
     return {
-        "held_out_before": before,
-        "held_out_after": after,
+        "held_out_before": initial,
+        "held_out_after": final,
         "held_out_noise": noise,
-        "remaining_gap": found.remaining_gap,
+        "remaining_gap": diagnosis.remaining_gap,
         "remaining_scatter": scatter,
-        "within_scatter": bool(abs(found.remaining_gap - 1) < FOUR * scatter),
+        "within_scatter": bool(abs(diagnosis.remaining_gap - 1) < FOUR * scatter),
     }

@@ -28,10 +28,10 @@ Json = dict[str, Any]
 
 
 @contextmanager
-def service_at(told: str) -> Iterator[str]:
+def service_at(address: str) -> Iterator[str]:
     """Yield the address of a service: the one told, or of one that lives as long as this context."""
-    if told != EMBEDDED:
-        yield told
+    if address != EMBEDDED:
+        yield address
         return
     with ModalLab.embedded() as lab:
         yield lab.base_url
@@ -47,7 +47,7 @@ def answered_by(url: str, question: Question) -> Answer:
     """
     begun: list[float] = []
 
-    def told(_: float, message: str) -> None:
+    def on_progress(_: float, message: str) -> None:
         if message:  # what waits for a worker says nothing
             begun.append(time.perf_counter())
 
@@ -62,14 +62,14 @@ def answered_by(url: str, question: Question) -> Answer:
                 suspects="all" if question.suspects is None else question.suspects,
                 tolerances=asdict(question.tolerances),
             )
-            asked = time.perf_counter()
-            found, trouble = read(job.result(told), question), ""
+            started = time.perf_counter()
+            reply, trouble = read(job.result(on_progress), question), ""
         except UnreachableError:
             raise
         except ClientError:
-            found, trouble = None, traceback.format_exc(limit=-6)
-            asked = time.perf_counter()
-    return Answer(found, time.perf_counter() - next(iter(begun), asked), trouble)
+            reply, trouble = None, traceback.format_exc(limit=-6)
+            started = time.perf_counter()
+    return Answer(reply, time.perf_counter() - next(iter(begun), started), trouble)
 
 
 def _imported(lab: ModalLab, rig_id: str, measurement: Measurement) -> Imported:
@@ -130,57 +130,57 @@ def _member(m: Member) -> Json:
     return {"number": m.number, "nodes": m.nodes, "section": m.section.name, "material": m.material.name}
 
 
-def read(found: results.Diagnosis, question: Question) -> result.Diagnosis:
+def read(reply: results.Diagnosis, question: Question) -> result.Diagnosis:
     """Return an answer as the scorer reads it; other candidates than a step's rivals no reply has."""
-    steps = tuple(_step(one) for one in found.steps)
+    steps = tuple(_step(item) for item in reply.steps)
     effects = [built(step.effect) for step in steps]
     model, log_book = extended(question.structure, question.measurement.setup, effects)
-    assert found.curves is not None
+    assert reply.curves is not None
     return result.Diagnosis(
-        verdict=result.Verdict(found.verdict),
-        located=result.Localisation(words=found.located.words),
+        verdict=result.Verdict(reply.verdict),
+        located=result.Localisation(words=reply.located.words),
         steps=steps,
-        remaining_gap=_number(found.remaining_gap),
-        remaining_scatter=_number(found.remaining_scatter),
-        gaps=found.gaps,
+        remaining_gap=_number(reply.remaining_gap),
+        remaining_scatter=_number(reply.remaining_scatter),
+        gaps=reply.gaps,
         structure=model,
         setup=log_book,
-        curves=_curves(found.curves),
-        notes=found.notes,
+        curves=_curves(reply.curves),
+        notes=reply.notes,
     )
 
 
-def _step(one: results.Step) -> result.Step:
+def _step(item: results.Step) -> result.Step:
     parameters = {
         name: result.FittedParameter(p.value, _number(p.standard_error), p.unit)
-        for name, p in one.effect.parameters.items()
+        for name, p in item.effect.parameters.items()
     }
     return result.Step(
-        effect=result.FittedEffect(one.effect.kind, _place(one.effect), parameters),
-        probability=_number(one.probability),
-        gap_before=one.gap_before,
-        gap_after=one.gap_after,
-        held_out_gap_before=_number(one.held_out_gap_before),
-        held_out_gap_after=_number(one.held_out_gap_after),
-        held_out_scatter=_number(one.held_out_scatter),
-        rivals_alike=tuple(result.EquivalentEffect(other.kind, _place(other)) for other in one.rivals_alike),
+        effect=result.FittedEffect(item.effect.kind, _place(item.effect), parameters),
+        probability=_number(item.probability),
+        gap_before=item.gap_before,
+        gap_after=item.gap_after,
+        held_out_gap_before=_number(item.held_out_gap_before),
+        held_out_gap_after=_number(item.held_out_gap_after),
+        held_out_scatter=_number(item.held_out_scatter),
+        rivals_alike=tuple(result.EquivalentEffect(rival.kind, _place(rival)) for rival in item.rivals_alike),
     )
 
 
-def _place(one: results.FittedEffect | results.Rival) -> Place:
-    return EffectIn.model_validate({"kind": one.kind, "at": one.at}).place()
+def _place(item: results.FittedEffect | results.Rival) -> Place:
+    return EffectIn.model_validate({"kind": item.kind, "at": item.at}).place()
 
 
-def _curves(given: results.DiagnosisCurves) -> result.Curves:
+def _curves(curves: results.DiagnosisCurves) -> result.Curves:
     return result.Curves(
-        freq=given.freq,
-        measured=given.measured,
-        before=given.before,
-        after=given.after,
-        random_error=given.random_error,
-        held_out=given.held_out,
-        outputs=tuple(Dof.parse(text) for text in given.outputs),
-        inputs=tuple(Dof.parse(text) for text in given.inputs),
+        freq=curves.freq,
+        measured=curves.measured,
+        before=curves.before,
+        after=curves.after,
+        random_error=curves.random_error,
+        held_out=curves.held_out,
+        outputs=tuple(Dof.parse(text) for text in curves.outputs),
+        inputs=tuple(Dof.parse(text) for text in curves.inputs),
     )
 
 

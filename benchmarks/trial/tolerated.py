@@ -44,8 +44,8 @@ class Tolerated:
     @cached_property
     def gauge(self) -> Gauge:
         """Gaps beyond what a straight line of these numbers explains."""
-        each = np.eye(len(self.numbers))
-        return Gauge(self._bench, [self.numbers.effects(position) for position in each])
+        directions = np.eye(len(self.numbers))
+        return Gauge(self._bench, [self.numbers.effects(position) for position in directions])
 
     def deviations(self, rng: np.random.Generator) -> tuple[Effect, ...]:
         """Return how one test differs from what its model and log book say."""
@@ -63,5 +63,5 @@ class Tolerated:
         observed = observe(measured, (), fraction=0.0)
         predictor = SingleTestPredictor.of(self._bench.structure, self._bench.setup, observed)
         predictor = predictor.with_nuisances(self.numbers)
-        named = self.numbers.effects(fit(predictor, ()).nuisance_position)
-        return Gauge(self._bench).opened(acting, named=named)
+        effects = self.numbers.effects(fit(predictor, ()).nuisance_position)
+        return Gauge(self._bench).opened(acting, accepted=effects)

@@ -12,7 +12,7 @@ import numpy as np
 import pytest
 from pydantic import TypeAdapter
 
-from benchmarks.blind_trial import main, numbers, read
+from benchmarks.blind_trial import case_numbers, main, read
 from benchmarks.trial.cases import KINDS, NOISES, ROUND, case, small_case
 from benchmarks.trial.hidden import Gauge, measurable
 from benchmarks.trial.reporting import calibration_error, report
@@ -213,7 +213,7 @@ def test_the_page_says_what_was_called_what() -> None:
 
 
 def test_numbers_are_read_with_their_ranges() -> None:
-    assert numbers("3,7-9,40") == [3, 7, 8, 9, 40]
+    assert case_numbers("3,7-9,40") == [3, 7, 8, 9, 40]
 
 
 def test_a_trial_that_was_cut_goes_on_where_it_was(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -11,7 +11,7 @@ from modallab.effects.mains_hum import MainsHum
 from modallab.effects.overload import Overload
 from modallab.effects.quantisation import Quantisation
 from modallab.rig.effect import Effect
-from tests.diagnosing import drawn, model, rig
+from tests.diagnosing import draw_measurement, model, rig
 
 SUSPECTS = ["mains_hum", "overload", "quantisation", "response_noise", "force_noise", "extra_mass"]
 FIVE = Channels((Dof(5, "Y"),))
@@ -28,7 +28,7 @@ FIVE = Channels((Dof(5, "Y"),))
     ids=lambda effect: f"{effect.kind} {effect.at}",
 )
 def test_it_is_found_with_its_place_and_its_numbers(missing: Effect) -> None:
-    found = diagnose(model(), drawn(rig(), [missing], seed=1), suspects=SUSPECTS, max_effects=2)
+    found = diagnose(model(), draw_measurement(rig(), [missing], seed=1), suspects=SUSPECTS, max_effects=2)
     assert found.verdict is Verdict.EXPLAINED
     (step,) = found.steps
     assert (step.effect.kind, step.effect.at) == (missing.kind, missing.at)

@@ -7,7 +7,7 @@ from modallab.core.place import Channels
 from modallab.diagnosis.diagnose import diagnose
 from modallab.diagnosis.result import Verdict
 from modallab.rig.effect import EFFECTS
-from tests.diagnosing import drawn, model, rig
+from tests.diagnosing import draw_measurement, model, rig
 
 HELD = [Dof(2, "Y")]
 FAULTS = {
@@ -22,7 +22,9 @@ FAULTS = {
 @pytest.mark.parametrize("kind", FAULTS)
 def test_a_fault_of_one_channel_is_named_though_the_frfs_held_out_know_nothing_of_it(kind: str) -> None:
     at, values = Channels((Dof(5, "Y"),)), FAULTS[kind]
-    found = diagnose(model(), drawn(rig(), [EFFECTS[kind](at=at, **values)]), suspects=[kind], hold_out=HELD)
+    found = diagnose(
+        model(), draw_measurement(rig(), [EFFECTS[kind](at=at, **values)]), suspects=[kind], hold_out=HELD
+    )
     assert found.verdict is Verdict.EXPLAINED
     (step,) = found.steps
     assert (step.effect.kind, step.effect.at) == (kind, at)
@@ -34,5 +36,5 @@ def test_a_fault_of_one_channel_is_named_though_the_frfs_held_out_know_nothing_o
 
 def test_noise_in_one_channel_is_no_fault_of_it() -> None:
     kinds = ["gain_error", "channel_delay", "misplaced_accelerometer", "ac_coupling"]
-    found = diagnose(model(), drawn(rig(), seed=3), suspects=kinds, hold_out=HELD)
+    found = diagnose(model(), draw_measurement(rig(), seed=3), suspects=kinds, hold_out=HELD)
     assert found.verdict is Verdict.NOTHING_MISSING

@@ -17,7 +17,7 @@ from modallab.effects.response_noise import ResponseNoise
 from modallab.effects.stiffness_error import StiffnessError
 from modallab.fe.assembly import assemble
 from modallab.rig.effect import Effect
-from tests.diagnosing import drawn, exact, model, rig
+from tests.diagnosing import draw_measurement, exact, model, rig
 
 
 @pytest.mark.parametrize(
@@ -37,7 +37,7 @@ from tests.diagnosing import drawn, exact, model, rig
     ids=lambda effect: effect.kind,
 )
 def test_a_hidden_effect_is_named_sized_and_closes_the_gap(hidden: Effect) -> None:
-    found = diagnose(model(), drawn(rig(), [hidden]))
+    found = diagnose(model(), draw_measurement(rig(), [hidden]))
     assert found.verdict is Verdict.EXPLAINED
     (step,) = found.steps
     assert (step.effect.kind, step.effect.at) == (hidden.kind, hidden.at)
@@ -55,7 +55,7 @@ def test_a_hidden_effect_is_named_in_leaking_data() -> None:
     hidden = ExtraMass(at=Dof(7, "Y"), mass=0.02)
     found = diagnose(
         model(),
-        drawn(rig(kind="random", window="hann"), [hidden]),
+        draw_measurement(rig(kind="random", window="hann"), [hidden]),
         suspects=["extra_mass", "accelerometer_mass", "response_noise"],
     )
     assert found.steps[0].effect.at == hidden.at
@@ -70,7 +70,7 @@ def test_a_noise_free_test_is_explained_too() -> None:
 
 
 def test_nothing_is_named_where_nothing_is_missing() -> None:
-    found = diagnose(model(), drawn(rig(), seed=3))
+    found = diagnose(model(), draw_measurement(rig(), seed=3))
     assert found.verdict is Verdict.NOTHING_MISSING
     assert found.steps == ()
     assert abs(found.remaining_gap - 1) < 4 * found.remaining_scatter
@@ -78,20 +78,22 @@ def test_nothing_is_named_where_nothing_is_missing() -> None:
 
 def test_both_of_a_pair_are_named() -> None:
     hidden = [StiffnessError(at=Members((2,)), factor=1.3), ExciterArmature(mass=0.03)]
-    found = diagnose(model(), drawn(rig(), hidden))
+    found = diagnose(model(), draw_measurement(rig(), hidden))
     assert found.verdict is Verdict.EXPLAINED
     assert {step.effect.kind for step in found.steps} == {"stiffness_error", "exciter_armature"}
 
 
 def test_what_no_suspect_explains_is_called_unexplained() -> None:
     hidden = StiffnessError(at=Members((4,)), factor=1.5)
-    found = diagnose(model(), drawn(rig(), [hidden]), suspects=["exciter_armature", "response_noise"])
+    found = diagnose(
+        model(), draw_measurement(rig(), [hidden]), suspects=["exciter_armature", "response_noise"]
+    )
     assert found.verdict is Verdict.UNEXPLAINED
     assert found.remaining_gap > 10
 
 
 def test_a_mass_at_the_drive_point_cannot_be_told_from_the_transducers() -> None:
-    found = diagnose(model(), drawn(rig(), [ExtraMass(at=Dof(1, "Y"), mass=0.02)]))
+    found = diagnose(model(), draw_measurement(rig(), [ExtraMass(at=Dof(1, "Y"), mass=0.02)]))
     assert found.verdict is Verdict.AMBIGUOUS
     named = {found.steps[0].effect.kind, *(alias.kind for alias in found.steps[0].rivals_alike)}
     assert named == {"extra_mass", "force_transducer_mass"}
@@ -108,16 +110,18 @@ def test_what_is_added_makes_the_model_the_truth() -> None:
 
 
 def test_a_rig_effect_goes_into_the_log_book() -> None:
-    found = diagnose(model(), drawn(rig(), [ExciterArmature(mass=0.02)]))
+    found = diagnose(model(), draw_measurement(rig(), [ExciterArmature(mass=0.02)]))
     assert [spec.kind for spec in found.setup.effects] == ["exciter_armature"]
-    again = diagnose(model(), replace(drawn(rig(), [ExciterArmature(mass=0.02)]), setup=found.setup))
+    again = diagnose(
+        model(), replace(draw_measurement(rig(), [ExciterArmature(mass=0.02)]), setup=found.setup)
+    )
     assert again.verdict is Verdict.NOTHING_MISSING
 
 
 def test_an_unmeasured_response_is_predicted_with_what_was_added() -> None:
     hidden = ExtraMass(at=Dof(4, "Y"), mass=0.03)
     there = Dof.parse("6:+Y")
-    found = diagnose(model(), drawn(rig(), [hidden]), suspects=["extra_mass"], hold_out=[there])
+    found = diagnose(model(), draw_measurement(rig(), [hidden]), suspects=["extra_mass"], hold_out=[there])
     truth = exact(replace(rig(noise=0.0), responses=(there,)), [hidden]).frf.values
     assert found.curves.predicted is not None
     assert found.curves.predicted_outputs == (there,)
@@ -127,12 +131,14 @@ def test_an_unmeasured_response_is_predicted_with_what_was_added() -> None:
 
 
 def test_the_place_of_the_gap_is_told_for_an_armature() -> None:
-    found = diagnose(model(), drawn(rig(), [ExciterArmature(mass=0.05)]), suspects=["exciter_armature"])
+    found = diagnose(
+        model(), draw_measurement(rig(), [ExciterArmature(mass=0.05)]), suspects=["exciter_armature"]
+    )
     assert any("only the auto spectra" in words for words in found.located.words)
 
 
 def test_the_same_seed_gives_the_same_diagnosis() -> None:
-    measurement = drawn(rig(), [ResponseNoise(ratio=1e-4)])
+    measurement = draw_measurement(rig(), [ResponseNoise(ratio=1e-4)])
     first, second = (diagnose(model(), measurement, suspects=["response_noise"], seed=5) for _ in "ab")
     assert first.steps == second.steps
 
@@ -141,7 +147,7 @@ def test_progress_rises_to_the_end() -> None:
     told: list[float] = []
     diagnose(
         model(),
-        drawn(rig(), [ResponseNoise(ratio=1e-4)]),
+        draw_measurement(rig(), [ResponseNoise(ratio=1e-4)]),
         suspects=["response_noise"],
         progress=lambda fraction, _: told.append(fraction),
     )
@@ -151,18 +157,20 @@ def test_progress_rises_to_the_end() -> None:
 
 def test_no_suspects_are_refused_by_name() -> None:
     with pytest.raises(InvalidInputError) as refused:
-        diagnose(model(), drawn(rig()), suspects=[])
+        diagnose(model(), draw_measurement(rig()), suspects=[])
     assert refused.value.context["field"] == "suspects"
 
 
 @pytest.mark.parametrize("fraction", [-0.1, 0.9, float("nan")])
 def test_a_hold_out_of_most_frfs_is_refused(fraction: float) -> None:
     with pytest.raises(InvalidInputError) as refused:
-        diagnose(model(), drawn(rig()), hold_out_fraction=fraction)
+        diagnose(model(), draw_measurement(rig()), hold_out_fraction=fraction)
     assert refused.value.context["field"] == "hold_out.fraction"
 
 
 def test_where_something_stays_unexplained_no_effect_is_sure() -> None:
-    found = diagnose(model(), drawn(rig(), [ExtraMass(Dof(4, "Y"), 0.05)]), suspects=["gain_error"])
+    found = diagnose(
+        model(), draw_measurement(rig(), [ExtraMass(Dof(4, "Y"), 0.05)]), suspects=["gain_error"]
+    )
     assert found.verdict is Verdict.UNEXPLAINED
     assert all(step.probability <= 0.5 for step in found.steps)

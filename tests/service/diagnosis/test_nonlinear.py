@@ -23,7 +23,7 @@ from modallab.rig.chain import chain
 from modallab.rig.effect import Effect
 from modallab.rig.measure import measurement_of
 from modallab.rig.sampled import sampled_spectra
-from tests.diagnosing import drawn, model, predicting, rig
+from tests.diagnosing import draw_measurement, model, predicting, rig
 
 CUBIC = CubicStiffness(Dof(4, "Y"), 3e9)
 RUBBING = Friction(Dof(5, "Y"), 0.01)
@@ -32,7 +32,7 @@ KINDS = ("cubic_stiffness", "friction", "ground_spring", "local_damping", "respo
 
 @pytest.mark.parametrize("effect", [CUBIC, RUBBING], ids=lambda effect: effect.kind)
 def test_they_are_looked_for_where_no_response_spectrum_was_stored(effect: Effect) -> None:
-    measured = replace(drawn(rig(), [effect]), force_spectrum=None, response_spectrum=None)
+    measured = replace(draw_measurement(rig(), [effect]), force_spectrum=None, response_spectrum=None)
     evidence = collect_evidence(predicting(measured)[0], [])
     assert evidence.response is None
     assert type(effect).signature(evidence) > DIAGNOSIS.least_suspicion
@@ -41,7 +41,9 @@ def test_they_are_looked_for_where_no_response_spectrum_was_stored(effect: Effec
 @pytest.mark.parametrize("effect", [CUBIC, RUBBING], ids=lambda effect: effect.kind)
 def test_a_response_spectrum_that_disagrees_lets_them_be_looked_for(effect: Effect) -> None:
     """Also where friction takes more of what the force's noise makes at resonances than it adds itself."""
-    distorted, bare = (collect_evidence(predicting(drawn(rig(), added))[0], []) for added in ([effect], []))
+    distorted, bare = (
+        collect_evidence(predicting(draw_measurement(rig(), added))[0], []) for added in ([effect], [])
+    )
     assert type(effect).signature(distorted) > DIAGNOSIS.least_suspicion
     # by chance a mean over a thousand lines is 0.03 off
     assert type(effect).signature(bare) < type(effect).signature(distorted) / 2
@@ -53,7 +55,7 @@ def test_a_candidate_of_any_size_is_predicted_though_a_measurement_would_be_refu
     kind: str, size: float
 ) -> None:
     setup = rig(kind=kind, window="rectangular" if kind == "periodic_random" else "hann")
-    predictor, _ = predicting(drawn(setup))
+    predictor, _ = predicting(draw_measurement(setup))
     for predicted in (
         predictor.predict([CubicStiffness(Dof(4, "Y"), size)]),
         predictor.coarse_prediction([]).predict([CubicStiffness(Dof(4, "Y"), size)]),
@@ -65,7 +67,7 @@ def test_a_candidate_of_any_size_is_predicted_though_a_measurement_would_be_refu
 
 @pytest.mark.parametrize("effect", [CUBIC, RUBBING], ids=lambda effect: effect.kind)
 def test_they_are_named_with_place_and_size_among_what_looks_like_them(effect: Effect) -> None:
-    found = diagnose(model(), drawn(rig(), [effect], seed=3), suspects=KINDS, max_effects=1)
+    found = diagnose(model(), draw_measurement(rig(), [effect], seed=3), suspects=KINDS, max_effects=1)
     first = found.steps[0].effect
     assert (first.kind, first.at) == (effect.kind, effect.at)
     name = next(iter(effect.specs()))
@@ -89,7 +91,7 @@ def test_the_stated_error_of_a_cubic_spring_holds_though_its_distortion_comes_in
 
 def test_wider_errors_pay_for_what_they_forgive() -> None:
     """Minus twice the logarithm of a Gaussian likelihood: squares, and logarithms of variances."""
-    predictor, observed = predicting(drawn(rig(roving=False), [CUBIC]))
+    predictor, observed = predicting(draw_measurement(rig(roving=False), [CUBIC]))
     fixed = fit(predictor, [], fixed=[CUBIC])
     wide = predictor.with_intermittent_errors([CUBIC]).observed
     assert wide.incoherent_variance is not None
@@ -106,14 +108,14 @@ def test_wider_errors_pay_for_what_they_forgive() -> None:
 
 
 def test_errors_are_as_they_were_where_nothing_comes_in_bursts() -> None:
-    predictor, observed = predicting(drawn(rig()))
+    predictor, observed = predicting(draw_measurement(rig()))
     assert predictor.with_intermittent_errors([]).observed is observed
 
 
 def test_a_force_whose_size_is_known_to_a_factor_only_is_accepted_all_the_same() -> None:
     """What the size scatters by through bursts says nothing against the likelihood of the force itself."""
     strong = CubicStiffness(Dof(4, "Y"), 1e10)
-    measured = drawn(rig(roving=False), [strong])
+    measured = draw_measurement(rig(roving=False), [strong])
     predictor = SingleTestPredictor.of(model(), measured.setup, observe(measured, (), fraction=0.2))
     after = fit(predictor, [strong])
     vague = ParameterErrors(({"stiffness": strong.stiffness},), np.zeros(0))

@@ -7,13 +7,13 @@ from modallab.diagnosis.settings import DIAGNOSIS
 from modallab.effects.force_noise import ForceNoise
 from modallab.effects.overload import Overload
 from modallab.effects.quantisation import Quantisation
-from tests.diagnosing import drawn, predicting, rig
+from tests.diagnosing import draw_measurement, predicting, rig
 
 FAULTY = Channels((Dof(5, "Y"),))
 
 
 def test_noise_that_hardly_lowers_coherence_is_looked_for_all_the_same() -> None:
-    predictor, _ = predicting(drawn(rig(noise=1e-5), [ForceNoise(None, 1e-4)], seed=2))
+    predictor, _ = predicting(draw_measurement(rig(noise=1e-5), [ForceNoise(None, 1e-4)], seed=2))
     evidence = collect_evidence(predictor, [])
     assert evidence.coherence_drop.mean() < 5e-4
     assert max(evidence.gaps.values()) > 2, "and yet it is there"
@@ -26,7 +26,7 @@ def test_noise_that_hardly_lowers_coherence_is_looked_for_all_the_same() -> None
 def test_what_a_converter_adds_to_one_channel_is_looked_for_though_coherence_hardly_falls(
     effect: Quantisation | Overload,
 ) -> None:
-    predictor, _ = predicting(drawn(rig(noise=1e-5), [effect], seed=2))
+    predictor, _ = predicting(draw_measurement(rig(noise=1e-5), [effect], seed=2))
     evidence = collect_evidence(predictor, [])
     assert evidence.coherence_drop.mean() < 5e-4
     assert max(evidence.gaps.values()) > 2, "and yet it is there"

@@ -5,8 +5,8 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from benchmarks.averaging_scatter import drawn as drawn_scatter
 from benchmarks.averaging_scatter import printed as printed_errors
+from benchmarks.averaging_scatter import simulate_wishart as drawn_scatter
 from benchmarks.averaging_scatter import simulated as simulated_scatter
 from benchmarks.drawn_against_sampled import bench, compare
 from modallab.core.arrays import ComplexArray, FloatArray

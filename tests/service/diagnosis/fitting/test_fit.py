@@ -12,14 +12,14 @@ from modallab.effects.loss_factor_error import LossFactorError
 from modallab.effects.mains_hum import MainsHum
 from modallab.effects.stiffness_error import StiffnessError
 from modallab.rig.measure import Route, measure
-from tests.diagnosing import drawn, model, predicting, rig
+from tests.diagnosing import draw_measurement, model, predicting, rig
 
 
 def test_stated_errors_are_the_scatter_of_the_fitted_numbers() -> None:
     true = StiffnessError(at=Members((3,)), factor=1.2)
     scores = []
     for seed in range(60):
-        predictor, _ = predicting(drawn(rig(), [true], seed=seed))
+        predictor, _ = predicting(draw_measurement(rig(), [true], seed=seed))
         found = fit(predictor, [true])
         scores.append((found.effects[0].parameters["factor"] - 1.2) / found.errors[0]["factor"])
     # 60 draws: the standard deviation of a unit normal is known to 9 %, its mean to 0.13.
@@ -29,7 +29,7 @@ def test_stated_errors_are_the_scatter_of_the_fitted_numbers() -> None:
 
 def test_a_start_far_away_is_brought_home_on_blurred_residuals() -> None:
     true = StiffnessError(at=Members((3,)), factor=1.6)
-    predictor, _ = predicting(drawn(rig(), [true]))
+    predictor, _ = predicting(draw_measurement(rig(), [true]))
     near, _ = coarse_fit(
         predictor.coarse_prediction(()), (), true.with_parameters({"factor": 0.9}), noise_inflation=0.3
     )
@@ -39,7 +39,7 @@ def test_a_start_far_away_is_brought_home_on_blurred_residuals() -> None:
 
 def test_two_effects_are_fitted_together() -> None:
     true = [StiffnessError(at=Members((3,)), factor=1.2), AccelerometerMass(mass=0.005)]
-    predictor, _ = predicting(drawn(rig(), true))
+    predictor, _ = predicting(draw_measurement(rig(), true))
     found = fit(
         predictor, [true[0].with_parameters({"factor": 1.1}), true[1].with_parameters({"mass": 0.01})]
     )
@@ -51,7 +51,7 @@ def test_two_effects_are_fitted_together() -> None:
 
 
 def test_a_parameter_stays_within_its_bounds() -> None:
-    predictor, _ = predicting(drawn(rig()))
+    predictor, _ = predicting(draw_measurement(rig()))
     found = fit(predictor, [AccelerometerMass(mass=0.4)])
     # Nothing is missing: driven towards zero, which lies infinitely far on the fit's logarithmic scale.
     assert 0 <= found.effects[0].parameters["mass"] < 2e-3
@@ -60,7 +60,7 @@ def test_a_parameter_stays_within_its_bounds() -> None:
 def test_a_number_far_below_its_upper_bound_is_fitted() -> None:
     true = JointFlexibility(at=Dof(4, "RZ"), flexibility=2e-5)
     assert true.flexibility < 1e-9 * true.specs()["flexibility"].upper
-    predictor, _ = predicting(drawn(rig(), [true]))
+    predictor, _ = predicting(draw_measurement(rig(), [true]))
     found = fit(predictor, [true.with_parameters({"flexibility": 3e-5})])
     error = found.errors[0]["flexibility"]
     assert abs(found.effects[0].parameters["flexibility"] - 2e-5) < 4 * error  # four standard errors
@@ -68,11 +68,11 @@ def test_a_number_far_below_its_upper_bound_is_fitted() -> None:
 
 def test_a_number_at_its_bound_is_known_no_better_than_the_data_say() -> None:
     stiffer = StiffnessError(at=Members((3,)), factor=1.2)
-    predictor, _ = predicting(drawn(rig(), [stiffer]))
+    predictor, _ = predicting(draw_measurement(rig(), [stiffer]))
     found = fit(predictor, [stiffer, AccelerometerMass(mass=1e-13)])
     alone = fit(predictor, [stiffer])
     # There is no such mass; what could have been seen of it is known from its fit where there is one.
-    there, _ = predicting(drawn(rig(), [stiffer, AccelerometerMass(mass=1e-3)]))
+    there, _ = predicting(draw_measurement(rig(), [stiffer, AccelerometerMass(mass=1e-3)]))
     reference = fit(there, [stiffer, AccelerometerMass(mass=1e-3)]).errors[1]["mass"]
     assert 0.5 < found.errors[1]["mass"] / reference < 2.0  # its sensitivity is nearly the same at 0 and 1 g
     # On its bound it is no freedom that the other number could trade with.
@@ -81,7 +81,7 @@ def test_a_number_at_its_bound_is_known_no_better_than_the_data_say() -> None:
 
 def test_where_power_leaks_a_fit_ends_where_the_exact_prediction_is_best() -> None:
     true = StiffnessError(at=Members((3,)), factor=1.2)
-    predictor, observed = predicting(drawn(rig(kind="random", window="hann"), [true]))
+    predictor, observed = predicting(draw_measurement(rig(kind="random", window="hann"), [true]))
     found = fit(predictor, [true.with_parameters({"factor": 1.25})])
     best, error = found.effects[0].parameters["factor"], found.errors[0]["factor"]
 
@@ -117,7 +117,7 @@ def test_stated_errors_hold_for_sampled_records_whose_lines_go_together() -> Non
 def test_a_number_that_sits_where_nothing_shows_its_first_change_holds_up_no_other() -> None:
     # Every harmonic on a line: a rectangular window has its zeros at the others, with no slope there.
     true = MainsHum(ratio=0.03, frequency=60.0)
-    predictor, _ = predicting(drawn(rig(), [true]))
+    predictor, _ = predicting(draw_measurement(rig(), [true]))
     found = fit(predictor, [true.with_parameters({"ratio": 0.01})])
     (hum,), (errors,) = found.effects, found.errors
     assert abs(hum.parameters["ratio"] - 0.03) < 4 * errors["ratio"]  # four standard errors
@@ -140,7 +140,9 @@ def test_stated_errors_hold_where_all_channels_hear_the_same_leakage() -> None:
 
 def test_a_wrong_amount_does_not_draw_away_what_says_how_it_acts() -> None:
     # Half the mass missing outweighs any damping: a ratio of both that is free at once goes astray with it.
-    predictor, _ = predicting(drawn(rig(roving=False, noise=1e-3), [CableMass(mass=0.0055, drag=25.0)]))
+    predictor, _ = predicting(
+        draw_measurement(rig(roving=False, noise=1e-3), [CableMass(mass=0.0055, drag=25.0)])
+    )
     near, _ = coarse_fit(
         predictor.coarse_prediction(()), (), CableMass(mass=0.0028, drag=20.0), noise_inflation=0.0
     )

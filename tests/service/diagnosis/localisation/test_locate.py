@@ -29,11 +29,11 @@ from modallab.rig.change import Change
 from modallab.rig.effect import Effect
 from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
-from tests.diagnosing import drawn, model, predicting, rig
+from tests.diagnosing import draw_measurement, model, predicting, rig
 
 
 def located(effects: list[Effect], setup: RigSetup | None = None, seed: int = 1) -> Localisation:
-    predictor, _ = predicting(drawn(setup or rig(), effects, seed=seed))
+    predictor, _ = predicting(draw_measurement(setup or rig(), effects, seed=seed))
     return locate(predictor, collect_evidence(predictor, []))
 
 
@@ -46,7 +46,7 @@ def said(found: Localisation, text: str) -> bool:
 
 
 def test_bands_and_modes_are_where_the_gap_is() -> None:
-    predictor, _ = predicting(drawn(rig(), [StiffnessError(factor=1.02)]))
+    predictor, _ = predicting(draw_measurement(rig(), [StiffnessError(factor=1.02)]))
     evidence = collect_evidence(predictor, [])
     found = locate(predictor, evidence)
     worst = evidence.freq[evidence.by_line.argmax()]
@@ -168,7 +168,9 @@ def test_nothing_is_told_where_nothing_is_missing() -> None:
 def _at_level(level: float, effects: list[Effect], seed: int) -> Measurement:
     setup = rig()
     excitation = replace(setup.analyser.excitation, level=level)
-    return drawn(replace(setup, analyser=replace(setup.analyser, excitation=excitation)), effects, seed=seed)
+    return draw_measurement(
+        replace(setup, analyser=replace(setup.analyser, excitation=excitation)), effects, seed=seed
+    )
 
 
 @pytest.mark.parametrize(

@@ -22,7 +22,7 @@ from modallab.fe.assembly import assemble
 from modallab.rig.effect import Effect
 from modallab.rig.measure import Route, measure
 from modallab.rig.setup import RigSetup
-from tests.diagnosing import drawn as measured
+from tests.diagnosing import draw_measurement as measured
 from tests.diagnosing import model, predicting, rig
 
 ALL = Tolerances(

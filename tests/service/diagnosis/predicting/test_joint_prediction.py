@@ -22,7 +22,7 @@ from modallab.rig.change import Change
 from modallab.rig.effect import Effect
 from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
-from tests.diagnosing import drawn, model, rig
+from tests.diagnosing import draw_measurement, model, rig
 
 MASS = ExtraMass(at=Dof(1, "Y"), mass=0.02)
 MOVED = Change(drive=Dof(5, "Y"))
@@ -38,7 +38,7 @@ def together(*tests: Measurement, held: Sequence[Dof] = ()) -> JointPredictor:
 
 def both(setup: RigSetup, change: Change, hidden: Sequence[Effect] = (MASS,)) -> JointPredictor:
     """Return the predictor of a test and of a further one with a change."""
-    return together(drawn(setup, hidden), drawn(change.applied(setup), hidden, seed=1))
+    return together(draw_measurement(setup, hidden), draw_measurement(change.applied(setup), hidden, seed=1))
 
 
 def test_several_tests_leave_what_they_leave_each_for_itself() -> None:
@@ -86,7 +86,7 @@ def test_where_a_test_did_not_measure_nothing_is_usable() -> None:
 
 
 def test_what_is_held_out_is_held_out_of_all_tests() -> None:
-    hidden = [drawn(setup, [MASS]) for setup in (rig(), MOVED.applied(rig()))]
+    hidden = [draw_measurement(setup, [MASS]) for setup in (rig(), MOVED.applied(rig()))]
     seen = together(*hidden, held=[Dof(4, "Y")]).observed
     assert seen.held_out.tolist() == [False, False, True, False, False, False]
     assert not seen.fitted[:, 2].any()
@@ -110,15 +110,15 @@ def test_lines_are_held_out_of_each_test_alike() -> None:
 
 
 def test_a_further_test_whose_log_book_was_not_rewritten_is_read_with_its_change() -> None:
-    first = drawn(rig())
+    first = draw_measurement(rig())
     louder = Change(level_factor=3.0)
-    uploaded = replace(drawn(louder.applied(rig())), setup=rig())
+    uploaded = replace(draw_measurement(louder.applied(rig())), setup=rig())
     taken = FollowUp(uploaded, louder).with_consistent_log_book(first)
     assert taken.setup == louder.applied(rig())
 
 
 def test_a_further_test_of_other_responses_than_it_says_is_refused() -> None:
-    first = drawn(rig())
+    first = draw_measurement(rig())
     with pytest.raises(InvalidInputError) as refused:
         FollowUp(first, Change(responses=(Dof(1, "Y"), Dof(3, "Y")))).with_consistent_log_book(first)
     assert refused.value.context["field"] == "follow_ups.changed.responses"
@@ -126,7 +126,7 @@ def test_a_further_test_of_other_responses_than_it_says_is_refused() -> None:
 
 def test_fixed_and_roving_accelerometers_are_not_put_together() -> None:
     with pytest.raises(InvalidInputError, match="roving"):
-        FollowUp(drawn(rig(roving=False))).with_consistent_log_book(drawn(rig()))
+        FollowUp(draw_measurement(rig(roving=False))).with_consistent_log_book(draw_measurement(rig()))
 
 
 def test_bursts_of_several_tests_are_draws_of_their_own() -> None:

@@ -21,14 +21,14 @@ from modallab.diagnosis.searching.search_round import Suspects
 from modallab.effects.cubic_stiffness import CubicStiffness
 from modallab.effects.extra_mass import ExtraMass
 from modallab.effects.ground_spring import GroundSpring
-from tests.diagnosing import drawn, model, rig
+from tests.diagnosing import draw_measurement, model, rig
 from tests.service.diagnosis.searching.test_search import MASS
 
 SPRING = GroundSpring(at=MASS.at, stiffness=1e4)
 
 
 def predicting() -> SingleTestPredictor:
-    test = drawn(rig(), [MASS], seed=3)
+    test = draw_measurement(rig(), [MASS], seed=3)
     return SingleTestPredictor.of(model(), test.setup, observe(test, (), fraction=0.25))
 
 
@@ -57,7 +57,7 @@ def test_a_search_that_was_given_up_follows_its_best_lead_only(monkeypatch: pyte
 
 def test_a_diagnosis_that_was_given_up_says_so(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("modallab.diagnosis.diagnose.BUDGET", BudgetSettings(predictions_per_test=1))
-    test = drawn(rig(), [MASS], seed=3)
+    test = draw_measurement(rig(), [MASS], seed=3)
     found = diagnose(model(), test, suspects=["ground_spring"])
     assert found.verdict is Verdict.UNEXPLAINED
     assert any("given up" in note for note in found.notes)
@@ -69,7 +69,7 @@ def test_a_diagnosis_that_was_given_up_says_so(monkeypatch: pytest.MonkeyPatch) 
 
 
 def test_forces_that_are_stepped_through_count_as_long_as_they_take() -> None:
-    test = drawn(rig(kind="random", window="hann"), [MASS], seed=3)
+    test = draw_measurement(rig(kind="random", window="hann"), [MASS], seed=3)
     predictor = SingleTestPredictor.of(model(), test.setup, observe(test, (), fraction=0.25))
     hardening, other = (CubicStiffness(at=at, stiffness=1e9) for at in (MASS.at, Dof(3, "Y")))
     predictor.with_intermittent_errors((hardening,))

@@ -11,7 +11,7 @@ from modallab.diagnosis.reporting.spectra_plot import spectra_drawings
 from modallab.diagnosis.result_curves import Spectra
 from modallab.rig.effect import build
 from tests.diagnosed import curves
-from tests.diagnosing import drawn, model, rig
+from tests.diagnosing import draw_measurement, model, rig
 
 
 def spectra(factor: float) -> Spectra:
@@ -48,7 +48,7 @@ def test_spectra_that_agree_or_were_not_measured_are_not_drawn() -> None:
 
 
 def test_an_undeclared_armature_shows_in_the_force_alone() -> None:
-    test = drawn(rig(), [build(EffectSpec("exciter_armature", None, {"mass": 0.05}))])
+    test = draw_measurement(rig(), [build(EffectSpec("exciter_armature", None, {"mass": 0.05}))])
     found = diagnose(model(), test, suspects=["exciter_armature", "extra_mass"])
     force, incoherent = found.curves.force, found.curves.incoherent
     assert force is not None

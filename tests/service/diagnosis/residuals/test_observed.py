@@ -7,7 +7,7 @@ from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfKind
 from modallab.diagnosis.predicting.comparability import check_comparable
 from modallab.diagnosis.residuals.observed import observe
-from tests.diagnosing import drawn, exact, model, predicting, rig
+from tests.diagnosing import draw_measurement, exact, model, predicting, rig
 
 
 # 12 tests of 160 lines and 1 to 6 channels: means of 1,900 to 11,500 squares, known to 1 to 3 %; at
@@ -19,7 +19,9 @@ def test_residuals_of_the_truth_have_mean_square_one_in_every_part(
 ) -> None:
     found: dict[str, list[float]] = {}
     for seed in range(12):
-        predictor, observed = predicting(drawn(rig(averages=averages, noise=3e-3, roving=roving), seed=seed))
+        predictor, observed = predicting(
+            draw_measurement(rig(averages=averages, noise=3e-3, roving=roving), seed=seed)
+        )
         for part, gap in predictor.residual(()).gaps(observed.usable).items():
             found.setdefault(part, []).append(gap)
     for part, gaps in found.items():
@@ -28,8 +30,8 @@ def test_residuals_of_the_truth_have_mean_square_one_in_every_part(
 
 @pytest.mark.parametrize("estimator", ["h2", "hv"])
 def test_every_estimator_gives_the_same_h1(estimator: str) -> None:
-    h1 = observe(drawn(rig(noise=1e-2)), (), fraction=0.0)
-    other = observe(drawn(rig(noise=1e-2, estimator=estimator)), (), fraction=0.0)
+    h1 = observe(draw_measurement(rig(noise=1e-2)), (), fraction=0.0)
+    other = observe(draw_measurement(rig(noise=1e-2, estimator=estimator)), (), fraction=0.0)
     # The same draw by another estimator: equal to rounding, which low coherence magnifies.
     np.testing.assert_allclose(other.h, h1.h, rtol=1e-9)
 
@@ -61,7 +63,7 @@ def test_something_must_be_left_to_fit() -> None:
 
 
 def test_what_is_held_out_is_not_fitted() -> None:
-    measurement = drawn(rig())
+    measurement = draw_measurement(rig())
     held = measurement.frf.outputs[2:4]
     observed = observe(measurement, held, fraction=0.25)
     assert not observed.fitted[:, 2:4].any()
@@ -71,7 +73,7 @@ def test_what_is_held_out_is_not_fitted() -> None:
 
 
 def test_lines_are_held_out_where_no_response_is() -> None:
-    observed = observe(drawn(rig()), (), fraction=0.25)
+    observed = observe(draw_measurement(rig()), (), fraction=0.25)
     assert 0.2 < observed.held_out_mask.sum() / observed.usable.sum() < 0.3
 
 
@@ -83,7 +85,7 @@ def test_a_noise_free_measurement_has_a_finite_gap() -> None:
 
 @pytest.mark.parametrize("kind", [FrfKind.MOBILITY, FrfKind.RECEPTANCE])
 def test_a_test_of_another_kind_is_seen_as_the_same_test(kind: FrfKind) -> None:
-    inertance = drawn(rig(noise=3e-3))
+    inertance = draw_measurement(rig(noise=3e-3))
     predictor, observed = predicting(inertance)
     other = inertance.to(kind)  # without 0 Hz, where it has no value
     check_comparable(model(), other)
@@ -102,7 +104,7 @@ def test_a_test_of_another_kind_is_seen_as_the_same_test(kind: FrfKind) -> None:
 
 
 def test_receptance_with_a_line_at_rest_is_weighed_above_it() -> None:
-    receptance = drawn(rig(noise=3e-3)).to(FrfKind.RECEPTANCE)
+    receptance = draw_measurement(rig(noise=3e-3)).to(FrfKind.RECEPTANCE)
     # there, receptance of a free body is any number, or none
     still = receptance.by_line(
         lambda array: np.concatenate([array[:1], array]) if array.ndim > 1 else np.r_[0.0, array]

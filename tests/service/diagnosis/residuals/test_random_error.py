@@ -16,7 +16,7 @@ from modallab.effects.force_noise import ForceNoise
 from modallab.effects.stiffness_error import StiffnessError
 from modallab.rig.measure import Route, measure
 from modallab.rig.measurement import Measurement
-from tests.diagnosing import drawn, exact, model, predicting, rig
+from tests.diagnosing import draw_measurement, exact, model, predicting, rig
 
 FLOOR = 0.02
 
@@ -59,7 +59,7 @@ def test_an_effect_is_found_by_a_stated_error() -> None:
 
 
 def test_a_stated_error_adds_to_the_one_that_coherence_tells() -> None:
-    measurement = drawn(rig(noise=1e-3))
+    measurement = draw_measurement(rig(noise=1e-3))
     plain, wider = (
         observe(replace(measurement, noise_floor=floor), (), fraction=0.0) for floor in (None, FLOOR)
     )
@@ -83,7 +83,7 @@ def test_a_noise_floor_out_of_bounds_is_refused(floor: float) -> None:
 
 
 def test_what_a_test_cannot_tell_is_said() -> None:
-    measurement = drawn(rig(noise=1e-3))
+    measurement = draw_measurement(rig(noise=1e-3))
     observed = observe(measurement, (), fraction=0.0)
     assert limitations(measurement, observed) == ()
     bare = replace(measurement, coherence=None, force_spectrum=None, response_spectrum=None, noise_floor=0.01)
@@ -95,7 +95,7 @@ def test_what_a_test_cannot_tell_is_said() -> None:
 
 
 def test_lines_of_low_coherence_are_counted() -> None:
-    measurement = drawn(rig(noise=0.3))
+    measurement = draw_measurement(rig(noise=0.3))
     observed = observe(measurement, (), fraction=0.0)
     assert observed.coherence.min() < 0.3
     assert any("coherence below 0.3" in note for note in limitations(measurement, observed))

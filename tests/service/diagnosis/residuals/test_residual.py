@@ -17,7 +17,7 @@ from modallab.rig.hardware import Exciter, ForceTransducer, Noise
 from modallab.rig.measure import Route, measure
 from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
-from tests.diagnosing import drawn, model, predicting, rig
+from tests.diagnosing import draw_measurement, model, predicting, rig
 
 SEEDS = 24
 
@@ -43,7 +43,7 @@ def test_with_nothing_missing_the_gap_of_leaking_records_is_one_within_its_scatt
 
 
 def test_signals_that_repeat_with_the_record_need_no_factor() -> None:
-    predictor, _ = predicting(drawn(rig()))
+    predictor, _ = predicting(draw_measurement(rig()))
     left: Residual = predictor.residual(())
     assert left.excess_variance is None
     assert left.rescaled["response"] is left.response

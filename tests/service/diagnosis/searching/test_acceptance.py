@@ -28,7 +28,7 @@ from modallab.effects.stinger_axial import StingerAxial
 from modallab.effects.suspension import SuspensionStiffness
 from modallab.effects.transverse_sensitivity import TransverseSensitivity
 from modallab.rig.measure import Route, measure
-from tests.diagnosing import drawn, model, rig
+from tests.diagnosing import draw_measurement, model, rig
 
 HERE = Channels((Dof(5, "Y"),))
 
@@ -69,7 +69,7 @@ def test_hum_in_one_line_of_one_channel_needs_no_witness() -> None:
     hum = MainsHum(HERE, 0.01, 62.5)
 
     def convinced(*acting: MainsHum) -> bool:
-        test = drawn(rig(), acting, seed=4)
+        test = draw_measurement(rig(), acting, seed=4)
         observed = observe(test, (Dof(2, "Y"),), fraction=0.0)
         predictor = SingleTestPredictor.of(model(), test.setup, observed)
         return is_significant(predictor, fit(predictor, ()), fit(predictor, (hum,)))
@@ -82,18 +82,20 @@ def test_what_is_missing_smoothly_is_not_taken_for_leakage() -> None:
     # The force of a stinger gives way over the whole range: its residuals go together as leaked ones may.
     leaky = rig(kind="random", window="hann", roving=False)
     kinds = ["stinger_axial", "response_noise", "extra_mass"]
-    gives_way = drawn(leaky, [StingerAxial(None, 5e5)], seed=3)
+    gives_way = draw_measurement(leaky, [StingerAxial(None, 5e5)], seed=3)
     (step,) = diagnose(model(), gives_way, suspects=kinds).steps
     assert step.effect.kind == "stinger_axial"
     # fits of eight draws scatter by 1.3 %: four times that
     assert step.effect.parameters["stiffness"].value == pytest.approx(5e5, rel=0.053)
-    assert diagnose(model(), drawn(leaky, seed=3), suspects=kinds).verdict is Verdict.NOTHING_MISSING
+    assert (
+        diagnose(model(), draw_measurement(leaky, seed=3), suspects=kinds).verdict is Verdict.NOTHING_MISSING
+    )
 
 
 @pytest.fixture(scope="module")
 def springs() -> tuple[Fit, Fit]:
     """A spring to the ground, and a band at the same place whose loss leaves far less than it."""
-    test = drawn(rig(), [GroundSpring(Dof(4, "Y"), 2e4)], seed=3)
+    test = draw_measurement(rig(), [GroundSpring(Dof(4, "Y"), 2e4)], seed=3)
     predictor = SingleTestPredictor.of(model(), test.setup, observe(test, (), fraction=0.25))
     plain, lossy = (fit(predictor, (cls(Dof(4, "Y"), 2e4),)) for cls in (GroundSpring, SuspensionStiffness))
     return plain, replace(lossy, chi_square=plain.chi_square - 50.0)
@@ -117,7 +119,7 @@ def test_a_number_more_has_to_be_told_from_nothing_by_its_own_standard_error(
 
 def test_shares_of_belief_follow_the_order(springs: tuple[Fit, Fit]) -> None:
     plain, band = springs
-    test = drawn(rig(), seed=3)
+    test = draw_measurement(rig(), seed=3)
     predictor = SingleTestPredictor.of(model(), test.setup, observe(test, (), fraction=0.25))
     first, second = model_probabilities(predictor, [plain, with_error_of_loss(band, 1.8)])
     assert first > 0.8 > 0.2 > second > 0.01, "three units of BIC or so: a loss is not ruled out either"

@@ -10,7 +10,7 @@ from modallab.diagnosis.fitting.fit import Fit, fit
 from modallab.diagnosis.searching.equivalent_values import resolve_equivalents
 from modallab.effects.extra_mass import ExtraMass
 from modallab.effects.mains_hum import MainsHum
-from tests.diagnosing import drawn, predicting, rig
+from tests.diagnosing import draw_measurement, predicting, rig
 
 CHANNEL = Channels((Dof(5, "Y"),))
 LINE = 50.0  # Hz; lines are 2.5 Hz apart
@@ -22,7 +22,7 @@ def hum(offset: float) -> MainsHum:
 
 def fitted(true: MainsHum, started: MainsHum) -> tuple[Fit, Fit]:
     """Return the fit from a start, and what becomes of it."""
-    predictor, _ = predicting(drawn(rig(noise=1e-3), [true], seed=1))
+    predictor, _ = predicting(draw_measurement(rig(noise=1e-3), [true], seed=1))
     found = fit(predictor, (started,))
     return found, resolve_equivalents(predictor, found)
 
@@ -49,7 +49,7 @@ def test_a_side_that_the_neighbouring_lines_tell_is_taken() -> None:
 
 
 def test_what_has_no_lookalike_is_left_as_it_is() -> None:
-    predictor, _ = predicting(drawn(rig(), [ExtraMass(Dof(4, "Y"), 0.02)]))
+    predictor, _ = predicting(draw_measurement(rig(), [ExtraMass(Dof(4, "Y"), 0.02)]))
     found = fit(predictor, (ExtraMass(Dof(4, "Y"), 0.02),))
     assert resolve_equivalents(predictor, found) is found
 

@@ -20,14 +20,14 @@ from modallab.effects.misplaced_accelerometer import MisplacedAccelerometer
 from modallab.effects.stiffness_error import StiffnessError
 from modallab.effects.swapped_channels import SwappedChannels
 from modallab.rig.effect import Effect
-from tests.diagnosing import drawn, predicting, rig
+from tests.diagnosing import draw_measurement, predicting, rig
 
 # Noise of 1e-9: with more, a receptance alone does not tell the FRF that H1 shows at an antiresonance.
 QUIET = 1e-9
 
 
 def quiet(*, roving: bool = True) -> Predictor:
-    predictor, _ = predicting(drawn(rig(noise=QUIET, roving=roving), []))
+    predictor, _ = predicting(draw_measurement(rig(noise=QUIET, roving=roving), []))
     return predictor
 
 
@@ -125,7 +125,7 @@ def test_a_member_that_is_altered_already_is_left_to_a_prediction() -> None:
 
 
 def test_residuals_of_a_ratio_are_those_of_the_prediction() -> None:
-    predictor, _ = predicting(drawn(rig(noise=QUIET), [ExtraMass(Dof(4, "Y"), 0.01)]))
+    predictor, _ = predicting(draw_measurement(rig(noise=QUIET), [ExtraMass(Dof(4, "Y"), 0.01)]))
     glimpses = predictor.coarse_prediction([])
     foreseen = ModificationScreen(glimpses, [])
     same = foreseen.vectors(np.ones((1, int(glimpses.observed.fitted.sum())), complex))

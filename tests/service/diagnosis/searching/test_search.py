@@ -16,14 +16,14 @@ from modallab.diagnosis.searching.search_round import Suspects
 from modallab.effects.extra_mass import ExtraMass
 from modallab.effects.polarity import Polarity
 from modallab.effects.response_noise import ResponseNoise
-from tests.diagnosing import drawn, model, rig
+from tests.diagnosing import draw_measurement, model, rig
 
 MASS, TURNED = ExtraMass(Dof(4, "Y"), 0.02), Polarity(Channels((Dof(5, "Y"),)))
 
 
 @pytest.fixture(scope="module")
 def predictor() -> Predictor:
-    test = drawn(rig(), [MASS], seed=3)
+    test = draw_measurement(rig(), [MASS], seed=3)
     return SingleTestPredictor.of(model(), test.setup, observe(test, (Dof(7, "Y"),), fraction=0.25))
 
 
@@ -66,7 +66,7 @@ def test_where_nothing_can_be_added_is_not_looked_again(
 def test_noise_beside_something_larger_is_no_leakage() -> None:
     # A little more noise than declared goes together over all lines, as leakage does.
     hidden = (MASS, ResponseNoise(ratio=1.5e-3))
-    test = drawn(rig(kind="random", window="hann", noise=1e-2), hidden, seed=5)
+    test = draw_measurement(rig(kind="random", window="hann", noise=1e-2), hidden, seed=5)
     predictor = SingleTestPredictor.of(model(), test.setup, observe(test, (Dof(7, "Y"),), fraction=0.25))
     suspects = Suspects([ExtraMass(MASS.at), ResponseNoise()])
     path = search(predictor, fit(predictor, ()), suspects, max_effects=3, progress=silent)

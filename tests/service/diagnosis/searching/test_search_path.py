@@ -14,7 +14,7 @@ from modallab.effects.gain_error import GainError
 from modallab.effects.local_damping import LocalDamping
 from modallab.effects.stiffness_error import StiffnessError
 from modallab.rig.effect import Effect
-from tests.diagnosing import drawn, predicting, rig
+from tests.diagnosing import draw_measurement, predicting, rig
 
 MASS, GAIN = ExtraMass(Dof(4, "Y"), 0.02), GainError(Channels((Dof(5, "Y"),)), 1.05)
 WRONG = StiffnessError(Members((3,)), 0.97)  # what a mass beside it may be taken for at first
@@ -22,7 +22,7 @@ WRONG = StiffnessError(Members((3,)), 0.97)  # what a mass beside it may be take
 
 @pytest.fixture(scope="module")
 def predictor() -> Predictor:
-    return predicting(drawn(rig(), [MASS, GAIN], seed=3))[0]
+    return predicting(draw_measurement(rig(), [MASS, GAIN], seed=3))[0]
 
 
 def accepted(predictor: Predictor, first: Effect, others: tuple[Effect, ...], *later: Effect) -> SearchPath:

@@ -16,13 +16,13 @@ from modallab.effects.extra_mass import ExtraMass
 from modallab.effects.ground_spring import GroundSpring
 from modallab.effects.local_damping import LocalDamping
 from modallab.rig.effect import Effect
-from tests.diagnosing import drawn, predicting, rig
+from tests.diagnosing import draw_measurement, predicting, rig
 
 NODES = range(1, 10)
 
 
 def looking_for(hidden: Effect, *, roving: bool = False) -> CoarsePrediction:
-    predictor, _ = predicting(drawn(rig(roving=roving), [hidden]))
+    predictor, _ = predicting(draw_measurement(rig(roving=roving), [hidden]))
     return predictor.coarse_prediction([])
 
 
@@ -55,7 +55,7 @@ def test_a_sample_has_every_line_and_every_channel() -> None:
 @pytest.mark.parametrize("noise", [1e-4, 3e-2], ids=["little noise", "much noise"])
 def test_foreseen_residuals_of_nothing_are_those_of_the_prediction(every: int, noise: float) -> None:
     # Noise that the channels of a run share is taken once, and large errors go without a logarithm.
-    predictor, _ = predicting(drawn(rig(roving=False, noise=noise)))
+    predictor, _ = predicting(draw_measurement(rig(roving=False, noise=noise)))
     sample = predictor.coarse_prediction([]).subsampled(every)
     foreseen = ModificationScreen(sample, [])
     nothing = np.ones((1, int(sample.observed.fitted.sum())), complex)
@@ -80,8 +80,8 @@ def test_a_nonlinear_force_of_any_strength_is_looked_for_where_it_is(node: int, 
     # 1 is as stiff as all that the DoF feels: what explains a weak one is hidden by what a strong one does.
     bare = CubicStiffness(Dof(node, "Y"))
     setup = rig(roving=False, noise=1e-3)
-    predictor, _ = predicting(drawn(setup))
+    predictor, _ = predicting(draw_measurement(setup))
     whole = max(bare.scan_values(predictor.system, setup)["stiffness"])
     suspects = [CubicStiffness(Dof(n, "Y")) for n in (1, 2, 4, 5, 7, 9)]
-    predictor, _ = predicting(drawn(setup, [replace(bare, stiffness=share * whole)]))
+    predictor, _ = predicting(draw_measurement(setup, [replace(bare, stiffness=share * whole)]))
     assert bare.at in places_of(shortlist(predictor.coarse_prediction([]), [], suspects, silent), bare.kind)

@@ -26,7 +26,7 @@ from modallab.effects.stinger_bending import StingerBending
 from modallab.rig.change import Change
 from modallab.rig.effect import Effect
 from modallab.rig.setup import RigSetup
-from tests.diagnosing import drawn, model, predicting, rig
+from tests.diagnosing import draw_measurement, model, predicting, rig
 
 DRIVE = Dof(1, "Y")
 MASS, GAUGE = ExtraMass(at=DRIVE, mass=0.02), ForceTransducerMass(mass=0.02)
@@ -39,7 +39,7 @@ def explained(predictor: Predictor, *effects: Effect) -> list[Fit]:
 
 def proposed(setup: RigSetup, hidden: Effect, rival: Effect, *, done: tuple[Change, ...] = ()) -> NextTest:
     """Return the test that is proposed where both explain what one of them did."""
-    predictor, _ = predicting(drawn(setup, [hidden]))
+    predictor, _ = predicting(draw_measurement(setup, [hidden]))
     best, other = (Explanation(f.effects, f.effects[0].kind) for f in explained(predictor, hidden, rival))
     test = propose(predictor, best, [other], previous_changes=done, progress=silent)
     assert test is not None
@@ -76,7 +76,7 @@ def test_what_was_done_already_is_not_proposed_again() -> None:
 def test_the_expected_separation_is_what_the_test_shows_whichever_is_right() -> None:
     # So light that chi-square is quadratic over its error, and the rivals are told by no more than some.
     hidden, rival = ExtraMass(at=DRIVE, mass=2e-5), ForceTransducerMass(mass=2e-5)
-    predictor, _ = predicting(drawn(rig(), [hidden], seed=1))
+    predictor, _ = predicting(draw_measurement(rig(), [hidden], seed=1))
     fits = explained(predictor, hidden, rival)
     best, other = (Explanation(one.effects, one.effects[0].kind) for one in fits)
     test = propose(predictor, best, [other], progress=silent)
@@ -84,7 +84,7 @@ def test_the_expected_separation_is_what_the_test_shows_whichever_is_right() -> 
     after = Change.read(test.change).applied(rig())
     shown = []
     for true in (hidden, rival):
-        seen = observe(drawn(after, [true], seed=1), (), fraction=0.0)
+        seen = observe(draw_measurement(after, [true], seed=1), (), fraction=0.0)
         joint = JointPredictor.of([predictor, predictor.follow_up(after, seen)])
         left = [one.chi_square for one in explained(joint, hidden, rival)]
         shown.append(np.sqrt(abs(left[1] - left[0])))
@@ -94,7 +94,7 @@ def test_the_expected_separation_is_what_the_test_shows_whichever_is_right() -> 
 
 
 def test_two_names_of_one_thing_are_not_promised_to_be_told_apart() -> None:
-    predictor, _ = predicting(drawn(rig(), [MASS]))
+    predictor, _ = predicting(draw_measurement(rig(), [MASS]))
     (found,) = explained(predictor, MASS)
     one = Explanation(found.effects, "extra_mass")
     assert propose(predictor, one, [one], progress=silent) is None
@@ -104,7 +104,7 @@ def test_no_test_is_proposed_for_what_is_tolerated() -> None:
     # A third of a standard deviation of the modulus: a further test moves that number, and tells nothing.
     setup = rig()
     stiff = StiffnessError(factor=1.001)
-    predictor, _ = predicting(drawn(setup, [stiff]))
+    predictor, _ = predicting(draw_measurement(setup, [stiff]))
     allowed = predictor.with_nuisances(
         nuisance_parameters(Tolerances(modulus=0.003), predictor.system, setup)
     )
@@ -124,7 +124,7 @@ def _explaining(found: Fit) -> Explanation:
 
 def test_what_is_tolerated_makes_no_separation_larger() -> None:
     setup = rig()
-    predictor, _ = predicting(drawn(setup, [MASS]))
+    predictor, _ = predicting(draw_measurement(setup, [MASS]))
     best, other = (Explanation(f.effects, f.effects[0].kind) for f in explained(predictor, MASS, GAUGE))
     tolerances = Tolerances(modulus=0.003, sensitivity=0.005, modal_loss_factor=0.2)
     allowed = predictor.with_nuisances(nuisance_parameters(tolerances, predictor.system, setup))
@@ -135,7 +135,7 @@ def test_what_is_tolerated_makes_no_separation_larger() -> None:
 
 def test_a_hammer_is_not_proposed_to_who_has_one() -> None:
     struck = Change(exciter="hammer").applied(rig())
-    predictor = SingleTestPredictor.of(model(), struck, observe(drawn(struck), (), fraction=0.0))
+    predictor = SingleTestPredictor.of(model(), struck, observe(draw_measurement(struck), (), fraction=0.0))
     changes = [test.change for test in follow_up_options(predictor.setup, predictor.system)]
     assert all(change.exciter is None for change in changes)
     assert all(change.drive != struck.drive for change in changes)

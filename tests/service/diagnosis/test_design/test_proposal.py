@@ -20,7 +20,7 @@ from modallab.effects.rotational_ground_spring import RotationalGroundSpring
 from modallab.effects.stiffness_error import StiffnessError
 from modallab.effects.stinger_bending import StingerBending
 from modallab.rig.effect import Effect
-from tests.diagnosing import drawn, predicting, rig
+from tests.diagnosing import draw_measurement, predicting, rig
 
 DRIVE = Dof(1, "Y")
 MASS, GAUGE = ExtraMass(at=DRIVE, mass=0.02), ForceTransducerMass(mass=0.02)
@@ -28,7 +28,7 @@ MASS, GAUGE = ExtraMass(at=DRIVE, mass=0.02), ForceTransducerMass(mass=0.02)
 
 def prepared(*hidden: Effect) -> tuple[Predictor, Callable[..., AcceptedEffect]]:
     """Return a predictor of a test, and what makes a step of explanations, the first one accepted."""
-    predictor, _ = predicting(drawn(rig(roving=False), hidden))
+    predictor, _ = predicting(draw_measurement(rig(roving=False), hidden))
 
     def accepted(*last: Effect, beside: tuple[Effect, ...] = ()) -> AcceptedEffect:
         before = fit(predictor, beside)
