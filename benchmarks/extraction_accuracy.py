@@ -122,40 +122,43 @@ def _worst(method: str, spoil: Spoil, least: float) -> FloatArray:
     )
 
 
-INTRODUCTION = f"""# How well single modes are read
+INTRODUCTION = f"""# Accuracy of the extraction of a single mode
 
 Terms and symbols: [glossary](glossary.md).
 
-Written by `python -m benchmarks.extraction_accuracy --write`. One mode of 1 kg at 100 Hz, lines of 1 Hz;
-median error over {DRAWS} places of the resonance between two lines, {REPEATS} draws each where there is
-noise. Columns: half-power bandwidth in lines. Frequency, loss factor and |A| in %, phase in degrees; "-"
-where most draws show no mode.
+Written by `python -m benchmarks.extraction_accuracy --write`. One mode of 1 kg at 100 Hz, line spacing
+1 Hz. The tables give the median error over {DRAWS} positions of the resonance between two lines, with
+{REPEATS} random draws each if there is noise. Columns: half-power bandwidth over line spacing.
+Frequency, loss factor and magnitude of the modal constant |A| in %, its phase in degrees; "-" where
+most draws show no mode.
 
-A constant residual of {RESIDUAL:g} m/N is in all responses but those for peak picking, which cannot tell
-it from the mode. The methods are as `extract` uses them: lines and their weights chosen from the data,
-receptance or inertance by the smaller misfit, and of leaked data what the window did undone in closed form.
-`lscf` has the one FRF only, and `poly_reference_lscf` of one drive point is the same.
+All responses include a constant residual of {RESIDUAL:g} m/N, except those for peak picking, which cannot
+separate it from the mode. The methods run as in `extract`: lines and weights chosen from the data, receptance
+or inertance by the smaller misfit, leakage corrected in closed form. `lscf` uses a single frequency response
+function (FRF); `poly_reference_lscf` gives the same with one drive point.
 
-- **Clean**: nothing else. Peak picking is biased even here: up to half a line in frequency, and towards
-  too much damping.
-- **Hanning H1, H2**: expected spectra of white force through a Hann window, by numerical convolution
-  ({POINTS} points a line), which shares nothing with the closed form that undoes it.
+- **Clean**: no error. Peak picking is biased even here: up to half a line in frequency, and towards too
+  much damping.
+- **Hanning H1, H2**: expected spectra of a white force with a Hann window, by numerical convolution
+  ({POINTS} points a line), independent of the closed form of the correction.
 - **5 % noise**: independent errors of 5 % in magnitude and in phase at every line.
-- **Floor noise**: independent errors of 1 % of the highest line, on either part of every line.
+- **Floor noise**: independent errors of 1 % of the largest magnitude, in real and imaginary part
+  of every line.
 """
 LEAKY = f"""
-## What to do about leakage
+## Correction of leakage
 
-Dobson's method, median error of the loss factor in %. "Undone" is the closed form of what the window does
-to one mode, found together with the mode itself. First the expected lines, as if of 10,000 averages, then
-lines drawn as {AVERAGES:g} averages scatter (complex Wishart law about the expected spectra, line by line).
-Unasked, `extract` undoes the leakage, and leaves the nearest 4 lines out of H1 but not of H2.
+Dobson's method, median error of the loss factor in %. "Corrected" stands for the closed form of the
+leakage of one mode, estimated together with the mode. "Expected" lines are the limit of many averages
+(10,000 are assumed); "drawn" lines scatter as those of {AVERAGES:g} averages (complex Wishart
+distribution, line by line). By default `extract` corrects leakage, and leaves out the nearest 4 lines
+for H1, but not for H2.
 """
 TREATMENTS: dict[str, tuple[ExtractionOptions, bool]] = {
-    "as they are, 12": (DistantLinesOptions(lines=12, leave_out=0), False),
+    "uncorrected, 12 lines": (DistantLinesOptions(lines=12, leave_out=0), False),
     "without the nearest 4 of 16": (DistantLinesOptions(lines=16, leave_out=4), False),
-    "undone, 12": (DistantLinesOptions(lines=12, leave_out=0), True),
-    "undone, without the nearest 4 of 16": (DistantLinesOptions(lines=16, leave_out=4), True),
+    "corrected, 12 lines": (DistantLinesOptions(lines=12, leave_out=0), True),
+    "corrected, without the nearest 4 of 16": (DistantLinesOptions(lines=16, leave_out=4), True),
 }
 
 
@@ -177,7 +180,7 @@ def report() -> str:
         for name, spoil in SPECTRA.items()
         for treatment in TREATMENTS
     ]
-    parts.append(f"{LEAKY}\n{_table(('', 'the lines are'), rows)}")
+    parts.append(f"{LEAKY}\n{_table(('', 'treatment of lines'), rows)}")
     return "".join(parts)
 
 
