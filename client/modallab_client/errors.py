@@ -28,8 +28,11 @@ class ClientError(Exception):
         self.status = status
 
     def __str__(self) -> str:
+        # The service's own sentence names field, value and values allowed already.
         short = {name: value for name, value in self.context.items() if isinstance(value, (str, float, int))}
-        details = ", ".join(f"{name}={value!r}" for name, value in short.items())
+        details = ", ".join(
+            f"{name}={value!r}" for name, value in short.items() if str(value) not in self.detail
+        )
         return f"{self.detail} ({details})" if details else self.detail
 
 

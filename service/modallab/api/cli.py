@@ -165,8 +165,8 @@ def diagnose(
     Ends with 0 whatever the verdict, and with 2 if a file or an option is at fault.
     """
     _one_thread()
-    from modallab.api.from_files import Files, diagnose_files, in_words
-    from modallab.core.errors import ModalLabError
+    from modallab.api.from_files import Files, diagnose_files
+    from modallab.core.errors import ModalLabError, sentence
     from modallab.diagnosis.reporting.report import report as page
     from modallab.diagnosis.reporting.summary import summary
 
@@ -176,7 +176,7 @@ def diagnose(
     try:
         outcome = diagnose_files(Files(model, rig, measured), request, averages=averages, progress=reporter)
     except ModalLabError as error:
-        typer.echo(f"modallab diagnose: {in_words(error)}", err=True)
+        typer.echo(f"modallab diagnose: {sentence(error)}", err=True)
         raise typer.Exit(2) from None
     finally:
         reporter.end()

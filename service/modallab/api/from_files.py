@@ -18,7 +18,7 @@ from modallab.api.settings import ServiceSettings
 from modallab.api.structures.schemas import StructureIn
 from modallab.api.wire import effect_out
 from modallab.core.dof import Dof
-from modallab.core.errors import InvalidInputError, ModalLabError
+from modallab.core.errors import InvalidInputError, ModalLabError, sentence
 from modallab.core.place import EffectSpec
 from modallab.core.progress import Progress
 from modallab.diagnosis.diagnose import diagnose_with_options
@@ -102,13 +102,6 @@ def _entry(seed: int) -> Entry:
     return Entry("", "diagnoses", "", now, modallab.__version__, passing, seed)
 
 
-def in_words(error: ModalLabError) -> str:
-    """Return what an error says, with the field, its value and what is allowed."""
-    context = {name: error.context[name] for name in ("field", "value", "allowed") if name in error.context}
-    details = "; ".join(f"{name}: {value}" for name, value in context.items() if value != "")
-    return f"{error} ({details})" if details else str(error)
-
-
 def _body(path: Path, wire: Any) -> Any:
     try:
         body = json.loads(path.read_bytes())
@@ -131,4 +124,4 @@ def _of_file(path: Path, read: Callable[[], T]) -> T:
     try:
         return read()
     except ModalLabError as error:
-        raise InvalidInputError(f"{path.name}: {in_words(error)}") from None
+        raise InvalidInputError(f"{path.name}: {sentence(error)}") from None

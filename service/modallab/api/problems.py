@@ -63,7 +63,10 @@ TITLES: Mapping[str, str] = {
 }
 
 _FIELD_DOC = "name of the field at fault, from the body, path or query; absent where no field is"
-_VALUES_DOC = "values allowed: a number, a list of names, bounds by their names in JSON Schema, or a sentence"
+_VALUES_DOC = (
+    "values allowed: a number, a list, bounds by their names in JSON Schema with their unit, or a "
+    "requirement in words"
+)
 
 
 class ProblemContext(BaseModel):

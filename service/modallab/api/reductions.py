@@ -12,7 +12,7 @@ from modallab.api.limits import REPLY, REQUEST
 from modallab.api.names import ReductionKind
 from modallab.api.wire import DofText, Number, Text, Wanted, Wire
 from modallab.core.dof import Dof
-from modallab.core.errors import InvalidInputError
+from modallab.core.errors import InvalidInputError, bounds
 from modallab.correlation.orthogonality import frequency_errors
 from modallab.fe.reduction import Reduction, reduce, reduction_of
 from modallab.fe.synthetic_modes import exact_modes, lowest_modes
@@ -48,7 +48,7 @@ def check_size(system: DynamicSystem, n_masters: int, field: str) -> None:
             "too large a transformation to wait for",
             field=field,
             value=size,
-            allowed=f"degrees of freedom x masters <= {REQUEST.transformation_values}",
+            allowed=bounds(maximum=REQUEST.transformation_values, unit="degrees of freedom x masters"),
         )
 
 

@@ -41,13 +41,11 @@ def frozen(
     )
     if not fits:
         raise InvalidInputError(
-            f"{name} has the wrong shape", field=name, value=str(array.shape), allowed=str(tuple(shape))
+            f"{name} has the wrong shape", field=name, value=list(array.shape), allowed=list(shape)
         )
     if array.dtype.kind in "fc" and not np.isfinite(array).all():
         first = np.argwhere(~np.isfinite(array))[0]
-        raise InvalidInputError(
-            f"{name} holds a value that is not finite", field=name, index=str(tuple(int(i) for i in first))
-        )
+        raise InvalidInputError(f"{name} holds a value that is not finite", field=name, index=first.tolist())
     array.flags.writeable = False
     return array
 

@@ -7,7 +7,7 @@ from enum import StrEnum
 from functools import cache
 from typing import Any, ClassVar, Literal, TypeVar, get_args, get_type_hints
 
-from modallab.core.errors import InvalidInputError
+from modallab.core.errors import InvalidInputError, bounds
 
 
 @dataclass(frozen=True)
@@ -120,7 +120,7 @@ def _chosen(cls: type, name: str, value: str, spec: OptionSpec) -> str:
             f"there is no {name} {str(value)!r}",
             field=name,
             value=str(value),
-            allowed=", ".join(spec.choices),
+            allowed=list(spec.choices),
         )
     names = enumeration(cls, name)
     return value if names is None else names(value)
@@ -133,21 +133,11 @@ def _check_bounds(name: str, value: float, spec: OptionSpec) -> None:
     bounded = (spec.lower, spec.upper, spec.above) != (None, None, None)
     if bounded and not inside:
         raise InvalidInputError(
-            f"{name} is out of bounds", field=name, value=value, allowed=bounds_text(spec)
+            f"{name} is out of bounds",
+            field=name,
+            value=value,
+            allowed=bounds(spec.lower, spec.upper, above=spec.above, unit=spec.unit),
         )
-
-
-def bounds_text(spec: OptionSpec) -> str:
-    """Return the bounds of an option in words, such as `4 or more`."""
-    unit = f" {spec.unit}" if spec.unit not in ("", "1", "-") else ""
-    if spec.above is not None:
-        upper = "" if spec.upper is None else f", {spec.upper} or less"
-        return f"more than {spec.above}{upper}{unit}"
-    if spec.upper is None:
-        return f"{spec.lower} or more{unit}"
-    if spec.lower is None:
-        return f"{spec.upper} or less{unit}"
-    return f"{spec.lower} to {spec.upper}{unit}"
 
 
 OptionsT = TypeVar("OptionsT", bound=Options)
@@ -198,5 +188,5 @@ def unknown_option(
         f"{method} has no option {name!r}{reason and ': '}{reason}",
         field=name,
         value=value,
-        allowed=", ".join(allowed),
+        allowed=list(allowed),
     )

@@ -4,7 +4,7 @@ from dataclasses import dataclass, field, fields
 from functools import cache
 from typing import Any, ClassVar, Literal
 
-from modallab.core.errors import InvalidInputError
+from modallab.core.errors import InvalidInputError, bounds
 
 
 @dataclass(frozen=True)
@@ -64,7 +64,7 @@ class Parameterised:
                     f"{name} is out of bounds",
                     field=name,
                     value=value,
-                    allowed=f"{spec.lower} to {spec.upper} {spec.unit}",
+                    allowed=bounds(spec.lower, spec.upper, unit=spec.unit),
                 )
 
 

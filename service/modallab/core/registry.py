@@ -45,7 +45,7 @@ class Family(Mapping[str, T]):
         members = self._known()
         if kind not in members:
             raise InvalidInputError(
-                f"no {self.name} called {kind!r}", field=self.name, value=kind, allowed=", ".join(self)
+                f"no {self.name} called {kind!r}", field=self.name, value=kind, allowed=list(self)
             )
         return members[kind]
 

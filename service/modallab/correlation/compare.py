@@ -7,7 +7,7 @@ import numpy as np
 from modallab.core.arrays import ComplexArray, frozen
 from modallab.core.common_dofs import common_points, rows_at
 from modallab.core.dof import Dof
-from modallab.core.errors import InvalidInputError
+from modallab.core.errors import InvalidInputError, bounds
 from modallab.core.frf import FrfSet
 from modallab.core.modal_model import ModalModel
 from modallab.core.reply import Matrix, Vector
@@ -148,14 +148,14 @@ def _common(
     """Return the common DoFs and the shapes there, (n_common, n_modes) each, in the positive sense."""
     sides = (measured, model)
     if not all(side.modes for side in sides):
-        raise InvalidInputError("there are no modes to compare", field="modes", value=0, allowed="1 or more")
+        raise InvalidInputError("there are no modes to compare", field="modes", value=0, allowed=bounds(1))
     dofs = common_points(measured.dofs, model.dofs)
     if not dofs:
         raise InvalidInputError(
             "the two sets of modes share no degree of freedom",
             field="dofs",
-            value=", ".join(str(dof) for dof in measured.dofs[:5]),
-            allowed=", ".join(str(dof) for dof in model.dofs[:5]),
+            value=[str(dof) for dof in measured.dofs[:5]],
+            allowed=[str(dof) for dof in model.dofs[:5]],
         )
     picked = ((side.shapes, *rows_at(side.dofs, dofs)) for side in sides)
     measured_shapes, model_shapes = (shapes[rows] * signs[:, None] for shapes, rows, signs in picked)

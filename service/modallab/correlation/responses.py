@@ -6,7 +6,7 @@ import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray, frozen
 from modallab.core.dof import Dof
-from modallab.core.errors import InvalidInputError
+from modallab.core.errors import InvalidInputError, bounds
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.core.reply import Matrix
 from modallab.correlation.frequency_response import fdac, frac, ridge
@@ -96,12 +96,14 @@ def _common_responses(measured: FrfSet, system: DynamicSystem) -> FrfSet:
             raise InvalidInputError(
                 f"the model has none of the measured {name}",
                 field=name,
-                value=", ".join(str(dof) for dof in dofs[:5]),
-                allowed=", ".join(str(dof) for dof in system.dofs[:5]),
+                value=[str(dof) for dof in dofs[:5]],
+                allowed=[str(dof) for dof in system.dofs[:5]],
             )
     lines = measured.freq > 0
     if not lines.any():
-        raise InvalidInputError("there is no line above 0 Hz", field="freq", value=0.0, allowed="above 0 Hz")
+        raise InvalidInputError(
+            "there is no line above 0 Hz", field="freq", value=0.0, allowed=bounds(above=0, unit="Hz")
+        )
     return FrfSet(
         freq=measured.freq[lines],
         values=measured.values[lines][:, rows][:, :, columns],

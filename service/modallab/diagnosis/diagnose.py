@@ -232,7 +232,7 @@ def suspected(predictor: Predictor, kinds: Sequence[str] | None) -> list[Effect]
         for place in EFFECTS[kind].places(predictor.system, predictor.setup)
     ]
     if not suspects:
-        raise InvalidInputError("no suspect is left", field="suspects", allowed=", ".join(EFFECTS))
+        raise InvalidInputError("no suspect is left", field="suspects", allowed=list(EFFECTS))
     return suspects
 
 

@@ -48,7 +48,7 @@ class SwappedChannels(Effect):
         if len({dof.point for dof in dofs}) != 2 or len(dofs) != 2:
             raise self._misplaced("two channels")
         if setup is not None and any(dof not in setup.responses for dof in dofs):
-            raise self._misplaced("channels of this rig: " + ", ".join(map(str, setup.responses)))
+            raise self._misplaced([str(dof) for dof in setup.responses])
 
     @classmethod
     def places(cls, system: DynamicSystem, setup: RigSetup) -> Sequence[Place]:

@@ -6,7 +6,7 @@ from functools import partial
 from typing import Protocol
 
 from modallab.core.arrays import FloatArray
-from modallab.core.errors import InvalidInputError
+from modallab.core.errors import InvalidInputError, bounds
 from modallab.core.frf import FrfSet
 from modallab.core.modal_model import ModalModel
 from modallab.core.progress import Progress, part, silent
@@ -85,7 +85,7 @@ def extract(
         If the inputs do not fit together.
     """
     if n_modes is not None and n_modes < 1:
-        raise InvalidInputError("at least one mode", field="n_modes", value=n_modes, allowed="1 or more")
+        raise InvalidInputError("at least one mode", field="n_modes", value=n_modes, allowed=bounds(1))
     requested = options_for(method, options)
     responses, bias = responses_read(frf, coherence, averages, leakage=leakage, estimator=estimator)
     if method in GLOBAL_METHODS:

@@ -27,7 +27,7 @@ def options_type(method: str) -> type[ExtractionOptions]:
             f"no extraction method called {method!r}",
             field="method",
             value=method,
-            allowed=", ".join(OPTIONS),
+            allowed=list(OPTIONS),
         )
     return OPTIONS[method]
 

@@ -3,7 +3,7 @@
 from dataclasses import dataclass
 from enum import StrEnum
 
-from modallab.core.errors import InvalidInputError
+from modallab.core.errors import InvalidInputError, bounds
 from modallab.core.options import Options, option
 
 MIN_LINES = 4  # three complex unknowns and one line over, so that a misfit can show
@@ -53,7 +53,7 @@ class DistantLinesOptions(SingleModeOptions):
                 "too few lines are left",
                 field="leave_out",
                 value=self.leave_out or 0,
-                allowed=f"{self.lines - MIN_LINES} or fewer of {self.lines} lines",
+                allowed=bounds(maximum=self.lines - MIN_LINES),
             )
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray, frozen
-from modallab.core.errors import InvalidInputError
+from modallab.core.errors import InvalidInputError, bounds
 from modallab.core.frf import FrfKind
 from modallab.core.modal_model import ModalModel
 from modallab.core.numerics import SAFE_DIVISOR
@@ -97,7 +97,7 @@ def fit_plot_data(
     ends = _ends(responses, model)
     for name, value, n in (("mode", mode, len(ends)), ("row", row, ends.shape[1])):
         if not 0 <= value < n:
-            raise InvalidInputError(f"no such {name}", field=name, value=value, allowed=f"0 to {n - 1}")
+            raise InvalidInputError(f"no such {name}", field=name, value=value, allowed=bounds(0, n - 1))
     damping = Damping(choice_value(model.choices, "damping") or Damping.STRUCTURAL)
     data = _window_lines(responses, ends[mode], int(choice_value(model.choices, "leave_out") or 0), leakage)
     settled, place = _refit(DAMPING_MODELS[damping], model, mode, row, data)
@@ -223,7 +223,7 @@ def _ends(responses: Responses, model: ModalModel) -> IntArray:
             "these modes are not from fits of single modes",
             field="method",
             value=model.method,
-            allowed=", ".join(EXTRACTION_METHODS),
+            allowed=list(EXTRACTION_METHODS),
         )
     if model.frfs != responses.frfs or model.fitted_lines.max(initial=0) >= len(responses.freq):
         raise InvalidInputError(

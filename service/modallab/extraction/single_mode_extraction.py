@@ -115,7 +115,7 @@ def _empty_band_notes(
         raise NoModeInBandError(
             f"no FRF shows a mode at any of {len(empty)} peaks beyond its random error; bands may help",
             field="bands",
-            value=", ".join(f"{freq[band.peak]:g}" for band in empty[: NOTES.listed_peaks]),
+            value=[f"{freq[band.peak]:g}" for band in empty[: NOTES.listed_peaks]],
         )
     if empty and requested:
         lower, upper = float(freq[empty[0].first]), float(freq[empty[0].last])

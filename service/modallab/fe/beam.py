@@ -1,6 +1,6 @@
 """Straight beams in bending."""
 
-from modallab.core.errors import StructureError
+from modallab.core.errors import StructureError, bounds
 from modallab.fe.damping import Damping, StructuralDamping
 from modallab.fe.structure import (
     GroundSpringElement,
@@ -41,7 +41,9 @@ def beam(
     """
     positive(length, "length")
     if n_elements < 1:
-        raise StructureError("a beam needs an element", field="n_elements", value=n_elements, allowed=">= 1")
+        raise StructureError(
+            "a beam needs an element", field="n_elements", value=n_elements, allowed=bounds(1)
+        )
     return Structure(
         nodes={i + 1: (length * i / n_elements, 0.0) for i in range(n_elements + 1)},
         members=tuple(Member(i, (i, i + 1), section, material, element) for i in range(1, n_elements + 1)),

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from modallab.core.arrays import FloatArray, IntArray, frozen
 from modallab.core.dof import Dof
-from modallab.core.errors import StructureError
+from modallab.core.errors import StructureError, bounds
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,5 +39,5 @@ class Blocks:
                 "a block has a degree of freedom that the table lacks",
                 field="rows",
                 value=int(self.rows.max()),
-                allowed=f"0 to {len(self.dofs) - 1}",
+                allowed=bounds(0, len(self.dofs) - 1),
             )

@@ -7,7 +7,7 @@ from enum import StrEnum
 import numpy as np
 
 from modallab.core.dof import Dof
-from modallab.core.errors import InvalidInputError
+from modallab.core.errors import InvalidInputError, bounds
 from modallab.fe.damping import StructuralDamping
 from modallab.fe.members import AnyMember, MatrixElement, Member
 from modallab.fe.section_size import SectionSize, resized, size
@@ -42,10 +42,10 @@ class MemberChange:
                 f"members have no property {self.property!r}",
                 field="property",
                 value=self.property,
-                allowed=", ".join(MemberProperty),
+                allowed=list(MemberProperty),
             )
         if not self.members:
-            raise InvalidInputError("a change names no member", field="members", value=0, allowed=">= 1")
+            raise InvalidInputError("a change names no member", field="members", value=0, allowed=bounds(1))
         if (self.factor is None) == (self.value is None):
             raise InvalidInputError(
                 "a change multiplies by a factor or sets a value",
@@ -103,8 +103,8 @@ Change = MemberChange | NodeMass | GroundStiffness | JointStiffness
 
 def _check(number: float, field: str, *, zero_allowed: bool) -> None:
     if not np.isfinite(number) or number < 0 or (number == 0 and not zero_allowed):
-        bounds = ">= 0" if zero_allowed else "> 0"
-        raise InvalidInputError(f"{field} is out of bounds", field=field, value=number, allowed=bounds)
+        allowed = bounds(0) if zero_allowed else bounds(above=0)
+        raise InvalidInputError(f"{field} is out of bounds", field=field, value=number, allowed=allowed)
 
 
 def change(structure: Structure, changes: Iterable[Change]) -> Structure:
@@ -209,7 +209,7 @@ def _with_mass(structure: Structure, modification: NodeMass) -> Structure:
             f"there is no node {modification.node}",
             field="node",
             value=modification.node,
-            allowed=f"{min(structure.nodes)} to {max(structure.nodes)}",
+            allowed=bounds(min(structure.nodes), max(structure.nodes)),
         )
     masses = tuple(mass for mass in structure.masses if mass.node != modification.node)
     added = (PointMass(modification.node, modification.mass),) if modification.mass else ()

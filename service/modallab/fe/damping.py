@@ -2,15 +2,15 @@
 
 from dataclasses import dataclass
 
-from modallab.core.errors import InvalidInputError
+from modallab.core.errors import InvalidInputError, bounds
 from modallab.fe.settings import INPUT
 
 
 def _not_negative(name: str, *values: float) -> None:
     for value in values:
         if not 0 <= value <= INPUT.max_damping:  # NaN fails too
-            bounds = f"0 to {INPUT.max_damping:g}"
-            raise InvalidInputError(f"{name} must not be negative", field=name, value=value, allowed=bounds)
+            allowed = bounds(0, INPUT.max_damping)
+            raise InvalidInputError(f"{name} must not be negative", field=name, value=value, allowed=allowed)
 
 
 @dataclass(frozen=True)

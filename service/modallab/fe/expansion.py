@@ -84,8 +84,8 @@ def _masters(system: DynamicSystem, measured: ModalModel) -> tuple[Dof, ...]:
         raise InvalidInputError(
             "nothing was measured at a degree of freedom of the model",
             field="dofs",
-            value=", ".join(str(dof) for dof in measured.dofs[:5]),
-            allowed=", ".join(str(dof) for dof in system.dofs[:5]),
+            value=[str(dof) for dof in measured.dofs[:5]],
+            allowed=[str(dof) for dof in system.dofs[:5]],
         )
     return masters
 

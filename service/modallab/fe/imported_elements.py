@@ -9,7 +9,7 @@ from scipy.sparse import csc_array
 
 from modallab.core.arrays import FloatArray, IntArray
 from modallab.core.dof import Dof
-from modallab.core.errors import StructureError
+from modallab.core.errors import StructureError, bounds
 from modallab.fe.blocks import Blocks
 from modallab.fe.damping import Damping, StructuralDamping
 from modallab.fe.matrix_checks import check_mass, make_symmetric, slowest_motions
@@ -119,15 +119,17 @@ def _blocks(
 def _padded(elements: Sequence[Element]) -> tuple[IntArray, FloatArray, FloatArray, FloatArray]:
     """Return rows (n, w), mass, axial and bending stiffness (n, w, w) of elements of several sizes."""
     if not elements:
-        raise StructureError("a model needs elements", field="elements", value=0, allowed=">= 1")
+        raise StructureError("a model needs elements", field="elements", value=0, allowed=bounds(1))
     width = max(len(element.rows) for element in elements)
     if len(elements) * width**2 > INPUT.max_element_values:
         raise StructureError(
             "the element matrices hold too many numbers",
             field="elements",
             value=len(elements) * width**2,
-            allowed="elements times the square of the largest's degrees of freedom "
-            f"<= {INPUT.max_element_values}",
+            allowed=bounds(
+                maximum=INPUT.max_element_values,
+                unit="elements times the square of the largest's degrees of freedom",
+            ),
         )
     rows = np.full((len(elements), width), -1)
     mass, axial, bending = np.zeros((3, len(elements), width, width))
@@ -250,7 +252,7 @@ def _nodes(dofs: Sequence[Dof]) -> tuple[int, ...]:
 
 def _check_table(dofs: Sequence[Dof]) -> None:
     if not dofs:
-        raise StructureError("a model needs degrees of freedom", field="dofs", value=0, allowed=">= 1")
+        raise StructureError("a model needs degrees of freedom", field="dofs", value=0, allowed=bounds(1))
     points: set[Dof] = set()
     for dof in dofs:
         if dof.sign < 0 or dof.point in points:

@@ -9,7 +9,7 @@ from scipy.sparse.linalg import LinearOperator, SuperLU, eigsh, splu
 
 from modallab.core.arrays import FloatArray
 from modallab.core.dof import Dof
-from modallab.core.errors import StructureError
+from modallab.core.errors import StructureError, bounds
 from modallab.fe.settings import EIGENSOLUTION, INPUT
 
 
@@ -35,7 +35,7 @@ def make_symmetric(matrices: FloatArray, labels: Sequence[str], quantity: str) -
             f"the {quantity} of {labels[i]} is of no size that can be computed with",
             field=quantity,
             value=float(size[i]),
-            allowed=f"<= {INPUT.max_property:g}",
+            allowed=bounds(maximum=INPUT.max_property),
         )
     transposed = matrices.swapaxes(1, 2)
     asymmetry = np.abs(matrices - transposed).max(axis=(1, 2), initial=0.0)
@@ -114,6 +114,5 @@ def _factor(matrix: csc_array) -> SuperLU | None:
     return factor if np.array_equal(factor.perm_r, factor.perm_c) else None
 
 
-def _listed(dofs: Sequence[Dof]) -> str:
-    more = f" and {len(dofs) - INPUT.reported_dofs} more" if len(dofs) > INPUT.reported_dofs else ""
-    return ", ".join(map(str, dofs[: INPUT.reported_dofs])) + more
+def _listed(dofs: Sequence[Dof]) -> list[str]:
+    return [str(dof) for dof in dofs[: INPUT.reported_dofs]]

@@ -121,7 +121,7 @@ class MemberTable:
                 f"no two members meet at node {node}",
                 field="at",
                 value=node,
-                allowed=", ".join(map(str, self.joints)) or "none",
+                allowed=list(self.joints),
             )
         return released_end(self.numbers, self.ends, self.bars, node)
 

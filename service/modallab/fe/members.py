@@ -5,7 +5,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from modallab.core.errors import StructureError
+from modallab.core.errors import StructureError, bounds
 from modallab.fe.settings import ELEMENT, INPUT
 
 # No beam is outside of these, and products of what is inside neither vanish nor overflow.
@@ -14,22 +14,23 @@ from modallab.fe.settings import ELEMENT, INPUT
 def positive(value: float, name: str) -> None:
     """Raise `StructureError` unless the value is positive and within the range of computation."""
     if not INPUT.min_positive <= value <= INPUT.max_property:  # NaN fails too
-        bounds = f"{INPUT.min_positive:g} to {INPUT.max_property:g}"
-        raise StructureError(f"{name} must be positive", field=name, value=value, allowed=bounds)
+        allowed = bounds(INPUT.min_positive, INPUT.max_property)
+        raise StructureError(f"{name} must be positive", field=name, value=value, allowed=allowed)
 
 
 def not_negative(value: float, name: str) -> None:
     """Raise `StructureError` if the value is negative or out of the range of computation."""
     if not 0 <= value <= INPUT.max_property:
-        bounds = f"0 to {INPUT.max_property:g}"
-        raise StructureError(f"{name} must not be negative", field=name, value=value, allowed=bounds)
+        allowed = bounds(0, INPUT.max_property)
+        raise StructureError(f"{name} must not be negative", field=name, value=value, allowed=allowed)
 
 
 def within(value: float, lowest: float, highest: float, name: str) -> None:
     """Raise `StructureError` unless the value lies between the bounds."""
     if not lowest <= value <= highest:
-        bounds = f"{lowest:g} to {highest:g}"
-        raise StructureError(f"{name} is out of bounds", field=name, value=value, allowed=bounds)
+        raise StructureError(
+            f"{name} is out of bounds", field=name, value=value, allowed=bounds(lowest, highest)
+        )
 
 
 @dataclass(frozen=True)
@@ -119,7 +120,7 @@ class Plate:
             raise StructureError(
                 f"plate element {self.number} has not three or four corners",
                 field="members",
-                value=", ".join(map(str, self.nodes)),
+                value=self.nodes,
                 allowed="3 or 4 different nodes",
             )
 
@@ -134,7 +135,7 @@ class Plate:
             raise StructureError(
                 f"plate element {self.number} is folded, hollow or flat",
                 field="members",
-                value=", ".join(map(str, self.nodes)),
+                value=self.nodes,
                 allowed="corners round a convex shape",
             )
 

@@ -7,7 +7,7 @@ from scipy.linalg import eigh
 from scipy.sparse import csc_array
 
 from modallab.core.arrays import ComplexArray, FloatArray
-from modallab.core.errors import InvalidInputError
+from modallab.core.errors import InvalidInputError, bounds
 from modallab.core.numerics import PRODUCT_ROUNDING
 from modallab.fe.attachment import unique_columns
 from modallab.fe.cache import Cache, CacheSlot
@@ -43,7 +43,7 @@ class ModalBasis:
     def elastic(self, count: int | None = None) -> "ModalBasis":
         """Return the first `count` elastic modes; off-diagonal modal damping is neglected."""
         if count is not None and count < 1:
-            raise InvalidInputError("at least one mode", field="count", value=count, allowed=">= 1")
+            raise InvalidInputError("at least one mode", field="count", value=count, allowed=bounds(1))
         stop = None if count is None else self.n_rigid_body + count
         keep = slice(self.n_rigid_body, stop)
         viscous = None if self.viscous is None else self.viscous[keep, keep]

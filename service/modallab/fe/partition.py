@@ -42,7 +42,7 @@ class Partition:
             raise InvalidInputError(
                 "a reduction keeps at least one degree of freedom, and each of them once",
                 field="masters",
-                value=", ".join(str(dof) for dof in masters[:20]),
+                value=[str(dof) for dof in masters[:20]],
                 allowed="one or more, no two alike",
             )
         for point in points:
@@ -134,7 +134,7 @@ class Partition:
             f"held at the {len(self.masters)} masters the structure can still move without strain "
             f"({motions}): the other degrees of freedom have no static answer",
             field="reduction",
-            value=", ".join(str(dof) for dof in self.masters[:10]),
+            value=[str(dof) for dof in self.masters[:10]],
             allowed="masters that hold every rigid-body motion, `dynamic` above 0 Hz, or `serep`",
         )
 

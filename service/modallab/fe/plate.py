@@ -3,7 +3,7 @@
 from collections.abc import Mapping
 from enum import StrEnum
 
-from modallab.core.errors import StructureError
+from modallab.core.errors import StructureError, bounds
 from modallab.fe.damping import Damping, StructuralDamping
 from modallab.fe.members import Material, Plate, positive
 from modallab.fe.structure import ACROSS, GroundSpringElement, PointMass, Structure, Support
@@ -71,8 +71,8 @@ def plate(
         raise StructureError(
             "a plate needs an element each way",
             field="n_elements",
-            value=f"{along}, {across}",
-            allowed=">= 1, >= 1",
+            value=[along, across],
+            allowed=bounds(1),
         )
     row = along + 1
     edge_supports = _edge_supports(along, across, edges or {})

@@ -71,7 +71,7 @@ def reduction_of(kind: str, parameters: Mapping[str, float] | None = None) -> Re
             f"{kind} has no parameter {name!r}",
             field="reduction",
             value=name,
-            allowed=", ".join(cls.specs()) or "none",
+            allowed=list(cls.specs()),
         )
     return cls(**values)
 

@@ -37,8 +37,8 @@ def size(member: AnyMember, shape: SectionSize, *, field: str = "property") -> f
     if isinstance(member, Plate) and shape is SectionSize.THICKNESS:
         return member.thickness
     kinds = {
-        Member: ("a bar", f"{SectionSize.AREA}, {SectionSize.SECOND_MOMENT}"),
-        Plate: ("a plate", str(SectionSize.THICKNESS)),
+        Member: ("a bar", [SectionSize.AREA, SectionSize.SECOND_MOMENT]),
+        Plate: ("a plate", [SectionSize.THICKNESS]),
         MatrixElement: ("given by its matrices", "what multiplies these"),
     }
     kind, sizes = kinds[type(member)]

@@ -11,7 +11,7 @@ from scipy.sparse import coo_array
 from scipy.sparse.csgraph import connected_components
 
 from modallab.core.dof import DIRECTIONS, Dof
-from modallab.core.errors import InvalidInputError, StructureError, UnknownDofError
+from modallab.core.errors import InvalidInputError, StructureError, UnknownDofError, bounds
 from modallab.core.place import EffectSpec
 from modallab.fe.blocks import Blocks
 from modallab.fe.damping import Damping, StructuralDamping
@@ -114,9 +114,12 @@ class Structure:
         n_axes = 3 if self.blocks else 2
         for number, place in self.nodes.items():
             if number < 1 or len(place) != n_axes or not np.abs(place).max() <= INPUT.max_coordinate:
-                bounds = f"within {INPUT.max_coordinate:g} m"
+                allowed = bounds(-INPUT.max_coordinate, INPUT.max_coordinate, unit="m")
                 raise StructureError(
-                    f"node {number} has no place", field="nodes", value=str(place), allowed=bounds
+                    f"node {number} has no place",
+                    field="nodes",
+                    value=place,
+                    allowed=allowed,
                 )
         for support in self.supports:
             self._check_known(support.node, "supports")
@@ -126,12 +129,12 @@ class Structure:
                         f"no direction {direction!r}",
                         field="supports",
                         value=direction,
-                        allowed=", ".join(DIRECTIONS),
+                        allowed=list(DIRECTIONS),
                     )
 
     def _check_members(self) -> None:
         if not self.all_members:
-            raise StructureError("a structure needs members", field="members", value=0, allowed=">= 1")
+            raise StructureError("a structure needs members", field="members", value=0, allowed=bounds(1))
         numbers = [member.number for member in self.all_members]
         if len(set(numbers)) < len(numbers):
             raise StructureError("two members share a number", field="members")
@@ -154,7 +157,7 @@ class Structure:
             raise StructureError(
                 f"the structure falls into {parts} parts that nothing joins",
                 field="members",
-                value=", ".join(map(str, loose[:8])),
+                value=loose[:8],
                 allowed="one connected structure",
             )
 
@@ -177,7 +180,7 @@ class Structure:
                 f"member {member.number} has no matrices",
                 field="members",
                 value=member.index,
-                allowed=f"0 to {n_blocks - 1}",
+                allowed=bounds(0, n_blocks - 1),
             )
 
     def length(self, member: Member) -> float:
@@ -208,12 +211,14 @@ class Structure:
         try:
             return self._index[dof.point]
         except KeyError:
-            if dof.node in self.nodes:
-                has = ", ".join(str(d) for d in self.dofs if d.node == dof.node) or "none: it is held"
-            else:
-                has = f"nodes {min(self.nodes)} to {max(self.nodes)}"
+            at_node = [str(free) for free in self.dofs if free.node == dof.node]
+            nodes = {"nodes": bounds(min(self.nodes), max(self.nodes))}
+            allowed = at_node if dof.node in self.nodes else nodes
             raise UnknownDofError(
-                f"the structure has no degree of freedom {dof}", field="dof", value=str(dof), allowed=has
+                f"the structure has no degree of freedom {dof}",
+                field="dof",
+                value=str(dof),
+                allowed=allowed,
             ) from None
 
     @cached_property
@@ -256,5 +261,5 @@ class Structure:
                 f"there is no member {number}",
                 field="members",
                 value=number,
-                allowed=", ".join(str(m.number) for m in self.all_members[:100]),
+                allowed=[member.number for member in self.all_members[:100]],
             ) from None

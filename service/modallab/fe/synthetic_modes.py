@@ -7,7 +7,7 @@ import numpy as np
 
 from modallab.core.arrays import FloatArray
 from modallab.core.dof import Dof
-from modallab.core.errors import InvalidInputError
+from modallab.core.errors import InvalidInputError, bounds
 from modallab.core.modal_model import ModalModel, Mode
 from modallab.fe.modes import ModalBasis
 from modallab.fe.system import DynamicSystem
@@ -55,7 +55,9 @@ class ModeNoise:
         for name in ("eigenvalue", "eigenvector"):
             value = getattr(self, name)
             if not 0 <= value < 1:  # NaN fails too
-                raise InvalidInputError(f"{name} is out of bounds", field=name, value=value, allowed="0 to 1")
+                raise InvalidInputError(
+                    f"{name} is out of bounds", field=name, value=value, allowed=bounds(0, below=1)
+                )
 
     def factors(self, size: float, n: int, rng: np.random.Generator) -> FloatArray:
         """Return n factors around 1."""

@@ -8,7 +8,7 @@ from scipy.sparse import csc_array
 
 from modallab.core.arrays import FloatArray
 from modallab.core.dof import Dof
-from modallab.core.errors import UnknownDofError
+from modallab.core.errors import UnknownDofError, bounds
 from modallab.fe.cache import Cache, CacheSlot
 from modallab.fe.member_table import MemberTable
 from modallab.fe.modal_damping import ModalLossFactors
@@ -55,12 +55,13 @@ class SystemMatrices:
         try:
             return self._rows[dof.point]
         except KeyError:
-            at_node = ", ".join(str(d) for d in self.dofs if d.node == dof.node)
+            at_node = [str(free) for free in self.dofs if free.node == dof.node]
+            nodes = {"nodes": bounds(self.dofs[0].node, self.dofs[-1].node)}
             raise UnknownDofError(
                 f"the structure has no degree of freedom {dof}",
                 field="dof",
                 value=str(dof),
-                allowed=at_node or f"nodes {self.dofs[0].node} to {self.dofs[-1].node}",
+                allowed=at_node or nodes,
             ) from None
 
     def selection(self, dofs: tuple[Dof, ...]) -> FloatArray:

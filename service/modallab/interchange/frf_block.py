@@ -74,7 +74,7 @@ def assemble(blocks: Sequence[FrfBlock]) -> MeasuredFile:
     blocks_by_pair = {(block.response.point, block.source.point): block for block in blocks}
     pairs = [(output.point, source.point) for output in outputs for source in inputs]
     if len(blocks_by_pair) < len(blocks):
-        raise refusal("an FRF is in the file twice", field="outputs", value=", ".join(map(str, outputs)))
+        raise refusal("an FRF is in the file twice", field="outputs", value=list(map(str, outputs)))
     if len(set(pairs)) < len(pairs) or set(pairs) != set(blocks_by_pair):
         raise refusal(
             "not every response has an FRF of every drive",

@@ -9,7 +9,7 @@ from collections.abc import Iterator
 import numpy as np
 
 from modallab.core.dof import DIRECTIONS, Dof
-from modallab.core.errors import InvalidInputError
+from modallab.core.errors import InvalidInputError, bounds
 from modallab.interchange.frf_block import KINDS, assemble, read_blocks
 from modallab.interchange.measured import MeasuredFile
 from modallab.interchange.settings import FRF_TEXT_FILE
@@ -46,7 +46,7 @@ def write(measurement: Measurement, decimals: int = FRF_TEXT_FILE.program_decima
             "the decimals are out of bounds",
             field="decimals",
             value=decimals,
-            allowed=f"{FRF_TEXT_FILE.program_decimals} to {FRF_TEXT_FILE.all_decimals}",
+            allowed=bounds(FRF_TEXT_FILE.program_decimals, FRF_TEXT_FILE.all_decimals),
         )
     frf = measurement.frf
     blocks = [(j, i) for j in range(len(frf.outputs)) for i in range(len(frf.inputs))]

@@ -6,7 +6,7 @@ import numpy as np
 
 from modallab.core.arrays import FloatArray
 from modallab.core.dof import Dof
-from modallab.core.errors import InvalidInputError
+from modallab.core.errors import InvalidInputError, bounds
 from modallab.core.frf import FrfSet
 from modallab.interchange.settings import READING
 from modallab.rig.analyser import Analyser
@@ -50,7 +50,7 @@ class MeasuredFile:
                     f"{name} holds a number of no size that can be computed with",
                     field=name,
                     value=largest,
-                    allowed=f"up to {READING.max_magnitude:g}",
+                    allowed=bounds(maximum=READING.max_magnitude),
                 )
 
     def on_rig(self, setup: RigSetup, averages: float | None = None) -> Measurement:
@@ -116,7 +116,7 @@ class MeasuredFile:
         freq = self.frf.freq
         if len(freq) < READING.min_lines:
             raise InvalidInputError(
-                "too few lines", field="freq", value=len(freq), allowed=f"at least {READING.min_lines}"
+                "too few lines", field="freq", value=len(freq), allowed=bounds(READING.min_lines)
             )
         spacing = float(np.median(np.diff(freq)))
         n_lines = round(float(freq[-1]) / spacing) + 1
@@ -138,16 +138,16 @@ class MeasuredFile:
             raise InvalidInputError(
                 "the file drives elsewhere than the rig",
                 field="inputs",
-                value=", ".join(map(str, self.frf.inputs)),
-                allowed=", ".join(map(str, setup.drives)),
+                value=list(map(str, self.frf.inputs)),
+                allowed=list(map(str, setup.drives)),
             )
         strange = [str(dof) for dof in self.frf.outputs if dof not in setup.responses]
         if strange:
             raise InvalidInputError(
                 "the file holds responses that the rig does not have",
                 field="outputs",
-                value=", ".join(strange),
-                allowed=", ".join(map(str, setup.responses)),
+                value=list(strange),
+                allowed=list(map(str, setup.responses)),
             )
         return self.frf.outputs
 

@@ -9,7 +9,7 @@ from scipy.sparse import csc_array
 
 from modallab.core.arrays import FloatArray, IntArray
 from modallab.core.dof import Dof
-from modallab.core.errors import InvalidInputError
+from modallab.core.errors import InvalidInputError, bounds
 from modallab.fe.damping import Damping
 from modallab.fe.imported_elements import Element, GroupMatrices, Places, of_elements, of_groups
 from modallab.fe.structure import Structure
@@ -73,9 +73,7 @@ def read(payload: bytes, *, largest: int, damping: Damping | None = None, name: 
 def _needed(arrays: _Arrays, *names: str) -> None:
     missing = [name for name in names if name not in arrays]
     if missing:
-        raise InvalidInputError(
-            f"the file lacks {', '.join(missing)}", field="file", allowed=", ".join(names)
-        )
+        raise InvalidInputError(f"the file lacks {', '.join(missing)}", field="file", allowed=list(names))
 
 
 def _wholes(arrays: _Arrays, name: str, rank: int, lowest: int, highest: int) -> IntArray:
@@ -84,10 +82,10 @@ def _wholes(arrays: _Arrays, name: str, rank: int, lowest: int, highest: int) ->
     wrong = (values != np.round(values)) | (values < lowest) | (values > highest)
     if wrong.any():
         raise InvalidInputError(
-            f"{name} holds a number that is no place",
+            f"{name} holds a number that is not whole, or out of bounds",
             field=name,
             value=float(values[wrong][0]),
-            allowed=f"whole numbers, {lowest} to {highest}",
+            allowed=bounds(lowest, highest),
         )
     return values.astype(int)
 
@@ -96,7 +94,7 @@ def _shaped(arrays: _Arrays, name: str, shape: tuple[int, ...]) -> FloatArray:
     values = reals(dict(arrays), name, len(shape))
     if values.shape != shape:
         raise InvalidInputError(
-            f"{name} has the wrong shape", field=name, value=str(values.shape), allowed=str(shape)
+            f"{name} has the wrong shape", field=name, value=list(values.shape), allowed=list(shape)
         )
     return values
 
@@ -111,8 +109,8 @@ def _places(arrays: _Arrays, dofs: tuple[Dof, ...]) -> Places | None:
         raise InvalidInputError(
             "coordinates do not fit nodes",
             field="coordinates",
-            value=str(coordinates.shape),
-            allowed=f"({len(nodes)}, 3)",
+            value=list(coordinates.shape),
+            allowed=[len(nodes), 3],
         )
     places = {
         int(node): (float(x), float(y), float(z))
@@ -159,7 +157,7 @@ def _elements(arrays: _Arrays, n: int) -> list[Element]:
             raise InvalidInputError(
                 f"element {numbers[e]} has no degree of freedom, or one twice",
                 field="element_dofs",
-                value=str(rows[e].tolist()[:24]),
+                value=rows[e].tolist()[:24],
                 allowed="each once",
             )
         at = np.ix_(used, used)
@@ -185,7 +183,7 @@ def _check_sum(arrays: _Arrays, elements: list[Element], n: int) -> None:
                 f"the elements do not add up to the {kind}",
                 field=kind,
                 value=off,
-                allowed=f"<= {MODEL_FILE.sum_tolerance:g} of the largest entry",
+                allowed=bounds(maximum=MODEL_FILE.sum_tolerance, unit="of the largest entry"),
             )
 
 
@@ -196,9 +194,7 @@ def _or_none(element: Element) -> FloatArray:
 def _groups(arrays: _Arrays, n: int) -> list[GroupMatrices]:
     names = texts(arrays["groups"], "groups") if "groups" in arrays else [WHOLE]
     if len(set(names)) < len(names) or not all(names):
-        raise InvalidInputError(
-            "two groups share a name, or one has none", field="groups", value=", ".join(names[:10])
-        )
+        raise InvalidInputError("two groups share a name, or one has none", field="groups", value=names[:10])
     mass, stiffness = (_matrices(arrays, kind, n, len(names)) for kind in _KINDS)
     return [GroupMatrices(*group) for group in zip(names, mass, stiffness, strict=True)]
 
@@ -219,7 +215,7 @@ def _matrices(arrays: _Arrays, kind: str, n: int, n_groups: int) -> list[csc_arr
         raise InvalidInputError(
             f"the triplets of the {kind} are not of one length",
             field=names[2],
-            value=", ".join(map(str, (len(rows), len(columns), len(values), len(owner)))),
+            value=[len(rows), len(columns), len(values), len(owner)],
             allowed="as many rows and columns as values",
         )
     masks = [owner == g for g in range(n_groups)]

@@ -33,9 +33,7 @@ def read(payload: bytes, *, largest: int) -> MeasuredFile:
     arrays = load(payload, (*_REQUIRED, *_OPTIONAL), largest)
     missing = [name for name in _REQUIRED if name not in arrays]
     if missing:
-        raise InvalidInputError(
-            f"the file lacks {', '.join(missing)}", field="file", allowed=", ".join(_REQUIRED)
-        )
+        raise InvalidInputError(f"the file lacks {', '.join(missing)}", field="file", allowed=list(_REQUIRED))
     frf = FrfSet(
         freq=reals(arrays, "freq", 1),
         values=numbers(arrays, "values", 3),
@@ -59,5 +57,5 @@ def read(payload: bytes, *, largest: int) -> MeasuredFile:
 def _kind(array: NDArray[Any]) -> FrfKind:
     text = ", ".join(texts(array, "kind"))
     if text not in tuple(FrfKind):
-        raise InvalidInputError(f"no kind {text!r}", field="kind", value=text, allowed=", ".join(FrfKind))
+        raise InvalidInputError(f"no kind {text!r}", field="kind", value=text, allowed=list(FrfKind))
     return FrfKind(text)

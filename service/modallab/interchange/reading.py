@@ -58,7 +58,7 @@ def _measured(file: BinaryIO, largest: int) -> MeasuredFile:
     raise InvalidInputError(
         "the file is neither a universal file nor npz, HDF5 or FRF text",
         field="file",
-        allowed="universal file (58), npz, HDF5, FRF text",
+        allowed=["universal file (58)", "npz", "HDF5", "FRF text"],
     )
 
 

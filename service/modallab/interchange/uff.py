@@ -6,7 +6,7 @@ from functools import partial
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
-from modallab.core.dof import Dof
+from modallab.core.dof import DIRECTIONS, Dof
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.interchange.measured import MeasuredFile
 from modallab.interchange.settings import UNIVERSAL
@@ -136,7 +136,7 @@ def _frf(functions: Sequence[Function], units: tuple[float, float]) -> FrfSet:
     outputs = tuple(dict.fromkeys(response for response, _ in ends if response is not None))
     inputs = tuple(dict.fromkeys(reference for _, reference in ends if reference is not None))
     if any(response is None or reference is None for response, reference in ends):
-        raise refusal("an FRF has no response or reference direction", allowed="X, Y, Z, RX, RY, RZ")
+        raise refusal("an FRF has no response or reference direction", allowed=list(DIRECTIONS))
     _check_complete(ends, outputs, inputs)
     freq = functions[0].freq
     if not all(same_axis(f.freq, freq) for f in functions):
@@ -157,12 +157,12 @@ def _check_complete(
     """Raise unless every pair of response and reference has exactly one FRF."""
     points = [{dof.point for dof in dofs} for dofs in (outputs, inputs)]
     if len(set(ends)) < len(ends) or [len(outputs), len(inputs)] != [len(point_set) for point_set in points]:
-        raise refusal("an FRF is in the file twice", field="outputs", value=", ".join(map(str, outputs)))
+        raise refusal("an FRF is in the file twice", field="outputs", value=list(map(str, outputs)))
     if len(ends) < len(outputs) * len(inputs):
         raise refusal(
             "not every response has an FRF of every reference",
             field="inputs",
-            value=", ".join(map(str, inputs)),
+            value=list(map(str, inputs)),
             allowed="all of them, or a file for each reference",
         )
 
@@ -179,7 +179,7 @@ def _kind(functions: Sequence[Function], units: tuple[float, float]) -> FrfKind:
             "the FRFs must all be displacement, all velocity or all acceleration, per force; by their data "
             f"types they are {quantities}, by their labels {label!r}",
             field="kind",
-            value=", ".join(f"{motion} per {source}" for motion, source in sorted(kinds)),
+            value=[f"{motion} per {source}" for motion, source in sorted(kinds)],
             allowed="data types 8, 11 or 12 per 13",
         )
     strange = [label for f in functions for label in f.units if not_si(label, units)]

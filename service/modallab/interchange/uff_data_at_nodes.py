@@ -7,6 +7,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.core.errors import bounds
 from modallab.interchange.settings import UNIVERSAL
 from modallab.interchange.uff_split import refusal
 
@@ -45,7 +46,7 @@ def read_shape(text: str, index: int) -> NodalShape | None:
         If a record is missing, or holds what is no number.
     """
     if len(text) > UNIVERSAL.max_shape_characters:
-        raise refusal(f"mode {index} has too many nodes", allowed=f"1 to {UNIVERSAL.max_shape_nodes}")
+        raise refusal(f"mode {index} has too many nodes", allowed=bounds(1, UNIVERSAL.max_shape_nodes))
     lines = [line.rstrip() for line in text.split("\n")]
     while lines and not lines[-1]:
         lines.pop()
@@ -98,7 +99,7 @@ class _Reader:
         self._lines, self._index = lines, index
         if len(lines) <= UNIVERSAL.shape_records:
             raise refusal(
-                f"mode {index} is cut short", value=len(lines), allowed=f"more than {UNIVERSAL.shape_records}"
+                f"mode {index} is cut short", value=len(lines), allowed=bounds(above=UNIVERSAL.shape_records)
             )
 
     def integers(self, line: int, count: int) -> list[int]:
@@ -132,7 +133,7 @@ class _Reader:
             raise refusal(
                 f"mode {self._index} is cut short, or has too many nodes",
                 value=n_nodes,
-                allowed=f"1 to {UNIVERSAL.max_shape_nodes}",
+                allowed=bounds(1, UNIVERSAL.max_shape_nodes),
             )
         nodes, entries = self._split_at_blanks(n_nodes, count) or self._in_columns(step, count)
         if len(set(nodes)) < len(nodes):

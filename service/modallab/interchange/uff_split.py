@@ -4,7 +4,7 @@ import re
 from collections.abc import Collection, Iterator, Mapping
 from dataclasses import dataclass
 
-from modallab.core.errors import InvalidInputError
+from modallab.core.errors import InvalidInputError, JsonValue, bounds
 from modallab.interchange.settings import UNIVERSAL
 
 FUNCTION = 58
@@ -56,9 +56,9 @@ class _Form:
         return self.count if self.complex else -(-self.count // 2)
 
 
-def refusal(message: str, **context: str | float) -> InvalidInputError:
+def refusal(message: str, **context: JsonValue) -> InvalidInputError:
     """Return the error of a file that cannot be read."""
-    return InvalidInputError(message, **{"field": "file", **context})
+    return InvalidInputError(message, **({"field": "file"} | context))
 
 
 def starts(payload: bytes) -> bool:
@@ -143,7 +143,7 @@ def _function(payload: bytes, begin: int, kinds: Collection[int], index: int) ->
             f"dataset {index + 1} declares {form.count} values",
             dataset=index + 1,
             value=form.count,
-            allowed=f"1 to {UNIVERSAL.max_lines}",
+            allowed=bounds(1, UNIVERSAL.max_lines),
         )
     data, position = (_bytes if form.binary else _rows)(payload, begin, form, index)
     tidy = b"\n".join([b"    -1", *lines, data]) + b"    -1\n"

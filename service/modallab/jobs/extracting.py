@@ -4,7 +4,7 @@ from dataclasses import dataclass, replace
 
 from modallab.core.arrays import FloatArray
 from modallab.core.dof import Dof
-from modallab.core.errors import InvalidInputError
+from modallab.core.errors import InvalidInputError, bounds
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.core.modal_model import ModalModel
 from modallab.core.progress import Progress
@@ -97,18 +97,18 @@ def picture_of(
             f"no FRF at {response}",
             field="response",
             value=str(response),
-            allowed=", ".join(str(dof) for dof in model.dofs[: JOB.listed_dofs]),
+            allowed=[str(dof) for dof in model.dofs[: JOB.listed_dofs]],
         )
     if not 1 <= mode <= len(model.modes):
-        raise InvalidInputError("no such mode", field="mode", value=mode, allowed=f"1 to {len(model.modes)}")
+        raise InvalidInputError("no such mode", field="mode", value=mode, allowed=bounds(1, len(model.modes)))
     if reference is None and len(model.references) == 1:
         reference = model.references[0]
     if reference not in model.references:
         raise InvalidInputError(
             "which reference is not told" if reference is None else f"no FRFs of reference {reference}",
             field="reference",
-            value="" if reference is None else str(reference),
-            allowed=", ".join(str(dof) for dof in model.references),
+            value=None if reference is None else str(reference),
+            allowed=[str(dof) for dof in model.references],
         )
     leakage = leakage_of(measurement.setup)
     responses, _ = responses_read(

@@ -87,7 +87,7 @@ def _run_method(
     structure = with_effects(structure)
     if parameterisation is None:
         raise InvalidInputError(
-            f"{method} moves coefficients", field="parameterisation", value="none", allowed="coefficients"
+            f"{method} moves coefficients", field="parameterisation", value="none", allowed=["coefficients"]
         )
     if isinstance(options, UpdateOptions) and isinstance(target, TargetResponses):
         responses_updater = RESPONSE_UPDATERS[method]

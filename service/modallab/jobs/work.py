@@ -6,7 +6,7 @@ import traceback
 from collections.abc import Mapping, Sequence
 from typing import Any, cast
 
-from modallab.core.errors import CancelledError, ModalLabError
+from modallab.core.errors import CancelledError, ModalLabError, sentence
 from modallab.jobs.book import JobBook
 from modallab.jobs.destination import Destination
 from modallab.jobs.runner import Job
@@ -118,5 +118,10 @@ INTERNAL: Mapping[str, Any] = {
 
 
 def describe(error: ModalLabError) -> dict[str, Any]:
-    """Return an error as the plain values of a problem document."""
-    return {"code": error.code, "title": type(error).__name__, "detail": str(error), "context": error.context}
+    """Return an error as the values of a problem document."""
+    return {
+        "code": error.code,
+        "title": type(error).__name__,
+        "detail": sentence(error),
+        "context": error.context,
+    }

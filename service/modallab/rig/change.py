@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 
 from modallab.core.dof import Dof
-from modallab.core.errors import InvalidInputError
+from modallab.core.errors import InvalidInputError, bounds
 from modallab.core.place import EffectSpec
 from modallab.rig.compatibility import check_compatible
 from modallab.rig.effect import build
@@ -32,7 +32,10 @@ class AddedMass:
     def __post_init__(self) -> None:
         if not 0 < self.mass <= CHANGE.max_mass:  # NaN fails too
             raise InvalidInputError(
-                "an added mass weighs something", field="added_mass.mass", value=self.mass, allowed="0 to 100"
+                "an added mass weighs something",
+                field="added_mass.mass",
+                value=self.mass,
+                allowed=bounds(above=0, maximum=CHANGE.max_mass, unit="kg"),
             )
 
 
@@ -56,14 +59,17 @@ class Change:
             value = getattr(self, name)
             if value is not None and not CHANGE.min_factor <= value <= CHANGE.max_factor:
                 raise InvalidInputError(
-                    f"{name} is out of bounds", field=f"changed.{name}", value=value, allowed="1e-6 to 1e6"
+                    f"{name} is out of bounds",
+                    field=f"changed.{name}",
+                    value=value,
+                    allowed=bounds(CHANGE.min_factor, CHANGE.max_factor),
                 )
         if self.exciter not in (None, *_DEFAULT_SIGNALS):
             raise InvalidInputError(
                 f"no exciter called {self.exciter!r}",
                 field="changed.exciter",
                 value=str(self.exciter),
-                allowed=", ".join(_DEFAULT_SIGNALS),
+                allowed=list(_DEFAULT_SIGNALS),
             )
 
     @property
@@ -88,7 +94,7 @@ class Change:
                     f"a further test cannot change {name!r}",
                     field="changed",
                     value=name,
-                    allowed=", ".join(sorted(names)),
+                    allowed=sorted(names),
                 )
         values: dict[str, Any] = dict(plain)
         if drive := values.get("drive"):

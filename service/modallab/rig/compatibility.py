@@ -25,7 +25,7 @@ def check_compatible(setup: RigSetup) -> None:
             f"a window that cuts signals off spoils {kind}, which does not end within the record",
             field="analyser.window",
             value=analyser.window,
-            allowed=", ".join(name for name, window in WINDOWS.items() if not window.transient),
+            allowed=[name for name, window in WINDOWS.items() if not window.transient],
         )
     if setup.exciter.kind == "hammer":
         _check_hammer(setup)
@@ -34,7 +34,7 @@ def check_compatible(setup: RigSetup) -> None:
             f"several exciters that all play the same {kind} cannot be told apart",
             field="excitation.kind",
             value=kind,
-            allowed="random, periodic_random, burst_random",
+            allowed=["random", "periodic_random", "burst_random"],
         )
 
 
@@ -43,7 +43,7 @@ def _check_hammer(setup: RigSetup) -> None:
     kind = setup.analyser.excitation.kind
     if kind != _STRUCK:
         raise InvalidInputError(
-            f"a hammer cannot play {kind}", field="excitation.kind", value=kind, allowed=_STRUCK
+            f"a hammer cannot play {kind}", field="excitation.kind", value=kind, allowed=[_STRUCK]
         )
     if setup.stinger is not None:
         raise InvalidInputError("nothing joins a hammer to the structure", field="stinger", allowed="null")
@@ -54,8 +54,8 @@ def _check_hammer(setup: RigSetup) -> None:
             raise InvalidInputError(
                 f"{name} belongs to a shaker, not to a hammer",
                 field=f"exciter.{name}",
-                value=str(value),
-                allowed=str(getattr(ideal, name)),
+                value=value,
+                allowed=getattr(ideal, name),
             )
     gauge = setup.force_transducer
     if gauge.mass_below or gauge.stiffness:

@@ -10,7 +10,7 @@ import numpy as np
 
 from modallab.core.arrays import FloatArray
 from modallab.core.dof import Dof
-from modallab.core.errors import InvalidInputError
+from modallab.core.errors import InvalidInputError, JsonValue
 from modallab.core.parameters import Parameterised
 from modallab.core.place import Channels, EffectSpec, Members, Place
 from modallab.core.registry import Family
@@ -104,11 +104,11 @@ class Effect(Parameterised):
             If it has no such member, or an effect of this kind does not sit at such a place.
         """
         if not isinstance(self.at, self.allowed_places):
-            raise self._misplaced(" or ".join(_PLACES[kind] for kind in self.allowed_places))
+            raise self._misplaced([_PLACES[kind] for kind in self.allowed_places])
         if isinstance(self.at, Dof):
             structure.index(self.at)
             if self.at_drive and setup is not None and self.at.point not in {d.point for d in setup.drives}:
-                raise self._misplaced("a drive point: " + ", ".join(map(str, setup.drives)))
+                raise self._misplaced([str(dof) for dof in setup.drives])
         elif isinstance(self.at, Members):
             for number in self.at.numbers:
                 structure.member(number)
@@ -117,9 +117,9 @@ class Effect(Parameterised):
         elif isinstance(self.at, Channels) and setup is not None:
             points = {dof.point for dof in setup.responses}
             if not self.at.dofs or any(dof.point not in points for dof in self.at.dofs):
-                raise self._misplaced("channels of this rig: " + ", ".join(map(str, setup.responses)))
+                raise self._misplaced([str(dof) for dof in setup.responses])
 
-    def _misplaced(self, allowed_places: str) -> InvalidInputError:
+    def _misplaced(self, allowed_places: JsonValue) -> InvalidInputError:
         place = "everywhere" if self.at is None else f"at {self.at}"
         return InvalidInputError(
             f"{self.kind} cannot be {place}", field="at", value=str(self.at), allowed=allowed_places
@@ -214,7 +214,7 @@ def build(spec: EffectSpec) -> Effect:
                 f"{spec.kind} has no parameter {name!r}",
                 field=f"effects.{spec.kind}",
                 value=name,
-                allowed=", ".join(cls.specs()) or "none",
+                allowed=list(cls.specs()),
             )
     values: dict[str, Any] = {name: float(value) for name, value in spec.parameters.items()}
     return cls(at=spec.at, **values)

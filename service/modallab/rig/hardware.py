@@ -4,7 +4,7 @@ import math
 from dataclasses import dataclass
 from typing import Literal
 
-from modallab.core.errors import InvalidInputError
+from modallab.core.errors import InvalidInputError, bounds
 from modallab.rig.mounting import MOUNTINGS, Mounting
 
 
@@ -12,7 +12,7 @@ def within(name: str, value: float, lower: float, upper: float) -> None:
     """Raise `InvalidInputError` unless a declared number lies between its bounds."""
     if not lower <= value <= upper:  # NaN fails too
         raise InvalidInputError(
-            f"{name} is out of bounds", field=name, value=value, allowed=f"{lower} to {upper}"
+            f"{name} is out of bounds", field=name, value=value, allowed=bounds(lower, upper)
         )
 
 

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.arrays import FloatArray, frozen
-from modallab.core.errors import InvalidInputError
+from modallab.core.errors import InvalidInputError, bounds
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.core.numerics import COMPARISON_ROUNDING
 from modallab.rig.setup import RigSetup
@@ -60,17 +60,17 @@ class Measurement:
         for name in ("force_spectrum", "response_spectrum"):
             value = getattr(self, name)
             if value is not None and (value < 0).any():
-                raise InvalidInputError("an auto spectrum is not negative", field=name, allowed=">= 0")
+                raise InvalidInputError("an auto spectrum is not negative", field=name, allowed=bounds(0))
         if self.noise_floor is not None and not 0 < self.noise_floor <= 1:  # NaN fails too
             raise InvalidInputError(
                 "a noise floor is a relative error",
                 field="noise_floor",
                 value=self.noise_floor,
-                allowed="above 0, to 1",
+                allowed=bounds(above=0, maximum=1),
             )
         if not self.averages >= 1:
             raise InvalidInputError(
-                "a measurement needs an average", field="averages", value=self.averages, allowed=">= 1"
+                "a measurement needs an average", field="averages", value=self.averages, allowed=bounds(1)
             )
 
     def to(self, kind: FrfKind) -> "Measurement":

@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
-from modallab.core.errors import InvalidInputError
+from modallab.core.errors import InvalidInputError, bounds
 
 
 @dataclass(frozen=True)
@@ -57,7 +57,7 @@ def useful_frequency(frequency: float, deviation: float, loss: float = 0.0) -> f
     """
     if not 0 < deviation < 1:
         raise InvalidInputError(
-            "a deviation lies between none and all", field="deviation", value=deviation, allowed="0 to 1"
+            "a deviation lies between none and all", field="deviation", value=deviation, allowed=bounds(0, 1)
         )
     half = 1 - loss**2 / 2
     under_root = half**2 - 1 + (1 + deviation) ** -2

@@ -3,7 +3,7 @@
 from dataclasses import dataclass, field
 
 from modallab.core.dof import Dof
-from modallab.core.errors import InvalidInputError
+from modallab.core.errors import InvalidInputError, bounds
 from modallab.core.place import EffectSpec
 from modallab.estimation.averaging import effective_averages
 from modallab.estimation.estimator import MULTIPLE_INPUT_ESTIMATORS
@@ -74,7 +74,7 @@ class RigSetup:
                         f"{dof} is a rotation: a force and an accelerometer act along X, Y or Z",
                         field=name,
                         value=str(dof),
-                        allowed="X, Y, Z",
+                        allowed=["X", "Y", "Z"],
                     )
         if len(self.drives) > 1 and self.exciter.kind != "hammer":
             self._check_told_apart()
@@ -87,7 +87,7 @@ class RigSetup:
                 f"{analyser.estimator} is defined for one force, and {n_in} act at once",
                 field="estimator",
                 value=analyser.estimator,
-                allowed=", ".join(MULTIPLE_INPUT_ESTIMATORS),
+                allowed=list(MULTIPLE_INPUT_ESTIMATORS),
             )
         worth = effective_averages(analyser.averages, analyser.overlap, WINDOWS[analyser.window])
         if worth < n_in:
@@ -95,7 +95,7 @@ class RigSetup:
                 "too few averages to tell apart the forces that act at once",
                 field="averages",
                 value=round(worth, 2),
-                allowed=f">= {n_in}, as independent records count",
+                allowed=bounds(n_in, unit="independent records"),
             )
 
     @property

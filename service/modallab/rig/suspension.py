@@ -27,7 +27,7 @@ class Suspension:
                     f"{dof} is a rotation: a band pulls along X, Y or Z",
                     field="suspension.at",
                     value=str(dof),
-                    allowed="X, Y, Z",
+                    allowed=["X", "Y", "Z"],
                 )
         if len({dof.point for dof in self.at}) < len(self.at):
             raise InvalidInputError("a band is named twice", field="suspension.at")

@@ -28,7 +28,7 @@ def method_called(name: str) -> Method:
             f"no updating method called {name!r}",
             field="method",
             value=name,
-            allowed=", ".join(sorted(METHODS)),
+            allowed=sorted(METHODS),
         )
     return METHODS[name]
 

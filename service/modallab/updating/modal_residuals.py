@@ -6,7 +6,7 @@ from enum import StrEnum
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray
-from modallab.core.errors import InvalidInputError, UnderdeterminedError
+from modallab.core.errors import InvalidInputError, UnderdeterminedError, bounds
 from modallab.correlation.mac import mac, pair_modes
 from modallab.fe.assembly import Assembly
 from modallab.fe.damping import StructuralDamping
@@ -102,7 +102,7 @@ class ModalResiduals:
                 f"{n_rows} measured numbers cannot determine {n_params} coefficients",
                 field="macros",
                 value=n_params,
-                allowed=f"<= {n_rows}",
+                allowed=bounds(maximum=n_rows),
             )
 
     def errors(self, state: ModelState) -> FloatArray | None:
@@ -261,6 +261,6 @@ def _mass_loss(structure: Structure) -> float:
             "damped modes update hysteretic damping, member by member; the model has another law",
             field="damping",
             value=type(law).__name__,
-            allowed=StructuralDamping.__name__,
+            allowed=[StructuralDamping.__name__],
         )
     return law.mass_coefficient

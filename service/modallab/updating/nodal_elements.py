@@ -35,7 +35,7 @@ def check_nodal_values(structure: Structure, part: Part, nodes: Iterable[int]) -
                 f"node {node} carries no {part.label} that a coefficient could multiply",
                 field="attached",
                 value=node,
-                allowed=", ".join(map(str, values)) or f"none: the structure has no {part.label}",
+                allowed=list(values) or f"none: the structure has no {part.label}",
             )
 
 

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from modallab.core.arrays import BoolArray, FloatArray
-from modallab.core.errors import InvalidInputError
+from modallab.core.errors import InvalidInputError, bounds
 from modallab.fe.assembly import Coefficients
 from modallab.fe.section_size import size
 from modallab.fe.structure import Structure
@@ -56,7 +56,7 @@ class Parameterisation:
     def __post_init__(self) -> None:
         if not self.macros:
             raise InvalidInputError(
-                "an update needs a macro element", field="macros", value=0, allowed=">= 1"
+                "an update needs a macro element", field="macros", value=0, allowed=bounds(1)
             )
         if not 0 < self.lower < 1 < self.upper < np.inf:
             raise InvalidInputError(
@@ -135,11 +135,11 @@ def parameterise(
     for part in parts:
         if part not in element_parts:
             raise InvalidInputError(
-                f"elements have no part {part!r}", field="parts", value=part, allowed=", ".join(element_parts)
+                f"elements have no part {part!r}", field="parts", value=part, allowed=list(element_parts)
             )
     members = [tuple(int(number) for number in group) for group in groups]
     if not all(members):
-        raise InvalidInputError("a macro element has no member", field="macros", value="[]", allowed=">= 1")
+        raise InvalidInputError("a macro element has no member", field="macros", value=[], allowed=bounds(1))
     macros = tuple(MacroElement(group, Part(part)) for part in parts for group in members)
     return Parameterisation((*macros, *nodal), lower, upper)
 
@@ -159,7 +159,7 @@ def at_nodes(
     for name, groups in groups_by_part.items():
         if name not in nodal_parts:
             raise InvalidInputError(
-                f"nodes carry no {name!r}", field="attached", value=name, allowed=", ".join(nodal_parts)
+                f"nodes carry no {name!r}", field="attached", value=name, allowed=list(nodal_parts)
             )
         part = nodal_parts[name]
         node_groups = [(node,) for node in nodal_values(structure, part)] if groups is None else list(groups)
@@ -168,7 +168,7 @@ def at_nodes(
                 f"no node carries a {part.label}" if groups is None else f"{name} is of no node",
                 field="attached",
                 value=name,
-                allowed="nodes: " + (", ".join(map(str, nodal_values(structure, part))) or "none"),
+                allowed=list(nodal_values(structure, part)),
             )
         macros += [MacroElement(tuple(int(node) for node in group), part) for group in node_groups]
     return tuple(macros)
@@ -181,7 +181,7 @@ def check_no_loss_factors(parameterisation: Parameterisation) -> None:
             "a method of real modes finds no damping",
             field="parts",
             value=Part.DAMPING.value,
-            allowed=", ".join(part for part in Part if part is not Part.DAMPING),
+            allowed=[part for part in Part if part is not Part.DAMPING],
         )
 
 

@@ -6,7 +6,7 @@ import numpy as np
 from scipy.sparse import csr_array
 
 from modallab.core.arrays import FloatArray
-from modallab.core.errors import InvalidInputError
+from modallab.core.errors import InvalidInputError, bounds
 from modallab.core.numerics import COMPARISON_ROUNDING
 from modallab.fe.members import AnyMember, MatrixElement, Member
 from modallab.fe.structure import Structure
@@ -65,7 +65,7 @@ def partitioned(structure: Structure, count: int | None = None) -> Groups:
             f"{len(members)} members make no {count} macro elements",
             field="macros",
             value=count,
-            allowed=f"1 to {len(members)}",
+            allowed=bounds(1, len(members)),
         )
     return _connected_parts(members, count)
 
@@ -85,8 +85,7 @@ def named_groups(structure: Structure, groups: Iterable[str | Sequence[int]]) ->
                 f"the structure has no group {group!r}",
                 field="macros",
                 value=group,
-                allowed=", ".join(list(groups_by_name)[:50])
-                or "members by number: this structure has no groups",
+                allowed=list(groups_by_name)[:50] or "members by number: this structure has no groups",
             )
     return [groups_by_name[group] if isinstance(group, str) else group for group in groups]
 

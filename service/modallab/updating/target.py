@@ -6,7 +6,7 @@ import numpy as np
 
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray, frozen
 from modallab.core.dof import Dof
-from modallab.core.errors import InvalidInputError
+from modallab.core.errors import InvalidInputError, bounds
 from modallab.core.modal_model import ModalModel
 from modallab.updating.settings import PAIRING
 
@@ -148,14 +148,16 @@ def complex_modes(target: ModalModel) -> TargetModes:
 
 def _check(target: ModalModel) -> None:
     if not target.modes or not target.dofs:
-        raise InvalidInputError("the modal model is empty", field="modal_model", value=0, allowed=">= 1 mode")
+        raise InvalidInputError(
+            "the modal model is empty", field="modal_model", value=0, allowed=bounds(1, unit="modes")
+        )
     frequencies = target.frequencies
     if not (np.isfinite(frequencies) & (frequencies > 0)).all():
         raise InvalidInputError(
             "elastic modes have frequencies above zero",
             field="frequencies",
             value=float(frequencies.min()),
-            allowed="> 0 Hz",
+            allowed=bounds(above=0, unit="Hz"),
         )
 
 

@@ -47,7 +47,7 @@ def higher_modes_at(
             "modes above a basis of damped modes count statically",
             field="higher_modes",
             value=higher_modes.value,
-            allowed=f"{HigherModes.OMITTED}, {HigherModes.STATIC}",
+            allowed=[HigherModes.OMITTED, HigherModes.STATIC],
         )
     eigenvalue_ratio = _eigenvalue_ratio(basis, modes)
     centre = 2 / eigenvalue_ratio - 1

@@ -138,7 +138,11 @@ def test_more_modes_than_there_are_fail_the_job_by_name(service: Any, beam: str,
     body = {"structure_id": beam, "modal_model_id": sparse, "method": "baruch", "options": {"n_modes": 7}}
     job = service.get(f"/v1/jobs/{service.post('/v1/updates', body, status=202)['id']}")
     assert job["state"] == "failed"
-    assert job["error"]["context"] == {"field": "n_modes", "value": 7, "allowed": "1 to 6"}
+    assert job["error"]["context"] == {
+        "field": "n_modes",
+        "value": 7,
+        "allowed": {"minimum": 1, "maximum": 6},
+    }
 
 
 def test_an_update_of_coefficients_has_no_matrices(service: Any, beam: str, sparse: str) -> None:

@@ -95,7 +95,7 @@ def test_what_does_not_go_together_is_refused_in_words(
 def test_a_plate_has_no_area_to_change(service: Any, plate: str) -> None:
     changes = [{"members": [1], "property": "area", "factor": 2.0}]
     problem = service.post(f"/v1/structures/{plate}/changes", {"changes": changes}, status=422)
-    assert (problem["context"]["field"], problem["context"]["allowed"]) == ("property", "thickness")
+    assert (problem["context"]["field"], problem["context"]["allowed"]) == ("property", ["thickness"])
 
 
 MOUNTED = {

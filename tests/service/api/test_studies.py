@@ -149,4 +149,4 @@ def test_more_coefficients_than_are_kept_are_refused_with_the_runs_that_fit(
 ) -> None:
     monkeypatch.setattr(schemas, "REQUEST", replace(REQUEST, study_coefficients=250))
     refused = service.post("/v1/studies", asked(beam, stiffer), status=422)
-    assert refused["context"] == {"field": "seeds", "value": 8, "allowed": "up to 6 runs"}
+    assert refused["context"] == {"field": "seeds", "value": 8, "allowed": {"maximum": 6, "unit": "runs"}}

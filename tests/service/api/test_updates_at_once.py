@@ -86,7 +86,7 @@ def test_too_few_modes_fail_the_job_with_the_count_or_are_regularised(
     job = service.get(f"/v1/jobs/{service.post('/v1/updates', asked(beam, few), status=202)['id']}")
     assert job["state"] == "failed"
     assert job["error"]["code"] == "underdetermined"
-    assert job["error"]["context"] == {"field": "macros", "value": 40, "allowed": "<= 36"}
+    assert job["error"]["context"] == {"field": "macros", "value": 40, "allowed": {"maximum": 36}}
     body = asked(beam, few, underdetermined="regularised")
     update = service.get(f"/v1/updates/{service.result_of('/v1/updates', body)}")
     assert update["converged"]

@@ -38,19 +38,19 @@ def test_specifications_are_read_where_they_are_declared() -> None:
     assert specs["colour"].default == "red"
 
 
-REFUSED: list[tuple[str, Any, str]] = [
-    ("coats", 6, "1 to 5"),
-    ("coats", 0, "1 to 5"),
-    ("thickness", -1e-3, "0.0 or more m"),
-    ("thickness", float("nan"), "0.0 or more m"),
-    ("share", 0.0, "more than 0.0, 1.0 or less"),
-    ("colour", "green", "red, blue"),
-    ("finish", "rough", "matt, gloss"),
+REFUSED: list[tuple[str, Any, Any]] = [
+    ("coats", 6, {"minimum": 1, "maximum": 5}),
+    ("coats", 0, {"minimum": 1, "maximum": 5}),
+    ("thickness", -1e-3, {"minimum": 0.0, "unit": "m"}),
+    ("thickness", float("nan"), {"minimum": 0.0, "unit": "m"}),
+    ("share", 0.0, {"exclusiveMinimum": 0.0, "maximum": 1.0}),
+    ("colour", "green", ["red", "blue"]),
+    ("finish", "rough", ["matt", "gloss"]),
 ]
 
 
 @pytest.mark.parametrize(("name", "value", "allowed"), REFUSED)
-def test_an_option_out_of_bounds_is_refused_with_them(name: str, value: Any, allowed: str) -> None:
+def test_an_option_out_of_bounds_is_refused_with_them(name: str, value: Any, allowed: Any) -> None:
     with pytest.raises(InvalidInputError) as refused:
         PaintOptions(**{name: value})
     assert refused.value.context["field"] == name

@@ -27,4 +27,4 @@ def test_a_value_out_of_bounds_is_refused_with_them(mass: float) -> None:
     with pytest.raises(InvalidInputError) as caught:
         Ballast(1, mass)
     assert caught.value.context["field"] == "mass"
-    assert caught.value.context["allowed"] == "0.0 to 2.0 kg"
+    assert caught.value.context["allowed"] == {"minimum": 0.0, "maximum": 2.0, "unit": "kg"}

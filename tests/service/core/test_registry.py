@@ -26,7 +26,7 @@ def test_members_are_found_by_name_in_alphabetical_order(monkeypatch: pytest.Mon
 def test_an_unknown_name_is_refused_with_those_there_are(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(InvalidInputError) as caught:
         family(monkeypatch)["three"]
-    assert caught.value.context == {"field": "number", "value": "three", "allowed": "one, two"}
+    assert caught.value.context == {"field": "number", "value": "three", "allowed": ["one", "two"]}
 
 
 def test_a_name_taken_cannot_be_taken_again(monkeypatch: pytest.MonkeyPatch) -> None:

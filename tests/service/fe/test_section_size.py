@@ -84,13 +84,13 @@ def test_the_size_of_one_member_is_its_own() -> None:
 @pytest.mark.parametrize(
     ("structure", "shape", "allowed"),
     [
-        (PLATES, SectionSize.AREA, "thickness"),
-        (PLATES, SectionSize.SECOND_MOMENT, "thickness"),
-        (BAY, SectionSize.THICKNESS, "area, second_moment"),
+        (PLATES, SectionSize.AREA, ["thickness"]),
+        (PLATES, SectionSize.SECOND_MOMENT, ["thickness"]),
+        (BAY, SectionSize.THICKNESS, ["area", "second_moment"]),
     ],
 )
 def test_a_size_that_a_member_does_not_have_is_refused(
-    structure: Structure, shape: SectionSize, allowed: str
+    structure: Structure, shape: SectionSize, allowed: list[str]
 ) -> None:
     for refused in (
         lambda: size(structure.all_members[0], shape, field="parts"),

@@ -93,7 +93,7 @@ def test_an_unknown_dof_is_named_with_those_there_are() -> None:
     structure = frame(*PATH, supports=(Support(1, ("X",)),))
     with pytest.raises(UnknownDofError) as caught:
         structure.index(Dof(1, "X"))
-    assert caught.value.context == {"field": "dof", "value": "1:+X", "allowed": "1:+Y, 1:+RZ"}
+    assert caught.value.context == {"field": "dof", "value": "1:+X", "allowed": ["1:+Y", "1:+RZ"]}
 
 
 def test_changing_the_nodes_handed_in_changes_nothing() -> None:

@@ -234,7 +234,7 @@ def test_an_estimator_for_one_force_is_refused_when_the_rig_is_declared(estimato
     with pytest.raises(InvalidInputError, match="one force") as caught:
         two_shakers(estimator=estimator)
     assert caught.value.context["field"] == "estimator"
-    assert caught.value.context["allowed"] == "h1"
+    assert caught.value.context["allowed"] == ["h1"]
     hammer = RigSetup(DRIVES, RESPONSES, exciter=Exciter("hammer"), analyser=Analyser(estimator=estimator))
     assert len(hammer.acquisition_runs) == 2  # one force after the other
 

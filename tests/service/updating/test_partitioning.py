@@ -120,4 +120,4 @@ def test_the_same_structure_is_divided_the_same_way() -> None:
 def test_more_parts_than_members_are_refused(count: int) -> None:
     with pytest.raises(InvalidInputError, match="20 members make no") as caught:
         partitioned(BEAM, count)
-    assert caught.value.context["allowed"] == "1 to 20"
+    assert caught.value.context["allowed"] == {"minimum": 1, "maximum": 20}

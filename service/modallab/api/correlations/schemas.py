@@ -4,7 +4,7 @@ from modallab.api.deps import Id
 from modallab.api.limits import REQUEST
 from modallab.api.reductions import Reduced
 from modallab.api.wire import ModeCount, Wire
-from modallab.core.errors import InvalidInputError
+from modallab.core.errors import InvalidInputError, bounds
 from modallab.core.frf import FrfSet
 
 
@@ -40,6 +40,6 @@ def small(frf: FrfSet) -> FrfSet:
             "too many lines and FRFs to wait for",
             field="measurement_id",
             value=frf.values.size,
-            allowed=f"lines x FRFs <= {REQUEST.correlation_values}",
+            allowed=bounds(maximum=REQUEST.correlation_values, unit="lines x FRFs"),
         )
     return frf

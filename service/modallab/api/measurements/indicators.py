@@ -8,7 +8,7 @@ from pydantic import Field
 from modallab.api.limits import REPLY
 from modallab.api.thinning import numbers, thinned
 from modallab.api.wire import Reply
-from modallab.core.errors import InvalidInputError
+from modallab.core.errors import InvalidInputError, bounds
 from modallab.core.frf import FrfKind
 from modallab.extraction.preprocessing.indicators import complex_mode_indicator, real_part_indicator
 from modallab.extraction.preprocessing.reciprocity import reciprocity
@@ -42,7 +42,7 @@ class IndicatorsOut(Reply):
                 "these curves are too long for JSON: take fewer points",
                 field="points",
                 value=points,
-                allowed=f"about {REPLY.json_curve_values // (2 * (mif.shape[1] + cmif.shape[1]))}",
+                allowed=bounds(maximum=REPLY.json_curve_values // (2 * (mif.shape[1] + cmif.shape[1]))),
             )
         return cls(
             freq=frf.freq[keep].tolist(),

@@ -9,7 +9,7 @@ from modallab.api.limits import REPLY
 from modallab.api.rigs.schemas import setup_out
 from modallab.api.thinning import thinned
 from modallab.api.wire import Effects, Reply, Seed, StoredEntry, Wire, effect_out
-from modallab.core.errors import InvalidInputError
+from modallab.core.errors import InvalidInputError, bounds
 from modallab.fe.structure import Structure
 from modallab.jobs.measuring import MeasurementInputs, MeasurementOptions
 from modallab.rig.effect import build
@@ -148,7 +148,7 @@ class CurvesOut(Reply):
                 "these curves are too long for JSON: take fewer points, or the arrays as npz",
                 field="points",
                 value=points,
-                allowed=f"points x FRFs <= {REPLY.json_curve_values // 3}",
+                allowed=bounds(maximum=REPLY.json_curve_values // 3, unit="points x FRFs"),
             )
         curves, g2 = [], measurement.coherence
         for j, output in enumerate(frf.outputs):

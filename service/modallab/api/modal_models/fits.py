@@ -156,7 +156,7 @@ class ChartOut(BaseModel):
                 f"{model.method or 'imported modes'}: no stabilisation chart",
                 field="method",
                 value=model.method,
-                allowed=", ".join(GLOBAL_METHODS),
+                allowed=list(GLOBAL_METHODS),
             )
         return cls(
             order=chart.order.tolist(),

@@ -41,7 +41,7 @@ def distinct(texts: Sequence[str]) -> tuple[Dof, ...]:
     dofs = tuple(Dof.parse(text, field="dofs") for text in texts)
     if len({dof.point for dof in dofs}) < len(dofs):
         raise InvalidInputError(
-            "a DoF is named twice", field="dofs", value=", ".join(texts)[:200], allowed="each once"
+            "a DoF is named twice", field="dofs", value=list(texts[:20]), allowed="each once"
         )
     return dofs
 

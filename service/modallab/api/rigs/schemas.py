@@ -17,7 +17,7 @@ from modallab.api.rigs.hardware import (
 )
 from modallab.api.wire import Effects, Reply, StoredEntry, Translation, Wire, effect_out
 from modallab.core.dof import Dof
-from modallab.core.errors import InvalidInputError
+from modallab.core.errors import InvalidInputError, bounds
 from modallab.rig.checks import Check, figures
 from modallab.rig.compatibility import check_compatible
 from modallab.rig.setup import RigSetup
@@ -75,7 +75,7 @@ class RigIn(Wire):
                 "lines times responses are too many",
                 field="n_lines",
                 value=values,
-                allowed=f"<= {REQUEST.test_values}",
+                allowed=bounds(maximum=REQUEST.test_values),
             )
         return setup
 

@@ -12,7 +12,7 @@ from modallab.api.limits import REQUEST
 from modallab.api.schema import Limits
 from modallab.api.wire import DofText, Wanted
 from modallab.core.dof import Dof
-from modallab.core.errors import InvalidInputError
+from modallab.core.errors import InvalidInputError, bounds
 from modallab.core.frf import FrfKind
 from modallab.fe.structure import Structure
 from modallab.rig.exact import exact_frf
@@ -68,14 +68,14 @@ class FrfWanted(Wanted):
                 "too many numbers to wait for: measure them by the expected route on an ideal rig",
                 field="n_lines",
                 value=size,
-                allowed=f"lines x responses <= {REQUEST.structure_frf_values}",
+                allowed=bounds(maximum=REQUEST.structure_frf_values, unit="lines x responses"),
             )
         if len(structure.dofs) > REQUEST.structure_frf_dofs:
             raise InvalidInputError(
                 "too large a structure to wait for: measure it by the expected route on an ideal rig",
                 field="structure_id",
                 value=len(structure.dofs),
-                allowed=f"<= {REQUEST.structure_frf_dofs} degrees of freedom",
+                allowed=bounds(maximum=REQUEST.structure_frf_dofs, unit="degrees of freedom"),
             )
 
 

@@ -23,7 +23,7 @@ from modallab.api.wire import (
     Wire,
 )
 from modallab.core.dof import Dof
-from modallab.core.errors import StructureError
+from modallab.core.errors import StructureError, bounds
 from modallab.fe.beam import beam
 from modallab.fe.catalogued import STRUCTURES
 from modallab.fe.damping import Damping, ModalDamping, StructuralDamping, ViscousDamping
@@ -288,7 +288,7 @@ class PlateIn(_Described):
                 "too many elements",
                 field="n_elements",
                 value=along * across,
-                allowed=f"<= {REQUEST.plate_elements}",
+                allowed=bounds(maximum=REQUEST.plate_elements),
             )
         plain = plate(
             length=self.length,
@@ -341,7 +341,7 @@ class FrameIn(_OfBars):
 def _named(parts: dict[str, Any], name: str, what: str) -> Any:
     if name not in parts:
         raise StructureError(
-            f"there is no {what} {name!r}", field=f"members.{what}", value=name, allowed=", ".join(parts)
+            f"there is no {what} {name!r}", field=f"members.{what}", value=name, allowed=list(parts)
         )
     return parts[name]
 

@@ -12,7 +12,7 @@ from modallab.api.updates.parameterisation import Macros, ParameterisationIn, Pa
 from modallab.api.updates.schemas import UPDATE_BODIES, coefficient_options, refuse
 from modallab.api.wire import ModeCount, Number, Seed, Text, Wire
 from modallab.core.dof import Dof
-from modallab.core.errors import InvalidInputError
+from modallab.core.errors import InvalidInputError, bounds
 from modallab.fe.structure import Structure
 from modallab.jobs.studying import StudyInputs
 from modallab.rig.exact import as_modelled
@@ -42,7 +42,7 @@ def _level(given: str | LevelIn) -> Level:
             f"there is no level {given!r}",
             field="levels",
             value=given,
-            allowed=", ".join(NOISE_LEVELS) + ", or one with a name of its own",
+            allowed=list(NOISE_LEVELS),
         )
     return Level(given, NOISE_LEVELS[given])
 
@@ -117,7 +117,7 @@ def _check_size(n_runs: int, n_coefficients: int) -> None:
             f"{n_runs} runs of {n_coefficients} coefficients are too much for one study",
             field="seeds",
             value=n_runs,
-            allowed=f"up to {REQUEST.study_coefficients // n_coefficients} runs",
+            allowed=bounds(maximum=REQUEST.study_coefficients // n_coefficients, unit="runs"),
         )
 
 

@@ -126,9 +126,7 @@ class UpdateStart(Wire):
         refuse({name for name, value in other.items() if value is not None}, self.method)
         name = next(iter(wanted))
         if wanted[name] is None:
-            raise InvalidInputError(
-                f"{self.method} needs a {name}", field=name, value="none", allowed="an id"
-            )
+            raise InvalidInputError(f"{self.method} needs a {name}", field=name, value=None, allowed="an id")
         return UpdateInputs(self.structure_id, self.modal_model_id, self.measurement_id)
 
 

@@ -52,7 +52,7 @@ class Tolerances:
                     f"nothing that is tolerated is called {name!r}",
                     field="tolerances",
                     value=name,
-                    allowed=", ".join(names),
+                    allowed=list(names),
                 )
         return cls(**{name: float(value) for name, value in values.items()})
 

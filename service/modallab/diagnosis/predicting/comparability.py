@@ -21,7 +21,7 @@ def check_comparable(structure: Structure, measurement: Measurement) -> None:
     for dof in (measurement.setup.drive, *measurement.frf.outputs):
         structure.index(dof)
     if measurement.frf.values.shape[2] != 1:
-        raise InvalidInputError("one force at a time", field="inputs", allowed="1")
+        raise InvalidInputError("one force at a time", field="inputs", allowed=1)
     axis, freq = measurement.setup.analyser.freq, measurement.frf.freq
     if freq[0] > 0:
         axis = axis[1:]

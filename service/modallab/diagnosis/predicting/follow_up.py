@@ -34,8 +34,8 @@ class FollowUp:
                 raise InvalidInputError(
                     f"the further test has other {name} than its log book with what was changed",
                     field=f"follow_ups.changed.{name}",
-                    value=", ".join(map(str, declared)),
-                    allowed=", ".join(map(str, measured)),
+                    value=list(map(str, declared)),
+                    allowed=list(map(str, measured)),
                 )
         if setup.accelerometers.roving != first.setup.accelerometers.roving:
             raise InvalidInputError(

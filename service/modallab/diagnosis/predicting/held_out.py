@@ -5,7 +5,7 @@ from collections.abc import Collection, Sequence
 import numpy as np
 
 from modallab.core.dof import Dof
-from modallab.core.errors import InvalidInputError
+from modallab.core.errors import InvalidInputError, bounds
 from modallab.diagnosis.predicting.settings import HOLD_OUT
 from modallab.diagnosis.predicting.single_test_predictor import SingleTestPredictor
 from modallab.diagnosis.residuals.observed import Observed, observe
@@ -49,7 +49,7 @@ def select_held_out(
             "at most half of the FRFs can be held out",
             field="hold_out.fraction",
             value=fraction,
-            allowed=f"0 to {HOLD_OUT.max_fraction:g}",
+            allowed=bounds(0, HOLD_OUT.max_fraction),
         )
     outputs = {dof.point: dof for dof in measurement.frf.outputs}
     for dof in requested:

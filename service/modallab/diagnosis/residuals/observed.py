@@ -7,7 +7,7 @@ import numpy as np
 
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray
 from modallab.core.dof import Dof
-from modallab.core.errors import InvalidInputError
+from modallab.core.errors import InvalidInputError, bounds
 from modallab.core.frf import FrfKind
 from modallab.diagnosis.residuals.predicted import VarianceRatios
 from modallab.diagnosis.residuals.random_error import (
@@ -193,10 +193,10 @@ def _check_fittable(observed: Observed) -> None:
             "no line shows a response",
             field="coherence",
             value=float(observed.coherence.max()),
-            allowed=f"> {FORCE_NOISE.min_coherence:g}",
+            allowed=bounds(above=FORCE_NOISE.min_coherence),
         )
     if not observed.fitted.any():
         responses = [str(dof) for dof, out in zip(observed.outputs, observed.held_out, strict=True) if out]
         raise InvalidInputError(
-            "with these held out nothing is left to fit", field="hold_out", value=", ".join(responses)
+            "with these held out nothing is left to fit", field="hold_out", value=list(responses)
         )

@@ -7,7 +7,7 @@ import numpy as np
 
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray
 from modallab.core.dof import Dof
-from modallab.core.errors import InvalidInputError
+from modallab.core.errors import InvalidInputError, bounds
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.core.modal_model import ModalModel
 from modallab.core.numerics import SAFE_DIVISOR
@@ -202,8 +202,8 @@ def _drive_point(model: ModalModel, drive: Dof | None) -> Dof:
         raise InvalidInputError(
             "FRFs need mass-normalised modes with a shape at the drive point",
             field="drive",
-            value="none" if drive is None else str(drive),
-            allowed=", ".join(str(dof) for dof in model.dofs[:5]) if model.normalisation == "mass" else "",
+            value=None if drive is None else str(drive),
+            allowed=[str(dof) for dof in model.dofs[:5]] if model.normalisation == "mass" else [],
         )
     return drive
 
@@ -216,7 +216,10 @@ def _rigid_body_terms(freq: FloatArray, steps: int, mass: ComplexArray) -> Compl
         return np.zeros((len(freq), len(mass)), complex)
     if (freq == 0).any():
         raise InvalidInputError(
-            "what moves as a rigid body has inertance alone at 0 Hz", field="freq", value=0.0, allowed="> 0"
+            "what moves as a rigid body has inertance alone at 0 Hz",
+            field="freq",
+            value=0.0,
+            allowed=bounds(above=0, unit="Hz"),
         )
     omega = 2 * np.pi * freq
     return np.asarray(((1j * omega) ** steps / -(omega**2))[:, None] * mass)

@@ -6,7 +6,7 @@ import numpy as np
 import scipy.linalg
 
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray
-from modallab.core.errors import InvalidInputError
+from modallab.core.errors import InvalidInputError, bounds
 from modallab.extraction.multi_mode.global_method import Poles
 from modallab.extraction.multi_mode.matrix_fraction import Fractions, ZDomainData, fit_fractions, to_z_domain
 from modallab.extraction.multi_mode.settings import MATRIX_FRACTION
@@ -33,7 +33,7 @@ def poles_of_fractions(freq: FloatArray, frf: ComplexArray, weight: FloatArray, 
             f"{usable} lines do not tell polynomials of such orders",
             field="max_order",
             value=highest,
-            allowed=f"1 to {usable // MATRIX_FRACTION.lines_per_order}, rising",
+            allowed=bounds(1, int(usable // MATRIX_FRACTION.lines_per_order)),
         )
     fractions = fit_fractions(circle, orders)
     row, inverse_zero, logarithm = _stable_in_band(circle, *_inverse_zeros(fractions.denominator, orders))

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray
-from modallab.core.errors import InvalidInputError
+from modallab.core.errors import InvalidInputError, bounds
 from modallab.extraction.multi_mode.global_method import GlobalMethod, Poles
 from modallab.extraction.multi_mode.settings import UNIFORM_GRID
 
@@ -58,9 +58,9 @@ def places(freq: FloatArray) -> IntArray:
         if np.abs(exact - exact.round()).max() <= UNIFORM_GRID.grid_tolerance or parts == finest:
             return np.asarray(exact.round().astype(int))
     raise InvalidInputError(
-        "lines are too close together somewhere for so wide a range",
+        "lines are too close together somewhere for so wide a range; "
+        "take narrower bands, or methods of single modes",
         field="frequencies",
         value=least,
-        allowed=f"{span / UNIFORM_GRID.largest_grid:.3g} Hz apart or more; or narrower bands, or methods of"
-        " single modes",
+        allowed=bounds(span / UNIFORM_GRID.largest_grid, unit="Hz"),
     )

@@ -7,7 +7,7 @@ from typing import Self
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray, frozen
-from modallab.core.errors import InvalidInputError
+from modallab.core.errors import InvalidInputError, bounds
 from modallab.extraction.preprocessing.settings import LEAKAGE
 
 
@@ -32,7 +32,7 @@ def noise_bias_of(estimator: str) -> NoiseBias:
             f"leakage of {estimator!r} is not known",
             field="estimator",
             value=estimator,
-            allowed=", ".join(NoiseBias),
+            allowed=list(NoiseBias),
         )
     return NoiseBias(estimator)
 
@@ -94,10 +94,10 @@ class WindowLeakage:
         window = np.asarray(window, float)
         if window.ndim != 1 or len(window) < LEAKAGE.minimum_samples or not np.abs(window).max() > 0:
             raise InvalidInputError(
-                "the window must be given over one record",
+                "the window must be given over one record, and not all zero",
                 field="window",
-                value=str(window.shape),
-                allowed=f"at least {LEAKAGE.minimum_samples} samples, not all zero",
+                value=list(window.shape),
+                allowed=bounds(LEAKAGE.minimum_samples, unit="samples"),
             )
         lag, weight = np.polynomial.legendre.leggauss(LEAKAGE.quadrature_nodes)
         lag = (lag + 1) / 2

@@ -14,7 +14,7 @@ import numpy as np
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray
 from modallab.core.common_dofs import common_points, rows_at
 from modallab.core.dof import Dof
-from modallab.core.errors import InvalidInputError
+from modallab.core.errors import InvalidInputError, bounds
 from modallab.core.frf import FrfSet
 from modallab.core.modal_model import ModalModel
 from modallab.extraction.preprocessing.fit_windows import line_variance
@@ -148,7 +148,7 @@ def _variance(frf: FrfSet, coherence: FloatArray | None, averages: float | None)
             "coherence tells random errors with the number of averages only",
             field="averages",
             value=str(averages),
-            allowed="> 0",
+            allowed=bounds(above=0),
         )
     return line_variance(frf.values, coherence, averages)
 
@@ -180,8 +180,8 @@ def _constant(model: ModalModel, drive: Dof | None, ordinal: str) -> tuple[Compl
         raise InvalidInputError(
             f"the {ordinal} test has no modal constants at the drive point of the other",
             field="drive",
-            value="none" if drive is None else str(drive),
-            allowed=", ".join(str(dof) for dof in model.dofs[:5]),
+            value=None if drive is None else str(drive),
+            allowed=[str(dof) for dof in model.dofs[:5]],
         )
     error = model.modal_constant_error
     sense = model.dofs[row].sign * model.drive.sign

@@ -7,7 +7,7 @@ import numpy as np
 
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from modallab.core.dof import Dof
-from modallab.core.errors import InvalidInputError
+from modallab.core.errors import InvalidInputError, bounds
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.core.modal_model import frf_names
 from modallab.core.numerics import COMPARISON_ROUNDING
@@ -102,7 +102,7 @@ def responses_of(frf: FrfSet, coherence: FloatArray | None, averages: float) -> 
     """
     if not averages > 0:
         raise InvalidInputError(
-            "averages must be above zero", field="averages", value=averages, allowed="> 0"
+            "averages must be above zero", field="averages", value=averages, allowed=bounds(above=0)
         )
     frf_coherence = _coherence(frf, coherence)
     positive = frf.freq > 0
@@ -119,11 +119,11 @@ def responses_of(frf: FrfSet, coherence: FloatArray | None, averages: float) -> 
             "the FRFs are of no physical size",
             field="values",
             value=largest,
-            allowed=f"below {RESPONSES.largest_receptance:g} m/N",
+            allowed=bounds(below=RESPONSES.largest_receptance, unit="m/N"),
         )
     if len(usable.freq) < MIN_LINES:
         raise InvalidInputError(
-            "too few lines", field="freq", value=len(usable.freq), allowed=f"at least {MIN_LINES} above 0 Hz"
+            "too few lines above 0 Hz", field="freq", value=len(usable.freq), allowed=bounds(MIN_LINES)
         )
     frf_coherence = frf_coherence[positive].transpose(order).reshape(values.shape)
     return Responses(usable.freq, values, frf_coherence, averages, dofs, references)
@@ -147,7 +147,7 @@ def _coherence(frf: FrfSet, coherence: FloatArray | None) -> FloatArray:
             "coherence must lie from 0 to 1",
             field="coherence",
             value=float(coherence[invalid][0]),
-            allowed="0 to 1",
+            allowed=bounds(0, 1),
         )
     bounded = np.minimum(coherence, 1.0)
     return bounded if bounded.ndim == 3 else coherence_per_force(frf.values, bounded)

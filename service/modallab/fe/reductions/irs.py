@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from modallab.core.arrays import FloatArray
-from modallab.core.errors import InvalidInputError
+from modallab.core.errors import InvalidInputError, bounds
 from modallab.core.parameters import parameter
 from modallab.fe.partition import Partition
 from modallab.fe.reduction import REDUCTIONS, Reduction
@@ -36,7 +36,7 @@ class Irs(Reduction):
                 "corrections are counted",
                 field="iterations",
                 value=self.iterations,
-                allowed="a whole number, 1 to 100",
+                allowed=bounds(1, 100, unit="corrections"),
             )
 
     def transformation(self, split: Partition) -> FloatArray:

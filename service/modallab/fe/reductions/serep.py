@@ -6,7 +6,7 @@ from typing import Self
 import numpy as np
 
 from modallab.core.arrays import FloatArray
-from modallab.core.errors import InvalidInputError, UnderdeterminedError
+from modallab.core.errors import InvalidInputError, UnderdeterminedError, bounds
 from modallab.core.parameters import parameter
 from modallab.fe.partition import Partition
 from modallab.fe.reduction import REDUCTIONS, Reduction
@@ -39,7 +39,7 @@ class Serep(Reduction):
         super().__post_init__()
         if self.modes != int(self.modes):
             raise InvalidInputError(
-                "modes are counted", field="modes", value=self.modes, allowed="a whole number, 0 to 500"
+                "modes are counted", field="modes", value=self.modes, allowed=bounds(0, 500, unit="modes")
             )
 
     def transformation(self, split: Partition) -> FloatArray:
@@ -80,7 +80,7 @@ class Serep(Reduction):
                     f"{n_masters} masters cannot follow {n_modes} modes, {n_rigid_body} of them rigid",
                     field="modes",
                     value=int(self.modes),
-                    allowed=f"up to {n_masters - n_rigid_body}",
+                    allowed=bounds(maximum=n_masters - n_rigid_body),
                 )
             if not _condition(shapes) < REDUCTION.serep_max_condition:
                 raise self._indistinct(n_modes - n_rigid_body, n_masters)

@@ -62,7 +62,7 @@ def read_mesh(payload: bytes) -> Mesh:
     """
     name = _format(payload[:4096])
     if name is None:
-        raise InvalidInputError("the file holds no mesh", field="file", allowed=", ".join(FORMATS))
+        raise InvalidInputError("the file holds no mesh", field="file", allowed=list(FORMATS))
     if name == "abaqus":
         payload = _plain_abaqus(payload)
     try:

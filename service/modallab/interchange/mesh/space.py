@@ -132,6 +132,6 @@ def _refuse(cells: Sequence[SpaceCell], accepted: BoolArray, problem: str, requi
         raise InvalidInputError(
             f"{problem}: member {wrong[0].number} of {len(wrong)} such, of group {wrong[0].group}",
             field="mesh",
-            value=", ".join(map(str, wrong[0].rim)),
+            value=list(map(str, wrong[0].rim)),
             allowed=requirement,
         )

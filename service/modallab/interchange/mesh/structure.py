@@ -6,7 +6,7 @@ from collections.abc import Mapping, Sequence
 import numpy as np
 
 from modallab.core.arrays import FloatArray, IntArray
-from modallab.core.errors import InvalidInputError
+from modallab.core.errors import InvalidInputError, bounds
 from modallab.fe.damping import Damping, StructuralDamping
 from modallab.fe.members import Member, Plate
 from modallab.fe.structure import ACROSS, PLANE, Structure, Support
@@ -44,7 +44,7 @@ def structure_of_mesh(
             "the mesh has no cell that is described, or too many",
             field="mesh",
             value=len(cells),
-            allowed=f"1 to {MODEL_FILE.max_cells}",
+            allowed=bounds(1, MODEL_FILE.max_cells),
         )
     names, corners = list(description.groups), mesh.corners
     groups = [names[owner[cell]] for cell in cells]
@@ -108,9 +108,8 @@ def _unknown(group: str, groups: Mapping[str, IntArray]) -> InvalidInputError:
     )
 
 
-def _listed(groups: Mapping[str, IntArray]) -> str:
-    names = ", ".join(f"{name} ({len(of)})" for name, of in list(groups.items())[:50])
-    return names or "none: the mesh has no groups"
+def _listed(groups: Mapping[str, IntArray]) -> list[str]:
+    return [f"{name} ({len(of)})" for name, of in list(groups.items())[:50]]
 
 
 def _refuse(mesh: Mesh, cells: IntArray, subject: str, requirement: Sequence[str]) -> None:
@@ -124,8 +123,8 @@ def _refuse(mesh: Mesh, cells: IntArray, subject: str, requirement: Sequence[str
     raise InvalidInputError(
         f"cells of {subject}: {', '.join(f'{kind} ({n})' for kind, n in counts.items())}, in {names}",
         field="mesh",
-        value=", ".join(counts),
-        allowed=", ".join(requirement),
+        value=list(counts),
+        allowed=list(requirement),
     )
 
 

@@ -53,7 +53,7 @@ def supports(deck: Deck, places: Mapping[int, Place]) -> list[Support]:
             raise InvalidInputError(
                 "the file has several sets of constraints, and chooses none",
                 field="SPC",
-                value=", ".join(map(str, sets)),
+                value=list(sets),
                 allowed="SPC = n in its case control, or one set",
             )
         chosen = next(iter(sums))
@@ -66,7 +66,7 @@ def supports(deck: Deck, places: Mapping[int, Place]) -> list[Support]:
             f"there is no set of constraints {missing[0]}",
             field="SPC",
             value=missing[0],
-            allowed=f"the sets of this file: {', '.join(map(str, sets)) or 'none'}",
+            allowed=list(sets),
         )
     return [support for card in cards if card.integer(1) in set_numbers for support in _held(card, places)]
 

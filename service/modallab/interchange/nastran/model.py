@@ -118,7 +118,7 @@ def _refuse_unknown(deck: Deck) -> None:
             f"cards that are not read: {listed}",
             field="file",
             value=listed,
-            allowed=", ".join(sorted(READ_CARDS)),
+            allowed=sorted(READ_CARDS),
             line=next(card.line for card in deck.cards if card.name in unknown),
         )
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from modallab.core.arrays import BoolArray, FloatArray
 from modallab.core.dof import Dof
-from modallab.core.errors import InvalidInputError, UnderdeterminedError
+from modallab.core.errors import InvalidInputError, UnderdeterminedError, bounds, in_words
 from modallab.core.modal_model import ModalModel
 from modallab.correlation.mac import mac, pair_modes
 from modallab.fe.expansion import FLAG, expand
@@ -50,7 +50,7 @@ class CompletedModel:
                 f"{n_modes} measured modes, and {len(candidates)} of the model at these degrees of freedom",
                 field="n_modes",
                 value=n_modes,
-                allowed=f"<= {len(partner)}",
+                allowed=bounds(maximum=len(partner)),
             )
         columns = np.array([partner[r] for r in range(n_modes)])
         return DirectProblem(
@@ -137,15 +137,15 @@ def _full_matrices(system: DynamicSystem) -> tuple[FloatArray, FloatArray, BoolA
             "what is attached to the structure has degrees of freedom that no shape is known at",
             field="completion",
             value=EXPANSION,
-            allowed=", ".join(REDUCTIONS),
+            allowed=list(REDUCTIONS),
         )
     if n > DIRECT_UPDATING.max_dofs:
         raise InvalidInputError(
-            "too many degrees of freedom for full matrices",
+            "too many degrees of freedom for full matrices; reduce the model to measured ones by "
+            f"{in_words(list(REDUCTIONS))}",
             field="completion",
             value=n,
-            allowed=f"<= {DIRECT_UPDATING.max_dofs}; "
-            f"reduce the model to measured ones: {', '.join(REDUCTIONS)}",
+            allowed=bounds(maximum=DIRECT_UPDATING.max_dofs),
         )
     pattern = np.zeros((n, n), bool)
     for matrix in (folded.mass, folded.stiffness):

@@ -5,7 +5,7 @@ from scipy.linalg import eigvalsh
 from scipy.optimize import linear_sum_assignment
 
 from modallab.core.arrays import FloatArray, IntArray
-from modallab.core.errors import InvalidInputError
+from modallab.core.errors import InvalidInputError, bounds
 from modallab.core.modal_model import ModalModel
 from modallab.core.progress import Progress, silent
 from modallab.correlation.mac import mac
@@ -68,7 +68,7 @@ def _n_used_modes(options: DirectOptions, n_measured: int) -> int:
             "as many modes are not there to be used",
             field="n_modes",
             value=count,
-            allowed=f"1 to {n_measured}",
+            allowed=bounds(1, n_measured),
         )
     return count
 

@@ -89,7 +89,7 @@ class ResponseModel:
                 "damping of modes does not follow coefficients of members",
                 field="damping",
                 value=type(law).__name__,
-                allowed=f"{StructuralDamping.__name__}, {ViscousDamping.__name__}",
+                allowed=[StructuralDamping.__name__, ViscousDamping.__name__],
             )
         hysteretic = isinstance(law, StructuralDamping)
         by_mass, by_stiffness = law.mass_coefficient, law.stiffness_coefficient

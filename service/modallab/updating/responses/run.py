@@ -3,7 +3,7 @@
 import numpy as np
 
 from modallab.core.arrays import FloatArray
-from modallab.core.errors import UnderdeterminedError
+from modallab.core.errors import UnderdeterminedError, bounds
 from modallab.core.progress import Progress
 from modallab.fe.assembly import Assembly
 from modallab.fe.structure import Structure
@@ -76,7 +76,7 @@ def check_determined(target: TargetResponses, n_params: int, options: ResponseUp
             f"{target.n_numbers} measured numbers cannot determine {n_params} coefficients",
             field="macros",
             value=n_params,
-            allowed=f"<= {target.n_numbers}, two for each response at a line",
+            allowed=bounds(maximum=target.n_numbers),
         )
 
 

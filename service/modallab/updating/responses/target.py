@@ -6,7 +6,7 @@ import numpy as np
 
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray, frozen
 from modallab.core.dof import Dof
-from modallab.core.errors import InvalidInputError
+from modallab.core.errors import InvalidInputError, bounds
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.core.numerics import SAFE_SQUARED_DIVISOR
 from modallab.estimation.coherence import frf_error
@@ -90,7 +90,9 @@ def target_responses(
     _check_errors_known(coherence, averages, noise_floor)
     lines = frf.freq > 0
     if not lines.any():
-        raise InvalidInputError("there is no line above 0 Hz", field="freq", value=0.0, allowed="above 0 Hz")
+        raise InvalidInputError(
+            "there is no line above 0 Hz", field="freq", value=0.0, allowed=bounds(above=0, unit="Hz")
+        )
     receptance = frf.between(0.0, np.inf).to(FrfKind.RECEPTANCE)
     size = np.abs(receptance.values)
     line_coherence = (

@@ -4,7 +4,7 @@ from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 
 from modallab.core.dof import Dof
-from modallab.core.errors import InvalidInputError
+from modallab.core.errors import InvalidInputError, bounds
 from modallab.fe.synthetic_modes import ModeNoise
 from modallab.updating.error_location.method import LOCATORS
 from modallab.updating.method import UPDATERS
@@ -79,7 +79,7 @@ class StudyPlan:
                 "a study is levels x divisions x seeds of updates",
                 field="seeds",
                 value=self.n_runs,
-                allowed=f"1 to {STUDY.max_runs}",
+                allowed=bounds(1, STUDY.max_runs),
             )
         if len({frozenset(division.parameterisation.parts) for division in self.divisions}) > 1:
             raise InvalidInputError(
@@ -113,7 +113,7 @@ def check_method(name: str) -> None:
             f"no method called {name!r} corrects coefficients or locates by them",
             field="method",
             value=name,
-            allowed=", ".join(sorted([*UPDATERS, *LOCATORS])),
+            allowed=sorted([*UPDATERS, *LOCATORS]),
         )
 
 

@@ -53,7 +53,7 @@ def true_coefficients(model: Structure, truth: Structure, parts: tuple[Part, ...
             "the true structure differs otherwise in bending than in extension",
             field="parts",
             value=min(uniform_parts).value,
-            allowed=f"{Part.AXIAL}, {Part.BENDING}",
+            allowed=[Part.AXIAL, Part.BENDING],
         )
     ratios = {
         Part.DENSITY: true_factors.mass / model_factors.mass,

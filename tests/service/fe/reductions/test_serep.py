@@ -74,7 +74,7 @@ def test_too_few_masters_are_refused_with_the_count() -> None:
         UnderdeterminedError, match="11 masters cannot follow 12 modes, 2 of them rigid"
     ) as caught:
         reduce(BEAM, MASTERS, reduction_of("serep", {"modes": 10}))
-    assert caught.value.context == {"field": "modes", "value": 10, "allowed": "up to 9"}
+    assert caught.value.context == {"field": "modes", "value": 10, "allowed": {"maximum": 9}}
     with pytest.raises(UnderdeterminedError, match="2 masters do not tell the first mode"):
         reduce(BEAM, dofs(1, 21), reduction_of("serep"))
 

@@ -237,4 +237,4 @@ def test_what_makes_no_structure_is_refused_by_name(case: str) -> None:
 def test_the_groups_that_there_are_come_back_with_the_error() -> None:
     with pytest.raises(InvalidInputError) as caught:
         structure_of_mesh(gmsh(), None)
-    assert caught.value.context["allowed"] == "left (5), rib (5), thin (20), thick half (40)"
+    assert caught.value.context["allowed"] == ["left (5)", "rib (5)", "thin (20)", "thick half (40)"]

@@ -142,7 +142,11 @@ def test_a_model_without_errors_is_found_to_have_none(method: str) -> None:
 def test_more_modes_than_measured_cannot_be_used(count: int) -> None:
     with pytest.raises(InvalidInputError) as caught:
         run("baruch", n_modes=count)
-    assert caught.value.context == {"field": "n_modes", "value": count, "allowed": "1 to 8"}
+    assert caught.value.context == {
+        "field": "n_modes",
+        "value": count,
+        "allowed": {"minimum": 1, "maximum": 8},
+    }
 
 
 def test_progress_is_told_and_may_stop_the_work() -> None:

@@ -185,4 +185,4 @@ def test_an_unknown_prior_is_refused_by_name() -> None:
     unknown: dict[str, Any] = {"prior": "flat"}
     with pytest.raises(InvalidInputError, match="no prior 'flat'") as refused:
         OneStageOptions(**unknown)
-    assert refused.value.context["allowed"] == "sparse, common, range"
+    assert refused.value.context["allowed"] == ["sparse", "common", "range"]

@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray
-from modallab.core.errors import InvalidInputError
+from modallab.core.errors import InvalidInputError, bounds
 from modallab.extraction.multi_mode.fraction_poles import poles_of_fractions
 from modallab.extraction.multi_mode.global_method import GLOBAL_METHODS, Poles, RegisteredGlobalMethod
 from modallab.extraction.multi_mode.settings import MATRIX_FRACTION
@@ -25,11 +25,11 @@ def poly_reference_lscf(freq: FloatArray, frf: ComplexArray, weight: FloatArray,
     """
     if frf.shape[2] > MATRIX_FRACTION.largest_inputs:
         raise InvalidInputError(
-            "poly_reference_lscf fits few references together",
+            "poly_reference_lscf fits few references together; lscf "
+            "and methods of single modes take any number",
             field="inputs",
             value=frf.shape[2],
-            allowed=f"at most {MATRIX_FRACTION.largest_inputs}; lscf and methods of single modes take any"
-            " number",
+            allowed=bounds(maximum=MATRIX_FRACTION.largest_inputs),
         )
     poles = poles_of_fractions(freq, frf, weight, orders)
     residue = poles.vector.reshape(-1, *frf.shape[1:])
