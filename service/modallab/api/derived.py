@@ -6,8 +6,14 @@ from enum import StrEnum
 from types import NoneType, UnionType
 from typing import Annotated, Any, TypeVar, Union, get_args, get_origin, get_type_hints
 
+from pydantic import (
+    ConfigDict,
+    GetCoreSchemaHandler,
+    ValidationInfo,
+    ValidatorFunctionWrapHandler,
+    create_model,
+)
 from pydantic import Field as WireField
-from pydantic import GetCoreSchemaHandler, ValidationInfo, ValidatorFunctionWrapHandler, create_model
 from pydantic_core import CoreSchema, core_schema
 
 from modallab.api.limits import REQUEST
@@ -16,6 +22,12 @@ from modallab.api.wire import NO_CONVERSION, Count, Number, Text, Wire
 from modallab.core.options import Options, OptionSpec, unknown_option
 
 OptionsT = TypeVar("OptionsT", bound=Options)
+
+
+class DerivedBody(Wire):
+    """Base of derived request models: their descriptions are declared, not searched in source."""
+
+    model_config = ConfigDict(use_attribute_docstrings=False)
 
 
 def body_of(cls: type[Options], **wire_types: Any) -> type[Wire]:
@@ -38,7 +50,7 @@ def body_of(cls: type[Options], **wire_types: Any) -> type[Wire]:
         for f in fields(cls)  # type: ignore[arg-type]
         if f.name in specs
     }
-    model: Any = create_model(cls.__name__, __base__=Wire, __doc__=cls.__doc__, **declared)  # type: ignore[call-overload]
+    model: Any = create_model(cls.__name__, __base__=DerivedBody, __doc__=cls.__doc__, **declared)  # type: ignore[call-overload]
     return model  # type: ignore[no-any-return]
 
 

@@ -4,15 +4,16 @@ import ast
 import inspect
 import math
 import re
-import textwrap
+import sys
 import types
 from collections.abc import Mapping
 from dataclasses import asdict, fields, is_dataclass
 from functools import cache
+from itertools import pairwise
 from typing import Annotated, Any, Literal, Union, get_args, get_origin, get_type_hints
 
 import numpy as np
-from pydantic import BeforeValidator, Field, create_model
+from pydantic import BeforeValidator, ConfigDict, Field, create_model
 
 from modallab.api.thinning import numbers
 from modallab.api.wire import ChannelsAt, MembersAt, Reply, StoredEntry, place_out
@@ -22,9 +23,20 @@ from modallab.core.place import Place
 from modallab.core.reply import Axes, MayBeNan, NotInReply
 from modallab.store.base import Entry
 
+# Derived models have their descriptions already; pydantic would search the callers' source for each.
+_NO_SOURCE = ConfigDict(use_attribute_docstrings=False)
+
+
+class DerivedReply(Reply):
+    """Base of derived replies that are part of a resource."""
+
+    model_config = _NO_SOURCE
+
 
 class StoredReply(StoredEntry):
     """Base of derived replies of stored resources."""
+
+    model_config = _NO_SOURCE
 
     @classmethod
     def of(cls, value: object, entry: Entry, **added: Any) -> Any:
@@ -83,7 +95,9 @@ def reply(domain: type, name: str, **added: tuple[Any, str]) -> type[Reply]:
     """Return a reply model with further fields, as `name=(type, description)`."""
     definitions = _definitions(domain)
     definitions |= {n: (hint, Field(description=text)) for n, (hint, text) in added.items()}
-    model: type[Reply] = create_model(name, __base__=Reply, __doc__=inspect.getdoc(domain), **definitions)
+    model: type[Reply] = create_model(
+        name, __base__=DerivedReply, __doc__=inspect.getdoc(domain), **definitions
+    )
     return model
 
 
@@ -106,15 +120,21 @@ def _declared(field: Any) -> str | None:
 
 
 @cache
+def _class_bodies(module: str) -> dict[str, list[ast.stmt]]:
+    """Return the statements of each top-level class of a module, which is parsed once."""
+    tree = ast.parse(inspect.getsource(sys.modules[module]))
+    return {node.name: node.body for node in tree.body if isinstance(node, ast.ClassDef)}
+
+
+@cache
 def attribute_docs(domain: type) -> dict[str, str]:
     """Return the attribute docstrings of a dataclass and its bases: string literals below its fields."""
     docs: dict[str, str] = {}
     for cls in reversed(domain.__mro__):
         if not is_dataclass(cls):
             continue
-        (tree,) = ast.parse(textwrap.dedent(inspect.getsource(cls))).body
-        assert isinstance(tree, ast.ClassDef)
-        for statement, following in zip(tree.body, tree.body[1:], strict=False):
+        body = _class_bodies(cls.__module__).get(cls.__name__, [])
+        for statement, following in pairwise(body):
             match statement, following:
                 case (
                     ast.AnnAssign(target=ast.Name(id=name)),
