@@ -20,17 +20,17 @@ from modallab.rig.setup import RigSetup
 @EFFECTS.register("ac_coupling")
 @dataclass(frozen=True)
 class AcCoupling(Effect):
-    """H' = H / (1 - i f_c/f): a first-order high-pass, of an AC-coupled input or a sensor's time constant.
+    """First-order high-pass of an AC-coupled input or of a sensor, H' = H / (1 - i f_c/f).
 
-    tau = 1/(2 pi f_c). A force gauge that sees another corner than the accelerometers turns the phase
-    of every FRF at low frequencies; corners that are alike cancel in the FRF and stay in the auto
-    spectra. Everywhere: all responses. At a DoF: the force gauge there. An analyser declared as
-    AC-coupled has both. Serridge and Licht, Piezoelectric Accelerometers and Vibration Preamplifiers
-    (1987), on lower limiting frequencies.
+    The time constant is tau = 1/(2 pi f_c). If the force transducer has another corner frequency than the
+    accelerometers, the phase of every FRF is wrong at low frequencies; equal corners cancel in the FRF and
+    remain in the auto spectra. With the place null the effect acts on all responses, with a DoF on the
+    force transducer there. An analyser declared as AC-coupled has both. Serridge and Licht, Piezoelectric
+    Accelerometers and Vibration Preamplifiers (1987), on lower limiting frequencies.
     """
 
     kind: ClassVar[str] = "ac_coupling"
-    summary: ClassVar[str] = "a channel's high-pass takes the lowest frequencies"
+    summary: ClassVar[str] = "high-pass filter of a channel reduces the lowest frequencies"
     stage: ClassVar[Stage] = Stage.CHANNEL
     allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Channels, Dof)
     at_drive: ClassVar[bool] = True

@@ -17,14 +17,15 @@ from modallab.rig.setup import AcquisitionRun, RigSetup
 @EFFECTS.register("accelerometer_mass")
 @dataclass(frozen=True)
 class AccelerometerMass(Effect):
-    """The accelerometers of a run add their mass where they sit; one that roves, in each run elsewhere.
+    """Mass of the accelerometers of a run at their places; a roving one has another place in each run.
 
-    M' = M + m e e^T, at every channel of the run: a rigid body's f becomes f sqrt(M / (M + m)). At a DoF: one
-    accelerometer that stays there in every run. 1992 thesis, section 5.4.1.
+    M' = M + m e e^T at every channel of the run. Example: the frequency f of a rigid body becomes f sqrt(M
+    / (M + m)). With a DoF as place: one accelerometer that stays there in every run. 1992 thesis, section
+    5.4.1.
     """
 
     kind: ClassVar[str] = "accelerometer_mass"
-    summary: ClassVar[str] = "the accelerometer's mass lowers the natural frequencies"
+    summary: ClassVar[str] = "mass of the accelerometers lowers natural frequencies"
     stage: ClassVar[Stage] = Stage.STRUCTURE
     allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Dof)
     mass: float = parameter(0.02, unit="kg", lower=0.0, upper=0.5, doc="accelerometer with its stud")

@@ -20,14 +20,15 @@ from modallab.rig.setup import AcquisitionRun, RigSetup
 @EFFECTS.register("attached_oscillator")
 @dataclass(frozen=True)
 class AttachedOscillator(Effect):
-    """A mass on a damped spring at one DoF: Z = -omega^2 m s / (s - omega^2 m), s = (2 pi f)^2 m (1 + i eta).
+    """Mass on a damped spring at one DoF: Z = -omega^2 m s / (s - omega^2 m), s = (2 pi f)^2 m (1 + i eta).
 
-    Below its own frequency it weighs, above it stiffens, at it the DoF stands still: two resonances for
-    one. Den Hartog, Mechanical Vibrations (1956), chapter 3 (the dynamic vibration absorber).
+    Below its own frequency it acts as a mass, above it as a spring. At its own frequency the DoF stands
+    still, and one resonance becomes two. Den Hartog, Mechanical Vibrations (1956), chapter 3 (the dynamic
+    vibration absorber).
     """
 
     kind: ClassVar[str] = "attached_oscillator"
-    summary: ClassVar[str] = "a part on the structure with a resonance of its own"
+    summary: ClassVar[str] = "attached part with a resonance of its own"
     stage: ClassVar[Stage] = Stage.STRUCTURE
     structural: ClassVar[bool] = True
     same_in_all_runs: ClassVar[bool] = True

@@ -20,18 +20,18 @@ from modallab.rig.setup import AcquisitionRun, RigSetup
 @EFFECTS.register("cable_mass")
 @dataclass(frozen=True)
 class CableMass(Effect):
-    """The length of cable that moves with each accelerometer of a run: a mass m and a damper c = m drag.
+    """Cable that moves with each accelerometer of a run: a mass m and a damper c = m drag.
 
-    A wave that runs down a cable and is lost in it leaves a resistance at the accelerometer: sqrt(T mu)
-    of a string of tension T and mass mu a metre, and of a stiff cable mu c_B / 2 in resistance and in
-    mass reactance alike, with c_B its bending wave's speed (Cremer and Heckl, Structure-Borne Sound,
-    1973, chapter IV). At 10 g/m either is some 0.01 to 0.1 N s/m. What moves and what it loses both
-    grow with the cable, so the damper is told by its ratio to the mass. The mass alone is what a heavier
-    accelerometer would be; the drag is what gives the cable away. At a DoF: one cable that stays there.
+    A wave that travels along a cable and is absorbed acts as a resistance at the accelerometer: sqrt(T mu)
+    for a string of tension T and mass per length mu; for a stiff cable mu c_B / 2, with c_B the speed of
+    bending waves, and a mass reactance of the same size (Cremer and Heckl, Structure-Borne Sound, 1973,
+    chapter IV). At 10 g/m either is about 0.01 to 0.1 N s/m. Moving mass and damping both grow with the
+    cable; the parameter is therefore their ratio. The mass alone is equivalent to a heavier accelerometer;
+    the damping distinguishes the cable. With a DoF as place: one cable that stays there.
     """
 
     kind: ClassVar[str] = "cable_mass"
-    summary: ClassVar[str] = "an accelerometer's cable loads the structure and damps it"
+    summary: ClassVar[str] = "accelerometer cables load and damp the structure"
     stage: ClassVar[Stage] = Stage.STRUCTURE
     nested_kind: ClassVar[str | None] = "accelerometer_mass"
     allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Dof)

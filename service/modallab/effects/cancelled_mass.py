@@ -15,19 +15,22 @@ from modallab.rig.setup import RigSetup
 @EFFECTS.register("cancelled_mass")
 @dataclass(frozen=True)
 class CancelledMass(Effect):
-    """P = F + m a, with F the force behind the cancellation: the FRF is right, the source feels the mass.
+    """Inertia of a cancelled mass in the drive: P = F + m a, with F the force after cancellation.
 
-    Mass cancellation subtracts m a from what the gauge shows; it leaves the FRF of the structure
-    without the mass as long as the drive point moves along the gauge's axis (1992 thesis, section 5.4.5).
+    Mass cancellation subtracts m a from the reading of the force transducer. The FRF is then that of the
+    structure without the mass, if the drive point moves along the axis of the transducer; the source still
+    moves the mass (1992 thesis, section 5.4.5).
     """
 
     kind: ClassVar[str] = "cancelled_mass"
-    summary: ClassVar[str] = "mass below the gauge that was cancelled still takes force from the source"
+    summary: ClassVar[str] = "cancelled mass of the force transducer still loads the source"
     stage: ClassVar[Stage] = Stage.DRIVE
     allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Dof)
     at_drive: ClassVar[bool] = True
     suspected: ClassVar[bool] = False
-    mass: float = parameter(0.01, unit="kg", lower=0.0, upper=0.5, doc="below the gauge, cancelled")
+    mass: float = parameter(
+        0.01, unit="kg", lower=0.0, upper=0.5, doc="cancelled mass, below the sensing element"
+    )
 
     def on_drive(self, drive: Drive) -> Drive:
         if not self.acts_on(drive.dof):

@@ -20,15 +20,16 @@ from modallab.rig.setup import RigSetup
 @EFFECTS.register("channel_delay")
 @dataclass(frozen=True)
 class ChannelDelay(Effect):
-    """H' = H exp(-i omega tau): a channel is sampled, or leaves its anti-alias filter, later than the rest.
+    """Delay of one channel against the others, H' = H exp(-i omega tau), by sampling or anti-alias filter.
 
-    A delay common to all channels cancels: only the mismatch turns the phase of an FRF, in proportion to
-    frequency, and damping of high modes with it. Everywhere: all responses after the force. At a DoF:
-    the force gauge there. Negative: early. Bendat and Piersol, Random Data (2010), section 5.1.
+    A delay common to all channels cancels. A difference changes the phase of an FRF in proportion to
+    frequency, and with it the apparent damping of high modes. With the place null: all responses after the
+    force; with a DoF: the force transducer there. A negative delay means early. Bendat and Piersol, Random
+    Data (2010), section 5.1.
     """
 
     kind: ClassVar[str] = "channel_delay"
-    summary: ClassVar[str] = "a channel lags the others by a constant time"
+    summary: ClassVar[str] = "constant delay of a channel against the others"
     stage: ClassVar[Stage] = Stage.CHANNEL
     tolerance: ClassVar[str | None] = "delay"
     allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Channels, Dof)
@@ -38,7 +39,7 @@ class ChannelDelay(Effect):
         unit="s",
         lower=-1e-2,
         upper=1e-2,
-        doc="how late the channel is",
+        doc="delay of the channel, negative: early",
         scan_values=(-1e-3, -1e-4, -1e-5, -1e-6, 1e-6, 1e-5, 1e-4, 1e-3),
     )
 

@@ -18,15 +18,15 @@ from modallab.rig.setup import RigSetup
 @EFFECTS.register("cubic_stiffness")
 @dataclass(frozen=True)
 class CubicStiffness(Effect):
-    """f = k_3 x^3 from one DoF to the ground.
+    """Cubic spring from one DoF to the ground, f = k_3 x^3.
 
-    To a Gaussian motion of root mean square s it is a spring 3 k_3 s^2 and a force that has nothing in
-    common with the motion, of power 6 k_3^2 s^6: frequencies rise with the level and coherence falls.
-    Booton (1954), IRE Trans. Circuit Theory 1, 9-18.
+    For a Gaussian motion of rms s the equivalent spring is 3 k_3 s^2, and the remaining force is
+    uncorrelated with the motion and has the power 6 k_3^2 s^6: frequencies rise with the level and
+    coherence falls. Booton (1954), IRE Trans. Circuit Theory 1, 9-18.
     """
 
     kind: ClassVar[str] = "cubic_stiffness"
-    summary: ClassVar[str] = "a spring that hardens: frequencies rise with the level"
+    summary: ClassVar[str] = "hardening spring: frequencies rise with the level"
     stage: ClassVar[Stage] = Stage.MOTION
     intermittent: ClassVar[bool] = True
     structural: ClassVar[bool] = True

@@ -17,17 +17,17 @@ from modallab.rig.setup import AcquisitionRun, RigSetup
 @EFFECTS.register("damping_law")
 @dataclass(frozen=True)
 class DampingLaw(Effect):
-    """A share s of the loss is viscous where the model has it hysteretic, or the other way round.
+    """Share s of the damping that follows the other law: viscous in place of hysteretic, or the reverse.
 
-    i D becomes i (1 - s) D + i omega s C with C = D / omega_f: both laws lose alike at the reference
-    frequency f; below it viscous damping takes less, above it more, so that a mode's loss factor
-    becomes eta_r (1 - s + s omega_r / omega_f). Of a viscous model, C becomes (1 - s) C and D = s omega_f C.
-    Bishop and Johnson, The Mechanics of Vibration (1960), chapter 9. Only the loss of the structure's
-    law changes: members' own loss factors under a viscous law stay, as do dampers that hang on it.
+    i D becomes i (1 - s) D + i omega s C with C = D / omega_f: both laws dissipate equally at the reference
+    frequency f; below it viscous damping dissipates less, above it more, so that the loss factor of a mode
+    becomes eta_r (1 - s + s omega_r / omega_f). In a viscous model C becomes (1 - s) C and D = s omega_f C.
+    Bishop and Johnson, The Mechanics of Vibration (1960), chapter 9. Only the damping of the structure's
+    law changes; loss factors of members under a viscous law, and attached dampers, do not.
     """
 
     kind: ClassVar[str] = "damping_law"
-    summary: ClassVar[str] = "viscous damping that the model has as structural, or the other way round"
+    summary: ClassVar[str] = "viscous damping that the model has as structural, or the reverse"
     stage: ClassVar[Stage] = Stage.STRUCTURE
     structural: ClassVar[bool] = True
     same_in_all_runs: ClassVar[bool] = True
@@ -40,7 +40,7 @@ class DampingLaw(Effect):
         lower=0.01,
         upper=1e6,
         absent=None,
-        doc="at which both laws lose alike",
+        doc="at which both laws dissipate equally",
         scan_values=(30.0, 150.0, 750.0),
     )
 

@@ -20,16 +20,16 @@ from modallab.rig.source import Source
 @EFFECTS.register("double_hit")
 @dataclass(frozen=True)
 class DoubleHit(Effect):
-    """Every blow is followed by a second one, `ratio` times as large, `delay` later.
+    """Second blow after every blow of a hammer, `ratio` times as large and `delay` later.
 
-    P' = P (1 + r exp(-i omega tau)): the force spectrum ripples between (1 - r)^2 and
-    (1 + r)^2 of itself with the period 1/tau, and so do all responses. The FRF is untouched but where noise
-    shows in the valleys of the ripple, or a window takes the second blow out of the force and leaves it in
+    P' = P (1 + r exp(-i omega tau)): the force spectrum has ripples between (1 - r)^2 and (1 + r)^2 of its
+    value with the period 1/tau, and so have all responses. The FRF changes only where noise dominates in
+    the minima of the ripple, or where a force window removes the second blow from the force but not from
     the response. Halvorsen and Brown (1977), Sound and Vibration 11(11), 8-21.
     """
 
     kind: ClassVar[str] = "double_hit"
-    summary: ClassVar[str] = "the hammer strikes a second time within the record"
+    summary: ClassVar[str] = "second blow of the hammer within the record"
     stage: ClassVar[Stage] = Stage.NOISE
     ratio: float = parameter(
         0.3, unit="1", lower=0.0, upper=1.0, doc="size of the second blow over that of the first"

@@ -15,12 +15,12 @@ from modallab.rig.setup import AcquisitionRun, RigSetup
 @EFFECTS.register("drift")
 @dataclass(frozen=True)
 class Drift(Effect):
-    """The stiffness of all members grows or falls linearly from the first run of a test to the last.
+    """Linear change of the stiffness of all members from the first run of a test to the last.
 
-    K' = K (1 + change tau), tau from 0 to 1 in even steps: natural frequencies follow as
-    sqrt(1 + change tau), and shapes stay, so that every FRF belongs to another structure. A steel beam that
-    warms by 10 K loses 0.3 % of its modulus. Non-stationarity of a test, 1992 thesis, chapter 5. The
-    damping that the law ties to stiffness goes with it; a test of one run does not see it.
+    K' = K (1 + change tau), tau from 0 to 1 in even steps: natural frequencies change by sqrt(1 + change
+    tau), shapes do not, so that every FRF belongs to another structure. A steel beam that warms by 10 K
+    loses 0.3 % of its modulus. Non-stationarity of a test, 1992 thesis, chapter 5. Stiffness-proportional
+    damping changes with the stiffness; a test of one run has no drift.
     """
 
     kind: ClassVar[str] = "drift"

@@ -22,13 +22,13 @@ _TRIAL_MASSES = tuple(
 @EFFECTS.register("exciter_armature")
 @dataclass(frozen=True)
 class ExciterArmature(Effect):
-    """P = F + m a: the armature moves with the drive point behind the force gauge [5.2, 5.3].
+    """Inertia of the armature behind the force transducer, P = F + m a [5.2, 5.3].
 
-    The FRF a/F stays as it is; the force spectrum notches at every resonance.
+    The FRF a/F does not change; the force spectrum has a dip at every resonance.
     """
 
     kind: ClassVar[str] = "exciter_armature"
-    summary: ClassVar[str] = "the armature's inertia takes the force at resonances"
+    summary: ClassVar[str] = "inertia of the armature reduces the force at resonances"
     stage: ClassVar[Stage] = Stage.DRIVE
     allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Dof)
     at_drive: ClassVar[bool] = True
@@ -37,7 +37,7 @@ class ExciterArmature(Effect):
         unit="kg",
         lower=0.0,
         upper=5.0,
-        doc="moving mass behind the force gauge",
+        doc="moving mass behind the force transducer",
         scan_values=_TRIAL_MASSES,
     )
 

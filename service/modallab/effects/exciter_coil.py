@@ -16,16 +16,17 @@ from modallab.rig.setup import RigSetup
 @EFFECTS.register("exciter_coil")
 @dataclass(frozen=True)
 class ExciterCoil(Effect):
-    """P = BL E/(R + i omega L) - i omega x_a BL^2/(R + i omega L): the coil's motion induces a voltage.
+    """Back-EMF of the voice coil: P = BL E/(R + i omega L) - i omega x_a BL^2/(R + i omega L).
 
-    The source is told a force, that of the voltage E at 0 Hz with the armature held, BL E/R; what arrives
-    lags by R/(R + i omega L), and what the motion induces takes force in proportion to velocity. The FRF
-    stays as it is. From E = (R + i omega L) I + BL v and P = BL I, the electrodynamic shaker of
-    textbooks (McConnell, Vibration Testing, 1995). Where the current is kept nothing of it is left.
+    The declared source force is that of the voltage E at 0 Hz with a fixed armature, BL E/R. The actual
+    force lags by R/(R + i omega L), and is reduced in proportion to the velocity by the induced voltage.
+    The FRF does not change. From E = (R + i omega L) I + BL v and P = BL I, the electrodynamic shaker of
+    textbooks (McConnell, Vibration Testing, 1995). An amplifier that controls the current removes the
+    effect.
     """
 
     kind: ClassVar[str] = "exciter_coil"
-    summary: ClassVar[str] = "back-EMF of a coil whose voltage is kept damps the armature"
+    summary: ClassVar[str] = "back-EMF of a voltage-driven coil damps the armature"
     stage: ClassVar[Stage] = Stage.DRIVE
     allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Dof)
     at_drive: ClassVar[bool] = True

@@ -15,14 +15,15 @@ from modallab.rig.setup import RigSetup
 @EFFECTS.register("exciter_suspension")
 @dataclass(frozen=True)
 class ExciterSuspension(Effect):
-    """F_s = (k + i omega c) x_a holds the armature against its frame, behind the force gauge.
+    """Suspension of the armature in its frame, F_s = (k + i omega c) x_a, behind the force transducer.
 
-    It is part of the impedance that the source moves, P = F + (k + i omega c - omega^2 m) x for a rigid
-    stinger: [5.2] of the 1992 thesis with the suspension that it leaves out. The FRF stays as it is.
+    It is part of the impedance that the source drives, P = F + (k + i omega c - omega^2 m) x for a rigid
+    stinger: [5.2] of the 1992 thesis with the suspension, which the thesis neglects. The FRF does not
+    change.
     """
 
     kind: ClassVar[str] = "exciter_suspension"
-    summary: ClassVar[str] = "the suspension of the armature takes force at low frequencies"
+    summary: ClassVar[str] = "suspension of the armature reduces the force at low frequencies"
     stage: ClassVar[Stage] = Stage.DRIVE
     allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Dof)
     at_drive: ClassVar[bool] = True

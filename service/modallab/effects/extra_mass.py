@@ -18,14 +18,14 @@ from modallab.rig.setup import AcquisitionRun, RigSetup
 @EFFECTS.register("extra_mass")
 @dataclass(frozen=True)
 class ExtraMass(Effect):
-    """A point mass at one node, in every run; it moves with every translation of the node.
+    """Point mass at one node in every run; it moves with all translations of the node.
 
-    M' = M + m sum e e^T. To first order omega falls by m phi^2 / 2 of itself, phi the mode's motion
-    there at unit modal mass: Rayleigh, The Theory of Sound (1894), chapter IV.
+    M' = M + m sum e e^T. To first order the relative decrease of omega is m phi^2 / 2, with phi the
+    mass-normalised shape there: Rayleigh, The Theory of Sound (1894), chapter IV.
     """
 
     kind: ClassVar[str] = "extra_mass"
-    summary: ClassVar[str] = "a mass at one node that the model lacks"
+    summary: ClassVar[str] = "mass at one node that the model lacks"
     stage: ClassVar[Stage] = Stage.STRUCTURE
     structural: ClassVar[bool] = True
     same_in_all_runs: ClassVar[bool] = True

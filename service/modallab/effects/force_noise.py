@@ -18,9 +18,9 @@ from modallab.rig.source import NoiseLevels
 @EFFECTS.register("force_noise")
 @dataclass(frozen=True)
 class ForceNoise(Effect):
-    """White noise on the force signal; it biases H1 low where the force drops out.
+    """White noise on the force signal; it makes H1 too small where the force has dips.
 
-    H1 = H / (1 + r), r the noise over the noise-free force spectrum at a line; coherence is 1 / (1 + r):
+    H1 = H / (1 + r), r the ratio of noise to noise-free force spectrum at a line; coherence is 1 / (1 + r):
     1992 thesis [5.6, 5.8].
     """
 

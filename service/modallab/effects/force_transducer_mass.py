@@ -16,14 +16,14 @@ from modallab.rig.setup import AcquisitionRun, RigSetup
 @EFFECTS.register("force_transducer_mass")
 @dataclass(frozen=True)
 class ForceTransducerMass(Effect):
-    """A mass at the drive point, in every run: the structure that is measured has it.
+    """Mass of the force transducer at the drive point in every run, part of the measured structure.
 
-    M' = M + m e e^T, or F' = F + m a, what the gauge shows and what the structure gets; 1992 thesis,
-    section 5.4.1.
+    M' = M + m e e^T, or F' = F + m a for the measured force F' and the force F on the structure; 1992
+    thesis, section 5.4.1.
     """
 
     kind: ClassVar[str] = "force_transducer_mass"
-    summary: ClassVar[str] = "mass below the force gauge that was not cancelled"
+    summary: ClassVar[str] = "mass of the force transducer that was not cancelled"
     stage: ClassVar[Stage] = Stage.STRUCTURE
     allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Dof)
     at_drive: ClassVar[bool] = True

@@ -16,15 +16,15 @@ from modallab.rig.setup import RigSetup
 @EFFECTS.register("force_transducer_stiffness")
 @dataclass(frozen=True)
 class ForceTransducerStiffness(Effect):
-    """A spring between the drive point and what is behind the gauge: x_2 = x + F/k.
+    """Axial flexibility of the force transducer between drive point and stinger, x_2 = x + F/k.
 
-    In series with the stinger: the armature resonates on both. The gauge shows the force through it, so
-    that the FRF stays as it is. The stiffest is rigid. McConnell, Vibration Testing (1995), on force
-    transducers.
+    It acts in series with the stinger: the armature resonates on both. The transducer measures the force
+    that it transmits, so that the FRF does not change. The upper bound of the stiffness stands for a rigid
+    transducer. McConnell, Vibration Testing (1995), on force transducers.
     """
 
     kind: ClassVar[str] = "force_transducer_stiffness"
-    summary: ClassVar[str] = "the force gauge gives way along its axis"
+    summary: ClassVar[str] = "axial flexibility of the force transducer"
     stage: ClassVar[Stage] = Stage.DRIVE
     allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Dof)
     at_drive: ClassVar[bool] = True
@@ -36,7 +36,7 @@ class ForceTransducerStiffness(Effect):
         upper=STINGER.max_stiffness,
         absent=STINGER.max_stiffness,
         scan_values=(1e6, 1e7, 1e8),
-        doc="along the gauge's axis",
+        doc="along the axis of the force transducer",
     )
 
     def on_drive(self, drive: Drive) -> Drive:

@@ -20,14 +20,15 @@ from modallab.rig.setup import RigSetup
 @EFFECTS.register("gain_error")
 @dataclass(frozen=True)
 class GainError(Effect):
-    """H' = factor H: the reading of a channel is multiplied, its sensitivity is not what the log book says.
+    """Wrong sensitivity of a channel, H' = factor H.
 
-    At a DoF: of the force gauge there, which divides every FRF. Frequencies, damping and coherence
-    stay as they are; modal constants do not. Ewins, Modal Testing (2000), section 3.10, on calibration.
+    With a DoF as place: the force transducer there, which divides every FRF by the factor. Frequencies,
+    damping and coherence do not change; modal constants do. Ewins, Modal Testing (2000), section 3.10, on
+    calibration.
     """
 
     kind: ClassVar[str] = "gain_error"
-    summary: ClassVar[str] = "a channel's sensitivity is not the one declared"
+    summary: ClassVar[str] = "sensitivity of a channel differs from the declared one"
     stage: ClassVar[Stage] = Stage.CHANNEL
     tolerance: ClassVar[str | None] = "sensitivity"
     allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Channels, Dof)
@@ -38,7 +39,7 @@ class GainError(Effect):
         lower=0.05,
         upper=20.0,
         absent=1.0,
-        doc="reading over what it should be",
+        doc="measured over true value",
         scan_values=(0.1, 0.5, 0.9, 0.99, 1.01, 1.1, 2.0, 10.0),
     )
 

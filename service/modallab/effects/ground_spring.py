@@ -18,15 +18,15 @@ from modallab.rig.setup import AcquisitionRun, RigSetup
 @EFFECTS.register("ground_spring")
 @dataclass(frozen=True)
 class GroundSpring(Effect):
-    """k_g between a translation and the ground, without loss: K' = K + k_g e e^T.
+    """Spring without loss between a translation and the ground, K' = K + k_g e e^T.
 
-    A support that gives, a fixture, a string that holds sideways. To first order a mode rises by
-    k_g phi^2 / (2 omega^2) of its frequency; a free body of mass M on it bounces at sqrt(k_g/M). Meirovitch,
-    Principles and Techniques of Vibrations (1997), on Rayleigh's quotient.
+    Examples: a flexible support, a fixture, a lateral string. To first order the relative increase of the
+    frequency of a mode is k_g phi^2 / (2 omega^2); a free body of mass M bounces at sqrt(k_g/M).
+    Meirovitch, Principles and Techniques of Vibrations (1997), on Rayleigh's quotient.
     """
 
     kind: ClassVar[str] = "ground_spring"
-    summary: ClassVar[str] = "a spring to the ground that the model lacks"
+    summary: ClassVar[str] = "spring to the ground that the model lacks"
     stage: ClassVar[Stage] = Stage.STRUCTURE
     structural: ClassVar[bool] = True
     same_in_all_runs: ClassVar[bool] = True

@@ -20,16 +20,16 @@ from modallab.rig.setup import AcquisitionRun, RigSetup
 @EFFECTS.register("joint_flexibility")
 @dataclass(frozen=True)
 class JointFlexibility(Effect):
-    """The rotation jumps by `flexibility` times the bending moment at a node, the deflection does not.
+    """Rotational spring at a node: the slope changes there by `flexibility` times the bending moment.
 
-    On one side of the rotational spring is the first member that runs into the node, on the other all
-    the rest. To first order d(omega^2) / omega^2 = -flexibility M(x)^2 / 2U, with M the bending moment
+    The deflection is continuous. One side of the spring is the first member at the node, the other side all
+    other members. To first order d(omega^2) / omega^2 = -flexibility M(x)^2 / 2U, with M the bending moment
     and U the strain energy of the mode (Rayleigh). A crack as such a spring: Chondros and Dimarogonas,
     Journal of Sound and Vibration 69 (1980) 531-538.
     """
 
     kind: ClassVar[str] = "joint_flexibility"
-    summary: ClassVar[str] = "a crack or loose joint that gives in bending"
+    summary: ClassVar[str] = "crack or loose joint, flexible in bending"
     stage: ClassVar[Stage] = Stage.STRUCTURE
     structural: ClassVar[bool] = True
     same_in_all_runs: ClassVar[bool] = True

@@ -14,11 +14,11 @@ from modallab.rig.source import Source
 @EFFECTS.register("leakage")
 @dataclass(frozen=True)
 class Leakage(Effect):
-    """A share of the source's power is stationary random instead of periodic in the record.
+    """Share of the source's power that is stationary random instead of periodic in the record.
 
-    A pure random excitation has it whole, a periodic one whose period is not kept has some of it.
-    The lines see G' = (1 - share) G + share G * W, a convolution with the window's line shape W: 1992
-    thesis [5.11].
+    For pure random excitation it is 1; for an imperfectly periodic one it is between 0 and 1. The spectra
+    become G' = (1 - share) G + share G * W, a convolution with the line shape W of the window: 1992 thesis
+    [5.11].
     """
 
     kind: ClassVar[str] = "leakage"

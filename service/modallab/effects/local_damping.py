@@ -17,15 +17,15 @@ from modallab.rig.setup import AcquisitionRun, RigSetup
 @EFFECTS.register("local_damping")
 @dataclass(frozen=True)
 class LocalDamping(Effect):
-    """A viscous damper c between a translation and the ground: C' = C + c e e^T.
+    """Viscous damper c between a translation and the ground, C' = C + c e e^T.
 
-    A mode gains the loss factor c phi^2 / omega to first order, from the energy c omega^2 phi^2 pi that
-    the damper takes in a cycle; large dampers hold the point instead, and what they take falls again.
-    The energy balance: Ungar and Kerwin, J. Acoust. Soc. Am. 34 (1962) 954-957.
+    To first order the loss factor of a mode grows by c phi^2 / omega, from the energy c omega^2 phi^2 pi
+    dissipated in a cycle; a very large damper fixes the point, and the dissipation decreases again. Energy
+    balance: Ungar and Kerwin, J. Acoust. Soc. Am. 34 (1962) 954-957.
     """
 
     kind: ClassVar[str] = "local_damping"
-    summary: ClassVar[str] = "a damper at one point that the model lacks"
+    summary: ClassVar[str] = "damper at one point that the model lacks"
     stage: ClassVar[Stage] = Stage.STRUCTURE
     structural: ClassVar[bool] = True
     same_in_all_runs: ClassVar[bool] = True

@@ -28,7 +28,7 @@ class LossFactorError(Effect):
     """
 
     kind: ClassVar[str] = "loss_factor_error"
-    summary: ClassVar[str] = "members lose more or less than modelled"
+    summary: ClassVar[str] = "loss factor of members higher or lower than modelled"
     stage: ClassVar[Stage] = Stage.STRUCTURE
     structural: ClassVar[bool] = True
     same_in_all_runs: ClassVar[bool] = True

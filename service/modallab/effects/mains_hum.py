@@ -22,13 +22,13 @@ from modallab.rig.setup import RigSetup
 @EFFECTS.register("mains_hum")
 @dataclass(frozen=True)
 class MainsHum(Effect):
-    """A sine of the mains frequency f and its 3rd, 5th and 7th harmonics, of 1/3, 1/5 and 1/7 its size.
+    """Sine of the mains frequency f and its 3rd, 5th and 7th harmonics, of 1/3, 1/5 and 1/7 its amplitude.
 
-    Those of a square wave. Nothing ties a record to the mains, so every record starts at phases of its
-    own: in the mean the hum adds nothing to G_fx and to G_xx the power P_k of harmonic k times the
-    window's line shape at its offset, G_xx' = G_xx + sum P_k (W(f - k f_m) + W(f + k f_m)) over the line
-    spacing, the sine's limit of 1992 thesis eq. [5.11]. A harmonic above the band is kept out by the
-    anti-alias filter.
+    The amplitudes are those of a square wave. Records are not synchronised with the mains, so that the
+    phase is random in every record. In the mean the hum adds nothing to G_fx; to G_xx it adds the power P_k
+    of harmonic k times the line shape of the window at its offset, G_xx' = G_xx + sum P_k (W(f - k f_m) +
+    W(f + k f_m)) over the line spacing, the limit of 1992 thesis eq. [5.11] for a sine. The anti-alias
+    filter removes harmonics above the range.
     """
 
     kind: ClassVar[str] = "mains_hum"

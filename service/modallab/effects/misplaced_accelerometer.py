@@ -20,17 +20,17 @@ _ALLOWED_CHANNELS = "channels at nodes of bars, whose shape says how a point bes
 @EFFECTS.register("misplaced_accelerometer")
 @dataclass(frozen=True)
 class MisplacedAccelerometer(Effect):
-    """a' = N(distance) q: the reading is that of a point of the member beside the node.
+    """Accelerometer beside its node: the reading is that of another point of the member, a' = N(distance) q.
 
-    N are the member's shape functions, q the motion of its ends. Linear along it and cubic across it, as
-    Przemieniecki, Theory of Matrix Structural Analysis (1968), section 5.6, has them; beyond a free end
-    it sits on a rigid arm. Modes with a short wave are read most wrongly. The accelerometer's mass stays
-    at the node: moved by d it would shift frequencies by 2 d phi'/phi of what the mass itself does, far
-    less than the reading.
+    N are the shape functions of the member, q the motion of its ends: linear along the member and cubic
+    across it, Przemieniecki, Theory of Matrix Structural Analysis (1968), section 5.6; beyond a free end
+    the sensor is on a rigid arm. The error is largest for modes with short wavelengths. The mass of the
+    accelerometer stays at the node: a shift of the mass by d would change its influence on frequencies by
+    the relative amount 2 d phi'/phi, far less than the error of the reading.
     """
 
     kind: ClassVar[str] = "misplaced_accelerometer"
-    summary: ClassVar[str] = "the accelerometer sits beside the node that the log book names"
+    summary: ClassVar[str] = "accelerometer beside the node that the log book names"
     stage: ClassVar[Stage] = Stage.CHANNEL
     allowed_places: ClassVar[tuple[type, ...]] = (Channels,)
     distance: float = parameter(

@@ -20,14 +20,15 @@ from modallab.rig.setup import RigSetup
 @EFFECTS.register("mounted_resonance")
 @dataclass(frozen=True)
 class MountedResonance(Effect):
-    """1/(1 - r^2 + i loss r), r = f/f_0: the seismic mass on the spring of element and mounting.
+    """Resonance of the accelerometer on its mounting, H' = H/(1 - r^2 + i loss r), r = f/f_0.
 
-    It reads 12.5 % too high at f_0/3 and 4.2 % at f_0/5; rules of thumb say 10 % and 5 %. Serridge and
-    Licht, Piezoelectric Accelerometers and Vibration Preamplifiers (1987), chapter 2.
+    The seismic mass vibrates on the spring of sensing element and mounting. The reading is 12.5 % too high
+    at f_0/3 and 4.2 % at f_0/5; rules of thumb state 10 % and 5 %. Serridge and Licht, Piezoelectric
+    Accelerometers and Vibration Preamplifiers (1987), chapter 2.
     """
 
     kind: ClassVar[str] = "mounted_resonance"
-    summary: ClassVar[str] = "the accelerometer rings on its mounting and reads too high"
+    summary: ClassVar[str] = "resonance of an accelerometer on its mounting: reading too high"
     stage: ClassVar[Stage] = Stage.CHANNEL
     allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Channels)
     frequency: float = parameter(

@@ -24,18 +24,19 @@ from modallab.rig.setup import RigSetup
 @EFFECTS.register("overload")
 @dataclass(frozen=True)
 class Overload(Effect):
-    """x' = min(max(x, -c), c), c = `level` times the channel's rms; everywhere: forces too.
+    """Clipping by the converter, x' = min(max(x, -c), c), c = `level` times the rms of the channel.
 
-    Sampled: so it is. Expected, for Gaussian signals: a clipped signal is the signal times erf(level /
-    sqrt 2) and a distortion of exactly known power (Bussgang 1952); the distortion's spectrum comes from
-    the odd powers of the correlation to order 11 (Price 1958), the little left goes with order 13. Of
-    signals that are not Gaussian (sweeps, bursts, impacts) the expected spectra are no more than a guess,
-    far off where the peak of a blow is cut, and a diagnosis does not suspect it. Few peaks a record make
-    the distortion come in bursts: sampled coherence scatters more than drawn, from level 2 on.
+    With the place null force channels are clipped, too. The route `sampled` clips every sample. The
+    expected spectra are those of Gaussian signals: a clipped signal is the signal times erf(level / sqrt 2)
+    plus a distortion of known power (Bussgang 1952), whose spectrum comes from the odd powers of the
+    correlation up to order 11 (Price 1958); the small remainder is assigned to order 13. For signals that
+    are not Gaussian (sweeps, bursts, impacts) the expected spectra are a rough estimate, wrong by far if
+    the peak of a blow is clipped; a diagnosis does not suspect the effect there. Distortion is concentrated
+    in few peaks of a record: from level 2 on, sampled coherence scatters more than drawn coherence.
     """
 
     kind: ClassVar[str] = "overload"
-    summary: ClassVar[str] = "samples beyond the converter's range are cut off"
+    summary: ClassVar[str] = "samples beyond the range of the converter are clipped"
     stage: ClassVar[Stage] = Stage.ACQUISITION
     intermittent: ClassVar[bool] = True
     allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Channels)

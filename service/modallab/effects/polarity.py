@@ -19,16 +19,16 @@ from modallab.rig.setup import RigSetup
 @EFFECTS.register("polarity")
 @dataclass(frozen=True)
 class Polarity(Effect):
-    """H' = -H: a sensor that looks the other way, or a cable with its wires exchanged.
+    """Reversed sign of a channel, H' = -H: reversed direction of a sensor, or exchanged wires.
 
-    The phase of the FRF turns by pi; auto spectra and coherence know nothing of it. Everywhere: all
-    responses, which is the same as the force gauge. At a DoF: the force gauge there, where several
-    forces act. The drive-point FRF tells: of its inertance the imaginary part has one sign, since a structure
-    only takes power (Cremer and Heckl, Structure-Borne Sound, 1973, chapter IV).
+    The phase of the FRF changes by pi; auto spectra and coherence do not change. With the place null: all
+    responses, which is equivalent to the force transducer. With a DoF: the force transducer there, in a
+    test with several forces. The imaginary part of the drive point inertance has a known sign, because a
+    passive structure only absorbs power (Cremer and Heckl, Structure-Borne Sound, 1973, chapter IV).
     """
 
     kind: ClassVar[str] = "polarity"
-    summary: ClassVar[str] = "a channel's sign is turned"
+    summary: ClassVar[str] = "reversed sign of a channel"
     stage: ClassVar[Stage] = Stage.CHANNEL
     allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Channels, Dof)
     at_drive: ClassVar[bool] = True

@@ -21,18 +21,19 @@ from modallab.rig.setup import RigSetup
 @EFFECTS.register("quantisation")
 @dataclass(frozen=True)
 class Quantisation(Effect):
-    """Every sample is rounded to a whole number of steps q; everywhere: of the forces too.
+    """Rounding of every sample to a whole number of steps q of the converter.
 
-    A converter of b bits and a full scale of +-R has q = 2R / 2^b; the declared analyser says its bits.
-    Expected: white noise of q^2/12 from 0 Hz to half the sample rate, uncorrelated with any signal.
-    Widrow, Kollar and Liu (1996), IEEE Trans. Instrumentation and Measurement 45, 353-361: of Gaussian
-    signals of standard deviation s the error's correlation with the signal is of the order of
-    exp(-2 pi^2 s^2/q^2), 1e-8 at q = s and 1 % at q = 2 s. What comes again alike in every record, a
-    sweep without noise, is rounded alike: averages do not take that error away.
+    With the place null force channels are rounded, too. A converter of b bits and a full scale of +-R has q
+    = 2R / 2^b; the analyser declares its bits. The expected error is white noise of q^2/12 from 0 Hz to
+    half the sample rate, uncorrelated with any signal. Widrow, Kollar and Liu (1996), IEEE Trans.
+    Instrumentation and Measurement 45, 353-361: for Gaussian signals of standard deviation s the
+    correlation of error and signal is of the order of exp(-2 pi^2 s^2/q^2), 1e-8 at q = s and 1 % at q = 2
+    s. A signal that repeats in every record, such as a sweep without noise, has the same error in every
+    record; averaging does not reduce it.
     """
 
     kind: ClassVar[str] = "quantisation"
-    summary: ClassVar[str] = "samples are rounded to the converter's steps"
+    summary: ClassVar[str] = "samples are rounded to the steps of the converter"
     stage: ClassVar[Stage] = Stage.QUANTISATION
     allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Channels)
     step: float = parameter(

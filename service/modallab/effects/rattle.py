@@ -20,22 +20,24 @@ from modallab.rig.setup import RigSetup
 @EFFECTS.register("rattle")
 @dataclass(frozen=True)
 class Rattle(Effect):
-    """f = k (x - g) beyond a gap g on either side, nothing within: a loose part, a bolt in its hole.
+    """Stops on both sides of a gap g, f = k (x - g) beyond the gap and 0 within it.
 
-    To a Gaussian motion of root mean square s it is a spring k erfc(g / (s sqrt 2)): nothing as long
-    as the motion stays within the gap, the whole stop where it is far beyond. Booton (1954), IRE Trans.
-    Circuit Theory 1, 9-18.
+    Examples: a loose part, a bolt in its hole. For a Gaussian motion of rms s the equivalent spring is k
+    erfc(g / (s sqrt 2)): 0 while the motion stays within the gap, k far beyond it. Booton (1954), IRE
+    Trans. Circuit Theory 1, 9-18.
     """
 
     kind: ClassVar[str] = "rattle"
-    summary: ClassVar[str] = "stops that the structure strikes: all changes above some level"
+    summary: ClassVar[str] = "stops that the structure strikes above a certain level"
     stage: ClassVar[Stage] = Stage.MOTION
     intermittent: ClassVar[bool] = True
     structural: ClassVar[bool] = True
     suspected: ClassVar[bool] = False
     allowed_places: ClassVar[tuple[type, ...]] = (Dof,)
     stiffness: float = parameter(1e4, unit="N/m", lower=0.0, upper=1e12, doc="of the stops")
-    gap: float = parameter(1e-5, unit="m", lower=1e-12, upper=1.0, absent=None, doc="free way to either side")
+    gap: float = parameter(
+        1e-5, unit="m", lower=1e-12, upper=1.0, absent=None, doc="free distance on either side"
+    )
 
     def on_motion(self) -> LocalForce | None:
         assert isinstance(self.at, Dof)

@@ -16,10 +16,10 @@ from modallab.rig.source import NoiseLevels
 @EFFECTS.register("response_noise")
 @dataclass(frozen=True)
 class ResponseNoise(Effect):
-    """White noise on every response signal; it lowers coherence at antiresonances.
+    """White noise on every response signal; it lowers the coherence at antiresonances.
 
-    H2 = H (1 + r), r the noise over the noise-free response spectrum at a line; coherence is 1 / (1 + r),
-    and H1 stays right: 1992 thesis [5.7, 5.8].
+    H2 = H (1 + r), r the ratio of noise to noise-free response spectrum at a line; coherence is 1 / (1 +
+    r), and H1 stays correct: 1992 thesis [5.7, 5.8].
     """
 
     kind: ClassVar[str] = "response_noise"

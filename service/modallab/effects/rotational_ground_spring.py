@@ -18,15 +18,15 @@ from modallab.rig.setup import AcquisitionRun, RigSetup
 @EFFECTS.register("rotational_ground_spring")
 @dataclass(frozen=True)
 class RotationalGroundSpring(Effect):
-    """k_t between a rotation and the ground, without loss: K' = K + k_t e e^T.
+    """Rotational spring without loss between a node and the ground, K' = K + k_t e e^T.
 
-    A clamp that gives, or a pin that does not turn freely: from none to infinite it leads from the
-    pinned to the clamped end. Frequencies against k_t L / (E I): Blevins, Formulas for Natural Frequency and
-    Mode Shape (1979), section 8.1.
+    Examples: a flexible clamp, a pin with friction. From 0 to infinity the support changes from pinned to
+    clamped. Frequencies against k_t L / (E I): Blevins, Formulas for Natural Frequency and Mode Shape
+    (1979), section 8.1.
     """
 
     kind: ClassVar[str] = "rotational_ground_spring"
-    summary: ClassVar[str] = "a rotation that the ground holds back and the model leaves free"
+    summary: ClassVar[str] = "rotational spring to the ground that the model lacks"
     stage: ClassVar[Stage] = Stage.STRUCTURE
     structural: ClassVar[bool] = True
     same_in_all_runs: ClassVar[bool] = True

@@ -17,16 +17,16 @@ from modallab.rig.setup import AcquisitionRun
 @EFFECTS.register("shear_and_rotary_inertia")
 @dataclass(frozen=True)
 class ShearAndRotaryInertia(Effect):
-    """Members are Timoshenko's: phi = 12 E I / (kappa A G L^2), sections of inertia rho I.
+    """Timoshenko beam terms of members: phi = 12 E I / (kappa A G L^2), sections of inertia rho I.
 
-    Both grow with `amount`; 1 is what Poisson's ratio and the shear coefficient of the model say.
-    Members that have both by their element stay as they are. A slender bar's frequencies fall by
-    (n pi r / L)^2 (1 + E / (kappa G)) / 2, r^2 = I / A. Timoshenko, Philosophical Magazine 41 (1921)
-    744-746; matrices: Friedman and Kosmatka, Computers and Structures 47 (1993) 473-481.
+    Both terms are proportional to `amount`; 1 corresponds to Poisson's ratio and shear coefficient of the
+    model. Members whose element includes both terms do not change. The frequencies of a slender bar
+    decrease by the share (n pi r / L)^2 (1 + E / (kappa G)) / 2, r^2 = I / A. Timoshenko, Philosophical
+    Magazine 41 (1921) 744-746; matrices: Friedman and Kosmatka, Computers and Structures 47 (1993) 473-481.
     """
 
     kind: ClassVar[str] = "shear_and_rotary_inertia"
-    summary: ClassVar[str] = "members shear and their sections have inertia"
+    summary: ClassVar[str] = "shear flexibility and rotary inertia of members"
     stage: ClassVar[Stage] = Stage.STRUCTURE
     structural: ClassVar[bool] = True
     same_in_all_runs: ClassVar[bool] = True

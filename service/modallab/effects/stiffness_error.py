@@ -17,11 +17,11 @@ from modallab.rig.setup import AcquisitionRun, RigSetup
 @EFFECTS.register("stiffness_error")
 @dataclass(frozen=True)
 class StiffnessError(Effect):
-    """The stiffness matrix of some members, or of all, is another multiple of the model's.
+    """Wrong stiffness: the stiffness matrix of some members, or of all, is a multiple of that in the model.
 
-    K' = K + (factor - 1) sum K_e, and the damping that the law ties to stiffness goes with it. To first
-    order omega^2 rises by (factor - 1) times the members' share of a mode's strain energy: Rayleigh, The
-    Theory of Sound (1894), chapter IV.
+    K' = K + (factor - 1) sum K_e over these members; stiffness-proportional damping changes with it. To
+    first order the relative increase of omega^2 is (factor - 1) times their share of the strain energy of
+    the mode: Rayleigh, The Theory of Sound (1894), chapter IV.
     """
 
     kind: ClassVar[str] = "stiffness_error"

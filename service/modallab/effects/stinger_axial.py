@@ -17,14 +17,15 @@ from modallab.rig.setup import RigSetup
 @EFFECTS.register("stinger_axial")
 @dataclass(frozen=True)
 class StingerAxial(Effect):
-    """x_a = x + F/k: a spring between armature and force gauge, F = P/(1 + Z_a (1/k + alpha)).
+    """Axial flexibility of the stinger between armature and force transducer, x_a = x + F/k.
 
-    The armature resonates on it, at sqrt(k/m_a)/(2 pi) where the structure holds still: 1992 thesis [D.4],
-    k = EA/L of a rod [D.5]. Above, the force falls; the FRF stays as it is. The stiffest is rigid.
+    F = P/(1 + Z_a (1/k + alpha)). With the drive point at rest the armature resonates at sqrt(k/m_a)/(2
+    pi): 1992 thesis [D.4], k = EA/L of a rod [D.5]. Above this frequency the force decreases; the FRF does
+    not change. The upper bound of the stiffness stands for a rigid stinger.
     """
 
     kind: ClassVar[str] = "stinger_axial"
-    summary: ClassVar[str] = "the stinger gives way along its axis: armature and structure resonate on it"
+    summary: ClassVar[str] = "axial flexibility of the stinger: armature and structure resonate on it"
     stage: ClassVar[Stage] = Stage.DRIVE
     allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Dof)
     at_drive: ClassVar[bool] = True

@@ -21,16 +21,16 @@ from modallab.rig.stinger import lateral_ends
 @EFFECTS.register("stinger_bending")
 @dataclass(frozen=True)
 class StingerBending(Effect):
-    """The end of a slender rod, clamped in the armature, on the rotations and lateral motions of the drive.
+    """Restraint of rotation and lateral motion of the drive point by a slender rod, clamped in the armature.
 
     In each plane through the axis [F, M] = EI [[12/L^3, 6/L^2], [6/L^2, 4/L]] [lateral motion, slope],
-    without the rod's mass: far below its first bending mode. The rod leaves the structure against the sense
-    in which it drives. It changes the structure, not what the gauge shows, so that no mass cancellation
-    takes it away: 1992 thesis, section 5.4.5 and appendix D.
+    without the mass of the rod: far below its first bending mode. The rod extends from the structure
+    against the direction of the drive. It changes the structure and not the measured force, so that mass
+    cancellation does not remove it: 1992 thesis, section 5.4.5 and appendix D.
     """
 
     kind: ClassVar[str] = "stinger_bending"
-    summary: ClassVar[str] = "the stinger holds the drive point against rotation and lateral motion"
+    summary: ClassVar[str] = "stinger restrains rotation and lateral motion of the drive point"
     stage: ClassVar[Stage] = Stage.STRUCTURE
     allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Dof)
     at_drive: ClassVar[bool] = True

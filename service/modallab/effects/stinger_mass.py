@@ -21,18 +21,18 @@ from modallab.rig.stinger import lateral_ends
 @EFFECTS.register("stinger_mass")
 @dataclass(frozen=True)
 class StingerMass(Effect):
-    """A rod of mass m and stiffness k carries waves along its axis: t = omega sqrt(m/k).
+    """Mass of the stinger, a rod of mass m and axial stiffness k with axial waves: t = omega sqrt(m/k).
 
-    Between its ends [F, F] = k t [[cot t, -1/sin t], [-1/sin t, cot t]] [x, x]; far below its own first axial
-    resonance, t = pi, half the mass moves with the force gauge, behind its sensing element, and half with the
-    armature. Lateral motion and slope of the drive point move m/420 [[156, 22 L], [22 L, 4 L^2]], which the
-    gauge does not show. From the wave equation of a rod, and the cubic deflection of one that is clamped in
-    the armature; k is that of `stinger_axial`. Bishop and Johnson, The Mechanics of Vibration (1960), on
-    rods.
+    Between its ends [F, F] = k t [[cot t, -1/sin t], [-1/sin t, cot t]] [x, x]. Far below the first axial
+    resonance, t = pi, half of the mass moves with the force transducer, behind its sensing element, and
+    half with the armature. Lateral motion and slope of the drive point move the mass m/420 [[156, 22 L],
+    [22 L, 4 L^2]], which is not part of the measured force. From the wave equation of a rod, and the cubic
+    deflection of a rod clamped in the armature; k is that of `stinger_axial`. Bishop and Johnson, The
+    Mechanics of Vibration (1960), on rods.
     """
 
     kind: ClassVar[str] = "stinger_mass"
-    summary: ClassVar[str] = "the mass of the stinger takes force to move"
+    summary: ClassVar[str] = "inertia of the stinger reduces the force"
     stage: ClassVar[Stage] = Stage.DRIVE
     allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Dof)
     at_drive: ClassVar[bool] = True
@@ -44,7 +44,7 @@ class StingerMass(Effect):
         lower=STINGER.min_length,
         upper=STINGER.max_length,
         absent=None,
-        doc="from armature to force gauge",
+        doc="from armature to force transducer",
     )
 
     def on_system(self, system: DynamicSystem, acquisition_run: AcquisitionRun) -> DynamicSystem:

@@ -28,7 +28,7 @@ class SuspensionStiffness(Effect):
     """
 
     kind: ClassVar[str] = "suspension"
-    summary: ClassVar[str] = "an elastic band holds a structure that should be free"
+    summary: ClassVar[str] = "elastic band on a nominally free structure"
     stage: ClassVar[Stage] = Stage.STRUCTURE
     same_in_all_runs: ClassVar[bool] = True
     nested_kind: ClassVar[str | None] = "ground_spring"

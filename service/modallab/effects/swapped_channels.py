@@ -19,16 +19,15 @@ from modallab.rig.setup import RigSetup
 @EFFECTS.register("swapped_channels")
 @dataclass(frozen=True)
 class SwappedChannels(Effect):
-    """H_1' = H_2, H_2' = H_1: two channels show each what the log book writes beside the other.
+    """Two exchanged channels, H_1' = H_2 and H_2' = H_1.
 
-    Two cables exchanged, or two lines of the log book; each FRF is right but for its name. The motions
-    change places: what else is wrong with a channel stays with its name, and so does the mass of an
-    accelerometer that roves. Reciprocal FRFs no longer agree: Rayleigh, The Theory of Sound (1894),
-    chapter V.
+    Cause: two exchanged cables, or two lines of the log book. Each FRF is correct except for its name. Only
+    the motions are exchanged: other errors of a channel, and the mass of a roving accelerometer, stay with
+    the name. Reciprocal FRFs no longer agree: Rayleigh, The Theory of Sound (1894), chapter V.
     """
 
     kind: ClassVar[str] = "swapped_channels"
-    summary: ClassVar[str] = "two channels stand for each other"
+    summary: ClassVar[str] = "two exchanged channels"
     stage: ClassVar[Stage] = Stage.CHANNEL
     allowed_places: ClassVar[tuple[type, ...]] = (Channels,)
 

@@ -26,15 +26,16 @@ def _across(dof: Dof) -> tuple[Dof, Dof]:
 @EFFECTS.register("transverse_sensitivity")
 @dataclass(frozen=True)
 class TransverseSensitivity(Effect):
-    """a' = a + s (cos(angle) a_t + sin(angle) a_u): t and u are the node's other two translations.
+    """Sensitivity to motion across the axis, a' = a + s (cos(angle) a_t + sin(angle) a_u).
 
-    In the order X, Y, Z, each counted positive along the structure's axis; what the structure does not
-    have does not move, so that in a plane frame only s cos(angle) counts. Reciprocal FRFs no longer
-    agree. ISO 16063-31 measures s and the angle of an accelerometer; a good one has 0.01 to 0.05.
+    t and u are the other two translations of the node in the order X, Y, Z, positive along the axes of the
+    structure. Translations that the structure does not have are 0, so that in a plane frame only s
+    cos(angle) matters. Reciprocal FRFs no longer agree. ISO 16063-31 describes the measurement of s and the
+    angle; a good accelerometer has 0.01 to 0.05.
     """
 
     kind: ClassVar[str] = "transverse_sensitivity"
-    summary: ClassVar[str] = "the accelerometer hears motion across its axis"
+    summary: ClassVar[str] = "accelerometer measures motion across its axis, too"
     stage: ClassVar[Stage] = Stage.CHANNEL
     allowed_places: ClassVar[tuple[type, ...]] = (NoneType, Channels)
     sensitivity: float = parameter(
