@@ -109,7 +109,8 @@ def _updates(lab: ModalLab, beam_id: str, truth_id: str) -> dict[str, Any]:
             continue
         reply = lab.request("GET", f"/v1/updates/{update.id}")
         answers[f"update/{method}"] = {
-            name: reply[name] for name in ("coefficients", "suspected", "frequencies", "stopped_because")
+            name: reply.get(name, {})
+            for name in ("coefficients", "suspected", "frequencies", "stopped_because")
         }
     return answers
 

@@ -1,5 +1,6 @@
 """Plots of results, the only modules that need matplotlib, imported when a plot is drawn."""
 
+from collections.abc import Mapping, Sequence
 from typing import TYPE_CHECKING, Any
 
 import numpy as np
@@ -11,7 +12,6 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
     from modallab_client.extraction import FitPicture, Indicators, StabilisationChart
-    from modallab_client.findings import Update
     from modallab_client.models import Frf, Measurement
     from modallab_client.results import (
         Correlation,
@@ -171,23 +171,25 @@ def frac(correlation: "ResponseCorrelation") -> "Axes":
     return axes  # type: ignore[no-any-return]
 
 
-def update(result: "Update") -> "Axes":
-    """Draw the coefficients by member with their standard errors, or errors by DoF; return the axes."""
+def dof_errors(errors: Mapping[str, Sequence[float]]) -> "Axes":
+    """Draw the errors of each matrix by DoF, in order; return the axes."""
     _, axes = _pyplot().subplots(layout="constrained")
-    if result.direct is not None:
-        for matrix, dof_errors in result.direct.dof_errors.items():
-            axes.semilogy(range(1, len(dof_errors) + 1), list(dof_errors.values()), ".", label=matrix)
-        axes.set(xlabel="DoF, by error", ylabel="relative error")
-        axes.legend()
-        return axes  # type: ignore[no-any-return]
-    coefficients = result.coefficients
-    if result.suspects is not None:
-        found_changes = result.suspects.changes.items()
-        coefficients = {part: {n: 1 + change for n, change in table.items()} for part, table in found_changes}
-    width = 0.8 / max(1, len(coefficients))
-    for i, (part, members) in enumerate(coefficients.items()):
+    for matrix, values in errors.items():
+        axes.semilogy(range(1, len(values) + 1), values, ".", label=matrix)
+    axes.set(xlabel="DoF, by error", ylabel="relative error")
+    axes.legend()
+    return axes  # type: ignore[no-any-return]
+
+
+def coefficients(
+    table: Mapping[str, Mapping[int, float]], standard_errors: Mapping[str, Mapping[int, float | None]]
+) -> "Axes":
+    """Draw coefficients by part and member with their standard errors; return the axes."""
+    _, axes = _pyplot().subplots(layout="constrained")
+    width = 0.8 / max(1, len(table))
+    for i, (part, members) in enumerate(table.items()):
         unchanged = 0.0 if part == "damping" else 1.0
-        errors = [result.standard_errors.get(part, {}).get(member, 0.0) for member in members]
+        errors = [standard_errors.get(part, {}).get(member) or 0.0 for member in members]
         places = [member + i * width for member in members]
         changes = [value - unchanged for value in members.values()]
         name = "damping: 1 + loss factor" if part == "damping" else part

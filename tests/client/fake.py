@@ -125,6 +125,7 @@ DIAGNOSIS = {
 
 UPDATE = {
     "id": "u1",
+    "kind": "iterative",
     "converged": True,
     "stopped_because": "the coefficients stand still",
     "iterations": {"location": 4, "updating": 6},
@@ -147,7 +148,10 @@ UPDATE = {
             "max_change": 0.4,
             "rank": 8,
             "condition_number": None,
-            "coefficients": [{"part": "mass", "members": [1, 2], "value": 1.6}],
+            "singular_values": [12.0, 0.1],
+            "macros": [{"part": "mass", "members": [1, 2]}],
+            "step": [0.4],
+            "coefficients": [1.6],
             "frequencies": [22.4, 61.2],
             "mac": [0.99, 0.98],
         }

@@ -9,9 +9,10 @@ import pytest
 from matplotlib import pyplot
 from matplotlib.patches import Rectangle
 
-from modallab_client import _wire, _wire_findings
+from modallab_client import _wire
 from modallab_client._read import read_as
 from modallab_client.methods.modal_models import modal_model_of
+from modallab_client.methods.updates import update_of
 from modallab_client.models import ComplexArray, Measurement
 from modallab_client.results import Correlation, Diagnosis, DiagnosisCurves, FittedParameter
 from tests.client.fake import DIAGNOSIS, MEASUREMENT, MODE, UPDATE
@@ -43,7 +44,7 @@ def test_a_measurement_shows_magnitude_over_coherence() -> None:
 
 def test_loss_factors_are_drawn_from_no_change_as_coefficients_are() -> None:
     found = {**UPDATE, "coefficients": {"stiffness": {"11": 2.0}, "damping": {"11": 0.05}}}
-    axes = _wire_findings.update(found).plot()
+    axes = update_of(found).plot()
     bars = [bar for bar in axes.patches if isinstance(bar, Rectangle)]
     np.testing.assert_allclose([bar.get_y() + bar.get_height() for bar in bars], [2.0, 1.05])
     _, labels = axes.get_legend_handles_labels()
@@ -130,7 +131,7 @@ def test_a_number_has_two_digits_of_its_error(
 def test_modes_coefficients_and_mac_draw_themselves() -> None:
     modes = modal_model_of(MODEL, SHAPES).plot()
     np.testing.assert_array_equal(modes.lines[0].get_xydata(), [[23.61, 0.0051]])
-    bars = _wire_findings.update(UPDATE).plot()
+    bars = update_of(UPDATE).plot()
     ends = [bar.get_y() + bar.get_height() for bar in bars.patches if isinstance(bar, Rectangle)]
     np.testing.assert_allclose(ends, [2.0, 2.0, 1.99])  # 1 + (x - 1) rounds in the last digit
     reply = {"mac": [[1.0, 0.1]], "pairs": [[1, 1]], "frequency_differences": [0.0], "comac": [1.0]}
@@ -169,7 +170,7 @@ def test_tables_are_escaped_for_the_notebook() -> None:
     diagnosed = read_as(Diagnosis, DIAGNOSIS)._repr_html_()
     assert "Measurement m&lt;1&gt;" in measurement()._repr_html_()
     assert "<td>extra mass at 7:+Y: mass 0.05000 ± 0.00040 kg</td>" in diagnosed
-    assert "<th>coefficient</th>" in _wire_findings.update(UPDATE)._repr_html_()
+    assert "<th>coefficient</th>" in update_of(UPDATE)._repr_html_()
     assert "dobson" in modal_model_of(MODEL, SHAPES)._repr_html_()
     modes = _wire.structure_modes({"frequencies": [1.0], "loss_factors": [0.1], "n_rigid_body": 2})
     assert "2 rigid-body modes" in modes._repr_html_()

@@ -4,11 +4,14 @@ from typing import Any
 
 import numpy as np
 
-from modallab_client import ModalLab, _wire_findings
+from modallab_client import ModalLab
+from modallab_client._read import read_as
+from modallab_client.methods.updates import update_of
+from modallab_client.results import IterativeUpdate, MacroElement, ResponseBasedUpdate
 from tests.client.fake import UPDATE, FakeService, npz
 
 WORDS = "mass and stiffness of 11 can hardly be told apart by these data"
-SHARES = [{"part": part, "members": [11], "share": 0.7} for part in ("mass", "stiffness")]
+MACROS = [{"part": part, "members": [11]} for part in ("mass", "stiffness")]
 AT_ONCE: dict[str, Any] = UPDATE | {
     "coefficients": {"stiffness": {"11": 2.0, "12": 1.0}},
     "standard_errors": {"stiffness": {"11": 0.01}},
@@ -17,37 +20,42 @@ AT_ONCE: dict[str, Any] = UPDATE | {
         "rank": 2,
         "condition_number": 12.0,
         "singular_values": [12.0, 1.0],
-        "unidentified": {"mass": [11]},
-        "directions": [{"words": WORDS, "standard_error": 0.44, "shares": SHARES}],
+        "macros": [*MACROS, {"part": "stiffness", "members": [12]}],
+        "unidentified": MACROS[:1],
+        "directions": [
+            {"words": WORDS, "standard_error": 0.44, "macros": MACROS, "shares": [0.7, 0.7]},
+        ],
     },
 }
 
 
 def test_intervals_and_directions_are_read() -> None:
-    update = _wire_findings.update(AT_ONCE)
+    update = update_of(AT_ONCE)
+    assert isinstance(update, IterativeUpdate)
     assert update.intervals["stiffness"][11] == (1.6, 2.5)
     assert update.identifiability is not None
-    assert update.identifiability.unidentified == {"mass": (11,)}
+    assert update.identifiability.unidentified == (MacroElement(part="mass", members=(11,)),)
     (direction,) = update.identifiability.directions
     assert str(direction) == f"{WORDS} (standard error 0.44)"
-    assert [one.part for one in direction.shares] == ["mass", "stiffness"]
+    assert [macro.part for macro in direction.macros] == ["mass", "stiffness"]
+    np.testing.assert_array_equal(direction.shares, [0.7, 0.7])
     assert "1.6 to 2.5" in update.table()
 
 
 def test_properties_are_read_in_their_units() -> None:
     given = {"part": "thickness", "members": [3, 4], "unit": "m", "before": 0.004, "after": 0.005}
     known, open_ = (
-        _wire_findings.update(UPDATE | {"quantities": [given | {"interval": interval}]}).quantities[0]
+        read_as(IterativeUpdate, UPDATE | {"quantities": [given | {"interval": interval}]}).quantities[0]
         for interval in ([0.0049, 0.0051], None)
     )
     assert (known.members, known.interval, open_.interval) == ((3, 4), (0.0049, 0.0051), None)
     assert str(known) == "thickness of 3, 4: 0.005 m, was 0.004 (95 %: 0.0049 to 0.0051)"
     assert str(open_) == "thickness of 3, 4: 0.005 m, was 0.004"
-    assert _wire_findings.update(UPDATE).quantities == ()
+    assert read_as(IterativeUpdate, UPDATE).quantities == ()
 
 
 def test_an_update_without_them_is_read_too() -> None:
-    update = _wire_findings.update(UPDATE)
+    update = read_as(IterativeUpdate, UPDATE)
     assert update.intervals == {}
     assert update.identifiability is None
     assert " to " not in update.table()
@@ -91,8 +99,9 @@ def test_an_update_on_responses_is_asked_for_and_read(lab: ModalLab, service: Fa
         "by_frf_before": [[800.0], [1000.0]],
         "by_frf_after": [[1.0], [1.04]],
     }
-    read = _wire_findings.update(UPDATE | {"responses": fit}).responses
-    assert read is not None
+    update = update_of(UPDATE | {"kind": "response_based", "responses": fit})
+    assert isinstance(update, ResponseBasedUpdate)
+    read = update.responses
     assert read.by_frf_after.shape == (2, 1)
     assert str(read) == "mean square of 160 lines: 1.02, was 900; 1 +- 0.03 by random error alone"
-    assert _wire_findings.update(UPDATE).responses is None
+    assert "1.99" in update.table()

@@ -13,7 +13,7 @@ class Refuse:
             raise ImportError(f"{name} is not for the client")
 
 sys.meta_path.insert(0, Refuse())
-from modallab_client import ModalLab, findings, models, results
+from modallab_client import ModalLab, models, results
 with ModalLab("http://localhost:1"):
     pass
 try:

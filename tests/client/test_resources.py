@@ -9,7 +9,7 @@ import pytest
 
 from modallab_client import ModalLab
 from modallab_client.errors import UnexpectedReplyError
-from modallab_client.results import FollowUpTest
+from modallab_client.results import FollowUpTest, IterativeUpdate
 from tests.client.fake import DIAGNOSIS, MEASUREMENT, MODE, UPDATE, FakeService, events, npz
 
 STRUCTURE = {"id": "s1", "n_nodes": 21, "n_dofs": 42, "members": 20, "created_at": "later"}
@@ -217,13 +217,15 @@ def test_an_update_is_asked_by_keywords_and_read_by_member(lab: ModalLab, servic
     sent = service.body(0)
     assert sent["parameterisation"] == {"macros": [[1, 2], [3]], "parts": ["mass"]}
     assert sent["options"] == {"max_iterations": 30}
+    assert isinstance(update, IterativeUpdate)
     assert update.converged
     assert update.coefficients["stiffness"][11] == 2.0
-    assert np.isnan(update.standard_errors["stiffness"][12])
+    assert update.standard_errors["stiffness"][12] is None
     assert update.suspected["mass"] == (1, 2)
     np.testing.assert_array_equal(update.frequencies["measured"], [22.1, 61.0])
     assert "1.99" in update.table()
-    assert update.history[0].coefficients[0].members == (1, 2)
+    assert update.history[0].macros[0].members == (1, 2)
+    np.testing.assert_array_equal(update.history[0].coefficients, [1.6])
     lab.updates.start("s1", "mm1")
     assert set(service.body()) == {"structure_id", "modal_model_id", "method"}
 

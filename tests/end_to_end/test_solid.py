@@ -11,6 +11,7 @@ import pytest
 from numpy.typing import NDArray
 
 from modallab_client import ModalLab, Structure
+from modallab_client.results import IterativeUpdate
 
 Array = NDArray[np.float64]
 MODULUS, POISSON, DENSITY = 7e10, 0.3, 2700.0
@@ -125,6 +126,7 @@ def test_single_bricks_are_found_among_all(case: Case) -> None:
     update = lab.updates.start(
         model.id, modes.id, method="one_shot", macros="each", parts=["stiffness"]
     ).result()
+    assert isinstance(update, IterativeUpdate)
     assert update.suspected == {"stiffness": (13, 14)}
     # exact modes: quadratic convergence below the last step's tolerance of 1e-4
     assert update.coefficients["stiffness"][13] == pytest.approx(0.7, abs=1e-6)

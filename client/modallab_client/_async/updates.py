@@ -3,12 +3,19 @@
 from collections.abc import Mapping, Sequence
 from typing import Any, Unpack
 
-from modallab_client import _wire, _wire_direct, _wire_findings
+from modallab_client import _wire
 from modallab_client._async.jobs import AsyncJob
 from modallab_client._async.shelf import AsyncShelf
-from modallab_client.direct import UpdatedMatrices
-from modallab_client.findings import Update
-from modallab_client.identified import Covariance, Sample
+from modallab_client.methods.updates import (
+    Covariance,
+    PosteriorDraws,
+    Update,
+    UpdatedMatrices,
+    covariance_of,
+    draws_of,
+    matrices_of,
+    update_of,
+)
 from modallab_client.options import UpdateOptions
 
 
@@ -73,21 +80,21 @@ class AsyncUpdates(AsyncShelf):
         return AsyncJob(job["id"], self._transport, self.get)
 
     async def get(self, update_id: str) -> Update:
-        """Return a finished update."""
+        """Return a finished update, of the type of its kind."""
         reply = await self._transport.request("GET", f"/v1/updates/{update_id}")
-        return _wire.read(_wire_findings.update, reply)
+        return _wire.read(update_of, reply)
 
     async def covariance(self, update_id: str) -> Covariance:
         """Return the covariance of an update's coefficients, by the errors of the data alone."""
         arrays = await self._transport.npz(f"/v1/updates/{update_id}/covariance")
-        return _wire.read(_wire_findings.covariance, arrays)
+        return _wire.read(covariance_of, arrays)
 
-    async def sample(self, update_id: str) -> Sample:
+    async def sample(self, update_id: str) -> PosteriorDraws:
         """Return the draws from the posterior of an update that was asked for `samples`."""
         arrays = await self._transport.npz(f"/v1/updates/{update_id}/sample")
-        return _wire.read(_wire_findings.sample, arrays)
+        return _wire.read(draws_of, arrays)
 
     async def matrices(self, update_id: str) -> UpdatedMatrices:
         """Return the matrices of a direct method."""
         arrays = await self._transport.npz(f"/v1/updates/{update_id}/arrays")
-        return _wire.read(_wire_direct.matrices, arrays)
+        return _wire.read(matrices_of, arrays)

@@ -12,6 +12,15 @@ from modallab_client.methods.diagnoses import DiagnosisMethods, FittedEffectMeth
 from modallab_client.methods.jobs import JobStatusMethods
 from modallab_client.methods.modal_models import FrequencyInconsistencyMethods, ModalModelMethods
 from modallab_client.methods.studies import StudyMethods
+from modallab_client.methods.updates import (
+    DirectionMethods,
+    DirectUpdateMethods,
+    ErrorLocationMethods,
+    IterativeUpdateMethods,
+    QuantityMethods,
+    ResponseBasedUpdateMethods,
+    ResponseFitMethods,
+)
 
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
@@ -788,6 +797,354 @@ class Study(StudyMethods):
     """version of the service that made it"""
     wrong: Mapping[str, Mapping[int, float]]
     """True coefficients that differ from nominal."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Iteration:
+    """One step of an update and the model after it."""
+
+    coefficients: FloatArray
+    """Coefficients after the step (n_params,)."""
+    condition_number: float | None
+    """Largest over smallest singular value within the rank."""
+    frequencies: FloatArray
+    """Hz, natural frequencies of the model (n_modes,)."""
+    mac: FloatArray
+    """Modal assurance criterion of each pair of modes (n_modes,)."""
+    macros: tuple[MacroElement, ...]
+    """(n_params,) macro element of each coefficient."""
+    max_change: float
+    """Largest change of a coefficient."""
+    rank: int
+    """Rank of the weighted sensitivity matrix."""
+    singular_values: FloatArray
+    """Of the weighted sensitivity matrix, in falling order."""
+    stage: str
+    """`location` or `updating`."""
+    step: FloatArray
+    """Change of each coefficient (n_params,)."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Direction(DirectionMethods):
+    """Joint relative change of coefficients that the data determine poorly or not at all."""
+
+    macros: tuple[MacroElement, ...]
+    """(n_macros,) macro elements with a named share."""
+    shares: FloatArray
+    """Relative changes of these coefficients (n_macros,); the squares of all coefficients' shares add up to one."""
+    standard_error: float | None
+    """Standard error of the relative change along the direction; null in the null space."""
+    words: str
+    """Description of the ambiguity, without full stop."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Identifiability:
+    """Determination of coefficients by the data alone, without any prior."""
+
+    condition_number: float | None
+    """Largest over smallest singular value within the rank."""
+    directions: tuple[Direction, ...]
+    """Poorly determined directions, those of the null space first."""
+    macros: tuple[MacroElement, ...]
+    """(n_params,) macro element of each coefficient."""
+    rank: int
+    """Rank of the weighted sensitivity matrix."""
+    singular_values: FloatArray
+    """Of the weighted sensitivity matrix, in falling order."""
+    unidentified: tuple[MacroElement, ...]
+    """Macro elements with a relative standard error above `identified_within`."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class SampledCoefficient:
+    """Marginal posterior distribution of a coefficient, by its draws."""
+
+    autocorrelation_time: float
+    """draws, integrated autocorrelation time."""
+    effective: float
+    """Effective sample size: draws over autocorrelation time."""
+    interval: tuple[float, float]
+    """Lower and upper end of the central 95 % of the draws."""
+    mean: float
+    """Mean of the draws."""
+    members: tuple[int, ...]
+    """Members, or nodes, that share the coefficient."""
+    part: Part
+    """Corrected part."""
+    standard_deviation: float
+    """Standard deviation of the draws."""
+
+
+@dataclass(frozen=True, kw_only=True)
+class PosteriorSample:
+    """Draws from the posterior of the free coefficients, with their autocorrelation."""
+
+    acceptance: float
+    """Accepted over proposed moves."""
+    coefficients: tuple[SampledCoefficient, ...]
+    """Marginal distribution of each free coefficient."""
+    n_chains: int
+    """chains, chains of the ensemble."""
+    n_draws: int
+    """Number of draws."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class Quantity(QuantityMethods):
+    """Property of members, or value of nodes, before and after an update."""
+
+    after: float
+    """Updated value."""
+    before: float
+    """Value of the model."""
+    interval: tuple[float, float] | None
+    """95 % confidence interval by the data alone; null without an error estimate."""
+    members: tuple[int, ...]
+    """Members, or nodes for parts of nodes."""
+    part: Part
+    """Corrected part."""
+    unit: str
+    """SI unit of the values."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class IterativeUpdate(IterativeUpdateMethods):
+    """Result of an update: coefficients are 1 where nothing is corrected, for damping 0."""
+
+    coefficients: Mapping[str, Mapping[int, float]]
+    """Coefficients by part and member."""
+    condition_number: float | None
+    """Largest over smallest singular value within the rank."""
+    converged: bool
+    """True if the last stage converged."""
+    created: str
+    """time of creation, ISO 8601, UTC"""
+    frequencies: Mapping[str, FloatArray]
+    """Hz, natural frequencies (n_modes,): `measured`, `before`, `location`, `after`."""
+    history: tuple[Iteration, ...]
+    """Every step of both stages."""
+    id: str
+    """id of the stored object"""
+    identifiability: Identifiability | None
+    """Determination by the data alone; null for a diverged path."""
+    intervals: Mapping[str, Mapping[int, tuple[float, float]]]
+    """95 % confidence intervals by the data alone, by part and member."""
+    iterations: Mapping[str, int]
+    """Number of steps by stage, `location` and `updating`."""
+    kind: Literal["iterative"]
+    """Update on modes: coefficients are corrected by iteration."""
+    mac: Mapping[str, FloatArray]
+    """MAC of paired modes (n_modes,): `before`, `location`, `after`."""
+    made_from: Mapping[str, str]
+    """ids of the objects it was made from, by role"""
+    posterior: PosteriorSample | None
+    """Draws from the posterior; null where none were asked for."""
+    quantities: tuple[Quantity, ...]
+    """Corrected properties in their own units."""
+    rank: int
+    """Rank of the weighted sensitivity matrix at the end."""
+    seed: int | None
+    """seed of its random numbers; null where there are none"""
+    standard_errors: Mapping[str, Mapping[int, float | None]]
+    """Standard errors of the corrected coefficients by part and member; null where undetermined."""
+    stopped_because: str
+    """Reason for the end, for readers."""
+    structure_id: str
+    """Updated model."""
+    suspected: Mapping[str, tuple[int, ...]]
+    """Suspected members by part."""
+    version: str
+    """version of the service that made it"""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ResponseFit(ResponseFitMethods):
+    """Mean squares of ln(H_measured / H_model) over its random error: 1 for random errors alone."""
+
+    after: float
+    """Mean square with updated coefficients."""
+    band: tuple[float, float]
+    """Hz, lowest and highest fitted line."""
+    before: float
+    """Mean square with nominal coefficients."""
+    by_frf_after: FloatArray
+    """Mean square of each FRF after (n_out, n_in)."""
+    by_frf_before: FloatArray
+    """Mean square of each FRF before (n_out, n_in); 0 for an unused FRF."""
+    held_out_after: float | None
+    """Mean square of held-out lines after; null where every line was fitted."""
+    held_out_before: float | None
+    """Mean square of held-out lines before; null where every line was fitted."""
+    inputs: tuple[str, ...]
+    """Driven DoFs."""
+    n_held_out: int
+    """Lines held out of the fit."""
+    n_lines: int
+    """Number of fitted lines."""
+    outputs: tuple[str, ...]
+    """Measured DoFs."""
+    scatter: float
+    """Standard deviation of such a mean square by random errors alone."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ResponseBasedUpdate(ResponseBasedUpdateMethods):
+    """Result of an update: coefficients are 1 where nothing is corrected, for damping 0."""
+
+    coefficients: Mapping[str, Mapping[int, float]]
+    """Coefficients by part and member."""
+    condition_number: float | None
+    """Largest over smallest singular value within the rank."""
+    converged: bool
+    """True if the last stage converged."""
+    created: str
+    """time of creation, ISO 8601, UTC"""
+    frequencies: Mapping[str, FloatArray]
+    """Hz, natural frequencies of the model: `before`, `location`, `after`."""
+    history: tuple[Iteration, ...]
+    """Every step of both stages."""
+    id: str
+    """id of the stored object"""
+    identifiability: Identifiability | None
+    """Determination by the data alone; null for a diverged path."""
+    intervals: Mapping[str, Mapping[int, tuple[float, float]]]
+    """95 % confidence intervals by the data alone, by part and member."""
+    iterations: Mapping[str, int]
+    """Number of steps by stage, `location` and `updating`."""
+    kind: Literal["response_based"]
+    """Update on FRFs: coefficients are corrected by iteration."""
+    made_from: Mapping[str, str]
+    """ids of the objects it was made from, by role"""
+    posterior: PosteriorSample | None
+    """Draws from the posterior; null where none were asked for."""
+    quantities: tuple[Quantity, ...]
+    """Corrected properties in their own units."""
+    rank: int
+    """Rank of the weighted sensitivity matrix at the end."""
+    responses: ResponseFit
+    """Agreement with the measured FRFs."""
+    seed: int | None
+    """seed of its random numbers; null where there are none"""
+    standard_errors: Mapping[str, Mapping[int, float | None]]
+    """Standard errors of the corrected coefficients by part and member; null where undetermined."""
+    stopped_because: str
+    """Reason for the end, for readers."""
+    structure_id: str
+    """Updated model."""
+    suspected: Mapping[str, tuple[int, ...]]
+    """Suspected members by part."""
+    version: str
+    """version of the service that made it"""
+
+
+@dataclass(frozen=True, kw_only=True)
+class DofError:
+    """Error of a matrix at a degree of freedom."""
+
+    dof: str
+    """Degree of freedom."""
+    error: float
+    """1, relative error of the matrix there."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class OtherModes:
+    """Elastic modes of the model without a used measured mode, before and after the correction. Negative frequencies stand for negative stiffness: -sqrt(-omega^2) / 2 pi."""
+
+    after: FloatArray
+    """Hz, natural frequencies after (k,)."""
+    before: FloatArray
+    """Hz, natural frequencies of the model in rising order (k,)."""
+    mac: FloatArray
+    """Modal assurance criterion of each pair (k,)."""
+    rigid_body: float | None
+    """Hz, highest frequency that the corrected matrices give a former rigid-body motion; null without one."""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class DirectUpdate(DirectUpdateMethods):
+    """Result of a direct method, at the degrees of freedom it worked at."""
+
+    coefficients: Mapping[str, Mapping[int, float]]
+    """By part and member, 1 = no change; of methods that keep the members."""
+    completion: str
+    """How model and shapes came to the same degrees of freedom, for readers."""
+    connectivity_loss: Mapping[str, float]
+    """By matrix: norm of the correction between unconnected DoFs over its whole norm."""
+    converged: bool
+    """True if there is an updated model with the measured modes."""
+    created: str
+    """time of creation, ISO 8601, UTC"""
+    dof_errors: Mapping[str, tuple[DofError, ...]]
+    """By matrix: errors of all DoFs, the largest first."""
+    dofs: tuple[str, ...]
+    """(n,) degrees of freedom of the matrices."""
+    frequencies: Mapping[str, FloatArray]
+    """Hz, natural frequencies: `measured`, `before` and, of a correction, `after`."""
+    id: str
+    """id of the stored object"""
+    kind: Literal["direct"]
+    """Direct method: matrices are corrected, or their errors located, in one step."""
+    mac: Mapping[str, FloatArray]
+    """MAC with the nearest modes: `before` and, of a correction, `after`."""
+    made_from: Mapping[str, str]
+    """ids of the objects it was made from, by role"""
+    method: str
+    """Name of the method."""
+    n_modes: int
+    """Number of measured modes that the method used, the first of `frequencies`."""
+    notes: tuple[str, ...]
+    """Remarks for readers."""
+    other_modes: OtherModes | None
+    """Modes of the model without a used measured mode; null without a correction."""
+    reproduced: float | None
+    """Largest relative error of a used frequency, or of 1 - MAC; null without a correction."""
+    seed: int | None
+    """seed of its random numbers; null where there are none"""
+    stopped_because: str
+    """Reason for the end, for readers."""
+    version: str
+    """version of the service that made it"""
+
+
+@dataclass(frozen=True, eq=False, kw_only=True)
+class ErrorLocation(ErrorLocationMethods):
+    """Members suspected by error location; the model stays unchanged."""
+
+    changes: Mapping[str, Mapping[int, float]]
+    """First-order change of each coefficient, by part and member."""
+    condition_number: float | None
+    """Largest over smallest singular value within the rank."""
+    created: str
+    """time of creation, ISO 8601, UTC"""
+    frequencies: Mapping[str, FloatArray]
+    """Hz, natural frequencies of the paired modes (n_modes,): `measured`, `before`."""
+    id: str
+    """id of the stored object"""
+    kind: Literal["error_location"]
+    """Error location in one linear step: the model stays as it is."""
+    mac: Mapping[str, FloatArray]
+    """MAC of the paired modes (n_modes,): `before`."""
+    made_from: Mapping[str, str]
+    """ids of the objects it was made from, by role"""
+    method: str
+    """Name of the method."""
+    rank: int
+    """Rank of the balanced sensitivity matrix."""
+    remaining: FloatArray
+    """Residual after 1, 2, ... coefficients, over the difference (k,); empty without subset selection."""
+    seed: int | None
+    """seed of its random numbers; null where there are none"""
+    stopped_because: str
+    """Reason for the end, for readers."""
+    suspected: Mapping[str, tuple[int, ...]]
+    """Suspected members by part."""
+    version: str
+    """version of the service that made it"""
+    weights: Mapping[str, Mapping[int, float]]
+    """Share of the difference that each change explains, by part and member."""
 
 
 @dataclass(frozen=True, kw_only=True)

@@ -7,9 +7,8 @@ from typing import Any
 from modallab_client import ModalLab
 from modallab_client.demo import thesis
 from modallab_client.demo.comparison import ComparisonTable, Line
-from modallab_client.findings import Update
 from modallab_client.models import Measurement
-from modallab_client.results import Correlation, ModalModel
+from modallab_client.results import Correlation, IterativeUpdate, ModalModel
 
 Say = Callable[[str], None]
 
@@ -44,7 +43,7 @@ class Chapter5:
     test: Measurement
     modes: ModalModel
     before_update: Correlation
-    update: Update
+    update: IterativeUpdate
     after_update: Correlation
 
 
@@ -61,7 +60,8 @@ def run(lab: ModalLab, *, seed: int, say: Say) -> Chapter5:
     say("updating the model: macro elements first, then elements")
     job = lab.updates.start(model.id, modes.id, macros=MACROS, parts=["mass", "stiffness"])
     update = job.result()
-    after_update = lab.correlations.create(modes.id, update.structure_id or model.id, count=N_MODES)
+    assert isinstance(update, IterativeUpdate)
+    after_update = lab.correlations.create(modes.id, update.structure_id, count=N_MODES)
     return Chapter5(model.id, rig.id, test, modes, before_update, update, after_update)
 
 

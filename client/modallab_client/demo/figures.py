@@ -8,9 +8,8 @@ import numpy as np
 from matplotlib import pyplot
 
 from modallab_client import _diagnosis_plot
-from modallab_client.findings import Iteration, Update
 from modallab_client.models import ComplexArray, FloatArray, Measurement
-from modallab_client.results import DiagnosisCurves, ModalModel
+from modallab_client.results import DiagnosisCurves, Iteration, IterativeUpdate, ModalModel
 from modallab_client.settings import PLOT
 
 if TYPE_CHECKING:
@@ -55,7 +54,7 @@ def nyquist(axes: "Axes", test: Measurement, modes: ModalModel, *, mode: int, ou
     axes.legend(fontsize="small")
 
 
-def coefficients(axes: "Axes", update: Update, part: str) -> None:
+def coefficients(axes: "Axes", update: IterativeUpdate, part: str) -> None:
     """Draw the coefficients of one part by iteration: those of the wrong elements in colour."""
     paths = _paths(update.history, part)
     located = update.iterations["location"]
@@ -74,11 +73,16 @@ def coefficients(axes: "Axes", update: Update, part: str) -> None:
 
 def _paths(history: tuple[Iteration, ...], part: str) -> Mapping[int, list[float]]:
     """Return the coefficient of every member by iteration, from 1 at the start."""
-    paths = {member: [1.0] for iteration in history for c in iteration.coefficients for member in c.members}
+    paths = {member: [1.0] for iteration in history for macro in iteration.macros for member in macro.members}
     for iteration in history:
-        now = {m: c.value for c in iteration.coefficients if c.part == part for m in c.members}
+        coefficients_of_step = {
+            member: float(value)
+            for macro, value in zip(iteration.macros, iteration.coefficients, strict=True)
+            if macro.part == part
+            for member in macro.members
+        }
         for member, values in paths.items():
-            values.append(now.get(member, 1.0))
+            values.append(coefficients_of_step.get(member, 1.0))
     return paths
 
 
@@ -115,7 +119,7 @@ def svg(figure: "Figure") -> str:
 
 
 def overview(
-    test: Measurement, modes: ModalModel, update: Update, curves: DiagnosisCurves, *, heading: str
+    test: Measurement, modes: ModalModel, update: IterativeUpdate, curves: DiagnosisCurves, *, heading: str
 ) -> bytes:
     """Return one picture of all: FRFs, a resonance, the update, the diagnosis; PNG."""
     figure, axes = pyplot.subplots(2, 2, figsize=(11, 6.6), layout="constrained")

@@ -199,9 +199,9 @@ def _put_diagnosis(body: Json, arrays: _ArrayMap) -> Diagnosis:
 
 def _put_update(body: Json, arrays: _ArrayMap) -> UpdateResult | DirectResult | LocationResult:
     # Each has a field that the others lack.
-    if "method" in body:
+    if "dof_errors" in body:
         return from_plain(DirectResult, body, arrays)
-    if "locator" in body:
+    if "changes" in body:
         return from_plain(LocationResult, body, arrays)
     return from_plain(UpdateResult, body, arrays)
 

@@ -7,6 +7,7 @@ from itertools import pairwise
 import numpy as np
 
 from modallab.core.arrays import FloatArray, frozen
+from modallab.core.reply import NanFloat, Vector
 from modallab.updating.log_coefficients import log_derivatives
 from modallab.updating.parameterisation import MacroElement, Parameterisation, Part
 from modallab.updating.settings import IDENTIFIABILITY
@@ -19,7 +20,7 @@ class Direction:
 
     macros: tuple[MacroElement, ...]
     """(n_macros,) macro elements with a named share."""
-    shares: FloatArray
+    shares: Vector
     """Relative changes of these coefficients (n_macros,); the squares of all coefficients' shares add up to
     one.
     """
@@ -38,11 +39,11 @@ class Identifiability:
 
     macros: tuple[MacroElement, ...]
     """(n_params,) macro element of each coefficient."""
-    singular_values: FloatArray
+    singular_values: Vector
     """Of the weighted sensitivity matrix, in falling order."""
     rank: int
     """Rank of the weighted sensitivity matrix."""
-    condition_number: float
+    condition_number: NanFloat
     """Largest over smallest singular value within the rank."""
     covariance: FloatArray | None
     """Covariance of the coefficients (n_params, n_params) within the rank; None without an error estimate."""

@@ -8,6 +8,7 @@ import numpy as np
 from modallab.core.arrays import FloatArray, frozen
 from modallab.core.errors import DivergedError, UnderdeterminedError
 from modallab.core.progress import Progress, silent
+from modallab.core.reply import NanFloat, Vector
 from modallab.updating.modal_residuals import ModalResiduals, ModelState
 from modallab.updating.parameterisation import MacroElement, Parameterisation
 from modallab.updating.settings import ITERATION
@@ -22,19 +23,19 @@ class Iteration:
     """`location` or `updating`."""
     macros: tuple[MacroElement, ...]
     """(n_params,) macro element of each coefficient."""
-    step: FloatArray
+    step: Vector
     """Change of each coefficient (n_params,)."""
     rank: int
     """Rank of the weighted sensitivity matrix."""
-    singular_values: FloatArray
+    singular_values: Vector
     """Of the weighted sensitivity matrix, in falling order."""
-    condition_number: float
+    condition_number: NanFloat
     """Largest over smallest singular value within the rank."""
-    coefficients: FloatArray
+    coefficients: Vector
     """Coefficients after the step (n_params,)."""
-    frequencies: FloatArray
+    frequencies: Vector
     """Hz, natural frequencies of the model (n_modes,)."""
-    mac: FloatArray
+    mac: Vector
     """Modal assurance criterion of each pair of modes (n_modes,)."""
 
     def __post_init__(self) -> None:
@@ -61,11 +62,13 @@ class StopRule:
 
 
 class StopReason(StrEnum):
-    """Reasons for the end of a stage."""
+    """Reasons for the end of an update or of a stage."""
 
     CONVERGED = "no coefficient moved any more"
     STILL_MOVING = "the coefficients still moved after the last iteration allowed"
     DIVERGED = "diverged"
+    SOLVED = "solved at once, without iteration"
+    LOCATED = "errors are located, nothing is corrected"
 
 
 @dataclass(frozen=True, eq=False)

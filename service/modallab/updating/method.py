@@ -2,13 +2,14 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
-from typing import Any, Protocol
+from typing import Annotated, Any, Protocol
 
 from modallab.core.arrays import FloatArray, frozen
 from modallab.core.modal_model import ModalModel
 from modallab.core.options import converted
 from modallab.core.progress import Progress, silent
 from modallab.core.registry import Family, first_line
+from modallab.core.reply import NanFloat, NotInReply
 from modallab.fe.structure import Structure
 from modallab.updating.identifiability import Identifiability
 from modallab.updating.iteration import Iteration
@@ -38,17 +39,23 @@ class Stages:
             if value is not None:
                 object.__setattr__(self, name, frozen(value, float, (None,), name=name))
 
+    @property
+    def by_name(self) -> dict[str, FloatArray]:
+        """Values by name of the stage, in the order of the update."""
+        names = ("measured", "before", "location", "after")
+        return {name: getattr(self, name) for name in names if getattr(self, name) is not None}
+
 
 @dataclass(frozen=True, eq=False)
 class UpdateResult:
     """Result of an update: coefficients are 1 where nothing is corrected, for damping 0."""
 
-    structure: Structure
+    structure: Annotated[Structure, NotInReply("is a resource")]
     """Updated model."""
     coefficients: Mapping[str, Mapping[int, float]]
-    """By part and member."""
-    standard_errors: Mapping[str, Mapping[int, float]]
-    """Of the corrected coefficients, by part and member."""
+    """Coefficients by part and member."""
+    standard_errors: Mapping[str, Mapping[int, NanFloat]]
+    """Standard errors of the corrected coefficients by part and member; None where undetermined."""
     suspected: Mapping[str, tuple[int, ...]]
     """Suspected members by part."""
     frequencies: Stages
@@ -63,7 +70,7 @@ class UpdateResult:
     """Reason for the end, for readers."""
     rank: int
     """Rank of the weighted sensitivity matrix at the end."""
-    condition_number: float
+    condition_number: NanFloat
     """Largest over smallest singular value within the rank."""
     intervals: Mapping[str, Mapping[int, tuple[float, float]]] = field(default_factory=dict)
     """95 % confidence intervals by the data alone, by part and member."""

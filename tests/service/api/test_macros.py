@@ -25,7 +25,7 @@ def asked(structure: str, modes: str, macros: Any) -> dict[str, Any]:
 
 def located(service: Any, beam: str, modes: str, macros: Any) -> list[list[int]]:
     update = service.get(f"/v1/updates/{service.result_of('/v1/updates', asked(beam, modes, macros))}")
-    return [one["members"] for one in update["history"][0]["coefficients"]]
+    return [macro["members"] for macro in update["history"][0]["macros"]]
 
 
 def test_a_structure_is_divided_into_so_many_connected_parts(service: Any, beam: str, modes: str) -> None:

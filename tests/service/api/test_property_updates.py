@@ -70,8 +70,8 @@ def test_a_study_tries_a_method_on_a_thickness(service: Any, plate: str) -> None
     }
     study = service.get(f"/v1/studies/{service.result_of('/v1/studies', body)}")
     assert study["wrong"] == {"thickness": {str(n): pytest.approx(1.2) for n in UPPER}, "density": {}}
-    assert study["table"][0]["coefficient_error"][0] < 1e-6
-    assert study["table"][0]["suspected"] == 1.0
+    assert study["cells"][0]["coefficient_error"][0] < 1e-6
+    assert study["cells"][0]["suspected"] == 1.0
 
 
 @pytest.mark.parametrize(

@@ -53,7 +53,10 @@ def test_every_coefficient_has_an_interval_and_directions_are_named(found: Any) 
         assert len(found["intervals"][part]) == 20
         assert all(0.05 <= low <= high <= 10.0 for low, high in found["intervals"][part].values())
     told = found["identifiability"]
+    assert found["kind"] == "iterative"
     assert told["rank"] == found["rank"]
+    assert found["history"][0]["macros"][0] == {"part": "mass", "members": [1]}
+    assert len(found["history"][0]["step"]) == len(found["history"][0]["coefficients"]) == 40
     assert len(told["singular_values"]) == 40
     assert told["directions"], "eight noisy modes do not tell 40 coefficients apart"
     for direction in told["directions"]:

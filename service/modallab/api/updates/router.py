@@ -11,11 +11,10 @@ from modallab.api.deps import IdPath, JobsDep, OwnerDep, StoreDep
 from modallab.api.examples import examples
 from modallab.api.jobs import JobReply, job_reply
 from modallab.api.shelves import add_routes
-from modallab.api.updates.direct import direct_arrays
-from modallab.api.updates.identified import identified_arrays
-from modallab.api.updates.posterior import posterior_arrays
+from modallab.api.updates.arrays import covariance_arrays, direct_arrays, posterior_arrays
+from modallab.api.updates.replies import UpdateReply, update_reply
 from modallab.api.updates.responses import check_responses
-from modallab.api.updates.schemas import UpdateOut, UpdateStart
+from modallab.api.updates.schemas import UpdateStart
 from modallab.core.errors import NotFoundError
 from modallab.jobs.tasks import UPDATE
 from modallab.rig.exact import with_effects
@@ -72,10 +71,10 @@ def start_update(
     return job_reply(jobs.submit(UPDATE.name, arguments, owner=owner))
 
 
-@router.get("/{id}", summary="Get an update")
-def get_update(id: IdPath, store: StoreDep) -> UpdateOut:
+@router.get("/{id}", response_model=UpdateReply, summary="Get an update")
+def get_update(id: IdPath, store: StoreDep) -> Any:
     """Return the result of an update: coefficients, standard errors, frequencies before and after."""
-    return UpdateOut.of(store.updates.get(id), store.updates.entry(id))
+    return update_reply(store.updates.get(id), store.updates.entry(id))
 
 
 @router.get(
@@ -103,7 +102,7 @@ def get_update_covariance(id: IdPath, store: StoreDep, form: ArraysFormatDep) ->
     result = store.updates.get(id)
     if not isinstance(result, UpdateResult) or result.identifiability is None:
         raise NotFoundError("this update has no coefficients that were free to move", field="id", value=id)
-    return form.reply(identified_arrays(result.identifiability))
+    return form.reply(covariance_arrays(result.identifiability))
 
 
 @router.get(

@@ -2,10 +2,13 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from typing import Annotated
 
 from modallab.core.arrays import FloatArray, frozen
 from modallab.core.dof import Dof
+from modallab.core.reply import NotInReply, Vector
 from modallab.updating.direct.settings import DIRECT_UPDATING
+from modallab.updating.iteration import StopReason
 
 
 @dataclass(frozen=True, eq=False)
@@ -30,6 +33,28 @@ class MeasuredModes:
             if (value := getattr(self, name)) is not None:
                 object.__setattr__(self, name, frozen(value, float, (len(self.measured),), name=name))
 
+    @property
+    def frequencies(self) -> dict[str, FloatArray]:
+        """Hz, natural frequencies (n_measured,) by name: measured, before and, of a correction, after."""
+        values = {"measured": self.measured, "before": self.before}
+        return values if self.after is None else values | {"after": self.after}
+
+    @property
+    def mac(self) -> dict[str, FloatArray]:
+        """Modal assurance criterion (n_measured,) by name: before and, of a correction, after."""
+        values = {"before": self.mac_before}
+        return values if self.mac_after is None else values | {"after": self.mac_after}
+
+
+@dataclass(frozen=True)
+class DofError:
+    """Error of a matrix at a degree of freedom."""
+
+    dof: Dof
+    """Degree of freedom."""
+    error: float
+    """1, relative error of the matrix there."""
+
 
 @dataclass(frozen=True, eq=False)
 class OtherModes:
@@ -38,11 +63,11 @@ class OtherModes:
     Negative frequencies stand for negative stiffness: -sqrt(-omega^2) / 2 pi.
     """
 
-    before: FloatArray
+    before: Vector
     """Hz, natural frequencies of the model in rising order (k,)."""
-    after: FloatArray
+    after: Vector
     """Hz, natural frequencies after (k,)."""
-    mac: FloatArray
+    mac: Vector
     """Modal assurance criterion of each pair (k,)."""
     rigid_body: float | None
     """Hz, highest frequency that the corrected matrices give a former rigid-body motion; None without one."""
@@ -72,7 +97,7 @@ class DirectResult:
     """By matrix: relative error of each degree of freedom (n,)."""
     connectivity_loss: Mapping[str, float]
     """By matrix: norm of the correction between unconnected DoFs over its whole norm."""
-    modes: MeasuredModes
+    modes: Annotated[MeasuredModes, NotInReply("is told as frequencies, MAC and number of used modes")]
     """Measured modes beside those of the model."""
     other_modes: OtherModes | None
     """Modes of the model without a used measured mode; None without a correction."""
@@ -103,6 +128,24 @@ class DirectResult:
     def corrects(self) -> bool:
         """True if there is an updated model, False if the method only locates errors."""
         return self.stiffness is not None
+
+    @property
+    def stopped_because(self) -> str:
+        """Reason for the end, for readers."""
+        if not self.corrects:
+            return StopReason.LOCATED
+        if self.converged:
+            return StopReason.SOLVED
+        return f"{StopReason.SOLVED}; measured shapes or frequencies are missed by {self.reproduced:.2g}"
+
+    @property
+    def ranked_errors(self) -> dict[str, tuple[DofError, ...]]:
+        """Errors of all DoFs in falling order, by matrix."""
+        return {
+            matrix: tuple(DofError(dof, errors[dof]) for dof in self.ranked(matrix))
+            for matrix, table in self.dof_errors.items()
+            for errors in (dict(zip(self.dofs, table.tolist(), strict=True)),)
+        }
 
     def ranked(self, matrix: str) -> tuple[Dof, ...]:
         """Return all DoFs in falling order of the error of a matrix."""

@@ -6,10 +6,10 @@ from typing import Protocol
 
 from modallab.core.arrays import BoolArray, FloatArray, frozen
 from modallab.core.registry import Family, first_line
+from modallab.core.reply import NanFloat, Vector
+from modallab.updating.iteration import StopReason
 from modallab.updating.options import LocationOptions
 from modallab.updating.part import Part
-
-LOCATED = "errors are located, nothing is corrected"
 
 
 @dataclass(frozen=True, eq=False)
@@ -88,7 +88,7 @@ LOCATORS: Family[ErrorLocationMethod] = Family(
 class LocationResult:
     """Members suspected by error location; the model stays unchanged."""
 
-    locator: str
+    method: str
     """Name of the method."""
     changes: Mapping[str, Mapping[int, float]]
     """First-order change of each coefficient, by part and member."""
@@ -96,8 +96,8 @@ class LocationResult:
     """Share of the difference that each change explains, by part and member."""
     suspected: Mapping[str, tuple[int, ...]]
     """Suspected members by part."""
-    remaining: FloatArray
-    """Residual after 1, 2, ... coefficients, over the difference (k,)."""
+    remaining: Vector
+    """Residual after 1, 2, ... coefficients, over the difference (k,); empty without subset selection."""
     measured: FloatArray
     """Hz, measured natural frequencies (n_modes,)."""
     frequencies: FloatArray
@@ -106,12 +106,17 @@ class LocationResult:
     """Modal assurance criterion of each pair (n_modes,)."""
     rank: int
     """Rank of the balanced sensitivity matrix."""
-    condition_number: float
+    condition_number: NanFloat
     """Largest over smallest singular value within the rank."""
 
     def __post_init__(self) -> None:
         for name in ("remaining", "measured", "frequencies", "mac"):
             object.__setattr__(self, name, frozen(getattr(self, name), float, (None,), name=name))
+
+    @property
+    def stopped_because(self) -> str:
+        """Reason for the end, for readers."""
+        return StopReason.LOCATED
 
     @property
     def coefficients(self) -> dict[str, dict[int, float]]:

@@ -66,7 +66,7 @@ def _result(
     parts = parameterisation.parts
     marked = by_member(parameterisation, location.suspected.astype(float), parts=parts)
     return LocationResult(
-        locator=method,
+        method=method,
         changes=by_member(parameterisation, location.change, parts=parts),
         weights=by_member(parameterisation, location.weight, parts=parts),
         suspected={part: tuple(sorted(n for n, x in table.items() if x)) for part, table in marked.items()},

@@ -12,7 +12,7 @@ from modallab.core.progress import Progress, silent
 from modallab.fe.structure import Structure
 from modallab.fe.synthetic_modes import lowest_modes, synthetic_modes
 from modallab.fe.system import DynamicSystem
-from modallab.updating.error_location.method import LOCATED, LocationResult
+from modallab.updating.error_location.method import LocationResult
 from modallab.updating.error_location.run import locate
 from modallab.updating.method import UPDATERS, UpdateResult
 from modallab.updating.options import LocationOptions
@@ -122,7 +122,7 @@ def _compared_with_truth(
     run = StudyUpdate(
         *key,
         converged=False,
-        stopped_because=LOCATED,
+        stopped_because=result.stopped_because,
         suspected=dict(result.suspected),
         all_suspected=erroneous <= suspects,
         n_unfounded=len(suspects - erroneous),
