@@ -15,7 +15,8 @@ STRUCTURE = {
     "extra_mass": Example(
         at="11:+Y",
         band=MODES,
-        shows="50 g in mid-span: the fifth mode moves there and falls, the sixth has a node there and stays.",
+        shows="50 g at mid-span: the fifth frequency falls; the sixth mode has a node there and does not"
+        " change.",
     ),
     "density_error": Example(
         at={"members": [9, 10, 11, 12]},
@@ -23,19 +24,20 @@ STRUCTURE = {
     ),
     "stiffness_error": Example(
         at={"members": [9, 10, 11, 12]},
-        shows="Four stiff members of twenty in mid-span: every mode rises, those that bend there most.",
+        shows="Four stiff members of twenty at mid-span: all frequencies rise, most for modes that bend"
+        " there.",
     ),
     "loss_factor_error": Example(
         band=MODES,
-        shows="Twice the loss: peaks are half as high and twice as broad, frequencies stay.",
+        shows="Twice the loss factor: peaks are half as high and twice as broad; frequencies do not change.",
     ),
     "local_damping": Example(
         at="11:+Y",
         band=(15.0, 75.0),
-        shows="A damper in mid-span takes from the first mode; the second has a node there.",
+        shows="A damper at mid-span damps the first mode; the second has a node there.",
     ),
     "damping_law": Example(
-        shows="Half of the loss viscous: peaks above 150 Hz are lower, those below it higher.",
+        shows="Half of the damping is viscous: peaks above 150 Hz are lower, those below it higher.",
     ),
     "attached_oscillator": Example(
         at="11:+Y",
@@ -45,7 +47,7 @@ STRUCTURE = {
     "ground_spring": Example(
         at="11:+Y",
         band=(0.0, 150.0),
-        shows="A spring under mid-span: the free beam bounces on it, low modes rise, high ones hardly.",
+        shows="A spring at mid-span: the free beam bounces on it; low frequencies rise, high ones hardly.",
     ),
     "rotational_ground_spring": Example(
         at="1:+RZ",
@@ -56,12 +58,12 @@ STRUCTURE = {
     "joint_flexibility": Example(
         at="8:+RZ",
         band=MODES,
-        shows="A slack joint at node 8 lowers modes that bend there and leaves those that do not.",
+        shows="A flexible joint at node 8 lowers the frequencies of modes that bend there, and no others.",
     ),
     "shear_and_rotary_inertia": Example(
         structure="short beam",
         band=(0.0, 8000.0),
-        shows="Of a short bar the high modes fall, in proportion to the square of their order.",
+        shows="Short bar: high frequencies fall, in proportion to the square of the order.",
     ),
     "cubic_stiffness": Example(
         structure="damped beam",
@@ -70,7 +72,8 @@ STRUCTURE = {
         levels=(0.5, 5.0),
         panels=("magnitude", "coherence"),
         band=(2.0, 50.0),
-        shows="The first resonance rises with the level; coherence falls there and at three times that.",
+        shows="The first resonance rises with the level; coherence falls there and at three times its"
+        " frequency.",
     ),
     "friction": Example(
         structure="clamped beam",
@@ -88,57 +91,60 @@ STRUCTURE = {
         levels=(0.005, 1.0),
         panels=("magnitude", "coherence"),
         band=(2.0, 100.0),
-        shows="Within the gap nothing happens; beyond it the stops stiffen the beam and coherence falls.",
+        shows="Within the gap nothing changes; beyond it the stops stiffen the beam, and coherence falls.",
     ),
     "drift": Example(
         rig={"responses": ["1:+Y", "11:+Y", "21:+Y"], "accelerometers": {"roving": True}},
         band=(300.0, 330.0),
         panels=("magnitude 1:+Y", "magnitude 11:+Y", "magnitude 21:+Y"),
-        shows="The first run sees the beam as it was, the last one a per cent softer: no common frequency.",
+        shows="The last run measures a beam one per cent softer than the first: no common frequencies.",
     ),
 }
 EXCITER = {
     "exciter_armature": Example(
         panels=("magnitude", "force"),
-        shows="The FRF stays; the force drops out at every resonance.",
+        shows="The FRF does not change; the force spectrum has a dip at every resonance.",
     ),
     "exciter_suspension": Example(
         rig=ARMATURE,
         band=(1.0, 100.0),
         panels=("magnitude", "force"),
-        shows="The FRF stays; the beam bounces on the armature's suspension, and below that force is lost.",
+        shows="The FRF does not change; the beam bounces on the suspension, and below that the force is"
+        " small.",
     ),
     "exciter_coil": Example(
         rig=ARMATURE,
         panels=("magnitude", "force"),
-        shows="The FRF stays; the voltage that motion induces takes force where the drive point moves fast.",
+        shows="The FRF does not change; induced voltage reduces the force where the velocity is high.",
     ),
     "stinger_axial": Example(
         rig=ARMATURE,
         band=(0.0, 3000.0),
         panels=("magnitude", "force"),
-        shows="The FRF stays; the armature resonates on the stinger at 1.6 kHz, above it the force is gone.",
+        shows="The FRF does not change; the armature resonates at 1.6 kHz, and above that the force is"
+        " small.",
     ),
     "stinger_bending": Example(
         structure="frame",
         rig={"drive": "13:+Y", "responses": ["10:+Y"]},
         band=(2.0, 200.0),
-        shows="The drive point moves less across and turns less: modes rise, and no mass cancellation helps.",
+        shows="Lateral motion and rotation are restrained: frequencies rise, and mass cancellation has no"
+        " influence.",
     ),
     "stinger_mass": Example(
         parameters={"mass": 0.01},
         panels=("magnitude", "force"),
-        shows="A stinger of 10 g moves behind the gauge's sensing element: the FRF stays, force is lost.",
+        shows="10 g behind the sensing element: the FRF does not change, the force decreases.",
     ),
     "cancelled_mass": Example(
         panels=("magnitude", "force"),
-        shows="The FRF is that of the bare structure; the source has to move the mass all the same.",
+        shows="The FRF is that of the structure alone; the source still moves the mass.",
     ),
     "double_hit": Example(
         rig={"exciter": {"kind": "hammer"}, "analyser": {"window": "force_exponential"}},
         band=(0.0, 200.0),
         panels=("magnitude", "force", "response"),
-        shows="A second blow 20 ms later: force and response ripple every 50 Hz, the FRF stays.",
+        shows="A second blow 20 ms later: ripples of 50 Hz in force and response; the FRF does not change.",
     ),
 }
 TRANSDUCERS = {
@@ -146,101 +152,104 @@ TRANSDUCERS = {
         rig={"responses": ["1:+Y", "8:+Y"], "accelerometers": {"roving": True}},
         band=MODES,
         panels=("magnitude 1:+Y", "magnitude 8:+Y"),
-        shows="Each position shifts the modes by its own amount: most at the free end, least at their nodes.",
+        shows="The shift of a frequency depends on the position: largest at the free end, 0 at nodes of"
+        " the mode.",
     ),
     "cable_mass": Example(
         rig={"responses": [f"{node}:+Y" for node in range(1, 22, 2)]},
         band=MODES,
         panels=("magnitude 1:+Y",),
-        shows="Eleven cables of 5 g: modes fall as with heavier accelerometers, and lose height beside it.",
+        shows="Eleven cables of 5 g: frequencies fall as with heavier accelerometers, and peaks are lower.",
     ),
     "force_transducer_mass": Example(
         rig={"responses": ["1:+Y"]},
         band=MODES,
-        shows="10 g below the gauge, not cancelled: frequencies fall, the drive point's antiresonances stay.",
+        shows="10 g, not cancelled: frequencies fall; antiresonances of the drive point do not change.",
     ),
     "force_transducer_stiffness": Example(
         structure="short beam",
         rig={"exciter": {"armature_mass": 0.2}},
         band=(0.0, 8000.0),
         panels=("magnitude", "force"),
-        shows="The FRF stays; armature and beam resonate on the gauge in the kilohertz, then force is lost.",
+        shows="The FRF does not change; armature and beam resonate at some kHz, and above that the force"
+        " is small.",
     ),
     "mounted_resonance": Example(
         structure="short beam",
         band=(0.0, 10000.0),
         panels=("magnitude", "ratio"),
-        shows="A magnet's 7 kHz: a third of the way the reading is an eighth too large, at 7 kHz 20 times.",
+        shows="Magnet with 7 kHz: the reading is 1/8 too large at 2.3 kHz, and 20 times too large at 7 kHz.",
     ),
     "transverse_sensitivity": Example(
         structure="frame",
         rig={"drive": "13:+Y", "responses": ["9:+Y"]},
         band=(0.0, 300.0),
         panels=("magnitude", "ratio"),
-        shows="3 % of the motion along X is heard as motion along Y: antiresonances move.",
+        shows="3 % of the motion along X is measured as motion along Y: antiresonances move.",
     ),
     "gain_error": Example(
         at={"channels": ["7:+Y"]},
         panels=("magnitude", "ratio"),
-        shows="10 % too much at every line, 0.83 dB; frequencies and damping stay.",
+        shows="10 % or 0.83 dB too high at every line; frequencies and damping do not change.",
     ),
     "polarity": Example(
         at={"channels": ["7:+Y"]},
         panels=("magnitude", "phase"),
-        shows="Half a turn of phase at every line; nothing else.",
+        shows="A phase error of 180 degrees at every line; magnitudes do not change.",
     ),
     "swapped_channels": Example(
         rig={"responses": ["4:+Y", "16:+Y"]},
         at={"channels": ["4:+Y", "16:+Y"]},
         band=(0.0, 350.0),
         panels=("magnitude 4:+Y", "magnitude 16:+Y"),
-        shows="Each FRF is right, under the other's name.",
+        shows="Each FRF is correct, but has the name of the other.",
     ),
     "misplaced_accelerometer": Example(
         at={"channels": ["7:+Y"]},
         panels=("magnitude", "ratio"),
-        shows="A centimetre off: antiresonances move, most of all at high frequency.",
+        shows="One centimetre off: antiresonances move, most at high frequency.",
     ),
 }
 ANALYSER = {
     "channel_delay": Example(
         at={"channels": ["7:+Y"]},
         panels=("magnitude", "turn"),
-        shows="The phase error grows in proportion to frequency; sizes stay.",
+        shows="The phase error is proportional to frequency; magnitudes do not change.",
     ),
     "ac_coupling": Example(
         at={"channels": ["7:+Y"]},
         band=(0.2, 20.0),
         panels=("magnitude", "turn"),
-        shows="One channel's high-pass at 1 Hz: phase is wrong far above the corner, size only near it.",
+        shows="High-pass of one channel at 1 Hz: the phase is wrong far above it, the magnitude only near"
+        " it.",
     ),
     "leakage": Example(
         panels=("magnitude", "coherence"),
-        shows="A tenth of the power leaks: what spills into the antiresonances is not coherent.",
+        shows="A tenth of the power leaks: leakage into antiresonances is incoherent.",
     ),
     "quantisation": Example(
         panels=("magnitude", "coherence", "response"),
-        shows="8 bits: a floor under the spectra, and coherence is lost where they come near it.",
+        shows="8 bits: a noise floor under the spectra; coherence falls where spectra are near it.",
     ),
     "overload": Example(
         panels=("magnitude", "coherence", "response"),
-        shows="Clipped peaks put a floor under the spectra, far above a converter's own.",
+        shows="Clipped peaks cause a noise floor, far above that of the converter.",
     ),
 }
 NOISE = {
     "response_noise": Example(
         panels=("magnitude", "coherence"),
-        shows="Coherence is lost where the response is small: between resonances. H1 stays right.",
+        shows="Coherence falls where the response is small, between resonances. H1 stays correct.",
     ),
     "force_noise": Example(
         rig={"exciter": {"armature_mass": 0.1}},
         panels=("magnitude", "coherence", "force"),
-        shows="Coherence is lost where the force drops out, at resonances, and H1 is low there.",
+        shows="Coherence falls where the force is small, at resonances, and H1 is too small there.",
     ),
     "mains_hum": Example(
         band=(0.0, 400.0),
         panels=("magnitude", "coherence", "response"),
-        shows="50, 150, 250 and 350 Hz are missing in coherence; 50 Hz stands out of the response too.",
+        shows="Coherence has dips at 50, 150, 250 and 350 Hz; the response spectrum has a peak at 50 Hz.",
     ),
 }
 GROUPS = {
@@ -254,7 +263,7 @@ STRUCTURE["suspension"] = Example(
     at="1:+Y",
     declared={"suspension": {"at": ["1:+Y", "21:+Y"], "stiffness": 100.0, "loss_factor": 0.05}},
     band=(0.2, 40.0),
-    shows="Two soft bands: rigid-body modes at 0.9 and 1.6 Hz, the first elastic mode stays.",
+    shows="Two soft bands: rigid-body modes at 0.9 and 1.6 Hz; the first elastic mode does not change.",
 )
 
 
