@@ -96,7 +96,7 @@ def _is_object(schema: Schema) -> bool:
     return schema.get("type") == "object"
 
 
-def annotation(schema: Schema, known: Container[str]) -> str:
+def annotation(schema: Schema, known: Container[str]) -> str:  # noqa: PLR0911 - one return for each kind of type
     """Return the Python annotation of a schema, with the names of generated types."""
     if "$ref" in schema:
         name = str(schema["$ref"]).removeprefix(PREFIX)

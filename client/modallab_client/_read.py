@@ -68,7 +68,7 @@ def _absent(name: str, hint: Any) -> Any:
     raise KeyError(name)
 
 
-def _value(hint: Any, data: Any) -> Any:
+def _value(hint: Any, data: Any) -> Any:  # noqa: PLR0911 - one return for each kind of type
     origin = get_origin(hint)
     if data is None or hint is Any or origin is Literal:
         return data

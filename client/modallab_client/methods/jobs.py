@@ -11,7 +11,9 @@ class JobStatusMethods:
     if TYPE_CHECKING:
 
         @property
-        def state(self) -> str: ...
+        def state(self) -> str:
+            """State of the job."""
+            ...
 
     @property
     def finished(self) -> bool:

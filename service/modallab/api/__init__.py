@@ -1,0 +1,1 @@
+"""HTTP service: routes, request models, replies, problems and the OpenAPI document."""

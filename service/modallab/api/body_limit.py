@@ -19,6 +19,7 @@ class BodyLimit:
         self._app, self._json, self._upload = app, json, upload
 
     async def __call__(self, scope: Scope, receive: Receive, send: Send) -> None:
+        """Handle an ASGI request."""
         if scope["type"] != "http":
             await self._app(scope, receive, send)
             return

@@ -127,7 +127,7 @@ def _field(declared: Field[Any], spec: OptionSpec) -> Any:
     return WireField(default=default, description=described)
 
 
-def _wire_type(hint: Any, spec: OptionSpec, declared: Field[Any]) -> Any:
+def _wire_type(hint: Any, spec: OptionSpec, declared: Field[Any]) -> Any:  # noqa: PLR0911 - one return for each kind of type
     """Return the type of a request's field from that of a dataclass."""
     if get_origin(hint) in (Union, UnionType):
         alternatives = [

@@ -72,19 +72,8 @@ def build(app: FastAPI) -> Json:
         _add_errors(method, operation)
         for spec in operation.get("parameters", ()):
             spec.setdefault("description", spec["schema"].get("description", ""))
-        for reply in operation["responses"].values():
-            for content in reply.get("content", {}).values():
-                if name := content["schema"].get("x-component"):
-                    schemas[name] = {key: v for key, v in content["schema"].items() if key != "x-component"}
-                    content["schema"] = {"$ref": _REF + name}
-    for name, schema in schemas.items():
-        if name.startswith("Body_"):
-            schema["description"] = f"Form of `{name.removeprefix('Body_')}`"
-            schema["additionalProperties"] = False
-            for field in schema["properties"].values():
-                # A form has no null: a field is there or is left out.
-                if len(field.get("anyOf", ())) == 2 and field["anyOf"][1] == {"type": "null"}:
-                    field |= field.pop("anyOf")[0]
+        _name_components(operation, schemas)
+    _describe_forms(schemas)
     schemas["JobStatus"]["properties"]["error"]["anyOf"][0] = {"$ref": _REF + "Problem"}
     renamed: Json = _rename(document, {name: _short(name) for name in schemas})
     for schema in renamed["components"]["schemas"].values():
@@ -95,6 +84,26 @@ def build(app: FastAPI) -> Json:
     _strip_titles(renamed["components"])
     _strip_titles(renamed["paths"])
     return renamed
+
+
+def _name_components(operation: Json, schemas: Json) -> None:
+    """Move the named schemas of an operation's replies to the components."""
+    for reply in operation["responses"].values():
+        for content in reply.get("content", {}).values():
+            if name := content["schema"].get("x-component"):
+                schemas[name] = {key: v for key, v in content["schema"].items() if key != "x-component"}
+                content["schema"] = {"$ref": _REF + name}
+
+
+def _describe_forms(schemas: Json) -> None:
+    """Describe the schemas of forms; a field of a form is present or absent, never null."""
+    for name, schema in schemas.items():
+        if name.startswith("Body_"):
+            schema["description"] = f"Form of `{name.removeprefix('Body_')}`"
+            schema["additionalProperties"] = False
+            for field in schema["properties"].values():
+                if len(field.get("anyOf", ())) == 2 and field["anyOf"][1] == {"type": "null"}:
+                    field |= field.pop("anyOf")[0]
 
 
 def operations(document: Json) -> Iterator[tuple[str, str, Json]]:

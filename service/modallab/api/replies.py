@@ -174,7 +174,7 @@ _OPTIONS = Annotated[dict[str, Any], BeforeValidator(_mapping)]
 _MAYBE = Annotated[float | None, BeforeValidator(_finite)]
 
 
-def wire_type(hint: Any) -> Any:
+def wire_type(hint: Any) -> Any:  # noqa: PLR0911 - one return for each kind of type
     """Return the wire's type of an annotation; None of what replies do not have."""
     marks: tuple[Any, ...] = ()
     if get_origin(hint) is Annotated:

@@ -61,6 +61,6 @@ class AcCoupling(Effect):
 
     @classmethod
     def signature(cls, evidence: Evidence) -> float:
-        """The phase of the worst FRF is off in proportion to the period."""
+        """Return the correlation of the worst residual with a phase error proportional to the period."""
         slow = np.divide(1.0, evidence.freq, out=np.zeros(len(evidence.freq)), where=evidence.freq > 0)
         return evidence.follows(np.asarray(1j * slow))

@@ -71,7 +71,7 @@ class AttachedOscillator(Effect):
 
     @classmethod
     def signature(cls, evidence: Evidence) -> float:
-        """Some frequencies fall and others rise."""
+        """Return the evidence that some natural frequencies fall and others rise."""
         total_shift = np.abs(evidence.frequency_shift).sum()
         if not total_shift > 0:
             return 0.3

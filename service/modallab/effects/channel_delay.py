@@ -56,5 +56,5 @@ class ChannelDelay(Effect):
 
     @classmethod
     def signature(cls, evidence: Evidence) -> float:
-        """The phase of the worst FRF is off in proportion to frequency."""
+        """Return the correlation of the worst FRF's residual with a phase error proportional to frequency."""
         return evidence.follows(np.asarray(1j * evidence.freq))

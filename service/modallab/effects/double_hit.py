@@ -61,7 +61,7 @@ class DoubleHit(Effect):
 
     @classmethod
     def signature(cls, evidence: Evidence) -> float:
-        """The force spectrum is not the one of a single blow."""
+        """Return the evidence that the force spectrum is not that of a single blow."""
         if evidence.force is None:
             return 0.3
         return float(np.clip(evidence.force.std() / (np.abs(evidence.frf).mean() + 1.0), 0.1, 1.0))

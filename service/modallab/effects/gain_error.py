@@ -54,5 +54,5 @@ class GainError(Effect):
 
     @classmethod
     def signature(cls, evidence: Evidence) -> float:
-        """The worst FRF is off by the same factor at every line."""
+        """Return the correlation of the worst FRF's residual with a constant factor."""
         return evidence.follows(np.ones(len(evidence.freq)))

@@ -60,5 +60,5 @@ class MountedResonance(Effect):
 
     @classmethod
     def signature(cls, evidence: Evidence) -> float:
-        """The worst FRF is too large, in proportion to frequency squared."""
+        """Return the correlation of the worst FRF's residual with frequency squared."""
         return evidence.follows(evidence.freq**2)

@@ -46,7 +46,7 @@ class Polarity(Effect):
 
     @classmethod
     def signature(cls, evidence: Evidence) -> float:
-        """The worst FRF has the right magnitude and the wrong phase at every line."""
+        """Return the evidence of a wrong phase at the right magnitude in the worst FRF."""
         worst = int(evidence.by_channel.argmax())
         residual = evidence.frf[:, worst] * evidence.weight[:, worst]
         size = float((np.abs(residual) ** 2).sum())

@@ -51,7 +51,7 @@ class StingerAxial(Effect):
 
     @classmethod
     def signature(cls, evidence: Evidence) -> float:
-        """The force spectrum is off while the FRFs are right."""
+        """Return the evidence of a wrong force spectrum beside right FRFs."""
         gaps = evidence.gaps
         if "force" not in gaps:
             return 0.1

@@ -32,7 +32,9 @@ from modallab.extraction.single_mode_extraction import extract_mode_by_mode
 class Read(Protocol):
     """Extraction with given options."""
 
-    def __call__(self, *, options: ExtractionOptions, progress: Progress) -> ModalModel: ...
+    def __call__(self, *, options: ExtractionOptions, progress: Progress) -> ModalModel:
+        """Return the modal model."""
+        ...
 
 
 def extract(

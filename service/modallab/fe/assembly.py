@@ -121,8 +121,10 @@ class Assembly:
         return parts if self.joint_rotations is None else self.joint_rotations.widened(parts, places)
 
     def size_derivatives(self, places: IntArray, shape: SectionSize) -> FloatArray:
-        """Return derivatives of mass, axial and bending stiffness of members by the logarithm of a size,
-        (3, m, w, w); see `shapes.size_derivatives`."""
+        """Return derivatives of member matrices with respect to the logarithm of a size, (3, m, w, w).
+
+        Of mass, axial and bending stiffness; see `shapes.size_derivatives`.
+        """
         derivatives = size_derivatives(
             self.structure, [self.members[place] for place in places], shape, self._width
         )

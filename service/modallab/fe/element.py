@@ -31,7 +31,7 @@ class Bar:
 
     @property
     def shear_flexibility(self) -> float:
-        """phi = 12 E I / (kappa A G L^2): deflection from shear over that from bending."""
+        """Phi = 12 E I / (kappa A G L^2): deflection from shear over that from bending."""
         sheared = self.shear_coefficient * self.area * self.shear_modulus * self.length**2
         return 12 * self.modulus * self.second_moment / sheared
 

@@ -126,8 +126,10 @@ def attached_variants(
 def _attached_pairs(
     response: ModalResponse, system: DynamicSystem, motions: FloatArray, a: IntArray, b: IntArray
 ) -> ComplexArray:
-    """Return the receptances of pairs of columns of `motions` (n, .), (n_freq, n_pairs): `attached`, but
-    for the pairs that are asked for instead of all."""
+    """Return receptances between pairs of columns of `motions` (n, .), (n_freq, n_pairs).
+
+    The same as `attached`, evaluated for the given pairs `a`, `b` only.
+    """
     if system.stacked_columns.shape[1] > RECEPTANCE.woodbury_columns:
         (rows, row), (columns_used, column) = (np.unique(places, return_inverse=True) for places in (a, b))
         return _attached_to_many(response, system, motions[:, rows], motions[:, columns_used])[:, row, column]

@@ -1,0 +1,1 @@
+"""Exchange files: universal files, HDF5, text FRFs, meshes and Nastran models."""

@@ -1,0 +1,1 @@
+"""Background jobs: tasks, their queue, and worker processes."""

@@ -64,6 +64,7 @@ class Task(Generic[InputsT, OptionsT]):
     def __call__(
         self, store: Store, progress: Progress, into: Destination, *, shares: Json = None, **arguments: Json
     ) -> None:
+        """Run the task with the arguments of a job, and store its result."""
         inputs, options = self.decoded(arguments)
         run: Callable[..., None] = self.run
         run(store, progress, into, inputs, options, **({} if shares is None else {"shares": shares}))

@@ -79,8 +79,11 @@ def _weights_vary(signals: tuple[PeriodicSignal, ...]) -> bool:
 def _periodic_shares(
     signal: PeriodicSignal, gain: ComplexArray, h: ComplexArray, force: FloatArray, incoherent: FloatArray
 ) -> tuple[FloatArray, FloatArray, FloatArray]:
-    """Return which share of G_ff, (n_freq,), and of each loose response, (n_freq, n_out), comes back, and
-    which share of the latter is a signal with real weights that differ."""
+    """Return the shares of the auto spectra that repeat from period to period.
+
+    Of G_ff, (n_freq,), of the incoherent part of each response, (n_freq, n_out), and the share of the
+    latter that is a signal with differing real weights.
+    """
     signals = signal.signals * gain
     residuals = signals[..., 1:] - h * signals[..., :1]
     mean = signal.moments[0] / signal.moments[0, 0]  # the first weight is that of the force: a blow's size

@@ -1,0 +1,1 @@
+"""Store of immutable results: metadata in a database, arrays in files."""

@@ -39,7 +39,7 @@ def from_plain(cls: type[T], tree: Json, arrays: Mapping[str, NDArray[Any]]) -> 
     return value
 
 
-def _encode(value: Any, path: str, arrays: Arrays) -> Json:
+def _encode(value: Any, path: str, arrays: Arrays) -> Json:  # noqa: PLR0911 - one return for each kind of type
     if isinstance(value, Enum):
         return value.value
     if value is None or isinstance(value, (bool, str, int)):
@@ -83,7 +83,7 @@ def _misfit(path: str, expected: object) -> StoredDataError:
     return StoredDataError(f"{path} is not of its type", field=path, allowed=str(expected))
 
 
-def _decode(hint: Any, tree: Json, arrays: Mapping[str, NDArray[Any]], path: str) -> Any:
+def _decode(hint: Any, tree: Json, arrays: Mapping[str, NDArray[Any]], path: str) -> Any:  # noqa: PLR0911 - one return for each kind of type
     if isinstance(tree, dict) and len(tree) == 1:
         if _ARRAY in tree:
             return arrays[tree[_ARRAY]]

@@ -70,6 +70,7 @@ def import_modal_file(
     settings: SettingsDep,
     owner: OwnerDep,
 ) -> Any:
+    """Return the modal model of a universal file (dataset 55)."""
     return _stored(read_modal_model(file.file, largest=settings.upload_limit), store, owner)
 
 

@@ -23,6 +23,7 @@ class AccelerometerTolerance(Effect):
     more: float = parameter(0.0, unit="kg", lower=-0.5, upper=0.5, doc="mass beyond the one declared")
 
     def on_system(self, system: DynamicSystem, acquisition_run: AcquisitionRun) -> DynamicSystem:
+        """Return the system with the further mass at every accelerometer."""
         nodes = sorted({dof.node for dof in acquisition_run.outputs})
         masses = system.add_masses(nodes, self.more).attachments[len(system.attachments) :]
         attachments = list(system.attachments)
@@ -65,4 +66,5 @@ class LossTolerance(Effect):
     """Loss factors beyond the model's, of the lowest elastic modes."""
 
     def on_system(self, system: DynamicSystem, acquisition_run: AcquisitionRun) -> DynamicSystem:
+        """Return the system with further modal loss factors."""
         return system.with_modal_loss(self.more)

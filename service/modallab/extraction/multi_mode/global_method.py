@@ -70,9 +70,9 @@ class GlobalMethod(Protocol):
         If there are too few lines for such orders.
     """
 
-    def __call__(
-        self, freq: FloatArray, frf: ComplexArray, weight: FloatArray, orders: IntArray
-    ) -> Poles: ...
+    def __call__(self, freq: FloatArray, frf: ComplexArray, weight: FloatArray, orders: IntArray) -> Poles:
+        """Return the poles of every order."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -90,6 +90,7 @@ class RegisteredGlobalMethod:
         return first_line(self.find)
 
     def __call__(self, freq: FloatArray, frf: ComplexArray, weight: FloatArray, orders: IntArray) -> Poles:
+        """Return the poles of every order."""
         return self.find(freq, frf, weight, orders)
 
 

@@ -105,7 +105,9 @@ class ExtractionMethod(Protocol):
         so that rows of different length share one array.
     """
 
-    def __call__(self, freq: FloatArray, frf: ComplexArray, weight: FloatArray) -> ModeFits: ...
+    def __call__(self, freq: FloatArray, frf: ComplexArray, weight: FloatArray) -> ModeFits:
+        """Return the fit of one mode for every row."""
+        ...
 
 
 class FitPlot(Protocol):
@@ -117,7 +119,9 @@ class FitPlot(Protocol):
 
     def __call__(
         self, freq: FloatArray, frf: ComplexArray, weight: FloatArray
-    ) -> dict[str, FloatArray | ComplexArray]: ...
+    ) -> dict[str, FloatArray | ComplexArray]:
+        """Return the plot data of the fits by name."""
+        ...
 
 
 @dataclass(frozen=True)
@@ -141,6 +145,7 @@ class SingleModeMethod:
         return first_line(self.fit)
 
     def __call__(self, freq: FloatArray, frf: ComplexArray, weight: FloatArray) -> ModeFits:
+        """Return the fit of one mode for every row."""
         return self.fit(freq, frf, weight)
 
     @property

@@ -40,8 +40,11 @@ class Blow:
         return np.asarray(np.tensordot(weights, self.basis_records(answers, setting), axes=1))
 
     def basis_records(self, answers: ImpulseResponses, setting: ExcitationSetting) -> FloatArray:
-        """Return the records of a blow; where it strays, first its force alone, then the responses to it
-        along the axis, per metre beside the point, and across."""
+        """Return the records of a blow.
+
+        Of a misaligned blow: first its force alone, then the responses to it along the axis, per metre
+        beside the point, and across.
+        """
         moment = round(setting.pre_trigger * answers.n_samples)
         records = np.sqrt(answers.n_samples) * answers.records_after(np.array([moment]))[0]
         if not self.misaligned(setting):

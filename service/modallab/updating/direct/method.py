@@ -152,6 +152,7 @@ class RegisteredDirectMethod:
         return first_line(self.solve)
 
     def __call__(self, problem: DirectProblem) -> Correction | ErrorLocation:
+        """Return the corrected matrices, or the located errors."""
         return self.solve(problem)
 
 

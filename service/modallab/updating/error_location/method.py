@@ -76,6 +76,7 @@ class ErrorLocationMethod:
         return first_line(self.locate)
 
     def __call__(self, problem: LinearProblem, *, threshold: float, jump: float) -> LinearLocation:
+        """Return the located errors."""
         return self.locate(problem, threshold=threshold, jump=jump)
 
 

@@ -13,7 +13,7 @@ from modallab.updating.solve import balanced_step
 
 
 def zhang_subspace(problem: LinearProblem, *, threshold: float, jump: float) -> LinearLocation:
-    """The coefficients of the subspace that, grown one by one, leaves least of the difference.
+    """Select coefficients by forward selection: each one added leaves the least residual.
 
     min |delta - S^k dp^k| [2.31] over k = 1, 2, ...: each time the coefficient joins that leaves least with
     all chosen before solved for again, until the next would take away less than a twentieth. Those that end
