@@ -221,7 +221,7 @@ def test_fits_charts_and_frfs_of_modes_come_back_to_be_drawn(here: ModalLab) -> 
     rig = here.rigs.create(drive="1:+Y", responses=["1:+Y", "3:+Y", "7:+Y"], noise={"response": 1e-3})
     test = here.measurements.start(beam.id, rig.id, route="drawn", seed=1).result(timeout=120)
     modes = here.modal_models.start(test.id, method="line_fit", n_modes=4, lines=12, leave_out=2).result()
-    assert modes.choices["leave_out"] == "2: as asked"
+    assert modes.choices["leave_out"] == "2: as requested"
     picture = here.modal_models.fit(modes.id, mode=2, response="7:+Y")
     assert (len(picture.freq), picture.used.sum()) == (12, 10)
     assert modes.fitted_frequencies is not None

@@ -74,7 +74,7 @@ def test_a_foreign_universal_file_gives_modes_in_two_lines_and_all_else_runs(
             exec(block, names)
         assert names["known"].averages == 50
         assert len(names["circles"].modes) == 2
-        assert names["fewer"].choices["leave_out"] == "4: as asked"
+        assert names["fewer"].choices["leave_out"] == "4: as requested"
         np.testing.assert_allclose(names["together"].frequencies, KNOWN, rtol=1e-4)
         wander = names["moved"].frequency_inconsistency
         assert wander.cause == "roving_mass"

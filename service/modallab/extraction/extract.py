@@ -126,7 +126,7 @@ def _by_identified_damping_model(read: Read, options: ExtractionOptions, progres
     if choice.damping is Damping.VISCOUS:
         viscous = replace(options, damping=choice.damping)
         model = read(options=viscous, progress=part(progress, PROGRESS_SHARES.structural_fit, 1.0))
-    progress(1.0, "law of damping told")
+    progress(1.0, "damping model determined")
     return with_damping_model(model, choice)
 
 

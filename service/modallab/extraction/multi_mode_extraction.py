@@ -214,11 +214,11 @@ def _inconsistency_warning(single_modes: ModalModel | None) -> Iterator[str]:
     if single_modes is None or single_modes.frequency_inconsistency is None:
         return
     cause, *_ = inconsistency_notes(single_modes.frequency_inconsistency, single_modes.frfs)
-    yield f"a global method takes all FRFs to be of one structure, and these are not: {cause}"
+    yield f"global methods assume that all FRFs belong to one structure, but here {cause}"
     followers = ", ".join(name for name, method in EXTRACTION_METHODS.items() if method.exact)
     yield (
-        "modes may be split or doubled here (flags say so where a cause is found); methods that fit each FRF "
-        f"by itself follow them and tell how far they move: {followers}"
+        "modes may be split or doubled (see the flags if a cause was found); methods that fit each FRF "
+        f"separately determine the frequency of each FRF: {followers}"
     )
 
 
@@ -226,7 +226,7 @@ def _empty_range_notes(freq: FloatArray, ranges: Sequence[slice], fits: Sequence
     """Yield a note on every range without a mode."""
     for lines in ranges:
         if not any(fit.lines == lines for fit in fits):
-            yield f"no mode is found from {freq[lines][0]:g} to {freq[lines][-1]:g} Hz"
+            yield f"no mode was found from {freq[lines][0]:g} to {freq[lines][-1]:g} Hz"
 
 
 def _raise_no_mode(freq: FloatArray, *, requested: bool) -> NoReturn:
@@ -234,4 +234,4 @@ def _raise_no_mode(freq: FloatArray, *, requested: bool) -> NoReturn:
     message = f"no FRF shows a mode between {lower:g} and {upper:g} Hz"
     if requested:
         raise NoModeInBandError(message, field="bands", lower=lower, upper=upper)
-    raise NoModeInBandError("no resonance stands out of the FRFs", field="bands")
+    raise NoModeInBandError("no resonance was found in the FRFs", field="bands")

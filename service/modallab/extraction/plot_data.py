@@ -227,7 +227,7 @@ def _ends(responses: Responses, model: ModalModel) -> IntArray:
         )
     if model.frfs != responses.frfs or model.fitted_lines.max(initial=0) >= len(responses.freq):
         raise InvalidInputError(
-            "these responses are not those that the modes were read from",
+            "these responses are not those that the modes were identified from",
             field="responses",
             value=len(responses.frfs),
             allowed="the measurement behind the modal model",

@@ -71,13 +71,13 @@ def extract_mode_by_mode(
     table = replace(settled.table, lines=windows.ends)
     notes = [*peaks.notes, *_empty_band_notes(table, freq, fit_bands, requested=bands is not None)]
     if not registered.exact:
-        notes.append(f"{method} is biased: by up to half a line in frequency, and towards too much damping")
+        notes.append(f"{method} is biased: up to half a line in frequency, and too much damping")
     left_out = np.diff(windows.ends, axis=2)[:, :, 0] + 1 - windows.used.sum(axis=2)
     if (left_out < line_choice.leave_out).any():
-        notes.append(f"bands of few lines: there, fewer than {line_choice.leave_out} are left out")
+        notes.append(f"in bands of few lines, fewer than {line_choice.leave_out} lines were left out")
     if n_modes is not None and bands is None and len(fit_bands) < n_modes:
-        notes.append(f"{n_modes} modes asked for, {len(fit_bands)} found")
-    progress(1.0, "modes collated")
+        notes.append(f"{n_modes} modes requested, {len(fit_bands)} found")
+    progress(1.0, "modes averaged")
     model = combine_fits(
         table,
         dofs,

@@ -74,7 +74,7 @@ def extract_and_store(
     )
     if request.correct_window_damping and measurement.setup.analyser.line_window.end < 1:
         model = without_window_damping(model, _added(measurement.setup, model))
-        model = replace(model, choices={**model.choices, _CORRECTED: "taken out: as asked"})
+        model = replace(model, choices={**model.choices, _CORRECTED: "subtracted: as requested"})
     store.modal_models.add(
         model, owner=into.owner, inputs={"measurement_id": inputs.measurement_id}, id=into.id
     )

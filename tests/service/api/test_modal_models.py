@@ -27,16 +27,16 @@ def extracted(service: Any, measured: str, **asked: Any) -> Any:
 def test_what_was_chosen_is_told_with_the_reason(service: Any, measured: str) -> None:
     choices = extracted(service, measured)["choices"]
     assert choices["lines"].startswith("8: ")
-    assert "do not leak" in choices["lines"]
-    assert choices["damping"].startswith("structural: as the lines tell")
+    assert "no leakage" in choices["lines"]
+    assert choices["damping"].startswith("structural: determined from the lines")
 
 
 def test_what_was_asked_for_is_done(service: Any, measured: str) -> None:
     options = {"lines": 14, "leave_out": 2, "damping": "viscous"}
     found = extracted(service, measured, method="linear_fit", options=options)
-    assert found["choices"]["lines"] == "14: as asked"
-    assert found["choices"]["leave_out"] == "2: as asked"
-    assert found["choices"]["damping"] == "viscous: as asked"
+    assert found["choices"]["lines"] == "14: as requested"
+    assert found["choices"]["leave_out"] == "2: as requested"
+    assert found["choices"]["damping"] == "viscous: as requested"
     ends = arrays(service, found["id"])["fitted_lines"]
     assert (np.diff(ends, axis=2) + 1 == 14).all()
 

@@ -224,7 +224,7 @@ def test_without_a_drive_point_response_shapes_are_not_mass_normalised(
 
 def test_fewer_modes_than_asked_for_are_noted_and_more_are_cut(plain_beam: Beam, freq: FloatArray) -> None:
     frf = plain_beam.frf(freq)
-    assert "12 modes asked for, 8 found" in extract(frf, coherence=None, averages=CLEAN, n_modes=12).notes
+    assert "12 modes requested, 8 found" in extract(frf, coherence=None, averages=CLEAN, n_modes=12).notes
     model: ModalModel = extract(frf, coherence=None, averages=CLEAN, n_modes=3)
     assert len(model.modes) == 3
 

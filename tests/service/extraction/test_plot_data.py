@@ -223,5 +223,5 @@ def test_what_is_no_fit_of_this_model_is_refused(plain_beam: Beam, freq: FloatAr
     for other in (replace(model, method="plscf"), replace(model, fitted_lines=None)):
         with pytest.raises(InvalidInputError, match="not from fits of single modes"):
             fit_plot_data(responses, other, 0, 0)
-    with pytest.raises(InvalidInputError, match="not those that the modes were read from"):
+    with pytest.raises(InvalidInputError, match="not those that the modes were identified from"):
         fit_plot_data(responses, replace(model, dofs=model.dofs[::-1]), 0, 0)

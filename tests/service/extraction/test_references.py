@@ -50,7 +50,9 @@ def test_two_references_see_both_modes_of_one_frequency_and_one_sees_one(turned:
     # which shapes of the plane is anyone's choice, the plane is not: noise of 1e-3 leaves 1e-3 of an angle
     cosines = np.linalg.svd(plane(model.shapes[:, PAIR]).conj().T @ plane(SHAPES[PAIR].T))[1]
     assert cosines.min() > 1 - 1e-5
-    assert not any("needed beside" in note for note in model.notes), "a column of the chart speaks for each"
+    assert not any("required by the fit in addition" in note for note in model.notes), (
+        "a column of the chart speaks for each"
+    )
     assert all(any(f.startswith("coincident: ") for f in mode.flags) for mode in model.modes[1:3])
 
 
@@ -125,7 +127,7 @@ def test_other_methods_take_all_references_and_tell_how_far_their_shapes_agree(m
     np.testing.assert_allclose(model.frequencies, made.frequencies, rtol=1e-3)
     sign = np.sign((model.shapes.real * SHAPES.T).sum(axis=0))
     np.testing.assert_allclose(model.shapes * sign, SHAPES.T, atol=0.05 * np.abs(SHAPES).max())
-    assert model.choices["references"].startswith("1:+Y, 2:+Y: modal constants are those of one shape to ")
+    assert model.choices["references"].startswith("1:+Y, 2:+Y: modal constants agree with one shape to ")
 
 
 def test_references_that_see_two_modes_as_one_are_said_to_differ() -> None:

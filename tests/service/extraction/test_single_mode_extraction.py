@@ -55,8 +55,8 @@ def test_of_a_hammer_modes_are_read_where_it_excites_and_noise_above_is_named() 
     # noise is 0.4 of the force at 698.5 Hz, four times as large at 1293 Hz and eleven at 1655 Hz
     np.testing.assert_allclose(model.frequencies, HAMMERED[:7], rtol=5e-5)
     np.testing.assert_allclose(model.loss_factors[:5], HAMMERED_LOSS[:5], rtol=0.01)
-    assert any("peaks" in note and "taken for noise" in note for note in model.notes)
-    assert any("no coherence tells how much of it is random error" in note for note in model.notes)
+    assert any("peaks" in note and "classified as noise" in note for note in model.notes)
+    assert any("random error unknown without coherence" in note for note in model.notes)
 
 
 @pytest.mark.parametrize("method", [kind for kind in EXACT if EXTRACTION_METHODS[kind].leaves_out])

@@ -28,9 +28,9 @@ class DampingModelChoice:
     def reason(self) -> str:
         """Damping model and reason, as in the `choices` of a modal model."""
         if self.damping is None:
-            return f"{Damping.STRUCTURAL}: unless another is asked for; the lines do not tell which law holds"
-        turned = f"{self.phase_ratio:.2g} +- {self.error:.1g} of what viscous damping would turn them by"
-        return f"{self.damping}: as the lines tell, whose modal constants are turned by {turned}"
+            return f"{Damping.STRUCTURAL}: the default, because the lines do not determine the damping model"
+        ratio = f"{self.phase_ratio:.2g} +- {self.error:.1g} of the phase under viscous damping"
+        return f"{self.damping}: determined from the lines, where modal constants have {ratio}"
 
 
 def select_damping_model(model: ModalModel) -> DampingModelChoice:

@@ -31,7 +31,7 @@ def driving_point_flags(constant: complex, error: float, dof: Dof, sense: int) -
         and abs(signed_constant.imag) > DRIVE_POINT.phase_errors * error
     ):
         turn = math.degrees(math.atan2(signed_constant.imag, signed_constant.real))
-        flags.append(f"drive point {dof} has a modal constant turned by {turn:.0f} degrees")
+        flags.append(f"drive point {dof} has a modal constant with a phase of {turn:.0f} degrees")
     if size and error > 2 * DRIVE_POINT.largest_scale_error * size:  # the root has half the relative error
         flags.append(
             f"drive point {dof} hardly shows the mode: its scale is known to {50 * error / size:.0f} %"

@@ -11,8 +11,8 @@ from modallab.extraction.averaging.settings import DUPLICATE_MODES
 
 AMBIGUOUS_FLAGS = ("outlier: ", "complex shape: ", "misfit: ")  # flags of what may be more than one mode
 CAUSES = {
-    InconsistencyCause.ROVING_MASS: "as {:.3g} g that move with the response make it",
-    InconsistencyCause.STEADY_DRIFT: "as a drift by {:.3g} % makes it",
+    InconsistencyCause.ROVING_MASS: "as with {:.3g} g of roving mass",
+    InconsistencyCause.STEADY_DRIFT: "as with a drift of {:.3g} %",
 }
 UNITS_IN_TEXT = {InconsistencyCause.ROVING_MASS: 1e3, InconsistencyCause.STEADY_DRIFT: 100.0}
 
@@ -50,8 +50,8 @@ def with_duplicate_flags(model: ModalModel, single_modes: ModalModel | None) -> 
             )
             flags[row] = (
                 *flags[row],
-                f"doubled: one mode with {duplicates}, which FRF by FRF lies between {lowest:.5g} and "
-                f"{highest:.5g} Hz, {CAUSES[cause].format(UNITS_IN_TEXT[cause] * size)}",
+                f"doubled: the same mode as {duplicates}; its frequency varies over the FRFs from "
+                f"{lowest:.5g} to {highest:.5g} Hz, {CAUSES[cause].format(UNITS_IN_TEXT[cause] * size)}",
             )
     return replace(
         model,

@@ -77,7 +77,7 @@ def _further_peaks(freq: FloatArray, indicator: FloatArray, band: Band) -> str:
 def _flagged(mode: Mode, share: float) -> Mode:
     if not share > MISFIT.largest_misfit:
         return mode
-    flag = f"misfit: one mode leaves {share:.0%} of its lines unexplained, two modes or more may be there"
+    flag = f"misfit: one mode leaves {share:.0%} of its lines unexplained; there may be several modes"
     return replace(mode, flags=(*mode.flags, flag))
 
 

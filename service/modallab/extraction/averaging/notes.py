@@ -14,8 +14,8 @@ from modallab.extraction.single_mode.fitting import FitTable
 def choice_of_means(inconsistency: FrequencyInconsistency | None, noise_correlation: float) -> str:
     """Return the kind of averages over FRFs, with its reason."""
     return _means(inconsistency) + (
-        f"; {100 * noise_correlation:.0f} % of their random error is the same in all FRFs, which no mean"
-        " lessens"
+        f"; {100 * noise_correlation:.0f} % of their random error is common to all FRFs and is not"
+        " reduced by the mean"
         if noise_correlation > SHARED_NOISE.noted_fraction
         else ""
     )
@@ -24,15 +24,15 @@ def choice_of_means(inconsistency: FrequencyInconsistency | None, noise_correlat
 def _means(inconsistency: FrequencyInconsistency | None) -> str:
     if inconsistency is None:
         return (
-            "weighted by one over variance: the frequencies of the FRFs agree within their standard errors, "
-            "as those of one structure do"
+            "weighted by inverse variance: the frequencies of the FRFs agree within their standard errors, "
+            "as expected of one structure"
         )
     if inconsistency.cause is InconsistencyCause.UNKNOWN:
         return (
-            "plain where the FRFs differ by more than their standard errors, these then with the scatter; "
-            "weighted by one over variance for the other modes"
+            "unweighted for modes whose FRFs differ by more than their standard errors, with errors from the "
+            "scatter; weighted by inverse variance for the other modes"
         )
-    return "plain: every FRF is of a slightly different structure, and none is truer than another"
+    return "unweighted: every FRF belongs to a slightly different structure"
 
 
 def no_scale(shapes: ReferenceShapes) -> Iterator[str]:
@@ -65,27 +65,28 @@ def _cause(inconsistency: FrequencyInconsistency) -> str:
             size = f"{mass:.3g} +- {error:.2g} g"
             if mass < 0:
                 return (
-                    f"they rise with the squared shape at the response, as if {size} moved with it ({share})"
+                    f"they rise with the squared shape at the response, as with a roving mass of {size} "
+                    f"({share})"
                 )
             return (
-                f"they fall as the accelerometer roves, with the squared shape where it sits: {size} at the "
-                f"moving position {share}"
+                f"they fall with the squared shape at the roving accelerometer: a mass of {size} at its "
+                f"position {share}"
             )
         case InconsistencyCause.SQUARED_SHAPE:
             return (
-                f"they follow the squared shape at the response, as a roving mass makes them, which {share}; "
-                "shapes without scale do not tell the mass"
+                f"they vary with the squared shape at the response, as with a roving mass, which {share}; "
+                "the mass itself cannot be determined from shapes without scale"
             )
         case InconsistencyCause.STEADY_DRIFT:
             change, error = 100 * inconsistency.size, 100 * inconsistency.size_error
             return (
-                f"all modes alike drift by {change:+.3g} +- {error:.2g} % from the first FRF to the last, "
-                f"which {share}: the structure changes during the test, as with temperature"
+                f"all modes drift by {change:+.3g} +- {error:.2g} % from the first FRF to the last, "
+                f"which {share}: the structure changes during the test, for instance with temperature"
             )
         case InconsistencyCause.UNKNOWN:
             return (
-                "neither with the squared shape at the response nor steadily; leakage, close modes, or a "
-                "structure that changes from FRF to FRF"
+                "they follow neither the squared shape at the response nor a steady drift; possible "
+                "causes are leakage, close modes, or a structure that changes from FRF to FRF"
             )
 
 

@@ -52,8 +52,8 @@ class ReferenceShapes:
             and self.score[mode] > REFERENCE_SHAPES.inconsistency_errors
         ):
             yield (
-                f"references differ: {100 * self.inconsistency[mode]:.2g} % of the modal constants are of no "
-                f"one shape, {self.score[mode]:.2g} standard errors"
+                f"references differ: modal constants deviate from one common shape by "
+                f"{100 * self.inconsistency[mode]:.2g} %, {self.score[mode]:.2g} standard errors"
             )
         if (
             scale is not None
@@ -61,7 +61,7 @@ class ReferenceShapes:
             and scale.score[mode] > REFERENCE_SHAPES.inconsistency_errors
         ):
             percent = 100 * scale.inconsistency[mode]
-            yield f"drive points differ by {percent:.2g} % about the scale of the shape"
+            yield f"drive points differ by {percent:.2g} % in the scale of the shape"
 
     def choice_text(self, fitted: str | None = None) -> dict[str, str]:
         """Return the treatment of several references and their consistency; empty for one reference.
@@ -74,7 +74,7 @@ class ReferenceShapes:
         if len(self.references) < 2:
             return {}
         names = ", ".join(str(dof) for dof in self.references)
-        text = fitted or _agreement_text("modal constants are those of one shape", self.inconsistency)
+        text = fitted or _agreement_text("modal constants agree with one shape", self.inconsistency)
         if self.scale is not None:
             text += f"; {_agreement_text('drive points agree on its scale', self.scale.inconsistency)}"
         return {"references": f"{names}: {text}"}
@@ -107,7 +107,7 @@ def _agreement_text(statement: str, share: FloatArray) -> str:
         return statement
     worst = int(np.argmax(share))
     usual, most = 100 * np.median(share), 100 * share[worst]
-    return f"{statement} to {usual:.2g} %, at worst {most:.2g} % in mode {worst + 1}"
+    return f"{statement} to {usual:.2g} % (median), at worst {most:.2g} % in mode {worst + 1}"
 
 
 def reference_shapes(

@@ -200,7 +200,7 @@ def _drive_point(model: ModalModel, drive: Dof | None) -> Dof:
     has_shape = drive is not None and any(dof.point == drive.point for dof in model.dofs)
     if drive is None or not has_shape or model.normalisation != "mass":
         raise InvalidInputError(
-            "FRFs need mass-normalised modes with a shape at the drive point",
+            "FRFs require mass-normalised modes with a shape at the drive point",
             field="drive",
             value=None if drive is None else str(drive),
             allowed=[str(dof) for dof in model.dofs[:5]] if model.normalisation == "mass" else [],
@@ -235,10 +235,10 @@ def _misfit_notes(
     if not len(poor):
         return ()
     worst = int(poor[np.argmax(misfit[poor])])
-    chance = "no coherence tells how much of it is random error"
+    chance = "random error unknown without coherence"
     if has_error:
-        chance = f"of which random error is {100 * random[worst]:.1g} %"
+        chance = f"random error {100 * random[worst]:.1g} %"
     return (
-        f"modes and residuals leave more than {100 * RESYNTHESIS.largest_misfit:.0f} % of {len(poor)} FRFs, "
-        f"most of {names[worst]}: {100 * misfit[worst]:.0f} %, {chance}",
+        f"modes and residuals leave more than {100 * RESYNTHESIS.largest_misfit:.0f} % of {len(poor)} FRFs "
+        f"unexplained, most at {names[worst]}: {100 * misfit[worst]:.0f} %, {chance}",
     )

@@ -30,7 +30,7 @@ def without_window_damping(model: ModalModel, added_loss_factor: FloatArray) -> 
         model,
         modes=modes,
         fitted_loss_factor=None if fitted is None else fitted - np.asarray(added_loss_factor)[:, None],
-        notes=(*model.notes, f"loss factors are without those that the exponential window added: {share}"),
+        notes=(*model.notes, f"loss factors added by the exponential window were subtracted: {share}"),
     )
 
 

@@ -70,7 +70,10 @@ def _texts(fit: ModalFit, group: IntArray) -> Iterator[tuple[int, str]]:
         neighbours = ", ".join(
             f"{fit.frequency[neighbour]:.5g} Hz" for neighbour in group.tolist() if neighbour != row
         )
-        yield row, f"coincident: no further from {neighbours} than errors; any shapes of their plane would do"
+        yield (
+            row,
+            f"coincident: same frequency as {neighbours} within errors; only the shapes' plane is known",
+        )
 
 
 def _equal_within_errors(values: FloatArray, errors: FloatArray) -> BoolArray:

@@ -30,7 +30,7 @@ def poles_of_fractions(freq: FloatArray, frf: ComplexArray, weight: FloatArray, 
         or (np.diff(orders) < 1).any()
     ):
         raise InvalidInputError(
-            f"{usable} lines do not tell polynomials of such orders",
+            f"{usable} lines do not determine polynomials of such orders",
             field="max_order",
             value=highest,
             allowed=bounds(1, int(usable // MATRIX_FRACTION.lines_per_order)),

@@ -54,7 +54,7 @@ def find_frequency_ranges(
         where only peaks distinguish noise, the bands of the peaks that are not noise.
     """
     if bands is not None:
-        return FrequencyRanges(_joined(requested_bands(responses.freq, indicator, bands)), "as asked")
+        return FrequencyRanges(_joined(requested_bands(responses.freq, indicator, bands)), "as requested")
     peaks = _common(responses, indicator)
     if peaks.notes:
         return FrequencyRanges(_joined(peaks.bands), "peaks that FRFs have in common", peaks.notes)
@@ -82,17 +82,17 @@ def orders_of(indicator: FloatArray, options: GlobalOptions) -> tuple[IntArray, 
     """Return the orders of the chart of a range, (n_orders,) ascending, with the reason."""
     limit = max((len(indicator) - 1) // CHART.lines_per_order, CHART.smallest_limit)
     if options.max_order is not None:
-        top, why = min(options.max_order, limit), "as asked"
+        top, why = min(options.max_order, limit), "as requested"
     else:
         peaks = _n_peaks(indicator)
         desired_order = CHART.orders_per_peak * peaks + CHART.residual_orders
         top = min(desired_order, limit, MOST_ORDER)
         why = (
-            f"{CHART.orders_per_peak} for each of {peaks} peaks and {CHART.residual_orders} for what lies"
-            " beside them"
+            f"{CHART.orders_per_peak} for each of {peaks} peaks and {CHART.residual_orders} for residual"
+            " terms"
         )
         if top == MOST_ORDER < desired_order:
-            why += f", at most {MOST_ORDER}; bands of fewer peaks have as many each"
+            why += f", at most {MOST_ORDER}; narrower bands with fewer peaks have up to as many orders each"
     if top == limit:
         why += f", at most one for {CHART.lines_per_order} of the {len(indicator)} lines"
     return np.arange(2, top + 1), f"{top}: {why}"

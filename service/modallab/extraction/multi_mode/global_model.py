@@ -15,7 +15,7 @@ from modallab.extraction.multi_mode.coincident_modes import with_reciprocal_shap
 from modallab.extraction.multi_mode.range_modes import RangeModes, pair_flags
 from modallab.extraction.preprocessing.responses import Responses
 
-PRODUCT_FIT = "modal constants are fitted as those of one shape"
+PRODUCT_FIT = "modal constants were fitted as products of one shape and its participation factors"
 
 
 @dataclass(frozen=True, eq=False)
@@ -76,7 +76,7 @@ def modal_model(
             *no_scale(shapes),
             *_notes(fits, chosen),
             *(
-                [f"{n_modes} modes asked for, {len(mode_rows)} found"]
+                [f"{n_modes} modes requested, {len(mode_rows)} found"]
                 if n_modes and len(mode_rows) < n_modes
                 else []
             ),
@@ -165,15 +165,15 @@ def _notes(fits: Sequence[GlobalFit], chosen: Sequence[IntArray]) -> Iterator[st
             yield f"left out, {reason}"
         if fit.modes.fit.common_noise > 0:
             share = 100 * fit.modes.fit.common_noise
-            yield f"the FRFs have {share:.0f} % of their random error in common: standard errors allow for it"
+            yield f"{share:.0f} % of the random error is common to all FRFs, as the standard errors consider"
 
 
 def _exclusion_reason(modes: RangeModes, row: int) -> str:
     """Return the reason why a pole of the fit is not a mode."""
     if modes.inside[row]:
-        return "less prominent than those asked for"
+        return "less prominent than the requested number of modes"
     if modes.fit.loss_factor[row] <= 0:
-        return "it bends the lines there but gains energy, as no mode does"
+        return "residual pole with negative damping"
     if modes.bends[row]:
-        return "it bends the lines there, without a column of the chart or a peak of its own"
-    return "beyond the range"
+        return "residual pole without a column of the chart or a peak"
+    return "outside the frequency range"

@@ -142,12 +142,12 @@ def _objection(column: _TrackSummary, poles: Poles) -> str | None:
     if column.strength < SELECTION.minimum_strength * np.sqrt(
         1 + SELECTION.few_frf_factor / poles.vector.shape[1]
     ):
-        return f"no more than noise, {column.strength:.2g} standard errors of a line"
+        return f"not above noise, {column.strength:.2g} standard errors of a line"
     if column.loss_factor > SELECTION.largest_loss_factor:
-        return f"no resonance, its loss factor is {column.loss_factor:.2g}"
+        return f"no resonance, loss factor {column.loss_factor:.2g}"
     width = column.loss_factor * column.frequency / poles.spacing
     if width < SELECTION.smallest_width:
-        return f"no resonance but a line of its own, only {width:.2g} of a line wide"
+        return f"a single line, not a resonance: bandwidth of {width:.2g} lines"
     return None
 
 
@@ -167,7 +167,7 @@ def _reason(modes: list[_TrackSummary], m: int, highest: int, pairs: tuple[tuple
     column = modes[m]
     parts = [
         f"stable at {column.n_stable} of {column.n_since} orders from {column.first} to {highest}, "
-        f"{column.n_alike} of them in its shape",
+        f"{column.n_alike} of them in shape too",
         f"scatter {100 * column.frequency_scatter / column.frequency:.2g} % in frequency and "
         f"{100 * column.loss_factor_scatter / column.loss_factor:.2g} % in loss factor",
         f"{20 * np.log10(column.strength):.0f} dB above the noise of a line",

@@ -165,7 +165,7 @@ def _chart(poles: Poles, stability: IntArray, selection: Selection, match: IntAr
 
 def _reason(selection: Selection, match: IntArray, mode: int) -> str:
     reasons = [selection.reasons[m] for m in np.flatnonzero(match == mode)]
-    return "; ".join(reasons) or "needed beside the others"
+    return "; ".join(reasons) or "required by the fit in addition to the other modes"
 
 
 def pair_flags(fit: ModalFit, among: Sequence[int]) -> dict[int, list[str]]:
@@ -177,7 +177,9 @@ def pair_flags(fit: ModalFit, among: Sequence[int]) -> dict[int, list[str]]:
             gap = abs(fit.frequency[r] - fit.frequency[s]) / max(width[r], width[s])
             if r != s and gap < SELECTION.pair_distance:
                 covariance = fit.eigenvalue_covariance[r, s]
-                tie = covariance / max(fit.frequency_error[r] * fit.frequency_error[s], SAFE_DIVISOR)
+                correlation = covariance / max(fit.frequency_error[r] * fit.frequency_error[s], SAFE_DIVISOR)
                 text = f"pair: with {fit.frequency[s]:.5g} Hz, {gap:.2g} bandwidths away"
-                flags.setdefault(r, []).append(f"{text}, errors of the two frequencies correlated {tie:+.2f}")
+                flags.setdefault(r, []).append(
+                    f"{text}, correlation of the frequency errors {correlation:+.2f}"
+                )
     return flags

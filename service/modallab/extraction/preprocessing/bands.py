@@ -64,7 +64,7 @@ def mode_indicator(mobility: ComplexArray, coherent: BoolArray) -> FloatArray:
     mean = power.mean(axis=0)
     normalised_power: FloatArray = (power / np.where(mean > 0, mean, 1.0)).sum(axis=1)
     if not normalised_power.any():
-        raise NoModeInBandError("the FRFs are zero, or nowhere coherent", field="bands")
+        raise NoModeInBandError("the FRFs are zero, or without coherence at all lines", field="bands")
     lines = np.arange(len(normalised_power))
     positive = normalised_power > 0
     return np.asarray(10 ** np.interp(lines, lines[positive], np.log10(normalised_power[positive])))
@@ -91,7 +91,7 @@ def find_bands(indicator: FloatArray, n_modes: int | None = None) -> tuple[Band,
     level = np.log10(indicator)
     peaks, properties = scipy.signal.find_peaks(level, prominence=BANDS.prominence)
     if not len(peaks):
-        raise NoModeInBandError("no resonance stands out of the FRFs", field="bands")
+        raise NoModeInBandError("no resonance was found in the FRFs", field="bands")
     if n_modes is not None:
         peaks = np.sort(peaks[np.argsort(-properties["prominences"], kind="stable")[:n_modes]])
     return _bands_between_dips(level, peaks)

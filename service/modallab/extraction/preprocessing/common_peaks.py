@@ -121,6 +121,6 @@ def _neighbours(i: int) -> Iterable[slice]:
 def _noise_note(peaks: FloatArray, noise: BoolArray) -> str:
     lower, upper = peaks[noise][[0, -1]]
     return (
-        f"{noise.sum()} peaks from {lower:g} to {upper:g} Hz are taken for noise: no coherence tells, and "
-        "FRFs have hardly any peak there in common; a mode among them is read where its band is given"
+        f"{noise.sum()} peaks from {lower:g} to {upper:g} Hz were classified as noise: without coherence, "
+        "peaks that are not common to the FRFs are not modes; to identify a mode there, request its band"
     )

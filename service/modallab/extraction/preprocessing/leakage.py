@@ -29,7 +29,7 @@ def noise_bias_of(estimator: str) -> NoiseBias:
     """
     if estimator not in list(NoiseBias):
         raise InvalidInputError(
-            f"leakage of {estimator!r} is not known",
+            f"no leakage correction for the estimator {estimator!r}",
             field="estimator",
             value=estimator,
             allowed=list(NoiseBias),

@@ -25,7 +25,7 @@ def low_coherence_notes(model: ModalModel, responses: Responses) -> Iterator[str
         coherence = float(np.median(responses.coherence[near]))
         if coherence < LOW_COHERENCE.threshold:
             yield (
-                f"mode {number}, {mode.frequency:.5g} Hz, rests on a coherence of {coherence:.2g}, less than"
-                f" {LOW_COHERENCE.threshold}: its standard errors hold if there were"
+                f"mode {number}, {mode.frequency:.5g} Hz, has lines with a coherence of {coherence:.2g}, "
+                f"less than {LOW_COHERENCE.threshold}: its standard errors are valid only for"
                 f" {responses.averages:g} averages"
             )

@@ -116,7 +116,7 @@ def responses_of(frf: FrfSet, coherence: FloatArray | None, averages: float) -> 
         largest and not 1 / RESPONSES.largest_receptance < largest < RESPONSES.largest_receptance
     ):  # their squares must still be numbers
         raise InvalidInputError(
-            "the FRFs are of no physical size",
+            "the FRFs have no physical magnitude",
             field="values",
             value=largest,
             allowed=bounds(below=RESPONSES.largest_receptance, unit="m/N"),

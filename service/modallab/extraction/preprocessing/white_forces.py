@@ -15,6 +15,7 @@ def white_forces_notes(responses: Responses, leakage: WindowLeakage | None) -> I
     n = len(responses.references)
     if leakage is not None and n > 1:
         yield (
-            f"leakage of {n} references is undone as if forces were white and independent; exciters with mass"
-            " make them drop at resonances, together, and move narrow modes by what no error or flag holds"
+            f"leakage with {n} references is corrected as if forces were white and independent; exciters with"
+            " mass reduce all forces at resonances, and the shift of narrow modes by this is not part of the"
+            " standard errors or flags"
         )

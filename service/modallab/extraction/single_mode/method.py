@@ -25,9 +25,9 @@ class Outcome(IntEnum):
 
 REASONS = {
     Outcome.FOUND: "a mode was found",
-    Outcome.TOO_FEW_LINES: "the band holds too few usable lines",
+    Outcome.TOO_FEW_LINES: "too few usable lines in the band",
     Outcome.NO_SHAPE: "the response does not change over the band",
-    Outcome.NO_RESONANCE: "no resonance with positive damping lies inside the band",
+    Outcome.NO_RESONANCE: "no resonance with positive damping in the band",
 }
 
 

@@ -7,7 +7,7 @@ from modallab.extraction.options import DistantLinesOptions, ExtractionOptions, 
 from modallab.extraction.preprocessing.leakage import NoiseBias, WindowLeakage
 from modallab.extraction.single_mode.settings import LINE_CHOICE
 
-REQUESTED = "as asked"
+REQUESTED = "as requested"
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ def plan(options: SingleModeOptions, leakage: WindowLeakage | None) -> Plan:
 
 def damping_choice(options: ExtractionOptions) -> str:
     """Return the damping law, and whether it was requested."""
-    reason = "unless another is asked for" if options.damping is None else REQUESTED
+    reason = "the default" if options.damping is None else REQUESTED
     return f"{options.assumed_damping}: {reason}"
 
 
@@ -53,13 +53,13 @@ def choice_value(choices: Mapping[str, str], option: str) -> str | None:
 def _lines(options: SingleModeOptions, leakage: WindowLeakage | None) -> tuple[int, str]:
     if options.lines is not None:
         return options.lines, REQUESTED
-    minimum = f"or {LINE_CHOICE.half_power_widths:g} half-power bandwidths where that is more"
+    minimum = f"or {LINE_CHOICE.half_power_widths:g} half-power bandwidths if that is more"
     if leakage is None:
         return (
             LINE_CHOICE.lines,
-            f"{minimum}; the records do not leak, and near lines see least of other modes",
+            f"{minimum}; no leakage, and near lines contain least of other modes",
         )
-    return LINE_CHOICE.leaked_lines, f"{minimum}; the window leaks, and far lines are the truer ones"
+    return LINE_CHOICE.leaked_lines, f"{minimum}; with leakage, far lines are less distorted"
 
 
 def _leave_out(options: SingleModeOptions, leakage: WindowLeakage | None) -> tuple[int, str]:
@@ -67,7 +67,7 @@ def _leave_out(options: SingleModeOptions, leakage: WindowLeakage | None) -> tup
     if isinstance(options, DistantLinesOptions) and options.leave_out is not None:
         return options.leave_out, REQUESTED
     if leakage is None:
-        return 0, "the records do not leak, and the lines nearest resonance say most of the damping"
+        return 0, "no leakage, and the lines nearest resonance determine the damping best"
     # if few lines are requested, as many remain as in data without leakage
     spare = (
         LINE_CHOICE.h1_left_out
@@ -76,7 +76,7 @@ def _leave_out(options: SingleModeOptions, leakage: WindowLeakage | None) -> tup
     )
     if leakage.estimator is NoiseBias.H1 and able and spare:
         return spare, (
-            "leakage takes most from h1 where it is highest; it is undone line by line, but the lines "
-            "nearest resonance are the least sure"
+            "leakage reduces h1 most at resonance; it is corrected line by line, but the lines nearest "
+            "resonance remain the least certain"
         )
-    return 0, f"what the window did to {leakage.estimator} is undone line by line, near resonance too"
+    return 0, f"leakage of {leakage.estimator} is corrected line by line, near resonance too"

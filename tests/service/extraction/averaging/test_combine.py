@@ -155,7 +155,7 @@ def test_frfs_that_differ_without_a_pattern_have_their_scatter_in_the_error() ->
     assert mode.frequency == pytest.approx(spread.mean, rel=1e-12)  # rounding
     assert mode.standard_errors["frequency"] == pytest.approx(spread.sd / np.sqrt(11))
     assert mode.standard_errors["loss_factor"] == pytest.approx(2e-6 / np.sqrt(11), rel=0.01)  # that agrees
-    assert any("neither with the squared shape" in note for note in model.notes)
+    assert any("neither the squared shape" in note for note in model.notes)
 
 
 def test_an_outlier_says_how_far_off_it_is() -> None:

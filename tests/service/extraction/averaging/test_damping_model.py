@@ -33,11 +33,11 @@ def viscous(decibels: float, method: str, options: ExtractionOptions, *, delay: 
 def test_viscous_modes_are_read_by_the_viscous_law_unasked(decibels: float, method: str) -> None:
     model = viscous(decibels, method, ExtractionOptions())
     assert model.choices["damping"].startswith(
-        "viscous: as the lines tell, whose modal constants are turned by 1"
+        "viscous: determined from the lines, where modal constants have 1"
     )
     asked = viscous(decibels, method, ExtractionOptions(damping=Damping.VISCOUS))
     np.testing.assert_array_equal(model.frequencies, asked.frequencies)
-    assert asked.choices["damping"] == "viscous: as asked"
+    assert asked.choices["damping"] == "viscous: as requested"
 
 
 def test_modes_of_the_law_that_was_told_are_where_they_are() -> None:
@@ -52,12 +52,12 @@ def test_modes_of_the_law_that_was_told_are_where_they_are() -> None:
 def test_structural_modes_stay_structural(seed: int, plain_beam: Beam, freq: np.ndarray) -> None:
     frf, coherence = noise_of(plain_beam.frf(freq), seed, averages=100)
     model = extract(frf, coherence=coherence, averages=100, method="lscf")
-    assert model.choices["damping"].startswith("structural: as the lines tell")
+    assert model.choices["damping"].startswith("structural: determined from the lines")
 
 
 def test_the_law_that_is_asked_for_is_taken_whatever_the_lines_tell() -> None:
     model = viscous(40, "lscf", STRUCTURAL)
-    assert model.choices["damping"] == "structural: as asked"
+    assert model.choices["damping"] == "structural: as requested"
     told = select_damping_model(model)
     assert told.damping is Damping.VISCOUS
     assert told.phase_ratio == pytest.approx(1.0, abs=4 * told.error)

@@ -19,7 +19,7 @@ def test_a_constant_of_the_wrong_sign_is_flagged_unless_the_sensor_looks_the_oth
 def test_a_turn_beyond_its_error_is_flagged_in_degrees() -> None:
     turned = 0.5 * np.exp(1j * np.deg2rad(30))
     assert driving_point_flags(turned, 0.01, DRIVE, 1) == (
-        "drive point 1:+Y has a modal constant turned by 30 degrees",
+        "drive point 1:+Y has a modal constant with a phase of 30 degrees",
     )
     assert driving_point_flags(turned, 0.1, DRIVE, 1) == ()  # 0.25 beside an error of 0.1 is chance
 

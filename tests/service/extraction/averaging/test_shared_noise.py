@@ -61,7 +61,7 @@ def test_standard_errors_of_means_hold_what_no_mean_lessens(
     for seed in range(8):
         frf, coherence = measured(plain_beam.frf(freq), seed, share)
         model = extract(frf, coherence=coherence, averages=AVERAGES)
-        assert ("the same in all FRFs" in model.choices["means"]) == (share > 0)
+        assert ("common to all FRFs" in model.choices["means"]) == (share > 0)
         for m, mode in enumerate(model.modes):
             off = (
                 mode.frequency - plain_beam.frequencies[m, 0],
@@ -77,4 +77,4 @@ def test_one_frf_alone_has_nothing_in_common(plain_beam: Beam, freq: FloatArray)
     one = plain_beam.frf(freq)
     alone = FrfSet(freq, one.values[:, :1], one.outputs[:1], one.inputs, one.kind)
     model = extract(alone, coherence=np.full((401, 1), COHERENCE), averages=AVERAGES)
-    assert "the same in all FRFs" not in model.choices["means"]
+    assert "common to all FRFs" not in model.choices["means"]

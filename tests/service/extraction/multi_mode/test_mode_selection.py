@@ -37,7 +37,7 @@ def test_columns_are_modes_and_what_wanders_is_none() -> None:
 def test_every_mode_says_why_it_is_one() -> None:
     found = chosen(column(100.0, 0.02, first=8))
     assert found.reasons == (
-        "stable at 12 of 12 orders from 9 to 20, 12 of them in its shape; scatter 0 % in frequency and "
+        "stable at 12 of 12 orders from 9 to 20, 12 of them in shape too; scatter 0 % in frequency and "
         "0 % in loss factor; 40 dB above the noise of a line",
     )
 
@@ -57,7 +57,7 @@ def test_modes_three_bandwidths_apart_are_no_pair() -> None:
 def test_a_column_of_noise_is_left_out_with_the_reason() -> None:
     found = chosen(column(100.0, 0.02) + column(140.0, 0.01), {140.0: 1.5})
     np.testing.assert_allclose(found.frequency, [100.0])
-    assert found.left_out == ("140 Hz: no more than noise, 1.5 standard errors of a line",)
+    assert found.left_out == ("140 Hz: not above noise, 1.5 standard errors of a line",)
 
 
 def test_a_column_too_short_is_left_out_with_the_reason() -> None:
@@ -75,14 +75,14 @@ def test_a_column_that_is_lost_again_is_left_out_with_the_reason() -> None:
 def test_what_dies_away_at_once_is_no_resonance() -> None:
     found = chosen(column(100.0, 0.02) + column(140.0, 0.5))
     np.testing.assert_allclose(found.frequency, [100.0])
-    assert found.left_out == ("140 Hz: no resonance, its loss factor is 0.5",)
+    assert found.left_out == ("140 Hz: no resonance, loss factor 0.5",)
 
 
 def test_what_a_single_line_shows_is_no_resonance() -> None:
     found = chosen(column(100.0, 0.02) + column(150.0, 1e-5))
     np.testing.assert_allclose(found.frequency, [100.0])
     # 0.0015 Hz wide at 0.5 Hz a line
-    assert found.left_out == ("150 Hz: no resonance but a line of its own, only 0.003 of a line wide",)
+    assert found.left_out == ("150 Hz: a single line, not a resonance: bandwidth of 0.003 lines",)
 
 
 def test_orders_without_any_pole_count_as_orders() -> None:

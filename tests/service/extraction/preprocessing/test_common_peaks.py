@@ -36,7 +36,7 @@ def test_peaks_that_every_frf_has_elsewhere_are_noise_and_named(seed: int, n_frf
     assert away.min(axis=1).max() < 0.6, "no peak is kept that is none"
     assert (away[:, : len(BELOW)].min(axis=0) < 0.3).all(), "no mode is lost where the force is"
     assert len(found.notes) == 1
-    assert "taken for noise" in found.notes[0]
+    assert "classified as noise" in found.notes[0]
 
 
 def test_of_the_common_peaks_the_most_prominent_are_kept() -> None:

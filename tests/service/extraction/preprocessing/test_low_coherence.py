@@ -22,6 +22,6 @@ def test_coherence_below_three_tenths_is_warned_of(method: str, coherence: float
     model = extract(
         frf, coherence=np.full((len(FREQ), 3), coherence), averages=400.0, method=method, n_modes=1
     )
-    told = [note for note in model.notes if "rests on a coherence of" in note]
+    told = [note for note in model.notes if "has lines with a coherence of" in note]
     assert len(told) == warned
     assert all("0.2" in note and "400 averages" in note for note in told)

@@ -18,4 +18,6 @@ def test_leakage_of_several_forces_is_said_to_be_undone_as_if_they_were_white(
 ) -> None:
     made = driven(12.0, drives)
     model = extract(made.frf, coherence=made.coherence, averages=AVERAGES, leakage=leakage)
-    assert any(note.startswith("leakage of 2 references is undone as if") for note in model.notes) == warned
+    assert (
+        any(note.startswith("leakage with 2 references is corrected as if") for note in model.notes) == warned
+    )

@@ -14,8 +14,8 @@ def leaked_by(estimator: str) -> WindowLeakage:
 def test_what_leaks_is_read_from_more_lines_and_the_choice_says_why() -> None:
     periodic, leaked = plan(OPEN, None), plan(OPEN, leaked_by("h2"))
     assert (periodic.lines, leaked.lines) == (8, 12)
-    assert "do not leak" in periodic.choices["lines"]
-    assert "leaks" in leaked.choices["lines"]
+    assert "no leakage" in periodic.choices["lines"]
+    assert "with leakage" in leaked.choices["lines"]
     assert "h2" in leaked.choices["leave_out"]
     assert choice_value(leaked.choices, "lines") == "12"
     assert choice_value(leaked.choices, "leave_out") == "0"
@@ -24,7 +24,7 @@ def test_what_leaks_is_read_from_more_lines_and_the_choice_says_why() -> None:
 def test_of_leaked_h1_the_nearest_lines_are_left_out_by_the_methods_that_can() -> None:
     able, unable = plan(OPEN, leaked_by("h1")), plan(OPEN_NEAR, leaked_by("h1"))
     assert (able.lines, able.leave_out) == (16, 4)  # as many as of H2 are left
-    assert "least sure" in able.choices["leave_out"]
+    assert "least certain" in able.choices["leave_out"]
     assert (unable.lines, unable.leave_out) == (12, 0)
     few = plan(DistantLinesOptions(lines=9), leaked_by("h1"))
     assert (few.lines, few.leave_out) == (9, 1)  # eight stay, as many as of periodic data
@@ -34,9 +34,9 @@ def test_what_the_user_decides_is_kept_to_the_line() -> None:
     asked = plan(DistantLinesOptions(lines=20, leave_out=3, damping=Damping.VISCOUS), None)
     assert (asked.lines, asked.leave_out, asked.widths) == (20, 3, 0.0)
     assert asked.choices == {
-        "lines": "20: as asked",
-        "leave_out": "3: as asked",
-        "damping": "viscous: as asked",
+        "lines": "20: as requested",
+        "leave_out": "3: as requested",
+        "damping": "viscous: as requested",
     }
     assert choice_value(asked.choices, "order") is None
 
