@@ -5,11 +5,12 @@ A class `<Name>Methods` in `modallab_client/methods` adds tables, plots and arra
 `make sync-client`; a test compares what it would write with what is there.
 """
 
+import ast
 import json
-import re
 import subprocess
 import sys
 from collections.abc import Container, Iterator, Mapping
+from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
@@ -19,7 +20,6 @@ TARGET = Path(__file__).parent / "modallab_client" / "_generated" / "models.py"
 METHODS = Path(__file__).parent / "modallab_client" / "methods"
 PREFIX = "#/components/schemas/"
 NUMBERED = {"pattern": "^[0-9]+$"}  # keys that are numbers
-HAND_WRITTEN = re.compile(r"Out$")  # replies that the service has not derived from its domain yet
 PROBLEM = "Problem"  # stays a mapping: errors are made of it
 Schema = Mapping[str, Any]
 
@@ -37,8 +37,17 @@ from numpy.typing import NDArray
 FloatArray = NDArray[np.float64]
 IntArray = NDArray[np.int64]
 ComplexArray = NDArray[np.complex128]
+BoolArray = NDArray[np.bool_]
 
 '''
+
+
+@dataclass(frozen=True)
+class Mixin:
+    """Class of `modallab_client.methods` that a generated type inherits from."""
+
+    module: str
+    has_repr: bool
 
 
 def sent(document: Schema) -> set[str]:
@@ -64,7 +73,7 @@ def replied(document: Schema) -> dict[str, Schema]:
 
     def visit(name: str) -> None:
         mapping = name == PROBLEM or (name in also_sent and _is_object(schemas[name]))
-        if name in ordered or mapping or HAND_WRITTEN.search(name):
+        if name in ordered or mapping:
             return
         for reference in references(schemas[name]):
             visit(reference)
@@ -74,7 +83,10 @@ def replied(document: Schema) -> dict[str, Schema]:
         for operation in path.values():
             for status, response in operation.get("responses", {}).items():
                 # arrays are asked for as npz files, where a reply offers them
-                if status.startswith("2") and set(response.get("content", ())) <= {"application/json"}:
+                if status.startswith("2") and set(response.get("content", ())) <= {
+                    "application/json",
+                    "text/csv",
+                }:
                     for reference in references(response):
                         visit(reference)
     return ordered
@@ -134,6 +146,7 @@ def _array(schema: Schema, known: Container[str]) -> str:
         "float": "FloatArray",
         "float | None": "FloatArray",
         "int": "IntArray",
+        "bool": "BoolArray",
         "complex": "ComplexArray",
     }
     if schema.get("format") == "array" and item in arrays:
@@ -143,14 +156,15 @@ def _array(schema: Schema, known: Container[str]) -> str:
     return f"tuple[{item}, ...]"
 
 
-def dataclass_of(name: str, schema: Schema, known: Container[str], mixins: Mapping[str, str]) -> str:
+def dataclass_of(name: str, schema: Schema, known: Container[str], mixins: Mapping[str, "Mixin"]) -> str:
     """Return the source of one generated type."""
     if "properties" not in schema:
         return f"{name} = {annotation(schema, known)}\n"
     base = f"({name}Methods)" if name in mixins else ""
     arrays = "Array" in "".join(annotation(told, known) for told in schema["properties"].values())
     equality = "eq=False, " if arrays or base else ""
-    lines = [f"@dataclass(frozen=True, {equality}kw_only=True)", f"class {name}{base}:"]
+    own_repr = "repr=False, " if mixins.get(name, Mixin("", False)).has_repr else ""
+    lines = [f"@dataclass(frozen=True, {equality}{own_repr}kw_only=True)", f"class {name}{base}:"]
     lines.append(f'    """{_text(schema.get("description") or name)}"""\n')
     required = schema.get("required", ())
     for field, told in schema["properties"].items():
@@ -158,6 +172,8 @@ def dataclass_of(name: str, schema: Schema, known: Container[str], mixins: Mappi
         if field not in required:
             default = _default(told)
             hint += " | None" if default == " = None" and "None" not in hint else ""
+        elif hint.startswith("Mapping") and not equality:
+            default = " = field(hash=False)"
         lines.append(f"    {field}: {hint}{default}")
         if told.get("description"):
             lines.append(f'    """{_text(told["description"])}"""')
@@ -180,14 +196,15 @@ def generated(document: Schema | None = None) -> dict[Path, str]:
     """Return what belongs into the generated file."""
     document = json.loads(DOCUMENT.read_text()) if document is None else document
     mixins = {
-        match[1]: path.stem
+        node.name.removesuffix("Methods"): Mixin(path.stem, "__repr__" in ast.dump(node))
         for path in sorted(METHODS.glob("*.py"))
-        for match in re.finditer(r"^class (\w+)Methods\b", path.read_text(), re.MULTILINE)
+        for node in ast.parse(path.read_text()).body
+        if isinstance(node, ast.ClassDef) and node.name.endswith("Methods")
     }
     schemas = replied(document)
     imports = "\n".join(
-        f"from modallab_client.methods.{module} import {name}Methods"
-        for name, module in mixins.items()
+        f"from modallab_client.methods.{mixin.module} import {name}Methods"
+        for name, mixin in mixins.items()
         if name in schemas
     )
     text = HEADER.format(imports=imports)

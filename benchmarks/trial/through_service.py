@@ -9,7 +9,7 @@ from typing import Any
 
 from benchmarks.trial.running import Answer, Question
 from benchmarks.trial.scoring import built
-from modallab.api.rigs.schemas import setup_out
+from modallab.api.rigs.replies import rig_request
 from modallab.api.wire import EffectIn
 from modallab.core.dof import Dof
 from modallab.core.place import Place
@@ -18,10 +18,9 @@ from modallab.diagnosis.result_builder import extended
 from modallab.fe.damping import StructuralDamping
 from modallab.fe.structure import Member, Structure
 from modallab.rig.measurement import Measurement
-from modallab.rig.setup import RigSetup
 from modallab_client import ModalLab, results
 from modallab_client.errors import ClientError, UnreachableError
-from modallab_client.models import Measurement as Imported
+from modallab_client.results import Measurement as Imported
 
 EMBEDDED = "embedded"
 Json = dict[str, Any]
@@ -54,7 +53,7 @@ def answered_by(url: str, question: Question) -> Answer:
     with ModalLab(url) as lab:
         try:
             model = lab.structures.create(**model_body(question.structure))
-            rig = lab.rigs.create(**rig_body(question.measurement.setup))
+            rig = lab.rigs.create(**rig_request(question.measurement.setup))
             test = _imported(lab, rig.id, question.measurement)
             job = lab.diagnoses.start(
                 model.id,
@@ -86,13 +85,6 @@ def _imported(lab: ModalLab, rig_id: str, measurement: Measurement) -> Imported:
         force_spectrum=measurement.force_spectrum,
         response_spectrum=measurement.response_spectrum,
     )
-
-
-def rig_body(setup: RigSetup) -> Json:
-    """Return a rig as the service takes it."""
-    body = setup_out(setup)
-    del body["drive"]  # one of `drives`
-    return body if setup.suspension.at else body | {"suspension": None}
 
 
 def model_body(structure: Structure) -> Json:

@@ -8,8 +8,7 @@ from modallab_client._sync.jobs import Job
 from modallab_client.correlation import Expansion, ReducedModel
 from modallab_client.errors import ClientError, JobFailedError, JobTimeoutError
 from modallab_client.methods.updates import Update
-from modallab_client.models import Measurement, Rig, Structure
-from modallab_client.results import Correlation, Diagnosis, ModalModel, Study
+from modallab_client.results import Correlation, Diagnosis, Measurement, ModalModel, Rig, Structure, Study
 
 __all__ = [
     "AsyncJob",

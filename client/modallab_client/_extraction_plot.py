@@ -12,8 +12,8 @@ if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
 
-    from modallab_client.extraction import FitPicture, Indicators, StabilisationChart
-    from modallab_client.models import Frf, Measurement
+    from modallab_client.models import Frf
+    from modallab_client.results import FitPlotData, Indicators, Measurement, StabilisationChart
 
 RAW, FITTED = "0.65", "C3"
 PARTS = (("real part", np.real, "C0", "o"), ("imaginary part", np.imag, "C1", "s"))
@@ -26,7 +26,7 @@ SYMBOLS = (
 )
 
 
-def heading(picture: "FitPicture") -> str:
+def heading(picture: "FitPlotData") -> str:
     """Return the title of a fit: mode, response, method, and the estimates."""
     quality = "".join(f", {name.replace('_', ' ')} {value:.2g} %" for name, value in picture.quality.items())
     return (
@@ -35,7 +35,7 @@ def heading(picture: "FitPicture") -> str:
     )
 
 
-def magnitude(axes: "Axes", picture: "FitPicture", unit: str) -> None:
+def magnitude(axes: "Axes", picture: "FitPlotData", unit: str) -> None:
     """Draw |H| of the lines as measured and cleaned, and of the fit."""
     used = picture.used
     axes.plot(picture.freq, np.abs(picture.measured), "x", color=RAW, label="measured")
@@ -54,7 +54,7 @@ def magnitude(axes: "Axes", picture: "FitPicture", unit: str) -> None:
     axes.legend(fontsize="x-small")
 
 
-def nyquist(axes: "Axes", picture: "FitPicture", unit: str) -> None:
+def nyquist(axes: "Axes", picture: "FitPlotData", unit: str) -> None:
     """Draw the lines and the fit in the complex plane; of a circle-fit the whole circle."""
     z, used = picture.cleaned, picture.used
     circle = picture.details.get("circle")
@@ -73,13 +73,13 @@ def nyquist(axes: "Axes", picture: "FitPicture", unit: str) -> None:
         axes.legend(fontsize="x-small")
 
 
-def method_plot(figure: "Figure", place: Any, picture: "FitPicture") -> "tuple[Axes, ...]":
+def method_plot(figure: "Figure", place: Any, picture: "FitPlotData") -> "tuple[Axes, ...]":
     """Draw the plot particular to the method, if it has one; return its axes."""
     draw = METHOD_PLOTS.get(picture.method)
     return () if draw is None or not picture.details else draw(figure, place, picture)
 
 
-def _damping_surface(figure: "Figure", place: Any, picture: "FitPicture") -> "tuple[Axes, ...]":
+def _damping_surface(figure: "Figure", place: Any, picture: "FitPlotData") -> "tuple[Axes, ...]":
     """Draw the loss factor of every pair of lines, one above and one below resonance."""
     axes = figure.add_subplot(place)
     details, loss = picture.details, picture.loss_factor
@@ -104,7 +104,7 @@ def _damping_surface(figure: "Figure", place: Any, picture: "FitPicture") -> "tu
     return (axes,)
 
 
-def _inverse(figure: "Figure", place: Any, picture: "FitPicture") -> "tuple[Axes, ...]":
+def _inverse(figure: "Figure", place: Any, picture: "FitPlotData") -> "tuple[Axes, ...]":
     """Draw the inverse of the response and the straight line through it."""
     axes = figure.add_subplot(place)
     _straight(axes, picture, picture.details["inverse"], picture.details["line"])
@@ -113,7 +113,7 @@ def _inverse(figure: "Figure", place: Any, picture: "FitPicture") -> "tuple[Axes
     return (axes,)
 
 
-def _quotients(figure: "Figure", place: Any, picture: "FitPicture") -> "tuple[Axes, ...]":
+def _quotients(figure: "Figure", place: Any, picture: "FitPlotData") -> "tuple[Axes, ...]":
     """Draw Dobson's difference quotients with their lines, over the slopes of these with theirs."""
     upper, lower = (figure.add_subplot(part) for part in place.subgridspec(2, 1))
     x, delta, lines = (np.asarray(picture.details[n]) for n in ("x_delta", "delta", "delta_lines"))
@@ -127,7 +127,7 @@ def _quotients(figure: "Figure", place: Any, picture: "FitPicture") -> "tuple[Ax
     return upper, lower
 
 
-def _sides(figure: "Figure", place: Any, picture: "FitPicture") -> "tuple[Axes, ...]":
+def _sides(figure: "Figure", place: Any, picture: "FitPlotData") -> "tuple[Axes, ...]":
     """Draw both sides of the linear fit's equation."""
     axes = figure.add_subplot(place)
     _straight(axes, picture, picture.details["left"], picture.details["right"])
@@ -136,7 +136,7 @@ def _sides(figure: "Figure", place: Any, picture: "FitPicture") -> "tuple[Axes, 
     return (axes,)
 
 
-def _half_power(figure: "Figure", place: Any, picture: "FitPicture") -> "tuple[Axes, ...]":
+def _half_power(figure: "Figure", place: Any, picture: "FitPlotData") -> "tuple[Axes, ...]":
     """Draw the peak and the points of half its power."""
     axes = figure.add_subplot(place)
     details = {name: np.ravel(values) for name, values in picture.details.items()}
@@ -149,7 +149,7 @@ def _half_power(figure: "Figure", place: Any, picture: "FitPicture") -> "tuple[A
     return (axes,)
 
 
-METHOD_PLOTS: Mapping[str, Callable[["Figure", Any, "FitPicture"], "tuple[Axes, ...]"]] = {
+METHOD_PLOTS: Mapping[str, Callable[["Figure", Any, "FitPlotData"], "tuple[Axes, ...]"]] = {
     "circle_fit": _damping_surface,
     "line_fit": _inverse,
     "dobson": _quotients,
@@ -158,7 +158,7 @@ METHOD_PLOTS: Mapping[str, Callable[["Figure", Any, "FitPicture"], "tuple[Axes, 
 }
 
 
-def _straight(axes: "Axes", picture: "FitPicture", points: Any, line: Any) -> None:
+def _straight(axes: "Axes", picture: "FitPlotData", points: Any, line: Any) -> None:
     x = picture.details["x"]
     for label, part, colour, marker in PARTS:
         axes.plot(x, part(points), marker, color=colour, markersize=4, label=label)
@@ -166,12 +166,12 @@ def _straight(axes: "Axes", picture: "FitPicture", points: Any, line: Any) -> No
     axes.legend(fontsize="x-small")
 
 
-def _hertz(picture: "FitPicture", x: FloatArray) -> FloatArray:
+def _hertz(picture: "FitPlotData", x: FloatArray) -> FloatArray:
     omega = x if picture.damping == "viscous" else np.sqrt(np.maximum(x, 0))
     return np.asarray(omega / (2 * np.pi))
 
 
-def _squared(picture: "FitPicture") -> str:
+def _squared(picture: "FitPlotData") -> str:
     return "ω, rad/s" if picture.damping == "viscous" else "ω², (rad/s)²"
 
 
@@ -229,7 +229,7 @@ def chart(axes: "Axes", diagram: "StabilisationChart") -> None:
             label=label,
             linewidths=0,
         )
-    selected = diagram.mode > 0
+    selected = np.array([number is not None for number in diagram.mode], dtype=bool)
     axes.scatter(
         diagram.frequency[selected],
         diagram.order[selected],

@@ -11,14 +11,17 @@ from modallab_client.settings import PLOT
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
 
-    from modallab_client.extraction import FitPicture, Indicators, StabilisationChart
-    from modallab_client.models import Frf, Measurement
+    from modallab_client.models import Frf
     from modallab_client.results import (
         Correlation,
         Diagnosis,
         DiagnosisCurves,
+        FitPlotData,
+        Indicators,
+        Measurement,
         ModalModel,
         ResponseCorrelation,
+        StabilisationChart,
         Study,
     )
 
@@ -85,7 +88,7 @@ def frf(synthesised: "Frf", measured: "Measurement | None", output: str | None) 
     return upper, lower
 
 
-def fit(picture: "FitPicture") -> "tuple[Axes, ...]":
+def fit(picture: "FitPlotData") -> "tuple[Axes, ...]":
     """Draw one fit: magnitude, Nyquist plot, and the plot particular to the method; return the axes."""
     from modallab_client import _extraction_plot as parts
 

@@ -4,6 +4,7 @@ import io
 import json
 from collections.abc import Callable, Iterable, Iterator, Mapping
 from contextlib import contextmanager
+from dataclasses import fields, is_dataclass
 from typing import Any, TypeVar
 
 import numpy as np
@@ -22,6 +23,15 @@ T = TypeVar("T")
 def body(**fields: Any) -> dict[str, Any]:
     """Return the fields that were given; None stands for the service's own default."""
     return {name: value for name, value in fields.items() if value is not None}
+
+
+def plain(value: Any) -> Any:
+    """Return JSON values of a body, which may hold parts of results."""
+    if is_dataclass(value) and not isinstance(value, type):
+        return {field.name: plain(getattr(value, field.name)) for field in fields(value)}
+    if isinstance(value, Mapping):
+        return {name: plain(item) for name, item in value.items()}
+    return [plain(item) for item in value] if isinstance(value, (list, tuple)) else value
 
 
 def payload(content_type: str, content: bytes) -> Any:
@@ -145,62 +155,9 @@ def event(text: str) -> dict[str, Any]:
     return dict(json.loads(text))
 
 
-def structure(data: Json) -> models.Structure:
-    """Return a structure."""
-    return models.Structure(
-        data["id"],
-        data["n_nodes"],
-        data["n_dofs"],
-        data["members"],
-        data.get("name") or "",
-        data.get("groups") or {},
-    )
-
-
-def structure_modes(data: Json) -> models.StructureModes:
-    """Return computed modes."""
-    return models.StructureModes(
-        floats(data["frequencies"]), floats(data["loss_factors"]), int(data["n_rigid_body"])
-    )
-
-
 def mode_shapes(given: Arrays) -> models.ModeShapes:
     """Return computed modes with their shapes."""
     return models.ModeShapes(given["frequencies"], given["shapes"], texts(given["dofs"]))
-
-
-def rig(data: Json) -> models.Rig:
-    """Return a rig."""
-    parts = ("exciter", "stinger", "force_transducer", "accelerometers", "suspension")
-    return models.Rig(
-        id=data["id"],
-        drive=data.get("drive") or "",
-        responses=texts(data.get("responses") or ()),
-        hardware={part: data[part] for part in parts if data.get(part) is not None},
-        analyser=data.get("analyser") or {},
-        noise=data.get("noise") or {},
-        effects=tuple(data.get("effects") or ()),
-    )
-
-
-def measurement(data: Json, given: Arrays) -> models.Measurement:
-    """Return a measurement from its metadata and arrays."""
-    averages = given.get("averages")
-    return models.Measurement(
-        id=data["id"],
-        freq=given["freq"],
-        values=given["values"],
-        coherence=given.get("coherence"),
-        outputs=texts(given["outputs"]),
-        inputs=texts(given["inputs"]),
-        kind=str(given["kind"]),
-        averages=None if averages is None or not averages.size else float(averages.reshape(-1)[0]),
-        force_spectrum=given.get("force_spectrum"),
-        response_spectrum=given.get("response_spectrum"),
-        input_condition=given.get("input_condition"),
-        rig_id=data.get("rig_id"),
-        notes=_notes(data, given),
-    )
 
 
 def frf(given: Arrays) -> models.Frf:
@@ -211,51 +168,8 @@ def frf(given: Arrays) -> models.Frf:
         outputs=texts(given["outputs"]),
         inputs=texts(given["inputs"]),
         kind=str(given["kind"]),
-        notes=_notes({}, given),
+        notes=texts(given["notes"]) if "notes" in given else (),
     )
-
-
-def _notes(data: Json, given: Arrays) -> tuple[str, ...]:
-    # Arrays of another kind than measured say what was left out of them.
-    return texts(given["notes"]) if "notes" in given else tuple(data.get("notes") or ())
-
-
-def curves(data: Json) -> models.Curves:
-    """Return thinned FRFs."""
-    each = tuple(_curve(one) for one in data["curves"])
-    return models.Curves(floats(data["freq"]), data["kind"], each, tuple(data.get("notes") or ()))
-
-
-def _curve(data: Json) -> models.Curve:
-    values = floats(data["values"])
-    coherence = data.get("coherence")
-    return models.Curve(
-        output=data["output"],
-        input=data["input"],
-        values=_frozen(values[:, 0] + 1j * values[:, 1]),
-        coherence=None if coherence is None else floats(coherence),
-    )
-
-
-def measurement_log(data: Json) -> models.MeasurementLog:
-    """Return what was declared and asked of a measurement."""
-    return models.MeasurementLog(
-        id=data["id"],
-        created=data["created"],
-        version=data["version"],
-        libraries=data.get("libraries") or {},
-        rig_id=data["rig_id"],
-        rig=data["rig"],
-        route=data["route"],
-        seed=data["seed"],
-        averages=float(data["averages"]),
-        notes=texts(data.get("notes") or ()),
-    )
-
-
-def truth(data: Json) -> models.Truth:
-    """Return what a measurement was made with."""
-    return models.Truth(data["structure_id"], tuple(data["effects"]))
 
 
 def catalogue(members: Iterable[Json]) -> tuple[CatalogueEntry, ...]:

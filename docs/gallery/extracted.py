@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from docs.gallery.drawing import STYLE
-from modallab.api.modal_models.fits import ChartOut, FitOut
+from modallab.api.modal_models.fits import chart_reply, fit_reply
 from modallab.core.dof import Dof
 from modallab.core.modal_model import ModalModel
 from modallab.extraction.extract import extract
@@ -28,7 +28,10 @@ from modallab.rig.hardware import Noise
 from modallab.rig.measure import Route, measure
 from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
-from modallab_client import _plots, _wire_extraction
+from modallab_client import _plots
+from modallab_client._read import read_as
+from modallab_client.methods.extraction import fit_of
+from modallab_client.results import StabilisationChart
 
 FOLDER = Path(__file__).parents[1] / "extraction"
 METHODS = (*EXTRACTION_METHODS, *GLOBAL_METHODS)
@@ -92,11 +95,11 @@ def draw(method: str) -> Figure:
     with rc_context(STYLE | {"axes.grid": False}):
         axes: Any
         if method in GLOBAL_METHODS:
-            chart = ChartOut.of(modes, test, POINTS).model_dump(mode="json")
-            axes = _plots.chart(_wire_extraction.chart(chart))
+            chart = chart_reply(modes, test, POINTS).model_dump(mode="json")
+            axes = _plots.chart(read_as(StabilisationChart, chart))
         else:
-            fit = FitOut.of(picture_of(test, modes, MODE, RESPONSE), MODE, RESPONSE)
-            axes = _plots.fit(_wire_extraction.fit(fit.model_dump(mode="json")))[0]
+            fit = fit_reply(picture_of(test, modes, MODE, RESPONSE), MODE, RESPONSE)
+            axes = _plots.fit(fit_of(fit.model_dump(mode="json")))[0]
         figure: Figure = axes.figure
     pyplot.close(figure)
     return figure

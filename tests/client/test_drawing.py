@@ -9,12 +9,19 @@ import pytest
 from matplotlib import pyplot
 from matplotlib.patches import Rectangle
 
-from modallab_client import _wire
 from modallab_client._read import read_as
+from modallab_client.methods.measurements import measurement_of
 from modallab_client.methods.modal_models import modal_model_of
 from modallab_client.methods.updates import update_of
-from modallab_client.models import ComplexArray, Measurement
-from modallab_client.results import Correlation, Diagnosis, DiagnosisCurves, FittedParameter
+from modallab_client.models import ComplexArray
+from modallab_client.results import (
+    Correlation,
+    Diagnosis,
+    DiagnosisCurves,
+    FittedParameter,
+    Measurement,
+    StructureModes,
+)
 from tests.client.fake import DIAGNOSIS, MEASUREMENT, MODE, UPDATE
 
 MODEL = {"id": "mm1", "modes": [MODE], "method": "dobson", "dofs": ["1:+Y", "3:+Y"]}
@@ -29,7 +36,7 @@ def _off_screen() -> Iterator[None]:
 
 
 def measurement() -> Measurement:
-    return _wire.measurement({"id": "m<1>"}, {name: np.asarray(value) for name, value in MEASUREMENT.items()})
+    return measurement_of({"id": "m<1>"}, {name: np.asarray(value) for name, value in MEASUREMENT.items()})
 
 
 def test_a_measurement_shows_magnitude_over_coherence() -> None:
@@ -172,7 +179,9 @@ def test_tables_are_escaped_for_the_notebook() -> None:
     assert "<td>extra mass at 7:+Y: mass 0.05000 ± 0.00040 kg</td>" in diagnosed
     assert "<th>coefficient</th>" in update_of(UPDATE)._repr_html_()
     assert "dobson" in modal_model_of(MODEL, SHAPES)._repr_html_()
-    modes = _wire.structure_modes({"frequencies": [1.0], "loss_factors": [0.1], "n_rigid_body": 2})
+    modes = read_as(
+        StructureModes, {"id": "s1", "frequencies": [1.0], "loss_factors": [0.1], "n_rigid_body": 2}
+    )
     assert "2 rigid-body modes" in modes._repr_html_()
     assert (
         repr(measurement()) == "Measurement('m<1>', inertance, 2 outputs x 1 inputs, 3 lines from 0 to 4 Hz)"

@@ -13,11 +13,11 @@ class Refuse:
             raise ImportError(f"{name} is not for the client")
 
 sys.meta_path.insert(0, Refuse())
-from modallab_client import ModalLab, models, results
+from modallab_client import ModalLab, results
 with ModalLab("http://localhost:1"):
     pass
 try:
-    models.Measurement.plot(None)
+    results.Measurement.plot(None)
 except ImportError as error:
     print(type(error).__name__, error)
 assert not set(sys.argv[1:]) & set(sys.modules)

@@ -9,7 +9,7 @@ import pytest
 
 from modallab_client import AsyncModalLab, Job, JobFailedError, JobTimeoutError, ModalLab, errors
 from modallab_client._sync import jobs
-from modallab_client.models import Measurement
+from modallab_client.results import Measurement
 from modallab_client.settings import CONNECTION
 from tests.client.fake import MEASUREMENT, FakeService, events, npz, problem
 

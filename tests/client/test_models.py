@@ -43,7 +43,7 @@ def test_a_file_goes_with_its_name_and_damping(lab: ModalLab, service: FakeServi
     given = lab.structures.upload(
         tmp_path / "bay.bdf", name="bay", damping={"law": "modal", "loss_factors": 0.01}
     )
-    assert given.groups == {"a": [1]}
+    assert given.groups == {"a": (1,)}
     assert hash(given) is not None
     content = service.requests[0].content
     assert b'filename="bay.bdf"' in content

@@ -2,6 +2,7 @@
 
 import io
 from pathlib import Path
+from typing import Any
 
 import httpx
 import numpy as np
@@ -9,10 +10,18 @@ import pytest
 
 from modallab_client import ModalLab
 from modallab_client.errors import UnexpectedReplyError
-from modallab_client.results import FollowUpTest, IterativeUpdate
+from modallab_client.results import EffectSpec, Exciter, FollowUpTest, IterativeUpdate
 from tests.client.fake import DIAGNOSIS, MEASUREMENT, MODE, UPDATE, FakeService, events, npz
 
 STRUCTURE = {"id": "s1", "n_nodes": 21, "n_dofs": 42, "members": 20, "created_at": "later"}
+EXCITER: dict[str, Any] = {
+    "kind": "shaker",
+    "armature_mass": 0.02,
+    "suspension_stiffness": 0.0,
+    "suspension_damping": 0.0,
+    "coil": None,
+    "amplifier": "current",
+}
 ACCEPTED = httpx.Response(202, json={"id": "j1", "state": "queued"})
 
 
@@ -132,9 +141,9 @@ def test_curves_and_truth_are_read(lab: ModalLab, service: FakeService) -> None:
     service.on("GET /v1/measurements/m1/curves", {"freq": [2.0, 4.0], "kind": "inertance", "curves": [one]})
     curves = lab.measurements.curves("m1", points=2)
     np.testing.assert_array_equal(curves.curves[0].values, [1 + 2j, 3 + 4j])
-    effect = {"kind": "extra_mass", "at": "7:+Y", "parameters": {"mass": 0.05}}
+    effect: dict[str, Any] = {"kind": "extra_mass", "at": "7:+Y", "parameters": {"mass": 0.05}}
     service.on("GET /v1/measurements/m1/truth", {"structure_id": "s1", "effects": [effect]})
-    assert lab.measurements.truth("m1").effects == (effect,)
+    assert lab.measurements.truth("m1").effects == (EffectSpec(**effect),)
 
 
 def test_a_log_is_read(lab: ModalLab, service: FakeService) -> None:
@@ -159,14 +168,15 @@ def test_a_rig_comes_back_as_declared(lab: ModalLab, service: FakeService) -> No
     declared = {
         "drive": "1:+Y",
         "responses": ["1:+Y"],
-        "exciter": {"kind": "shaker"},
-        "analyser": {"n_lines": 401},
+        "exciter": EXCITER,
     }
     service.on("GET /v1/rigs/r1", {"id": "r1", **declared, "stinger": None})
     rig = lab.rigs.get("r1")
     assert (rig.drive, rig.responses) == ("1:+Y", ("1:+Y",))
-    assert rig.hardware == {"exciter": {"kind": "shaker"}}
-    assert rig.analyser["n_lines"] == 401
+    assert (rig.exciter, rig.stinger) == (Exciter(**EXCITER), None)
+    service.on("POST /v1/rigs", {"id": "r2", **declared})
+    lab.rigs.create(responses=rig.responses, exciter=rig.exciter)
+    assert service.body()["exciter"] == EXCITER, "a part of a result may be sent"
 
 
 def test_an_answer_that_is_no_npz_is_refused(lab: ModalLab, service: FakeService) -> None:

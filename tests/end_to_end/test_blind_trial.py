@@ -19,8 +19,9 @@ from benchmarks.trial.reporting import calibration_error, report
 from benchmarks.trial.rigs import cantilever, frame, free_beam, short_beam, small_bench
 from benchmarks.trial.running import run, sealed
 from benchmarks.trial.scoring import score
-from benchmarks.trial.through_service import answered_by, model_body, rig_body
+from benchmarks.trial.through_service import answered_by, model_body
 from benchmarks.trial.tolerated import Tolerated
+from modallab.api.rigs.replies import rig_request
 from modallab.api.rigs.schemas import RigIn
 from modallab.api.structures.schemas import StructureIn
 from modallab.core.dof import Dof
@@ -91,7 +92,7 @@ def test_a_model_of_the_trial_is_said_over_http_to_the_last_digit(structure: Str
 @pytest.mark.parametrize("kind", ["friction", "transverse_sensitivity", "double_hit", "polarity"])
 def test_a_log_book_of_the_trial_is_said_over_http_to_the_last_digit(kind: str) -> None:
     setup = case(KINDS.index(kind), SEED, "2" if kind == "polarity" else "1").bench.setup
-    assert RigIn.model_validate_json(json.dumps(rig_body(setup))).to_domain() == setup
+    assert RigIn.model_validate_json(json.dumps(rig_request(setup))).to_domain() == setup
 
 
 def test_what_a_service_does_not_run_is_refused(

@@ -7,14 +7,20 @@ from typing import Unpack
 import numpy as np
 from numpy.typing import ArrayLike
 
-from modallab_client import _wire, _wire_extraction
+from modallab_client import _wire
 from modallab_client._async.jobs import AsyncJob
 from modallab_client._async.shelf import AsyncShelf
-from modallab_client.extraction import FitPicture, ModalPair, StabilisationChart
+from modallab_client.methods.extraction import fit_of
 from modallab_client.methods.modal_models import modal_model_of
 from modallab_client.models import Frf
 from modallab_client.options import ExtractionOptions
-from modallab_client.results import ModalModel
+from modallab_client.results import (
+    FitPlotData,
+    ModalModel,
+    ModalPair,
+    ModalReciprocityCheck,
+    StabilisationChart,
+)
 
 
 class AsyncModalModels(AsyncShelf):
@@ -69,7 +75,7 @@ class AsyncModalModels(AsyncShelf):
 
     async def fit(
         self, modal_model_id: str, *, mode: int, response: str, reference: str | None = None
-    ) -> FitPicture:
+    ) -> FitPlotData:
         """Return one of the fits that a modal model was collated from, to be drawn.
 
         Parameters
@@ -86,7 +92,7 @@ class AsyncModalModels(AsyncShelf):
         path = f"{self.path}/{modal_model_id}/fits"
         query = _wire.body(mode=mode, response=response, reference=reference)
         reply = await self._transport.request("GET", path, params=query)
-        return _wire.read(_wire_extraction.fit, reply)
+        return _wire.read(fit_of, reply)
 
     async def chart(self, modal_model_id: str, points: int = 800) -> StabilisationChart:
         """Return the stabilisation chart of a model by a global method.
@@ -100,7 +106,7 @@ class AsyncModalModels(AsyncShelf):
         """
         path = f"{self.path}/{modal_model_id}/chart"
         reply = await self._transport.request("GET", path, params={"points": points})
-        return _wire.read(_wire_extraction.chart, reply)
+        return _wire.reply(StabilisationChart, reply)
 
     async def frf(self, modal_model_id: str, *, kind: str | None = None) -> Frf:
         """Return the FRFs that modes and residuals make, on the lines of the measurement they were read from.
@@ -125,7 +131,7 @@ class AsyncModalModels(AsyncShelf):
         """
         path = f"{self.path}/{modal_model_id}/reciprocity"
         reply = await self._transport.request("GET", path, params={"other": other_id})
-        return _wire.read(_wire_extraction.modal_pairs, reply)
+        return _wire.reply(ModalReciprocityCheck, reply).pairs
 
     async def import_(
         self,

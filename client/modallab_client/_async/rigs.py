@@ -5,9 +5,22 @@ from typing import Any
 
 from modallab_client import _wire
 from modallab_client._async.shelf import AsyncShelf
-from modallab_client.models import Rig
+from modallab_client.results import (
+    Accelerometers,
+    Analyser,
+    EffectSpec,
+    Exciter,
+    ForceTransducer,
+    Noise,
+    Rig,
+    StingerRod,
+    StingerStiffness,
+    Suspension,
+)
 
-JsonObject = Mapping[str, Any]
+# Parts of a stored rig may be sent again.
+Part = Exciter | StingerRod | StingerStiffness | ForceTransducer | Accelerometers | Suspension | Analyser
+JsonObject = Mapping[str, Any] | Part | Noise | EffectSpec
 
 
 class AsyncRigs(AsyncShelf):
@@ -51,8 +64,8 @@ class AsyncRigs(AsyncShelf):
         hardware = _wire.body(exciter=exciter, stinger=stinger, force_transducer=force_transducer)
         attached = _wire.body(accelerometers=accelerometers, suspension=suspension, effects=effects)
         body = test | hardware | attached
-        return _wire.read(_wire.rig, await self._transport.request("POST", "/v1/rigs", json=body))
+        return _wire.reply(Rig, await self._transport.request("POST", "/v1/rigs", json=body))
 
     async def get(self, rig_id: str) -> Rig:
         """Return a rig as it was declared."""
-        return _wire.read(_wire.rig, await self._transport.request("GET", f"{self.path}/{rig_id}"))
+        return _wire.reply(Rig, await self._transport.request("GET", f"{self.path}/{rig_id}"))

@@ -7,7 +7,7 @@ from typing import Any
 
 from modallab_client import _matrices, _wire
 from modallab_client._sync.shelf import Shelf
-from modallab_client.models import Structure
+from modallab_client.results import Structure
 
 JsonObject = Mapping[str, Any]
 
@@ -19,7 +19,7 @@ class Described(Shelf):
 
     def create(self, **body: Any) -> Structure:
         """Return a new structure; the keywords are the JSON's names, `kind` among them."""
-        return _wire.read(_wire.structure, self._transport.request("POST", "/v1/structures", json=body))
+        return _wire.reply(Structure, self._transport.request("POST", "/v1/structures", json=body))
 
     def beam(
         self,
@@ -160,7 +160,7 @@ class Described(Shelf):
         reply = self._transport.request(
             "POST", f"{self.path}/import", files={"file": (file_name, content)}, data=data
         )
-        return _wire.read(_wire.structure, reply)
+        return _wire.reply(Structure, reply)
 
     def import_mesh(
         self,

@@ -6,11 +6,19 @@ from typing import Any
 
 from numpy.typing import ArrayLike
 
-from modallab_client import _wire, _wire_extraction
+from modallab_client import _wire
 from modallab_client._sync.jobs import Job
 from modallab_client._sync.shelf import Shelf
-from modallab_client.extraction import Indicators, Reciprocity
-from modallab_client.models import Curves, Measurement, MeasurementLog, Truth
+from modallab_client.methods.measurements import measurement_of
+from modallab_client.results import (
+    Curves,
+    EffectSpec,
+    Indicators,
+    Measurement,
+    MeasurementLog,
+    ReciprocityCheck,
+    Truth,
+)
 
 JsonObject = Mapping[str, Any]
 
@@ -25,7 +33,7 @@ class Measurements(Shelf):
         structure_id: str,
         rig_id: str,
         *,
-        effects: Sequence[JsonObject] = (),
+        effects: Sequence[JsonObject | EffectSpec] = (),
         route: str = "sampled",
         seed: int = 0,
     ) -> Job[Measurement]:
@@ -102,34 +110,34 @@ class Measurements(Shelf):
         """
         about = self._transport.request("GET", f"/v1/measurements/{measurement_id}")
         arrays = self._transport.npz(f"/v1/measurements/{measurement_id}/arrays", _wire.body(kind=kind))
-        return _wire.read(_wire.measurement, about, arrays)
+        return _wire.read(measurement_of, about, arrays)
 
     def curves(self, measurement_id: str, points: int = 800, *, kind: str | None = None) -> Curves:
         """Return the FRFs thinned to about that many lines, for plots; of the kind measured or another."""
         path = f"{self.path}/{measurement_id}/curves"
         params = _wire.body(points=points, kind=kind)
-        return _wire.read(_wire.curves, self._transport.request("GET", path, params=params))
+        return _wire.reply(Curves, self._transport.request("GET", path, params=params))
 
     def indicators(self, measurement_id: str, points: int = 800) -> Indicators:
         """Return mode indicator functions, thinned to about that many lines: where modes are."""
         path = f"{self.path}/{measurement_id}/indicators"
         reply = self._transport.request("GET", path, params={"points": points})
-        return _wire.read(_wire_extraction.indicators, reply)
+        return _wire.reply(Indicators, reply)
 
-    def reciprocity(self, measurement_id: str) -> Reciprocity:
+    def reciprocity(self, measurement_id: str) -> ReciprocityCheck:
         """Return how far FRFs differ when force and response change places."""
         path = f"{self.path}/{measurement_id}/reciprocity"
-        return _wire.read(_wire_extraction.reciprocity, self._transport.request("GET", path))
+        return _wire.reply(ReciprocityCheck, self._transport.request("GET", path))
 
     def log(self, measurement_id: str) -> MeasurementLog:
         """Return what was declared and asked; with the truth it is enough to make the same bytes again."""
         path = f"{self.path}/{measurement_id}/log"
-        return _wire.read(_wire.measurement_log, self._transport.request("GET", path))
+        return _wire.reply(MeasurementLog, self._transport.request("GET", path))
 
     def truth(self, measurement_id: str) -> Truth:
         """Return what the measurement was made with; for its owner only."""
         path = f"{self.path}/{measurement_id}/truth"
-        return _wire.read(_wire.truth, self._transport.request("GET", path))
+        return _wire.reply(Truth, self._transport.request("GET", path))
 
     def uff(self, measurement_id: str, *, kind: str | None = None) -> bytes:
         """Return FRFs, coherence and auto spectra as a universal file (dataset 58), as in `get`."""

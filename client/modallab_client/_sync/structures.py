@@ -7,8 +7,8 @@ from modallab_client import _wire, _wire_correlation
 from modallab_client._sync.described import Described
 from modallab_client._sync.modal_models import ModalModels
 from modallab_client.correlation import Expansion, ReducedModel
-from modallab_client.models import Frf, ModeShapes, Structure, StructureModes
-from modallab_client.results import ModalModel
+from modallab_client.models import Frf, ModeShapes
+from modallab_client.results import ModalModel, Structure, StructureModes
 
 JsonObject = Mapping[str, Any]
 
@@ -48,18 +48,18 @@ class Structures(Described):
         change = location | _wire.body(property=property, factor=factor, value=value)
         body = {"changes": [*changes, change] if change else list(changes)}
         path = f"/v1/structures/{structure_id}/changes"
-        return _wire.read(_wire.structure, self._transport.request("POST", path, json=body))
+        return _wire.reply(Structure, self._transport.request("POST", path, json=body))
 
     def get(self, structure_id: str) -> Structure:
         """Return a structure."""
         path = f"/v1/structures/{structure_id}"
-        return _wire.read(_wire.structure, self._transport.request("GET", path))
+        return _wire.reply(Structure, self._transport.request("GET", path))
 
     def modes(self, structure_id: str, count: int = 10) -> StructureModes:
         """Return frequencies and loss factors of the first elastic modes."""
         path = f"/v1/structures/{structure_id}/modes"
         reply = self._transport.request("GET", path, params={"count": count})
-        return _wire.read(_wire.structure_modes, reply)
+        return _wire.reply(StructureModes, reply)
 
     def mode_shapes(self, structure_id: str, count: int = 10) -> ModeShapes:
         """Return the first elastic modes with their shapes."""

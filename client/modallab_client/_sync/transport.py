@@ -88,7 +88,7 @@ class Transport:
                 reply = self._http.request(
                     method,
                     self._base + path,
-                    json=json,
+                    json=_wire.plain(json),
                     files=files,
                     data=data,
                     params=params,

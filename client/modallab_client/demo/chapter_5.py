@@ -7,8 +7,7 @@ from typing import Any
 from modallab_client import ModalLab
 from modallab_client.demo import thesis
 from modallab_client.demo.comparison import ComparisonTable, Line
-from modallab_client.models import Measurement
-from modallab_client.results import Correlation, IterativeUpdate, ModalModel
+from modallab_client.results import Correlation, IterativeUpdate, Measurement, ModalModel
 
 Say = Callable[[str], None]
 

@@ -8,8 +8,8 @@ import numpy as np
 from matplotlib import pyplot
 
 from modallab_client import _diagnosis_plot
-from modallab_client.models import ComplexArray, FloatArray, Measurement
-from modallab_client.results import DiagnosisCurves, Iteration, IterativeUpdate, ModalModel
+from modallab_client.models import ComplexArray, FloatArray
+from modallab_client.results import DiagnosisCurves, Iteration, IterativeUpdate, Measurement, ModalModel
 from modallab_client.settings import PLOT
 
 if TYPE_CHECKING:

@@ -9,7 +9,7 @@ import numpy as np
 from modallab_client import ModalLab, results
 from modallab_client.demo.chapter_5 import Say
 from modallab_client.methods.diagnoses import place
-from modallab_client.models import Measurement
+from modallab_client.results import Measurement
 
 Place = str | dict[str, list[int]] | None
 

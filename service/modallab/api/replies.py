@@ -149,7 +149,7 @@ def _finite(value: Any) -> Any:
 
 
 def _pair(value: Any) -> Any:
-    return [value.real, value.imag] if isinstance(value, complex) else value
+    return [_finite(value.real), _finite(value.imag)] if isinstance(value, complex) else value
 
 
 def _nested(value: Any) -> Any:
@@ -165,9 +165,10 @@ _COMPLEX = Field(json_schema_extra={"format": "complex"})
 _ARRAY = Field(json_schema_extra={"format": "array"})
 _NUMBERED = Field(json_schema_extra={"propertyNames": {"pattern": "^[0-9]+$"}})
 
+_PAIR = tuple[float | None, float | None]
 _SCALARS: Mapping[Any, Any] = {
     Dof: Annotated[str, BeforeValidator(str)],
-    complex: Annotated[tuple[float, float], BeforeValidator(_pair), _COMPLEX],
+    complex: Annotated[_PAIR, BeforeValidator(_pair), _COMPLEX],
 }
 PlaceOut = str | MembersAt | ChannelsAt | None
 _OPTIONS = Annotated[dict[str, Any], BeforeValidator(_mapping)]
@@ -210,7 +211,7 @@ def _array(hint: Any, marks: tuple[Any, ...]) -> Any:
     if axes is None:
         return None
     (scalar,) = get_args(get_args(hint)[1])
-    pair = Annotated[tuple[float, float], _COMPLEX]
+    pair = Annotated[_PAIR, _COMPLEX]
     item: Any = {"f": float | None, "c": pair, "i": int, "b": bool, "u": int}[np.dtype(scalar).kind]
     for _ in range(axes):
         item = Annotated[list[item], _ARRAY]

@@ -9,7 +9,7 @@ import numpy as np
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray, frozen
 from modallab.core.dof import Dof
 from modallab.core.frequency_inconsistency import FrequencyInconsistency
-from modallab.core.reply import NanFloat, NotInReply
+from modallab.core.reply import IntVector, NanFloat, NotInReply, Vector
 
 
 @dataclass(frozen=True)
@@ -74,16 +74,16 @@ def frf_names(dofs: Sequence[Dof], references: Sequence[Dof]) -> tuple[str, ...]
 class StabilisationChart:
     """Stabilisation chart: poles of a global method at rising model orders."""
 
-    order: IntArray
+    order: IntVector
     """(n_poles,) order of the polynomial with this pole."""
-    frequency: FloatArray
+    frequency: Vector
     """Hz, (n_poles,) natural frequency of each pole."""
-    loss_factor: FloatArray
+    loss_factor: Vector
     """(n_poles,) loss factor of each pole."""
-    stability: IntArray
+    stability: IntVector
     """(n_poles,) agreement with a pole of the order before: 0 new, 1 in frequency, 2 in damping too,
     3 in the participation vector too."""
-    mode: IntArray
+    mode: IntVector
     """(n_poles,) index of the mode that the pole belongs to, from 0; -1 for none."""
 
     def __post_init__(self) -> None:

@@ -40,5 +40,8 @@ class EffectSpec:
     """An effect as a log book or a request names it; `rig.effect.build` gives it its physics."""
 
     kind: str
+    """Name of the effect in the catalogue."""
     at: Place = None
+    """Place where the effect acts; None: everywhere."""
     parameters: Mapping[str, float] = field(default_factory=dict)
+    """SI units, parameters of the effect by name."""

@@ -7,7 +7,7 @@ docstring. Arrays are told in `/arrays` only, unless a mark says that they are s
 from dataclasses import dataclass
 from typing import Annotated
 
-from modallab.core.arrays import ComplexArray, FloatArray, IntArray
+from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 
 
 @dataclass(frozen=True)
@@ -33,4 +33,5 @@ NanFloat = Annotated[float, MayBeNan()]
 Vector = Annotated[FloatArray, Axes(1)]
 Matrix = Annotated[FloatArray, Axes(2)]
 IntVector = Annotated[IntArray, Axes(1)]
+BoolVector = Annotated[BoolArray, Axes(1)]
 ComplexVector = Annotated[ComplexArray, Axes(1)]

@@ -2,14 +2,16 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
+from typing import Annotated
 
 import numpy as np
 
-from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray, frozen
+from modallab.core.arrays import ComplexArray, FloatArray, IntArray, frozen
 from modallab.core.errors import InvalidInputError, bounds
 from modallab.core.frf import FrfKind
 from modallab.core.modal_model import ModalModel
 from modallab.core.numerics import SAFE_DIVISOR
+from modallab.core.reply import BoolVector, ComplexVector, NanFloat, NotInReply, Vector
 from modallab.extraction.method_options import options_type
 from modallab.extraction.options import MIN_LINES, Damping, ExtractionOptions
 from modallab.extraction.preprocessing.fit_windows import Windows, without_nearest
@@ -32,17 +34,17 @@ class FitPlotData:
     """Damping model; with viscous damping `x...` of the details is omega, rad/s, instead of omega^2."""
     kind: FrfKind
     """Kind of all responses: the one that the mode was fitted to."""
-    freq: FloatArray
+    freq: Vector
     """(n_lines,) Hz."""
-    used: BoolArray
+    used: BoolVector
     """(n_lines,) False where a line was left out."""
-    measured: ComplexArray
+    measured: ComplexVector
     """(n_lines,) measured response."""
-    cleaned: ComplexArray
+    cleaned: ComplexVector
     """(n_lines,) response without leakage and without the other modes."""
-    curve_freq: FloatArray
+    curve_freq: Vector
     """(n_curve,) Hz."""
-    curve: ComplexArray
+    curve: ComplexVector
     """(n_curve,) mode and residual."""
     frequency: float
     """Hz, natural frequency."""
@@ -52,10 +54,10 @@ class FitPlotData:
     """1/kg, of receptance."""
     residual: complex
     """Unit of the responses, constant beside the mode."""
-    details: Mapping[str, FloatArray | ComplexArray]
+    details: Annotated[Mapping[str, FloatArray | ComplexArray], NotInReply("told by type, thinned")]
     """Arrays of the method's plot; empty for fewer than four lines."""
 
-    quality: Mapping[str, float]
+    quality: Mapping[str, NanFloat]
     """%, measures of quality that only this method has."""
 
     def __post_init__(self) -> None:
@@ -160,7 +162,7 @@ def _refit(
 class _FittedLines:
     """Lines of a fit."""
 
-    freq: FloatArray
+    freq: Vector
     """(n_lines,) Hz."""
     frf: ComplexArray
     """(n_lines,) without leakage and other modes."""

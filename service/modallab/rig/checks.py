@@ -1,6 +1,6 @@
 """Rules of good practice for a rig."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass, fields
 from typing import ClassVar, Protocol
 
@@ -88,6 +88,21 @@ def checks(structure: Structure, setup: RigSetup) -> tuple[Check, ...]:
     return (*general_checks, *stinger_checks(setup), *accelerometer_checks(setup))
 
 
-def figures(check: Check) -> dict[str, float]:
-    """Return the figures of a check by name."""
-    return {field.name: getattr(check, field.name) for field in fields(check)}  # type: ignore[arg-type]
+@dataclass(frozen=True)
+class CheckResult:
+    """Rule of good practice, evaluated for a rig on a structure."""
+
+    name: str
+    """Name of the check."""
+    rule: str
+    """Rule in words."""
+    fulfilled: bool
+    """Whether the rule is kept."""
+    figures: Mapping[str, float]
+    """SI units, figures that the rule compares, by name."""
+
+
+def check_result(check: Check) -> CheckResult:
+    """Return the result of a check, its figures by name."""
+    figures = {field.name: getattr(check, field.name) for field in fields(check)}  # type: ignore[arg-type]
+    return CheckResult(check.name, check.rule, check.fulfilled, figures)

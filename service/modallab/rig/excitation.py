@@ -33,6 +33,7 @@ class ExcitationSetting:
     """
 
     kind: str = "periodic_random"
+    """Kind of signal."""
     level: float = parameter(
         1.0, unit="N", lower=1e-9, upper=1e9, absent=None, doc="rms of the source, flat over the band"
     )

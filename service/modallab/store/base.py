@@ -38,10 +38,12 @@ class Entry:
 
 @dataclass(frozen=True)
 class Truth:
-    """How a measurement was made: kept apart from it, for its owner only."""
+    """Structure and hidden effects of a simulated measurement, for its owner only."""
 
     structure_id: str
+    """Structure that was tested."""
     effects: tuple[EffectSpec, ...]
+    """Effects beside those of the structure and the rig."""
 
 
 class Shelf(Protocol[T]):

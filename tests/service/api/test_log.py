@@ -8,7 +8,7 @@ import pytest
 import scipy
 
 import modallab
-from modallab.api.measurements.log import declared
+from modallab.api.rigs.replies import rig_request
 from modallab.api.rigs.schemas import RigIn
 from modallab.core.dof import Dof
 from modallab.core.place import Channels, EffectSpec
@@ -96,4 +96,4 @@ RIGS = {
 
 @pytest.mark.parametrize("setup", RIGS.values(), ids=RIGS)
 def test_the_rig_in_a_log_declares_the_same_rig(setup: RigSetup) -> None:
-    assert RigIn.model_validate(declared(setup)).to_domain() == setup
+    assert RigIn.model_validate(rig_request(setup)).to_domain() == setup

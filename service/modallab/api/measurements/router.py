@@ -13,15 +13,31 @@ from modallab.api.examples import example
 from modallab.api.files import FRF_TEXT, HDF5, UFF, frf_text_reply, hdf5_reply, origin, uff_reply
 from modallab.api.jobs import JobReply, job_reply
 from modallab.api.kinds import KindWanted, measured_as
-from modallab.api.measurements.indicators import IndicatorsOut, ReciprocityOut
-from modallab.api.measurements.log import LogOut
-from modallab.api.measurements.schemas import CurvesOut, MeasurementOut, MeasurementStart, TruthOut
+from modallab.api.measurements.curves import Curves, curves_of
+from modallab.api.measurements.indicators import (
+    Indicators,
+    IndicatorsReply,
+    ReciprocityCheck,
+    ReciprocityReply,
+    indicators_of,
+    reciprocity_of,
+)
+from modallab.api.measurements.replies import (
+    LogReply,
+    MeasurementReply,
+    TruthReply,
+    log_reply,
+    measurement_reply,
+)
+from modallab.api.measurements.schemas import MeasurementStart
+from modallab.api.replies import reply_of
 from modallab.api.shelves import add_routes
 from modallab.api.thinning import Points
 from modallab.interchange import frf_text, hdf5, uff
 from modallab.interchange.reading import read_measurement
 from modallab.interchange.settings import FRF_TEXT_FILE
 from modallab.jobs.tasks import MEASUREMENT
+from modallab.store.base import Truth
 from modallab.store.codec import arrays_of
 
 router = APIRouter(prefix="/measurements", tags=["measurements"])
@@ -61,7 +77,12 @@ def start_measurement(
     return job_reply(jobs.submit(MEASUREMENT.name, arguments, owner=owner))
 
 
-@router.post("/import", status_code=status.HTTP_201_CREATED, summary="Import a measurement")
+@router.post(
+    "/import",
+    status_code=status.HTTP_201_CREATED,
+    response_model=MeasurementReply,
+    summary="Import a measurement",
+)
 def import_measurement(
     file: Annotated[
         UploadFile,
@@ -72,7 +93,7 @@ def import_measurement(
     owner: OwnerDep,
     rig_id: RigId = None,
     averages: Averages = None,
-) -> MeasurementOut:
+) -> Any:
     """Return a measurement from a file of FRFs: universal file (dataset 58), npz, HDF5 or FRF text."""
     setup = None if rig_id is None else store.rigs.get(rig_id)
     measurement = read_measurement(file.file, setup, largest=settings.upload_limit, averages=averages)
@@ -80,13 +101,13 @@ def import_measurement(
         if rig_id is None:
             rig_id = batch.rigs.add(measurement.setup, owner=owner)
         stored = batch.measurements.add(measurement, owner=owner, inputs={"rig_id": rig_id})
-    return MeasurementOut.of(measurement, store.measurements.entry(stored))
+    return measurement_reply(measurement, store.measurements.entry(stored))
 
 
-@router.get("/{id}", summary="Get a measurement")
-def get_measurement(id: IdPath, store: StoreDep) -> MeasurementOut:
+@router.get("/{id}", response_model=MeasurementReply, summary="Get a measurement")
+def get_measurement(id: IdPath, store: StoreDep) -> Any:
     """Return a measurement without its arrays, with its rig as declared."""
-    return MeasurementOut.of(store.measurements.get(id), store.measurements.entry(id))
+    return measurement_reply(store.measurements.get(id), store.measurements.entry(id))
 
 
 @router.get(
@@ -133,34 +154,34 @@ def get_measurement_frf_text(
     return frf_text_reply(frf_text.write(measured_as(kind, store.measurements.get(id)), decimals), id)
 
 
-@router.get("/{id}/curves", summary="Get curves for plots")
-def get_curves(id: IdPath, store: StoreDep, points: Points = 800, kind: KindWanted = None) -> CurvesOut:
+@router.get("/{id}/curves", response_model=reply_of(Curves), summary="Get curves for plots")
+def get_curves(id: IdPath, store: StoreDep, points: Points = 800, kind: KindWanted = None) -> Curves:
     """Return the FRFs of a measurement at fewer lines, with peaks and notches kept."""
-    return CurvesOut.of(measured_as(kind, store.measurements.get(id)), points)
+    return curves_of(measured_as(kind, store.measurements.get(id)), points)
 
 
-@router.get("/{id}/indicators", summary="Get mode indicator functions")
-def get_indicators(id: IdPath, store: StoreDep, points: Points = 800) -> IndicatorsOut:
+@router.get("/{id}/indicators", response_model=IndicatorsReply, summary="Get mode indicator functions")
+def get_indicators(id: IdPath, store: StoreDep, points: Points = 800) -> Indicators:
     """Return mode indicator functions of a measurement: real part (MIF) and singular values (CMIF)."""
-    return IndicatorsOut.of(store.measurements.get(id), points)
+    return indicators_of(store.measurements.get(id), points)
 
 
-@router.get("/{id}/reciprocity", summary="Check reciprocity")
-def get_reciprocity(id: IdPath, store: StoreDep) -> ReciprocityOut:
+@router.get("/{id}/reciprocity", response_model=ReciprocityReply, summary="Check reciprocity")
+def get_reciprocity(id: IdPath, store: StoreDep) -> ReciprocityCheck:
     """Return the differences of FRFs whose force and response are exchanged."""
-    return ReciprocityOut.of(store.measurements.get(id))
+    return reciprocity_of(store.measurements.get(id))
 
 
-@router.get("/{id}/log", summary="Get the log book")
-def get_log(id: IdPath, store: StoreDep) -> LogOut:
+@router.get("/{id}/log", response_model=LogReply, summary="Get the log book")
+def get_log(id: IdPath, store: StoreDep) -> Any:
     """Return the log book of a measurement: the rig as declared, seed, versions of the libraries."""
-    return LogOut.of(store.measurements.get(id), store.measurements.entry(id))
+    return log_reply(store.measurements.get(id), store.measurements.entry(id))
 
 
-@router.get("/{id}/truth", summary="Get the truth")
-def get_truth(id: IdPath, store: StoreDep, owner: OwnerDep) -> TruthOut:
+@router.get("/{id}/truth", response_model=TruthReply, summary="Get the truth")
+def get_truth(id: IdPath, store: StoreDep, owner: OwnerDep) -> Truth:
     """Return the structure and the effects of a simulated measurement, to its owner only."""
-    return TruthOut.of(store.truths.get(id, owner=owner))
+    return store.truths.get(id, owner=owner)
 
 
 add_routes(router, "measurements", "measurement")

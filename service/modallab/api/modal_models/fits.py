@@ -1,21 +1,21 @@
 """What is drawn of an extraction: one fit, the stabilisation chart, FRFs made of modes."""
 
 from collections.abc import Mapping
-from typing import Annotated, Any, Self
+from typing import Annotated, Any
 
 import numpy as np
 from fastapi import Query
 from numpy.typing import NDArray
-from pydantic import BaseModel, Field
 
 from modallab.api.limits import REPLY
-from modallab.api.measurements.indicators import IndicatorsOut
+from modallab.api.measurements.indicators import IndicatorsReply, indicators_of
+from modallab.api.replies import reply
 from modallab.api.thinning import numbers
 from modallab.api.wire import DofText
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError, NotFoundError
 from modallab.core.frf import FrfSet
-from modallab.core.modal_model import ModalModel
+from modallab.core.modal_model import ModalModel, StabilisationChart
 from modallab.extraction.multi_mode.global_method import GLOBAL_METHODS
 from modallab.extraction.plot_data import FitPlotData
 from modallab.rig.measurement import Measurement
@@ -26,7 +26,6 @@ RESPONSE = Annotated[DofText, Query(description="one of the model's `dofs`")]
 REFERENCE = Annotated[
     DofText | None, Query(description="one of the model's `references`; not needed where there is but one")
 ]
-Pair = tuple[float | None, float | None]
 
 _AXES = {"damping_surface": ("x_above", "x_below")}
 
@@ -51,60 +50,35 @@ def measured_for(model_id: str, model: ModalModel, store: Store) -> Measurement:
     return measurement
 
 
-class FitOut(BaseModel):
-    """One mode in one FRF: lines, what was fitted to them, and what the method drew.
+FitReply: Any = reply(
+    FitPlotData,
+    "FitPlotData",
+    mode=(int, "Number of the mode, from 1."),
+    response=(str, "DoF of the response, as asked for."),
+    reference=(str | None, "Common DoF of the FRFs, as asked for."),
+    details=(
+        dict[str, Any],
+        "Real arrays of the method's plot, thinned; an axis is named `x...`: (2 pi f)^2, or 2 pi f with "
+        "viscous damping.",
+    ),
+    complex_details=(dict[str, Any], "Complex arrays of the method's plot, thinned, innermost [re, im]."),
+)
 
-    Complex numbers are [re, im]. What lies along an axis in `details` is named `x...`: `(2 pi f)^2`, or
-    where damping is viscous `2 pi f`.
-    """
 
-    mode: int
-    response: str
-    reference: str | None = Field(description="as asked")
-    method: str
-    damping: str
-    kind: str = Field(description="of all responses here: the one that the mode was fitted on")
-    freq: list[float] = Field(description="Hz, of the lines")
-    used: list[bool] = Field(description="false for a line that was left out")
-    measured: list[Pair]
-    cleaned: list[Pair] = Field(description="freed of leakage and of the other modes")
-    curve_freq: list[float]
-    curve: list[Pair] = Field(description="mode and residual")
-    frequency: float
-    loss_factor: float
-    modal_constant: Pair = Field(description="1/kg, of receptance")
-    residual: Pair
-    quality: dict[str, float | None] = Field(description="what only this method can tell, in %")
-    details: dict[str, Any] = Field(description="real arrays of the method's drawing, by name")
-    complex_details: dict[str, Any] = Field(description="complex ones")
-
-    @classmethod
-    def of(cls, picture: FitPlotData, mode: int, response: Dof, reference: Dof | None = None) -> Self:
-        """Return what the contract shows of a fit."""
-        drawn = _few(picture.details)
-        flat = {name: numbers(values) for name, values in drawn.items()}
-        is_complex = {name for name, values in drawn.items() if np.iscomplexobj(values)}
-        return cls(
-            mode=mode,
-            response=str(response),
-            reference=None if reference is None else str(reference),
-            method=picture.method,
-            damping=picture.damping.value,
-            kind=picture.kind.value,
-            freq=picture.freq.tolist(),
-            used=picture.used.tolist(),
-            measured=numbers(picture.measured),
-            cleaned=numbers(picture.cleaned),
-            curve_freq=picture.curve_freq.tolist(),
-            curve=numbers(picture.curve),
-            frequency=picture.frequency,
-            loss_factor=picture.loss_factor,
-            modal_constant=numbers(np.array(picture.modal_constant)),
-            residual=numbers(np.array(picture.residual)),
-            quality={name: value if np.isfinite(value) else None for name, value in picture.quality.items()},
-            details={name: flat[name] for name in flat if name not in is_complex},
-            complex_details={name: flat[name] for name in flat if name in is_complex},
-        )
+def fit_reply(fit: FitPlotData, mode: int, response: Dof, reference: Dof | None = None) -> Any:
+    """Return the reply of one fit."""
+    arrays = _few(fit.details)
+    names = {name for name, array in arrays.items() if np.iscomplexobj(array)}
+    return FitReply.model_validate(
+        {
+            **vars(fit),
+            "mode": mode,
+            "response": str(response),
+            "reference": None if reference is None else str(reference),
+            "details": {name: numbers(array) for name, array in arrays.items() if name not in names},
+            "complex_details": {name: numbers(array) for name, array in arrays.items() if name in names},
+        }
+    )
 
 
 def _few(details: Mapping[str, NDArray[Any]]) -> dict[str, NDArray[Any]]:
@@ -126,48 +100,41 @@ def _some(n: int) -> NDArray[np.int64]:
     return np.unique(np.linspace(0, n - 1, min(n, REPLY.plot_rows)).round().astype(np.int64))
 
 
-class ChartOut(BaseModel):
-    """Poles at rising orders.
+ChartReply: Any = reply(
+    StabilisationChart,
+    "StabilisationChart",
+    mode=(list[int | None], "(n_poles,) number of the mode that the pole belongs to, from 1; null for none."),
+    modes=(list[float], "Hz, (n_modes,) natural frequencies of the model."),
+    notes=(list[str], "Reasons for each mode, and poles that were left out."),
+    indicators=(IndicatorsReply, "Mode indicator functions of the measurement."),
+)
 
-    `stability` since the order before: 0 new, 1 steady in frequency, 2 and in damping, 3 and in its vector.
+
+def chart_reply(model: ModalModel, measurement: Measurement, points: int) -> Any:
+    """Return the reply of a stabilisation chart, with mode indicator functions at about `points` lines.
+
+    Raises
+    ------
+    NotFoundError
+        If the method of the model has no stabilisation chart.
     """
-
-    order: list[int]
-    frequency: list[float] = Field(description="Hz")
-    loss_factor: list[float]
-    stability: list[int]
-    mode: list[int | None] = Field(description="which it speaks for, counted from 1")
-    modes: list[float] = Field(description="Hz, of the model's modes")
-    notes: list[str] = Field(description="why each mode is one, and what was left out")
-    indicators: IndicatorsOut
-
-    @classmethod
-    def of(cls, model: ModalModel, measurement: Measurement, points: int) -> Self:
-        """Return what the contract shows of a stabilisation chart.
-
-        Raises
-        ------
-        NotFoundError
-            If the model's method draws none.
-        """
-        chart = model.chart
-        if chart is None:
-            raise NotFoundError(
-                f"{model.method or 'imported modes'}: no stabilisation chart",
-                field="method",
-                value=model.method,
-                allowed=list(GLOBAL_METHODS),
-            )
-        return cls(
-            order=chart.order.tolist(),
-            frequency=chart.frequency.tolist(),
-            loss_factor=chart.loss_factor.tolist(),
-            stability=chart.stability.tolist(),
-            mode=[m + 1 if m >= 0 else None for m in chart.mode.tolist()],
-            modes=model.frequencies.tolist(),
-            notes=list(model.notes),
-            indicators=IndicatorsOut.of(measurement, points),
+    chart = model.chart
+    if chart is None:
+        raise NotFoundError(
+            f"{model.method or 'imported modes'}: no stabilisation chart",
+            field="method",
+            value=model.method,
+            allowed=list(GLOBAL_METHODS),
         )
+    return ChartReply.model_validate(
+        {
+            **vars(chart),
+            "mode": [mode + 1 if mode >= 0 else None for mode in chart.mode.tolist()],
+            "modes": model.frequencies.tolist(),
+            "notes": list(model.notes),
+            "indicators": indicators_of(measurement, points),
+        }
+    )
 
 
 def frf_arrays(frf: FrfSet) -> dict[str, NDArray[Any]]:

@@ -17,12 +17,19 @@ from modallab.api.modal_models.fits import (
     MODE,
     REFERENCE,
     RESPONSE,
-    ChartOut,
-    FitOut,
+    ChartReply,
+    FitReply,
+    chart_reply,
+    fit_reply,
     frf_arrays,
     measured_for,
 )
-from modallab.api.modal_models.reciprocal import OTHER, ModalReciprocityOut
+from modallab.api.modal_models.reciprocal import (
+    OTHER,
+    ModalReciprocityCheck,
+    ModalReciprocityReply,
+    modal_reciprocity_of,
+)
 from modallab.api.modal_models.replies import ModalModelReply, modal_model_reply
 from modallab.api.modal_models.schemas import ModalModelIn, ModalModelStart
 from modallab.api.modal_models.table import COLUMNS, mode_rows
@@ -124,21 +131,19 @@ def get_modal_model_arrays(id: IdPath, store: StoreDep, form: ArraysFormatDep) -
     return form.reply_npz(store.modal_models.npz(id))
 
 
-@router.get("/{id}/fits", summary="Get the fit of a mode")
-def get_fit(
-    id: IdPath, store: StoreDep, mode: MODE, response: RESPONSE, reference: REFERENCE = None
-) -> FitOut:
+@router.get("/{id}/fits", response_model=FitReply, summary="Get the fit of a mode")
+def get_fit(id: IdPath, store: StoreDep, mode: MODE, response: RESPONSE, reference: REFERENCE = None) -> Any:
     """Return the fit of one mode in one FRF, to be drawn: lines, curve, and the data of the method."""
     model, at = store.modal_models.get(id), Dof.parse(response, field="response")
     of = None if reference is None else Dof.parse(reference, field="reference")
-    return FitOut.of(picture_of(measured_for(id, model, store), model, mode, at, of), mode, at, of)
+    return fit_reply(picture_of(measured_for(id, model, store), model, mode, at, of), mode, at, of)
 
 
-@router.get("/{id}/chart", summary="Get the stabilisation chart")
-def get_chart(id: IdPath, store: StoreDep, points: Points = 800) -> ChartOut:
+@router.get("/{id}/chart", response_model=ChartReply, summary="Get the stabilisation chart")
+def get_chart(id: IdPath, store: StoreDep, points: Points = 800) -> Any:
     """Return the stabilisation chart of a global extraction method, with mode indicator functions."""
     model = store.modal_models.get(id)
-    return ChartOut.of(model, measured_for(id, model, store), points)
+    return chart_reply(model, measured_for(id, model, store), points)
 
 
 @router.get(
@@ -156,10 +161,12 @@ def get_resynthesised(
     return form.reply(frf_arrays(resynthesised(measurement, model)))
 
 
-@router.get("/{id}/reciprocity", summary="Check reciprocity of modal constants")
-def get_modal_reciprocity(id: IdPath, store: StoreDep, other: OTHER) -> ModalReciprocityOut:
+@router.get(
+    "/{id}/reciprocity", response_model=ModalReciprocityReply, summary="Check reciprocity of modal constants"
+)
+def get_modal_reciprocity(id: IdPath, store: StoreDep, other: OTHER) -> ModalReciprocityCheck:
     """Return ratios of modal constants to those of a test driven at the response."""
-    return ModalReciprocityOut.of(store.modal_models.get(id), store.modal_models.get(other))
+    return modal_reciprocity_of(store.modal_models.get(id), store.modal_models.get(other))
 
 
 @router.get(

@@ -1,14 +1,15 @@
 """Rigs: the log books of tests."""
 
-from typing import Annotated
+from typing import Annotated, Any
 
 from fastapi import APIRouter, Query, status
 
 from modallab.api.deps import Id, IdPath, OwnerDep, StoreDep
 from modallab.api.examples import example
-from modallab.api.rigs.schemas import CheckOut, ChecksOut, RigIn, RigOut
+from modallab.api.rigs.replies import ChecksReply, RigChecks, RigReply, rig_reply
+from modallab.api.rigs.schemas import RigIn
 from modallab.api.shelves import add_routes
-from modallab.rig.checks import checks
+from modallab.rig.checks import check_result, checks
 
 router = APIRouter(prefix="/rigs", tags=["rigs"])
 
@@ -23,26 +24,26 @@ _RIG = {
 }
 
 
-@router.post("", status_code=status.HTTP_201_CREATED, summary="Declare a rig")
-def create_rig(body: Annotated[RigIn, example(_RIG)], store: StoreDep, owner: OwnerDep) -> RigOut:
+@router.post("", status_code=status.HTTP_201_CREATED, response_model=RigReply, summary="Declare a rig")
+def create_rig(body: Annotated[RigIn, example(_RIG)], store: StoreDep, owner: OwnerDep) -> Any:
     """Return a rig: the declaration of a test set-up. Parts left out are ideal."""
     setup = body.to_domain()
-    return RigOut.of(setup, store.rigs.entry(store.rigs.add(setup, owner=owner)))
+    return rig_reply(setup, store.rigs.entry(store.rigs.add(setup, owner=owner)))
 
 
-@router.get("/{id}", summary="Get a rig")
-def get_rig(id: IdPath, store: StoreDep) -> RigOut:
+@router.get("/{id}", response_model=RigReply, summary="Get a rig")
+def get_rig(id: IdPath, store: StoreDep) -> Any:
     """Return a rig as declared, with defaults filled in."""
-    return RigOut.of(store.rigs.get(id), store.rigs.entry(id))
+    return rig_reply(store.rigs.get(id), store.rigs.entry(id))
 
 
-@router.get("/{id}/checks", summary="Check a rig on a structure")
+@router.get("/{id}/checks", response_model=ChecksReply, summary="Check a rig on a structure")
 def get_checks(
     id: IdPath, structure_id: Annotated[Id, Query(description="what the rig tests")], store: StoreDep
-) -> ChecksOut:
+) -> Any:
     """Return rules of good testing, evaluated for a rig on a structure."""
-    outcomes = checks(store.structures.get(structure_id), store.rigs.get(id))
-    return ChecksOut(rig_id=id, structure_id=structure_id, checks=[CheckOut.of(check) for check in outcomes])
+    evaluated = checks(store.structures.get(structure_id), store.rigs.get(id))
+    return RigChecks(id, structure_id, tuple(check_result(check) for check in evaluated))
 
 
 add_routes(router, "rigs", "rig")

@@ -1,7 +1,6 @@
 """Wire types of rigs; parts left out are ideal."""
 
-from dataclasses import asdict
-from typing import Annotated, Any, Self
+from typing import Annotated
 
 from pydantic import Field
 
@@ -15,14 +14,12 @@ from modallab.api.rigs.hardware import (
     StingerIn,
     SuspensionIn,
 )
-from modallab.api.wire import Effects, Reply, StoredEntry, Translation, Wire, effect_out
+from modallab.api.wire import Effects, Translation, Wire
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError, bounds
-from modallab.rig.checks import Check, figures
 from modallab.rig.compatibility import check_compatible
 from modallab.rig.setup import RigSetup
 from modallab.rig.suspension import Suspension
-from modallab.store.base import Entry
 
 _USUAL = {"shaker": "periodic_random", "hammer": "impact"}  # excitations, where none is named
 
@@ -90,81 +87,3 @@ class RigIn(Wire):
         if self.drive is not None:
             return (Dof.parse(self.drive, field="drive"),)
         return tuple(Dof.parse(text, field="drives") for text in self.drives or ())
-
-
-class RigOut(StoredEntry):
-    """A rig as declared, defaults filled in."""
-
-    drive: str
-    """degree of freedom of the first force"""
-    drives: list[str]
-    """degrees of freedom of all forces"""
-    responses: list[str]
-    """degrees of freedom of the responses"""
-    exciter: dict[str, Any]
-    """exciter as declared"""
-    stinger: dict[str, Any] | None
-    """stinger as declared; null: none"""
-    force_transducer: dict[str, Any]
-    """force transducer as declared"""
-    accelerometers: dict[str, Any]
-    """accelerometers as declared"""
-    analyser: dict[str, Any]
-    """analyser as declared"""
-    noise: dict[str, Any]
-    """noise as declared"""
-    suspension: dict[str, Any]
-    """suspension as declared"""
-    effects: list[dict[str, Any]]
-    """further effects, as declared"""
-
-    @classmethod
-    def of(cls, setup: RigSetup, entry: Entry) -> Self:
-        """Return what the contract shows of a rig."""
-        return cls(**cls.fields(entry), **setup_out(setup))
-
-
-def setup_out(setup: RigSetup) -> dict[str, Any]:
-    """Return a rig as the contract writes it."""
-    return {
-        "drive": str(setup.drive),
-        "drives": [str(dof) for dof in setup.drives],
-        "responses": [str(dof) for dof in setup.responses],
-        "exciter": asdict(setup.exciter),
-        "stinger": None if setup.stinger is None else asdict(setup.stinger),
-        "force_transducer": asdict(setup.force_transducer),
-        "accelerometers": asdict(setup.accelerometers),
-        "analyser": asdict(setup.analyser),
-        "noise": asdict(setup.noise),
-        "suspension": asdict(setup.suspension) | {"at": [str(dof) for dof in setup.suspension.at]},
-        "effects": [effect_out(spec) for spec in setup.effects],
-    }
-
-
-class CheckOut(Reply):
-    """A rule of good testing, the figures it looks at, in SI units, and whether it is kept."""
-
-    name: str
-    """name of the check"""
-    rule: str
-    """rule in words"""
-    fulfilled: bool
-    """true where the rule is kept"""
-    figures: dict[str, float]
-    """SI units, figures that the rule compares, by name"""
-
-    @classmethod
-    def of(cls, check: Check) -> Self:
-        """Return what the contract shows of a check."""
-        return cls(name=check.name, rule=check.rule, fulfilled=check.fulfilled, figures=figures(check))
-
-
-class ChecksOut(Reply):
-    """All checks of a rig on a structure."""
-
-    rig_id: str
-    """id of the rig"""
-    structure_id: str
-    """id of the structure"""
-    checks: list[CheckOut]
-    """checks, one a rule"""

@@ -20,7 +20,8 @@ from modallab.api.structures.changes import ChangesIn
 from modallab.api.structures.expansions import ExpansionIn
 from modallab.api.structures.frf import FrfQuery
 from modallab.api.structures.mesh import mesh_of
-from modallab.api.structures.schemas import ModesOut, StructureIn, StructureOut, damping_of
+from modallab.api.structures.replies import ModesReply, StructureReply, modes_reply, structure_reply
+from modallab.api.structures.schemas import StructureIn, damping_of
 from modallab.api.wire import Text
 from modallab.fe.changes import change
 from modallab.fe.expansion import expand
@@ -72,25 +73,24 @@ _SYNTHETIC = {"count": 8, "dofs": ["1:+Y", "11:+Y", "21:+Y"], "noise": {"eigenva
 _EXPANSION = {"modal_model_id": "77ab10", "reduction": "serep"}
 
 
-def _out(store: Store, id: str) -> StructureOut:
-    structure = store.structures.get(id)
-    return StructureOut(
-        **StructureOut.fields(store.structures.entry(id)),
-        name=structure.name,
-        n_nodes=len(structure.nodes),
-        n_dofs=len(structure.dofs),
-        members=len(structure.all_members),
-        groups={name: list(numbers) for name, numbers in structure.groups.items()},
-    )
+def _stored(store: Store, id: str) -> Any:
+    return structure_reply(store.structures.get(id), store.structures.entry(id))
 
 
-@router.post("", status_code=status.HTTP_201_CREATED, summary="Create a structure")
-def create_structure(body: Annotated[StructureIn, _BODY], store: StoreDep, owner: OwnerDep) -> StructureOut:
+@router.post(
+    "", status_code=status.HTTP_201_CREATED, response_model=StructureReply, summary="Create a structure"
+)
+def create_structure(body: Annotated[StructureIn, _BODY], store: StoreDep, owner: OwnerDep) -> Any:
     """Return a structure from its description: a beam, a frame, a plate, or one of the catalogue by name."""
-    return _out(store, store.structures.add(body.to_domain(), owner=owner))
+    return _stored(store, store.structures.add(body.to_domain(), owner=owner))
 
 
-@router.post("/import", status_code=status.HTTP_201_CREATED, summary="Import a structure")
+@router.post(
+    "/import",
+    status_code=status.HTTP_201_CREATED,
+    response_model=StructureReply,
+    summary="Import a structure",
+)
 def import_structure(
     file: Annotated[UploadFile, File(description=_MODEL)],
     store: StoreDep,
@@ -99,34 +99,42 @@ def import_structure(
     name: Annotated[Text, Form(description="name of the structure")] = "",
     damping: Annotated[str | None, Form(description=_LAW, max_length=20_000)] = None,
     mesh: Annotated[str | None, Form(description=_MESH, max_length=1_000_000)] = None,
-) -> StructureOut:
+) -> Any:
     """Return a structure read from a file: Nastran bulk data, a mesh, or matrices."""
     law = None if damping is None else damping_of(damping)
     described = None if mesh is None else mesh_of(mesh)
     limit = settings.upload_limit
     read = read_model(file.file, largest=limit, damping=law, name=name, description=described)
-    return _out(store, store.structures.add(read, owner=owner))
+    return _stored(store, store.structures.add(read, owner=owner))
 
 
-@router.get("/{id}", summary="Get a structure")
-def get_structure(id: IdPath, store: StoreDep) -> StructureOut:
+@router.get("/{id}", response_model=StructureReply, summary="Get a structure")
+def get_structure(id: IdPath, store: StoreDep) -> Any:
     """Return the size of a stored structure and its groups of members."""
-    return _out(store, id)
+    return _stored(store, id)
 
 
-@router.post("/{id}/changes", status_code=status.HTTP_201_CREATED, summary="Change a structure")
+@router.post(
+    "/{id}/changes",
+    status_code=status.HTTP_201_CREATED,
+    response_model=StructureReply,
+    summary="Change a structure",
+)
 def change_structure(
     id: IdPath, body: Annotated[ChangesIn, example(_CHANGES)], store: StoreDep, owner: OwnerDep
-) -> StructureOut:
+) -> Any:
     """Return a new structure with changed members, masses or springs; the first one stays as it is."""
     changed = change(store.structures.get(id), [change_in.to_domain() for change_in in body.changes])
-    return _out(store, store.structures.add(changed, owner=owner, inputs={"structure_id": id}))
+    return _stored(store, store.structures.add(changed, owner=owner, inputs={"structure_id": id}))
 
 
 @router.get(
-    "/{id}/modes", summary="Get elastic modes", response_model=ModesOut, responses=csv_replies(_MODE_COLUMNS)
+    "/{id}/modes",
+    summary="Get elastic modes",
+    response_model=ModesReply,
+    responses=csv_replies(_MODE_COLUMNS),
 )
-def get_modes(id: IdPath, store: StoreDep, as_csv: CsvWanted, count: Count = 10) -> ModesOut | Response:
+def get_modes(id: IdPath, store: StoreDep, as_csv: CsvWanted, count: Count = 10) -> Any:
     """Return the elastic modes of a structure, ascending in frequency; rigid-body modes are counted only."""
     basis, n_rigid_body = lowest_modes(as_modelled(store.structures.get(id)), count)
     if as_csv:
@@ -137,12 +145,7 @@ def get_modes(id: IdPath, store: StoreDep, as_csv: CsvWanted, count: Count = 10)
         )
         rows = (dict(zip(_MODE_COLUMNS, row, strict=True)) for row in zip(*columns, strict=True))
         return csv_reply(_MODE_COLUMNS, rows)
-    return ModesOut(
-        **ModesOut.fields(store.structures.entry(id)),
-        frequencies=basis.frequencies.tolist(),
-        loss_factors=basis.loss_factors.tolist(),
-        n_rigid_body=n_rigid_body,
-    )
+    return modes_reply(basis, n_rigid_body, store.structures.entry(id))
 
 
 @router.get(

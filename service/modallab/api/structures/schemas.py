@@ -18,7 +18,6 @@ from modallab.api.wire import (
     NonNegative,
     Number,
     Positive,
-    StoredEntry,
     Text,
     Wire,
 )
@@ -360,28 +359,3 @@ class CatalogueIn(Wire):
 
 
 StructureIn = Annotated[BeamIn | FrameIn | PlateIn | CatalogueIn, Field(discriminator="kind")]
-
-
-class StructureOut(StoredEntry):
-    """A stored structure in numbers."""
-
-    name: str
-    """name of the structure"""
-    n_nodes: int
-    """number of nodes"""
-    n_dofs: int
-    """number of degrees of freedom"""
-    members: int
-    """number of members"""
-    groups: dict[str, list[int]] = Field(description="members by the names under which they may be updated")
-
-
-class ModesOut(StoredEntry):
-    """Elastic modes, rising; frequencies in Hz."""
-
-    frequencies: list[float]
-    """Hz, natural frequencies of the elastic modes, ascending"""
-    loss_factors: list[float]
-    """1, loss factors"""
-    n_rigid_body: int
-    """number of rigid-body modes, not listed"""

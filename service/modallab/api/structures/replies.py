@@ -1,0 +1,60 @@
+"""Replies of structures."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from typing import Any
+
+from modallab.api.replies import stored_reply
+from modallab.core.reply import Vector
+from modallab.fe.modes import ModalBasis
+from modallab.fe.structure import Structure
+from modallab.store.base import Entry
+
+
+@dataclass(frozen=True)
+class StructureSummary:
+    """Size of a stored structure, and its groups of members."""
+
+    name: str
+    """Name of the structure."""
+    n_nodes: int
+    """Number of nodes."""
+    n_dofs: int
+    """Number of degrees of freedom."""
+    members: int
+    """Number of members."""
+    groups: Mapping[str, tuple[int, ...]]
+    """Numbers of members, by the name under which they may be updated."""
+
+
+@dataclass(frozen=True, eq=False)
+class ElasticModes:
+    """Elastic modes of a structure, ascending in frequency."""
+
+    frequencies: Vector
+    """Hz, (n_modes,) natural frequencies."""
+    loss_factors: Vector
+    """(n_modes,) loss factors."""
+    n_rigid_body: int
+    """Number of rigid-body modes, which are not listed."""
+
+
+StructureReply = stored_reply(StructureSummary, "Structure")
+ModesReply = stored_reply(ElasticModes, "StructureModes")
+
+
+def structure_reply(structure: Structure, entry: Entry) -> Any:
+    """Return the reply of a stored structure."""
+    summary = StructureSummary(
+        structure.name,
+        len(structure.nodes),
+        len(structure.dofs),
+        len(structure.all_members),
+        {name: tuple(numbers) for name, numbers in structure.groups.items()},
+    )
+    return StructureReply.of(summary, entry)
+
+
+def modes_reply(basis: ModalBasis, n_rigid_body: int, entry: Entry) -> Any:
+    """Return the reply of the elastic modes of a stored structure."""
+    return ModesReply.of(ElasticModes(basis.frequencies, basis.loss_factors, n_rigid_body), entry)
