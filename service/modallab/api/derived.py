@@ -1,10 +1,10 @@
 """Request models derived from options dataclasses, so that an option is declared in one place."""
 
 from collections.abc import Iterable, Mapping
-from dataclasses import MISSING, Field, fields, is_dataclass
+from dataclasses import MISSING, Field, dataclass, fields, is_dataclass
 from enum import StrEnum
 from types import NoneType, UnionType
-from typing import Annotated, Any, TypeVar, Union, get_args, get_origin, get_type_hints
+from typing import Annotated, Any, Literal, TypeVar, Union, get_args, get_origin, get_type_hints
 
 from pydantic import (
     ConfigDict,
@@ -30,21 +30,25 @@ class DerivedBody(Wire):
     model_config = ConfigDict(use_attribute_docstrings=False)
 
 
-def body_of(cls: type[Options], **wire_types: Any) -> type[Wire]:
+def body_of(cls: type[Options], *, enforced: bool = False, **wire_types: Any) -> type[Wire]:
     """Return the request model of an options dataclass: same names, defaults, bounds, choices and texts.
 
-    Bounds and choices stand in the JSON schema; the dataclass enforces them, and names the option.
+    Bounds and choices stand in the JSON schema.
 
     Parameters
     ----------
+    enforced
+        Whether the request model enforces them, as `invalid_request`, with the path of the field in the
+        body; else the dataclass alone does, and names the option.
     wire_types
         Types of options whose JSON is not that of their annotation.
     """
     hints = get_type_hints(cls)
     specs = cls.specs()
+    derive = _WireTypes(enforced)
     declared = {
         f.name: (
-            wire_types[f.name] if f.name in wire_types else _wire_type(hints[f.name], specs[f.name], f),
+            wire_types[f.name] if f.name in wire_types else derive.type(hints[f.name], specs[f.name], f),
             _field(f, specs[f.name]),
         )
         for f in fields(cls)  # type: ignore[arg-type]
@@ -64,8 +68,9 @@ def options_from(cls: type[OptionsT], body: Wire) -> OptionsT:
     """
     refuse_foreign(body)
     hints = get_type_hints(cls)
-    stated = {name: getattr(body, name) for name in body.model_fields_set}
-    return cls(**{name: _value(hints[name], value) for name, value in stated.items()})
+    declared = {f.name: f for f in fields(cls)}  # type: ignore[arg-type]
+    stated = {name: getattr(body, name) for name in body.model_fields_set if name in declared}
+    return cls(**{name: _value(hints[name], declared[name], value) for name, value in stated.items()})
 
 
 def refuse_foreign(body: Wire) -> None:
@@ -124,40 +129,57 @@ def _field(declared: Field[Any], spec: OptionSpec) -> Any:
     if is_dataclass(declared.default):  # its fields are those of a nested model, with their own defaults
         return WireField(default_factory=dict, validate_default=True, description=described)
     default = declared.default.value if isinstance(declared.default, StrEnum) else declared.default
+    if default is None and declared.metadata["null_name"]:
+        default = declared.metadata["null_name"]
     return WireField(default=default, description=described)
 
 
-def _wire_type(hint: Any, spec: OptionSpec, declared: Field[Any]) -> Any:  # noqa: PLR0911 - one return for each kind of type
-    """Return the type of a request's field from that of a dataclass."""
-    if get_origin(hint) in (Union, UnionType):
-        alternatives = [
-            None if member is NoneType else _wire_type(member, spec, declared) for member in get_args(hint)
-        ]
-        return Union[tuple(alternatives)]  # noqa: UP007
-    if spec.choices:
-        return Annotated[Text, OneOf(_names(spec.choices))]
-    if hint is bool:
-        return bool
-    if hint is int and (spec.upper or 0) > REQUEST.integer:
-        return Annotated[int, WireField(ge=spec.lower, le=spec.upper), NO_CONVERSION]
-    if hint in (int, float):
+@dataclass(frozen=True)
+class _WireTypes:
+    """Types of a request's fields, derived from those of a dataclass."""
+
+    enforced: bool
+    """Whether the types refuse what is out of bounds."""
+
+    def type(self, hint: Any, spec: OptionSpec, declared: Field[Any]) -> Any:  # noqa: PLR0911 - one return for each kind of type
+        """Return the type of a request's field."""
+        if get_origin(hint) in (Union, UnionType):
+            name = declared.metadata["null_name"]
+            null = Literal[name] if name else None
+            members = (null if h is NoneType else self.type(h, spec, declared) for h in get_args(hint))
+            return Union[tuple(members)]  # noqa: UP007
+        if spec.choices:
+            return hint if self.enforced else Annotated[Text, OneOf(_names(spec.choices))]
+        if hint is bool:
+            return bool
+        if hint in (int, float):
+            return self._number(hint, spec)
+        if hint is str:
+            return Text
+        if isinstance(hint, type) and issubclass(hint, Options):
+            return body_of(hint, enforced=self.enforced)
+        if get_origin(hint) is tuple:
+            shortest, longest = (declared.metadata[name] for name in ("min_items", "max_items"))
+            entries = self.type(get_args(hint)[0], spec, declared)
+            return Annotated[list[entries], WireField(min_length=shortest, max_length=longest)]  # type: ignore[valid-type]
+        raise TypeError(f"{declared.name}: no request field is derived from {hint}")
+
+    def _number(self, hint: Any, spec: OptionSpec) -> Any:
+        bounded = (spec.lower, spec.upper, spec.above) != (None, None, None)
+        beyond = hint is int and (spec.upper or 0) > REQUEST.integer
+        if beyond or (self.enforced and bounded):
+            return Annotated[hint, WireField(ge=spec.lower, le=spec.upper, gt=spec.above), NO_CONVERSION]
         lower, excluded = (spec.lower, False) if spec.above is None else (spec.above, True)
         return Annotated[Count if hint is int else Number, Limits(lower, spec.upper, lower_excluded=excluded)]
-    if hint is str:
-        return Text
-    if isinstance(hint, type) and issubclass(hint, Options):
-        return body_of(hint)
-    if get_origin(hint) is tuple:
-        longest = declared.metadata["max_items"]
-        return Annotated[list[_wire_type(get_args(hint)[0], spec, declared)], WireField(max_length=longest)]  # type: ignore[misc]
-    raise TypeError(f"{declared.name}: no request field is derived from {hint}")
 
 
 def _names(choices: Iterable[str]) -> Any:
     return lambda: choices
 
 
-def _value(hint: Any, value: Any) -> Any:
+def _value(hint: Any, declared: Field[Any], value: Any) -> Any:
+    if value is not None and value == declared.metadata["null_name"]:
+        return None
     if isinstance(value, Wire) and isinstance(hint, type) and issubclass(hint, Options):
         return options_from(hint, value)
     return tuple(value) if isinstance(value, list) else value

@@ -41,7 +41,9 @@ def option(
     above: float | None = None,
     choices: tuple[str, ...] = (),
     default_factory: Any = MISSING,
+    min_items: int | None = None,
     max_items: int | None = None,
+    null_name: str = "",
 ) -> Any:
     """Declare a field of an options dataclass.
 
@@ -53,11 +55,13 @@ def option(
         As of `OptionSpec`.
     choices
         Names allowed; not needed where the field's type is a StrEnum.
-    max_items
-        Largest number of entries of a sequence.
+    min_items, max_items
+        Smallest and largest number of entries of a sequence.
+    null_name
+        Name that stands for None in a request; empty where null itself does.
     """
     spec = OptionSpec(doc, unit, lower, upper, choices, above=above)
-    metadata = {"option": spec, "max_items": max_items}
+    metadata = {"option": spec, "min_items": min_items, "max_items": max_items, "null_name": null_name}
     if default_factory is not MISSING:
         return field(default_factory=default_factory, metadata=metadata)
     return field(default=default, metadata=metadata)
@@ -66,11 +70,16 @@ def option(
 class Options:
     """Mix-in for frozen dataclasses with `option` fields.
 
+    A class whose options stand within those of another states their path in `options_path`, as
+    `tolerances.`: errors then name `tolerances.delay`.
+
     Raises
     ------
     InvalidInputError
         If a number is out of its bounds, or a name is not among the choices.
     """
+
+    options_path: ClassVar[str] = ""
 
     @classmethod
     def specs(cls) -> dict[str, OptionSpec]:
@@ -84,7 +93,7 @@ class Options:
             if isinstance(value, str) and spec.choices:
                 object.__setattr__(self, name, _chosen(type(self), name, value, spec))
             elif isinstance(value, (int, float)) and not isinstance(value, bool):
-                _check_bounds(name, value, spec)
+                _check_bounds(self.options_path + name, value, spec)
 
 
 @cache
@@ -126,15 +135,15 @@ def _chosen(cls: type, name: str, value: str, spec: OptionSpec) -> str:
     return value if names is None else names(value)
 
 
-def _check_bounds(name: str, value: float, spec: OptionSpec) -> None:
+def _check_bounds(path: str, value: float, spec: OptionSpec) -> None:
     lower = -math.inf if spec.lower is None else spec.lower
     upper = math.inf if spec.upper is None else spec.upper
     inside = lower <= value <= upper and (spec.above is None or value > spec.above)  # NaN is outside
     bounded = (spec.lower, spec.upper, spec.above) != (None, None, None)
     if bounded and not inside:
         raise InvalidInputError(
-            f"{name} is out of bounds",
-            field=name,
+            f"{path} is out of bounds",
+            field=path,
             value=value,
             allowed=bounds(spec.lower, spec.upper, above=spec.above, unit=spec.unit),
         )

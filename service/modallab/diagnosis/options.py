@@ -24,7 +24,7 @@ class DiagnosisOptions(Options):
     """How a diagnosis is made."""
 
     suspects: tuple[str, ...] | None = option(
-        None, doc="kinds of effects to look for; None: all", max_items=100
+        None, doc="kinds of effects to look for", min_items=1, max_items=100, null_name="all"
     )
     hold_out: HoldOut = option(HoldOut(), doc="FRFs kept out of every fit")
     tolerances: Tolerances = option(

@@ -33,10 +33,15 @@ class MeasurementInputs:
 class MeasurementOptions(Options):
     """How a virtual test is run."""
 
-    effects: tuple[EffectSpec, ...] = ()
-    """Effects beside those that structure and rig declare; they show in no log book."""
-    route: Route = option(Route.SAMPLED, doc="expected spectra, spectra drawn around them, or time records")
-    seed: int = option(0, unit="1", lower=0, upper=2**63 - 1, doc="seed of all random draws of the test")
+    effects: tuple[EffectSpec, ...] = option(
+        (), max_items=50, doc="effects beside those of the structure and the rig; no log book shows them"
+    )
+    route: Route = option(
+        Route.SAMPLED,
+        doc="`expected`: without random error; `drawn`: spectra from their distribution; `sampled`: "
+        "time records",
+    )
+    seed: int = option(0, unit="1", lower=0, upper=2**63 - 1, doc="seed of the random numbers")
 
 
 def measure_and_store(

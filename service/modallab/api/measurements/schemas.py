@@ -1,27 +1,30 @@
 """Wire types of measurements."""
 
+from typing import Any
+
+from pydantic import ConfigDict
+
 from modallab.api.deps import Id
-from modallab.api.wire import Effects, Seed, Wire
+from modallab.api.derived import body_of
+from modallab.api.wire import Effects
 from modallab.fe.structure import Structure
 from modallab.jobs.measuring import MeasurementInputs, MeasurementOptions
 from modallab.rig.effect import build
 from modallab.rig.measure import Route
 from modallab.rig.setup import RigSetup
 
+MeasurementOptionsBody: Any = body_of(MeasurementOptions, enforced=True, effects=Effects)
 
-class MeasurementStart(Wire):
+
+class MeasurementStart(MeasurementOptionsBody):  # type: ignore[misc]
     """A virtual test. `effects` act beside what the rig declares, and show in no log book."""
+
+    model_config = ConfigDict(use_attribute_docstrings=True)
 
     structure_id: Id
     """id of the structure under test"""
     rig_id: Id
     """id of the rig"""
-    effects: Effects = ()
-    """effects beside those of the structure and the rig; no log book shows them"""
-    route: Route = Route.SAMPLED
-    """`expected`: without random error; `drawn`: spectra from their distribution; `sampled`: time records"""
-    seed: Seed = 0
-    """seed of the random numbers"""
 
     def to_task(self, structure: Structure, setup: RigSetup) -> tuple[MeasurementInputs, MeasurementOptions]:
         """Return the task's inputs and options, checked as far as can be before the work.
@@ -39,5 +42,5 @@ class MeasurementStart(Wire):
         for effect in [*effects, *(build(spec) for spec in (*structure.effects, *setup.effects))]:
             effect.check(structure, setup)
         specs = tuple(effect.spec for effect in effects)
-        options = MeasurementOptions(specs, self.route, self.seed)
+        options = MeasurementOptions(specs, Route(self.route), self.seed)
         return MeasurementInputs(self.structure_id, self.rig_id), options
