@@ -10,6 +10,9 @@ from typing import Annotated, Any
 
 import typer
 
+from modallab.api.flags import request_of, with_flags
+from modallab.diagnosis.options import DiagnosisOptions
+
 app = typer.Typer(
     no_args_is_help=True, add_completion=False, help="A virtual modal-testing lab as a service."
 )
@@ -125,7 +128,6 @@ def init(data: Data = None) -> None:
     _prepare(_settings(data=data))
 
 
-@app.command()
 def diagnose(
     model: Annotated[Path, _file("Body of POST /v1/structures, JSON.")],
     measured: Annotated[Path, _file("FRFs: universal file, npz, HDF5, or the thesis program's text.")],
@@ -133,32 +135,11 @@ def diagnose(
     report: Annotated[
         Path | None, typer.Option(help="Write the report, one HTML page, to this file.")
     ] = None,
-    suspects: Annotated[
-        list[str] | None, typer.Option(help="A kind of effect to look for; may be repeated. Default: all.")
-    ] = None,
-    hold_out: Annotated[
-        list[str] | None,
-        typer.Option(
-            help="A share of the FRFs to keep out of every fit (default 0.25), or a DoF: kept out if it was "
-            "measured, else predicted. May be repeated."
-        ),
-    ] = None,
-    tolerance: Annotated[
-        list[str] | None,
-        typer.Option(help="name=value: what may differ a little, one standard deviation. May be repeated."),
-    ] = None,
-    max_effects: Annotated[int, typer.Option(help="Effects added at most.")] = 4,
     averages: Annotated[
         float | None, typer.Option(help="Effective averages; default: the file's, or else the rig's.")
     ] = None,
-    noise_floor: Annotated[
-        float | None,
-        typer.Option(
-            help="Relative random error of every FRF beside what coherence tells, alone if there is none."
-        ),
-    ] = None,
-    seed: Annotated[int, typer.Option(help="Draws the FRFs that are held out.")] = 0,
     as_json: Annotated[bool, typer.Option("--json", help="Print the whole result as JSON.")] = False,
+    **flags: Any,
 ) -> None:
     """Say what a model or a log book lacks to explain measured FRFs: what, where, how much, how sure.
 
@@ -170,9 +151,8 @@ def diagnose(
     from modallab.diagnosis.reporting.report import report as page
     from modallab.diagnosis.reporting.summary import summary
 
-    request = _request_options(suspects, hold_out, tolerance) | {"max_effects": max_effects, "seed": seed}
-    request |= {} if noise_floor is None else {"noise_floor": noise_floor}
     reporter = _ProgressLine()
+    request = request_of(DiagnosisOptions, flags)
     try:
         outcome = diagnose_files(Files(model, rig, measured), request, averages=averages, progress=reporter)
     except ModalLabError as error:
@@ -187,30 +167,8 @@ def diagnose(
         typer.echo(f"The report: {report.resolve()}", err=as_json)
 
 
-def _request_options(
-    suspects: list[str] | None, hold_out: list[str] | None, tolerance: list[str] | None
-) -> dict[str, Any]:
-    """Return the part of a request's body that the options stand for; what is left out has its default."""
-    request: dict[str, Any] = {"suspects": suspects} if suspects else {}
-    shares = [text for text in hold_out or () if _number(text) is not None]
-    if len(shares) > 1:
-        raise typer.BadParameter("one share, and any number of DoFs", param_hint="--hold-out")
-    dofs = [text for text in hold_out or () if text not in shares]
-    if hold_out:
-        request["hold_out"] = {"dofs": dofs} | ({"fraction": float(shares[0])} if shares else {})
-    for text in tolerance or ():
-        name, _, value = text.partition("=")
-        if not name or _number(value) is None:
-            raise typer.BadParameter(f"{text!r} is not name=value", param_hint="--tolerance")
-        request.setdefault("tolerances", {})[name] = float(value)
-    return request
-
-
-def _number(text: str) -> float | None:
-    try:
-        return float(text)
-    except ValueError:
-        return None
+# Files have no rig that could run the proposed tests.
+app.command()(with_flags(diagnose, DiagnosisOptions, without=("act",)))
 
 
 class _ProgressLine:

@@ -123,7 +123,7 @@ def test_a_response_to_hold_out_and_one_to_predict(folder: Path, tmp_path: Path)
         (("--suspects", "gremlin"), "no effect called 'gremlin'"),
         (("--hold-out", "0.9"), "at most half of the FRFs can be held out"),
         (("--hold-out", "99:+Y"), "99"),
-        (("--hold-out", "0.2", "--hold-out", "0.3"), "one share"),
+        (("--hold-out", "0.2", "--hold-out", "0.3"), "one fraction"),
         (("--hold-out", "left end"), "'left end' is not a degree of freedom"),
         (("--tolerance", "modulus"), "is not name=value"),
         (("--tolerance", "gremlin=0.1"), "tolerances"),

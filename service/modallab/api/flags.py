@@ -1,0 +1,133 @@
+"""Flags of a command, derived from an options dataclass."""
+
+import inspect
+from collections.abc import Callable, Mapping, Sequence
+from dataclasses import Field, fields
+from typing import Annotated, Any, get_args, get_origin, get_type_hints
+
+import typer
+
+from modallab.core.errors import bounds, in_words
+from modallab.core.options import Options, OptionSpec
+
+
+def with_flags(
+    command: Callable[..., None], options: type[Options], *, without: Sequence[str] = ()
+) -> Callable[..., None]:
+    """Return a command that takes each option as a flag, in place of its keywords `**flags`.
+
+    Sequences and nested options may be repeated; their flag has the singular as a second name. A flag left
+    out is None: the dataclass gives the default.
+
+    Parameters
+    ----------
+    without
+        Options that the command does not have.
+    """
+    hints = get_type_hints(options)
+    declared = [f for f in fields(options) if f.name in options.specs() and f.name not in without]  # type: ignore[arg-type]
+    flags = {f.name: _flag(hints[f.name], options.specs()[f.name], f) for f in declared}
+    signature = inspect.signature(command)
+    positional = [p for p in signature.parameters.values() if p.kind is not p.VAR_KEYWORD]
+    keywords = [
+        inspect.Parameter(name, inspect.Parameter.KEYWORD_ONLY, default=None, annotation=flag)
+        for name, flag in flags.items()
+    ]
+
+    def run(**arguments: Any) -> None:
+        command(**arguments)
+
+    annotations = get_type_hints(command, include_extras=True)
+    run.__name__, run.__doc__ = command.__name__, command.__doc__
+    run.__signature__ = signature.replace(parameters=[*positional, *keywords])  # type: ignore[attr-defined]
+    run.__annotations__ = {name: annotations[name] for name in annotations if name != "flags"} | flags
+    return run
+
+
+def _flag(hint: Any, spec: OptionSpec, declared: Field[Any]) -> Any:
+    """Return the annotation of a flag: its type, its names, and the help with unit, bounds and default."""
+    nested = _nested(hint)
+    repeated = nested is not None or _is_sequence(hint)
+    kind = list[str] if repeated else next(h for h in (*get_args(hint), hint) if isinstance(h, type))
+    name = f"--{declared.name.replace('_', '-')}"
+    names = dict.fromkeys((name, name.removesuffix("s") if repeated else name))
+    limits = bounds(spec.lower, spec.upper, above=spec.above, unit=spec.unit)
+    unit = "" if spec.unit in ("", "1", "-") else spec.unit
+    allowed = in_words(limits) if limits.keys() - {"unit"} else unit
+    default = declared.metadata["null_name"] if spec.default is None else spec.default
+    shown = "" if nested is not None or default in ("", (), None) else f"default: {default}"
+    form = _form(nested) if nested is not None else ""
+    repeat = "may be repeated" if repeated else ""
+    details = "; ".join(text for text in (allowed, *spec.choices, form, shown, repeat) if text)
+    return Annotated[
+        kind | None, typer.Option(*names, help=f"{spec.doc} ({details})" if details else spec.doc)
+    ]
+
+
+def request_of(options: type[Options], flags: Mapping[str, Any]) -> dict[str, Any]:
+    """Return the part of a request's body that flags stand for; options left out have their defaults.
+
+    Raises
+    ------
+    typer.BadParameter
+        If a value of a nested option cannot be read.
+    """
+    hints = get_type_hints(options)
+    request: dict[str, Any] = {}
+    for name, value in flags.items():
+        nested = _nested(hints[name])
+        if value is not None and value != []:
+            request[name] = value if nested is None else _nested_values(name, nested, value)
+    return request
+
+
+def _nested_values(name: str, options: type[Options], texts: Sequence[str]) -> dict[str, Any]:
+    """Return nested options, each given as `name=value`, or as a value that only one of them takes."""
+    hints = get_type_hints(options)
+    values: dict[str, Any] = {}
+    for text in texts:
+        field, has_name, value = text.partition("=")
+        if not has_name:
+            field, value = _field_of(options, text) or "", text
+        number = _number(value)
+        repeated = _is_sequence(hints.get(field))
+        if not field or (number is None and not repeated) or (field in values and not repeated):
+            raise typer.BadParameter(
+                f"{text!r} is not {_form(options)}", param_hint=f"--{name.replace('_', '-')}"
+            )
+        values[field] = [*values.get(field, []), value] if repeated else number
+    return values
+
+
+def _field_of(options: type[Options], text: str) -> str | None:
+    """Return the only nested option that takes a number, or else a name; None if there is none or more."""
+    is_number = _number(text) is not None
+    hints = get_type_hints(options)
+    names = [name for name in options.specs() if _is_sequence(hints[name]) is not is_number]
+    return names[0] if len(names) == 1 else None
+
+
+def _form(options: type[Options]) -> str:
+    """Return how nested options are written, in words."""
+    hints = get_type_hints(options)
+    names = [name for name in options.specs() if not _is_sequence(hints[name])]
+    names_text = f"name=value of {', '.join(names)}"
+    if len(names) > 1:
+        return names_text
+    lists = [name for name in options.specs() if _is_sequence(hints[name])]
+    return " or ".join([f"one {names[0]}", *lists])
+
+
+def _nested(hint: Any) -> type[Options] | None:
+    return hint if isinstance(hint, type) and issubclass(hint, Options) else None
+
+
+def _is_sequence(hint: Any) -> bool:
+    return any(get_origin(member) is tuple for member in (hint, *get_args(hint)))
+
+
+def _number(text: str) -> float | None:
+    try:
+        return float(text)
+    except ValueError:
+        return None
