@@ -25,7 +25,8 @@ def with_flags(
         Options that the command does not have.
     """
     hints = get_type_hints(options)
-    declared = [f for f in fields(options) if f.name in options.specs() and f.name not in without]  # type: ignore[arg-type]
+    names = options.specs().keys() - set(without)
+    declared = [f for f in fields(options) if f.name in names]  # type: ignore[arg-type]
     flags = {f.name: _flag(hints[f.name], options.specs()[f.name], f) for f in declared}
     signature = inspect.signature(command)
     positional = [p for p in signature.parameters.values() if p.kind is not p.VAR_KEYWORD]
