@@ -1,4 +1,4 @@
-"""What a correlation tells, drawn on axes that are there."""
+"""Plots of a correlation on given axes."""
 
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any

@@ -49,7 +49,7 @@ def _hints(cls: Hashable) -> dict[str, Any]:
 
 
 def _absent(name: str, hint: Any) -> Any:
-    """Return what stands for a field that a service does not tell, of another version or a test."""
+    """Return the default of a field that the reply of another version lacks."""
     origin = get_origin(hint)
     if type(None) in get_args(hint):
         return None

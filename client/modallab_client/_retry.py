@@ -1,4 +1,4 @@
-"""When to ask again: only what is harmless to repeat, and only a few times."""
+"""Repetition of requests: only harmless ones, and only a few times."""
 
 from collections.abc import Mapping
 

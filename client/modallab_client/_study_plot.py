@@ -1,4 +1,4 @@
-"""What a study tells, drawn on axes that are there."""
+"""Plots of a study on given axes."""
 
 from collections.abc import Callable, Sequence
 from typing import TYPE_CHECKING

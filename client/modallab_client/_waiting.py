@@ -1,4 +1,4 @@
-"""What coroutines and threads do differently; `unasync.py` swaps the names."""
+"""Functions that differ between coroutines and threads; `unasync.py` swaps the names."""
 
 import asyncio
 import time
@@ -23,12 +23,12 @@ def sleep(seconds: float) -> None:
 
 
 async def async_run(work: Callable[[], T]) -> T:
-    """Return what blocking work returns, without blocking other coroutines."""
+    """Return the result of blocking work without blocking other coroutines."""
     return await asyncio.to_thread(work)
 
 
 def run(work: Callable[[], T]) -> T:
-    """Return what the work returns."""
+    """Return the result of the work."""
     return work()
 
 

@@ -17,7 +17,7 @@ class Expansion:
     rayleigh_frequencies: FloatArray
 
     def table(self) -> str:
-        """Return what each mode left over, and its frequency by measurement and by the shape, as text."""
+        """Return a table of each mode's fit residual, its measured and its Rayleigh frequency, as text."""
         return _tables.text(*self._rows())
 
     def _rows(self) -> _tables.Table:

@@ -1,4 +1,4 @@
-"""What the client raises: one class for each kind of problem the service names.
+"""Exceptions of the client, one class for each kind of problem that the service names.
 
 Catch `ClientError` for all of them. `code` is stable and meant for programs, `detail` for people;
 `context` names the field, its value and what is allowed wherever one input is to blame.
@@ -37,7 +37,7 @@ class ClientError(Exception):
 
 
 class InvalidInputError(ClientError, ValueError):
-    """What was sent has no meaning: wrong shape, out of bounds, unknown name."""
+    """Invalid input: wrong shape, out of bounds, unknown name."""
 
     code = "invalid_input"
 

@@ -1,4 +1,4 @@
-"""What can be chosen by name, with units and bounds."""
+"""Catalogue of names that can be chosen, with units and bounds."""
 
 from modallab_client import _wire
 from modallab_client._async.transport import AsyncTransport
@@ -40,7 +40,7 @@ class AsyncCatalog:
         return await self._family("updating-methods")
 
     async def reductions(self) -> tuple[CatalogueEntry, ...]:
-        """Return how all degrees of freedom may follow some of them."""
+        """Return the reductions of all degrees of freedom to master degrees of freedom."""
         return await self._family("reductions")
 
     async def _family(self, name: str) -> tuple[CatalogueEntry, ...]:

@@ -1,4 +1,4 @@
-"""What all stored things have in common: a list of them, and their removal."""
+"""List and removal of stored things of one kind."""
 
 from typing import ClassVar
 
@@ -16,7 +16,7 @@ class AsyncShelf:
         self._transport = transport
 
     async def list(self) -> tuple[StoredEntry, ...]:
-        """Return what is stored, newest first, as entries without content."""
+        """Return the entries of stored things, newest first, without content."""
         collected: tuple[StoredEntry, ...] = ()
         cursor: str | None = None
         while True:

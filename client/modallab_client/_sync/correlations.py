@@ -23,7 +23,7 @@ class Correlations(Shelf):
         reduction: str | Mapping[str, Any] | None = None,
         measurement_id: str | None = None,
     ) -> Correlation:
-        """Return how measured modes, and measured FRFs, agree with those of a model.
+        """Return the correlation of measured modes, and measured FRFs, with those of a model.
 
         Parameters
         ----------

@@ -122,7 +122,7 @@ class ModalModels(Shelf):
         return _wire.read(_wire.frf, self._transport.npz(path, _wire.body(kind=kind)))
 
     def reciprocity(self, modal_model_id: str, other_id: str) -> tuple[ModalPair, ...]:
-        """Return how modal constants agree with those of a test that drives where this one listens.
+        """Return the ratios of modal constants to those of a test with exchanged force and response.
 
         Parameters
         ----------

@@ -1,4 +1,4 @@
-"""How the client speaks HTTP: addresses, keys, repeats, errors; nothing of what is said."""
+"""HTTP transport: addresses, keys, repeats and errors, whatever the content."""
 
 import ipaddress
 from collections.abc import Generator, Mapping

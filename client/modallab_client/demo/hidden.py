@@ -92,7 +92,8 @@ def closed(step: results.Step) -> tuple[str, str]:
     held_out = (step.held_out_gap_before, step.held_out_gap_after)
     pairs = ((step.gap_before, step.gap_after), held_out)
     fitted, held_out_text = (
-        "" if before is None or after is None else f"{before:.4g} → {after:.3g}" for before, after in pairs
+        "" if gap_before is None or gap_after is None else f"{gap_before:.4g} → {gap_after:.3g}"
+        for gap_before, gap_after in pairs
     )
     return fitted, held_out_text
 
@@ -141,7 +142,7 @@ def _milestones(say: Say) -> Callable[[float, str], None]:
 
 
 def compared(hidden: Hidden, diagnosis: results.Diagnosis) -> str:
-    """Return how far the size that was found is from the hidden one; nothing if it was not named."""
+    """Return the error of the fitted size in words; an empty text if the effect was not named."""
     for step in diagnosis.steps:
         parameter = step.effect.parameters.get(hidden.parameter)
         if (step.effect.kind, step.effect.at) != (hidden.kind, hidden.at) or parameter is None:

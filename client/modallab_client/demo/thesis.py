@@ -1,4 +1,4 @@
-"""What the thesis of 1992 prints for its beam in chapter 5, modes 1 to 8; frequencies in Hz."""
+"""Printed figures of the beam in chapter 5 of the 1992 thesis, modes 1 to 8; frequencies in Hz."""
 
 Row = tuple[float, ...]
 

@@ -72,7 +72,7 @@ class FittedEffectMethods:
 
     def __str__(self) -> str:
         numbers = ", ".join(f"{name} {number}" for name, number in self.parameters.items())
-        return f"{named(self.kind, self.at)}: {numbers}" if numbers else named(self.kind, self.at)
+        return f"{effect_name(self.kind, self.at)}: {numbers}" if numbers else effect_name(self.kind, self.at)
 
 
 @dataclass(frozen=True, eq=False, kw_only=True)
@@ -116,26 +116,26 @@ class DiagnosisMethods:
         return _plots.diagnosis(cast("Diagnosis", self))
 
     def _repr_html_(self) -> str:
-        left = "" if self.remaining_gap is None else f", remaining gap {self.remaining_gap:.3g}"
+        remaining = "" if self.remaining_gap is None else f", remaining gap {self.remaining_gap:.3g}"
         verdict = self.verdict.replace("_", " ")
-        table = _tables.html(*self._rows(), caption=f"Diagnosis {self.id}: {verdict}{left}")
+        table = _tables.html(*self._rows(), caption=f"Diagnosis {self.id}: {verdict}{remaining}")
         return table + "".join(f"<p>{escape(text)}</p>" for text in self.left_open())
 
     def left_open(self) -> list[str]:
         """Return in sentences what this test cannot tell apart, and which test could."""
-        told = [
-            f"This test cannot tell {named(step.effect.kind, step.effect.at)} from "
-            f"{' or '.join(named(other.kind, other.at) for other in step.rivals_alike)}."
+        sentences = [
+            f"This test cannot tell {effect_name(step.effect.kind, step.effect.at)} from "
+            f"{' or '.join(effect_name(rival.kind, rival.at) for rival in step.rivals_alike)}."
             for step in self.steps
             if step.rivals_alike
         ]
         if self.next_test is not None:
             change = ", ".join(f"{name} {value}" for name, value in self.next_test.change.items())
-            told.append(f"Next test: {change.replace('_', ' ')}; {self.next_test.why}.")
-        return told
+            sentences.append(f"Next test: {change.replace('_', ' ')}; {self.next_test.why}.")
+        return sentences
 
 
-def named(kind: str, at: str | Mapping[str, Any] | None) -> str:
+def effect_name(kind: str, at: str | Mapping[str, Any] | None) -> str:
     """Return kind and place of an effect in words."""
     name = kind.replace("_", " ")
     return name if at is None else f"{name} at {place(at)}"
@@ -156,5 +156,9 @@ def place(at: str | Mapping[str, Any] | None) -> str:
 def diagnosis_curves(arrays: Mapping[str, "NDArray[Any]"]) -> DiagnosisCurves:
     """Return the curves of a diagnosis from the arrays of its npz file."""
     texts = ("outputs", "inputs", "predicted_outputs")
-    given: dict[str, Any] = {f.name: arrays[f.name] for f in fields(DiagnosisCurves) if f.name in arrays}
-    return DiagnosisCurves(**given | {name: tuple(map(str, given[name])) for name in texts if name in given})
+    curve_arrays: dict[str, Any] = {
+        f.name: arrays[f.name] for f in fields(DiagnosisCurves) if f.name in arrays
+    }
+    return DiagnosisCurves(
+        **curve_arrays | {name: tuple(map(str, curve_arrays[name])) for name in texts if name in curve_arrays}
+    )

@@ -99,10 +99,10 @@ def modal_model_of(data: Mapping[str, Any], arrays: Mapping[str, NDArray[Any]]) 
     names = {"fitted_frequency": "fitted_frequencies", "fitted_loss_factor": "fitted_loss_factors"}
     served = ("shapes", "modal_constants", "shape_errors", "modal_constant_errors", *names)
     fields: dict[str, Any] = {names.get(name, name): arrays[name] for name in served if name in arrays}
-    told = data.get("frequency_inconsistency")
-    if told is not None:
+    data_inconsistency = data.get("frequency_inconsistency")
+    if data_inconsistency is not None:
         shifts: dict[str, Any] = {
             name: arrays[f"frequency_inconsistency_{name}"] for name in ("shift", "shift_error")
         }
-        fields["frequency_inconsistency"] = read_as(FrequencyInconsistency, told, **shifts)
+        fields["frequency_inconsistency"] = read_as(FrequencyInconsistency, data_inconsistency, **shifts)
     return read_as(ModalModel, data, **fields)

@@ -51,7 +51,7 @@ def _settings(**overrides: Any) -> Any:
 
 
 def _lock(folder: Path) -> sqlite3.Connection:
-    """Return what keeps a second service out of a data folder for as long as this process lives."""
+    """Return the lock of a data folder; this process holds it until it ends."""
     folder.mkdir(parents=True, exist_ok=True)
     lock = sqlite3.connect(folder / "lock", isolation_level=None, timeout=0)
     try:

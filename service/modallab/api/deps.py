@@ -1,4 +1,4 @@
-"""What handlers are given."""
+"""Dependencies of request handlers."""
 
 from typing import Annotated
 

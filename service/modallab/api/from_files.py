@@ -1,4 +1,4 @@
-"""A diagnosis of files on disk, without a service: what `modallab diagnose` does."""
+"""Diagnosis of files on disk without a service, for `modallab diagnose`."""
 
 import json
 from collections.abc import Callable, Mapping
@@ -36,7 +36,7 @@ _PASSING = ("id", "created", "made_from", "structure_id", "rig_id")
 
 @dataclass(frozen=True)
 class Files:
-    """What is diagnosed: bodies of `POST /v1/structures` and `POST /v1/rigs`, and measured FRFs."""
+    """Input files: bodies of `POST /v1/structures` and `POST /v1/rigs`, and measured FRFs."""
 
     model: Path
     rig: Path
@@ -45,13 +45,13 @@ class Files:
 
 @dataclass(frozen=True, eq=False)
 class DiagnosisOutcome:
-    """A diagnosis and what is known of how it was made."""
+    """A diagnosis and its entry: version, date and seed."""
 
     diagnosis: Diagnosis
     entry: Entry
 
     def json(self) -> str:
-        """Return what the service would answer; in place of stored ids what is to be added to the files."""
+        """Return the service's reply as JSON, with the effects to add to the files in place of stored ids."""
         fields = diagnosis_reply(self.diagnosis, self.entry).model_dump(mode="json")
         reply = {name: value for name, value in fields.items() if name not in _PASSING}
         added: dict[str, list[Any]] = {"model": [], "rig": []}
@@ -120,7 +120,7 @@ def _checked(wire: TypeAdapter[T], body: Any) -> T:
 
 
 def _of_file(path: Path, read: Callable[[], T]) -> T:
-    """Return what is read; what is wrong with it is said of the file."""
+    """Return the result of a reading function; its errors name the file."""
     try:
         return read()
     except ModalLabError as error:

@@ -11,7 +11,7 @@ from modallab.store.place import StorePlace
 
 
 class ServiceSettings(BaseSettings):
-    """Where the service listens and keeps its things, and how much it takes."""
+    """Address, storage and limits of the service."""
 
     model_config = SettingsConfigDict(env_prefix="MODALLAB_", frozen=True)
 
@@ -37,13 +37,13 @@ class ServiceSettings(BaseSettings):
 
     @property
     def store_place(self) -> StorePlace:
-        """Where rows and arrays are."""
+        """Database URL, schema and array folder of the store."""
         url = self.database_url or f"sqlite:///{self.data / 'modallab.sqlite'}"
         return StorePlace(url, self.database_schema, self.data / "arrays")
 
     @property
     def job_place(self) -> JobPlace:
-        """Where the job engine's own tables are."""
+        """Database URL and schema of the job engine's tables."""
         url = self.database_url
         if url is None or self.embedded:
             url = f"sqlite:///{self.data / 'jobs.sqlite'}"

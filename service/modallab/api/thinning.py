@@ -1,4 +1,4 @@
-"""How much JSON carries, and how longer curves are thinned for it."""
+"""Arrays as JSON, and the thinning of long curves."""
 
 from itertools import pairwise
 from typing import Annotated, Any
@@ -13,7 +13,7 @@ Points = Annotated[int, Query(ge=2, le=20_000, description="lines of each curve,
 
 
 def thinned(magnitude: FloatArray, points: int) -> IntArray:
-    """Return the lines to keep: of every stretch the one where curves are largest, and smallest.
+    """Return the indices of retained lines: the largest and the smallest magnitude of every stretch.
 
     Parameters
     ----------

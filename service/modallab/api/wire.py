@@ -1,4 +1,4 @@
-"""What wire types share: strict models, DoFs, effects, entries of the store."""
+"""Common wire types: strict models, DoFs, effects, entries of the store."""
 
 from collections.abc import Mapping
 from typing import Annotated, Any

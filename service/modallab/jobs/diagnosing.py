@@ -1,4 +1,4 @@
-"""Diagnoses, and the further tests that they ask for; what finds out is never told how a test was made."""
+"""Diagnoses and the further tests they propose; a diagnosis never sees the truth of a test."""
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
@@ -42,7 +42,7 @@ class DiagnosisInputs:
         return replace(self, follow_ups=(*self.follow_ups, test))
 
     def diagnose(self, store: Store, options: DiagnosisOptions, progress: Progress) -> Diagnosis:
-        """Return the diagnosis: of the model, and of measurements as anyone may read them."""
+        """Return the diagnosis of the model from the measurements, without their truths."""
         return diagnose_with_options(
             store.structures.get(self.structure_id),
             store.measurements.get(self.measurement_id),
@@ -58,7 +58,7 @@ class DiagnosisInputs:
         diagnosis: Diagnosis,
         earlier: Sequence[str],
     ) -> None:
-        """Keep the diagnosis, and beside it model and rig with what was added."""
+        """Store the diagnosis, and the model and rig extended by the added effects."""
         sources = {"structure_id": self.structure_id, "measurement_id": self.measurement_id}
         sources |= {f"follow_up_{i}": test.measurement_id for i, test in enumerate(self.follow_ups, 1)}
         sources |= {f"earlier_{i}": id for i, id in enumerate(earlier, 1)}
@@ -73,7 +73,7 @@ class DiagnosisInputs:
 def diagnose_and_store(
     store: Store, progress: Progress, into: Destination, inputs: DiagnosisInputs, options: DiagnosisOptions
 ) -> None:
-    """Find what a model lacks and keep it; where told to act, run the tests proposed and ask again.
+    """Diagnose and store the result; with `act`, run the proposed tests and diagnose again.
 
     Every diagnosis and every further test is kept under an id that follows from the job's: an attempt
     that dies is taken up where it was.

@@ -52,7 +52,7 @@ class _Json(Serializer):
 
 @dataclass(frozen=True)
 class _Site:
-    """What the workflow needs of the process it runs in."""
+    """Resources of the process in which the workflow runs."""
 
     place: StorePlace
     book: JobBook
@@ -103,7 +103,7 @@ async def _share(job_id: str, index: int) -> Result:
 
 
 async def _results_of_shares(job_id: str) -> Sequence[Result] | None:
-    """Return what the workers made of the shares of a job, in order; None if it has none."""
+    """Return the results of a job's shares, in order; None if it has no shares."""
     assert _site is not None
     book = _site.book
     n = count_shares(await to_thread.run_sync(book.get, job_id))
@@ -148,7 +148,7 @@ _QUIET = _Quiet()
 
 @dataclass(frozen=True)
 class JobPlace:
-    """Where DBOS keeps its tables: a SQLite file of its own, or a schema of its own."""
+    """Database of DBOS: a separate SQLite file, or a separate schema."""
 
     url: str
     schema: str

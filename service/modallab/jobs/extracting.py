@@ -1,4 +1,4 @@
-"""Modes out of measurements; and a fit of one mode, or the FRFs that modes make, to look at."""
+"""Modal extraction from measurements, and the plot data of a fit or of synthesised FRFs."""
 
 from dataclasses import dataclass, replace
 
@@ -26,7 +26,7 @@ _CORRECTED = "window_damping"  # among the choices of a model whose loss factors
 
 
 def leakage_of(setup: RigSetup) -> WindowLeakage | None:
-    """Return what the declared analyser does to lines, None if its records repeat or die out."""
+    """Return the leakage of the declared analyser; None if its records are periodic or decay."""
     analyser = setup.analyser
     if EXCITATIONS[analyser.excitation.kind].continuous == 0.0:  # periodic in the record: no leakage
         return None
@@ -85,7 +85,7 @@ def picture_of(
 ) -> FitPlotData:
     """Return the fit of one mode, counted from 1, in one FRF of the measurement it was read from.
 
-    Which FRF of a response is told by the reference; it may be left out where there is but one.
+    The reference selects the FRF of a response; it may be omitted where there is one reference.
 
     Raises
     ------
@@ -124,9 +124,9 @@ def picture_of(
 
 
 def resynthesised(measurement: Measurement, model: ModalModel) -> FrfSet:
-    """Return what the modes make of the FRFs that they were read from: same lines, points and kind.
+    """Return the FRFs synthesised from the modes: lines, points and kind of the measured ones.
 
-    Without 0 Hz but for inertance: what moves as a rigid body has no receptance there.
+    Only inertance includes 0 Hz: the receptance of a rigid body is infinite there.
 
     Raises
     ------
@@ -154,5 +154,5 @@ def _added(setup: RigSetup, model: ModalModel) -> FloatArray:
 
 
 def _as_measured(model: ModalModel, setup: RigSetup) -> ModalModel:
-    """Return the modes as the lines show them, with what the window added."""
+    """Return the modes with the damping that the window added, as the measured lines have it."""
     return without_window_damping(model, -_added(setup, model)) if _CORRECTED in model.choices else model

@@ -31,7 +31,7 @@ class MeasurementInputs:
 
 @dataclass(frozen=True)
 class MeasurementOptions(Options):
-    """How a virtual test is run."""
+    """Options of a virtual test."""
 
     effects: tuple[EffectSpec, ...] = option(
         (), max_items=50, doc="effects beside those of the structure and the rig; no log book shows them"
@@ -51,7 +51,7 @@ def measure_and_store(
     inputs: MeasurementInputs,
     options: MeasurementOptions,
 ) -> None:
-    """Run the virtual test; keep the measurement, and apart from it how it was made."""
+    """Run the virtual test; store the measurement, and separately its truth."""
     rig_id, seed = inputs.rig_id, options.seed
     truth = Truth(inputs.structure_id, options.effects)
     measurement = _measured(store, progress, truth, store.rigs.get(rig_id), options.route, seed)
@@ -65,9 +65,9 @@ def measure_and_store(
 def measure_again(
     store: Store, progress: Progress, into: Destination, *, measurement_id: str, change: Change, number: int
 ) -> None:
-    """Run a virtual test once more with something changed; keep it, its log book, and apart how it was made.
+    """Run a virtual test again with a change; store measurement, log book and, separately, the truth.
 
-    What no log book shows acts as it did, where the further test has it.
+    Hidden effects act as in the first test, where their places exist in the further test.
 
     Parameters
     ----------

@@ -1,4 +1,4 @@
-"""Jobs as their owners see them, and what may run them."""
+"""Jobs as their owners see them, and the interface of their runners."""
 
 from collections.abc import Mapping
 from dataclasses import dataclass
@@ -10,7 +10,7 @@ from modallab.core.reply import NotInReply
 
 
 class JobState(StrEnum):
-    """How far a job is."""
+    """State of a job."""
 
     QUEUED = "queued"
     RUNNING = "running"

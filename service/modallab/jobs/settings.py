@@ -7,7 +7,7 @@ from modallab.core.settings import Settings, setting
 
 @dataclass(frozen=True)
 class JobSettings(Settings):
-    """How jobs are polled, retried and reported."""
+    """Polling, retries and progress reports of jobs."""
 
     polling_interval: float = setting(
         0.1, unit="s", doc="time until a queued job starts", derived="short beside the shortest job"

@@ -1,4 +1,4 @@
-"""What libraries print, kept away from where a worker process answers."""
+"""Redirection of library output away from a worker process's stdout."""
 
 import ctypes
 import os

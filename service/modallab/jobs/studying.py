@@ -1,4 +1,4 @@
-"""Studies: a method tried again and again on noisy modes of a known structure, its runs shared out."""
+"""Studies: runs of a method on noisy modes of a known structure, distributed over workers."""
 
 from collections.abc import Sequence
 from dataclasses import dataclass
@@ -52,7 +52,7 @@ def study_and_store(
     plan: StudyPlan,
     shares: Sequence[Json] | None = None,
 ) -> None:
-    """Keep what all runs of a study found; make those here that nobody has made.
+    """Store the results of all runs of a study; do the runs here that no worker has done.
 
     Parameters
     ----------

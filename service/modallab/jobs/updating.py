@@ -52,7 +52,7 @@ class UpdateRequest:
 def update_and_store(
     store: Store, progress: Progress, into: Destination, inputs: UpdateInputs, request: UpdateRequest
 ) -> None:
-    """Run an updating method of any family; keep what it found, and the updated model if it makes one.
+    """Run an updating method of any family; store its result, and the updated model if there is one.
 
     Matrices of a direct method are no structure, and what only locates errors leaves the model as it is.
     """

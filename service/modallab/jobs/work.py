@@ -47,19 +47,19 @@ class Reporter:
 
 
 class ShareReporter(Reporter):
-    """The same of a share: it stops with its job, and how far that is whoever shared it out will enter."""
+    """Progress callback of a share: it stops with its job; the job's own worker reports progress."""
 
     def _entered(self, fraction: float, message: str) -> bool:
         return self._book.is_active(self._job_id)
 
 
 def count_shares(job: Job) -> int:
-    """Return how many parts of a job any workers may make before the rest of it; 0 of most."""
+    """Return the number of independent shares of a job; 0 for most jobs."""
     return SHARES_BY_TASK[job.task].count(**job.arguments) if job.task in SHARES_BY_TASK else 0
 
 
 def perform_share(place: StorePlace, job_id: str, index: int) -> tuple[Json, str | None]:
-    """Return what a share of a job made, None if nothing, and the traceback of a fault of ours.
+    """Return the result of a share of a job, None if there is none, and the traceback of an internal error.
 
     A module-level function of plain values, as `perform`.
     """
@@ -79,7 +79,7 @@ def perform_share(place: StorePlace, job_id: str, index: int) -> tuple[Json, str
 
 
 def perform(place: StorePlace, job_id: str, shares: Sequence[Json] | None = None) -> str | None:
-    """Do a job, enter how it ended, and return the traceback of a fault of ours, if there was one.
+    """Run a job, record its outcome, and return the traceback of an internal error, if any.
 
     A module-level function of plain values, so that it can be sent to another process; it may run
     twice for the same job, and then stores its result once.

@@ -10,7 +10,7 @@ from modallab.store.base import StoredDataError
 
 
 class ArrayFiles(Protocol):
-    """Where array files lie: a folder beside the service, an object store when scaled."""
+    """Storage of array files: a folder beside the service, an object store when scaled."""
 
     def put(self, id: str, payload: bytes) -> str:
         """Keep a thing's array file and return its SHA-256."""

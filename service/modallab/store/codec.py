@@ -32,7 +32,7 @@ _ArrayMap = Mapping[str, NDArray[Any]]
 
 @dataclass(frozen=True)
 class Codec(Generic[T]):
-    """How things of one kind are taken apart for the store and put together again."""
+    """Serialisation and deserialisation of things of one kind."""
 
     take_apart: Callable[[T], tuple[Json, Arrays]]
     put_together: Callable[[Json, _ArrayMap], T]
@@ -166,7 +166,7 @@ def _inconsistency(body: Json, arrays: _ArrayMap) -> FrequencyInconsistency | No
 
 
 def _references(body: Json) -> tuple[Dof, ...]:
-    """Return what FRFs share; models kept before there could be several have one `drive`."""
+    """Return the references of FRFs; models stored by earlier versions have one `drive`."""
     names = body.get("references", [body["drive"]] if "drive" in body else [])
     return tuple(Dof.parse(name) for name in names)
 

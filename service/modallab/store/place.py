@@ -1,4 +1,4 @@
-"""Where the store is: what any process needs to open it."""
+"""Place of the store, with which any process opens it."""
 
 from dataclasses import dataclass
 from functools import lru_cache

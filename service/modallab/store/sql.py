@@ -99,7 +99,7 @@ class SqlShelf(Generic[T]):
         return self._codec.put_together(row.body, arrays)
 
     def entry(self, id: str) -> Entry:
-        """Return what is known of a thing."""
+        """Return the entry of a thing."""
         return Entry(**self._row(id, *_ENTRY)._mapping)
 
     def list(self, *, owner: str, limit: int, cursor: str | None = None) -> list[Entry]:
@@ -144,7 +144,7 @@ class SqlShelf(Generic[T]):
 
 
 class SqlTruths:
-    """How measurements were made, in a table of their own."""
+    """Truths of measurements, in a separate table."""
 
     def __init__(self, connect: Connect) -> None:
         self._connect = connect
@@ -156,7 +156,7 @@ class SqlTruths:
             insert_once(connection, TRUTHS, row | {"body": to_plain(truth)[0]})
 
     def get(self, measurement_id: str, *, owner: str) -> Truth:
-        """Return how a measurement was made, to its owner."""
+        """Return the truth of a measurement to its owner."""
         condition = (TRUTHS.c.measurement_id == measurement_id) & (TRUTHS.c.owner == owner)
         with self._connect() as connection:
             row = connection.execute(sa.select(TRUTHS.c.body).where(condition)).first()

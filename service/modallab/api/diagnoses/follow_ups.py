@@ -83,7 +83,7 @@ def check_follow_ups(
             allowed="false, or a measurement that was made here",
         )
     for item in follow_ups:
-        further = FollowUp(store.measurements.get(item.measurement_id), item.changed.to_domain())
-        setup = further.with_consistent_log_book(first).setup
+        follow_up = FollowUp(store.measurements.get(item.measurement_id), item.changed.to_domain())
+        setup = follow_up.with_consistent_log_book(first).setup
         for dof in (*setup.drives, *setup.responses):
             structure.index(dof)

@@ -31,7 +31,7 @@ class BarsIn(Wire):
     """cross-section of the bars"""
 
     def to_domain(self) -> MeshBar:
-        """Return what the lines are made of."""
+        """Return material and section of the bars."""
         section = self.section
         return MeshBar(
             self.material.to_domain(),
@@ -51,7 +51,7 @@ class PlatesIn(Wire):
     """m, thickness"""
 
     def to_domain(self) -> MeshPlate:
-        """Return what the cells are made of."""
+        """Return material and thickness of the plates."""
         return MeshPlate(self.material.to_domain(), self.thickness)
 
 

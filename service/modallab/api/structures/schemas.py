@@ -327,8 +327,8 @@ class FrameIn(_OfBars):
             Member(
                 m.number,
                 m.nodes,
-                _named(sections, m.section, "section"),
-                _named(materials, m.material, "material"),
+                _part(sections, m.section, "section"),
+                _part(materials, m.material, "material"),
                 self._element,
             )
             for m in self.members
@@ -337,10 +337,10 @@ class FrameIn(_OfBars):
         return self._with_effects(Structure(nodes=nodes, members=members, **self._common()))
 
 
-def _named(parts: dict[str, Any], name: str, what: str) -> Any:
+def _part(parts: dict[str, Any], name: str, kind_name: str) -> Any:
     if name not in parts:
         raise StructureError(
-            f"there is no {what} {name!r}", field=f"members.{what}", value=name, allowed=list(parts)
+            f"there is no {kind_name} {name!r}", field=f"members.{kind_name}", value=name, allowed=list(parts)
         )
     return parts[name]
 

@@ -34,17 +34,17 @@ class LevelIn(ModeNoiseIn):
         return Level(self.name, self.to_domain())
 
 
-def _level(given: str | LevelIn) -> Level:
-    if isinstance(given, LevelIn):
-        return given.to_level()
-    if given not in NOISE_LEVELS:
+def _level(level: str | LevelIn) -> Level:
+    if isinstance(level, LevelIn):
+        return level.to_level()
+    if level not in NOISE_LEVELS:
         raise InvalidInputError(
-            f"there is no level {given!r}",
+            f"there is no level {level!r}",
             field="levels",
-            value=given,
+            value=level,
             allowed=list(NOISE_LEVELS),
         )
-    return Level(given, NOISE_LEVELS[given])
+    return Level(level, NOISE_LEVELS[level])
 
 
 STUDY_METHODS = {**UPDATERS, **LOCATORS}
@@ -90,7 +90,7 @@ class StudyStart(Wire):
         refuse(self.options.model_fields_set & set(SAMPLING), "a study")
         plan = StudyPlan(
             method=self.method,
-            levels=tuple(_level(one) for one in self.levels),
+            levels=tuple(_level(level) for level in self.levels),
             divisions=tuple(
                 Division(name, self._parameters(macros).to_domain(model, self.method))
                 for name, macros in self.divisions.items()

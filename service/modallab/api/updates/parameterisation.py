@@ -98,7 +98,10 @@ class ParameterisationIn(Wire):
             groups = tuple(tuple(group) for group in named_groups(structure, self.macros))
         usual = parts_of(method)
         parts = usual if self.parts is None else self.parts
-        nodes = {name: None if given == "each" else given for name, given in self.attached.items()}
+        nodes = {
+            name: None if nodes_or_each == "each" else nodes_or_each
+            for name, nodes_or_each in self.attached.items()
+        }
         also = at_nodes(structure, nodes)
         chosen = parameterise(groups, parts, lower=self.lower, upper=self.upper, nodal=also)
         chosen.groups(structure)

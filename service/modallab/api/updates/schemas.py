@@ -60,8 +60,8 @@ def direct_options(body: Any) -> DirectOptions:
     return DirectOptions(EXPANSION, kind, body.n_modes, parameters)
 
 
-def _kind_and_parameters(given: str | ReductionIn) -> tuple[str, dict[str, float]]:
-    return (given, {}) if isinstance(given, str) else (given.kind, given.parameters)
+def _kind_and_parameters(reduction: str | ReductionIn) -> tuple[str, dict[str, float]]:
+    return (reduction, {}) if isinstance(reduction, str) else (reduction.kind, reduction.parameters)
 
 
 def refuse(fields: Set[str], of: str) -> None:
@@ -112,9 +112,9 @@ class UpdateStart(Wire):
         modes = {"modal_model_id": self.modal_model_id}
         responses = {"measurement_id": self.measurement_id, "noise_floor": self.noise_floor}
         on_responses = self.method in RESPONSE_UPDATERS
-        wanted, other = (responses, modes) if on_responses else (modes, responses)
-        refuse({name for name, value in other.items() if value is not None}, self.method)
-        name = next(iter(wanted))
-        if wanted[name] is None:
+        required, unused = (responses, modes) if on_responses else (modes, responses)
+        refuse({name for name, value in unused.items() if value is not None}, self.method)
+        name = next(iter(required))
+        if required[name] is None:
             raise InvalidInputError(f"{self.method} needs a {name}", field=name, value=None, allowed="an id")
         return UpdateInputs(self.structure_id, self.modal_model_id, self.measurement_id)
