@@ -1,4 +1,4 @@
-"""Extraction of a modal model from measured responses, by any method."""
+"""Extraction of a modal model from measured FRFs."""
 
 from collections.abc import Sequence
 from dataclasses import asdict, replace
@@ -30,7 +30,7 @@ from modallab.extraction.single_mode_extraction import extract_mode_by_mode
 
 
 class Read(Protocol):
-    """Extraction with given options."""
+    """Extraction of a modal model with given options."""
 
     def __call__(self, *, options: ExtractionOptions, progress: Progress) -> ModalModel:
         """Return the modal model."""
@@ -50,41 +50,47 @@ def extract(
     estimator: str | None = None,
     progress: Progress = silent,
 ) -> ModalModel:
-    """Return the modes that a set of FRFs shows.
+    """Return the modal model of a set of frequency response functions (FRFs).
 
     Parameters
     ----------
     frf
-        Of any kind: from one drive point or several, or to one response or several from a roving drive point.
+        Receptance, mobility or inertance, from one drive point or several, or from a roving drive point to
+        one response or several.
     coherence
-        (n_freq, n_out), multiple where several forces act at once, or (n_freq, n_out, n_in); None where it
-        was not measured: then the misfit of the fits stands in for the random error.
+        (n_freq, n_out), the multiple coherence if several forces act simultaneously, or
+        (n_freq, n_out, n_in); None if not measured: the misfit of the fits then replaces the random error.
     averages
-        Effective number of averages behind the coherence.
+        Effective number of averages of the coherence.
     method
-        A member of `EXTRACTION_METHODS`, mode by mode in every FRF, or of `GLOBAL_METHODS`, all at once.
+        Name in `EXTRACTION_METHODS` (single-mode methods, applied to every FRF) or in `GLOBAL_METHODS` (all
+        modes and FRFs together).
     options
-        Options of the method, or those common to several; by default all are chosen from the data.
+        Options of the method, or those common to several methods; None chooses all from the data.
     bands
-        Pairs (lower, upper) in Hz with one mode each, of a global method one or more; found from the FRFs
-        by default.
+        Pairs (lower, upper), Hz, with one mode each, for a global method one or more; None finds them from
+        the FRFs.
     n_modes
-        How many of the modes found to keep, the most prominent ones.
+        Number of modes to keep, the most prominent ones; None keeps all.
     leakage
-        What window cut the random records and which estimator was used; None for records that are periodic,
-        or die out, within the window.
+        Window of the random records and estimator; None for records without leakage, periodic or transient
+        within the window.
     estimator
-        "h1", "h2" or "hv": each is biased by noise in a way of its own, which is taken off; None where it
-        is not known.
+        "h1", "h2" or "hv", for the correction of its bias by noise; None if unknown.
     progress
-        Told what is being done.
+        Receives the progress, 0 to 1, with a text.
+
+    Returns
+    -------
+    ModalModel
+        Modes with standard errors, flags, choices and notes.
 
     Raises
     ------
     NoModeInBandError
-        If a band given holds no mode, or no mode is found at all.
+        If a requested band contains no mode, or no mode is found.
     InvalidInputError
-        If the inputs do not fit together.
+        If the inputs are inconsistent.
     """
     if n_modes is not None and n_modes < 1:
         raise InvalidInputError("at least one mode", field="n_modes", value=n_modes, allowed=bounds(1))
@@ -120,7 +126,7 @@ def extract(
 
 
 def _by_identified_damping_model(read: Read, options: ExtractionOptions, progress: Progress) -> ModalModel:
-    """Return the modes with the damping model that they indicate, structural where they do not decide."""
+    """Return the modal model with the damping model indicated by the data, structural if undecided."""
     model = read(options=options, progress=part(progress, 0.0, PROGRESS_SHARES.structural_fit))
     choice = select_damping_model(model)
     if choice.damping is Damping.VISCOUS:
@@ -138,7 +144,7 @@ def responses_read(
     leakage: WindowLeakage | None,
     estimator: str | None,
 ) -> tuple[Responses, FloatArray | float]:
-    """Return the responses of all methods, and their relative bias beside random error, (n_freq, n_frf).
+    """Return the responses with noise bias corrected, and the remaining relative bias, (n_freq, n_frf).
 
     Parameters and errors as in `extract`.
     """

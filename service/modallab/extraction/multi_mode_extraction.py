@@ -46,12 +46,12 @@ def extract_globally(
     bias: FloatArray | float = 0.0,
     progress: Progress = silent,
 ) -> ModalModel:
-    """Return the modes that a global method finds.
+    """Return the modal model identified by a global method.
 
-    Poles of rising orders make a stabilisation chart; of its columns those are taken that `select` can give
-    reasons for. All modes of a range are then fitted to all FRFs at once, weighted by the random error of
-    each line, and those that no FRF shows beyond it are left out. Frequencies, loss factors and modal
-    constants are those of the fit; the poles of the chart are only where it starts.
+    Poles at ascending orders form a stabilisation chart, and `select` accepts some of its columns as modes.
+    All modes of a range are then fitted to all FRFs together, weighted by the random error of each line;
+    insignificant modes are eliminated. Frequencies, loss factors and modal constants are those of this fit,
+    whose initial values are the poles of the chart.
 
     Parameters
     ----------
@@ -60,19 +60,19 @@ def extract_globally(
     responses
         From `responses_of`.
     bands
-        Pairs (lower, upper) in Hz, each with one mode or more; by default all from the first line that is
-        more than noise to the last.
+        Pairs (lower, upper) in Hz, each with one mode or more; by default the range from the first to the
+        last line above noise.
     n_modes
-        How many to keep, the most prominent ones.
+        Number of modes to keep, the most prominent ones.
     leakage
-        As of `extract`.
+        As in `extract`.
     bias
-        (n_freq, n_frf), relative, that the lines may have beside their random error.
+        (n_freq, n_frf) relative bias of the lines in addition to their random error.
 
     Raises
     ------
     NoModeInBandError
-        If a band given holds no mode, or no mode is found at all.
+        If a requested band contains no mode, or no mode is found.
     """
     indicator = mode_indicator(responses.mobility, responses.coherent)
     search = find_frequency_ranges(responses, indicator, bands)

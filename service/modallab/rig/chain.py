@@ -78,7 +78,7 @@ class Chain:
     def overlap(self) -> float:
         """Share of a record that overlaps with the next one.
 
-        Nothing where the declared excitation starts anew for every record.
+        Empty if the declared excitation is independent from record to record.
         """
         analyser = self.setup.analyser
         return analyser.overlap if EXCITATIONS[analyser.excitation.kind].continuous > 0 else 0.0

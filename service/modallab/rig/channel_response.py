@@ -14,9 +14,12 @@ from modallab.rig.run import Run
 class ChannelResponse:
     """Responses of every run's channels to a unit force of each source."""
 
-    force: ComplexArray  # (n_run, n_freq, n_in, n_in)
-    response: ComplexArray  # (n_run, n_freq, n_out, n_in) m/s^2 per N of the source
-    local_displacement: ComplexArray  # (n_run, n_freq, r, n_in) m per N of the source, at nonlinear forces
+    force: ComplexArray
+    """(n_run, n_freq, n_in, n_in) forces per force of the source."""
+    response: ComplexArray
+    """(n_run, n_freq, n_out, n_in) m/s^2 per N of the source."""
+    local_displacement: ComplexArray
+    """(n_run, n_freq, r, n_in) m per N of the source, at nonlinear forces."""
 
     @property
     def channels(self) -> ComplexArray:

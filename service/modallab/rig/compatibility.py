@@ -31,7 +31,7 @@ def check_compatible(setup: RigSetup) -> None:
         _check_hammer(setup)
     elif len(setup.drives) > 1 and (excitation.phases is not None or kind == _STRUCK):
         raise InvalidInputError(
-            f"several exciters that all play the same {kind} cannot be told apart",
+            f"several exciters with the same {kind} cannot be distinguished",
             field="excitation.kind",
             value=kind,
             allowed=["random", "periodic_random", "burst_random"],

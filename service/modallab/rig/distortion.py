@@ -80,7 +80,7 @@ def _local_spectra(
     Parameters
     ----------
     driven, fed_back
-        As of `local_forces_receptances`, the straight lines at work.
+        As in `local_forces_receptances`, with the equivalent linearisation.
     """
     of_velocity = [force.of_velocity for force in forces]
     size = _density(analyser) * (np.abs(driven) ** 2).sum(axis=3)
@@ -196,8 +196,10 @@ def check_first_order(runs: Sequence[Run], analyser: Analyser, source: Source) -
 class ResidualSpectra:
     """Residual forces of the linearisation, (n_run, n_freq, r) each."""
 
-    density: FloatArray  # N^2/Hz, one-sided
-    feedback: ComplexArray  # N/m that it holds against the motion itself
+    density: FloatArray
+    """N^2/Hz, one-sided power spectral density."""
+    feedback: ComplexArray
+    """N/m, feedback from the motion to the force."""
 
 
 def residual_spectra(

@@ -25,14 +25,22 @@ class Drive:
     """
 
     dof: Dof
-    mass: float = 0.0  # kg, armature
-    stiffness: float = 0.0  # N/m, armature to its frame
-    viscous: float = 0.0  # N s/m, armature to its frame
-    compliance: float = 0.0  # m/N, of the stinger
-    stinger_mass: float = 0.0  # kg, along the stinger
-    gauge_compliance: float = 0.0  # m/N, of the force gauge
-    cancelled_mass: float = 0.0  # kg, at the drive point and not in the force that is shown
-    coils: tuple[Coil, ...] = ()  # whose voltage is kept; where the current is kept they do not react
+    mass: float = 0.0
+    """kg, mass of the armature."""
+    stiffness: float = 0.0
+    """N/m, armature to its frame."""
+    viscous: float = 0.0
+    """N s/m, armature to its frame."""
+    compliance: float = 0.0
+    """m/N, axial compliance of the stinger."""
+    stinger_mass: float = 0.0
+    """kg, mass of the stinger."""
+    gauge_compliance: float = 0.0
+    """m/N, compliance of the force gauge."""
+    cancelled_mass: float = 0.0
+    """kg, mass at the drive point that is cancelled in the measured force."""
+    coils: tuple[Coil, ...] = ()
+    """Coils driven with controlled voltage; with controlled current there is no back-EMF."""
 
     @property
     def ideal(self) -> bool:

@@ -28,7 +28,7 @@ def _transferred(effect: Effect, first: RigSetup, second: RigSetup) -> Effect | 
     if isinstance(effect.at, Channels):
         return effect if all(dof.point in measured_points for dof in effect.at.dofs) else None
     if effect.at_drive:
-        # Another exciter has a force gauge of its own.
+        # Another exciter has its own force gauge.
         belongs_to_exciter = effect.stage in _CONTACT_STAGES or isinstance(effect.at, Dof)
         return (
             None

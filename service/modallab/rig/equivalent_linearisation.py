@@ -228,7 +228,7 @@ class LocalResponseSpectrum:
 
     spectrum: FloatArray  # (n_lines, r) one-sided densities of displacement or velocity
     receptance: (
-        ComplexArray  # (n_lines, r) of the same per force put on the structure, straight lines at work
+        ComplexArray  # (n_lines, r) of the same per force on the structure, with equivalent linearisation
     )
 
 

@@ -17,7 +17,7 @@ from modallab.rig.setup import AcquisitionRun, RigSetup
 def as_modelled(structure: Structure) -> DynamicSystem:
     """Return the matrices of a structure with the linear effects that its model carries.
 
-    Effects that differ from run to run are taken as in the first run.
+    Effects that differ from run to run are evaluated for the first run.
     """
     effects = sorted((build(spec) for spec in structure.effects), key=lambda effect: effect.at is not None)
     system = assemble(structure)

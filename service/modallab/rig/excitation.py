@@ -103,7 +103,7 @@ class Transient(Protocol):
 class Excitation:
     """A kind of signal the source can play.
 
-    Unless it says otherwise, a signal is Gaussian, drawn anew for every record and periodic in it.
+    By default a signal is Gaussian, independent from record to record, and periodic in the record.
     """
 
     summary: str

@@ -80,7 +80,7 @@ def transient_spectra(chain: Chain, forgotten: float = FREE_DECAY.decay_threshol
     Parameters
     ----------
     forgotten
-        Share of an impulse response that may still ring when it is taken for over.
+        Remaining share of an impulse response at which it counts as decayed.
     """
     analyser, transient = chain.setup.analyser, transient_of(chain)
     assert transient is not None

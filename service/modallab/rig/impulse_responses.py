@@ -17,8 +17,10 @@ class ImpulseResponses:
     The declared sources come first, then the additional forces of misaligned blows.
     """
 
-    samples: FloatArray  # (n_sources, n_ch, 2 n_samples)
-    n_in: int  # sources proper
+    samples: FloatArray
+    """(n_sources, n_ch, 2 n_samples) impulse responses of all channels."""
+    n_in: int
+    """Number of declared sources, which come first."""
 
     @property
     def n_samples(self) -> int:

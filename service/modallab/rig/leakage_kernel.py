@@ -19,11 +19,15 @@ class LeakageKernel:
     Spectra are conjugate at negative frequency, so that every node has a mirror.
     """
 
-    nodes: FloatArray  # (n_nodes,) Hz
-    near: csr_array  # (n_lines, n_nodes)
+    nodes: FloatArray
+    """(n_nodes,) Hz, quadrature nodes."""
+    near: csr_array
+    """(n_lines, n_nodes) line shape at nodes near each line."""
     mirrored: csr_array
-    gather: csr_array  # (n_points * n_lines, n_nodes): onto the interpolation points of every line
-    far: ComplexArray  # (n_points, n_fft // 2 + 1, 1): transform of the line shape at them
+    gather: csr_array
+    """(n_points * n_lines, n_nodes) interpolation matrix from nodes to the points of every line."""
+    far: ComplexArray
+    """(n_points, n_fft // 2 + 1, 1) transform of the line shape at the interpolation points."""
     n_fft: int
 
     def convolve(self, spectrum: ComplexArray) -> ComplexArray:

@@ -22,8 +22,10 @@ class LineKernel:
     every line sees its own frequency alone.
     """
 
-    nodes: FloatArray  # (n_nodes,) Hz
-    near: FloatArray | csr_array | None = None  # (n_lines, n_nodes)
+    nodes: FloatArray
+    """(n_nodes,) Hz, quadrature nodes."""
+    near: FloatArray | csr_array | None = None
+    """(n_lines, n_nodes) line shape at nodes near each line."""
     mirrored: FloatArray | csr_array | None = None
 
     @cached_property

@@ -16,7 +16,7 @@ def without_noise_bias(measurement: Measurement) -> tuple[FrfSet, FloatArray | N
     """Return FRFs without the bias by force and response noise, and a common variance of theirs.
 
     And the variance (n_freq, n_out, n_in) of ln |H| that is the force's noise, which all responses of one
-    run have in common; None where nothing tells how strong it is, and the FRFs are as
+    run have in common; None if it cannot be determined, and the FRFs are as
     they were: without coherence or the force's spectrum, with several forces at once, and where power
     leaks, which is not coherent either.
     """

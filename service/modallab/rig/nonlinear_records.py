@@ -21,11 +21,15 @@ from modallab.rig.time_stepping import ModalFeedback, Stepper, check_bounded, re
 class SourceSignal:
     """Signals of the sources, each periodic in `n_records` records, and the records cut from them."""
 
-    lines: ComplexArray  # (k, n_in, n_lines) of k signals
-    share: float  # of the excitation's power
+    lines: ComplexArray
+    """(k, n_in, n_lines) spectra of k signals."""
+    share: float
+    """1, share of the power of the excitation."""
     n_records: int
-    starts: IntArray  # (n_block,) first sample of each record
-    signal_index: IntArray  # (n_block,) signal of each record
+    starts: IntArray
+    """(n_block,) first sample of each record."""
+    signal_index: IntArray
+    """(n_block,) signal of each record."""
 
     @classmethod
     def joined(cls, parts: "Sequence[SourceSignal]") -> "SourceSignal":

@@ -25,8 +25,10 @@ class PeriodicSignal:
     One of weight 1 where every record is the same; blows of a hammer differ in size, place and angle.
     """
 
-    signals: ComplexArray  # (k, n_lines, n_ch) forces first, as roots of one-sided densities
-    moments: FloatArray  # (k, k) mean products of the weights
+    signals: ComplexArray
+    """(k, n_lines, n_ch) spectra of all channels, forces first, square roots of one-sided densities."""
+    moments: FloatArray
+    """(k, k) mean products of the weights."""
     weights: Weights
 
     def expected(self, gain: ComplexArray) -> ComplexArray:

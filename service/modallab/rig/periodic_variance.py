@@ -19,9 +19,12 @@ from modallab.rig.wishart_periodic import gain_of
 class VarianceFactors:
     """Variances over those of averages of independent Gaussian records, to first order in 1/n."""
 
-    force: FloatArray  # (n_run, n_freq) of ln G_ff
-    frf: FloatArray  # (n_run, n_freq, n_out) of H1
-    response: FloatArray  # (n_run, n_freq, n_out) of ln G_xx (1 - coherence)
+    force: FloatArray
+    """(n_run, n_freq) variance of ln G_ff."""
+    frf: FloatArray
+    """(n_run, n_freq, n_out) variance of H1."""
+    response: FloatArray
+    """(n_run, n_freq, n_out) variance of ln G_xx (1 - coherence)."""
     # Where distortion comes in bursts: how far off its expectation each of these lies in some tests,
     # (n_tests, ..) logarithms, so that it is known what scatters together.
     tests: tuple[FloatArray, ComplexArray, FloatArray] | None = None
@@ -47,7 +50,7 @@ def periodic_factors(chain: Chain, spectra: CrossSpectra) -> VarianceFactors | N
 
     Returns
     -------
-    None where all is drawn anew.
+    None if all records are independent.
     """
     signals = periodic_signals(chain)
     if signals is None:

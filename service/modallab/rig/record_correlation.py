@@ -45,7 +45,7 @@ def correlated_excess_variance(chain: Chain, spectra: CrossSpectra) -> FloatArra
     lags = np.arange(1, int(np.ceil(RECORD_CORRELATION.n_records / (1 - chain.overlap))) + 1)
     hop = (1 - chain.overlap) * analyser.record_length
     leaked = np.array(list(leaked_covariances(chain, spectra, len(lags))))
-    # The rest comes anew at every instant: records have it in common as far as they overlap.
+    # The other part is independent at every instant: records share it as far as they overlap.
     window_overlap = _overlapping(
         analyser.line_window.samples(RECORD_CORRELATION.window_samples), hop / analyser.record_length * lags
     )

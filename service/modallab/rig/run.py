@@ -27,7 +27,7 @@ class Run:
     responses: tuple[Channel, ...]
     local_forces: tuple[
         LinearisedForce, ...
-    ] = ()  # nonlinear forces, their straight lines in the system already
+    ] = ()  # nonlinear forces; the system includes their equivalent linearisation
     response_spectrum: LocalResponseSpectrum | None = None  # by them at the lines, where lines have it all
     _resonance_cache: dict[float, tuple[FloatArray, FloatArray]] = field(
         default_factory=dict, init=False, repr=False

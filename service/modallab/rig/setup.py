@@ -92,7 +92,7 @@ class RigSetup:
         worth = effective_averages(analyser.averages, analyser.overlap, WINDOWS[analyser.window])
         if worth < n_in:
             raise InvalidInputError(
-                "too few averages to tell apart the forces that act at once",
+                "too few averages to separate simultaneous forces",
                 field="averages",
                 value=round(worth, 2),
                 allowed=bounds(n_in, unit="independent records"),

@@ -11,7 +11,8 @@ class Source:
     """Source signal; its share `continuous` does not repeat with the record and leaks."""
 
     continuous: float = 0.0
-    shaping: tuple[Filter, ...] = ()  # of what begins and ends within a record
+    shaping: tuple[Filter, ...] = ()
+    """Filters of transient excitations, which begin and end within a record."""
 
     def with_filter(self, filter_: Filter) -> "Source":
         """Return the source with one more filter in series."""
@@ -24,7 +25,8 @@ class NoiseLevels:
 
     force: float = 0.0
     response: float = 0.0
-    gauges: tuple[tuple[Dof, float], ...] = ()  # of force gauges at single drive points, beside `force`
+    gauges: tuple[tuple[Dof, float], ...] = ()
+    """Noise ratios of force gauges at single drive points, in addition to `force`."""
 
     def of_gauge(self, drive: Dof) -> float:
         """Return the noise ratio of the force gauge at a drive point."""

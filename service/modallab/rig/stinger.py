@@ -107,7 +107,7 @@ Stinger = StingerRod | StingerStiffness
 def axial_frequency(stiffness: float, mass: float) -> float:
     """Return the frequency, Hz, of an armature, kg, on the stinger's axial stiffness, N/m [D.4].
 
-    The structure is taken as held.
+    The structure is fixed at the drive point.
     """
     return float(np.sqrt(stiffness / mass) / (2 * np.pi))
 

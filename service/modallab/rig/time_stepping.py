@@ -20,7 +20,7 @@ class ModalFeedback:
     """Real modes of a structure with passive sources, at its nonlinear forces.
 
     Structural damping counts as viscous damping of the same width, which is exact at resonance: the
-    force that is fed back here is what a straight line leaves, small against the force itself.
+    force that is fed back here is the residual of the equivalent linearisation, small against the force.
     """
 
     shapes: FloatArray  # (r, m) of the motions, 1/sqrt(kg)

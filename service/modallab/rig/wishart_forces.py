@@ -66,7 +66,7 @@ class _MultipleForceLaw:
     def fill(self, rng: np.random.Generator, ff: ComplexArray, fx: ComplexArray, xx: FloatArray) -> None:
         """Draw into arrays (n_tests, n_run, n_freq, n_in, n_in or n_out)."""
         root = self.root @ self._factor(rng, ff)
-        # Laid out anew: products with strided matrices take twice as long.
+        # Contiguous copy, because products with strided matrices take twice as long.
         root_adjoint = np.ascontiguousarray(root.conj().swapaxes(-1, -2))
         np.matmul(root, root_adjoint, out=ff)
         explained = np.empty_like(fx)  # of each channel, by forces of unit density that nothing ties

@@ -88,10 +88,14 @@ def _squares(values: ComplexArray) -> FloatArray:
 class _RandomPart:
     """Random part of a run's signals: its expected spectra in Bartlett's decomposition."""
 
-    force: FloatArray  # (n_freq, 1) N^2/Hz
-    h: ComplexArray  # (n_freq, n_out) response per force
-    response: FloatArray  # (n_freq, n_out) that the force does not explain
-    real: FloatArray  # (n_freq, 1) 2 where transforms are real, half as many squares an average; else 1
+    force: FloatArray
+    """(n_freq, 1) N^2/Hz, force spectrum."""
+    h: ComplexArray
+    """(n_freq, n_out) response per unit force."""
+    response: FloatArray
+    """(n_freq, n_out) response spectrum not coherent with the force."""
+    real: FloatArray
+    """(n_freq, 1) 2 where transforms are real, half as many squares an average; else 1."""
 
     @classmethod
     def of(cls, spectra: CrossSpectra, run: int, periodic_spectra: ComplexArray) -> "_RandomPart":

@@ -18,7 +18,7 @@ def poles_of_fractions(freq: FloatArray, frf: ComplexArray, weight: FloatArray, 
     Raises
     ------
     InvalidInputError
-        If the lines cannot tell polynomials of such orders.
+        If the lines are too few for the orders.
     """
     highest = int(orders[-1]) if len(orders) else 0
     circle = to_z_domain(frf, weight, max(highest, 1))

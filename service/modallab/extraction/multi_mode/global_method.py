@@ -1,4 +1,4 @@
-"""What a global method is: the poles of all FRFs at once, at rising model orders."""
+"""Interface of global methods: common poles of all FRFs at ascending model orders."""
 
 from dataclasses import dataclass
 from typing import Protocol
@@ -12,21 +12,25 @@ from modallab.extraction.options import GlobalOptions
 
 @dataclass(frozen=True, eq=False)
 class Poles:
-    """Every pole inside the band with positive damping, of all orders; rising order, then frequency."""
+    """All poles inside the band with positive damping, sorted by order, then by frequency."""
 
-    orders: IntArray  # (n_orders,) rising: of the chart, also those that have no such pole
-    order: IntArray  # (n_poles,) of the polynomial
-    pole: ComplexArray  # (n_poles,) s = -zeta omega_r + i omega_r sqrt(1 - zeta^2), rad/s
-    # (n_poles, n_out * n_in) residue in every FRF, unit of the FRF times rad/s: by its direction a pole is
-    # known again at another order
+    orders: IntArray
+    """(n_orders,) orders of the chart, ascending, including orders without such a pole."""
+    order: IntArray
+    """(n_poles,) order of the polynomial of each pole."""
+    pole: ComplexArray
+    """(n_poles,) rad/s, s = -zeta omega_r + i omega_r sqrt(1 - zeta^2)."""
     vector: ComplexArray
-    # (n_poles,) of the pole's part of the FRFs: its norm over the lines against the standard error of one
-    # line, rms over the FRFs; a pole that fits noise has about 1
+    """(n_poles, n_out * n_in) residues in all FRFs, unit of the FRF times rad/s; the direction of this vector
+    identifies a pole at different orders."""
     strength: FloatArray
-    spacing: float  # Hz, of the lines: much finer than that no pole is resolved
-    # (n_poles, n_in) how strongly each input reaches the pole's mode: residues are a shape times that; None
-    # of a method that takes each FRF by itself
+    """(n_poles,) norm over the lines of the pole's contribution to an FRF over the standard error of one
+    line, rms over the FRFs; about 1 for a pole that fits noise."""
+    spacing: float
+    """Hz, spacing of the lines."""
     participation: ComplexArray | None = None
+    """(n_poles, n_in) participation factors of the inputs; residues are a shape times these. None for
+    methods that treat each FRF separately."""
 
     def __post_init__(self) -> None:
         n = len(self.order)
@@ -51,18 +55,18 @@ class Poles:
 
 
 class GlobalMethod(Protocol):
-    """Returns the poles of all FRFs together.
+    """Function that returns the common poles of all FRFs.
 
     Parameters
     ----------
     freq
-        (n_freq,) Hz, equally spaced, the band that holds the modes.
+        (n_freq,) Hz, equally spaced lines of the band.
     frf
         (n_freq, n_out, n_in) responses of any kind, m/N or its derivatives.
     weight
         (n_freq, n_out, n_in) one over E|error|^2 of each line; 0 leaves a line out.
     orders
-        (n_orders,) rising: of the polynomials, so that a chart of n orders costs one set of sums.
+        (n_orders,) orders of the polynomials, ascending; all orders of a chart use one set of sums.
 
     Raises
     ------

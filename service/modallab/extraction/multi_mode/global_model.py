@@ -22,7 +22,8 @@ PRODUCT_FIT = "modal constants were fitted as products of one shape and its part
 class GlobalFit:
     """Modes of one range of lines."""
 
-    lines: slice  # of the responses
+    lines: slice
+    """Index range of the lines of the responses."""
     modes: RangeModes
 
 
@@ -41,7 +42,7 @@ def modal_model(
     fits
         At least one, in rising frequency.
     n_modes
-        How many to keep, the most prominent ones; all if None.
+        Number of modes to keep, the most prominent ones; all if None.
     """
     fits = [_with_reciprocal_shapes(fit, responses) for fit in fits]
     chosen = _selected_rows(fits, n_modes)
@@ -85,7 +86,7 @@ def modal_model(
 
 
 def _selected_rows(fits: Sequence[GlobalFit], n_modes: int | None) -> list[IntArray]:
-    """Return the modes of each range that the model has: those inside it, or the most prominent of them."""
+    """Return the modes of each range that belong to the model: all those inside it, or the most prominent."""
     inside = [np.flatnonzero(fit.modes.inside) for fit in fits]
     if n_modes is None or sum(len(rows) for rows in inside) <= n_modes:
         return inside
@@ -128,7 +129,7 @@ def _numbers(values: FloatArray) -> dict[str, float]:
 
 
 def _nodes(constant: ComplexArray, error: FloatArray, names: Sequence[str]) -> Iterator[str]:
-    """Yield a flag for every FRF that hardly shows the mode."""
+    """Yield a flag for every FRF with a small contribution of the mode."""
     size = np.abs(constant)
     hidden: BoolArray = size < np.maximum(NODES.standard_errors * error, NODES.relative_size * size.max())
     for j in np.flatnonzero(hidden).tolist():

@@ -70,8 +70,10 @@ def with_leaked_errors(
 
 @dataclass(frozen=True, eq=False)
 class _Errors:
-    eigenvalue: FloatArray  # (2, 2) covariance of real and imaginary part, (rad/s)^4
-    constant: FloatArray  # (n_frf,) standard errors of their size, 1/kg
+    eigenvalue: FloatArray
+    """(2, 2) covariance of real and imaginary part, (rad/s)^4."""
+    constant: FloatArray
+    """(n_frf,) 1/kg, standard errors of the modulus of the modal constants."""
 
 
 class _Mode:
@@ -150,8 +152,10 @@ def _sums(lines: LeakedLines) -> tuple[ComplexArray, ComplexArray]:
 
 @dataclass(frozen=True, eq=False)
 class _Noise:
-    independent: FloatArray  # (n_frf, n_lines, n_lines) covariance of what each FRF has for itself
-    white_correlation: FloatArray  # (n_lines, n_lines) of what all have in common
+    independent: FloatArray
+    """(n_frf, n_lines, n_lines) covariance of the errors specific to each FRF."""
+    white_correlation: FloatArray
+    """(n_lines, n_lines) correlation of the common white noise."""
 
 
 def _noise(

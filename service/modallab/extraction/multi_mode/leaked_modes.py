@@ -75,8 +75,10 @@ def with_leakage_errors(
 class _Sensitivity:
     """Change of the modes if all reference modes change by a standard error of frequency or damping."""
 
-    parameters: FloatArray  # (2, n_modes, 2) frequency, Hz, and loss factor
-    constant: FloatArray  # (2, n_modes, n_frf) 1/kg, of either part
+    parameters: FloatArray
+    """(2, n_modes, 2) frequency, Hz, and loss factor."""
+    constant: FloatArray
+    """(2, n_modes, n_frf) 1/kg, of either part."""
 
 
 def _sensitivity(

@@ -2,12 +2,12 @@
 
 The fraction is `H(z) = B(z) A(z)^-1`, `A(z) = I + A_1 z + ... + A_n z^n`, where
 `z = exp(2 pi i (f - f_0)/(N df))`. Sums over the lines are Fourier sums, so the normal matrices consist of
-Toeplitz blocks. With the numerators eliminated,
+Toeplitz blocks. After elimination of the numerators, the leading blocks of
 
     M = sum_o (T_o - S_o^H R_o^-1 S_o)
 
-holds every order in its leading block, and one Cholesky factor solves them all. Because the LOWEST
-coefficient is held, poles that only fit noise come out unstable while those of the structure are stable.
+are the normal matrices of all lower orders, and one Cholesky factor solves them all. Because the lowest
+coefficient is fixed, poles that only fit noise are unstable while those of the structure are stable.
 
 References
 ----------
@@ -30,16 +30,21 @@ from modallab.extraction.multi_mode.settings import MATRIX_FRACTION
 
 @dataclass(frozen=True, eq=False)
 class ZDomainData:
-    """FRFs on an arc of the unit circle, all inputs and all FRFs brought to one size."""
+    """FRFs on an arc of the unit circle, scaled to equal size over inputs and outputs."""
 
-    frf: ComplexArray  # (n_out, n_in, n_freq): the lines last, along which all sums go
-    weight: FloatArray  # (n_out, n_freq) of an equation, a row of the FRF matrix; (1, n_freq) where all agree
-    noise: FloatArray  # (n_out, n_in, n_freq) E|error|^2 times that weight
-    scale: FloatArray  # (n_out, n_in) what the FRFs were divided by
-    points: int  # N, round the whole circle
+    frf: ComplexArray
+    """(n_out, n_in, n_freq), with the lines, over which all sums are taken, last."""
+    weight: FloatArray
+    """(n_out, n_freq) weight of an equation (row of the FRF matrix); (1, n_freq) if all are equal."""
+    noise: FloatArray
+    """(n_out, n_in, n_freq) E|error|^2 times the weight."""
+    scale: FloatArray
+    """(n_out, n_in) divisors of the FRFs."""
+    points: int
+    """Number N of points on the full circle."""
 
     def sums(self, values: ComplexArray | FloatArray, order: int) -> ComplexArray:
-        """Return `sum_k values_k z_k^l`, the lags l = -order to order on the last axis."""
+        """Return `sum_k values_k z_k^l` for the lags l = -order to order, on the last axis."""
         turned = scipy.fft.ifft(values, self.points, norm="forward")
         lags: ComplexArray = np.empty((*turned.shape[:-1], 2 * order + 1), complex)
         lags[..., :order] = turned[..., self.points - order :]
@@ -49,18 +54,22 @@ class ZDomainData:
 
 @dataclass(frozen=True, eq=False)
 class Fractions:
-    """Denominators of all orders, and what gives the numerators."""
+    """Denominators of all orders, with the matrices that give the numerators."""
 
-    denominator: ComplexArray  # (n_orders, n + 1, n_in, n_in) A_0 = I, zero beyond the order
-    numerator: ComplexArray  # (n_out, n + 1, (n + 1) n_in) which makes B of A
-    noise: float  # what the data say that E|error|^2 is, over what the weights say
+    denominator: ComplexArray
+    """(n_orders, n + 1, n_in, n_in) coefficients with A_0 = I, zero above the order."""
+    numerator: ComplexArray
+    """(n_out, n + 1, (n + 1) n_in) matrix from A to B."""
+    noise: float
+    """E|error|^2 estimated from the data over that implied by the weights."""
 
 
 def to_z_domain(frf: ComplexArray, weight: FloatArray, order: int) -> ZDomainData:
-    """Return the lines as the sums up to an order take them; other parameters as `GlobalMethod`.
+    """Return the lines scaled and weighted for sums up to an order; other parameters as `GlobalMethod`.
 
-    The error of an equation is that of the FRF times `|A|`. The power of all FRFs together peaks where
-    `1/|A|^2` does, so that weighting by it makes the error of the FRFs least, and not of the equations.
+    The error of an equation is that of the FRF times `|A|`. The total power of all FRFs has its peaks where
+    `1/|A|^2` has them, so that weighting by it minimises the error of the FRFs in place of that of the
+    equations.
     """
     by_lines = np.ascontiguousarray(frf.transpose(1, 2, 0))
     square = by_lines.real**2 + by_lines.imag**2
@@ -86,7 +95,7 @@ def to_z_domain(frf: ComplexArray, weight: FloatArray, order: int) -> ZDomainDat
 
 
 def _level(row: FloatArray, power: FloatArray) -> FloatArray:
-    """Return what each FRF's weights are divided by, (n_out,), bounded where it is far above the others."""
+    """Return the divisor of each FRF's weights, (n_out,), reduced for FRFs far above the others."""
     level = row.mean(axis=1)
     weighted_power = (row * power).sum(axis=1)
     ranked = np.sort(weighted_power[weighted_power > 0])
@@ -96,7 +105,7 @@ def _level(row: FloatArray, power: FloatArray) -> FloatArray:
 
 
 def _gain(power: FloatArray) -> FloatArray:
-    """Return the power of all FRFs, each in parts of its own sum, (n_freq,), with a geometric mean of 1."""
+    """Return the sum of normalised power spectra of the FRFs, (n_freq,), with a geometric mean of 1."""
     total = power.sum(axis=1)
     gain = 1 / np.where(total > 0, total, 1.0) @ power
     gain = np.maximum(gain, MATRIX_FRACTION.smallest_gain * (gain.max() or 1.0))
@@ -122,12 +131,16 @@ def fit_fractions(z_data: ZDomainData, orders: IntArray) -> Fractions:
 
 @dataclass(frozen=True, eq=False)
 class _Normal:
-    """Least squares of the highest order, the numerators eliminated."""
+    """Normal equations of the highest order, with the numerators eliminated."""
 
-    reduced: ComplexArray  # ((n + 1) n_in, (n + 1) n_in) M, of which the lower triangle counts
-    total: ComplexArray  # the same shape, sum of all T_o
-    inverse: ComplexArray  # (n_out, n + 1, n + 1) R^-1; (1, ...) where all agree
-    numerator: ComplexArray  # (n_out, n + 1, (n + 1) n_in) R^-1 S
+    reduced: ComplexArray
+    """((n + 1) n_in, (n + 1) n_in) M; only the lower triangle is used."""
+    total: ComplexArray
+    """((n + 1) n_in, (n + 1) n_in) sum of all T_o."""
+    inverse: ComplexArray
+    """(n_out, n + 1, n + 1) R^-1; (1, ...) if all are equal."""
+    numerator: ComplexArray
+    """(n_out, n + 1, (n + 1) n_in) R^-1 S."""
 
     def solve(self, orders: IntArray) -> ComplexArray:
         """Return A of every order, (n_orders, n + 1, n_in, n_in)."""
@@ -149,7 +162,7 @@ def _normal(z_data: ZDomainData, order: int) -> _Normal:
     size = (order + 1) * n_in
     weighted = z_data.weight[:, None] * z_data.frf
     power = np.einsum("oik,ojk->ijk", weighted.conj(), z_data.frf)
-    # all sums by one transform: one call a set costs as much as the sums
+    # one transform for all sums, because the overhead of a call is as large as the sums themselves
     rows = (weighted.reshape(-1, n_freq), power.reshape(-1, n_freq), z_data.weight)
     toeplitz = _toeplitz(z_data.sums(np.concatenate(rows), order))
     first, last = len(rows[0]), len(rows[0]) + len(rows[1])
@@ -196,9 +209,9 @@ def _inverse(factors: ComplexArray) -> ComplexArray:
 
 
 def _noise_contribution(z_data: ZDomainData, normal: _Normal) -> ComplexArray:
-    """Return C, what noise as the weights tell it adds to M.
+    """Return C, the contribution to M of noise with the variances implied by the weights.
 
-    Of the noise in an equation the numerators take up a share: the leverage of its line.
+    The numerators fit a part of the noise in an equation, the leverage of its line.
     """
     n_in = z_data.frf.shape[1]
     order = normal.inverse.shape[1] - 1
@@ -216,9 +229,9 @@ def _noise_contribution(z_data: ZDomainData, normal: _Normal) -> ComplexArray:
 
 
 def _along_diagonals(matrices: ComplexArray) -> ComplexArray:
-    """Return the sum of every diagonal, (..., 2 n + 1), that of lag -n first."""
+    """Return the sum of every diagonal, (..., 2 n + 1), from lag -n to n."""
     size = matrices.shape[-1]
-    # each row put one further to the right than the row below it
+    # each row is shifted one column to the right of the row below it
     skewed = np.zeros((*matrices.shape[:-1], 2 * size), complex)
     skewed[..., :size] = matrices[..., ::-1, :]
     flat = skewed.reshape(*matrices.shape[:-2], -1)[..., :-size]
@@ -226,7 +239,7 @@ def _along_diagonals(matrices: ComplexArray) -> ComplexArray:
 
 
 def _noise_level(factor: ComplexArray, added: ComplexArray) -> float:
-    """Return the largest c that leaves `M - c C` without a negative eigenvalue, of the factor of M."""
+    """Return the largest c for which `M - c C` has no negative eigenvalue, from the Cholesky factor of M."""
     inverse = _inverse(factor[None])[0]
     whole = inverse @ added @ inverse.conj().T
     largest = float(np.linalg.eigvalsh(whole)[-1])

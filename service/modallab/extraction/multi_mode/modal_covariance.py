@@ -21,13 +21,16 @@ from modallab.extraction.multi_mode.variable_projection import (
 class Uncertainty:
     """Covariances on the scale of the fit."""
 
-    parameters: FloatArray  # (n, n) of all parameters, mode by mode
-    conditional: (
-        FloatArray  # (n_frf, n_modes, 2, 2) of each modal constant's two coefficients, the parameters held
-    )
-    sensitivity: FloatArray  # (n_frf, n_modes, 2, n) how the coefficients follow the parameters
-    misfit: FloatArray  # (n_frf,) mean square residual over the lines' variance
-    common_noise: float  # share of the least random error at each line that all FRFs have in common
+    parameters: FloatArray
+    """(n, n) covariance of all parameters, mode by mode."""
+    conditional: FloatArray
+    """(n_frf, n_modes, 2, 2) covariance of the coefficients of modal constants for fixed parameters."""
+    sensitivity: FloatArray
+    """(n_frf, n_modes, 2, n) derivatives of the coefficients by the parameters."""
+    misfit: FloatArray
+    """(n_frf,) mean squared residual over the variance of the lines."""
+    common_noise: float
+    """1, part of the smallest relative variance at each line that is common to all FRFs."""
 
 
 def parameter_weights(basis: PoleBasis, linear: LinearSolution) -> FloatArray:
@@ -117,19 +120,19 @@ def _shared_noise_fraction(
     variances v_i and v_j, and a common part k min(v), have the correlation `k min(v)/sqrt(v_i v_j)`.
     """
     if lines.response.shape[1] == lines.n_references:
-        return 0.0  # of one DoF no FRF has another beside it
+        return 0.0  # one DoF has no second FRF of the same reference
     cross_power = power = expected = expected_power = 0.0
     of_frf = lines.reference_mixing(basis, parameters).coefficients(linear.coefficients).T
     for block in line_blocks(len(lines.omega), 8 * lines.response.shape[1]):
         frf_response = all_columns(basis, lines.omega[block], parameters, lines.fixed_poles) @ of_frf
-        # of several references: what the FRFs of one have in common
+        # with several references, errors are common to the FRFs of one reference
         fitted, response = (
             stack_references(values, lines.n_references) for values in (frf_response, lines.response[block])
         )
         weight = stack_references(lines.weight[block], lines.n_references)
         exact = weight * np.abs(fitted) ** 2  # one over the relative variance
         near = np.sqrt(exact / np.maximum(exact.max(axis=1, keepdims=True), SAFE_DIVISOR))
-        # a response's error is in proportion to the response: its phase is taken out
+        # errors are proportional to the response, so that its phase is removed
         turn = np.sqrt(weight) * fitted.conj() / np.maximum(np.abs(fitted), SAFE_DIVISOR)
         score = near * turn * (response - fitted)
         size = np.abs(score) ** 2
@@ -138,12 +141,12 @@ def _shared_noise_fraction(
         near2 = near**2
         expected += float((near2.sum(axis=1) ** 2 - (near2**2).sum(axis=1)).sum())
         expected_power += float(near2.sum())
-    # FRFs that share nothing go together by chance, by a standard deviation of the root of `expected`
+    # without common errors, the sum has a standard deviation of the square root of `expected`
     if not (power > 0 and expected > 0) or cross_power < MODAL_COVARIANCE.common_noise_deviations * np.sqrt(
         expected
     ):
         return 0.0
-    # what the fit has used up of residuals, and what they exceed their variance by, is in both sums
+    # degrees of freedom used by the fit, and a misfit above 1, affect both sums alike
     return float(np.clip(cross_power / expected * expected_power / power, 0.0, 1.0))
 
 
@@ -155,9 +158,9 @@ def _common_noise_covariance(
     c: FloatArray,
     wide: FloatArray,
 ) -> FloatArray:
-    """Return what errors common to all FRFs add to the normal matrix's covariance, for a share of 1."""
+    """Return the contribution of fully common errors to the covariance of the gradient, (n, n)."""
     n_parameters = c.shape[1]
-    # how the parameters' influence is made of columns and slopes
+    # the influence of lines on the parameters as a combination of columns and slopes
     make = np.concatenate([-linear.mixed @ c.swapaxes(1, 2), c.swapaxes(1, 2)], axis=1)
     mix = lines.reference_mixing(basis, parameters)
     of_frf = mix.coefficients(linear.coefficients).T
@@ -181,7 +184,7 @@ def _common_noise_covariance(
 def _reference_covariance(
     basis_columns: ComplexArray, make: FloatArray, fitted: ComplexArray, weight: FloatArray, wide: FloatArray
 ) -> FloatArray:
-    """Return what the FRFs of one reference add to that at some lines; `make` (n_dof, n, n_parameters)."""
+    """Return that contribution of one reference at a block of lines; `make` (n_dof, n, n_parameters)."""
     exact = weight * np.abs(fitted) ** 2
     least = np.sqrt(0.5 / np.maximum(exact.max(axis=1), SAFE_DIVISOR)) * (exact.max(axis=1) > 0)
     pull = weight * fitted * least[:, None] * np.sqrt(wide)
@@ -196,7 +199,7 @@ def _reference_covariance(
 
 
 def _influence(basis_columns: ComplexArray, make: FloatArray) -> ComplexArray:
-    """Return (n_lines, n_frf, n_parameters)."""
+    """Return the influence of each line on the parameters, (n_lines, n_frf, n_parameters)."""
     flat = make.swapaxes(0, 1).reshape(make.shape[1], -1)
     out = basis_columns.real.copy() @ flat + 1j * (basis_columns.imag.copy() @ flat)
     return np.asarray(out.reshape(len(basis_columns), len(make), -1))

@@ -32,9 +32,9 @@ def fit_modes(
 ) -> ModalFit:
     """Return all modes in all FRFs, with residuals, from eigenvalues to start at.
 
-    Separable least squares: modal constants and residuals are solved for inside (with `start` held they
-    are the least-squares frequency-domain shapes), Gauss-Newton steps on the eigenvalues alone, damped
-    as by Levenberg and Marquardt. Slopes by Kaufman's form of the variable projection.
+    Separable least squares: modal constants and residuals are eliminated (at fixed eigenvalues they are the
+    least-squares frequency-domain solution), and the eigenvalues follow by the Levenberg-Marquardt method,
+    with derivatives by Kaufman's form of the variable projection.
 
     Parameters
     ----------
@@ -47,13 +47,12 @@ def fit_modes(
     start
         (n_modes,) omega_r^2 (1 + i eta_r), (rad/s)^2.
     damping
-        Law of the modes.
+        Damping model.
     participation
-        (n_modes, n_ref) how strongly each reference reaches a mode, to start at: the modal constants of a
-        mode are then products `psi_j L_k`, and as many modes as references may coincide. None: each FRF has
-        a constant of its own.
+        (n_modes, n_ref) initial participation factors: the modal constants of a mode are then products
+        `psi_j L_k`, and as many modes as references may coincide. None if each FRF has its own constant.
     progress
-        Told how many steps have been taken.
+        Receives the progress by iterations.
 
     References
     ----------
@@ -94,7 +93,7 @@ def one_step(
     basis, parameters = _begin(fit.eigenvalue / lines.unit**2, fit.participation, damping)
     normal, slope = _normal_equations(basis, solve_linear(lines, basis, parameters))
     step = _step(normal, slope, 0.0).reshape(parameters.shape)
-    # a mode far beyond the range is one that nothing holds
+    # the data hardly determine a mode far outside the range
     parameters = parameters + _limited(step, parameters, (float(lines.omega.min()) ** 2, 1.0))
     constant = constants(lines, basis, parameters, solve_linear(lines, basis, parameters))
     stiffness = lines.unit**2 * parameters[:, 0]
@@ -104,7 +103,7 @@ def one_step(
 def _begin(
     eigenvalue: ComplexArray, participation: ComplexArray | None, damping: Damping
 ) -> tuple[PoleBasis, FloatArray]:
-    """Return the basis, and the parameters to start at."""
+    """Return the basis and the initial parameters, (n_modes, n_parameters)."""
     law = BASES[damping]
     if participation is None:
         return law, law.parameters(eigenvalue)
@@ -133,14 +132,14 @@ def modes_at_eigenvalues(
 
 
 def fitted_receptance(fit: ModalFit, freq: FloatArray, damping: Damping) -> ComplexArray:
-    """Return the receptance that a fit gives back, (n_lines, n_frf) m/N, residuals included.
+    """Return the receptance resynthesised from a fit with residuals, (n_lines, n_frf) m/N.
 
     Parameters
     ----------
     freq
         (n_lines,) Hz, above 0.
     damping
-        Law it was fitted with.
+        Damping model of the fit.
     """
     basis = BASES[damping]
     omega = 2 * np.pi * freq
@@ -156,11 +155,11 @@ def fitted_receptance(fit: ModalFit, freq: FloatArray, damping: Damping) -> Comp
 def _descend(
     lines: ScaledLines, basis: PoleBasis, parameters: FloatArray, progress: Progress
 ) -> tuple[FloatArray, LinearSolution]:
-    """Return the parameters of least misfit, and what is linear there."""
+    """Return the parameters of least misfit and the linear solution there."""
     linear = solve_linear(lines, basis, parameters)
     damping, limits = MODAL_FIT.first_damping, (float(lines.omega.min()) ** 2, 1.0)
     n_spare = max(2 * int((lines.weight > 0).sum()) - linear.coefficients.size - parameters.size, 1)
-    # modes that begin beyond the range stay there: what they are for is not in it
+    # modes that start outside the range stay outside, because they represent out-of-band modes
     lowest = np.where(parameters[:, 0] > limits[1], limits[1], MODAL_FIT.lowest_frequency**2 * limits[0])
     highest = np.where(parameters[:, 0] < limits[0], limits[0], MODAL_FIT.highest_frequency**2 * limits[1])
     for n in range(MODAL_FIT.iterations):

@@ -13,16 +13,24 @@ from modallab.extraction.multi_mode.settings import SELECTION
 
 @dataclass(frozen=True, eq=False)
 class Selection:
-    """Poles taken for modes, in rising frequency, and what speaks for each."""
+    """Poles accepted as modes, in ascending frequency, with the reasons."""
 
-    pole: ComplexArray  # (n_modes,) s = -zeta omega_r + i omega_r sqrt(1 - zeta^2), rad/s
-    frequency_scatter: FloatArray  # (n_modes,) Hz, standard deviation over the orders it is taken from
-    loss_factor_scatter: FloatArray  # (n_modes,)
-    mode: IntArray  # (n_poles,) which mode each pole of the chart speaks for, from 0; -1 for none
-    reasons: tuple[str, ...]  # (n_modes,) in words
-    pairs: tuple[tuple[int, int], ...]  # neighbouring modes within `NEAR` bandwidths of each other
-    left_out: tuple[str, ...]  # in words: columns that might have been modes, and why they are not
-    participation: ComplexArray | None  # (n_modes, n_in) at the highest of these orders, as of `Poles`
+    pole: ComplexArray
+    """(n_modes,) s = -zeta omega_r + i omega_r sqrt(1 - zeta^2), rad/s."""
+    frequency_scatter: FloatArray
+    """(n_modes,) Hz, standard deviation over its representative orders."""
+    loss_factor_scatter: FloatArray
+    """(n_modes,) standard deviation over its representative orders."""
+    mode: IntArray
+    """(n_poles,) mode of each pole of the chart, from 0; -1 for none."""
+    reasons: tuple[str, ...]
+    """(n_modes,) reason of each mode as text."""
+    pairs: tuple[tuple[int, int], ...]
+    """Neighbouring modes closer than `pair_distance` bandwidths."""
+    left_out: tuple[str, ...]
+    """Rejected columns with the reason as text."""
+    participation: ComplexArray | None
+    """(n_modes, n_in) participation factors at the highest of these orders."""
 
     def __post_init__(self) -> None:
         n = len(self.pole)
@@ -51,18 +59,24 @@ def chart_of(poles: Poles, stability: IntArray, selection: Selection) -> Stabili
 class _TrackSummary:
     """Summary of one pole over the orders."""
 
-    members: IntArray  # which poles of the chart, highest order first
-    representative: IntArray  # of them, those its values are of: stable ones, of the higher orders
+    members: IntArray
+    """Indices of its poles in the chart, highest order first."""
+    representative: IntArray
+    """Indices of its stable poles at the higher orders, which give its values."""
     pole: complex
-    frequency: float  # Hz
+    frequency: float
+    """Hz."""
     loss_factor: float
     frequency_scatter: float
     loss_factor_scatter: float
     strength: float
     n_stable: int
-    n_alike: int  # stable in the vector too
-    first: int  # order of the lowest stable pole
-    n_since: int  # orders of the chart from there on
+    n_alike: int
+    """Number of its poles stable in the vector too."""
+    first: int
+    """Order of the lowest stable pole."""
+    n_since: int
+    """Number of orders of the chart from the lowest stable one."""
 
 
 def select(poles: Poles, stability: IntArray) -> Selection:
@@ -108,7 +122,7 @@ def select(poles: Poles, stability: IntArray) -> Selection:
 
 
 def _track_summary(poles: Poles, stability: IntArray, members: IntArray) -> _TrackSummary | None:
-    """Return what speaks for a column, None if it is nowhere stable."""
+    """Return the summary of a column, None if it is not stable at any order."""
     stable = members[stability[members] >= SELECTION.stable_level]
     if not len(stable):
         return None
@@ -133,7 +147,7 @@ def _track_summary(poles: Poles, stability: IntArray, members: IntArray) -> _Tra
 
 def _objection(column: _TrackSummary, poles: Poles) -> str | None:
     """Return the reason why a track is not a mode, None if it is one."""
-    # the lowest order is stable against none
+    # the lowest order has no lower order to be compared with
     minimum = min(
         SELECTION.minimum_stable, max(1, int(SELECTION.minimum_stable_fraction * (len(poles.orders) - 1)))
     )
@@ -158,7 +172,7 @@ def _pairs(modes: list[_TrackSummary]) -> tuple[tuple[int, int], ...]:
 
 
 def _gap(lower: _TrackSummary, upper: _TrackSummary) -> float:
-    """Return how far two modes are apart, in half-power bandwidths of the broader one."""
+    """Return the distance of two modes in half-power bandwidths of the broader one."""
     width = max(column.loss_factor * column.frequency for column in (lower, upper))
     return (upper.frequency - lower.frequency) / width
 

@@ -1,4 +1,4 @@
-"""Poles outside the ranges, or inside without being modes, that bend the FRFs."""
+"""Residual poles: poles outside the ranges, and poles inside that are not modes."""
 
 from collections.abc import Sequence
 
@@ -11,16 +11,17 @@ from modallab.extraction.multi_mode.variable_projection import affected_by_outer
 
 
 def out_of_band_poles(fits: Sequence[GlobalFit], freq: FloatArray) -> ComplexArray:
-    """Return what was fitted below the lowest range, above the highest, and in any without being a mode.
+    """Return the residual poles, (n_poles,) (rad/s)^2.
 
-    (n_beyond,) (rad/s)^2. Poles between two ranges stand in one for modes of the other.
+    These are poles below the lowest range, above the highest, and poles inside a range that are not modes.
+    Poles between two ranges are excluded, because they represent modes of the other range.
 
     Parameters
     ----------
     fits
-        At least one, in rising frequency.
+        At least one fit, in ascending frequency.
     freq
-        (n_freq,) Hz, of the responses.
+        (n_freq,) Hz, lines of the responses.
     """
     lowest, highest = fits[0].modes.fit, fits[-1].modes.fit
     first, omega = freq[fits[0].lines][0], 2 * np.pi * freq[fits[-1].lines]

@@ -8,29 +8,31 @@ from modallab.core.arrays import ComplexArray, FloatArray, IntArray
 from modallab.extraction.multi_mode.pole_basis import BASES, ModelledPoleBasis
 from modallab.extraction.options import Damping
 
-POLE_PARAMETERS = 2  # parameters of a mode that place it; the others are its participation
-QUARTER_ROTATION = np.array([[0.0, -1.0], [1.0, 0.0]])  # times i, in parts
+POLE_PARAMETERS = 2  # pole parameters of a mode; its further parameters are participation factors
+QUARTER_ROTATION = np.array([[0.0, -1.0], [1.0, 0.0]])  # multiplication by i of (real, imaginary) part
 
 
 @dataclass(frozen=True, eq=False)
 class SharedShapeBasis:
-    """Rank one: `A_jk = psi_j L_k`; parameters are those of the law, then parts of each L but one.
+    """Modal constants of rank one, `A_jk = psi_j L_k`, with shape psi and participation factors L.
 
-    Of a mode's L the one named by `pivot` is held at 1: its size is that of the shape.
+    The parameters are those of the damping model, then real and imaginary part of all participation factors
+    except one. That factor, at the reference `pivot`, is fixed at 1 and defines the scale of the shape.
     """
 
     damping: Damping
-    pivot: IntArray  # (n_modes,) which reference
+    pivot: IntArray
+    """(n_modes,) index of the reference with participation factor 1."""
     n_references: int
 
     @property
     def paired_columns(self) -> bool:
-        """As of the law."""
+        """Whether every second column is the preceding one times i, as in the damping model."""
         return self._damping_basis.paired_columns
 
     @property
     def slope_weights(self) -> FloatArray:
-        """(2, n_parameters, n_slopes)."""
+        """Weights of the slope columns, (2, n_parameters, n_slopes)."""
         n_free = self.n_references - 1
         turn = np.zeros((2, POLE_PARAMETERS + 2 * n_free, 4 + 2 * n_free))
         for c in (0, 1):
@@ -47,50 +49,51 @@ class SharedShapeBasis:
 
     @property
     def _free(self) -> IntArray:
-        """(n_modes, n_references - 1) which references are not held."""
+        """Indices of the references with free participation factors, (n_modes, n_references - 1)."""
         references = np.broadcast_to(np.arange(self.n_references), (len(self.pivot), self.n_references))
         return np.asarray(references[references != self.pivot[:, None]].reshape(len(self.pivot), -1))
 
     def start(self, parameters: FloatArray, participation: ComplexArray) -> FloatArray:
-        """Return the parameters of modes, (n_modes, n_parameters), from those of the law and every L."""
+        """Return the parameters, (n_modes, n_parameters), from pole parameters and participation factors."""
         normalised = participation / np.take_along_axis(participation, self.pivot[:, None], axis=1)
         free = np.take_along_axis(normalised, self._free, axis=1)
         parts = np.stack([free.real, free.imag], axis=2).reshape(len(parameters), -1)
         return np.concatenate([parameters, parts], axis=1)
 
     def participation(self, parameters: FloatArray) -> ComplexArray:
-        """Return L of every mode, (n_modes, n_references)."""
+        """Return the participation factors of every mode, (n_modes, n_references)."""
         reach = np.ones((len(parameters), self.n_references), complex)
         free = parameters[:, POLE_PARAMETERS::2] + 1j * parameters[:, POLE_PARAMETERS + 1 :: 2]
         np.put_along_axis(reach, self._free, free, axis=1)
         return reach
 
     def at(self, order: IntArray) -> "SharedShapeBasis":
-        """Return the same for modes in another order."""
+        """Return the basis of the same modes in the given order, (n_modes,)."""
         return replace(self, pivot=self.pivot[order])
 
     def parameters(self, eigenvalue: ComplexArray) -> FloatArray:
-        """Return those of the law, (n_modes, 2)."""
+        """Return the pole parameters of the damping model, (n_modes, 2)."""
         return self._damping_basis.parameters(eigenvalue)
 
     def loss_factor(self, parameters: FloatArray) -> tuple[FloatArray, FloatArray]:
-        """Return (n_modes,) and the derivatives by the law's parameters, (n_modes, 2)."""
+        """Return the loss factors (n_modes,) and derivatives by the pole parameters, (n_modes, 2)."""
         return self._damping_basis.loss_factor(parameters[:, :POLE_PARAMETERS])
 
     def columns(self, omega: FloatArray, parameters: FloatArray) -> ComplexArray:
-        """Return those of the law, (n_lines, n_modes, 2)."""
+        """Return the basis functions of the damping model, (n_lines, n_modes, 2)."""
         return self._damping_basis.columns(omega, parameters[:, :POLE_PARAMETERS])
 
     def slopes(self, omega: FloatArray, parameters: FloatArray) -> ComplexArray:
-        """Return those of the law, (n_lines, n_modes, n_own)."""
+        """Return the slope columns of the damping model, (n_lines, n_modes, n_slope_columns)."""
         return self._damping_basis.slopes(omega, parameters[:, :POLE_PARAMETERS])
 
     def mixing(self, parameters: FloatArray) -> FloatArray:
-        """Return (n_references, n_modes, 2 + n_own, 2 + n_slopes).
+        """Return the mixing matrices, (n_references, n_modes, 2 + n_slope_columns, 2 + n_slopes).
 
-        A mode of shape psi gives a reference `psi L`, and that its law's coefficients: a rotation of the
-        parts of psi, and the inverse of how the law makes modal constants of coefficients. The slopes by the
-        law's parameters are those of both; those by parts of an L are the columns, at that reference alone.
+        The modal constants of a reference are `psi L`: a rotation and scaling of real and imaginary part of
+        psi. The coefficients follow by the inverse of the damping model's `constant`. Derivatives by
+        the pole parameters contain derivatives of both; derivatives by a participation factor are the
+        columns at its reference and zero at all others.
         """
         law, n_own = parameters[:, :POLE_PARAMETERS], self._damping_basis.slope_weights.shape[2]
         unit = np.linalg.inv(self._damping_basis.constant(law)[:, 0])  # (n_modes, coefficient, part)
@@ -109,7 +112,7 @@ class SharedShapeBasis:
         return mixing
 
     def constant(self, parameters: FloatArray) -> FloatArray:
-        """Return (n_modes, n_references, 2, 2)."""
+        """Return real and imaginary part of `psi L` per part of psi, (n_modes, n_references, 2, 2)."""
         reach = self.participation(parameters)[..., None, None]
         return np.asarray(reach.real * np.eye(2) + reach.imag * QUARTER_ROTATION)
 

@@ -73,7 +73,7 @@ def _constants(
 ) -> tuple[ComplexArray, FloatArray, FloatArray]:
     """Return modal constants and two parts of their variance, all (n_modes, n_frf).
 
-    The variance with the parameters held, and that which the parameters bring in.
+    The first part is the variance for fixed parameters, the second that by the parameters.
     """
     n_modes, n_parameters = parameters.shape
     per = basis.constant(parameters)

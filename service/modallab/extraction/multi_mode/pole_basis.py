@@ -11,27 +11,29 @@ from modallab.extraction.options import Damping
 
 
 class PoleBasis(Protocol):
-    """A law of damping. A mode has two real parameters or more, and two real coefficients in each response.
+    """Damping model as basis functions of a mode, with their derivatives by the mode's parameters.
 
-    Everything is complex with real coefficients, so that pairs of conjugate poles are linear too.
+    A mode has two real parameters or more, and two real coefficients in each response. The basis functions
+    are complex and the coefficients real, so that pairs of conjugate poles are linear too. In shapes,
+    `n_slope_columns` is the number of slope columns of one reference, `n_slopes` that of all references.
     """
 
     @property
     def paired_columns(self) -> bool:
-        """Whether of columns, and of slopes, every other one is the one before times i."""
+        """Whether every second column, and every second slope, is the preceding one times i."""
         ...
 
     @property
     def slope_weights(self) -> FloatArray:
-        """(2 coefficients, n_parameters, n_slopes): how each coefficient weighs the slopes' columns."""
+        """Weights of the slope columns in derivatives, (2 coefficients, n_parameters, n_slopes)."""
         ...
 
     def at(self, order: IntArray) -> "PoleBasis":
-        """Return the basis for modes in another order."""
+        """Return the basis of the same modes in the given order, (n_modes,)."""
         ...
 
     def parameters(self, eigenvalue: ComplexArray) -> FloatArray:
-        """Return (n_modes, 2): omega_r^2, and what the damping adds to it."""
+        """Return omega_r^2 and the damping parameter of each mode, (n_modes, 2)."""
         ...
 
     def loss_factor(self, parameters: FloatArray) -> tuple[FloatArray, FloatArray]:
@@ -39,31 +41,31 @@ class PoleBasis(Protocol):
         ...
 
     def columns(self, omega: FloatArray, parameters: FloatArray) -> ComplexArray:
-        """Return (n_lines, n_modes, 2), those of the FRFs of one reference."""
+        """Return the basis functions of the FRFs of one reference, (n_lines, n_modes, 2)."""
         ...
 
     def slopes(self, omega: FloatArray, parameters: FloatArray) -> ComplexArray:
-        """Return (n_lines, n_modes, n_own), of which the derivatives by the parameters are made."""
+        """Return the slope columns, (n_lines, n_modes, n_slope_columns), from which derivatives follow."""
         ...
 
     def mixing(self, parameters: FloatArray) -> FloatArray | None:
-        """Return what a mode's columns and slopes are made of at each reference; None: of themselves.
+        """Return the matrices from columns and slopes of one reference to those of all references.
 
-        (n_references, n_modes, 2 + n_own, 2 + n_slopes), of the columns and slopes that one reference has.
+        (n_references, n_modes, 2 + n_slope_columns, 2 + n_slopes); None if each FRF has its own coefficients.
         """
         ...
 
     def constant(self, parameters: FloatArray) -> FloatArray:
-        """Return (n_modes, n_references, 2, 2): parts of a modal constant per coefficient."""
+        """Return parts of the modal constant per coefficient, (n_modes, n_references, 2, 2)."""
         ...
 
     def constant_slopes(self, parameters: FloatArray) -> FloatArray | None:
-        """Return its derivatives, (n_modes, n_references, n_parameters, 2, 2); None: they do not count."""
+        """Return derivatives of `constant`, (n_modes, n_references, n_parameters, 2, 2), or None."""
         ...
 
 
 class ModelledPoleBasis(PoleBasis, Protocol):
-    """A law of damping by itself, each FRF with coefficients of its own."""
+    """Damping model for FRFs with independent coefficients."""
 
     def constant_by_pole(self, parameters: FloatArray) -> FloatArray:
         """Return the derivatives of `constant`, (n_modes, 2 parameters, 2, 2)."""
@@ -72,7 +74,10 @@ class ModelledPoleBasis(PoleBasis, Protocol):
 
 @dataclass(frozen=True)
 class StructuralPoleBasis:
-    """`A/(lambda_r - omega^2)`, complex A; parameters are the parts of `lambda_r`."""
+    """Structural damping, `A/(lambda_r - omega^2)` with complex A.
+
+    The parameters are real and imaginary part of `lambda_r`.
+    """
 
     @property
     def paired_columns(self) -> bool:
@@ -108,15 +113,15 @@ class StructuralPoleBasis:
         return np.tile(np.eye(2), (len(parameters), 1, 1, 1))
 
     def at(self, order: IntArray) -> Self:
-        """Return the same: no mode is held apart."""
+        """Return the same basis, which has no data of single modes."""
         return self
 
     def mixing(self, parameters: FloatArray) -> None:
-        """Return None: each FRF has coefficients of its own."""
+        """Return None, because each FRF has its own coefficients."""
         return
 
     def constant_slopes(self, parameters: FloatArray) -> None:
-        """Return None: a modal constant hardly depends on the pole."""
+        """Return None, because a modal constant hardly depends on the pole."""
         return
 
     def constant_by_pole(self, parameters: FloatArray) -> FloatArray:
@@ -126,10 +131,11 @@ class StructuralPoleBasis:
 
 @dataclass(frozen=True)
 class ViscousPoleBasis:
-    """`A/(i omega - s) + conj(A)/(i omega - conj(s))` over one denominator: `(a + i omega b)/D`.
+    """Viscous damping, `A/(i omega - s) + conj(A)/(i omega - conj(s))` as the fraction `(a + i omega b)/D`.
 
     `D = omega_r^2 - omega^2 + i omega d`, parameters omega_r^2 and `d = 2 zeta_r omega_r = eta_r omega_r`.
-    The modal constant is `a + s b`, `s - conj(s)` times the residue: of a mode that is real, the a of `a/D`.
+    The modal constant is `a + s b`, that is `s - conj(s)` times the residue; for a real mode it is a, with
+    b = 0.
     """
 
     @property
@@ -172,15 +178,15 @@ class ViscousPoleBasis:
         return np.stack([np.stack([unit, -damping / 2], 1), np.stack([zeros, across], 1)], axis=1)[:, None]
 
     def at(self, order: IntArray) -> Self:
-        """Return the same: no mode is held apart."""
+        """Return the same basis, which has no data of single modes."""
         return self
 
     def mixing(self, parameters: FloatArray) -> None:
-        """Return None: each FRF has coefficients of its own."""
+        """Return None, because each FRF has its own coefficients."""
         return
 
     def constant_slopes(self, parameters: FloatArray) -> None:
-        """Return None: a modal constant hardly depends on the pole."""
+        """Return None, because a modal constant hardly depends on the pole."""
         return
 
     def constant_by_pole(self, parameters: FloatArray) -> FloatArray:
@@ -204,14 +210,15 @@ BASES: Mapping[Damping, ModelledPoleBasis] = {
 
 
 def residual_columns(omega: FloatArray, fixed_poles: tuple[float, ...]) -> ComplexArray:
-    """Return (n_lines, 4 + 2 n_beyond): a constant, `-1/omega^2`, poles held beyond the range.
+    """Return the columns of the residual terms, (n_lines, 4 + 2 n_fixed), for real and imaginary part each.
 
-    Each for real and imaginary part.
+    The terms are a constant, `-1/omega^2`, and poles fixed above the range.
 
     Parameters
     ----------
     fixed_poles
-        Where these poles are: a mode not far above the range is no constant in it.
+        Positions of these poles, in the unit of `omega`. They represent modes slightly above the range,
+        whose contribution is not constant over it.
     """
     real = [np.ones(len(omega)), -1 / omega**2, *(1 / (pole**2 - omega**2) for pole in fixed_poles)]
     return np.stack([part * column for column in real for part in (1, 1j)], axis=1)
@@ -226,5 +233,5 @@ def all_columns(
 
 
 def all_slopes(basis: PoleBasis, omega: FloatArray, parameters: FloatArray) -> ComplexArray:
-    """Return (n_lines, n_modes n_own), mode by mode."""
+    """Return the slope columns of all modes, (n_lines, n_modes n_slope_columns), mode by mode."""
     return basis.slopes(omega, parameters).reshape(len(omega), -1)

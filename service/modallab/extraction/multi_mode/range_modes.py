@@ -28,17 +28,25 @@ from modallab.extraction.preprocessing.bands import find_bands, mode_indicator
 
 @dataclass(frozen=True, eq=False)
 class RangeModes:
-    """What a stretch holds."""
+    """Modes of a frequency range."""
 
     fit: ModalFit
-    weight: FloatArray  # (n_lines, n_frf) that the fit ended with
+    """Fit of all poles."""
+    weight: FloatArray
+    """(n_lines, n_frf) final weights of the fit."""
     chart: StabilisationChart
-    reasons: tuple[str, ...]  # (n_modes,) in words
-    inside: BoolArray  # (n_modes,) False for a mode that lies beyond the ends: it serves as their residual
-    bends: BoolArray  # (n_modes,) between the ends, yet no mode: it only bends the lines there
+    """Stabilisation chart of the range."""
+    reasons: tuple[str, ...]
+    """(n_modes,) reason of each mode as text."""
+    inside: BoolArray
+    """(n_modes,) whether a pole is a mode; poles outside the range are residual terms."""
+    bends: BoolArray
+    """(n_modes,) whether a pole lies inside the range but is a residual term, not a mode."""
     notes: tuple[str, ...]
-    # (n_modes, 2) by what frequency, Hz, and loss factor are off for leakage still, nearly; None without
+    """Rejected poles with the reason as text."""
     leakage_bias: FloatArray | None = None
+    """(n_modes, 2) approximate remaining bias of frequency, Hz, and loss factor by leakage; None without
+    leakage."""
 
 
 def modes_of(
@@ -50,18 +58,18 @@ def modes_of(
     leaked: LeakageCorrection | None,
     progress: Progress,
 ) -> RangeModes | None:
-    """Return the modes of a stretch; None if there is none.
+    """Return the modes of a frequency range; None if there is none.
 
     Parameters
     ----------
     find
         A member of `GLOBAL_METHODS`.
     orders
-        (n_orders,) rising.
+        (n_orders,) orders of the chart, ascending.
     damping
-        Law of the modes fitted.
+        Damping model of the modes.
     leaked
-        Leakage to be undone, and modes known one by one to undo it by; None where there is none.
+        Leakage correction with its reference modes; None without leakage.
     """
     progress(0.0, "looking for poles")
     clean = band_data if leaked is None else corrected_lines(band_data, leaked, damping)
@@ -84,7 +92,7 @@ def modes_of(
     fit, between = refined.fit, between_ends(refined.fit, band_data.freq)
     match = _match(selection, fit, band_data.freq)
     modes = between & (fit.loss_factor > 0)
-    if leaked is None:  # else modes known one by one may be without a column
+    if leaked is None:  # with leakage, reference modes need no column
         modes &= np.isin(np.arange(len(modes)), match) | _with_peaks(fit, clean)
     return RangeModes(
         fit,
@@ -107,7 +115,7 @@ def _pole_finder_data(band_data: BandData) -> tuple[ComplexArray, FloatArray]:
     n_ref = band_data.n_ref
     omega = 2 * np.pi * band_data.freq[:, None]
     mobility, weight = 1j * omega * band_data.receptance, band_data.weight / omega**2
-    # the lines of all references below one another: a combination of DoFs is one for all of them
+    # lines of all references are stacked, so that a combination of DoFs is common to all references
     mobility, weight = stack_references(mobility, n_ref), stack_references(weight, n_ref)
     if mobility.shape[1] > RANGES.largest_dofs:
         used = weight > 0

@@ -18,10 +18,14 @@ class ReferenceMixing:
     not once for each reference with all columns.
     """
 
-    matrices: FloatArray | None  # (n_references, n_each, n_all) columns, then slopes; None: nothing is shared
-    n_frf_all: int  # columns and slopes of an FRF
-    n_frf_columns: int  # columns of an FRF
-    n_dof_columns: int  # columns of a DoF's FRFs
+    matrices: FloatArray | None
+    """(n_references, n_each, n_all) columns, then slopes; None if FRFs share nothing."""
+    n_frf_all: int
+    """Number of columns and slopes of one FRF."""
+    n_frf_columns: int
+    """Number of columns of one FRF."""
+    n_dof_columns: int
+    """Number of columns of all FRFs of a DoF."""
 
     def products(self, frf_products: FloatArray) -> FloatArray:
         """Return the normal matrices of the DoFs, (n_dof, n_all, n_all).
@@ -36,7 +40,7 @@ class ReferenceMixing:
         by_reference = frf_products.reshape(-1, *self.matrices.shape[:2], frf_products.shape[2])
         total = np.zeros((len(by_reference), self.matrices.shape[2], self.matrices.shape[2]))
         for k, whole in enumerate(self.matrices):
-            nonzero = np.flatnonzero(whole.any(axis=0))  # the others are of other references
+            nonzero = np.flatnonzero(whole.any(axis=0))  # columns that belong to this reference
             total[:, nonzero[:, None], nonzero] += (
                 whole[:, nonzero].T @ by_reference[:, k] @ whole[:, nonzero]
             )
@@ -93,5 +97,5 @@ def reference_mixing(basis: PoleBasis, parameters: FloatArray, n_residuals: int)
 
 
 def _of_modes(modes: IntArray, n: int, offset: int) -> IntArray:
-    """Return where the n columns of each mode are, (n_modes, n)."""
+    """Return the indices of the n columns of each mode, (n_modes, n)."""
     return np.asarray(offset + n * modes[:, None] + np.arange(n))

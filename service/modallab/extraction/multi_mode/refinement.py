@@ -19,19 +19,26 @@ from modallab.extraction.preprocessing.line_noise import weights_from_residuals
 class BandData:
     """Lines of a range with their weights."""
 
-    freq: FloatArray  # (n_lines,) Hz
-    receptance: ComplexArray  # (n_lines, n_frf) m/N
-    weight: FloatArray  # (n_lines, n_frf) one over E|error|^2
-    weights_known: bool  # whether the weights are the random error; else a shape that they may have
-    n_ref: int = 1  # references, of which each DoF has an FRF
+    freq: FloatArray
+    """(n_lines,) Hz."""
+    receptance: ComplexArray
+    """(n_lines, n_frf) m/N."""
+    weight: FloatArray
+    """(n_lines, n_frf) one over E|error|^2."""
+    weights_known: bool
+    """Whether the weights are absolute; else only their ratios are plausible."""
+    n_ref: int = 1
+    """Number of references, and so of FRFs of each DoF."""
 
 
 @dataclass(frozen=True, eq=False)
 class StartingPoles:
-    """Poles at which a fit starts."""
+    """Initial values of the poles of a fit."""
 
-    eigenvalue: ComplexArray  # (n_modes,) omega_r^2 (1 + i eta_r), (rad/s)^2
-    participation: ComplexArray | None  # (n_modes, n_ref); None where FRFs are to be fitted each by itself
+    eigenvalue: ComplexArray
+    """(n_modes,) omega_r^2 (1 + i eta_r), (rad/s)^2."""
+    participation: ComplexArray | None
+    """(n_modes, n_ref) factors; None if each FRF has its own constants."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -39,23 +46,25 @@ class RefinedModes:
     """Fit of all modes of a range."""
 
     fit: ModalFit
-    weight: FloatArray  # (n_lines, n_frf) that the fit ended with
-    left_out: tuple[str, ...]  # in words
-    # (n_modes, 2) by what frequency, Hz, and loss factor may be off for leakage still; None without
+    weight: FloatArray
+    """(n_lines, n_frf) final weights of the fit."""
+    left_out: tuple[str, ...]
+    """Rejected poles with the reason as text."""
     leakage_bias: FloatArray | None = None
+    """(n_modes, 2) remaining bias of frequency, Hz, and loss factor by leakage; None without leakage."""
 
 
 def refine(
     band_data: BandData, start: StartingPoles, damping: Damping, progress: Progress
 ) -> RefinedModes | None:
-    """Return the fit of all modes that are seen; None if there is none.
+    """Return the fit of all significant modes; None if there is none.
 
     Parameters
     ----------
     start
-        From a pole finder.
+        Initial poles from a pole finder.
     damping
-        Law of the modes.
+        Damping model.
     """
     weight = band_data.weight
     left_out: list[str] = []
@@ -79,9 +88,7 @@ def refine(
         insignificant = insignificant_poles(fit, band_data.freq)
         if not insignificant.any():
             return RefinedModes(fit, weight, tuple(left_out))
-        left_out += [
-            f"{f:.4g} Hz: no FRF shows it beyond its random error" for f in fit.frequency[insignificant]
-        ]
+        left_out += [f"{f:.4g} Hz: not above random error in any FRF" for f in fit.frequency[insignificant]]
         if not (between_ends(fit, band_data.freq) & (fit.loss_factor > 0) & ~insignificant).any():
             return None
         reach = fit.participation
@@ -131,7 +138,7 @@ def _with_outer_modes(start: StartingPoles, freq: FloatArray) -> StartingPoles:
         start.eigenvalue, (2 * np.pi * outer_frequencies) ** 2 * (1 + 1j * REFINEMENT.starting_loss_factor)
     )
     reach = start.participation
-    if reach is not None:  # one of either sign, as nothing is known of them
+    if reach is not None:  # initial factors of equal and of alternating signs
         unknown = (-1.0) ** np.multiply.outer(np.arange(2), np.arange(reach.shape[1]))
         reach = np.concatenate([reach, unknown])
     return StartingPoles(eigenvalue, reach)

@@ -12,38 +12,43 @@ from modallab.extraction.multi_mode.global_method import Poles
 
 @dataclass(frozen=True)
 class StabilisationTolerances:
-    """How near two poles of neighbouring orders must be to be the same.
+    """Tolerances between equal poles of successive orders.
 
-    One percent in frequency, five in damping and a MAC of 0.98 are in general use. One percent of a high
-    frequency can be many half-power bandwidths, where any pole will do: the frequency must agree within a
-    part of the bandwidth, too. Of a resonance much narrower than a line neither is known so well: there,
-    parts of the line spacing are allowed.
+    One per cent in frequency, five per cent in damping and a modal assurance criterion (MAC) of 0.98 are
+    customary. One per cent of a high frequency can be many half-power bandwidths, so that a tolerance
+    relative to the bandwidth is applied too. A resonance much narrower than a line is determined less
+    precisely; tolerances relative to the line spacing apply there.
     """
 
-    frequency: float = 0.01  # of the frequency
-    bandwidth: float = 0.2  # of the half-power bandwidth: of frequency
-    frequency_lines: float = 0.1  # of the line spacing: of frequency, if that is more than `bandwidth` allows
-    loss_factor: float = 0.05  # of the loss factor
-    loss_factor_lines: float = (
-        0.02  # of the line spacing: of the bandwidth, if more than `loss_factor` allows
-    )
-    vector: float = 0.02  # one less MAC
+    frequency: float = 0.01
+    """1, difference in frequency over the frequency."""
+    bandwidth: float = 0.2
+    """1, difference in frequency over the half-power bandwidth."""
+    frequency_lines: float = 0.1
+    """1, difference in frequency over the line spacing, if larger than that by `bandwidth`."""
+    loss_factor: float = 0.05
+    """1, difference in loss factor over the loss factor."""
+    loss_factor_lines: float = 0.02
+    """1, difference in half-power bandwidth over the line spacing, if larger than that by `loss_factor`."""
+    vector: float = 0.02
+    """1, one minus the MAC of the residue vectors."""
 
 
 USUAL = StabilisationTolerances()
 
 
 def stabilise(poles: Poles, tolerances: StabilisationTolerances = USUAL) -> IntArray:
-    """Return how stable each pole is, (n_poles,): 0 new, 1 in frequency, 2 and in damping, 3 in vector too.
+    """Return the stability level of each pole, (n_poles,).
 
-    It is held against all poles of the next lower order and has the level of the one it agrees with best.
+    Level 0 is a new pole, 1 is stable in frequency, 2 in damping too, 3 in the vector of residues too. Each
+    pole is compared with all poles of the next lower order; the highest level of agreement counts.
 
     Parameters
     ----------
     poles
-        Of rising orders, from a member of `GLOBAL_METHODS`.
+        Poles at ascending orders, from a member of `GLOBAL_METHODS`.
     tolerances
-        How near two poles must be.
+        Tolerances between equal poles.
     """
     levels = np.zeros(len(poles.order), int)
     for lower_order, higher_order in pairwise(poles.orders):

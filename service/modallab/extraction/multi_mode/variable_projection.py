@@ -19,22 +19,29 @@ Number = TypeVar("Number", bound=np.generic)
 
 @dataclass(frozen=True, eq=False)
 class ScaledLines:
-    """Lines on scales of order one: omega up to 1, the weighted rms of each DoF's FRFs 1.
+    """Lines scaled to order one: largest omega 1, rms of the FRFs of each DoF 1.
 
-    FRFs are counted DoF by DoF, at each of them reference by reference. Those of several references may
-    share their modes' shapes: then the unknowns are those of a DoF, otherwise those of an FRF.
+    FRFs are ordered by DoF, then by reference. If the FRFs of several references share the shapes of modes,
+    the unknowns belong to a DoF, otherwise to an FRF.
     """
 
-    omega: FloatArray  # (n_lines,) in `unit`
-    n_references: int  # that share shapes
-    response: ComplexArray  # (n_lines, n_frf)
-    weight: FloatArray  # (n_lines, n_frf) one over E|error|^2, 0 for a line not used
-    unit: float  # rad/s
-    size: FloatArray  # (n_dof,) m/N, the unit of each response
-    fixed_poles: tuple[float, ...] = ()  # in `unit`, poles held above the range
+    omega: FloatArray
+    """(n_lines,) in `unit`."""
+    n_references: int
+    """Number of references that share shapes."""
+    response: ComplexArray
+    """(n_lines, n_frf) scaled responses."""
+    weight: FloatArray
+    """(n_lines, n_frf) one over E|error|^2, 0 for a line not used."""
+    unit: float
+    """rad/s, unit of omega."""
+    size: FloatArray
+    """(n_dof,) m/N, unit of the responses of each DoF."""
+    fixed_poles: tuple[float, ...] = ()
+    """In `unit`, fixed poles above the range."""
 
     def reference_mixing(self, basis: PoleBasis, parameters: FloatArray) -> ReferenceMixing:
-        """Return how a DoF's FRFs follow from those of each reference."""
+        """Return the linear map between sums of single FRFs and of all FRFs of a DoF."""
         return reference_mixing(basis, parameters, 4 + 2 * len(self.fixed_poles))
 
 
@@ -42,12 +49,18 @@ class ScaledLines:
 class LinearSolution:
     """Solution of the linear unknowns at given parameters of the modes."""
 
-    coefficients: FloatArray  # (n_dof, n_columns) those of the columns
-    inverse: FloatArray  # (n_dof, n_columns, n_columns) of the columns' weighted products
-    mixed: FloatArray  # (n_dof, n_columns, n_slopes) coefficients of the slopes' columns in the columns
-    projected: FloatArray  # (n_dof, n_slopes, n_slopes) weighted products of what the columns cannot mimic
-    gradient: FloatArray  # (n_dof, n_slopes) products of that with the residual
-    misfit: FloatArray  # (n_dof,) weighted sum of squared residuals
+    coefficients: FloatArray
+    """(n_dof, n_columns) coefficients of the columns."""
+    inverse: FloatArray
+    """(n_dof, n_columns, n_columns) inverse normal matrix of the columns."""
+    mixed: FloatArray
+    """(n_dof, n_columns, n_slopes) coefficients of the projection of slope columns onto the columns."""
+    projected: FloatArray
+    """(n_dof, n_slopes, n_slopes) weighted products of the slope columns orthogonal to the columns."""
+    gradient: FloatArray
+    """(n_dof, n_slopes) weighted products of these with the residual."""
+    misfit: FloatArray
+    """(n_dof,) weighted sum of squared residuals."""
 
 
 def scale_lines(
@@ -62,7 +75,7 @@ def scale_lines(
     response, weight
         (n_lines, n_frf) m/N and one over E|error|^2, DoF by DoF.
     n_references
-        That share the shapes of modes; 1 where each FRF has modal constants of its own.
+        Number of references that share the shapes of modes; 1 if each FRF has its own modal constants.
     """
     used = weight > 0
     power = stack_references(np.where(used, np.abs(response), 0.0) ** 2, n_references).mean(axis=0)
@@ -132,7 +145,7 @@ def solve_linear(lines: ScaledLines, basis: PoleBasis, parameters: FloatArray) -
 
 
 def line_blocks(n_lines: int, width: int) -> Iterator[slice]:
-    """Yield stretches of lines, so few that `width` numbers a line fit into a block."""
+    """Yield blocks of lines, sized for `width` numbers for each line in the memory of a block."""
     step = max(PROJECTION.products_in_memory // max(width, 1), 1)
     for start in range(0, n_lines, step):
         yield slice(start, start + step)
@@ -157,7 +170,7 @@ def _products(
 def columns_and_slopes(
     lines: ScaledLines, basis: PoleBasis, parameters: FloatArray, block: slice
 ) -> ComplexArray:
-    """Return those of an FRF at some lines, (n_lines, n)."""
+    """Return columns and slope columns of an FRF at a block of lines, (n_lines, n)."""
     omega = lines.omega[block]
     columns = all_columns(basis, omega, parameters, lines.fixed_poles)
     return np.concatenate([columns, all_slopes(basis, omega, parameters)], axis=1)

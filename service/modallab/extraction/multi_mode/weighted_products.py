@@ -17,7 +17,7 @@ def weighted_products(columns: ComplexArray, weight: FloatArray, *, paired_colum
     weight
         (n_lines, n_frf), not negative.
     paired_columns
-        Whether every other column is the one before times i: then half of them tell all.
+        Whether every second column is the preceding one times i, so that half of the products suffice.
     """
     if paired_columns:
         return _hermitian_products(columns[:, ::2], weight)
@@ -26,7 +26,7 @@ def weighted_products(columns: ComplexArray, weight: FloatArray, *, paired_colum
 
 
 def _hermitian_products(columns: ComplexArray, weight: FloatArray) -> FloatArray:
-    """Return the products of columns and of these times i, by one Hermitian product a FRF."""
+    """Return the products of columns and of the columns times i, by one Hermitian product for each FRF."""
     n = columns.shape[1]
     products = np.empty((weight.shape[1], n, 2, n, 2))
     first, second = np.triu_indices(n)
@@ -41,7 +41,7 @@ def _hermitian_products(columns: ComplexArray, weight: FloatArray) -> FloatArray
 
 
 def _products_by_frf(parts: FloatArray, weight: FloatArray) -> FloatArray:
-    """Return the products of real and imaginary parts, below one another, by one a FRF."""
+    """Return the products of stacked real and imaginary parts, by one product for each FRF."""
     n = parts.shape[1]
     products = np.empty((weight.shape[1], n, n))
     first, second = np.triu_indices(n)

@@ -1,4 +1,4 @@
-"""What an extraction method is: one mode from each of many short stretches of FRF."""
+"""Interface of single-mode methods: one mode from each of many short ranges of lines."""
 
 from collections.abc import Callable
 from dataclasses import dataclass, field, fields
@@ -15,7 +15,7 @@ from modallab.extraction.options import DistantLinesOptions, ExtractionOptions, 
 
 
 class Outcome(IntEnum):
-    """How a fit ended; batched fits say so instead of raising."""
+    """Outcome of a fit in a batch, in place of an exception."""
 
     FOUND = 0
     TOO_FEW_LINES = 1
@@ -38,10 +38,14 @@ PAIRS = 32768  # of lines at once, half a megabyte an array: larger ones cost fr
 class ModeFit:
     """One hysteretic mode and a constant: A / (lambda_r - omega^2) + residual."""
 
-    frequency: float  # Hz
+    frequency: float
+    """Hz, natural frequency."""
     loss_factor: float
-    modal_constant: complex  # 1/kg for receptance
-    residual: complex = 0j  # unit of the response
+    """1, loss factor."""
+    modal_constant: complex
+    """1/kg for receptance, modal constant A."""
+    residual: complex = 0j
+    """Unit of the response, constant residual."""
 
     def response(self, freq: FloatArray) -> ComplexArray:
         """Return the response of this mode with its residual, shaped as `freq`, Hz."""
@@ -52,21 +56,34 @@ class ModeFit:
 
 @dataclass(frozen=True, eq=False)
 class ModeFits:
-    """Many single-mode fits at once; every array is (n_fits,), and zero where nothing was found."""
+    """Batch of single-mode fits; all arrays are (n_fits,), zero where no mode was found.
 
-    frequency: FloatArray  # Hz
+    Standard errors follow from the random error of the lines; for a complex number they are those of real
+    and imaginary part.
+    """
+
+    frequency: FloatArray
+    """Hz, natural frequency."""
     loss_factor: FloatArray
+    """1, loss factor."""
     modal_constant: ComplexArray
+    """1/kg for receptance, modal constant A."""
     residual: ComplexArray
-    # Standard errors from the random error of the lines; of a complex number: of either of its parts.
-    frequency_error: FloatArray  # Hz
+    """Unit of the response, constant residual."""
+    frequency_error: FloatArray
+    """Hz, standard error of the frequency."""
     loss_factor_error: FloatArray
+    """1, standard error of the loss factor."""
     modal_constant_error: FloatArray
+    """1/kg for receptance, standard error of the modal constant."""
     residual_error: FloatArray
-    # mean square residual over the lines' variance: 1 when only random error is left, 0 if no line is fitted
+    """Unit of the response, standard error of the residual."""
     misfit: FloatArray
-    outcome: IntArray  # Outcome
-    quality: dict[str, FloatArray] = field(default_factory=dict)  # what only this method can tell, %
+    """1, mean squared residual over the variance of the lines; 0 if no line was fitted."""
+    outcome: IntArray
+    """Value of `Outcome`."""
+    quality: dict[str, FloatArray] = field(default_factory=dict)
+    """%, quality measures specific to the method, by name."""
 
     @property
     def found(self) -> BoolArray:
@@ -79,7 +96,7 @@ class ModeFits:
         Raises
         ------
         NoModeInBandError
-            If that fit found nothing.
+            If that fit found no mode.
         """
         if self.outcome[index] != Outcome.FOUND:
             raise NoModeInBandError(REASONS[Outcome(int(self.outcome[index]))], fit=index)
@@ -92,7 +109,7 @@ class ModeFits:
 
 
 class ExtractionMethod(Protocol):
-    """Returns one mode for every row.
+    """Function that returns one mode for every row.
 
     Parameters
     ----------
@@ -111,10 +128,10 @@ class ExtractionMethod(Protocol):
 
 
 class FitPlot(Protocol):
-    """Returns named arrays of what a method draws through one stretch of FRF, lines without weight left out.
+    """Function that returns the plot data of one fit as named arrays, without lines of weight 0.
 
-    What lies along the axis is named `x...` and is `(2 pi freq)^2`, (rad/s)^2. Parameters as those of an
-    `ExtractionMethod`, for one row, (n_lines,).
+    Abscissae have names `x...` and are `(2 pi freq)^2`, (rad/s)^2. Parameters as those of
+    `ExtractionMethod` for one row, (n_lines,).
     """
 
     def __call__(
@@ -207,7 +224,7 @@ def fit_mode(
     Raises
     ------
     NoModeInBandError
-        If the band holds no resonance.
+        If the band contains no resonance.
     """
     weight = np.ones(len(freq)) if weight is None else weight
     fits = method(freq[None], frf[None], weight[None])

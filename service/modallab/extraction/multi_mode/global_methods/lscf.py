@@ -8,7 +8,7 @@ from modallab.extraction.multi_mode.global_method import GLOBAL_METHODS, Poles, 
 def lscf(freq: FloatArray, frf: ComplexArray, weight: FloatArray, orders: IntArray) -> Poles:
     """Poles of scalar fractions `H_oi = B_oi / A`; parameters and errors as `GlobalMethod`.
 
-    Every FRF, whatever its input, is a row of its own. Of coincident modes it finds one.
+    FRFs of all inputs are treated as separate outputs. Only one of several coincident modes is found.
 
     References
     ----------

@@ -14,9 +14,9 @@ from modallab.extraction.multi_mode.settings import MATRIX_FRACTION
 def poly_reference_lscf(freq: FloatArray, frf: ComplexArray, weight: FloatArray, orders: IntArray) -> Poles:
     """Poles of matrix fractions `H = B A^-1`; parameters and errors as `GlobalMethod`.
 
-    A polynomial of order n has n poles an input, and as many modes may coincide as there are inputs. With
-    one input it is `lscf`. A line of an output counts by the mean variance over its inputs. More inputs than
-    `MOST_INPUTS` are refused: the fit of all their participations would not fit into memory.
+    A polynomial of order n has n poles for each input, and as many modes may coincide as there are inputs.
+    With one input the method is equal to `lscf`. Lines of an output are weighted by the mean variance over
+    its inputs. The number of inputs is limited, because the fit of all participation factors needs memory.
 
     References
     ----------
