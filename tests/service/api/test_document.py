@@ -14,25 +14,7 @@ METHODS = ("get", "post", "put", "patch", "delete")
 # Schemas whose properties are described with their dataclasses; the list only ever shrinks.
 UNDESCRIBED = frozenset(
     {
-        "AddedMassIn",
-        "ChangedIn",
         "ChartOut",
-        "DiagnosisStart",
-        "ExpandedOut",
-        "FitOut",
-        "FollowUpIn",
-        "GroupsIn",
-        "HoldOutIn",
-        "LevelIn",
-        "ModalModelOut",
-        "ModalModelStart",
-        "ModalReciprocityOut",
-        "ParameterisationIn",
-        "PartitionIn",
-        "StudyStart",
-        "UpdateOptionsIn",
-        "UpdateStart",
-        "WanderOut",
     }
 )
 

@@ -19,21 +19,32 @@ class AddedMassIn(Wire):
 
     mass: Annotated[Number, Field(description="kg")]
     at: Literal["sensors"] | DofText = "sensors"
+    """DoF that carries the mass; `sensors`: every accelerometer"""
 
 
 class ChangedIn(Wire):
     """What was changed against the first test; what is left out is the same."""
 
-    level_factor: Annotated[Number, Field(description="on the rms of the source")] | None = None
+    level_factor: Number | None = None
+    """1, rms of the source over that of the first test"""
     averages_factor: Number | None = None
+    """1, number of averages over that of the first test"""
     n_lines: Count | None = None
-    frequency_max: Annotated[Number, Field(description="Hz")] | None = None
+    """frequency lines, 0 Hz included"""
+    frequency_max: Number | None = None
+    """Hz, highest line of the analyser"""
     window: Text | None = None
-    excitation: Annotated[Text, Field(description="kind of excitation")] | None = None
+    """window of the analyser"""
+    excitation: Text | None = None
+    """kind of excitation"""
     exciter: Literal["shaker", "hammer"] | None = None
+    """kind of exciter"""
     drive: DofText | None = None
+    """DoF of the excitation"""
     responses: list[DofText] = Field(default=[], max_length=2000)
+    """DoFs of the responses; empty: those of the first test"""
     added_mass: AddedMassIn | None = None
+    """known mass that was added for the test"""
 
     def to_domain(self) -> Change:
         """Return the change.
@@ -50,7 +61,9 @@ class FollowUpIn(Wire):
     """A further test. Its log book counts; where that does not show what was changed, `changed` does."""
 
     measurement_id: Id
+    """measurement of the further test"""
     changed: ChangedIn = ChangedIn()
+    """changes against the first test that its log book does not show"""
 
     def to_domain(self) -> FurtherTest:
         """Return the measurement and the change as a task takes them."""

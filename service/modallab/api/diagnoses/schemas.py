@@ -20,9 +20,13 @@ DiagnosisOptionsBody: Any = body_of(DiagnosisOptions, enforced=True)
 class DiagnosisStart(DiagnosisOptionsBody):  # type: ignore[misc]
     """A model and a measurement that part; `act` runs the proposed next tests where the rig is ours."""
 
-    structure_id: Id
-    measurement_id: Id
-    follow_ups: list[FollowUpIn] = Field(default=[], max_length=REQUEST.follow_ups)
+    structure_id: Id = Field(description="model that shall explain the measurement")
+    measurement_id: Id = Field(description="measurement with its log book")
+    follow_ups: list[FollowUpIn] = Field(
+        default=[],
+        max_length=REQUEST.follow_ups,
+        description="further tests of the same structure, explained together with the first",
+    )
 
     def to_task(self, structure: Structure) -> tuple[DiagnosisInputs, DiagnosisOptions]:
         """Return the task's inputs and options, checked as far as can be before the work.

@@ -79,6 +79,7 @@ class ModalModelStart(Wire):
     """
 
     measurement_id: Id
+    """measurement whose FRFs are read"""
     method: Annotated[Text, OneOf(lambda: OPTIONS)] = Field(
         default="dobson", description="extraction method, as `/catalog/extraction-methods` lists them"
     )
@@ -86,7 +87,9 @@ class ModalModelStart(Wire):
         default_factory=dict, validate_default=True, description="options of the method"
     )
     bands: Literal["auto"] | Annotated[list[Band], Field(min_length=1, max_length=500)] = "auto"
+    """Hz, low and high end of each band; `auto`: found by a mode indicator"""
     n_modes: Annotated[int, Field(ge=1, le=500), NO_CONVERSION] | None = None
+    """largest number of modes, the most prominent; null: all that stand out"""
     correct_window_damping: bool = Field(
         False, description="take what an exponential window added out of the loss factors"
     )

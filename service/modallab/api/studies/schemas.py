@@ -8,6 +8,7 @@ from modallab.api.deps import Id
 from modallab.api.derived import OptionsByMethod
 from modallab.api.limits import REQUEST
 from modallab.api.modal_models.schemas import Dofs, ModeNoiseIn, distinct
+from modallab.api.schema import OneOf
 from modallab.api.updates.parameterisation import Macros, ParameterisationIn, Parts
 from modallab.api.updates.schemas import UPDATE_BODIES, coefficient_options, refuse
 from modallab.api.wire import ModeCount, Number, Seed, Text, Wire
@@ -28,6 +29,7 @@ class LevelIn(ModeNoiseIn):
     """A level of noise with a name of its own."""
 
     name: Text
+    """name of the level in the results"""
 
     def to_level(self) -> Level:
         """Return the level."""
@@ -58,7 +60,9 @@ class StudyStart(Wire):
 
     structure_id: Id = Field(description="the model that is corrected")
     truth_id: Id = Field(description="a changed copy of it, whose modes are drawn")
-    method: Text = "one_shot"
+    method: Annotated[Text, OneOf(lambda: STUDY_METHODS)] = Field(
+        default="one_shot", description="updating method that takes modes"
+    )
     levels: Annotated[list[Text | LevelIn], Field(min_length=1, max_length=50)] = Field(
         default=list(NOISE_LEVELS), description="NL1 to NL4 of the 1992 thesis, or noise by its size"
     )
@@ -66,13 +70,17 @@ class StudyStart(Wire):
         default={"each": "each"}, description="macro elements by a name: as `macros` of an update"
     )
     seeds: Annotated[list[Seed], Field(min_length=1, max_length=STUDY.max_runs)] = Field(
-        default=list(range(10))
+        default=list(range(10)), description="seeds of the noise, one run each"
     )
     count: ModeCount = Field(default=10, description="modes that are measured")
     dofs: Dofs
+    """DoFs at which shapes are measured, each once"""
     parts: Parts = None
+    """parts of the member matrices that are corrected; null: those of the method"""
     lower: Number = 0.05
+    """1, lower bound of every coefficient"""
     upper: Number = 10.0
+    """1, upper bound of every coefficient"""
     options: StudyOptionsBody = Field(
         default_factory=dict, validate_default=True, description="options of the method"
     )

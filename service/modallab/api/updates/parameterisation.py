@@ -29,6 +29,7 @@ class GroupsIn(Wire):
     """Macro elements by what members are: named groups, and sections or thicknesses with a material."""
 
     by: Literal["groups"]
+    """`groups`: one macro element for each group"""
 
     def groups(self, structure: Structure) -> Groups:
         """Return the members of each."""
@@ -39,6 +40,7 @@ class PartitionIn(Wire):
     """Macro elements that are connected parts of the structure, of about as many members each."""
 
     by: Literal["partition"]
+    """`partition`: connected parts of equal size"""
     count: Annotated[int, Field(ge=1, le=1000), NO_CONVERSION] | None = Field(
         default=None,
         description="macro elements; left out: a quarter of the members, 60 at most",
@@ -84,7 +86,9 @@ class ParameterisationIn(Wire):
         "ground_spring_rz, and joint_stiffness; lists of nodes, or `each` that carries one",
     )
     lower: Number = 0.05
+    """1, lower bound of every coefficient"""
     upper: Number = 10.0
+    """1, upper bound of every coefficient"""
 
     def to_domain(self, structure: Structure, method: str) -> Parameterisation:
         """Return the parameterisation; `InvalidInputError` where structure or method have none such."""

@@ -75,6 +75,7 @@ class UpdateStart(Wire):
     """A model to be corrected until its modes, or its frequency responses, are the measured ones."""
 
     structure_id: Id
+    """model that is corrected"""
     modal_model_id: Id | None = Field(default=None, description="of every method but those that take FRFs")
     measurement_id: Id | None = Field(default=None, description="of a method that takes FRFs: frf_residual")
     noise_floor: NoiseFloor | None = Field(
@@ -86,6 +87,7 @@ class UpdateStart(Wire):
         description="updating method, as `/catalog/updating-methods` lists them",
     )
     parameterisation: ParameterisationIn = ParameterisationIn()
+    """coefficients that may change; not for direct methods"""
     options: UpdateOptionsBody = Field(
         default_factory=dict, validate_default=True, description="options of the method"
     )
