@@ -14,7 +14,7 @@ from modallab.diagnosis.result import (
     Step,
     Verdict,
 )
-from modallab.diagnosis.result_curves import Curves
+from modallab.diagnosis.result_curves import DiagnosisCurves
 from tests.diagnosing import model, rig
 
 OUTPUTS = tuple(Dof(n, "Y") for n in (1, 2, 4, 5, 7, 9))
@@ -29,7 +29,7 @@ STEP = Step(
 )
 
 
-def curves(n_freq: int = 60) -> Curves:
+def curves(n_freq: int = 60) -> DiagnosisCurves:
     """Return resonances that were predicted 3 % too high, and after an addition as they are."""
     freq = np.linspace(0.0, 400.0, n_freq)
 
@@ -39,7 +39,7 @@ def curves(n_freq: int = 60) -> Curves:
 
     measured = frf(120.0)
     measured[:, 3] *= 1.5  # the channel that is furthest off
-    return Curves(
+    return DiagnosisCurves(
         freq=freq,
         measured=measured,
         before=frf(123.6),

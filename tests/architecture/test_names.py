@@ -54,7 +54,6 @@ def bindings(module: ast.Module) -> Iterator[str]:
 
 # Field names of the contract, and words of the standards that stay.
 CONTRACT = {"located", "law"}
-PENDING = {"identified", "findings", "located", "drawn", "above", "turn", "stretch"}
 
 
 def definitions(path: Path, module: ast.Module) -> Iterator[str]:
@@ -85,7 +84,7 @@ def test_modules_classes_functions_and_parameters_have_standard_terms() -> None:
         for tree in TREES
         for path, module in modules(tree)
         for name in definitions(path, module)
-        if name.strip("_").lower() in RETIRED - PENDING
+        if name.strip("_").lower() in RETIRED
     ]
     assert retired == []
 
@@ -93,7 +92,7 @@ def test_modules_classes_functions_and_parameters_have_standard_terms() -> None:
 def test_fields_on_the_wire_have_standard_terms() -> None:
     schemas = json.loads((ROOT / "docs" / "openapi.json").read_text())["components"]["schemas"]
     fields = {name for schema in schemas.values() for name in schema.get("properties", ())}
-    assert fields & RETIRED - CONTRACT - PENDING == set()
+    assert fields & RETIRED - CONTRACT == set()
 
 
 def test_bindings_are_nouns_of_the_domain() -> None:

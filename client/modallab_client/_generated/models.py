@@ -59,14 +59,14 @@ class ParameterSpec:
 class OptionSpec:
     """Specification of one option; a default of null stands for a value chosen from the data."""
 
-    above: float | None
-    """Bound that a value must exceed."""
     choices: tuple[str, ...]
     """Names allowed; empty where the option is no name of a closed set."""
     default: float | str | None
     """Value of an option left out."""
     doc: str
     """Meaning, in one line."""
+    exclusive_minimum: float | None
+    """Bound that a value must exceed."""
     kind: Literal["option"]
     """Type of this specification."""
     lower: float | None

@@ -165,11 +165,15 @@ class _WireTypes:
         raise TypeError(f"{declared.name}: no request field is derived from {hint}")
 
     def _number(self, hint: Any, spec: OptionSpec) -> Any:
-        bounded = (spec.lower, spec.upper, spec.above) != (None, None, None)
+        bounded = (spec.lower, spec.upper, spec.exclusive_minimum) != (None, None, None)
         beyond = hint is int and (spec.upper or 0) > REQUEST.integer
         if beyond or (self.enforced and bounded):
-            return Annotated[hint, WireField(ge=spec.lower, le=spec.upper, gt=spec.above), NO_CONVERSION]
-        lower, excluded = (spec.lower, False) if spec.above is None else (spec.above, True)
+            return Annotated[
+                hint, WireField(ge=spec.lower, le=spec.upper, gt=spec.exclusive_minimum), NO_CONVERSION
+            ]
+        lower, excluded = (
+            (spec.lower, False) if spec.exclusive_minimum is None else (spec.exclusive_minimum, True)
+        )
         return Annotated[Count if hint is int else Number, Limits(lower, spec.upper, lower_excluded=excluded)]
 
 

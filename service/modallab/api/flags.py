@@ -52,7 +52,7 @@ def _flag(hint: Any, spec: OptionSpec, declared: Field[Any]) -> Any:
     kind = list[str] if repeated else next(h for h in (*get_args(hint), hint) if isinstance(h, type))
     name = f"--{declared.name.replace('_', '-')}"
     names = dict.fromkeys((name, name.removesuffix("s") if repeated else name))
-    limits = bounds(spec.lower, spec.upper, above=spec.above, unit=spec.unit)
+    limits = bounds(spec.lower, spec.upper, exclusive_minimum=spec.exclusive_minimum, unit=spec.unit)
     unit = "" if spec.unit in ("", "1", "-") else spec.unit
     allowed = in_words(limits) if limits.keys() - {"unit"} else unit
     default = declared.metadata["null_name"] if spec.default is None else spec.default

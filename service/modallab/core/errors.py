@@ -27,8 +27,8 @@ def bounds(
     minimum: float | None = None,
     maximum: float | None = None,
     *,
-    above: float | None = None,
-    below: float | None = None,
+    exclusive_minimum: float | None = None,
+    exclusive_maximum: float | None = None,
     unit: str = "",
 ) -> dict[str, JsonValue]:
     """Return the bounds of a number, named as in JSON Schema, and its unit.
@@ -37,16 +37,16 @@ def bounds(
     ----------
     minimum, maximum
         Bounds that are allowed themselves; None where there is none.
-    above, below
+    exclusive_minimum, exclusive_maximum
         Bounds that are not allowed themselves.
     unit
         SI unit, or the things counted; empty, `1` or `-` of a ratio.
     """
     numbers = {
         "minimum": minimum,
-        "exclusiveMinimum": above,
+        "exclusiveMinimum": exclusive_minimum,
         "maximum": maximum,
-        "exclusiveMaximum": below,
+        "exclusiveMaximum": exclusive_maximum,
     }
     stated: dict[str, JsonValue] = {name: value for name, value in numbers.items() if value is not None}
     return stated if unit in ("", "1", "-") else stated | {"unit": unit}

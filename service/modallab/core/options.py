@@ -27,7 +27,7 @@ class OptionSpec:
     """Names allowed; empty where the option is no name of a closed set."""
     default: float | str | None = None
     """Value of an option left out."""
-    above: float | None = None
+    exclusive_minimum: float | None = None
     """Bound that a value must exceed."""
 
 
@@ -38,7 +38,7 @@ def option(
     unit: str = "",
     lower: float | None = None,
     upper: float | None = None,
-    above: float | None = None,
+    exclusive_minimum: float | None = None,
     choices: tuple[str, ...] = (),
     default_factory: Any = MISSING,
     min_items: int | None = None,
@@ -51,7 +51,7 @@ def option(
     ----------
     default, default_factory
         As of `dataclasses.field`.
-    doc, unit, lower, upper, above
+    doc, unit, lower, upper, exclusive_minimum
         As of `OptionSpec`.
     choices
         Names allowed; not needed where the field's type is a StrEnum.
@@ -60,7 +60,7 @@ def option(
     null_name
         Name that stands for None in a request; empty where null itself does.
     """
-    spec = OptionSpec(doc, unit, lower, upper, choices, above=above)
+    spec = OptionSpec(doc, unit, lower, upper, choices, exclusive_minimum=exclusive_minimum)
     metadata = {"option": spec, "min_items": min_items, "max_items": max_items, "null_name": null_name}
     if default_factory is not MISSING:
         return field(default_factory=default_factory, metadata=metadata)
@@ -138,14 +138,16 @@ def _chosen(cls: type, name: str, value: str, spec: OptionSpec) -> str:
 def _check_bounds(path: str, value: float, spec: OptionSpec) -> None:
     lower = -math.inf if spec.lower is None else spec.lower
     upper = math.inf if spec.upper is None else spec.upper
-    inside = lower <= value <= upper and (spec.above is None or value > spec.above)  # NaN is outside
-    bounded = (spec.lower, spec.upper, spec.above) != (None, None, None)
+    inside = lower <= value <= upper and (
+        spec.exclusive_minimum is None or value > spec.exclusive_minimum
+    )  # NaN is outside
+    bounded = (spec.lower, spec.upper, spec.exclusive_minimum) != (None, None, None)
     if bounded and not inside:
         raise InvalidInputError(
             f"{path} is out of bounds",
             field=path,
             value=value,
-            allowed=bounds(spec.lower, spec.upper, above=spec.above, unit=spec.unit),
+            allowed=bounds(spec.lower, spec.upper, exclusive_minimum=spec.exclusive_minimum, unit=spec.unit),
         )
 
 

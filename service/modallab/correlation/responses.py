@@ -102,7 +102,10 @@ def _common_responses(measured: FrfSet, system: DynamicSystem) -> FrfSet:
     lines = measured.freq > 0
     if not lines.any():
         raise InvalidInputError(
-            "there is no line above 0 Hz", field="freq", value=0.0, allowed=bounds(above=0, unit="Hz")
+            "there is no line above 0 Hz",
+            field="freq",
+            value=0.0,
+            allowed=bounds(exclusive_minimum=0, unit="Hz"),
         )
     return FrfSet(
         freq=measured.freq[lines],

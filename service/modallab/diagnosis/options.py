@@ -34,7 +34,7 @@ class DiagnosisOptions(Options):
     noise_floor: float | None = option(
         None,
         unit="1",
-        above=0.0,
+        exclusive_minimum=0.0,
         upper=1.0,
         doc="relative random error of every FRF, of its median where it is below that; beside what coherence "
         "and averages tell, alone where there is no coherence",

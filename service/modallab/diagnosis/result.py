@@ -8,7 +8,7 @@ from typing import Annotated
 from modallab.core.dof import Dof
 from modallab.core.place import Place
 from modallab.core.reply import NanFloat, NotInReply
-from modallab.diagnosis.result_curves import Curves
+from modallab.diagnosis.result_curves import DiagnosisCurves
 from modallab.fe.structure import Structure
 from modallab.rig.setup import RigSetup
 
@@ -233,7 +233,7 @@ class Diagnosis:
     """Model with the added effects."""
     setup: Annotated[RigSetup, NotInReply("stored under `rig_id`")]
     """Log book with the added effects."""
-    curves: Annotated[Curves, NotInReply("told in `/arrays`")]
+    curves: Annotated[DiagnosisCurves, NotInReply("told in `/arrays`")]
     """Measured and predicted FRFs and spectra."""
     candidates: tuple[Rival, ...] = ()
     """All effects fitted in the first round, best first."""

@@ -19,7 +19,7 @@ from modallab.diagnosis.result import (
     Step,
     ToleratedParameter,
 )
-from modallab.diagnosis.result_curves import Curves, Spectra
+from modallab.diagnosis.result_curves import DiagnosisCurves, Spectra
 from modallab.diagnosis.searching.acceptance import model_probabilities
 from modallab.diagnosis.searching.search_path import AcceptedEffect
 from modallab.diagnosis.settings import DIAGNOSIS
@@ -105,7 +105,9 @@ def extended(structure: Structure, setup: RigSetup, effects: Sequence[Effect]) -
     return structure, setup
 
 
-def curves(predictor: Predictor, measurement: Measurement, best: Fit, unmeasured: tuple[Dof, ...]) -> Curves:
+def curves(
+    predictor: Predictor, measurement: Measurement, best: Fit, unmeasured: tuple[Dof, ...]
+) -> DiagnosisCurves:
     """Return measured and predicted curves of the first test.
 
     Parameters
@@ -120,7 +122,7 @@ def curves(predictor: Predictor, measurement: Measurement, best: Fit, unmeasured
     fitted = predictor.with_nuisances_at(best.nuisance_position)
     predicted = fitted.unmeasured_inertance(best.effects, unmeasured) if unmeasured else None
     initial, final = predictor.predict(()), fitted.predict(best.effects)
-    return Curves(
+    return DiagnosisCurves(
         freq=observed.freq,
         measured=observed.h[..., None],
         before=initial.h[..., None],

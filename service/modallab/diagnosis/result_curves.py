@@ -29,7 +29,7 @@ class Spectra:
 
 
 @dataclass(frozen=True, eq=False)
-class Curves:
+class DiagnosisCurves:
     """Compared FRFs, H1 estimates as inertance, and auto spectra where they were measured."""
 
     freq: FloatArray

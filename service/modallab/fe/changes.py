@@ -103,7 +103,7 @@ Change = MemberChange | NodeMass | GroundStiffness | JointStiffness
 
 def _check(number: float, field: str, *, zero_allowed: bool) -> None:
     if not np.isfinite(number) or number < 0 or (number == 0 and not zero_allowed):
-        allowed = bounds(0) if zero_allowed else bounds(above=0)
+        allowed = bounds(0) if zero_allowed else bounds(exclusive_minimum=0)
         raise InvalidInputError(f"{field} is out of bounds", field=field, value=number, allowed=allowed)
 
 

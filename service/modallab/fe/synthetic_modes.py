@@ -56,7 +56,10 @@ class ModeNoise:
             value = getattr(self, name)
             if not 0 <= value < 1:  # NaN fails too
                 raise InvalidInputError(
-                    f"{name} is out of bounds", field=name, value=value, allowed=bounds(0, below=1)
+                    f"{name} is out of bounds",
+                    field=name,
+                    value=value,
+                    allowed=bounds(0, exclusive_maximum=1),
                 )
 
     def factors(self, size: float, n: int, rng: np.random.Generator) -> FloatArray:

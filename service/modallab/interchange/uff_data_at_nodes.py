@@ -99,7 +99,9 @@ class _Reader:
         self._lines, self._index = lines, index
         if len(lines) <= UNIVERSAL.shape_records:
             raise refusal(
-                f"mode {index} is cut short", value=len(lines), allowed=bounds(above=UNIVERSAL.shape_records)
+                f"mode {index} is cut short",
+                value=len(lines),
+                allowed=bounds(exclusive_minimum=UNIVERSAL.shape_records),
             )
 
     def integers(self, line: int, count: int) -> list[int]:

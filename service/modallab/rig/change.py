@@ -35,7 +35,7 @@ class AddedMass:
                 "an added mass weighs something",
                 field="added_mass.mass",
                 value=self.mass,
-                allowed=bounds(above=0, maximum=CHANGE.max_mass, unit="kg"),
+                allowed=bounds(exclusive_minimum=0, maximum=CHANGE.max_mass, unit="kg"),
             )
 
 

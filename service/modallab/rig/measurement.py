@@ -66,7 +66,7 @@ class Measurement:
                 "a noise floor is a relative error",
                 field="noise_floor",
                 value=self.noise_floor,
-                allowed=bounds(above=0, maximum=1),
+                allowed=bounds(exclusive_minimum=0, maximum=1),
             )
         if not self.averages >= 1:
             raise InvalidInputError(

@@ -157,7 +157,7 @@ def _check(target: ModalModel) -> None:
             "elastic modes have frequencies above zero",
             field="frequencies",
             value=float(frequencies.min()),
-            allowed=bounds(above=0, unit="Hz"),
+            allowed=bounds(exclusive_minimum=0, unit="Hz"),
         )
 
 

@@ -23,7 +23,7 @@ class PaintOptions(Options):
 
     coats: int = option(2, unit="1", lower=1, upper=5, doc="coats of paint")
     thickness: float | None = option(None, unit="m", lower=0.0, doc="thickness of a coat")
-    share: float = option(0.5, unit="1", above=0.0, upper=1.0, doc="painted part of the surface")
+    share: float = option(0.5, unit="1", exclusive_minimum=0.0, upper=1.0, doc="painted part of the surface")
     colour: Colour | None = option(Colour.RED, doc="colour of the last coat")
     finish: str = option("matt", doc="finish of the last coat", choices=("matt", "gloss"))
     dry: bool = option(True, doc="whether the coats dry between")

@@ -12,10 +12,10 @@ from modallab.diagnosis.reporting.legend import legend
 from modallab.diagnosis.reporting.ratio_plot import ratio_drawing
 from modallab.diagnosis.reporting.residual_plot import residual_chart
 from modallab.diagnosis.reporting.settings import DRAWING, REPORT
-from modallab.diagnosis.result_curves import Curves
+from modallab.diagnosis.result_curves import DiagnosisCurves
 
 
-def all_curves(curves: Curves, *, added: bool) -> str:
+def all_curves(curves: DiagnosisCurves, *, added: bool) -> str:
     """Return drawings of the most informative FRFs and of those predicted without a measurement.
 
     Parameters
@@ -29,7 +29,7 @@ def all_curves(curves: Curves, *, added: bool) -> str:
     return f'<h2>Curves</h2><p class="soft">{legend(added)}</p><div class="two">{"".join(figures)}</div>'
 
 
-def shown_channels(curves: Curves) -> dict[int, str]:
+def shown_channels(curves: DiagnosisCurves) -> dict[int, str]:
     """Return the channels to draw, each with the reason: drive point, worst fitted, worst held out."""
     mean_square = (residual(curves, curves.before) ** 2)[1:].mean(axis=(0, 2))
     reasons: dict[int, str] = {}
@@ -46,19 +46,19 @@ def shown_channels(curves: Curves) -> dict[int, str]:
     return reasons
 
 
-def residual(curves: Curves, predicted: ComplexArray) -> FloatArray:
+def residual(curves: DiagnosisCurves, predicted: ComplexArray) -> FloatArray:
     """Return |ln(measured / predicted)| over its random error, (n_freq, n_out, n_in)."""
     ratio = np.log(np.where(_valid(curves), curves.measured, 1.0) / np.where(_valid(curves), predicted, 1.0))
     return np.asarray(np.abs(ratio) / (np.sqrt(2) * curves.random_error))
 
 
-def _valid(curves: Curves) -> BoolArray:
+def _valid(curves: DiagnosisCurves) -> BoolArray:
     # Zeros have no logarithm; at 0 Hz an inertance is rounding alone.
     sizes = np.minimum(np.minimum(np.abs(curves.measured), np.abs(curves.before)), np.abs(curves.after))
     return np.asarray((curves.freq > 0)[:, None, None] & (sizes > 0))
 
 
-def largest_difference(curves: Curves) -> tuple[int, IntArray] | None:
+def largest_difference(curves: DiagnosisCurves) -> tuple[int, IntArray] | None:
     """Return channel and lines of the largest difference of the initial prediction; None if it is small.
 
     A held-out channel is preferred, because it tests the prediction independently of the fits.
@@ -81,7 +81,7 @@ def largest_difference(curves: Curves) -> tuple[int, IntArray] | None:
     return channel, np.arange(first, min(last + 1, len(smooth)))
 
 
-def enlarged(curves: Curves, *, added: bool) -> str:
+def enlarged(curves: DiagnosisCurves, *, added: bool) -> str:
     """Return the section of one FRF with the largest difference of the initial prediction, line by line.
 
     A difference too small for an axis in decibels is shown as a ratio instead.
@@ -149,7 +149,7 @@ def _axis_of(name: str, curves: Sequence[FloatArray]) -> svg.Axis:
     return svg.linear(low, high, "dB re 1 m/(s² N)", n_ticks=5)
 
 
-def _magnitude(curves: Curves, i: int, valid: BoolArray) -> _Quantity:
+def _magnitude(curves: DiagnosisCurves, i: int, valid: BoolArray) -> _Quantity:
     error = np.minimum(2 * curves.random_error[:, i, 0], DRAWING.largest_error)
     levels = [_decibel(values[:, i, 0], valid) for values in (curves.measured, curves.before, curves.after)]
     return _Quantity(
@@ -159,7 +159,7 @@ def _magnitude(curves: Curves, i: int, valid: BoolArray) -> _Quantity:
     )
 
 
-def _phase(curves: Curves, i: int, valid: BoolArray) -> _Quantity:
+def _phase(curves: DiagnosisCurves, i: int, valid: BoolArray) -> _Quantity:
     error = np.degrees(2 * curves.random_error[:, i, 0])
     phases = [
         np.where(valid, np.degrees(np.angle(values[:, i, 0])), np.nan)
@@ -168,7 +168,7 @@ def _phase(curves: Curves, i: int, valid: BoolArray) -> _Quantity:
     return _Quantity("phase", (phases[0], phases[1], phases[2]), (-error, error))
 
 
-def _channel(curves: Curves, i: int, reason: str, added: bool) -> str:
+def _channel(curves: DiagnosisCurves, i: int, reason: str, added: bool) -> str:
     valid = _valid(curves)[:, i, 0]
     name = _name(curves, i)
     pictures = []
@@ -193,7 +193,7 @@ def _channel(curves: Curves, i: int, reason: str, added: bool) -> str:
     return f"<figure>{''.join(pictures)}<figcaption>{escape(caption)}</figcaption></figure>"
 
 
-def _name(curves: Curves, i: int) -> str:
+def _name(curves: DiagnosisCurves, i: int) -> str:
     return f"{curves.outputs[i]} / {curves.inputs[0]}"
 
 
@@ -205,7 +205,7 @@ def _with_breaks(phase: FloatArray) -> FloatArray:
     return broken
 
 
-def _errors(curves: Curves, i: int, valid: BoolArray, name: str, added: bool) -> str:
+def _errors(curves: DiagnosisCurves, i: int, valid: BoolArray, name: str, added: bool) -> str:
     initial, final = (
         np.where(valid, residual(curves, predicted)[:, i, 0], np.nan)
         for predicted in (curves.before, curves.after)
@@ -213,7 +213,7 @@ def _errors(curves: Curves, i: int, valid: BoolArray, name: str, added: bool) ->
     return residual_chart(curves.freq, initial, final, f"residual of {name} in random errors", added)
 
 
-def _unmeasured(curves: Curves, i: int) -> str:
+def _unmeasured(curves: DiagnosisCurves, i: int) -> str:
     assert curves.predicted is not None
     values = curves.predicted[:, i, 0]
     predicted = _decibel(values, (np.abs(values) > 0) & (curves.freq > 0))

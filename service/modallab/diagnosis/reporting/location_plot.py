@@ -12,7 +12,7 @@ from modallab.diagnosis.reporting.figures import residual
 from modallab.diagnosis.reporting.legend import keys
 from modallab.diagnosis.reporting.settings import DRAWING
 from modallab.diagnosis.result import Diagnosis
-from modallab.diagnosis.result_curves import Curves
+from modallab.diagnosis.result_curves import DiagnosisCurves
 from modallab.fe.members import AnyMember, sides
 from modallab.fe.structure import Structure
 
@@ -49,7 +49,7 @@ def _figure(picture: str, words: str, style: str = "") -> str:
     return f"<figure{mark}>{picture}<figcaption>{words}</figcaption></figure>"
 
 
-def _map(curves: Curves, predicted: ComplexArray, stage: str) -> str:
+def _map(curves: DiagnosisCurves, predicted: ComplexArray, stage: str) -> str:
     """Return a map: a row for each response, cells over frequency coloured by residual."""
     difference = residual(curves, predicted)[:, :, 0]
     edges = np.unique(

@@ -9,10 +9,10 @@ from modallab.core.numerics import COMPARISON_ROUNDING
 from modallab.diagnosis.reporting import svg
 from modallab.diagnosis.reporting.legend import legend
 from modallab.diagnosis.reporting.settings import DRAWING, REPORT
-from modallab.diagnosis.result_curves import Curves
+from modallab.diagnosis.result_curves import DiagnosisCurves
 
 
-def ratio_drawing(curves: Curves, i: int, *, added: bool) -> str:
+def ratio_drawing(curves: DiagnosisCurves, i: int, *, added: bool) -> str:
     """Return the ratio of one FRF to its initial prediction, magnitude in per cent and phase in degrees."""
     error = curves.random_error[:, i, 0]
     sizes = np.minimum(np.abs(curves.measured[:, i, 0]), np.abs(curves.before[:, i, 0]))
@@ -47,7 +47,7 @@ def ratio_drawing(curves: Curves, i: int, *, added: bool) -> str:
 
 
 def _chart(
-    curves: Curves,
+    curves: DiagnosisCurves,
     freq: FloatArray,
     part: tuple[str, FloatArray, FloatArray, FloatArray],
     title: str,

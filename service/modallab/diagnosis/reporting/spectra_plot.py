@@ -9,10 +9,10 @@ from modallab.diagnosis.reporting import svg
 from modallab.diagnosis.reporting.legend import legend
 from modallab.diagnosis.reporting.residual_plot import residual_chart
 from modallab.diagnosis.reporting.settings import DRAWING, REPORT
-from modallab.diagnosis.result_curves import Curves, Spectra
+from modallab.diagnosis.result_curves import DiagnosisCurves, Spectra
 
 
-def spectra_drawings(curves: Curves, *, added: bool) -> str:
+def spectra_drawings(curves: DiagnosisCurves, *, added: bool) -> str:
     """Return the force spectrum and the incoherent response spectrum where the initial prediction is off."""
     figures = []
     if curves.force is not None:
@@ -33,7 +33,7 @@ def _residual(spectra: Spectra, predicted: FloatArray, positive: BoolArray) -> F
     return np.asarray(np.abs(ratio) / spectra.random_error)
 
 
-def _figure(curves: Curves, spectra: Spectra, unit: str, quantity: str, added: bool) -> str:
+def _figure(curves: DiagnosisCurves, spectra: Spectra, unit: str, quantity: str, added: bool) -> str:
     """Return level and residual of the worst channel, one above the other; empty if all channels agree."""
     lowest = np.minimum(np.minimum(spectra.measured, spectra.before), spectra.after)
     positive = (curves.freq > 0)[:, None] & (lowest > 0)
@@ -61,7 +61,9 @@ def _figure(curves: Curves, spectra: Spectra, unit: str, quantity: str, added: b
     return f"<figure>{pictures}<figcaption>{escape(name)}.</figcaption></figure>"
 
 
-def _difference(curves: Curves, spectra: Spectra, i: int, positive: BoolArray, name: str, added: bool) -> str:
+def _difference(
+    curves: DiagnosisCurves, spectra: Spectra, i: int, positive: BoolArray, name: str, added: bool
+) -> str:
     initial, final = (
         np.where(positive[:, i], _residual(spectra, predicted, positive)[:, i], np.nan)
         for predicted in (spectra.before, spectra.after)
@@ -69,7 +71,7 @@ def _difference(curves: Curves, spectra: Spectra, i: int, positive: BoolArray, n
     return residual_chart(curves.freq, initial, final, f"{name}: residual in random errors", added)
 
 
-def _channel(curves: Curves, spectra: Spectra, i: int) -> str:
+def _channel(curves: DiagnosisCurves, spectra: Spectra, i: int) -> str:
     """Return the response of a spectrum's run; one run for all has none."""
     n = spectra.measured.shape[1]
     return f"response {curves.outputs[i]}" if n == len(curves.outputs) else "common to all responses"

@@ -193,7 +193,7 @@ def _check_fittable(observed: Observed) -> None:
             "no line shows a response",
             field="coherence",
             value=float(observed.coherence.max()),
-            allowed=bounds(above=FORCE_NOISE.min_coherence),
+            allowed=bounds(exclusive_minimum=FORCE_NOISE.min_coherence),
         )
     if not observed.fitted.any():
         responses = [str(dof) for dof, out in zip(observed.outputs, observed.held_out, strict=True) if out]

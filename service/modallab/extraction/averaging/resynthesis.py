@@ -219,7 +219,7 @@ def _rigid_body_terms(freq: FloatArray, steps: int, mass: ComplexArray) -> Compl
             "what moves as a rigid body has inertance alone at 0 Hz",
             field="freq",
             value=0.0,
-            allowed=bounds(above=0, unit="Hz"),
+            allowed=bounds(exclusive_minimum=0, unit="Hz"),
         )
     omega = 2 * np.pi * freq
     return np.asarray(((1j * omega) ** steps / -(omega**2))[:, None] * mass)

@@ -148,7 +148,7 @@ def _variance(frf: FrfSet, coherence: FloatArray | None, averages: float | None)
             "coherence tells random errors with the number of averages only",
             field="averages",
             value=str(averages),
-            allowed=bounds(above=0),
+            allowed=bounds(exclusive_minimum=0),
         )
     return line_variance(frf.values, coherence, averages)
 

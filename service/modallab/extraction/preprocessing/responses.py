@@ -102,7 +102,10 @@ def responses_of(frf: FrfSet, coherence: FloatArray | None, averages: float) -> 
     """
     if not averages > 0:
         raise InvalidInputError(
-            "averages must be above zero", field="averages", value=averages, allowed=bounds(above=0)
+            "averages must be above zero",
+            field="averages",
+            value=averages,
+            allowed=bounds(exclusive_minimum=0),
         )
     frf_coherence = _coherence(frf, coherence)
     positive = frf.freq > 0
@@ -119,7 +122,7 @@ def responses_of(frf: FrfSet, coherence: FloatArray | None, averages: float) -> 
             "the FRFs have no physical magnitude",
             field="values",
             value=largest,
-            allowed=bounds(below=RESPONSES.largest_receptance, unit="m/N"),
+            allowed=bounds(exclusive_maximum=RESPONSES.largest_receptance, unit="m/N"),
         )
     if len(usable.freq) < MIN_LINES:
         raise InvalidInputError(

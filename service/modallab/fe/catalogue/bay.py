@@ -7,5 +7,5 @@ from modallab.fe.structure import Structure
 
 @STRUCTURES.register("bay")
 def bay() -> Structure:
-    """Return a free aluminium frame, one bay of 5 m by 3 m with a diagonal: 31 members, 90 DoFs, undamped."""
+    """A free aluminium frame, one bay of 5 m by 3 m with a diagonal: 31 members, 90 DoFs, undamped."""
     return frame_along([(0, 0), (5, 0), (5, 3), (0, 3), (0, 0), (5, 3)], name="bay")

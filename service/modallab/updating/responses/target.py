@@ -91,7 +91,10 @@ def target_responses(
     lines = frf.freq > 0
     if not lines.any():
         raise InvalidInputError(
-            "there is no line above 0 Hz", field="freq", value=0.0, allowed=bounds(above=0, unit="Hz")
+            "there is no line above 0 Hz",
+            field="freq",
+            value=0.0,
+            allowed=bounds(exclusive_minimum=0, unit="Hz"),
         )
     receptance = frf.between(0.0, np.inf).to(FrfKind.RECEPTANCE)
     size = np.abs(receptance.values)
