@@ -53,8 +53,8 @@ def _absent(name: str, hint: Any) -> Any:
     origin = get_origin(hint)
     if type(None) in get_args(hint):
         return None
-    if origin in (tuple, np.ndarray):
-        return () if origin is tuple else _array([], np.dtype(get_args(get_args(hint)[1])[0]))
+    if origin is tuple:
+        return ()
     if origin is not None and isinstance(origin, type) and issubclass(origin, Mapping):
         return {}
     if is_dataclass(hint):

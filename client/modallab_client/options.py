@@ -1,7 +1,19 @@
-"""Keywords of extractions and updates; written by `client/generate_options.py`."""
+"""Keywords of jobs, by kind of work; written by `client/generate_options.py`."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any, TypedDict
+
+
+class MeasurementOptions(TypedDict, total=False):
+    """Options of a virtual test."""
+
+    effects: Sequence[Mapping[str, Any]]
+    # effects beside those of the structure and the rig; no log book shows them
+    route: str
+    # `expected`: without random error; `drawn`: spectra from their distribution; `sampled`: time records:
+    # expected, drawn, sampled
+    seed: int
+    # seed of the random numbers
 
 
 class ExtractionOptions(TypedDict, total=False):
@@ -80,3 +92,23 @@ class UpdateOptions(TypedDict, total=False):
     n_modes: int | None
     # number of lowest measured modes that are used; all by default; of baruch, berman_nagy,
     # eigendynamic_constraint, error_matrix, modified_error_matrix
+
+
+class DiagnosisOptions(TypedDict, total=False):
+    """Options of a diagnosis."""
+
+    suspects: Sequence[str] | str
+    # kinds of effects to look for
+    hold_out: Mapping[str, Any]
+    # FRFs kept out of every fit
+    tolerances: Mapping[str, Any]
+    # what may differ a little and is no missing effect, one standard deviation each
+    act: bool
+    # run the proposed next tests, where the rig is a simulated one
+    noise_floor: float | None
+    # relative random error of every FRF, of its median where it is below that; beside what coherence and
+    # averages tell, alone where there is no coherence
+    max_effects: int
+    # largest number of effects added
+    seed: int
+    # seed of the draw of the FRFs that are kept out

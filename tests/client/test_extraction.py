@@ -139,6 +139,10 @@ def test_a_modal_model_says_what_was_chosen_what_is_left_and_what_shifts(
         "unit": "kg",
         "explained": 0.97,
         "still_frequency": [23.7],
+        "mode_size": [0.02],
+        "mode_size_error": [0.001],
+        "chi_square": [31.0],
+        "degrees": [10],
     }
     about = {
         "id": "mm1",

@@ -2,13 +2,14 @@
 
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
-from typing import Any
+from typing import Any, Unpack
 
 from modallab_client import _wire
 from modallab_client._read import read_as
 from modallab_client._sync.jobs import Job
 from modallab_client._sync.shelf import Shelf
 from modallab_client.methods.diagnoses import DiagnosisCurves, diagnosis_curves
+from modallab_client.options import DiagnosisOptions
 from modallab_client.results import Diagnosis
 
 
@@ -22,14 +23,8 @@ class Diagnoses(Shelf):
         structure_id: str,
         measurement_id: str,
         *,
-        suspects: str | Sequence[str] = "all",
-        hold_out: Mapping[str, Any] | None = None,
-        tolerances: Mapping[str, float] | None = None,
         follow_ups: Sequence[Mapping[str, Any]] | None = None,
-        act: bool | None = None,
-        noise_floor: float | None = None,
-        max_effects: int | None = None,
-        seed: int = 0,
+        **options: Unpack[DiagnosisOptions],
     ) -> Job[Diagnosis]:
         """Start the search for what the model lacks; `result` of the job gives the diagnosis.
 
@@ -37,28 +32,15 @@ class Diagnoses(Shelf):
         ----------
         structure_id, measurement_id
             The model, and the measurement it shall explain.
-        suspects
-            `all`, or kinds of `lab.catalog.effects()`.
-        hold_out
-            FRFs kept out of every fit: `fraction`, and `dofs`, which need not have been measured.
-        tolerances
-            What may differ a little and is no missing effect, one standard deviation by name.
         follow_ups
             Further tests: `[{"measurement_id", "changed": {"level_factor": 3.0}}]`.
-        act
-            Run the proposed next test where the rig is ours.
-        noise_floor
-            Relative random error of every FRF, of its median where it is below that: beside what coherence
-            tells, and alone where there is none.
-        max_effects
-            Effects added at most.
-        seed
-            The same seed gives the same diagnosis.
+        options
+            Options of the diagnosis, as `suspects`, `hold_out` and `tolerances`. Their meaning:
+            `modallab_client.options.DiagnosisOptions`.
         """
-        body = {"structure_id": structure_id, "measurement_id": measurement_id, "suspects": suspects}
-        more = _wire.body(hold_out=hold_out, tolerances=tolerances, follow_ups=follow_ups)
-        how = _wire.body(act=act, noise_floor=noise_floor, max_effects=max_effects, seed=seed)
-        job = self._transport.request("POST", "/v1/diagnoses", json={**body, **more, **how})
+        body = {"structure_id": structure_id, "measurement_id": measurement_id, "suspects": "all", "seed": 0}
+        body |= _wire.body(follow_ups=follow_ups, **options)
+        job = self._transport.request("POST", "/v1/diagnoses", json=body)
         return Job(job["id"], self._transport, self.get)
 
     def get(self, diagnosis_id: str) -> Diagnosis:

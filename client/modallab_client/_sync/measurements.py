@@ -2,7 +2,7 @@
 
 from collections.abc import Mapping, Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, Unpack
 
 from numpy.typing import ArrayLike
 
@@ -10,9 +10,9 @@ from modallab_client import _wire
 from modallab_client._sync.jobs import Job
 from modallab_client._sync.shelf import Shelf
 from modallab_client.methods.measurements import measurement_of
+from modallab_client.options import MeasurementOptions
 from modallab_client.results import (
     Curves,
-    EffectSpec,
     Indicators,
     Measurement,
     MeasurementLog,
@@ -32,10 +32,7 @@ class Measurements(Shelf):
         self,
         structure_id: str,
         rig_id: str,
-        *,
-        effects: Sequence[JsonObject | EffectSpec] = (),
-        route: str = "sampled",
-        seed: int = 0,
+        **options: Unpack[MeasurementOptions],
     ) -> Job[Measurement]:
         """Start a virtual test; `result` of the job gives the measurement.
 
@@ -43,15 +40,15 @@ class Measurements(Shelf):
         ----------
         structure_id, rig_id
             What is tested, and with what.
-        effects
-            Imperfections beside those of the rig: `[{"kind", "at", "parameters"}]`.
-        route
-            `expected` spectra, `drawn` round them, or `sampled` time records.
-        seed
-            The same seed gives the same measurement.
+        options
+            Options of the test: `effects`, `[{"kind", "at", "parameters"}]`, `route` and `seed`. Their
+            meaning: `modallab_client.options.MeasurementOptions`.
         """
-        body = {"structure_id": structure_id, "rig_id": rig_id, "effects": list(effects)}
-        job = self._transport.request("POST", "/v1/measurements", json={**body, "route": route, "seed": seed})
+        given = _wire.body(**options)
+        effects = [*given.pop("effects", ())]  # of any sequence
+        body = {"structure_id": structure_id, "rig_id": rig_id, "effects": effects}
+        defaults = {"route": "sampled", "seed": 0}
+        job = self._transport.request("POST", self.path, json=body | defaults | given)
         return Job(job["id"], self._transport, self.get)
 
     def upload(
