@@ -26,6 +26,7 @@ SEED = 9001
 CASES = tuple(np.sort(np.random.default_rng(SEED).permutation(416)[:60]).tolist())
 RELATIVE = 1e-6  # parameters and figures
 FLOOR = 1e-12  # of an array's largest entry: below it rounding differs with the order of sums
+NO_ERROR = 1e-12  # Hz: a standard error below is rounding, of a method that has no model of the noise
 RESPONSES = [f"{n}:+Y" for n in range(1, 22, 2)]
 RIGS: dict[str, dict[str, Any]] = {
     "ideal": {"drive": "1:+Y", "responses": RESPONSES},
@@ -134,32 +135,41 @@ def _answer_here() -> Any:
 def differences(reference: Any, current: Any, path: str = "") -> Iterator[str]:
     """Yield where two answers differ by more than rounding."""
     if isinstance(reference, dict) and isinstance(current, dict):
+        if {"real", "imag"} <= reference.keys() & current.keys():
+            yield from _array_difference(_complex(reference), _complex(current), path)
+            reference, current = ({"coherence": answer["coherence"]} for answer in (reference, current))
         for name in reference.keys() | current.keys():
             yield from differences(reference.get(name), current.get(name), f"{path}/{name}")
-    elif (
-        isinstance(reference, list)
-        and isinstance(current, list)
-        and _numeric(reference)
-        and _numeric(current)
-    ):
-        first, second = np.array(reference, float), np.array(current, float)
-        if first.shape != second.shape:
-            yield f"{path}: shape {first.shape} is now {second.shape}"
-        elif first.size and not np.allclose(
-            first, second, rtol=RELATIVE, atol=FLOOR * np.nanmax(np.abs(first)), equal_nan=True
-        ):
-            yield f"{path}: numbers differ, at most by {np.nanmax(np.abs(first - second)):.3g}"
+    elif _numeric(reference) and _numeric(current):
+        yield from _array_difference(np.array(reference, float), np.array(current, float), path)
     elif isinstance(reference, list) and isinstance(current, list) and len(reference) == len(current):
-        for i, (first, second) in enumerate(zip(reference, current, strict=True)):
-            yield from differences(first, second, f"{path}/{i}")
-    elif isinstance(reference, float) and isinstance(current, float):
-        if not np.isclose(reference, current, rtol=RELATIVE, atol=0, equal_nan=True):
-            yield f"{path}: {reference!r} is now {current!r}"
+        for i, pair in enumerate(zip(reference, current, strict=True)):
+            yield from differences(*pair, f"{path}/{i}")
     elif reference != current:
         yield f"{path}: {str(reference)[:80]!r} is now {str(current)[:80]!r}"
 
 
-def _numeric(values: list[Any]) -> bool:
+def _array_difference(reference: Any, current: Any, path: str) -> Iterator[str]:
+    """Yield one line where two arrays differ; rounding of a complex number is relative to its magnitude."""
+    if reference.shape != current.shape:
+        yield f"{path}: shape {reference.shape} is now {current.shape}"
+        return
+    floor = (
+        NO_ERROR if path.endswith("standard_errors") else FLOOR * np.nanmax(np.abs(reference), initial=0.0)
+    )
+    if not np.allclose(reference, current, rtol=RELATIVE, atol=floor, equal_nan=True):
+        yield f"{path}: numbers differ, at most by {np.nanmax(np.abs(reference - current)):.3g}"
+
+
+def _complex(answer: dict[str, Any]) -> Any:
+    return np.array(answer["real"]) + 1j * np.array(answer["imag"])
+
+
+def _numeric(values: Any) -> bool:
+    if isinstance(values, float):
+        return True
+    if not isinstance(values, list):
+        return False
     try:
         return np.array(values).dtype.kind in "fiu"
     except ValueError:

@@ -15,6 +15,7 @@ from modallab.core.dof import Dof
 from modallab.core.place import Place
 from modallab.diagnosis import result
 from modallab.diagnosis.result_builder import extended
+from modallab.diagnosis.result_curves import DiagnosisCurves
 from modallab.fe.damping import StructuralDamping
 from modallab.fe.structure import Member, Structure
 from modallab.rig.measurement import Measurement
@@ -134,7 +135,9 @@ def read(reply: results.Diagnosis, question: Question) -> result.Diagnosis:
         steps=steps,
         remaining_gap=_number(reply.remaining_gap),
         remaining_scatter=_number(reply.remaining_scatter),
-        gaps=reply.gaps,
+        gaps={
+            when: {part: _number(gap) for part, gap in parts.items()} for when, parts in reply.gaps.items()
+        },
         structure=model,
         setup=log_book,
         curves=_curves(reply.curves),
@@ -150,8 +153,8 @@ def _step(item: results.Step) -> result.Step:
     return result.Step(
         effect=result.FittedEffect(item.effect.kind, _place(item.effect), parameters),
         probability=_number(item.probability),
-        gap_before=item.gap_before,
-        gap_after=item.gap_after,
+        gap_before=_number(item.gap_before),
+        gap_after=_number(item.gap_after),
         held_out_gap_before=_number(item.held_out_gap_before),
         held_out_gap_after=_number(item.held_out_gap_after),
         held_out_scatter=_number(item.held_out_scatter),
@@ -159,12 +162,12 @@ def _step(item: results.Step) -> result.Step:
     )
 
 
-def _place(item: results.FittedEffect | results.Rival) -> Place:
+def _place(item: results.FittedEffect | results.EquivalentEffect) -> Place:
     return EffectIn.model_validate({"kind": item.kind, "at": item.at}).place()
 
 
-def _curves(curves: results.DiagnosisCurves) -> result.Curves:
-    return result.Curves(
+def _curves(curves: results.DiagnosisCurves) -> DiagnosisCurves:
+    return DiagnosisCurves(
         freq=curves.freq,
         measured=curves.measured,
         before=curves.before,
