@@ -92,7 +92,7 @@ class OptionsByMethod:
     """Annotation of a field `options` that holds those of the method named by the field `method`.
 
     The JSON schema is one of the methods' option models; a method that does not exist is left to whoever
-    reads the body.
+    reads the body. An option of null is an option left out, whatever the method.
     """
 
     def __init__(self, bodies: Mapping[str, type[Wire]]) -> None:
@@ -109,7 +109,9 @@ class OptionsByMethod:
             return Wire()
         body = self._bodies[method]
         if isinstance(value, Mapping):
-            foreign_names = self._option_names() - body.model_fields.keys()
+            names = self._option_names()
+            value = {name: item for name, item in value.items() if item is not None or name not in names}
+            foreign_names = names - body.model_fields.keys()
             for name in value.keys() & foreign_names:
                 return ForeignOption(
                     method=method, name=name, value=value[name], allowed=[*body.model_fields]
