@@ -44,6 +44,9 @@ def test_the_examples_are_good_requests(service: Any, document: Any, beam: str) 
 BEYOND_A_SCHEMA = {
     ("/v1/structures/{id}/changes", "factor"),
     ("/v1/structures/{id}/changes", "value"),
+    # nodes and members that this structure does not have
+    ("/v1/structures/{id}/changes", "node"),
+    ("/v1/structures/{id}/changes", "members"),
     ("/v1/rigs", "drive"),
     ("/v1/rigs", "stinger"),
     ("/v1/modal-models/import", "shape"),
