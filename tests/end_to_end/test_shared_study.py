@@ -83,5 +83,5 @@ def test_two_hosts_share_a_study_and_the_death_of_a_process_costs_no_run(tmp_pat
         assert killed >= 1
         assert set(made) == {"host-1", "host-2"}
         assert sum(made.values()) == SEEDS
-        (cell,) = lab.json("GET", f"/studies/{ended['result_id']}")["table"]
+        (cell,) = lab.json("GET", f"/studies/{ended['result_id']}")["cells"]
         assert (cell["n_runs"], cell["n_failed"], cell["suspected"]) == (SEEDS, 0, 1.0)

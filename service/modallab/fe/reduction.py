@@ -71,7 +71,7 @@ def reduction_of(kind: str, parameters: Mapping[str, float] | None = None) -> Re
             f"{kind} has no parameter {name!r}",
             field="reduction",
             value=name,
-            allowed=list(cls.specs()),
+            allowed=list(cls.specs()) or "no parameter",
         )
     return cls(**values)
 

@@ -168,7 +168,7 @@ def at_nodes(
                 f"no node carries a {part.label}" if groups is None else f"{name} is of no node",
                 field="attached",
                 value=name,
-                allowed=list(nodal_values(structure, part)),
+                allowed=list(nodal_values(structure, part)) or "no node",
             )
         macros += [MacroElement(tuple(int(node) for node in group), part) for group in node_groups]
     return tuple(macros)

@@ -63,8 +63,8 @@ def test_the_means_are_plain_and_their_errors_without_the_scatter(model: Any) ->
 
 def test_the_roving_mass_is_named_with_its_size(model: Any) -> None:
     named = next(note for note in model["notes"] if note.startswith("natural frequencies differ"))
-    assert "they fall as the accelerometer roves" in named
-    found = re.search(r"([0-9.]+) \+- ([0-9.]+) g at the moving position", named)
+    assert "they fall with the squared shape at the roving accelerometer" in named
+    found = re.search(r"a mass of ([0-9.]+) \+- ([0-9.]+) g at its position", named)
     assert found is not None
     mass, error = float(found[1]), float(found[2])
     assert abs(mass - 1e3 * BEAM["accelerometer_mass"]) < 2 * error

@@ -202,7 +202,7 @@ def test_a_study_that_a_restart_interrupts_keeps_the_runs_that_were_made(places:
         assert ended.state is JobState.SUCCEEDED, ended
         study = open_store(places[0]).studies.get(ended.result_id)
         assert [run.seed for run in study.runs] == list(range(12))
-        assert all(run.made for run in study.runs)
+        assert all(run.succeeded for run in study.runs)
         assert runner._client is not None
         made = await to_thread.run_sync(partial(runner._client.list_workflows, name="share"))
         assert len(made) == 12  # none was shared out anew
