@@ -5,7 +5,7 @@ from enum import StrEnum
 
 import numpy as np
 
-from modallab.core.arrays import ComplexArray, FloatArray, frozen
+from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, frozen
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 
@@ -16,6 +16,11 @@ class FrfKind(StrEnum):
     RECEPTANCE = "receptance"  # m/N
     MOBILITY = "mobility"  # m/(s N)
     INERTANCE = "inertance"  # m/(s^2 N)
+
+    @classmethod
+    def _missing_(cls, value: object) -> "FrfKind | None":
+        """Return the kind of a synonym: accelerance is inertance."""
+        return cls.INERTANCE if value == "accelerance" else None
 
     def steps_to(self, kind: "FrfKind") -> int:
         """Return the number of time derivatives from this kind to another; negative: integrations."""
@@ -69,3 +74,7 @@ class FrfSet:
         """Return the lines with lower < f <= upper, Hz."""
         keep = (self.freq > lower) & (self.freq <= upper)
         return replace(self, freq=self.freq[keep], values=self.values[keep])
+
+    def at(self, lines: BoolArray | None) -> "FrfSet":
+        """Return the lines of a mask (n_freq,); itself if there is none."""
+        return self if lines is None else replace(self, freq=self.freq[lines], values=self.values[lines])

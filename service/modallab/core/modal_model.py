@@ -2,14 +2,14 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, field
-from typing import Annotated, Literal
+from typing import Literal
 
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray, frozen
 from modallab.core.dof import Dof
 from modallab.core.frequency_inconsistency import FrequencyInconsistency
-from modallab.core.reply import IntVector, NanFloat, NotInReply, Vector
+from modallab.core.reply import IntVector, NanFloat, Vector
 
 
 @dataclass(frozen=True)
@@ -61,6 +61,18 @@ class Mode:
     def eigenvalue(self) -> complex:
         """omega_r^2 (1 + i eta_r), rad^2/s^2."""
         return complex((2 * np.pi * self.frequency) ** 2 * (1 + 1j * self.loss_factor))
+
+
+@dataclass(frozen=True)
+class DoubtfulMode:
+    """A pole of a global method that was not accepted as a mode."""
+
+    frequency: float
+    """Hz, natural frequency of the pole."""
+    loss_factor: NanFloat
+    """Loss factor of the pole; below 0 if the pole is unstable."""
+    reason: str
+    """Why the pole is not among the modes."""
 
 
 def frf_names(dofs: Sequence[Dof], references: Sequence[Dof]) -> tuple[str, ...]:
@@ -134,12 +146,16 @@ class ModalModel:
     """(n_frf,) rms misfit of the synthesised FRF over the rms of the FRF."""
     frequency_inconsistency: FrequencyInconsistency | None = None
     """Frequency differences between the FRFs; None where they agree."""
-    chart: Annotated[StabilisationChart | None, NotInReply("told by `/chart`")] = None
+    chart: StabilisationChart | None = None
     """Stabilisation chart of a global method."""
+    doubtful: tuple[DoubtfulMode, ...] = ()
+    """Poles within the range that are not among the modes, each with the reason, in ascending frequency."""
     choices: dict[str, str] = field(default_factory=dict)
     """Value of each option in words, and the reason for it."""
     options: dict[str, int | float | str | None] = field(default_factory=dict)
     """Options of the extraction method as asked for; None was left to the method."""
+    exclude: tuple[tuple[float, float], ...] = ()
+    """Hz, lower and upper end of bands whose lines were left out of the extraction."""
     notes: tuple[str, ...] = ()
     """Remarks on the extraction, in sentences."""
 

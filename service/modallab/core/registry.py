@@ -42,12 +42,7 @@ class Family(Mapping[str, T]):
         return add
 
     def __getitem__(self, kind: str) -> T:
-        members = self._known()
-        if kind not in members:
-            raise InvalidInputError(
-                f"no {self.name} called {kind!r}", field=self.name, value=kind, allowed=list(self)
-            )
-        return members[kind]
+        return member(self._known(), kind, self.name, field=self.name)
 
     def __contains__(self, kind: object) -> bool:
         return kind in self._known()
@@ -57,6 +52,30 @@ class Family(Mapping[str, T]):
 
     def __len__(self) -> int:
         return len(self._known())
+
+
+def member(members: Mapping[str, T], name: str, noun: str, *, field: str) -> T:
+    """Return a member by name.
+
+    Parameters
+    ----------
+    members
+        All members by name.
+    noun
+        Noun for a member in the error.
+    field
+        Field of the request that names it.
+
+    Raises
+    ------
+    InvalidInputError
+        If there is no such member.
+    """
+    if name not in members:
+        raise InvalidInputError(
+            f"no {noun} called {name!r}", field=field, value=name, allowed=sorted(members)
+        )
+    return members[name]
 
 
 def first_line(documented: object) -> str:

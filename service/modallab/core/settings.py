@@ -3,6 +3,9 @@
 from dataclasses import dataclass, field, fields
 from typing import Any
 
+JUDGEMENT = "chosen by judgement; not studied"
+"""Origin of a setting that no test and no data have examined."""
+
 
 @dataclass(frozen=True)
 class SettingSpec:

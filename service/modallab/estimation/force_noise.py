@@ -6,7 +6,7 @@ from typing import Any, TypeVar, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.core.arrays import BoolArray, FloatArray
+from modallab.core.arrays import BoolArray, FloatArray, IntArray
 from modallab.core.numerics import SAFE_DIVISOR
 from modallab.estimation.settings import FORCE_NOISE
 
@@ -128,3 +128,21 @@ def decorrelated(part: Numbers, share: FloatArray, used: BoolArray) -> Numbers:
     scaled = np.where(used, part / independent, 0.0)
     projection = (along * scaled).sum(axis=1, keepdims=True) / np.maximum(size, SAFE_DIVISOR)
     return cast(Numbers, scaled - (1 - 1 / np.sqrt(1 + size)) * along * projection)
+
+
+def decorrelated_by_run(part: Numbers, share: FloatArray, used: BoolArray, runs: IntArray) -> Numbers:
+    """Return residuals (n_lines, n_frf) with the random part that the FRFs of a run share decorrelated.
+
+    Parameters
+    ----------
+    part, share, used
+        As `decorrelated`.
+    runs
+        (n_frf,) number of each FRF's run, ascending.
+    """
+    first = np.unique(runs, return_index=True)[1]
+    if len(first) == 1:
+        return decorrelated(part, share, used)
+    groups = [slice(i, j) for i, j in zip(first, [*first[1:], len(runs)], strict=True)]
+    blocks = [decorrelated(part[:, g], share[:, g], used[:, g]) for g in groups]
+    return cast(Numbers, np.concatenate(blocks, axis=1))

@@ -94,3 +94,36 @@ class ForceNoiseSettings(Settings):
 
 
 FORCE_NOISE = ForceNoiseSettings()
+
+
+@dataclass(frozen=True)
+class LineScatterSettings(Settings):
+    """Scatter of neighbouring lines about a local model."""
+
+    stretch_lines: int = setting(
+        13, unit="lines", doc="lines of a stretch", derived="more than twice the parameters of its model"
+    )
+    order: int = setting(
+        2, doc="order of numerator and denominator of the model", derived="two resonances in a stretch"
+    )
+    reweightings: int = setting(
+        3, doc="fits with the weights of the fit before", derived="converged where the noise is small"
+    )
+    least_denominator: float = setting(
+        1e-3, doc="denominator below which it takes no part in a weight", derived="a pole on a line"
+    )
+    min_coherence: float = setting(
+        0.1, doc="coherence below which a line is not used", derived="the random error of H1 is of its size"
+    )
+    max_stretches: int = setting(
+        20_000, unit="stretches", doc="stretches of all FRFs that are used", derived="0.3 % of the estimate"
+    )
+    min_stretches: int = setting(
+        6, unit="stretches", doc="stretches of each FRF that an estimate asks for", derived="10 to 20 %"
+    )
+    groups: int = setting(
+        10, unit="groups", doc="groups of stretches whose scatter tells the error", derived="known to 25 %"
+    )
+
+
+LINE_SCATTER = LineScatterSettings()

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from modallab.core.arrays import ComplexArray, FloatArray, frozen
+from modallab.core.arrays import ComplexArray, FloatArray, IntArray, frozen
 
 
 @dataclass(frozen=True, eq=False)
@@ -24,3 +24,9 @@ class CrossSpectra:
         object.__setattr__(self, "ff", frozen(self.ff, complex, (n_run, n_freq, n_in, n_in), name="ff"))
         object.__setattr__(self, "fx", frozen(self.fx, complex, self.fx.shape, name="fx"))
         object.__setattr__(self, "xx", frozen(self.xx, float, (n_run, n_freq, n_out), name="xx"))
+
+    def at(self, lines: IntArray) -> "CrossSpectra":
+        """Return the spectra at some of the lines, (n,) indices."""
+        return CrossSpectra(
+            self.freq[lines], self.ff[:, lines], self.fx[:, lines], self.xx[:, lines], self.averages
+        )

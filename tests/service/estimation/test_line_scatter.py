@@ -1,0 +1,65 @@
+"""Tests of random errors estimated from the scatter of neighbouring lines."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from modallab.core.arrays import ComplexArray
+from modallab.core.errors import InvalidInputError
+from modallab.estimation.line_scatter import estimated_averages, estimated_error
+from modallab.estimation.windows import WINDOWS
+from modallab.rig.analyser import ExcitationSetting
+from modallab.rig.hardware import Noise
+from modallab.rig.measure import Route, measure
+from modallab.rig.measurement import Measurement
+from tests.diagnosing import model, rig
+
+
+def measured(averages: int, kind: str, window: str, seed: int, *, roving: bool = True) -> Measurement:
+    setup = rig(kind=kind, window=window, averages=averages, roving=roving)
+    analyser = replace(setup.analyser, n_lines=801, excitation=ExcitationSetting(kind))
+    setup = replace(setup, analyser=analyser, noise=Noise(1e-3, 1e-3))
+    return measure(model(), setup, route=Route.SAMPLED, rng=np.random.default_rng(seed))
+
+
+def frfs(test: Measurement) -> ComplexArray:
+    return np.asarray(test.frf.values[1:, :, 0], complex)
+
+
+@pytest.mark.parametrize(("kind", "window"), [("periodic_random", "rectangular"), ("random", "hann")])
+@pytest.mark.parametrize("averages", [10, 40, 200])
+@pytest.mark.parametrize("roving", [True, False])
+def test_coherence_and_scatter_tell_the_averages(averages: int, kind: str, window: str, roving: bool) -> None:
+    test = measured(averages, kind, window, averages, roving=roving)
+    assert test.coherence is not None
+    estimate = estimated_averages(frfs(test), test.coherence[1:], WINDOWS[window])
+    assert estimate is not None
+    # three standard errors, and 5 % for few averages, whose coherence scatters itself, and for leakage
+    tolerance = 3 * estimate.standard_error + 0.05 * averages
+    assert estimate.value == pytest.approx(averages, abs=tolerance)
+    assert estimate.standard_error < 0.12 * averages  # 61 stretches of 6 FRFs with 16 degrees of freedom
+
+
+def test_scatter_alone_tells_the_random_error() -> None:
+    test = measured(100, "pseudo_random", "rectangular", 3)
+    exact = measure(model(), test.setup, route=Route.EXPECTED, rng=np.random.default_rng(0))
+    difference = (test.frf.values - exact.frf.values)[1:, :, 0]
+    true = np.sqrt(np.median(np.abs(difference) ** 2, axis=0) / (2 * np.log(2)))
+    true /= np.median(np.abs(test.frf.values[1:, :, 0]), axis=0)
+    errors = estimated_error(frfs(test), WINDOWS["rectangular"])
+    assert errors is not None
+    # the noise is no constant over the lines: medians of lines and of stretches differ somewhat
+    np.testing.assert_allclose([error.value for error in errors], true, rtol=0.2)
+
+
+def test_a_coherence_of_one_has_no_random_error() -> None:
+    values = np.ones((200, 2), complex)
+    assert estimated_averages(values, np.ones((200, 2)), WINDOWS["rectangular"]) is None
+
+
+def test_too_few_lines_are_refused_by_the_name_of_averages() -> None:
+    values = np.linspace(1, 2, 30)[:, None].astype(complex)
+    with pytest.raises(InvalidInputError) as caught:
+        estimated_averages(values, np.full((30, 1), 0.9), WINDOWS["rectangular"])
+    assert caught.value.context["field"] == "averages"
