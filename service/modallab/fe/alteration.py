@@ -6,7 +6,7 @@ import numpy as np
 
 from modallab.core.arrays import FloatArray
 from modallab.core.numerics import PRODUCT_ROUNDING
-from modallab.fe.settings import ELEMENT
+from modallab.fe.structure_settings import ELEMENT
 
 ROTATION_ROWS = (2, 5)  # theta of each end among (u, v, theta) of both
 

@@ -3,7 +3,10 @@
 from dataclasses import dataclass
 
 from modallab.core.errors import InvalidInputError, bounds
-from modallab.fe.settings import INPUT
+from modallab.fe.structure_settings import INPUT
+
+# Of built-up metal structures, 0.001 to 0.1, the middle on a logarithmic scale.
+UNKNOWN_LOSS_FACTOR = 0.01
 
 
 def _not_negative(name: str, *values: float) -> None:
@@ -23,6 +26,13 @@ class StructuralDamping:
     def __post_init__(self) -> None:
         _not_negative("stiffness_coefficient", self.stiffness_coefficient)
         _not_negative("mass_coefficient", self.mass_coefficient)
+
+
+@dataclass(frozen=True)
+class UnknownDamping(StructuralDamping):
+    """Structural damping of which nothing is known: 1 % of every mode where a number is needed."""
+
+    stiffness_coefficient: float = UNKNOWN_LOSS_FACTOR
 
 
 @dataclass(frozen=True)

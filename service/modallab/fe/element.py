@@ -7,7 +7,7 @@ import numpy as np
 
 from modallab.core.arrays import FloatArray
 from modallab.core.registry import Family
-from modallab.fe.settings import ELEMENT
+from modallab.fe.structure_settings import ELEMENT
 
 
 @dataclass(frozen=True)

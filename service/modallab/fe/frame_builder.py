@@ -3,8 +3,8 @@
 from collections.abc import Sequence
 from itertools import pairwise
 
-from modallab.fe.settings import ELEMENT
 from modallab.fe.structure import Material, Member, Section, Structure
+from modallab.fe.structure_settings import ELEMENT
 
 Point = tuple[float, float]
 

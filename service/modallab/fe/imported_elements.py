@@ -14,8 +14,8 @@ from modallab.fe.blocks import Blocks
 from modallab.fe.damping import Damping, StructuralDamping
 from modallab.fe.matrix_checks import check_mass, make_symmetric, slowest_motions
 from modallab.fe.members import MatrixElement
-from modallab.fe.settings import INPUT
 from modallab.fe.structure import Structure, Support
+from modallab.fe.structure_settings import INPUT
 
 
 @dataclass(frozen=True, eq=False)

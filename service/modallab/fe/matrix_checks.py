@@ -10,7 +10,8 @@ from scipy.sparse.linalg import LinearOperator, SuperLU, eigsh, splu
 from modallab.core.arrays import FloatArray
 from modallab.core.dof import Dof
 from modallab.core.errors import StructureError, bounds
-from modallab.fe.settings import EIGENSOLUTION, INPUT
+from modallab.fe.settings import EIGENSOLUTION
+from modallab.fe.structure_settings import INPUT
 
 
 def make_symmetric(matrices: FloatArray, labels: Sequence[str], quantity: str) -> None:

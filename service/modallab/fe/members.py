@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from modallab.core.errors import StructureError, bounds
-from modallab.fe.settings import ELEMENT, INPUT
+from modallab.fe.structure_settings import ELEMENT, INPUT
 
 # No beam is outside of these, and products of what is inside neither vanish nor overflow.
 

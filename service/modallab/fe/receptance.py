@@ -82,7 +82,10 @@ def solve_small(matrix: ComplexArray, loads: ComplexArray) -> ComplexArray:
 
 
 def attached_variants(
-    systems: Sequence[DynamicSystem], omega: FloatArray, outputs_of: Sequence[FloatArray], inputs: FloatArray
+    systems: Sequence[DynamicSystem],
+    omega: FloatArray,
+    outputs_of: Sequence[FloatArray],
+    inputs_of: Sequence[FloatArray],
 ) -> ComplexArray:
     """Return the receptances of several variants of one structure, (n_variants, n_freq, n_out, n_in), m/N.
 
@@ -94,25 +97,27 @@ def attached_variants(
         Variants of the same matrices.
     omega
         (n_freq,) rad/s, above zero.
-    outputs_of, inputs
-        (n, n_out) for each variant, of one width, and (n, n_in) for all.
+    outputs_of, inputs_of
+        (n, n_out) and (n, n_in) for each variant, of one width each.
     """
     common, specific = split_common(systems)
     loaded = condense_if_cheaper(replace(systems[0], attachments=common), len(omega))
     response = loaded.base_modes(float(omega.max()) / (2 * np.pi)).at(omega)
-    stacks = [stacked_columns(len(inputs), attachments) for attachments in specific]
+    stacks = [stacked_columns(len(inputs_of[0]), attachments) for attachments in specific]
     widths = {stack.shape[1] for stack in stacks}
     if len(widths) > 1:  # variants of different sizes cannot be stacked
         response = systems[0].base_modes(float(omega.max()) / (2 * np.pi)).at(omega)
-        variants = zip(systems, outputs_of, strict=True)
-        return np.array([attached(response, s, outputs, inputs) for s, outputs in variants])
+        variants = zip(systems, outputs_of, inputs_of, strict=True)
+        return np.array([attached(response, *variant) for variant in variants])
     columns: dict[bytes, int] = {}
 
     def places(block: FloatArray) -> list[int]:
         return [columns.setdefault(column.tobytes(), len(columns)) for column in block.T]
 
     rows = [places(np.hstack([outputs, stack])) for outputs, stack in zip(outputs_of, stacks, strict=True)]
-    input_places = [places(np.hstack([inputs, stack])) for stack in stacks]
+    input_places = [
+        places(np.hstack([inputs, stack])) for inputs, stack in zip(inputs_of, stacks, strict=True)
+    ]
     motions = np.array([np.frombuffer(column) for column in columns]).T
     a, b = np.broadcast_arrays(np.array(rows)[:, :, None], np.array(input_places)[:, None, :])
     alpha = _attached_pairs(response, loaded, motions, a.ravel(), b.ravel())

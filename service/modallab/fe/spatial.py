@@ -6,8 +6,8 @@ import numpy as np
 
 from modallab.core.arrays import BoolArray, FloatArray
 from modallab.fe.facet import Facets, shell_matrices
-from modallab.fe.settings import INPUT
 from modallab.fe.shear import bending_stiffness, rotary_inertia, sway_mass
+from modallab.fe.structure_settings import INPUT
 
 
 @dataclass(frozen=True, eq=False)

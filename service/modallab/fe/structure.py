@@ -20,7 +20,7 @@ from modallab.fe.members import Material as Material
 from modallab.fe.members import Member as Member
 from modallab.fe.members import Section as Section
 from modallab.fe.members import positive as positive
-from modallab.fe.settings import INPUT
+from modallab.fe.structure_settings import INPUT
 
 PLANE = ("X", "Y", "RZ")  # of a frame
 ACROSS = ("Z", "RX", "RY")  # of a plate

@@ -1,13 +1,12 @@
 """Measuring chain: structure, rig and effects, as frequency responses of every run's channels."""
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
-from modallab.core.dof import Dof
 from modallab.fe.receptance import attached, attached_variants
 from modallab.fe.system import DynamicSystem
 from modallab.rig.cancellation import with_mass_cancelled
@@ -143,10 +142,10 @@ class Chain:
         return ChannelResponse(np.array(force), np.array(response), np.array(displacement))
 
     def _groups(self) -> list[list[int]]:
-        """Return the indices of runs with the same drive points and as many motions."""
-        groups: dict[tuple[tuple[Dof, ...], int], list[int]] = {}
+        """Return the indices of runs with as many motions, which share a solution."""
+        groups: dict[int, list[int]] = {}
         for i, run in enumerate(self.runs):
-            groups.setdefault((run.acquisition_run.drives, len(run.motions)), []).append(i)
+            groups.setdefault(len(run.motions), []).append(i)
         return list(groups.values())
 
     def _receptance(self, runs: Sequence[Run], omega: FloatArray, top: float) -> ComplexArray:
@@ -164,16 +163,14 @@ class Chain:
 
     def _solve_receptance(self, runs: Sequence[Run], omega: FloatArray, top: float) -> ComplexArray:
         first = runs[0].system
-        inputs = first.selection(runs[0].motions[: runs[0].n_forces])
+        inputs = [first.selection(run.motions[: run.n_forces]) for run in runs]
         outputs = [first.selection(run.motions) for run in runs]
         systems = [run.system for run in runs]
         if all(system.mass is first.mass for system in systems):
             return attached_variants(systems, omega, outputs, inputs)
         # An effect rebuilt the structure from run to run: each brings its own modes.
-        pairs = zip(systems, outputs, strict=True)
-        return np.array(
-            [attached(s.base_modes(top).at(omega), s, output_columns, inputs) for s, output_columns in pairs]
-        )
+        variants = zip(systems, outputs, inputs, strict=True)
+        return np.array([attached(s.base_modes(top).at(omega), s, *columns) for s, *columns in variants])
 
     def poles(self) -> tuple[FloatArray, FloatArray]:
         """Return frequency and half the half-power bandwidth, Hz, of every run's resonances.
@@ -185,7 +182,13 @@ class Chain:
     @cached_property
     def _poles(self) -> tuple[FloatArray, FloatArray]:
         top = self.setup.analyser.frequency_max
-        resonances = [run.resonances(top) for run in self.runs]
+        latest: dict[Hashable, tuple[FloatArray, FloatArray]] = {}
+        resonances = []
+        for run in self.runs:
+            key = run.resonance_key  # runs of a roving hammer differ in their drive point alone
+            if key not in latest:
+                latest[key] = run.resonances(top)
+            resonances.append(latest[key])
         longest = max(len(frequencies) for frequencies, _ in resonances)
         padded = [np.pad(pair, ((0, 0), (0, longest - len(pair[0]))), mode="edge") for pair in resonances]
         frequencies, widths = np.array(padded).swapaxes(0, 1)
@@ -222,6 +225,8 @@ def chain(
     ----------
     system
         The structure, bare.
+    setup
+        Its analyser's lines are all of those from 0 Hz on, in the chain.
     added
         Effects beside those of the declared hardware.
     same_in_all_runs, initial_rms
@@ -233,6 +238,7 @@ def chain(
     UnknownDofError
         If the structure lacks a DoF that the rig drives or listens at.
     """
+    setup = setup.baseband
     effects = all_effects(setup, added)
     for dof in (*setup.drives, *setup.responses):
         system.index(dof)

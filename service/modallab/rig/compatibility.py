@@ -7,6 +7,8 @@ from modallab.rig.hardware import Exciter
 from modallab.rig.setup import RigSetup
 
 _STRUCK = "impact"
+# Records that repeat leak nothing, as those of blows that die out: the service's own log book of a file.
+_OF_A_HAMMER = (_STRUCK, "periodic_random")
 
 
 def check_compatible(setup: RigSetup) -> None:
@@ -41,9 +43,9 @@ def check_compatible(setup: RigSetup) -> None:
 def _check_hammer(setup: RigSetup) -> None:
     """Raise if a rig with a hammer declares hardware of a shaker."""
     kind = setup.analyser.excitation.kind
-    if kind != _STRUCK:
+    if kind not in _OF_A_HAMMER:
         raise InvalidInputError(
-            f"a hammer cannot play {kind}", field="excitation.kind", value=kind, allowed=[_STRUCK]
+            f"a hammer cannot play {kind}", field="excitation.kind", value=kind, allowed=list(_OF_A_HAMMER)
         )
     if setup.stinger is not None:
         raise InvalidInputError("nothing joins a hammer to the structure", field="stinger", allowed="null")

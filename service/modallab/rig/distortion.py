@@ -56,7 +56,7 @@ def with_equivalent_linearisation(
         return (first, *later_runs)
     if source.continuous > 0:
         return tuple(_by_quadrature(runs, forces, analyser, source.continuous))
-    omega, power = 2 * np.pi * analyser.freq[1:], np.full(analyser.n_lines - 1, _power_of_line(analyser))
+    omega, power = 2 * np.pi * analyser.freq[1:], _power_of_lines(analyser, analyser.freq[1:])
     open_loop = local_receptances(runs, forces, omega)
     rms = equivalent_rms(forces, *open_loop, omega, power, initial_rms)
     spectra = _local_spectra(
@@ -83,7 +83,8 @@ def _local_spectra(
         As in `local_forces_receptances`, with the equivalent linearisation.
     """
     of_velocity = [force.of_velocity for force in forces]
-    size = _density(analyser) * (np.abs(driven) ** 2).sum(axis=3)
+    density = analyser.source_density(omega / (2 * np.pi))
+    size = density[:, None] * (np.abs(driven) ** 2).sum(axis=3)
     size *= np.where(of_velocity, omega[:, None] ** 2, 1.0)
     answer = np.einsum("nfrr->nfr", fed_back) * np.where(of_velocity, 1j * omega[:, None], 1.0)
     # A motion has no mean; what answers a steady force is real, and about what answers a slow one.
@@ -102,7 +103,7 @@ def _by_quadrature(
     accelerometer.
     """
     lines, panels = analyser.freq[1:], replace(analyser, n_lines=DISTORTION.initial_panels + 1)
-    power = np.full(len(lines), (1 - share) * _power_of_line(analyser))
+    power = (1 - share) * _power_of_lines(analyser, lines)
     if share == 1:
         lines, power = lines[:0], power[:0]
     rms: FloatArray | None = None
@@ -111,7 +112,7 @@ def _by_quadrature(
         resonances = start_run.resonances(analyser.frequency_max)
         for _ in range(DISTORTION.max_refinements):
             nodes, hertz = refined_panels(panels, *resonances)
-            weights = np.concatenate([power, share * _density(analyser) * hertz])
+            weights = np.concatenate([power, share * analyser.source_density(nodes) * hertz])
             omega = 2 * np.pi * np.concatenate([lines, nodes])
             driven, fed_back = local_receptances([run], forces, omega)
             initial_rms = _open_loop_rms(forces, driven, omega, weights) if rms is None else rms
@@ -180,7 +181,7 @@ def check_first_order(runs: Sequence[Run], analyser: Analyser, source: Source) -
     driven, fed_back = local_receptances(runs, forces, 2 * np.pi * lines)
     residual_density = residual_spectra(runs, analyser, source, lines).density
     by_residuals = (np.abs(fed_back) ** 2 * residual_density[:, :, None, :]).sum(axis=(1, 3))
-    by_sources = _density(analyser) * (np.abs(driven) ** 2).sum(axis=(1, 3))
+    by_sources = analyser.source_density(lines) @ (np.abs(driven) ** 2).sum(axis=3).sum(axis=0)
     strong = by_residuals > DISTORTION.first_order_limit * by_sources
     if strong.any():
         worst = forces[int(strong.any(axis=0).argmax())].dof
@@ -252,12 +253,8 @@ def _spectra_on_uniform_grid(
     return lines, _local_spectra(forces, *receptances, 2 * np.pi * lines[1:], analyser)
 
 
-def _density(analyser: Analyser) -> float:
-    return analyser.excitation.level**2 / analyser.frequency_max
-
-
-def _power_of_line(analyser: Analyser) -> float:
-    return _density(analyser) * analyser.spacing
+def _power_of_lines(analyser: Analyser, lines: FloatArray) -> FloatArray:
+    return analyser.source_density(lines) * analyser.spacing
 
 
 def local_receptances(
@@ -278,7 +275,7 @@ def local_receptances(
         return np.concatenate(by_source), np.concatenate(by_force)
     n = len(first.drives)
     columns = first.system.selection((*first.acquisition_run.drives, *(force.dof for force in forces)))
-    alpha = attached_variants([run.system for run in runs], omega, [columns] * len(runs), columns)
+    alpha = attached_variants([run.system for run in runs], omega, *2 * ([columns] * len(runs),))
     at_drives = alpha[:, :, :n, :n]
     driven = alpha[:, :, n:, :n] @ transmission(first.drives, omega, at_drives)
     exciter_reaction = reaction(first.drives, omega, at_drives) @ alpha[:, :, :n, n:]

@@ -55,6 +55,7 @@ class Effect(Parameterised):
     suspected: ClassVar[bool] = True  # False: a diagnosis looks for it only when told to
     intermittent: ClassVar[bool] = False  # True: its contribution is concentrated in few records
     nested_kind: ClassVar[str | None] = None  # kind with one parameter fewer, a special case of this one
+    of_stated_damping: ClassVar[bool] = False  # True: no suspect where the model's damping is unknown
     tolerance: ClassVar[str | None] = None  # name of the model tolerance that its first parameter may have
     at: Place = None
 

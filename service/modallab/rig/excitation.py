@@ -2,11 +2,12 @@
 
 from collections.abc import Callable, Iterator
 from dataclasses import dataclass, fields
-from typing import Protocol
+from typing import Literal, Protocol
 
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.core.errors import InvalidInputError
 from modallab.core.parameters import ParameterSpec, parameter
 from modallab.core.registry import Family
 from modallab.rig.hardware import within
@@ -34,7 +35,7 @@ class ExcitationSetting:
 
     kind: str = "periodic_random"
     """Kind of signal."""
-    level: float = parameter(
+    level: float | None = parameter(
         1.0, unit="N", lower=1e-9, upper=1e9, absent=None, doc="rms of the source, flat over the band"
     )
     burst: float = parameter(
@@ -59,10 +60,23 @@ class ExcitationSetting:
         0.0, unit="rad", lower=0.0, upper=0.8, doc="standard deviation of a blow's tilt to either side"
     )
 
+    band: tuple[float, float] | None = None
+    """Hz, lowest and highest frequency that the source drives; None: the whole band of the analyser."""
+    shape: Literal["flat", "unknown"] = "flat"
+    """Spectrum of the source over its band: `flat`, or `unknown`, which a diagnosis leaves free."""
+
     def __post_init__(self) -> None:
         EXCITATIONS[self.kind]
         for name, spec in self.specs().items():
-            within(f"excitation.{name}", getattr(self, name), spec.lower, spec.upper)
+            if (value := getattr(self, name)) is not None:
+                within(f"excitation.{name}", value, spec.lower, spec.upper)
+        if self.band is not None and not 0 <= self.band[0] < self.band[1]:
+            raise InvalidInputError(
+                "a band ends above its beginning",
+                field="excitation.band",
+                value=list(self.band),
+                allowed="[low, high], Hz",
+            )
 
     @classmethod
     def specs(cls) -> dict[str, ParameterSpec]:

@@ -2,25 +2,29 @@
 
 import numpy as np
 
-from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.core.arrays import ComplexArray, FloatArray, IntArray
 from modallab.estimation.averaging import effective_averages
 from modallab.estimation.spectra import CrossSpectra
 from modallab.rig.acquisition import Acquisition
 from modallab.rig.chain import Chain
 from modallab.rig.channel_response import ChannelResponse
 from modallab.rig.distortion import residual_spectra
+from modallab.rig.effect import Effect
 from modallab.rig.equivalent_linear_feedback import with_equivalent_feedback
 from modallab.rig.excitation import EXCITATIONS
-from modallab.rig.free_decay import transient_of, transient_spectra
+from modallab.rig.free_decay import decayed_lines, transient_of, transient_spectra
 from modallab.rig.leakage_kernel import LeakageKernel
 from modallab.rig.line_kernels import LineKernel, coarse_kernel, periodic_kernel, refined_kernel
+from modallab.rig.line_selection import LineSelection
 from modallab.rig.nonlinear_settings import DISTORTION
 from modallab.rig.periodic import fixed_signals
 from modallab.rig.settings import FREE_DECAY
 from modallab.rig.spectrum_settings import QUADRATURE
 
 
-def expected_spectra(chain: Chain, kernel: LeakageKernel | None = None) -> CrossSpectra:
+def expected_spectra(
+    chain: Chain, kernel: LeakageKernel | None = None, lines: IntArray | None = None
+) -> CrossSpectra:
     """Return the expected averaged spectra of every run.
 
     Power that repeats with the record lies on the lines, and the window combines neighbouring lines. Other
@@ -32,8 +36,23 @@ def expected_spectra(chain: Chain, kernel: LeakageKernel | None = None) -> Cross
     kernel
         Leakage kernel in place of the chain's own; for finite differences between almost identical chains
         the `derivative_kernel` of one of them.
+    lines
+        (n,) indices from 0 Hz on of the lines needed, rising; None: all.
     """
-    return with_noise(chain, noise_free(chain, kernel=kernel))
+    if lines is None or len(lines) == chain.setup.analyser.n_lines:
+        return with_noise(chain, noise_free(chain, kernel=kernel))
+    if chain.source.continuous > 0 or _needs_whole_band(chain):
+        return expected_spectra(chain, kernel).at(lines)
+    selection = LineSelection(lines)
+    return _with_noise(chain, noise_free(chain, selection), selection.of(chain.setup.analyser.freq))
+
+
+def _needs_whole_band(chain: Chain) -> bool:
+    """Return whether lines depend on all others: by noise in proportion to a signal, or by an effect."""
+    levels = [chain.noise.response, *(chain.noise.of_gauge(dof) for dof in chain.setup.drives)]
+    return any(level > 0 for level in levels) or any(
+        type(effect).on_spectra is not Effect.on_spectra for effect in chain.effects
+    )
 
 
 def derivative_kernel(chain: Chain) -> LeakageKernel | None:
@@ -43,24 +62,47 @@ def derivative_kernel(chain: Chain) -> LeakageKernel | None:
     return refined_kernel(chain.setup.analyser, *chain.poles(), QUADRATURE.derivative_points)
 
 
-def coarse_spectra(chain: Chain, step: int) -> CrossSpectra:
+def coarse_spectra(chain: Chain, step: int, lines: IntArray | None = None) -> CrossSpectra:
     """Return the expected spectra at every `step`-th line, leakage on a coarse grid.
 
     Several times faster than `expected_spectra`, and within some per cent of it at resonances much
     narrower than a line: for a first look over many hypotheses.
-    """
-    return _with_noise(chain, noise_free(chain, step), chain.setup.analyser.freq[::step])
-
-
-def noise_free(chain: Chain, step: int | None = None, kernel: LeakageKernel | None = None) -> ComplexArray:
-    """Return G_ff, G_fx and G_xx without noise, concatenated, as seen through the window.
 
     Parameters
     ----------
     step
-        None for every line, refined; else every `step`-th line, coarse.
+        Lines from one line to the next, from 0 Hz on.
+    lines
+        (n,) indices from 0 Hz on of those of these lines that are needed; None: all.
+    """
+    freq = chain.setup.analyser.freq
+    selection = LineSelection.every(step, len(freq))
+    some = lines is not None and len(lines) < len(selection)
+    if lines is not None and some and not _needs_whole_band(chain):
+        selection, some = LineSelection(lines), False
+    # Every line of a steady signal costs no more exactly; a free decay does.
+    screened = step > 1 or transient_of(chain) is not None
+    spectra = _with_noise(chain, noise_free(chain, selection, coarse=screened), selection.of(freq))
+    return spectra.at(lines // step) if lines is not None and some else spectra
+
+
+def noise_free(
+    chain: Chain,
+    lines: LineSelection | None = None,
+    kernel: LeakageKernel | None = None,
+    *,
+    coarse: bool = False,
+) -> ComplexArray:
+    """Return G_ff, G_fx and G_xx without noise, concatenated, as seen through the window.
+
+    Parameters
+    ----------
+    lines
+        Lines needed; None: all. Some of them only where no power leaks, or coarse.
     kernel
         In place of the one that the chain's resonances ask for.
+    coarse
+        Whether leakage is that of a coarse grid, and a decay is followed less far.
 
     Returns
     -------
@@ -69,35 +111,36 @@ def noise_free(chain: Chain, step: int | None = None, kernel: LeakageKernel | No
     analyser, share = chain.setup.analyser, chain.source.continuous
     parts: list[ComplexArray] = []
     if share < 1:
-        parts.append((1 - share) * _periodic_spectra(chain, step or 1))
+        parts.append((1 - share) * _periodic_spectra(chain, lines, coarse=coarse))
     if share > 0:
-        if step is not None:
-            parts.append(
-                share * _leaked_spectra(coarse_kernel(analyser, step), chain, QUADRATURE.coarse_points)
-            )
+        if lines is not None:
+            view = coarse_kernel(analyser, lines)
+            parts.append(share * _leaked_spectra(view, chain, QUADRATURE.coarse_points))
         else:
             parts.append(share * _leaked_spectra(kernel or refined_kernel(analyser, *chain.poles()), chain))
     return np.asarray(sum(parts[1:], parts[0]))
 
 
-def _periodic_spectra(chain: Chain, step: int) -> ComplexArray:
+def _periodic_spectra(chain: Chain, lines: LineSelection | None, *, coarse: bool) -> ComplexArray:
     """Return the spectra of the power that repeats with the record, at full level."""
+    indices = slice(None) if lines is None else lines.indices
     if transient_of(chain) is not None:
-        spectra = transient_spectra(
-            chain, FREE_DECAY.decay_threshold if step == 1 else FREE_DECAY.screening_decay_threshold
-        )
-        return spectra[:, ::step] + _residual_part(chain, step)
-    lines = fixed_signals(chain)
-    if lines is not None:
-        return _products(lines[:, ::step]) + _residual_part(chain, step)
-    return _leaked_spectra(periodic_kernel(chain.setup.analyser, step), chain)
+        decayed = decayed_lines(chain, indices) if coarse else None
+        if decayed is not None:
+            return _products(decayed) + _residual_part(chain, lines)
+        forgotten = FREE_DECAY.screening_decay_threshold if coarse else FREE_DECAY.decay_threshold
+        return transient_spectra(chain, forgotten)[:, indices] + _residual_part(chain, lines)
+    signals = fixed_signals(chain)
+    if signals is not None:
+        return _products(signals[:, indices]) + _residual_part(chain, lines)
+    return _leaked_spectra(periodic_kernel(chain.setup.analyser, lines), chain)
 
 
-def _residual_part(chain: Chain, step: int) -> ComplexArray | float:
+def _residual_part(chain: Chain, lines: LineSelection | None) -> ComplexArray | float:
     """Return the spectra of the residual forces, for a Gaussian signal of the same power."""
     if not chain.runs[0].local_forces:
         return 0.0
-    view = periodic_kernel(chain.setup.analyser, step)
+    view = periodic_kernel(chain.setup.analyser, lines)
     residual = residual_spectra(chain.runs, chain.setup.analyser, chain.source, view.nodes)
     return view.convolve(_powers(chain.residual_response(view.nodes), residual.density))
 
@@ -106,7 +149,7 @@ def _leaked_spectra(
     view: LineKernel | LeakageKernel, chain: Chain, finest: int = DISTORTION.max_points_per_line
 ) -> ComplexArray:
     analyser = chain.setup.analyser
-    density = np.full((1, 1, chain.n_in), analyser.excitation.level**2 / analyser.frequency_max)
+    density = np.repeat(analyser.source_density(view.nodes)[None, :, None], chain.n_in, axis=2)
     driven, distorted = chain.source_and_residual_response(view.nodes)
     if not chain.runs[0].local_forces:
         return view.convolve(_powers(driven, density))
@@ -155,7 +198,11 @@ def noise_densities(chain: Chain, clean: ComplexArray) -> FloatArray:
     ]
     analyser = chain.setup.analyser
     levels *= EXCITATIONS[analyser.excitation.kind].noise_share(analyser.n_lines)
-    return np.asarray(levels * _autos(chain, clean).mean(axis=1))
+    densities = [
+        chain.setup.noise.densities(run.acquisition_run.drives, run.acquisition_run.outputs)
+        for run in chain.runs
+    ]
+    return np.asarray(levels * _autos(chain, clean).mean(axis=1) + densities)
 
 
 def _autos(chain: Chain, clean: ComplexArray) -> FloatArray:
@@ -182,7 +229,7 @@ def _with_noise(chain: Chain, clean: ComplexArray, freq: FloatArray) -> CrossSpe
         ff,
         clean[..., n * n : -n_out].reshape(n_run, n_lines, n, n_out),
         clean[..., -n_out:].real + noise[:, None, n:],
-        effective_averages(analyser.averages, chain.overlap, analyser.line_window),
+        effective_averages(analyser.simulated_averages, chain.overlap, analyser.line_window),
     )
     acquisition_state = acquisition(chain, clean)
     for effect in chain.effects:

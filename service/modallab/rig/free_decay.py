@@ -6,7 +6,7 @@ from dataclasses import replace
 import numpy as np
 import scipy.fft
 
-from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.core.arrays import ComplexArray, FloatArray, IntArray
 from modallab.core.errors import InvalidInputError
 from modallab.estimation.averaging import Averager
 from modallab.rig.acquisition import sample_rate_of, samples_of
@@ -56,11 +56,7 @@ def _impulse_responses(group: Chain, forgotten: float) -> list[ImpulseResponses]
     n, rate, setting = samples_of(analyser), sample_rate_of(analyser), analyser.excitation
     n_fft = n * _repeats(group, forgotten)
     freq = scipy.fft.rfftfreq(n_fft, 1 / rate)
-    omega = 2 * np.pi * np.maximum(freq, CHAIN.dc_line_fraction * analyser.spacing)
-    source_spectrum = transient.spectrum(omega, setting) * _anti_alias(freq, analyser.frequency_max, rate / 2)
-    for shaping in group.source.shaping:
-        source_spectrum = source_spectrum * shaping(omega)
-    source_spectrum = source_spectrum * np.sqrt(setting.level**2 / analyser.frequency_max * rate / 2)
+    source_spectrum = _source_spectrum(group, freq)
     responses = []
     for run, channel_response in zip(group.runs, group.respond(freq).channels, strict=True):
         if transient.misaligned(setting):
@@ -72,6 +68,38 @@ def _impulse_responses(group: Chain, forgotten: float) -> list[ImpulseResponses]
             ImpulseResponses(np.concatenate([samples[..., -n:], samples[..., :n]], axis=-1), group.n_in)
         )
     return responses
+
+
+def _source_spectrum(chain: Chain, freq: FloatArray) -> ComplexArray:
+    """Return the transform of the source's sampled signal behind the anti-alias filter, (n_freq,) N."""
+    analyser, transient = chain.setup.analyser, transient_of(chain)
+    assert transient is not None
+    rate = sample_rate_of(analyser)
+    omega = 2 * np.pi * np.maximum(freq, CHAIN.dc_line_fraction * analyser.spacing)
+    spectrum = transient.spectrum(omega, analyser.excitation)
+    spectrum = spectrum * _anti_alias(freq, analyser.frequency_max, rate / 2)
+    for shaping in chain.source.shaping:
+        spectrum = spectrum * shaping(omega)
+    return np.asarray(spectrum * np.sqrt(analyser.source_level**2 / analyser.frequency_max * rate / 2))
+
+
+def decayed_lines(chain: Chain, lines: IntArray | slice) -> ComplexArray | None:
+    """Return the lines (n_run, n_lines, n_ch) of one blow at some lines, as if decayed.
+
+    Square roots of one-sided densities. What rings on beyond the record is counted as if it were within:
+    for screening, where the error cancels in the ratio of two predictions.
+
+    None where a record is no single blow, or is shortened by its window.
+    """
+    analyser, transient = chain.setup.analyser, transient_of(chain)
+    single = EXCITATIONS[analyser.excitation.kind].deterministic_transient
+    assert transient is not None
+    if not single or transient.misaligned(analyser.excitation) or analyser.line_window.end < 1:
+        return None
+    freq = analyser.freq[lines]
+    density = 2 / (sample_rate_of(analyser) * analyser.line_window.power)
+    spectrum = np.sqrt(density) * _source_spectrum(chain, freq)
+    return np.asarray(spectrum[:, None] * chain.respond(freq).channels[..., 0])
 
 
 def transient_spectra(chain: Chain, forgotten: float = FREE_DECAY.decay_threshold) -> ComplexArray:

@@ -1,7 +1,6 @@
 """Impact of a hammer: pulse, useful band, scatter from blow to blow."""
 
 import numpy as np
-from scipy.optimize import brentq
 
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.rig.settings import HAMMER
@@ -39,24 +38,6 @@ def pulse_spectrum(omega: FloatArray, width: float) -> ComplexArray:
     shape = np.full(len(omega), np.pi / 4)  # where both cosine and denominator vanish
     shape[far] = np.cos(x[far]) / (1 - (2 * x[far] / np.pi) ** 2)
     return np.asarray(shape * np.exp(-1j * x))
-
-
-def band_limit(width: float, drop: float = HAMMER.band_drop) -> float:
-    """Return the frequency, Hz, at which the force auto spectrum has dropped by `drop` dB.
-
-    Parameters
-    ----------
-    width
-        s.
-    drop
-        dB, above 0.
-    """
-    threshold = 10 ** (-drop / 20)
-
-    def excess(x: float) -> float:
-        return float(np.abs(pulse_spectrum(np.array([2 * x]), 1.0))[0]) - threshold
-
-    return float(brentq(excess, 1e-9, 1.5 * np.pi) / (np.pi * width))
 
 
 def tilt_moments(scatter: float, n_lateral: int) -> tuple[float, float, float]:

@@ -1,9 +1,11 @@
 """Hardware of a rig as its data sheets declare it."""
 
 import math
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import Literal
 
+from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError, bounds
 from modallab.rig.mounting import MOUNTINGS, Mounting
 
@@ -122,14 +124,75 @@ class Accelerometers:
 
 
 @dataclass(frozen=True)
-class Noise:
-    """White noise as a ratio to the mean of the noise-free spectrum over the band."""
+class NoiseDensity:
+    """White noise by its absolute spectrum."""
 
-    force: float = 0.0
-    """1, of the force channels."""
-    response: float = 0.0
-    """1, of the response channels."""
+    psd: float | Mapping[str, float]
+    """unit^2/Hz, N^2/Hz of forces and (m/s^2)^2/Hz of responses: one value, or one a channel by its DoF."""
 
     def __post_init__(self) -> None:
-        within("noise.force", self.force, 0.0, 10.0)
-        within("noise.response", self.response, 0.0, 10.0)
+        for value in self.psd.values() if isinstance(self.psd, Mapping) else (self.psd,):
+            within("noise.psd", value, 0.0, _MAX_DENSITY)
+
+    def of(self, dof: Dof) -> float:
+        """Return the density of a channel, unit^2/Hz; the mean of all where none is stated for it."""
+        if not isinstance(self.psd, Mapping):
+            return self.psd
+        densities = {Dof.parse(name).point: value for name, value in self.psd.items()}
+        return densities.get(dof.point, sum(densities.values()) / len(densities))
+
+    def check_channels(self, field: str, dofs: Sequence[Dof]) -> None:
+        """Raise `InvalidInputError` unless densities by channel are those of the channels at `dofs`."""
+        if not isinstance(self.psd, Mapping):
+            return
+        stated = {Dof.parse(name, field=field).point for name in self.psd}
+        if stated != {dof.point for dof in dofs}:
+            raise InvalidInputError(
+                "noise by channel is one density for each channel",
+                field=field,
+                value=list(self.psd),
+                allowed=[str(dof) for dof in dofs],
+            )
+
+
+_MAX_DENSITY = 1e12  # of input, far beyond any signal
+
+
+@dataclass(frozen=True)
+class Noise:
+    """White noise of the channels, a ratio to the mean noise-free spectrum of the band or a density.
+
+    Of a simulated test unknown noise is none.
+    """
+
+    force: float | NoiseDensity | None = 0.0
+    """1 or a density, of the force channels; None: unknown."""
+    response: float | NoiseDensity | None = 0.0
+    """1 or a density, of the response channels; None: unknown."""
+
+    def __post_init__(self) -> None:
+        for name in ("force", "response"):
+            level = getattr(self, name)
+            if isinstance(level, float | int):
+                within(f"noise.{name}", level, 0.0, 10.0)
+
+    @property
+    def force_ratio(self) -> float:
+        """1, ratio of the force channels; 0 of an absolute or unknown noise."""
+        return _ratio(self.force)
+
+    @property
+    def response_ratio(self) -> float:
+        """1, ratio of the response channels; 0 of an absolute or unknown noise."""
+        return _ratio(self.response)
+
+    def densities(self, forces: Sequence[Dof], responses: Sequence[Dof]) -> list[float]:
+        """Return the absolute noise of force channels, then of response channels, unit^2/Hz."""
+        parts = ((self.force, forces), (self.response, responses))
+        return [
+            level.of(dof) if isinstance(level, NoiseDensity) else 0.0 for level, dofs in parts for dof in dofs
+        ]
+
+
+def _ratio(level: float | NoiseDensity | None) -> float:
+    return float(level) if isinstance(level, float | int) else 0.0

@@ -24,15 +24,15 @@ class LikelyMotion:
 
 def likely_motion(system: DynamicSystem, setup: RigSetup, dof: Dof) -> LikelyMotion:
     """Return the motion of a DoF when the rig drives the bare structure at the declared level."""
-    analyser = setup.analyser
+    analyser = setup.baseband.analyser
     freq = analyser.freq[1:]
     columns = system.selection((dof, setup.drive))
     alpha = np.abs(receptance(system, freq, columns, columns[:, :1])[:, :, 0])
     omega = 2 * np.pi * freq
-    power = analyser.excitation.level**2 / len(freq)
+    power = analyser.source_density(freq) * analyser.spacing
     return LikelyMotion(
-        displacement=float(np.sqrt(power * (alpha[:, 1] ** 2).sum())),
-        velocity=float(np.sqrt(power * ((omega * alpha[:, 1]) ** 2).sum())),
+        displacement=float(np.sqrt(power @ alpha[:, 1] ** 2)),
+        velocity=float(np.sqrt(power @ (omega * alpha[:, 1]) ** 2)),
         stiffness=float(1 / np.median(alpha[:, 0])),
         viscous=float(1 / np.median(omega * alpha[:, 0])),
     )

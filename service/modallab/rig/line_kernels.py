@@ -4,13 +4,13 @@ from dataclasses import dataclass
 from functools import cached_property, lru_cache
 
 import numpy as np
-from numpy.typing import NDArray
 from scipy.sparse import coo_array, csr_array
 
-from modallab.core.arrays import ComplexArray, FloatArray, IntArray
+from modallab.core.arrays import BoolArray, ComplexArray, FloatArray
 from modallab.rig.acquisition import samples_of
 from modallab.rig.analyser import Analyser
 from modallab.rig.leakage_kernel import LeakageKernel, leak_spectrum
+from modallab.rig.line_selection import LineSelection
 from modallab.rig.spectrum_settings import QUADRATURE
 
 
@@ -50,24 +50,27 @@ class LineKernel:
 
 
 @lru_cache(maxsize=16)
-def periodic_kernel(analyser: Analyser, step: int = 1) -> LineKernel:
-    """Return the kernel of every `step`-th line for a signal that is periodic in the record."""
+def periodic_kernel(analyser: Analyser, lines: LineSelection | None = None) -> LineKernel:
+    """Return the kernel of some lines, or of all, for a signal that is periodic in the record."""
     window, n = analyser.line_window, analyser.n_lines
+    line = np.arange(n) if lines is None else lines.indices
     reach = len(window.coefficients) - 1  # farther off, its line shape is 0 at whole lines
     if reach == 0:  # and 1 at its own line
-        return LineKernel(analyser.freq[::step])
-    line, offset = np.arange(n)[:, None], np.arange(-reach, reach + 1)
-    shape = np.broadcast_to(window.line_shape(offset.astype(float)), (n, len(offset)))
+        return LineKernel(analyser.freq[line])
+    offset = np.arange(-reach, reach + 1)
+    shape = np.broadcast_to(window.line_shape(offset.astype(float)), (len(line), len(offset)))
+    neighbour = line[:, None] + offset
+    source, in_band = np.abs(neighbour), np.abs(neighbour) < n
+    needed = np.unique(source[in_band])
 
-    def matrix(source: IntArray, in_band: NDArray[np.bool_]) -> csr_array:
-        rows = np.broadcast_to(line, source.shape)
-        return csr_array(coo_array((shape[in_band], (rows[in_band], source[in_band])), (n, n)))[::step]
+    def matrix(entries: BoolArray) -> csr_array:
+        rows = np.broadcast_to(np.arange(len(line))[:, None], source.shape)
+        columns = np.searchsorted(needed, source[entries])
+        size = len(line), len(needed)
+        return csr_array(coo_array((shape[entries], (rows[entries], columns)), size))
 
-    line_index = line + offset
     return LineKernel(
-        analyser.freq,
-        matrix(line_index, (line_index >= 0) & (line_index < n)),
-        matrix(-line_index, (line_index < 0) & (line_index > -n)),
+        analyser.freq[needed], matrix(in_band & (neighbour >= 0)), matrix(in_band & (neighbour < 0))
     )
 
 
@@ -89,8 +92,8 @@ def refined_kernel(
 
 
 @lru_cache(maxsize=16)
-def coarse_kernel(analyser: Analyser, step: int) -> LineKernel:
-    """Return the kernel of every `step`-th line for a stationary signal, on a uniform grid.
+def coarse_kernel(analyser: Analyser, lines: LineSelection) -> LineKernel:
+    """Return the kernel of some lines for a stationary signal, on a uniform grid.
 
     Even steps of half a line: of smooth functions no rule of as many points is better, and a window's
     line shape squared holds no finer detail.
@@ -99,10 +102,9 @@ def coarse_kernel(analyser: Analyser, step: int) -> LineKernel:
         np.arange(QUADRATURE.coarse_points * (analyser.n_lines - 1)) + 0.5
     ) / QUADRATURE.coarse_points
     window = analyser.line_window
-    lines = np.arange(0, analyser.n_lines, step, dtype=float)
     n = samples_of(analyser)
     near, mirrored = (
-        window.line_shapes(lines, position, n) / QUADRATURE.coarse_points
+        window.line_shapes(lines.indices.astype(float), position, n) / QUADRATURE.coarse_points
         for position in (positions, -positions)
     )
     return LineKernel(positions * analyser.spacing, near, mirrored)

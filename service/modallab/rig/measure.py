@@ -8,6 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from modallab.core.arrays import FloatArray
+from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.core.progress import Progress, silent
 from modallab.estimation.coherence import coherence
@@ -21,10 +22,12 @@ from modallab.rig.chain import Chain, chain
 from modallab.rig.compatibility import check_compatible
 from modallab.rig.distortion import check_first_order
 from modallab.rig.effect import Effect, build
+from modallab.rig.excitation import EXCITATIONS
 from modallab.rig.expected import expected_spectra, noise_densities, noise_free, with_noise
 from modallab.rig.measurement import Measurement
 from modallab.rig.periodic import periodic_signals
 from modallab.rig.sampled import sampled_spectra
+from modallab.rig.settings import SOURCE
 from modallab.rig.setup import RigSetup
 from modallab.rig.wishart import wishart_spectra
 from modallab.rig.wishart_periodic import noncentral_wishart_spectra, signal_of
@@ -64,13 +67,15 @@ def measure(
         If an effect, declared or not, cannot sit where it is said to.
     """
     route = Route(route)  # its plain name is taken for it too
+    declared, setup = setup, setup.simulated
     check_compatible(setup)
+    _check_band(setup)
     modelled = [build(spec) for spec in structure.effects]
     for effect in [*modelled, *(build(spec) for spec in setup.effects), *effects]:
         effect.check(structure, setup)
     measuring_chain = chain(assemble(structure), setup, [*modelled, *effects])
     if route is not Route.SAMPLED:
-        check_first_order(measuring_chain.runs, setup.analyser, measuring_chain.source)
+        check_first_order(measuring_chain.runs, measuring_chain.setup.analyser, measuring_chain.source)
     if route is Route.SAMPLED:
         spectra = sampled_spectra(measuring_chain, rng, progress)
     elif route is Route.DRAWN:
@@ -78,7 +83,31 @@ def measure(
     else:
         spectra = expected_spectra(measuring_chain)
     progress(1.0, "measured")
-    return measurement_of(spectra, setup)
+    kept = measuring_chain.setup.analyser.lines_at(setup.analyser.freq)
+    return measurement_of(spectra.at(kept), declared)
+
+
+def _check_band(setup: RigSetup) -> None:
+    """Raise unless a source can be simulated in its band."""
+    analyser = setup.analyser
+    if analyser.excitation.band is None:
+        return
+    kind, (first, last) = analyser.excitation.kind, analyser.driven_lines
+    if EXCITATIONS[kind].transient is not None:
+        raise InvalidInputError(
+            f"{kind} is simulated over the whole band only: cut to a band, it would not end in the record",
+            field="excitation.band",
+            value=list(analyser.excitation.band),
+            allowed="null",
+        )
+    top = round(analyser.frequency_max / analyser.spacing)
+    if last > top or last - first < SOURCE.min_band_lines:
+        raise InvalidInputError(
+            "the source's band is too narrow, or ends above that of the analyser",
+            field="excitation.band",
+            value=list(analyser.excitation.band),
+            allowed=f"{SOURCE.min_band_lines} lines and more, up to {analyser.frequency_max:g} Hz",
+        )
 
 
 def draw(chain: Chain, rng: np.random.Generator) -> CrossSpectra:

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from modallab.core.arrays import FloatArray, frozen
+from modallab.core.arrays import BoolArray, FloatArray, frozen
+from modallab.core.assumption import Assumption
 from modallab.core.errors import InvalidInputError, bounds
 from modallab.core.frf import FrfKind, FrfSet
 from modallab.core.numerics import COMPARISON_ROUNDING
@@ -29,7 +30,8 @@ class Measurement:
     force_spectrum: FloatArray | None = None
     """N^2/Hz, force auto spectra (n_freq, n_out, n_in), each of the run of that response."""
     response_spectrum: FloatArray | None = None
-    """unit^2/Hz, auto spectra of the motion of `frf.kind`, shaped as `coherence`."""
+    """unit^2/Hz, auto spectra of the motion of `frf.kind` (n_freq, n_out), (n_freq, n_out, n_in) with a
+    roving hammer."""
     noise_floor: float | None = None
     """1, relative error of the FRFs as their owner states it, at or above the median."""
     input_condition: FloatArray | None = None
@@ -42,6 +44,8 @@ class Measurement:
     """Versions of the numerical libraries, by name."""
     notes: tuple[str, ...] = ()
     """Remarks on systematic changes of the FRFs."""
+    assumed: tuple[Assumption, ...] = ()
+    """Assumptions about an imported test that neither its file nor its log book states."""
 
     def __post_init__(self) -> None:
         shape = self.frf.values.shape
@@ -90,6 +94,10 @@ class Measurement:
             size = (2 * np.pi * self.frf.freq) ** (2 * steps)
             spectrum = spectrum * size.reshape(-1, *[1] * (spectrum.ndim - 1))
         return replace(self, frf=self.frf.to(kind), response_spectrum=spectrum)
+
+    def at(self, lines: BoolArray | None) -> "Measurement":
+        """Return the measurement at the lines of a mask (n_freq,); itself if there is none."""
+        return self if lines is None else self.by_line(lambda array: array[lines])
 
     def by_line(self, change: Callable[[NDArray[Any]], NDArray[Any]]) -> "Measurement":
         """Return the measurement with every array that has a frequency axis changed alike."""

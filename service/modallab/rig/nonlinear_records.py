@@ -150,9 +150,10 @@ class Distorter:
         driven[0] = 0.0  # a free body's place is no part of its vibration
         driven = driven * np.where(self._of_velocity, 1j * omega[:, None], 1.0)[..., None]
         lines = np.einsum("fri,nif->fnr", driven, played.lines)
-        density = played.share * self._analyser.excitation.level**2 / self._analyser.frequency_max
+        density = played.share * self._analyser.source_density(freq)
         rate = NONLINEAR_RECORDS.oversampling * self._n * self._analyser.spacing
-        return np.asarray(scipy.fft.irfft(lines, n_period, axis=0) * np.sqrt(density * rate * n_period / 2))
+        lines *= np.sqrt(density * rate * n_period / 2)[:, None, None]
+        return np.asarray(scipy.fft.irfft(lines, n_period, axis=0))
 
 
 def modal_feedbacks(runs: Sequence[Run]) -> list[ModalFeedback]:

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from modallab.core.settings import Settings, setting
+from modallab.core.settings import JUDGEMENT, Settings, setting
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class DistortionSettings(Settings):
         40,
         unit="rounds",
         doc="refinements of the quadrature towards shifted resonances",
-        tuned="simulated tests of the suite",
+        tuned=JUDGEMENT,
     )
     initial_panels: int = setting(
         8, unit="panels", doc="panels of the band before refinement", derived="only the cost depends on it"
@@ -37,7 +37,7 @@ class DistortionSettings(Settings):
         64,
         unit="points",
         doc="grid points of a line where a spectrum is steep",
-        tuned="simulated tests of the suite",
+        tuned=JUDGEMENT,
     )
     min_width: float = setting(
         1e-9,
@@ -64,11 +64,9 @@ class LinearisationSettings(Settings):
         (0.01, 8.0),
         unit="1",
         doc="trial motions over the motion without the force",
-        tuned="simulated tests of the suite",
+        tuned=JUDGEMENT,
     )
-    n_trials: int = setting(
-        28, unit="motions", doc="trial motions in that range", tuned="simulated tests of the suite"
-    )
+    n_trials: int = setting(28, unit="motions", doc="trial motions in that range", tuned=JUDGEMENT)
     extension_range: float = setting(
         100.0,
         unit="1",
@@ -82,7 +80,7 @@ class LinearisationSettings(Settings):
         0.5,
         unit="1",
         doc="half width of the bracket about a known motion, of its logarithm",
-        tuned="simulated tests of the suite",
+        tuned=JUDGEMENT,
     )
     oversampling: int = setting(
         4,
@@ -191,19 +189,19 @@ class DistortionEvidenceSettings(Settings):
         0.2,
         unit="1",
         doc="suspicion without a measured response spectrum",
-        tuned="simulated tests of the suite",
+        tuned=JUDGEMENT,
     )
     misfit_only: float = setting(
         0.1,
         unit="1",
         doc="suspicion where the incoherent spectrum is wrong, but no larger on the whole",
-        tuned="simulated tests of the suite",
+        tuned=JUDGEMENT,
     )
     misfit_limit: float = setting(
         1.2,
         unit="1",
         doc="mean squared residual up to which a spectrum agrees",
-        tuned="simulated tests of the suite",
+        tuned=JUDGEMENT,
     )
 
 

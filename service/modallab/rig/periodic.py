@@ -86,7 +86,7 @@ def fixed_signals(chain: Chain) -> ComplexArray | None:
     lines = fixed_lines(analyser)
     if lines is None:
         return None
-    density = analyser.excitation.level**2 / analyser.frequency_max
+    density = analyser.source_density(analyser.freq)[:, None]
     channel_lines = chain.respond(analyser.freq).channels.sum(axis=3)
     return _windowed_lines(analyser.line_window, np.sqrt(density) * channel_lines * lines[:, None])
 

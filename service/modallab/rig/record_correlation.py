@@ -38,7 +38,7 @@ def correlated_excess_variance(chain: Chain, spectra: CrossSpectra) -> FloatArra
     -------
     Factors (n_run, n_freq, n_out); 1 where nothing leaks.
     """
-    analyser, n = chain.setup.analyser, chain.setup.analyser.averages
+    analyser, n = chain.setup.analyser, chain.setup.analyser.simulated_averages
     incoherent = spectra.xx * (1 - coherence(spectra) + COMPARISON_ROUNDING)
     if chain.source.continuous == 0:
         return np.ones_like(incoherent)
@@ -72,10 +72,10 @@ def leaked_covariances(chain: Chain, spectra: CrossSpectra, lags: int) -> Iterat
     view = refined_kernel(analyser, *chain.poles())
     answer = chain.respond(view.nodes)
     f, x = answer.force, answer.response
-    density = chain.source.continuous * analyser.excitation.level**2 / analyser.frequency_max
+    density = chain.source.continuous * analyser.source_density(view.nodes)[:, None, None]
     weighted_force = density * f.conj()
     ff, fx = weighted_force @ f.swapaxes(2, 3), weighted_force @ x.swapaxes(2, 3)
-    xx = density * (np.abs(x) ** 2).sum(axis=3)
+    xx = density[..., 0] * (np.abs(x) ** 2).sum(axis=3)
     n_run, n_nodes, n_in, n_out = fx.shape
     flat = [part.reshape(n_run, n_nodes, -1) for part in (ff, fx, fx.conj(), xx.astype(complex))]
     true_spectra = np.concatenate(flat, axis=2)

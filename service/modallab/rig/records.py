@@ -34,7 +34,7 @@ class Recorder:
         analyser, share = chain.setup.analyser, chain.source.continuous
         self._chain = chain
         self.n_samples, self.sample_rate = samples_of(analyser), sample_rate_of(analyser)
-        self._averages = analyser.averages
+        self._averages = analyser.simulated_averages
         self._hop = max(1, round(self.n_samples * (1 - chain.overlap)))
         n_ch = chain.n_in + len(chain.runs[0].responses)
         self.shape = (n_ch, self.n_samples)
@@ -243,7 +243,7 @@ def _source_lines(chain: Chain, freq: FloatArray, samples: float) -> ComplexArra
         That it is taken of, times the share of the power.
     """
     analyser, n_in = chain.setup.analyser, chain.n_in
-    density = analyser.excitation.level**2 / analyser.frequency_max
+    density = analyser.source_density(freq)
     size = np.sqrt(density * sample_rate_of(analyser) * samples / 2)
     answer = chain.respond(freq)
     n_run, n_freq, n_out, _ = answer.response.shape

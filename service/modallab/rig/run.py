@@ -1,6 +1,6 @@
 """One run of the analyser: loaded structure, exciters and channels."""
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 from dataclasses import dataclass, field
 from functools import cached_property
 
@@ -51,7 +51,8 @@ class Run:
     def channel_motions(self, accelerations: ComplexArray) -> ComplexArray:
         """Return the channels' motions from those of `motions` (n_freq, n_motions, n_sources)."""
         first = self.n_forces
-        if all(channel.pickups == ((channel.dof, 1.0),) for channel in self.responses):
+        distinct = len(self.responses) == len(self.motions) - first
+        if distinct and all(channel.pickups == ((channel.dof, 1.0),) for channel in self.responses):
             return accelerations[:, first:]
         place = {dof: i for i, dof in enumerate(self.motions[first:], start=first)}
         weights = np.zeros((len(self.responses), len(self.motions)))
@@ -69,6 +70,14 @@ class Run:
         if frequency_max not in self._resonance_cache:
             self._resonance_cache[frequency_max] = self._resonances(frequency_max)
         return self._resonance_cache[frequency_max]
+
+    @property
+    def resonance_key(self) -> Hashable:
+        """What the resonances depend on: equal for two runs of equal resonances."""
+        if any(drive.electrical_decay_rates for drive in self.drives):
+            return id(self)
+        system = self.with_exciters
+        return id(system.cache), tuple(attachment.key for attachment in system.attachments)
 
     def _resonances(self, frequency_max: float) -> tuple[FloatArray, FloatArray]:
         resonances = [self._with_exciters_at(0.0).resonances(frequency_max)]

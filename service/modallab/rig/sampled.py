@@ -43,12 +43,12 @@ def sampled_spectra(chain: Chain, rng: np.random.Generator, progress: Progress) 
         averager.add(batch.samples)
         del batch  # not kept while the next one is made
         progress(
-            (run + count / analyser.averages) / n_run,
-            f"run {run + 1} of {n_run}, average {count} of {analyser.averages}",
+            (run + count / analyser.simulated_averages) / n_run,
+            f"run {run + 1} of {n_run}, average {count} of {analyser.simulated_averages}",
         )
-        if count == analyser.averages:
+        if count == analyser.simulated_averages:
             runs.append(averager.densities())
             averager = None
     ff, fx, xx = (np.array(part) for part in zip(*runs, strict=True))
-    averages = effective_averages(analyser.averages, chain.overlap, window)
+    averages = effective_averages(analyser.simulated_averages, chain.overlap, window)
     return CrossSpectra(analyser.freq, ff, fx, xx, averages)

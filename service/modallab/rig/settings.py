@@ -17,6 +17,31 @@ class AcquisitionSettings(Settings):
         doc="sample rate over the top of the band",
         derived="convention of FFT analysers: room for the roll-off of the anti-alias filter",
     )
+    line_tolerance: float = setting(
+        0.02,
+        unit="lines",
+        doc="distance of a stated frequency from a line of the record",
+        derived="frequencies in single precision are off by 0.06 lines at the millionth line, less before",
+    )
+
+
+@dataclass(frozen=True)
+class SourceSettings(Settings):
+    """A simulated test whose analyser or source are not declared."""
+
+    averages: int = setting(
+        100, unit="averages", doc="averages of a simulated test", derived="default of `Analyser`"
+    )
+    level: float = setting(1.0, unit="N", doc="rms of the source of a simulated test", derived="unit force")
+    out_of_band: float = setting(
+        1e-12,
+        unit="1",
+        doc="spectrum of a source outside its band over that inside",
+        derived="120 dB, the floor of a generator; keeps the expected FRF finite",
+    )
+    min_band_lines: int = setting(
+        4, unit="lines", doc="least width of the band of a source", derived="bound of input"
+    )
 
 
 @dataclass(frozen=True)
@@ -177,12 +202,6 @@ class HammerSettings(Settings):
         doc="step of the central difference of shape functions at a node",
         derived="truncation and rounding errors are both below 1e-6",
     )
-    band_drop: float = setting(
-        20.0,
-        unit="dB",
-        doc="drop of the force spectrum at the end of the useful band",
-        derived="convention of impact testing",
-    )
     series_distance: float = setting(
         1e-6,
         unit="1",
@@ -237,6 +256,7 @@ class StingerSettings(Settings):
 
 
 ACQUISITION = AcquisitionSettings()
+SOURCE = SourceSettings()
 CHAIN = ChainSettings()
 CHECK = CheckSettings()
 CHANGE = ChangeSettings()

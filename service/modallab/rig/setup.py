@@ -1,6 +1,6 @@
 """Rig as declared in the log book."""
 
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError, bounds
@@ -9,7 +9,7 @@ from modallab.estimation.averaging import effective_averages
 from modallab.estimation.estimator import MULTIPLE_INPUT_ESTIMATORS
 from modallab.estimation.windows import WINDOWS
 from modallab.rig.analyser import Analyser
-from modallab.rig.hardware import Accelerometers, Exciter, ForceTransducer, Noise
+from modallab.rig.hardware import Accelerometers, Exciter, ForceTransducer, Noise, NoiseDensity
 from modallab.rig.stinger import Stinger
 from modallab.rig.suspension import Suspension
 
@@ -89,7 +89,7 @@ class RigSetup:
                 value=analyser.estimator,
                 allowed=list(MULTIPLE_INPUT_ESTIMATORS),
             )
-        worth = effective_averages(analyser.averages, analyser.overlap, WINDOWS[analyser.window])
+        worth = effective_averages(analyser.simulated_averages, analyser.overlap, WINDOWS[analyser.window])
         if worth < n_in:
             raise InvalidInputError(
                 "too few averages to separate simultaneous forces",
@@ -99,9 +99,34 @@ class RigSetup:
             )
 
     @property
+    def simulated(self) -> "RigSetup":
+        """The rig of a simulated test: what is unknown has its ideal value."""
+        analyser, noise = self.analyser, self.noise
+        source = replace(analyser.excitation, level=analyser.source_level, shape="flat")
+        return replace(
+            self,
+            analyser=replace(analyser, averages=analyser.simulated_averages, excitation=source),
+            noise=Noise(
+                0.0 if noise.force is None else noise.force, 0.0 if noise.response is None else noise.response
+            ),
+        )
+
+    def check_noise_channels(self) -> None:
+        """Raise `InvalidInputError` unless noise by channel is stated for each channel of its side."""
+        sides = (("force", self.noise.force, self.drives), ("response", self.noise.response, self.responses))
+        for name, level, dofs in sides:
+            if isinstance(level, NoiseDensity):
+                level.check_channels(f"noise.{name}.psd", dofs)
+
+    @property
     def drive(self) -> Dof:
         """The first drive point."""
         return self.drives[0]
+
+    @property
+    def baseband(self) -> "RigSetup":
+        """The rig with an analyser whose lines start at 0 Hz, see `Analyser.baseband`."""
+        return self if self.analyser.frequency_min == 0 else replace(self, analyser=self.analyser.baseband)
 
     @property
     def acquisition_runs(self) -> tuple[AcquisitionRun, ...]:

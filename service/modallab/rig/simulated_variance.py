@@ -96,7 +96,7 @@ def simulated_factors(
     repeats
         Number of simulated tests.
     """
-    n = min(chain.setup.analyser.averages, SIMULATED_VARIANCE.max_averages)
+    n = min(chain.setup.analyser.simulated_averages, SIMULATED_VARIANCE.max_averages)
     if len(chain.runs) > 1:
         chain = _single_run(chain)
         single_run_spectra = expected_spectra(chain)

@@ -2,7 +2,7 @@
 
 from dataclasses import dataclass
 
-from modallab.core.settings import Settings, setting
+from modallab.core.settings import JUDGEMENT, Settings, setting
 
 
 @dataclass(frozen=True)
@@ -100,17 +100,15 @@ class SimulatedVarianceSettings(Settings):
         2,
         unit="1",
         doc="parameter values an octave that have factors of their own",
-        tuned="simulated tests of the suite",
+        tuned=JUDGEMENT,
     )
     significance_ratio: float = setting(
         1.75,
         unit="1",
         doc="variance over that of Gaussian records below which it is chance",
-        tuned="simulated tests of the suite",
+        tuned=JUDGEMENT,
     )
-    smoothing_lines: int = setting(
-        5, unit="lines", doc="lines of a running mean of squares", tuned="simulated tests of the suite"
-    )
+    smoothing_lines: int = setting(5, unit="lines", doc="lines of a running mean of squares", tuned=JUDGEMENT)
 
 
 @dataclass(frozen=True)

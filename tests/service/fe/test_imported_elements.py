@@ -17,8 +17,8 @@ from modallab.fe.changes import MemberChange, MemberProperty, change
 from modallab.fe.damping import StructuralDamping
 from modallab.fe.imported_elements import Element, GroupMatrices, of_elements, of_groups
 from modallab.fe.plate import plate
-from modallab.fe.settings import INPUT
 from modallab.fe.structure import Material, Structure
+from modallab.fe.structure_settings import INPUT
 from modallab.fe.synthetic_modes import exact_modes, lowest_modes
 from modallab.store.plain import from_plain, to_plain
 from modallab.updating.method import UPDATERS

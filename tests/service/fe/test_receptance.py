@@ -102,7 +102,7 @@ def test_variants_together_are_the_variants_one_by_one(unlike: bool) -> None:
     lefts = [system.selection((Dof(node, "Y"),)) for node in (1, 9, 21)]
     right = system.selection((Dof(1, "Y"),))
     response = system.base_modes(800.0).at(2 * np.pi * FREQ)
-    together = attached_variants(variants, 2 * np.pi * FREQ, lefts, right)
+    together = attached_variants(variants, 2 * np.pi * FREQ, lefts, [right] * len(variants))
     apart = [attached(response, v, left, right) for v, left in zip(variants, lefts, strict=True)]
     np.testing.assert_allclose(together, apart, rtol=1e-9)  # the same equations in another order
 
@@ -119,7 +119,7 @@ def test_many_attachments_are_folded_once_and_for_all_that_follow() -> None:
     assert condense_if_cheaper(system).attachments == ()
     assert condense_if_cheaper(few_more).mass is condense_if_cheaper(system).mass
     for loaded in (system, few_more):
-        folded = attached_variants([loaded], 2 * np.pi * FREQ, [at], at)[0]
+        folded = attached_variants([loaded], 2 * np.pi * FREQ, [at], [at])[0]
         # modes of other matrices against the Woodbury identity: rounding, magnified at antiresonances
         np.testing.assert_allclose(folded, direct_receptance(loaded, FREQ, at, at), rtol=1e-6)
 
@@ -129,7 +129,7 @@ def test_what_hangs_twice_does_not_stand_in_for_what_was_folded_before() -> None
     at = system.selection((Dof(1, "Y"), Dof(9, "Y")))
     condense_if_cheaper(system.change_member(7, bending=0.3))
     other = system.change_member(7, bending=0.6).add_mass(5, 0.02)  # as many, one as another that it has
-    folded = attached_variants([other], 2 * np.pi * FREQ, [at], at)[0]
+    folded = attached_variants([other], 2 * np.pi * FREQ, [at], [at])[0]
     np.testing.assert_allclose(folded, direct_receptance(other, FREQ, at, at), rtol=1e-6)  # as above
 
 
@@ -139,7 +139,7 @@ def test_a_variant_may_carry_again_what_all_carry(first: int) -> None:
     both = (system.add_mass(1, 0.02).add_mass(5, 0.01), system.add_mass(5, 0.03))
     variants = [both[first], both[1 - first]]
     at = system.selection((Dof(1, "Y"), Dof(9, "Y")))
-    found = attached_variants(variants, 2 * np.pi * FREQ, [at, at], at)
+    found = attached_variants(variants, 2 * np.pi * FREQ, [at, at], [at, at])
     wanted = [direct_receptance(variant, FREQ, at, at) for variant in variants]
     np.testing.assert_allclose(found, wanted, rtol=1e-6)  # as above
 
@@ -153,7 +153,7 @@ def test_many_attachments_at_few_frequencies_are_not_folded_and_give_the_direct_
         system = system.change_member(7, bending=0.3).add_oscillator(Dof(5, "Y"), 0.05, 90.0, 0.02)
     at = system.selection((Dof(1, "Y"), Dof(9, "Y"), Dof(2, "Y")))
     assert condense_if_cheaper(system, len(FREQ)) is system
-    found = attached_variants([system, system], 2 * np.pi * FREQ, [at, at[:, ::-1]], at[:, :1])
+    found = attached_variants([system, system], 2 * np.pi * FREQ, [at, at[:, ::-1]], [at[:, :1]] * 2)
     beyond = np.zeros((sum(a.inner for a in system.attachments), 3))
     everything = np.vstack([at, beyond])
     wanted = direct_receptance(system, FREQ, everything, everything[:, :1])

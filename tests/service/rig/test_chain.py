@@ -1,5 +1,7 @@
 """A structure, a rig and effects put together."""
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -45,6 +47,15 @@ def test_fixed_accelerometers_load_the_structure_all_at_once() -> None:
     np.testing.assert_allclose(
         bench.respond(FREQ).inertance[0, ..., 0], wanted, rtol=1e-7, atol=1e-9 * np.abs(wanted).max()
     )
+
+
+def test_two_channels_at_one_place_measure_the_same() -> None:
+    bench = chain(beam_system(), rig(1, 7))
+    (run,) = bench.runs
+    twice = replace(bench, runs=(replace(run, responses=(*run.responses, run.responses[1])),))
+    found = twice.respond(FREQ).response
+    assert found.shape[2] == 3
+    np.testing.assert_array_equal(found[0, :, 2], found[0, :, 1])
 
 
 def test_a_rig_on_a_linear_structure_is_reciprocal() -> None:

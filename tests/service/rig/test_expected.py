@@ -47,7 +47,7 @@ def test_the_force_has_the_declared_power_over_the_band() -> None:
     setup = rig(1, analyser={"n_lines": 401})
     force = expected_spectra(chain(beam_system(), setup)).ff[0, :, 0, 0].real
     analyser = setup.analyser
-    assert np.isclose(np.trapezoid(force, analyser.freq), analyser.excitation.level**2, rtol=1e-13)
+    assert np.isclose(np.trapezoid(force, analyser.freq), analyser.source_level**2, rtol=1e-13)
 
 
 def test_the_force_drops_out_where_the_armature_moves() -> None:
@@ -80,7 +80,7 @@ def brute_force(bench: Chain, points: int) -> FloatArray:
     analyser = bench.setup.analyser
     x = np.linspace(0, analyser.n_lines - 1.0, (analyser.n_lines - 1) * points + 1)
     response = bench.respond(x * analyser.spacing)
-    force = np.abs(response.force[0, :, 0, 0]) ** 2 * analyser.excitation.level**2 / analyser.frequency_max
+    force = np.abs(response.force[0, :, 0, 0]) ** 2 * analyser.source_level**2 / analyser.frequency_max
     h = response.inertance[0, :, 0, 0]
     weight = np.full(len(x), 1.0 / points)
     weight[[0, -1]] /= 2

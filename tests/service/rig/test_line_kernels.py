@@ -8,6 +8,7 @@ from modallab.estimation.windows import WINDOWS
 from modallab.rig.analyser import Analyser
 from modallab.rig.leakage_kernel import leak_spectrum
 from modallab.rig.line_kernels import coarse_kernel, periodic_kernel, refined_kernel, refined_panels
+from modallab.rig.line_selection import LineSelection
 
 ANALYSER = Analyser(frequency_max=120.0, n_lines=81, window="hann")  # 1.5 Hz a line
 
@@ -47,7 +48,7 @@ def test_a_resonance_between_lines_is_seen_as_its_closed_form(half: float, place
 def test_a_look_without_refinement_is_near_where_resonances_are_a_line_wide() -> None:
     d = ANALYSER.spacing
     for place in (40.0, 40.3):
-        view = coarse_kernel(ANALYSER, 2)
+        view = coarse_kernel(ANALYSER, LineSelection.every(2, ANALYSER.n_lines))
         x = view.nodes / d
         seen = view.convolve((1 / ((x - place) ** 2 + 0.25)).astype(complex)[None, :, None])[0, :, 0]
         even = np.arange(30, 51, 2)

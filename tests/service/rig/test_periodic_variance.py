@@ -24,7 +24,8 @@ AVERAGES = 60
 
 def noisy(kind: str, force: float, **setting: float) -> RigSetup:
     setup = rig(kind=kind, averages=AVERAGES, roving=False)
-    analyser = replace(setup.analyser, excitation=ExcitationSetting(kind, **setting))
+    source = ExcitationSetting(kind, **setting)  # type: ignore[arg-type]
+    analyser = replace(setup.analyser, excitation=source)
     setup = replace(setup, noise=Noise(force, 1e-4), analyser=analyser)
     if kind != "impact":
         return setup

@@ -14,7 +14,7 @@ from modallab.fe.facet import (
     strain_energy,
     symmetric,
 )
-from modallab.fe.settings import ELEMENT
+from modallab.fe.structure_settings import ELEMENT
 
 XI, ETA = np.array([-1.0, 1.0, 1.0, -1.0]), np.array([-1.0, -1.0, 1.0, 1.0])  # of the corners
 GAUSS = [(a / np.sqrt(3), b / np.sqrt(3)) for a in (-1, 1) for b in (-1, 1)]  # of weight 1 each
