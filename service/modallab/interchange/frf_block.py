@@ -9,7 +9,7 @@ import numpy as np
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.dof import DIRECTIONS, Dof
 from modallab.core.frf import FrfKind, FrfSet
-from modallab.interchange.measured import MeasuredFile
+from modallab.interchange.file_content import FileContent
 from modallab.interchange.settings import FRF_TEXT_FILE, UNIVERSAL
 from modallab.interchange.uff_split import refusal
 
@@ -51,7 +51,7 @@ def read_blocks(text: str) -> Iterator[FrfBlock]:
         yield _block(reader)
 
 
-def assemble(blocks: Sequence[FrfBlock]) -> MeasuredFile:
+def assemble(blocks: Sequence[FrfBlock]) -> FileContent:
     """Return the measurement of FRFs of one kind on one axis, one of each response and drive.
 
     Raises
@@ -91,7 +91,7 @@ def assemble(blocks: Sequence[FrfBlock]) -> MeasuredFile:
         coherence = np.stack(coherences, axis=1).reshape(shape)
         coherence = coherence[:, :, 0] if len(inputs) == 1 else coherence
     notes = () if len(coherences) in (0, len(ordered)) else ("coherence left out: not there for every FRF",)
-    return MeasuredFile(
+    return FileContent(
         frf=FrfSet(freq=first.freq, values=values, outputs=outputs, inputs=inputs, kind=first.kind),
         coherence=coherence,
         notes=notes,

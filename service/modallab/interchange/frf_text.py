@@ -5,16 +5,19 @@ docs/files.md describes the layout.
 
 import re
 from collections.abc import Iterator
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from modallab.core.dof import DIRECTIONS, Dof
 from modallab.core.errors import InvalidInputError, bounds
+from modallab.interchange.file_content import FileContent
 from modallab.interchange.frf_block import KINDS, assemble, read_blocks
-from modallab.interchange.measured import MeasuredFile
 from modallab.interchange.settings import FRF_TEXT_FILE
 from modallab.interchange.uff_split import refusal
-from modallab.rig.measurement import Measurement
+
+if TYPE_CHECKING:
+    from modallab.rig.measurement import Measurement
 
 _FIRST = re.compile(
     rb"[^\n]*\n[ \t]*[123][ \t]*\r?\n *\d+ +[-+.\dEeDd]+ +[-+.\dEeDd]+[ \t]*\r?\n[ \t]*[01][ \t]*\r?\n"
@@ -26,7 +29,7 @@ def starts(head: bytes) -> bool:
     return _FIRST.match(head) is not None
 
 
-def write(measurement: Measurement, decimals: int = FRF_TEXT_FILE.program_decimals) -> bytes:
+def write(measurement: "Measurement", decimals: int = FRF_TEXT_FILE.program_decimals) -> bytes:
     """Return FRFs and coherence, a block each, SI units.
 
     Parameters
@@ -57,7 +60,7 @@ def write(measurement: Measurement, decimals: int = FRF_TEXT_FILE.program_decima
     return "".join(f"{line}\n" for line in lines).encode("ascii")
 
 
-def _block(measurement: Measurement, j: int, i: int, title: str, decimals: int) -> Iterator[str]:
+def _block(measurement: "Measurement", j: int, i: int, title: str, decimals: int) -> Iterator[str]:
     frf, coherence = measurement.frf, measurement.coherence
     freq, output, source = frf.freq, frf.outputs[j], frf.inputs[i]
     spacing = (freq[-1] - freq[0]) / max(len(freq) - 1, 1)
@@ -103,7 +106,7 @@ def _coordinate(dof: Dof) -> int:
     return len(DIRECTIONS) * (dof.node - 1) + DIRECTIONS.index(dof.direction) + 1
 
 
-def read(payload: bytes, *, largest: int) -> MeasuredFile:
+def read(payload: bytes, *, largest: int) -> FileContent:
     """Return the measured FRFs of a file of one or more blocks.
 
     Parameters

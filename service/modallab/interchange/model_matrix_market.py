@@ -4,11 +4,11 @@ import io
 from typing import Any
 
 import numpy as np
-from scipy.io import mminfo, mmread
+import scipy
 from scipy.sparse import coo_array, csc_array
 
 from modallab.core.errors import InvalidInputError
-from modallab.fe.settings import INPUT
+from modallab.fe.structure_settings import INPUT
 
 
 def matrix(content: bytes, path: str, n: int) -> csc_array:
@@ -26,9 +26,9 @@ def matrix(content: bytes, path: str, n: int) -> csc_array:
     """
     try:
         # A header may claim any size, and all of it would be made room for.
-        rows, columns, _, form, *_ = mminfo(io.BytesIO(content))
+        rows, columns, _, form, *_ = scipy.io.mminfo(io.BytesIO(content))
         fits = (rows, columns) == (n, n) and (form != "array" or n**2 <= INPUT.max_element_values)
-        matrix_read: Any = mmread(io.BytesIO(content), spmatrix=False) if fits else np.zeros((0, 0))
+        matrix_read: Any = scipy.io.mmread(io.BytesIO(content), spmatrix=False) if fits else np.zeros((0, 0))
     # Any: its parser raises ValueError, OverflowError and others at hostile bytes.
     except Exception as error:
         raise InvalidInputError(

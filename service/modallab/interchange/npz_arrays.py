@@ -16,11 +16,13 @@ from modallab.core.errors import InvalidInputError
 Arrays = dict[str, NDArray[Any]]
 
 
-def load(payload: bytes, names: Collection[str], largest: int) -> Arrays:
+def load(payload: bytes, names: Collection[str] | None, largest: int) -> Arrays:
     """Return the arrays of these names that a npz file holds.
 
     Parameters
     ----------
+    names
+        Names wanted; None for all arrays of numbers and text.
     largest
         Bytes that all its arrays may take when unpacked.
 
@@ -37,6 +39,9 @@ def load(payload: bytes, names: Collection[str], largest: int) -> Arrays:
                 raise InvalidInputError(
                     "the arrays are too large", field="file", value=total, allowed=largest
                 )
+            if names is None:
+                arrays = {name: _array(archive, info) for name, info in members.items()}
+                return {name: array for name, array in arrays.items() if array.dtype.kind in "iufcUS"}
             requested = [name for name in names if name in members]
             return {name: _array(archive, members[name]) for name in requested}
     except (

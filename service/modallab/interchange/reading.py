@@ -1,65 +1,53 @@
 """Measurements and modal models from files of unknown origin; their content determines the format."""
 
+from collections.abc import Sequence
 from typing import BinaryIO
 
 from modallab.core.errors import InvalidInputError
 from modallab.core.modal_model import ModalModel
-from modallab.interchange import frf_text, hdf5, npz, uff, uff_modes
+from modallab.interchange import uff, uff_modes
+from modallab.interchange.confinement import NamedFile, read_confined
+from modallab.interchange.declared import NOTHING_DECLARED, DeclaredTest
+from modallab.interchange.file_content import fields_from
 from modallab.interchange.measured import MeasuredFile
-from modallab.interchange.settings import FRF_TEXT_FILE, READING, UNIVERSAL
+from modallab.interchange.reading_options import NO_OPTIONS, ReadingOptions
+from modallab.interchange.settings import READING, UNIVERSAL
 from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
 
-_ZIP = b"PK"
-
 
 def read_measurement(
-    file: BinaryIO, setup: RigSetup | None, *, largest: int, averages: float | None = None
+    files: BinaryIO | Sequence[NamedFile],
+    setup: RigSetup | None,
+    *,
+    largest: int,
+    options: ReadingOptions = NO_OPTIONS,
+    declared: DeclaredTest = NOTHING_DECLARED,
 ) -> Measurement:
-    """Return the measurement of a universal file (dataset 58), npz, HDF5 or `.FRF` file.
+    """Return the measurement of one or more files of any format of `FRF_FORMATS`.
 
     Parameters
     ----------
-    file
-        The file; no more of it is read than its format may take.
+    files
+        The file, or the files of the test with their names.
     setup
         The log book of the test; responses that the file lacks are dropped from it. None where there is
-        none: the rig is then what the file itself tells.
+        none: the rig is then what the file itself tells, and what is declared.
     largest
-        Bytes that the file's arrays may take.
-    averages
-        Effective averages; by default the file's, or else the rig's.
+        Bytes that the files together, and their arrays, may take.
+    options
+        What the files do not say, or say in their own words.
+    declared
+        What is known of the test beside its files.
 
     Raises
     ------
     InvalidInputError
-        If the file is none of these, is damaged, holds NaN, or contradicts the rig.
+        If a file is of no format, is damaged, holds NaN, or contradicts the rig.
     """
-    measured_file = _measured(file, largest)
-    return (
-        measured_file.without_log_book(averages) if setup is None else measured_file.on_rig(setup, averages)
-    )
-
-
-def _measured(file: BinaryIO, largest: int) -> MeasuredFile:
-    """Return the measured FRFs of a file; its first bytes determine the format."""
-    head = file.read(READING.head_bytes)
-    if head.startswith(_ZIP):
-        return npz.read(head + file.read(), largest=largest)
-    if uff.starts(head):
-        limit = min(largest, UNIVERSAL.max_bytes)
-        return uff.read(head + file.read(limit), largest=limit)
-    if head.startswith(hdf5.SIGNATURE):
-        file.seek(0)
-        return hdf5.read(file, largest=largest)
-    if frf_text.starts(head):
-        limit = min(largest, FRF_TEXT_FILE.max_bytes)
-        return frf_text.read(head + file.read(limit), largest=limit)
-    raise InvalidInputError(
-        "the file is neither a universal file nor npz, HDF5 or FRF text",
-        field="file",
-        allowed=["universal file (58)", "npz", "HDF5", "FRF text"],
-    )
+    named = files if isinstance(files, Sequence) else (NamedFile("", files),)
+    measured_file = MeasuredFile(**fields_from(*read_confined(named, options, largest=largest)))
+    return measured_file.on_rig(setup, declared) if setup else measured_file.without_log_book(declared)
 
 
 def read_modal_model(file: BinaryIO, *, largest: int) -> ModalModel:
@@ -81,4 +69,5 @@ def read_modal_model(file: BinaryIO, *, largest: int) -> ModalModel:
     if not uff.starts(head):
         raise InvalidInputError("the file is no universal file", field="file", allowed="universal file (55)")
     limit = min(largest, UNIVERSAL.max_bytes)
-    return uff_modes.read(head + file.read(limit), largest=limit)
+    file.seek(0)  # a sum of head and rest would hold the file twice
+    return uff_modes.read(file.read(limit + 1), largest=limit)

@@ -13,12 +13,12 @@ class UniversalFileSettings(Settings):
     """Universal files (UFF): limits and layout."""
 
     max_bytes: int = setting(
-        24_000_000,
+        100_000_000,
         unit="bytes",
         doc="largest file",
-        derived="100 responses of 3,201 lines with all spectra take 13 million",
+        derived="120 FRFs of 12,801 lines with coherence take 90 million as text",
     )
-    max_lines: int = setting(100_000, unit="lines", doc="longest function", derived=HOSTILE)
+    max_lines: int = setting(1_000_000, unit="lines", doc="longest function", derived=HOSTILE)
     max_datasets: int = setting(6_000, unit="datasets", doc="datasets of a file", derived=HOSTILE)
     max_small_bytes: int = setting(
         1_000,
@@ -61,9 +61,6 @@ class UniversalFileSettings(Settings):
     axis_error: float = setting(
         1e-5, doc="relative error of the line spacing in a file", derived="six digits by the format"
     )
-    coherence_rounding: float = setting(
-        1e-6, doc="amount by which a coherence of 1 may exceed it", derived="single precision"
-    )
 
 
 @dataclass(frozen=True)
@@ -71,10 +68,10 @@ class FrfTextSettings(Settings):
     """Text layout of the thesis program (`.FRF`, appendix E): limits and layout."""
 
     max_bytes: int = setting(
-        24_000_000,
+        100_000_000,
         unit="bytes",
         doc="largest file",
-        derived="100 responses of 3,201 lines take 11 million, 30 million with all digits",
+        derived="100 responses of 12,801 lines take 44 million, 120 million with all digits",
     )
     max_blocks: int = setting(6_000, unit="FRFs", doc="FRFs of a file", derived=HOSTILE)
     max_node: int = setting(999_999_999, doc="largest node number", derived="nine digits")
@@ -108,8 +105,24 @@ class ReadingSettings(Settings):
         8, unit="lines", doc="least lines of an analyser", derived="bounds of the analyser"
     )
     max_lines: int = setting(
-        20_001, unit="lines", doc="most lines of an analyser", derived="bounds of the analyser"
+        1_000_000, unit="lines", doc="most lines of an analyser", derived="bounds of the analyser"
     )
+    least_rounding: float = setting(
+        1e-6,
+        unit="lines",
+        doc="rounding of frequencies beside their relative error",
+        derived="double precision",
+    )
+    coherence_rounding: float = setting(
+        1e-6, doc="amount by which a coherence of 1 may exceed it", derived="single precision"
+    )
+    max_files: int = setting(6_000, unit="files", doc="files of a test", derived=HOSTILE)
+    max_listed: int = setting(
+        20, unit="names", doc="variables or columns that a refusal lists", derived="readable"
+    )
+    max_depth: int = setting(8, unit="structures", doc="structures within structures", derived=HOSTILE)
+    max_scale: float = setting(1e12, doc="largest factor to SI units", derived="nm and MN differ by 1e15")
+    max_stated_averages: float = setting(1e9, doc="most effective averages", derived="beyond any test")
     max_averages: float = setting(100_000.0, doc="most averages", derived="bounds of `Analyser.averages`")
     max_magnitude: float = setting(
         1e30, doc="largest number of a file", derived="no unit gives larger ones, and their squares overflow"
@@ -120,26 +133,72 @@ class ReadingSettings(Settings):
 
 
 @dataclass(frozen=True)
-class Hdf5Settings(Settings):
-    """HDF5 files, and the process that reads them."""
+class TableSettings(Settings):
+    """Delimited text."""
 
     max_bytes: int = setting(
-        32_000_000,
+        100_000_000, unit="bytes", doc="largest text", derived="120 FRFs of 12,801 lines take 60 million"
+    )
+    max_header_lines: int = setting(400, unit="lines", doc="lines above the numbers", derived=HOSTILE)
+    max_header_characters: int = setting(
+        4_096, unit="characters", doc="characters that show whether it is text", derived="longest header"
+    )
+    min_rows: int = setting(
+        3, unit="rows", doc="rows of equal columns that make a table", derived="a header has fewer"
+    )
+    rows_looked_at: int = setting(50, unit="rows", doc="rows that decide on the separator", derived="enough")
+    name_lines: int = setting(2, unit="lines", doc="lines of names and units", derived="usual exports")
+    header_looked_at: int = setting(
+        40, unit="lines", doc="lines of the header that may tell points and kind", derived="usual exports"
+    )
+    axis_error: float = setting(
+        1e-5, doc="relative error of frequencies in text", derived="six digits of usual exports"
+    )
+    coherence_digits: int = setting(
+        7, unit="digits", doc="digits to which a coherence of 1 may be rounded", derived="single precision"
+    )
+    digit_error: float = setting(
+        1e-6, unit="digits", doc="rounding of the last digit of a coherence", derived="double precision"
+    )
+
+
+@dataclass(frozen=True)
+class ConfinementSettings(Settings):
+    """The process that reads files of measurements."""
+
+    max_bytes: int = setting(
+        100_000_000,
         unit="bytes",
-        doc="largest file, and its arrays",
-        derived="100 responses of 3,201 lines take 20 million",
+        doc="largest file, or files of a test together, and their arrays",
+        derived="120 FRFs of 12,801 lines with coherence take 37 million, as text 90 million",
     )
     chunk_bytes: int = setting(1_000_000, unit="bytes", doc="bytes copied at a time", derived="memory")
-    timeout: float = setting(
-        30.0, unit="s", doc="time that reading may take", derived="processor time limit on a busy computer"
+    patience: float = setting(
+        30.0, unit="s", doc="time beyond the processor time of the reader", derived="a busy computer"
     )
-    processor_seconds: int = setting(2, unit="s", doc="processor time of the reader", derived=HOSTILE)
+    processor_seconds: int = setting(
+        3, unit="s", doc="processor time of the reader of a small file", derived=HOSTILE
+    )
+    bytes_per_second: float = setting(
+        4e6, unit="bytes/s", doc="bytes for which it has one more second", derived="text of single columns"
+    )
     memory_bytes: int = setting(
-        190_000_000,
+        300_000_000,
         unit="bytes",
-        doc="data memory of the reader",
-        derived="40 million for the program",
+        doc="data memory of the reader of a small file",
+        derived="40 to 90 million for the program, 100 for arrays, twice",
     )
+    memory_per_byte: int = setting(
+        8, unit="bytes", doc="further memory for each byte of a file", derived="text, its rows, its numbers"
+    )
+
+
+@dataclass(frozen=True)
+class Hdf5Settings(Settings):
+    """HDF5 files."""
+
+    max_datasets: int = setting(1_000, unit="datasets", doc="datasets of a group", derived=HOSTILE)
+    max_depth: int = setting(8, unit="groups", doc="groups within groups", derived=HOSTILE)
     max_chunks: int = setting(20_000, unit="chunks", doc="chunks of a dataset", derived=HOSTILE)
     max_texts: int = setting(10_000, unit="strings", doc="strings of a dataset", derived=HOSTILE)
     max_text_length: int = setting(100, unit="characters", doc="longest string", derived=HOSTILE)
@@ -178,5 +237,7 @@ class ModelFileSettings(Settings):
 UNIVERSAL = UniversalFileSettings()
 FRF_TEXT_FILE = FrfTextSettings()
 READING = ReadingSettings()
+TABLE = TableSettings()
+CONFINEMENT = ConfinementSettings()
 HDF5 = Hdf5Settings()
 MODEL_FILE = ModelFileSettings()

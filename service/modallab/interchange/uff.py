@@ -2,13 +2,15 @@
 
 from collections.abc import Iterator, Sequence
 from functools import partial
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.dof import DIRECTIONS, Dof
 from modallab.core.frf import FrfKind, FrfSet
-from modallab.interchange.measured import MeasuredFile
+from modallab.interchange.file_content import FileContent
+from modallab.interchange.reading_options import NO_OPTIONS, ReadingOptions
 from modallab.interchange.settings import UNIVERSAL
 from modallab.interchange.uff_companions import Companions, not_si, same_axis
 from modallab.interchange.uff_contents import contents, data_type
@@ -24,17 +26,20 @@ from modallab.interchange.uff_format import (
     decode,
     encode,
 )
-from modallab.interchange.uff_records import UNITS, read_sets
+from modallab.interchange.uff_records import HEADER, UNITS, read_sets
 from modallab.interchange.uff_split import FUNCTION, refusal, starts
 from modallab.interchange.uff_text import NOWHERE, Origin, foreign, front
-from modallab.rig.measurement import Measurement
+
+if TYPE_CHECKING:
+    from modallab.rig.measurement import Measurement
 
 __all__ = ["read", "starts", "write"]
 
+_UNTOLD = (0, 1)  # specific data types: unknown, general
 _LABELS = {FrfKind.RECEPTANCE: "m", FrfKind.MOBILITY: "m/s", FrfKind.INERTANCE: "m/s^2"}
 
 
-def write(measurement: Measurement, origin: Origin = NOWHERE) -> bytes:
+def write(measurement: "Measurement", origin: Origin = NOWHERE) -> bytes:
     """Return FRFs, coherence and auto spectra as a universal file.
 
     Header (151) and SI units (164) come first. Each function is a dataset 58, binary, double
@@ -54,7 +59,7 @@ def write(measurement: Measurement, origin: Origin = NOWHERE) -> bytes:
     return front(origin) + encode(functions)
 
 
-def _of_frf(measurement: Measurement, j: int, i: int, run: int) -> Iterator[Function]:
+def _of_frf(measurement: "Measurement", j: int, i: int, run: int) -> Iterator[Function]:
     """Yield an FRF with its coherence and auto spectrum; those of a response come with its first FRF."""
     frf, coherence, response = measurement.frf, measurement.coherence, measurement.response_spectrum
     output, source = frf.outputs[j], frf.inputs[i]
@@ -72,12 +77,14 @@ def _of_frf(measurement: Measurement, j: int, i: int, run: int) -> Iterator[Func
         yield _auto(measurement, output, run, data, motion, label if label == "m" else f"({label})")
 
 
-def _auto(measurement: Measurement, dof: Dof, run: int, data: FloatArray, kind: int, label: str) -> Function:
+def _auto(
+    measurement: "Measurement", dof: Dof, run: int, data: FloatArray, kind: int, label: str
+) -> Function:
     units = (f"{label}^2/Hz", "NONE")
     return Function(AUTO_SPECTRUM, run, dof, dof, measurement.frf.freq, data, numerator=kind, units=units)
 
 
-def read(payload: bytes, *, largest: int) -> MeasuredFile:
+def read(payload: bytes, *, largest: int, options: ReadingOptions = NO_OPTIONS) -> FileContent:
     """Return the measured FRFs of a universal file.
 
     FRFs of one kind are needed, in any order, one of each response and reference; coherence and
@@ -91,6 +98,8 @@ def read(payload: bytes, *, largest: int) -> MeasuredFile:
         The file.
     largest
         Bytes it may have.
+    options
+        A `unit`, which overrides the units that the file declares, and the DoFs of named points.
 
     Raises
     ------
@@ -100,10 +109,10 @@ def read(payload: bytes, *, largest: int) -> MeasuredFile:
     functions, units, program = [], (1.0, 1.0), ""
     for dataset in read_sets(payload, largest, KINDS):
         if dataset["type"] == FUNCTION:
-            functions.append(decode(dataset))
-        elif dataset["type"] == UNITS:
+            functions.append(decode(dataset, options.map))
+        elif dataset["type"] == UNITS and not options.unit:
             units = dataset["length"], dataset["force"]
-        else:
+        elif dataset["type"] == HEADER:
             program = dataset["program"]
     short = [f.of for f in functions if f.of is not None and f.of != len(functions)]
     if short:
@@ -118,9 +127,9 @@ def read(payload: bytes, *, largest: int) -> MeasuredFile:
             f"the file holds no FRF; what it holds: {contents(payload)}",
             allowed="dataset 58 with function type 4",
         )
-    frf = _frf(frf_functions, units)
-    reader = Companions(functions, frf_functions, frf, units)
-    return MeasuredFile(
+    frf = _frf(frf_functions, units, options)
+    reader = Companions(functions, frf_functions, frf, None if options.unit else units)
+    return FileContent(
         frf=frf,
         coherence=reader.coherence(),
         force_spectrum=reader.force_spectrum(),
@@ -130,13 +139,17 @@ def read(payload: bytes, *, largest: int) -> MeasuredFile:
     )
 
 
-def _frf(functions: Sequence[Function], units: tuple[float, float]) -> FrfSet:
-    kind = _kind(functions, units)
+def _frf(functions: Sequence[Function], units: tuple[float, float], options: ReadingOptions) -> FrfSet:
+    kind = _kind(functions, units, options)
     ends = [(f.response, f.reference) for f in functions]
     outputs = tuple(dict.fromkeys(response for response, _ in ends if response is not None))
     inputs = tuple(dict.fromkeys(reference for _, reference in ends if reference is not None))
     if any(response is None or reference is None for response, reference in ends):
-        raise refusal("an FRF has no response or reference direction", allowed=list(DIRECTIONS))
+        raise refusal(
+            "an FRF has no response or reference direction: `map` may tell DoFs of named points",
+            value=next((name for f in functions for name in f.names if name), ""),
+            allowed=list(DIRECTIONS),
+        )
     _check_complete(ends, outputs, inputs)
     freq = functions[0].freq
     if not all(same_axis(f.freq, freq) for f in functions):
@@ -167,8 +180,11 @@ def _check_complete(
         )
 
 
-def _kind(functions: Sequence[Function], units: tuple[float, float]) -> FrfKind:
+def _kind(functions: Sequence[Function], units: tuple[float, float], options: ReadingOptions) -> FrfKind:
     kinds = {(f.numerator, f.denominator) for f in functions}
+    stated = options.kind if options.frf_unit is None else options.frf_unit.kind
+    if stated is not None and all(quantity in _UNTOLD for pair in kinds for quantity in pair):
+        return stated
     motion, source = min(kinds)
     if len(kinds) > 1 or source != FORCE or motion not in MOTIONS.values():
         quantities = ", ".join(
@@ -183,11 +199,11 @@ def _kind(functions: Sequence[Function], units: tuple[float, float]) -> FrfKind:
             allowed="data types 8, 11 or 12 per 13",
         )
     strange = [label for f in functions for label in f.units if not_si(label, units)]
-    if strange:
+    if strange and not options.unit:
         raise refusal(
             f"the FRFs are not in SI units: {strange[0]!r}",
             field="units",
             value=strange[0],
-            allowed="SI, or a dataset 164 that says the factors",
+            allowed="SI, a dataset 164 that says the factors, or `unit`",
         )
     return next(kind for kind, number in MOTIONS.items() if number == motion)

@@ -41,14 +41,15 @@ class Companions:
         functions: Sequence[Function],
         frf_functions: Sequence[Function],
         frf: FrfSet,
-        units: tuple[float, float],
+        units: tuple[float, float] | None,
     ) -> None:
         self._functions = [f for f in functions if same_axis(f.freq, frf.freq)]
         runs = {(f.response, f.reference): f.run for f in frf_functions}
         self._runs = [[runs[output, source] for source in frf.inputs] for output in frf.outputs]
         self._outputs = [dof.point for dof in frf.outputs]
         self._inputs = [dof.point for dof in frf.inputs]
-        self._motion, self._units = MOTIONS[frf.kind], units
+        self._motion, self._units = MOTIONS[frf.kind], units or (1.0, 1.0)
+        self._units_stated = units is None
         self.notes: list[str] = []
 
     def coherence(self) -> FloatArray | None:
@@ -70,9 +71,7 @@ class Companions:
             ours = {key: curve for key, curve in ordinary.items() if key[1] in self._inputs}
             pairs = [[(output, source) for source in self._inputs] for output in self._outputs]
             values = self._stacked("coherence", ours, pairs)
-        if values is None:
-            return None
-        return np.where((values > 1) & (values <= 1 + UNIVERSAL.coherence_rounding), 1.0, values)
+        return values
 
     def response_spectrum(self) -> FloatArray | None:
         """Return the auto spectrum of each response, or in the run of each FRF, unit^2/Hz."""
@@ -111,7 +110,8 @@ class Companions:
         densities = [
             f
             for f in spectra
-            if (f.type == DENSITY or "/Hz" in f.units[0]) and not not_si(f.units[0], self._units)
+            if (f.type == DENSITY or "/Hz" in f.units[0])
+            and (self._units_stated or not not_si(f.units[0], self._units))
         ]
         if len(densities) < len(spectra):
             self.notes.append("auto spectra left out: not per Hz and in SI units")

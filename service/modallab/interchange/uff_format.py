@@ -1,8 +1,8 @@
 """Functions of dataset 58, decoded and encoded."""
 
 import re
-from collections.abc import Sequence
-from dataclasses import dataclass
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, replace
 from typing import Any
 
 import numpy as np
@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from modallab.core.arrays import FloatArray
 from modallab.core.dof import DIRECTIONS, Dof
 from modallab.core.frf import FrfKind
+from modallab.interchange.points import dof_of
 from modallab.interchange.settings import UNIVERSAL
 from modallab.interchange.uff_text import number
 
@@ -37,23 +38,41 @@ class Function:
     units: tuple[str, str] = ("NONE", "NONE")  # of numerator and denominator, as labelled
     of: int | None = None
     """Functions of the file when it was written; None: not stated."""
+    names: tuple[str, ...] = ()  # of response and reference points
 
 
-def decode(dataset: dict[str, Any]) -> Function:
-    """Return the function that pyuff has read."""
+def decode(dataset: dict[str, Any], names: Mapping[str, str]) -> Function:
+    """Return the function that pyuff has read.
+
+    Parameters
+    ----------
+    names
+        DoFs of named points, which a file may have in place of node numbers.
+    """
     match = _RECORD.match(dataset.get("id2", ""))
+    points = tuple(str(dataset.get(f"{end}_ent_name", "")).strip() for end in ("rsp", "ref"))
     return Function(
         type=dataset["func_type"],
         run=dataset["ver_num"],
-        response=_dof(dataset["rsp_node"], dataset["rsp_dir"]),
-        reference=_dof(dataset["ref_node"], dataset["ref_dir"]),
+        response=_point(points[0], names, dataset["rsp_node"], dataset["rsp_dir"]),
+        reference=_point(points[1], names, dataset["ref_node"], dataset["ref_dir"]),
         numerator=dataset["ordinate_spec_data_type"],
         denominator=dataset["orddenom_spec_data_type"],
         units=(dataset["ordinate_axis_units_lab"], dataset["orddenom_axis_units_lab"]),
         freq=np.asarray(dataset["x"], float),
         data=np.asarray(dataset["data"]),
         of=int(match[1]) if match else None,
+        names=points,
     )
+
+
+def _point(name: str, names: Mapping[str, str], node: int, direction: int) -> Dof | None:
+    """Return the DoF of a point, by its name where that is known; a name may stand for the node only."""
+    named = dof_of(name, names) if name in names else None
+    dof = _dof(node, direction)
+    if named is None or dof is None or not named[1]:
+        return dof if named is None else named[0]
+    return replace(dof, node=named[0].node)
 
 
 def _dof(node: int, direction: int) -> Dof | None:

@@ -6,7 +6,6 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
-import pyuff
 from numpy.typing import NDArray
 
 from modallab.interchange.settings import UNIVERSAL
@@ -33,6 +32,8 @@ def read_sets(payload: bytes, largest: int, kinds: Collection[int]) -> Iterator[
     InvalidInputError
         If it is no universal file, is cut off, or declares more or other numbers than it holds.
     """
+    import pyuff  # only files of this format need it
+
     counts = []
     # pyuff works on paths only
     with tempfile.TemporaryDirectory(prefix="modallab-") as folder:

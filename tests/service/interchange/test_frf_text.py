@@ -1,6 +1,5 @@
 """The thesis program's text layout: what goes out comes back, what is damaged is refused."""
 
-import io
 import tracemalloc
 from dataclasses import replace
 
@@ -12,25 +11,26 @@ from hypothesis import strategies as st
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfKind
-from modallab.interchange import frf_text, reading
-from modallab.interchange.measured import MeasuredFile
+from modallab.interchange import frf_text
+from modallab.interchange.file_content import FileContent
 from modallab.interchange.settings import FRF_TEXT_FILE
 from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
+from tests.reading import read_here
 from tests.rigs import rig
 from tests.service.interchange.test_uff import DRIVE, OUTPUTS, measured
 
 LIMIT = 200_000_000
 
 
-def read(payload: bytes) -> MeasuredFile:
+def read(payload: bytes) -> FileContent:
     """Return what a file holds."""
     return frf_text.read(payload, largest=LIMIT)
 
 
 def taken(payload: bytes, setup: RigSetup) -> Measurement:
     """Return the measurement that a file makes on a rig."""
-    return reading.read_measurement(io.BytesIO(payload), setup, largest=LIMIT)
+    return read_here(payload, setup, largest=LIMIT)
 
 
 @pytest.mark.parametrize("kind", list(FrfKind))

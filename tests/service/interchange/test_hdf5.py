@@ -1,6 +1,7 @@
 """HDF5 files: what goes out comes back, what others write is read, what is hostile stays outside."""
 
 import io
+import json
 import os
 import subprocess
 import sys
@@ -19,10 +20,14 @@ import pytest
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfKind
-from modallab.interchange import hdf5, hdf5_reader, reading
-from modallab.interchange.measured import MeasuredFile
-from modallab.interchange.settings import HDF5
+from modallab.interchange import hdf5, reading
+from modallab.interchange.confinement import REFUSED as REFUSED_CODE
+from modallab.interchange.confinement import REQUEST
+from modallab.interchange.file_content import FileContent
+from modallab.interchange.reading_options import NO_OPTIONS
+from modallab.interchange.settings import CONFINEMENT
 from modallab.rig.measurement import Measurement
+from tests.reading import content_here
 from tests.rigs import rig
 from tests.service.interchange.test_uff import DRIVE, OUTPUTS, measured
 
@@ -30,9 +35,12 @@ LIMIT = 200_000_000
 UNITS = {FrfKind.RECEPTANCE: "m", FrfKind.MOBILITY: "m/s", FrfKind.INERTANCE: "m/s^2"}
 
 
-def read(payload: bytes) -> MeasuredFile:
+SIGNATURE = b"\x89HDF\r\n\x1a\n"
+
+
+def read(payload: bytes) -> FileContent:
     """Return what a file holds."""
-    return hdf5.read(io.BytesIO(payload), largest=LIMIT)
+    return content_here(payload)
 
 
 @pytest.mark.parametrize("kind", list(FrfKind))
@@ -198,15 +206,13 @@ REFUSED: dict[str, bytes] = {
 
 
 @pytest.mark.parametrize("case", REFUSED)
-def test_what_is_no_array_of_this_file_is_refused(case: str, tmp_path: Path) -> None:
-    path = tmp_path / "hostile.h5"
-    path.write_bytes(REFUSED[case])
-    with pytest.raises(hdf5_reader.RefusedError):
-        hdf5_reader.arrays_of(str(path), HDF5.max_bytes)
+def test_what_is_no_array_of_this_file_is_refused(case: str) -> None:
+    with pytest.raises(InvalidInputError):
+        content_here(REFUSED[case], largest=CONFINEMENT.max_bytes)
 
 
 HOSTILE: dict[str, bytes] = {
-    "a signature only": hdf5.SIGNATURE,
+    "a signature only": SIGNATURE,
     "cut off": file_of()[:3000],
     "a gigabyte declared": REFUSED["a gigabyte declared"],
     "a chunk that unpacks to a gigabyte": file_of(values=a_bomb_in_a_chunk),
@@ -216,7 +222,7 @@ HOSTILE: dict[str, bytes] = {
     "another kind": file_of(kind="stiffness"),
     "NaN": file_of(values=np.full((21, 1, 1), np.nan)),
     "another shape": file_of(values=np.ones((20, 1, 1))),
-    "100 MB that begin well": hdf5.SIGNATURE.ljust(100_000_000),
+    "100 MB that begin well": SIGNATURE.ljust(100_000_000),
 }
 
 
@@ -241,7 +247,7 @@ def test_a_value_that_is_not_finite_is_refused_with_its_line() -> None:
 
 _MEASURED = """
 import resource, subprocess, sys
-command = [sys.executable, "-m", "modallab.interchange.hdf5_reader", *sys.argv[1:]]
+command = [sys.executable, "-m", "modallab.interchange.reader_process", *sys.argv[1:]]
 run = subprocess.run(command, capture_output=True)
 used = resource.getrusage(resource.RUSAGE_CHILDREN)
 print(run.returncode, used.ru_maxrss, used.ru_utime + used.ru_stime)
@@ -253,25 +259,27 @@ print(run.returncode, used.ru_maxrss, used.ru_utime + used.ru_stime)
     "case", ["a chunk that unpacks to a gigabyte", "a string of 20 MB", "a gigabyte declared"]
 )
 def test_the_readers_process_has_little_memory_and_time(case: str, tmp_path: Path) -> None:
-    path = tmp_path / "hostile.h5"
-    path.write_bytes(HOSTILE[case])
+    (tmp_path / "0").write_bytes(HOSTILE[case])
+    limits = {"memory_bytes": CONFINEMENT.memory_bytes, "processor_seconds": CONFINEMENT.processor_seconds}
+    request = {"names": [""], "options": NO_OPTIONS.as_json(), "largest": CONFINEMENT.max_bytes}
+    (tmp_path / REQUEST).write_text(json.dumps({**request, **limits, "file_bytes": 0}))
     # From a small process: a child inherits the peak of who starts it.
     run = subprocess.run(
-        [sys.executable, "-c", _MEASURED, str(path), str(HDF5.max_bytes)],
+        [sys.executable, "-c", _MEASURED, str(tmp_path)],
         env={**os.environ, "OPENBLAS_NUM_THREADS": "1"},
         capture_output=True,
         text=True,
         check=True,
     )
     code, kilobytes, seconds = (float(field) for field in run.stdout.split())
-    assert code == 1
-    assert kilobytes < 200_000
-    assert seconds < 3.0  # its limit: 2 s, and a second to notice
+    assert code == REFUSED_CODE
+    assert kilobytes < 350_000  # 300 MB of data, and the libraries
+    assert seconds < 4.0  # its limit: 3 s, and a second to notice
 
 
 def test_a_file_cut_anywhere_is_refused() -> None:
     whole = hdf5.write(measured())
-    for length in np.linspace(8, len(whole) - 1, 6, dtype=int):  # each a process of its own
+    for length in np.linspace(8, len(whole) - 1, 6, dtype=int):
         with pytest.raises(InvalidInputError):
             read(whole[:length])
 

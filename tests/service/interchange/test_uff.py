@@ -1,6 +1,5 @@
 """Universal files: what goes out comes back, what others write is read, what is damaged is refused."""
 
-import io
 import tracemalloc
 from collections.abc import Callable
 from dataclasses import replace
@@ -16,11 +15,13 @@ from hypothesis import strategies as st
 from modallab.core.dof import Dof
 from modallab.core.errors import InvalidInputError
 from modallab.core.frf import FrfKind, FrfSet
-from modallab.interchange import reading, uff
-from modallab.interchange.measured import NO_COHERENCE, MeasuredFile
+from modallab.interchange import uff
+from modallab.interchange.file_content import FileContent
+from modallab.interchange.measured import NO_COHERENCE
 from modallab.interchange.settings import UNIVERSAL
 from modallab.rig.measurement import Measurement
 from modallab.rig.setup import RigSetup
+from tests.reading import read_here
 from tests.rigs import rig
 
 LIMIT = 200_000_000
@@ -43,14 +44,14 @@ def measured(kind: FrfKind = FrfKind.INERTANCE, n: int = 33, top: float = 64.0) 
     )
 
 
-def read(payload: bytes) -> MeasuredFile:
+def read(payload: bytes) -> FileContent:
     """Return what a file holds."""
     return uff.read(payload, largest=LIMIT)
 
 
 def taken(payload: bytes, setup: RigSetup, averages: float | None = None) -> Measurement:
     """Return the measurement that a file makes on a rig."""
-    return reading.read_measurement(io.BytesIO(payload), setup, largest=LIMIT, averages=averages)
+    return read_here(payload, setup, averages=averages, largest=LIMIT)
 
 
 @pytest.mark.parametrize("kind", list(FrfKind))
@@ -449,7 +450,7 @@ def test_frfs_of_other_quantities_are_refused_with_what_they_are(foreign: Callab
 
 
 def test_a_file_that_is_too_large_says_what_may_be_left_out_of_it() -> None:
-    with pytest.raises(InvalidInputError, match=r"larger than 24 MB; .* time records"):
+    with pytest.raises(InvalidInputError, match=r"larger than 100 MB; .* time records"):
         read(b"    -1\n    58\n".ljust(UNIVERSAL.max_bytes + 1))
 
 

@@ -1,13 +1,13 @@
 """Meshes from files of unknown origin, read by meshio: points, cells and their groups."""
 
+import importlib
 import re
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Iterator, Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from typing import Any
 
-import meshio
 import numpy as np
 
 from modallab.core.arrays import FloatArray, IntArray
@@ -16,6 +16,7 @@ from modallab.interchange.settings import MODEL_FILE
 
 # names that meshio itself gives to groups without meaning for properties
 _INTERNAL = ("gmsh:bounding_entities", "gmsh:geometrical")
+FORMATS = ("gmsh", "abaqus", "vtk", "medit")  # names of modules of meshio
 _DIMENSION = {"vertex": 0, "line": 1, "triangle": 2, "quad": 2}
 
 
@@ -69,7 +70,7 @@ def read_mesh(payload: bytes) -> Mesh:
         with TemporaryDirectory(prefix="modallab-") as folder:
             path = Path(folder) / "mesh"
             path.write_bytes(payload)
-            return _checked(FORMATS[name](path))
+            return _checked(_read(path, name))
     except InvalidInputError:
         raise
     # Any: the parsers of meshio raise a dozen kinds at hostile bytes.
@@ -172,9 +173,6 @@ def _groups(mesh: Any, blocks: Sequence[Cells], sizes: Sequence[int]) -> Iterato
                 yield f"{array} {value}", np.flatnonzero(values[:, 0] == value)
 
 
-FORMATS: Mapping[str, Callable[[Path], Any]] = {
-    "gmsh": meshio.gmsh.read,
-    "abaqus": meshio.abaqus.read,
-    "vtk": meshio.vtk.read,
-    "medit": meshio.medit.read,
-}
+def _read(path: Path, name: str) -> Any:
+    """Return the mesh of a file of a format; each has a module of meshio, slow to import."""
+    return importlib.import_module(f"meshio.{name}").read(path)

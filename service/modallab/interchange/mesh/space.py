@@ -10,7 +10,6 @@ from modallab.core.dof import DIRECTIONS, Dof
 from modallab.core.errors import InvalidInputError
 from modallab.fe.damping import Damping
 from modallab.fe.imported_elements import Element, Places, of_elements
-from modallab.fe.settings import INPUT
 from modallab.fe.spatial import (
     SpatialBars,
     SpatialPlates,
@@ -21,6 +20,7 @@ from modallab.fe.spatial import (
     warp,
 )
 from modallab.fe.structure import Structure, Support
+from modallab.fe.structure_settings import INPUT
 from modallab.interchange.mesh.description import CellProperty, MeshBar, MeshPlate
 from modallab.interchange.settings import MODEL_FILE
 

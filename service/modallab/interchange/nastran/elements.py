@@ -8,7 +8,6 @@ import numpy as np
 from modallab.core.arrays import FloatArray
 from modallab.core.errors import InvalidInputError
 from modallab.fe.imported_elements import Element
-from modallab.fe.settings import INPUT
 from modallab.fe.spatial import (
     SpatialBars,
     SpatialPlates,
@@ -18,6 +17,7 @@ from modallab.fe.spatial import (
     plates_in_space,
     warp,
 )
+from modallab.fe.structure_settings import INPUT
 from modallab.interchange.nastran.deck import Card, Deck
 from modallab.interchange.nastran.grid import Place, components
 from modallab.interchange.nastran.properties import (

@@ -1,0 +1,130 @@
+"""Reading of files of unknown origin in a process of its own, with little memory and time.
+
+Parsers, above all those in C, are not safe against hostile files. The process that reads opens no other
+file, and its failure harms nothing else.
+"""
+
+import contextlib
+import io
+import json
+import os
+import subprocess
+import sys
+import tempfile
+from collections.abc import Sequence
+from dataclasses import dataclass
+from pathlib import Path
+from typing import Any, BinaryIO
+
+import numpy as np
+from numpy.typing import NDArray
+
+from modallab.core.errors import InvalidInputError, bounds
+from modallab.interchange.format import format_of
+from modallab.interchange.reading_options import ReadingOptions
+from modallab.interchange.settings import CONFINEMENT, READING
+
+REQUEST, REFUSED = "request.json", 3
+_MODULE = "modallab.interchange.reader_process"
+# Only the filters of the HDF5 library itself, no locks; one thread.
+_ENVIRONMENT = {
+    "HDF5_PLUGIN_PRELOAD": "::",
+    "HDF5_USE_FILE_LOCKING": "FALSE",
+    "OPENBLAS_NUM_THREADS": "1",
+    "OMP_NUM_THREADS": "1",
+}
+
+
+@dataclass(frozen=True)
+class NamedFile:
+    """A file of a test as it comes in."""
+
+    name: str
+    """Name that the sender gave it."""
+    file: BinaryIO
+    """The file, from its beginning."""
+
+
+def read_confined(
+    files: Sequence[NamedFile], options: ReadingOptions, *, largest: int
+) -> tuple[dict[str, Any], dict[str, NDArray[Any]]]:
+    """Return what the files of a test hold, read by another process: as JSON, and arrays by name.
+
+    Parameters
+    ----------
+    files
+        The files.
+    options
+        What the files do not say.
+    largest
+        Bytes that the files together, and their arrays, may have.
+
+    Raises
+    ------
+    InvalidInputError
+        If the files are refused, or cost too much memory or time.
+    """
+    limit = min(largest, CONFINEMENT.max_bytes)
+    with tempfile.TemporaryDirectory(prefix="modallab-") as folder:
+        total = _copy(files, Path(folder), limit)
+        seconds = CONFINEMENT.processor_seconds + int(total / CONFINEMENT.bytes_per_second)
+        request = {
+            "names": [named.name for named in files],
+            "options": options.as_json(),
+            "largest": limit,
+            "memory_bytes": CONFINEMENT.memory_bytes + CONFINEMENT.memory_per_byte * total,
+            "processor_seconds": seconds,
+            "file_bytes": 2 * total + CONFINEMENT.chunk_bytes,
+        }
+        (Path(folder) / REQUEST).write_text(json.dumps(request))
+        output = _output(folder, seconds + CONFINEMENT.patience)
+    with np.load(io.BytesIO(output), allow_pickle=False) as archive:
+        arrays = {name: archive[name] for name in archive.files}
+    about: dict[str, Any] = json.loads(str(arrays.pop("about")))
+    return about, arrays
+
+
+def _copy(files: Sequence[NamedFile], folder: Path, limit: int) -> int:
+    """Copy files of known formats into a folder, under their numbers; return their bytes."""
+    total = 0
+    for number, named in enumerate(files):
+        with (folder / str(number)).open("wb") as copy:
+            head = named.file.read(READING.head_bytes)
+            format_of(head)  # what is of no format costs no process
+            named.file.seek(0)
+            while chunk := named.file.read(CONFINEMENT.chunk_bytes):
+                total += len(chunk)
+                if total > limit:
+                    raise InvalidInputError(
+                        f"the file is larger than {limit / 1e6:g} MB; what does not belong to FRFs, such as "
+                        "time records, may be left out of it",
+                        field="file",
+                        allowed=bounds(maximum=limit, unit="bytes"),
+                    )
+                copy.write(chunk)
+    return total
+
+
+def _output(folder: str, timeout: float) -> bytes:
+    """Return what the process writes about the files in a folder."""
+    try:
+        run = subprocess.run(
+            [sys.executable, "-P", "-m", _MODULE, folder],
+            env={**os.environ, **_ENVIRONMENT},
+            stdin=subprocess.DEVNULL,
+            capture_output=True,
+            timeout=timeout,
+            check=False,
+        )
+    except subprocess.TimeoutExpired:
+        raise InvalidInputError("the file takes too long to read", field="file") from None
+    if run.returncode == 0:
+        return run.stdout
+    refused = None
+    if run.returncode == REFUSED:
+        with contextlib.suppress(ValueError, IndexError):
+            refused = json.loads(run.stderr.splitlines()[-1])
+    if refused is None:
+        message = "the file cannot be read: it is damaged, or larger inside than outside"
+        raise InvalidInputError(message, field="file")
+    raise InvalidInputError(refused["message"], **refused["context"])
