@@ -8,9 +8,14 @@ from typing import Protocol
 from modallab.core.arrays import FloatArray
 from modallab.core.errors import InvalidInputError, bounds
 from modallab.core.frf import FrfSet
+from modallab.core.line_options import Band, line_mask
 from modallab.core.modal_model import ModalModel
 from modallab.core.progress import Progress, part, silent
-from modallab.extraction.averaging.damping_model import select_damping_model, with_damping_model
+from modallab.extraction.averaging.damping_model import (
+    select_damping_model,
+    with_contradiction_flags,
+    with_damping_model,
+)
 from modallab.extraction.method_options import options_for
 from modallab.extraction.multi_mode.global_method import GLOBAL_METHODS
 from modallab.extraction.multi_mode_extraction import extract_globally
@@ -48,6 +53,7 @@ def extract(
     n_modes: int | None = None,
     leakage: WindowLeakage | None = None,
     estimator: str | None = None,
+    exclude: Sequence[Band] = (),
     progress: Progress = silent,
 ) -> ModalModel:
     """Return the modal model of a set of frequency response functions (FRFs).
@@ -77,6 +83,8 @@ def extract(
         within the window.
     estimator
         "h1", "h2" or "hv", for the correction of its bias by noise; None if unknown.
+    exclude
+        Pairs (lower, upper), Hz, whose lines are left out.
     progress
         Receives the progress, 0 to 1, with a text.
 
@@ -95,6 +103,9 @@ def extract(
     if n_modes is not None and n_modes < 1:
         raise InvalidInputError("at least one mode", field="n_modes", value=n_modes, allowed=bounds(1))
     requested = options_for(method, options)
+    lines = line_mask(frf.freq, exclude=exclude)
+    if lines is not None:
+        frf, coherence = frf.at(lines), None if coherence is None else coherence[lines]
     responses, bias = responses_read(frf, coherence, averages, leakage=leakage, estimator=estimator)
     if method in GLOBAL_METHODS:
         read: Read = partial(
@@ -117,12 +128,20 @@ def extract(
             n_modes=n_modes,
             leakage=leakage,
         )
-    if requested.damping is None and (method in GLOBAL_METHODS or EXTRACTION_METHODS[method].exact):
+    exact = method in GLOBAL_METHODS or EXTRACTION_METHODS[method].exact
+    if requested.damping is None and exact:
         model = _by_identified_damping_model(read, requested, progress)
     else:
         model = read(options=requested, progress=progress)
+        if exact:
+            model = with_contradiction_flags(model, requested.assumed_damping)
     warned = (*low_coherence_notes(model, responses), *white_forces_notes(responses, leakage))
-    return replace(model, notes=(*model.notes, *warned), options=asdict(requested))
+    return replace(
+        model,
+        notes=(*model.notes, *warned),
+        options=asdict(requested),
+        exclude=tuple((lower, upper) for lower, upper in exclude),
+    )
 
 
 def _by_identified_damping_model(read: Read, options: ExtractionOptions, progress: Progress) -> ModalModel:

@@ -2,8 +2,8 @@
 
 from collections.abc import Mapping
 
-from modallab.core.errors import InvalidInputError
 from modallab.core.options import OptionSpec, converted
+from modallab.core.registry import member
 from modallab.extraction.multi_mode.global_method import GLOBAL_METHODS
 from modallab.extraction.options import ExtractionOptions
 from modallab.extraction.single_mode.method import EXTRACTION_METHODS
@@ -22,14 +22,7 @@ def options_type(method: str) -> type[ExtractionOptions]:
     InvalidInputError
         If there is no such method.
     """
-    if method not in OPTIONS:
-        raise InvalidInputError(
-            f"no extraction method called {method!r}",
-            field="method",
-            value=method,
-            allowed=list(OPTIONS),
-        )
-    return OPTIONS[method]
+    return member(OPTIONS, method, "extraction method", field="method")
 
 
 def method_options(method: str) -> Mapping[str, OptionSpec]:

@@ -2,7 +2,6 @@
 
 from collections.abc import Mapping
 from dataclasses import dataclass
-from typing import Annotated
 
 import numpy as np
 
@@ -11,15 +10,17 @@ from modallab.core.errors import InvalidInputError, bounds
 from modallab.core.frf import FrfKind
 from modallab.core.modal_model import ModalModel
 from modallab.core.numerics import SAFE_DIVISOR
-from modallab.core.reply import BoolVector, ComplexVector, NanFloat, NotInReply, Vector
+from modallab.core.reply import BoolVector, ComplexVector, NanFloat, Vector
 from modallab.extraction.method_options import options_type
 from modallab.extraction.options import MIN_LINES, Damping, ExtractionOptions
-from modallab.extraction.preprocessing.fit_windows import Windows, without_nearest
+from modallab.extraction.preprocessing.fit_windows import Windows, window_stride, without_nearest
 from modallab.extraction.preprocessing.leakage import WindowLeakage
 from modallab.extraction.preprocessing.responses import Responses
 from modallab.extraction.settings import FIT_PLOT
 from modallab.extraction.single_mode.damping_models import DAMPING_MODELS, DampingModel
-from modallab.extraction.single_mode.fitting import ConvergedFits, FitData, fit_all, window_data
+from modallab.extraction.single_mode.fit_data import FitData, window_data
+from modallab.extraction.single_mode.fit_table import ConvergedFits
+from modallab.extraction.single_mode.fitting import fit_all
 from modallab.extraction.single_mode.method import EXTRACTION_METHODS, ModeFit
 from modallab.extraction.single_mode.plan import choice_value
 
@@ -54,7 +55,7 @@ class FitPlotData:
     """1/kg, of receptance."""
     residual: complex
     """Unit of the responses, constant beside the mode."""
-    details: Annotated[Mapping[str, FloatArray | ComplexArray], NotInReply("told by type, thinned")]
+    details: Mapping[str, FloatArray | ComplexArray]
     """Arrays of the method's plot; empty for fewer than four lines."""
 
     quality: Mapping[str, NanFloat]
@@ -101,7 +102,9 @@ def fit_plot_data(
         if not 0 <= value < n:
             raise InvalidInputError(f"no such {name}", field=name, value=value, allowed=bounds(0, n - 1))
     damping = Damping(choice_value(model.choices, "damping") or Damping.STRUCTURAL)
-    data = _window_lines(responses, ends[mode], int(choice_value(model.choices, "leave_out") or 0), leakage)
+    stride = _stride(model, ends[mode])
+    leave_out = int(choice_value(model.choices, "leave_out") or 0)
+    data = _window_lines(responses, ends[mode], stride, leave_out, leakage)
     settled, place = _refit(DAMPING_MODELS[damping], model, mode, row, data)
     table, mean = settled.table, model.modes[mode]
     identified = bool(
@@ -112,7 +115,7 @@ def fit_plot_data(
         float(table.loss_factor[0, place] if identified else mean.loss_factor),
         complex(table.modal_constant[0, place]),
     )
-    n_lines = int(ends[mode, row, 1] - ends[mode, row, 0] + 1)
+    n_lines = int(ends[mode, row, 1] - ends[mode, row, 0]) // stride + 1
     inside = (0, row, slice(0, n_lines))
     order = 2 if settled.inertance[0] else 0
     freq = data.freq[inside]
@@ -237,18 +240,24 @@ def _ends(responses: Responses, model: ModalModel) -> IntArray:
     return model.fitted_lines
 
 
+def _stride(model: ModalModel, ends: IntArray) -> int:
+    """Return the distance, in lines, of the lines of a mode's fits; requested lines are all used."""
+    requested = model.options.get("lines") is not None
+    return 1 if requested else window_stride(int(np.diff(ends, axis=1).max()) + 1)
+
+
 def _window_lines(
-    responses: Responses, ends: IntArray, leave_out: int, leakage: WindowLeakage | None
+    responses: Responses, ends: IntArray, stride: int, leave_out: int, leakage: WindowLeakage | None
 ) -> FitData:
     """Return the lines of one mode in every FRF, as they were fitted; `ends` (n_frf, 2)."""
-    count = ends[:, 1:] - ends[:, :1] + 1
+    count = (ends[:, 1:] - ends[:, :1]) // stride + 1
     offset = np.arange(count.max())
-    index = np.minimum(ends[:, :1] + offset, len(responses.freq) - 1)
+    index = np.minimum(ends[:, :1] + stride * offset, len(responses.freq) - 1)
     used = offset < count
     if leave_out:
         columns = np.arange(len(ends))[:, None]
         used = without_nearest(np.abs(responses.mobility)[index, columns], used, leave_out)
-    windows = Windows(index[None], used[None], ends[None])
+    windows = Windows(index[None], used[None], ends[None], np.array([stride]))
     receptance, variance = responses.receptance, responses.variance
     return window_data(responses.freq, receptance, variance, windows, leakage, responses.drive_row)
 

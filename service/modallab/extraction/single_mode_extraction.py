@@ -1,6 +1,6 @@
 """Extraction by single-mode methods: one band for each mode, one window in each FRF, averages over FRFs."""
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import replace
 
 import numpy as np
@@ -17,17 +17,19 @@ from modallab.extraction.averaging.shared_noise import shared_noise_fraction
 from modallab.extraction.options import SingleModeOptions
 from modallab.extraction.preprocessing.bands import Band, mode_indicator, requested_bands
 from modallab.extraction.preprocessing.common_peaks import CommonPeaks, find_common
-from modallab.extraction.preprocessing.fit_windows import place_windows
+from modallab.extraction.preprocessing.fit_windows import Windows, place_windows
 from modallab.extraction.preprocessing.leakage import WindowLeakage
 from modallab.extraction.preprocessing.line_noise import has_coherence
 from modallab.extraction.preprocessing.responses import Responses
 from modallab.extraction.settings import NOTES
 from modallab.extraction.single_mode.damping_models import DAMPING_MODELS
-from modallab.extraction.single_mode.fitting import FitTable, fit_all, window_data
+from modallab.extraction.single_mode.fit_data import window_data
+from modallab.extraction.single_mode.fit_table import FitTable
+from modallab.extraction.single_mode.fitting import fit_all
 from modallab.extraction.single_mode.leaked_covariance import line_accuracy
 from modallab.extraction.single_mode.leaked_fits import with_leakage_errors
 from modallab.extraction.single_mode.method import SingleModeMethod
-from modallab.extraction.single_mode.plan import plan
+from modallab.extraction.single_mode.plan import Plan, plan
 
 
 def extract_mode_by_mode(
@@ -43,6 +45,7 @@ def extract_mode_by_mode(
 ) -> ModalModel:
     """Return the modes by a single-mode method; parameters and errors as in `extract`."""
     freq, dofs = responses.freq, responses.dofs
+    damping_model = DAMPING_MODELS[options.assumed_damping]
     fit, line_choice = registered.with_options(options), plan(options, leakage)
     progress(0.0, "looking for modes")
     indicator = mode_indicator(responses.mobility, responses.coherent)
@@ -62,19 +65,13 @@ def extract_mode_by_mode(
     )
     progress(0.2, f"fitting {len(fit_bands)} modes in {len(dofs)} FRFs")
     data = window_data(freq, responses.receptance, responses.variance, windows, leakage, responses.drive_row)
-    settled = fit_all(fit, DAMPING_MODELS[options.assumed_damping], data, progress=part(progress, 0.2, 0.9))
+    settled = fit_all(fit, damping_model, data, progress=part(progress, 0.2, 0.9))
     if leakage is not None:
         accuracy = line_accuracy(responses, windows.index) if has_coherence(responses) else None
-        settled = with_leakage_errors(
-            fit, DAMPING_MODELS[options.assumed_damping], data, leakage, settled, accuracy
-        )
+        settled = with_leakage_errors(fit, damping_model, data, leakage, settled, accuracy)
     table = replace(settled.table, lines=windows.ends)
     notes = [*peaks.notes, *_empty_band_notes(table, freq, fit_bands, requested=bands is not None)]
-    if not registered.exact:
-        notes.append(f"{method} is biased: up to half a line in frequency, and too much damping")
-    left_out = np.diff(windows.ends, axis=2)[:, :, 0] + 1 - windows.used.sum(axis=2)
-    if (left_out < line_choice.leave_out).any():
-        notes.append(f"in bands of few lines, fewer than {line_choice.leave_out} lines were left out")
+    notes += _choice_notes(registered, method, windows, line_choice)
     if n_modes is not None and bands is None and len(fit_bands) < n_modes:
         notes.append(f"{n_modes} modes requested, {len(fit_bands)} found")
     progress(1.0, "modes averaged")
@@ -85,18 +82,33 @@ def extract_mode_by_mode(
         method=method,
         notes=notes,
         choices=line_choice.choices,
-        noise_correlation=shared_noise_fraction(
-            DAMPING_MODELS[options.assumed_damping], data, settled, windows.index
-        ),
+        noise_correlation=shared_noise_fraction(damping_model, data, settled, windows.index),
     )
     if leakage is None and registered.exact:
-        model = flag_misfits(model, responses, DAMPING_MODELS[options.assumed_damping], line_choice.leave_out)
+        model = flag_misfits(model, responses, damping_model, line_choice.leave_out)
     if bands is not None:
         model = flag_further_peaks(model, freq, indicator, fit_bands)
     model = with_damping_model_flags(model, responses, options)
     return with_resynthesis(
         model, responses, fit_bands, smeared=0 if leakage is None else NOTES.smeared_lines
     )
+
+
+def _choice_notes(
+    registered: SingleModeMethod, method: str, windows: Windows, line_choice: Plan
+) -> Iterator[str]:
+    """Yield notes on the method and on the lines that its fits use."""
+    if not registered.exact:
+        yield f"{method} is biased: up to half a line in frequency, and too much damping"
+    window_lines = np.diff(windows.ends, axis=2)[:, :, 0] // windows.stride[:, None] + 1
+    left_out = window_lines - windows.used.sum(axis=2)
+    if (left_out < line_choice.leave_out).any():
+        yield f"in bands of few lines, fewer than {line_choice.leave_out} lines were left out"
+    if (thinned := windows.stride > 1).any():
+        yield (
+            f"{thinned.sum()} modes are so wide that fits use every {windows.stride.max()}th line at most; "
+            "a global method uses all lines"
+        )
 
 
 def _empty_band_notes(

@@ -11,15 +11,10 @@ from modallab.core.modal_model import ModalModel, Mode, Spread, frf_names
 from modallab.extraction.averaging.frequency_inconsistency import FittedModes, find_frequency_inconsistency
 from modallab.extraction.averaging.leakage_flag import leakage_bias_of, leakage_flags
 from modallab.extraction.averaging.means import Averaging, averaged, is_significant
-from modallab.extraction.averaging.notes import (
-    choice_of_means,
-    inconsistency_notes,
-    no_scale,
-    why_outlying,
-)
+from modallab.extraction.averaging.notes import choice_of_means, inconsistency_notes, no_scale, why_outlying
 from modallab.extraction.averaging.reference_shapes import ReferenceShapes, reference_shapes
 from modallab.extraction.averaging.settings import INCONSISTENCY, NODES
-from modallab.extraction.single_mode.fitting import FitTable
+from modallab.extraction.single_mode.fit_table import FitTable
 
 NO_CHOICES: Mapping[str, str] = {}
 

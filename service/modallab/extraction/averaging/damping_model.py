@@ -33,15 +33,15 @@ class DampingModelChoice:
         return f"{self.damping}: determined from the lines, where modal constants have {ratio}"
 
 
-def select_damping_model(model: ModalModel) -> DampingModelChoice:
-    """Return the damping model of modes that were fitted as structurally damped.
+def select_damping_model(model: ModalModel, fitted: Damping = Damping.STRUCTURAL) -> DampingModelChoice:
+    """Return the damping model that modes indicate which were fitted with the damping model `fitted`.
 
     A viscous mode `A/(omega_r^2 - omega^2 + 2 i zeta omega_r omega)` has a pole at `omega^2 = -s^2` with
     residue `A s/(i omega_d)`: a real A appears with a phase of nearly zeta, half the loss factor, the same in
     all FRFs and specific to each mode. The phase over half the loss factor, averaged over all modes, is 0
     under structural and 1 under viscous damping. Other sources of phase, transducers or complex shapes, are
     not proportional to loss factors: the scatter of the modes increases the standard error. Modes with
-    disqualifying flags are not used.
+    disqualifying flags are not used. In a viscous fit all phases are less by half the loss factor.
     """
     rows = [
         m
@@ -55,6 +55,8 @@ def select_damping_model(model: ModalModel) -> DampingModelChoice:
     ):
         return DampingModelChoice(None, np.nan, np.inf)
     half, phase, error = _phases(model, rows)
+    if fitted is Damping.VISCOUS:
+        phase = phase + half
     weight = (half / error) ** 2
     phase_ratio = float((weight * phase / half).sum() / weight.sum())
     scatter = float((((phase - phase_ratio * half) / error) ** 2).sum()) / (len(rows) - 1)
@@ -76,6 +78,21 @@ def _phases(model: ModalModel, rows: list[int]) -> tuple[FloatArray, FloatArray,
     # squares, because constants of a mode have both signs
     phase = np.angle((weight * constant**2).sum(axis=1)) / 2
     return model.loss_factors[rows] / 2, phase, 1 / np.sqrt(power)
+
+
+def with_contradiction_flags(model: ModalModel, fitted: Damping) -> ModalModel:
+    """Return the modes, flagged if their phases contradict the damping model that they were fitted with.
+
+    Errors of such modes are systematic, and their standard errors do not contain them.
+    """
+    choice = select_damping_model(model, fitted)
+    if choice.damping is None or choice.damping is fitted:
+        return model
+    flag = (
+        f"damping_law: the lines show {choice.damping} damping, not {fitted}: errors exceed standard errors"
+    )
+    modes = (replace(mode, flags=(*mode.flags, flag)) for mode in model.modes)
+    return replace(model, modes=tuple(modes))
 
 
 def with_damping_model(model: ModalModel, choice: DampingModelChoice) -> ModalModel:

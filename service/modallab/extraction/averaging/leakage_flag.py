@@ -2,7 +2,7 @@
 
 from collections.abc import Iterator, Mapping
 
-from modallab.extraction.single_mode.fitting import FitTable
+from modallab.extraction.single_mode.fit_table import FitTable
 
 
 def leakage_bias_of(table: FitTable, m: int) -> dict[str, float]:

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 from enum import Enum, auto
 
 import numpy as np
-import scipy.stats
+import scipy.special
 
 from modallab.core.arrays import FloatArray
 from modallab.core.numerics import PRODUCT_ROUNDING, SAFE_DIVISOR, UNIT_ROUNDING
@@ -63,7 +63,7 @@ def averaged(
 
 def is_significant(chi_square: float, degrees: int) -> bool:
     """Return whether random error alone is improbable to give such a chi-square."""
-    return bool(degrees > 0 and scipy.stats.chi2.sf(chi_square, degrees) < MEANS.significance)
+    return bool(degrees > 0 and scipy.special.chdtrc(degrees, chi_square) < MEANS.significance)
 
 
 def chi_squares(values: FloatArray, weight: FloatArray) -> tuple[FloatArray, FloatArray]:

@@ -4,7 +4,7 @@ from collections.abc import Sequence
 from dataclasses import replace
 
 import numpy as np
-import scipy.signal
+import scipy
 
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray
 from modallab.core.modal_model import ModalModel, Mode

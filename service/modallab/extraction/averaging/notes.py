@@ -8,7 +8,7 @@ from modallab.core.arrays import FloatArray, IntArray
 from modallab.core.frequency_inconsistency import FrequencyInconsistency, InconsistencyCause
 from modallab.extraction.averaging.reference_shapes import ReferenceShapes
 from modallab.extraction.averaging.settings import SHARED_NOISE
-from modallab.extraction.single_mode.fitting import FitTable
+from modallab.extraction.single_mode.fit_table import FitTable
 
 
 def choice_of_means(inconsistency: FrequencyInconsistency | None, noise_correlation: float) -> str:

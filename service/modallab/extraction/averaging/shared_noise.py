@@ -5,7 +5,8 @@ import numpy as np
 from modallab.core.arrays import IntArray
 from modallab.extraction.averaging.settings import SHARED_NOISE
 from modallab.extraction.single_mode.damping_models import DampingModel
-from modallab.extraction.single_mode.fitting import ConvergedFits, FitData
+from modallab.extraction.single_mode.fit_data import FitData
+from modallab.extraction.single_mode.fit_table import ConvergedFits
 from modallab.extraction.single_mode.settings import SINGLE_MODE_FIT
 
 

@@ -34,10 +34,12 @@ class ModalFit:
     constant."""
     significance: FloatArray | None = None
     """(n_modes,) standard errors by which FRFs show the mode beside all others; None with one reference."""
-    conditional_error: FloatArray | None = (
-        None  # (n_modes, n_frf) 1/kg, as if poles and participations were known
-    )
+    conditional_error: FloatArray | None = None
     """(n_modes, n_frf) 1/kg, standard errors for known poles and participation factors."""
+    fixed_eigenvalue: FloatArray | None = None
+    """(n_fixed,) (rad/s)^2, undamped poles fixed above the range; None without such."""
+    fixed_constant: ComplexArray | None = None
+    """(n_fixed, n_frf) 1/kg, their constants A in `A/(lambda - omega^2)`."""
 
     def __post_init__(self) -> None:
         n, shape = len(self.eigenvalue), self.modal_constant.shape
@@ -51,6 +53,11 @@ class ModalFit:
             ("misfit", float, shape[1:]),
         ):
             object.__setattr__(self, name, frozen(getattr(self, name), of, size, name=name))
+        if self.fixed_eigenvalue is not None and self.fixed_constant is not None:
+            fixed = frozen(self.fixed_eigenvalue, float, (None,), name="fixed_eigenvalue")
+            constant = frozen(self.fixed_constant, complex, (len(fixed), shape[1]), name="fixed_constant")
+            object.__setattr__(self, "fixed_eigenvalue", fixed)
+            object.__setattr__(self, "fixed_constant", constant)
         if self.participation is not None:
             reach = frozen(self.participation, complex, (n, None), name="participation")
             object.__setattr__(self, "participation", reach)

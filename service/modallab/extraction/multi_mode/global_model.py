@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import numpy as np
 
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray
-from modallab.core.modal_model import ModalModel, Mode, StabilisationChart
+from modallab.core.modal_model import DoubtfulMode, ModalModel, Mode, StabilisationChart
 from modallab.extraction.averaging.leakage_flag import leakage_flags
 from modallab.extraction.averaging.notes import no_scale
 from modallab.extraction.averaging.reference_shapes import ReferenceShapes, reference_shapes
@@ -72,6 +72,7 @@ def modal_model(
         modal_constant=constant,
         modal_constant_error=error,
         chart=_chart(fits, chosen),
+        doubtful=_doubtful(fits, chosen),
         choices={**choices, **shapes.choice_text(PRODUCT_FIT if product else None)},
         notes=(
             *no_scale(shapes),
@@ -162,19 +163,35 @@ def _notes(fits: Sequence[GlobalFit], chosen: Sequence[IntArray]) -> Iterator[st
             yield f"mode {number}, {fit.modes.fit.frequency[row]:.5g} Hz: {fit.modes.reasons[row]}"
         for row in np.flatnonzero(~np.isin(np.arange(len(fit.modes.inside)), rows)).tolist():
             yield f"left out, {fit.modes.fit.frequency[row]:.5g} Hz: {_exclusion_reason(fit.modes, row)}"
-        for reason in fit.modes.notes:
-            yield f"left out, {reason}"
+        for pole in fit.modes.left_out:
+            yield f"left out, {pole.frequency:.5g} Hz: {pole.reason}"
         if fit.modes.fit.common_noise > 0:
             share = 100 * fit.modes.fit.common_noise
             yield f"{share:.0f} % of the random error is common to all FRFs, as the standard errors consider"
+
+
+def _doubtful(fits: Sequence[GlobalFit], chosen: Sequence[IntArray]) -> tuple[DoubtfulMode, ...]:
+    """Return the poles inside the ranges that are not modes of the model, in ascending frequency."""
+    poles = [pole for fit in fits for pole in fit.modes.left_out]
+    for fit, rows in zip(fits, chosen, strict=True):
+        left = np.flatnonzero(
+            (fit.modes.inside | fit.modes.bends) & ~np.isin(np.arange(len(fit.modes.inside)), rows)
+        )
+        poles += [
+            DoubtfulMode(
+                float(fit.modes.fit.frequency[row]),
+                float(fit.modes.fit.loss_factor[row]),
+                _exclusion_reason(fit.modes, row),
+            )
+            for row in left.tolist()
+        ]
+    return tuple(sorted(poles, key=lambda pole: pole.frequency))
 
 
 def _exclusion_reason(modes: RangeModes, row: int) -> str:
     """Return the reason why a pole of the fit is not a mode."""
     if modes.inside[row]:
         return "less prominent than the requested number of modes"
-    if modes.fit.loss_factor[row] <= 0:
-        return "residual pole with negative damping"
     if modes.bends[row]:
-        return "residual pole without a column of the chart or a peak"
+        return modes.doubts[row]
     return "outside the frequency range"

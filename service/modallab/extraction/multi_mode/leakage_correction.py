@@ -143,20 +143,18 @@ def _correction_factors(
     """Return the ratio of true to leaked lines, (n_lines, n_frf)."""
     nearest = nearest_mode(fit.eigenvalue, band_data.freq)
     x = (2 * np.pi * band_data.freq[:, None]) ** 2
-    eigenvalue = fit.eigenvalue[nearest][:, None]
-    constant = fit.modal_constant[nearest]
+    eigenvalue, constant = fit.eigenvalue[nearest][:, None], fit.modal_constant[nearest]
     background = fitted_receptance(fit, band_data.freq, damping) - constant / (eigenvalue - x)
-    # a mode's receptance, turned to inertance, is a mode and its modal constant
-    residual = constant - x * background
+    x, background = x[..., None], background[..., None]
     drive = leaked.drive
     if drive is None:
-        driven, drive_residual = np.zeros_like(constant[:, :1]), np.zeros_like(residual[:, :1])
+        driven, drive_background = np.zeros_like(constant[:, :1]), np.zeros_like(background[:, :1])
     else:
-        driven, drive_residual = constant[:, drive, None], residual[:, drive, None]
+        driven, drive_background = constant[:, drive, None], background[:, drive, None]
     correction = leaked.leakage.correction(
         band_data.freq[:, None, None],
         float(np.median(np.diff(band_data.freq))),
-        SinglePole(eigenvalue, -eigenvalue * constant, residual[..., None]),
-        SinglePole(eigenvalue, -eigenvalue * driven, drive_residual[..., None]),
+        SinglePole.of_mode(eigenvalue, constant, x, background),
+        SinglePole.of_mode(eigenvalue, driven, x, drive_background),
     )
     return np.asarray(correction[..., 0])

@@ -2,9 +2,9 @@
 
 import numpy as np
 
-from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.core.arrays import BoolArray, ComplexArray, FloatArray
 from modallab.core.numerics import EIGENVALUE_ROUNDING, SAFE_DIVISOR, SUM_ROUNDING
-from modallab.core.progress import Progress, silent
+from modallab.core.progress import Progress, part, silent
 from modallab.extraction.multi_mode.fit_result import ModalFit
 from modallab.extraction.multi_mode.modal_covariance import parameter_weights, uncertainty, unit_diagonal
 from modallab.extraction.multi_mode.participation import SharedShapeBasis
@@ -16,6 +16,7 @@ from modallab.extraction.multi_mode.variable_projection import (
     ScaledLines,
     scale_lines,
     solve_linear,
+    with_similar_weights,
 )
 from modallab.extraction.options import Damping
 
@@ -64,6 +65,10 @@ def fit_modes(
     order = np.argsort(start, kind="stable")
     reach = None if participation is None or n_ref == 1 else participation[order]
     basis, begin = _begin(start[order] / lines.unit**2, reach, damping)
+    similar = with_similar_weights(lines)
+    if similar is not None:
+        begin, _ = _descend(similar, basis, begin, part(progress, 0.0, MODAL_FIT.similar_share))
+        progress = part(progress, MODAL_FIT.similar_share, 1.0)
     parameters, linear = _descend(lines, basis, begin, progress)
     order = np.argsort(parameters[:, 0], kind="stable")
     if (np.diff(order) < 0).any():  # modes have changed places
@@ -149,6 +154,8 @@ def fitted_receptance(fit: ModalFit, freq: FloatArray, damping: Damping) -> Comp
     columns = basis.columns(omega, parameters).reshape(len(freq), -1)
     modes = columns @ coefficients[..., 0].swapaxes(1, 2).reshape(-1, fit.modal_constant.shape[1])
     mass_line, stiffness_line = fit.residuals
+    if fit.fixed_eigenvalue is not None and fit.fixed_constant is not None:
+        modes = modes + 1 / (fit.fixed_eigenvalue - omega[:, None] ** 2) @ fit.fixed_constant
     return np.asarray(modes + stiffness_line - mass_line / omega[:, None] ** 2, complex)
 
 
@@ -159,30 +166,69 @@ def _descend(
     linear = solve_linear(lines, basis, parameters)
     damping, limits = MODAL_FIT.first_damping, (float(lines.omega.min()) ** 2, 1.0)
     n_spare = max(2 * int((lines.weight > 0).sum()) - linear.coefficients.size - parameters.size, 1)
-    # modes that start outside the range stay outside, because they represent out-of-band modes
-    lowest = np.where(parameters[:, 0] > limits[1], limits[1], MODAL_FIT.lowest_frequency**2 * limits[0])
-    highest = np.where(parameters[:, 0] < limits[0], limits[0], MODAL_FIT.highest_frequency**2 * limits[1])
+    below, above = _outside(parameters, limits)
     for n in range(MODAL_FIT.iterations):
         progress(n / (n + MODAL_FIT.usual_iterations), "fitting all modes to all FRFs")
         normal, slope = _normal_equations(basis, linear)
-        step = _limited(_step(normal, slope, damping).reshape(parameters.shape), parameters, limits)
-        trial = parameters + step
-        trial[:, 0] = np.clip(trial[:, 0], lowest, highest)
-        if not _moves(trial - parameters, normal, parameters, 2 * linear.misfit.sum() / n_spare):
+        step = _bounded_step(normal, slope, damping, parameters, limits, basis)
+        misfit = float(linear.misfit.sum())
+        error = _standard_errors(normal, misfit / n_spare).reshape(parameters.shape)
+        size = np.abs(step) / np.maximum(error, SAFE_DIVISOR)
+        size[np.abs(step) <= EIGENVALUE_ROUNDING * parameters[:, :1]] = 0.0
+        # modes outside the range are residual terms, so ill determined that some drift for ever
+        inside = size[~(below | above)].max(initial=0.0)
+        residual_gain = _predicted_gain(step, normal, slope) > MODAL_FIT.residual_gain * misfit
+        if inside < MODAL_FIT.convergence and not (residual_gain and size.max() > MODAL_FIT.convergence):
             break
-        trial_solution = solve_linear(lines, basis, trial)
-        gain = float(linear.misfit.sum() - trial_solution.misfit.sum())
-        if abs(gain) < MODAL_FIT.insensitivity * linear.misfit.sum():
+        trial_solution = solve_linear(lines, basis, parameters + step)
+        gain = misfit - float(trial_solution.misfit.sum())
+        if abs(gain) < MODAL_FIT.insensitivity * misfit:
             break
         if gain > 0:
-            parameters, linear, damping = trial, trial_solution, damping * MODAL_FIT.damping_decrease
-            if gain < MODAL_FIT.smallest_gain * linear.misfit.sum() / n_spare:
+            parameters, linear, damping = (
+                parameters + step,
+                trial_solution,
+                damping * MODAL_FIT.damping_decrease,
+            )
+            enough = max(MODAL_FIT.smallest_gain / n_spare, MODAL_FIT.residual_gain)
+            # errors of coincident modes have no bound, so that no step of theirs is known to be the last
+            if lines.n_references == 1 and inside < MODAL_FIT.last_step and gain < enough * misfit:
                 break
         else:
             damping = max(damping, MODAL_FIT.first_damping) * MODAL_FIT.damping_increase
             if damping > 1 / MODAL_FIT.first_damping**2:  # rounding: no smaller step does better
                 break
     return parameters, linear
+
+
+def _bounded_step(
+    normal: FloatArray,
+    slope: FloatArray,
+    damping: float,
+    parameters: FloatArray,
+    limits: tuple[float, float],
+    basis: PoleBasis,
+) -> FloatArray:
+    """Return the Levenberg-Marquardt step, cut at the bounds of the parameters, (n_modes, n_parameters)."""
+    step = _limited(_step(normal, slope, damping).reshape(parameters.shape), parameters, limits)
+    return _bounded(parameters + step, parameters, limits, basis) - parameters
+
+
+def _bounded(
+    trial: FloatArray, parameters: FloatArray, limits: tuple[float, float], basis: PoleBasis
+) -> FloatArray:
+    """Return the parameters with frequency and damping inside their bounds.
+
+    Modes outside the range stay there, because they represent out-of-band modes.
+    """
+    below, above = _outside(parameters, limits)
+    lowest = np.where(above, limits[1], MODAL_FIT.lowest_frequency**2 * limits[0])
+    highest = np.where(below, limits[0], MODAL_FIT.highest_frequency**2 * limits[1])
+    bounded = trial.copy()
+    bounded[:, 0] = np.clip(trial[:, 0], lowest, highest)
+    largest_damping = basis.largest_damping(bounded)
+    bounded[:, 1] = np.clip(trial[:, 1], -largest_damping, largest_damping)
+    return bounded
 
 
 def _normal_equations(basis: PoleBasis, linear: LinearSolution) -> tuple[FloatArray, FloatArray]:
@@ -198,10 +244,22 @@ def _step(normal: FloatArray, slope: FloatArray, damping: float) -> FloatArray:
     return np.asarray(np.linalg.solve(even + (damping + SUM_ROUNDING) * np.eye(len(length)), pull) / length)
 
 
-def _moves(step: FloatArray, normal: FloatArray, parameters: FloatArray, variance: float) -> bool:
-    """Return whether a step exceeds a small part of the standard errors, and rounding."""
-    far = float(step.ravel() @ normal @ step.ravel()) > MODAL_FIT.convergence**2 * variance
-    return far and bool((np.abs(step) > EIGENVALUE_ROUNDING * parameters[:, :1]).any())
+def _outside(parameters: FloatArray, limits: tuple[float, float]) -> tuple[BoolArray, BoolArray]:
+    """Return which modes are below the range or at its first line, and which above it or at its last line."""
+    stiffness = parameters[:, 0]
+    return stiffness <= limits[0] * (1 + SUM_ROUNDING), stiffness >= limits[1] * (1 - SUM_ROUNDING)
+
+
+def _standard_errors(normal: FloatArray, variance: float) -> FloatArray:
+    """Return the standard errors of all parameters, infinite where rounding leaves none."""
+    even, length = unit_diagonal(normal)
+    share = np.diag(np.linalg.inv(even + SUM_ROUNDING * np.eye(len(length))))
+    return np.asarray(np.where(share > 0, np.sqrt(variance * np.abs(share)) / length, np.inf))
+
+
+def _predicted_gain(step: FloatArray, normal: FloatArray, slope: FloatArray) -> float:
+    """Return the decrease of the misfit by a step according to the normal equations."""
+    return float(step.ravel() @ (2 * slope - normal @ step.ravel()))
 
 
 def _limited(step: FloatArray, parameters: FloatArray, limits: tuple[float, float]) -> FloatArray:

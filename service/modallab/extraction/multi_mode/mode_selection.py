@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray, frozen
-from modallab.core.modal_model import StabilisationChart
+from modallab.core.modal_model import DoubtfulMode, StabilisationChart
 from modallab.extraction.multi_mode.global_method import Poles
 from modallab.extraction.multi_mode.pole_tracks import pole_tracks
 from modallab.extraction.multi_mode.settings import SELECTION
@@ -27,8 +27,8 @@ class Selection:
     """(n_modes,) reason of each mode as text."""
     pairs: tuple[tuple[int, int], ...]
     """Neighbouring modes closer than `pair_distance` bandwidths."""
-    left_out: tuple[str, ...]
-    """Rejected columns with the reason as text."""
+    left_out: tuple[DoubtfulMode, ...]
+    """Rejected columns, with the reason."""
     participation: ComplexArray | None
     """(n_modes, n_in) participation factors at the highest of these orders."""
 
@@ -111,7 +111,7 @@ def select(poles: Poles, stability: IntArray) -> Selection:
         tuple(_reason(modes, m, int(poles.orders[-1]), pairs) for m in range(len(modes))),
         pairs,
         tuple(
-            f"{column.frequency:.5g} Hz: {why}"
+            DoubtfulMode(column.frequency, column.loss_factor, why)
             for column, why in zip(columns, objections, strict=True)
             if why is not None and column.n_stable >= SELECTION.noted_stable
         ),

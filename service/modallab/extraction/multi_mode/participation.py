@@ -79,6 +79,10 @@ class SharedShapeBasis:
         """Return the loss factors (n_modes,) and derivatives by the pole parameters, (n_modes, 2)."""
         return self._damping_basis.loss_factor(parameters[:, :POLE_PARAMETERS])
 
+    def largest_damping(self, parameters: FloatArray) -> FloatArray:
+        """Return the largest damping parameters of the damping model, (n_modes,)."""
+        return self._damping_basis.largest_damping(parameters[:, :POLE_PARAMETERS])
+
     def columns(self, omega: FloatArray, parameters: FloatArray) -> ComplexArray:
         """Return the basis functions of the damping model, (n_lines, n_modes, 2)."""
         return self._damping_basis.columns(omega, parameters[:, :POLE_PARAMETERS])

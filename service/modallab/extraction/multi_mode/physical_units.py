@@ -31,7 +31,7 @@ def to_physical_units(
     scale = _scale(lines)
     constant, conditional, propagated = _constants(basis, parameters, linear, covariances)
     residuals = linear.coefficients[:, 2 * n :].reshape(len(scale), -1)
-    stiffness_line, mass_line = residuals[:, 0] + 1j * residuals[:, 1], residuals[:, 2] + 1j * residuals[:, 3]
+    stiffness_line, mass_line, *fixed = (residuals[:, 0::2] + 1j * residuals[:, 1::2]).T
     participation = basis.participation(parameters) if isinstance(basis, SharedShapeBasis) else None
     covariance = jacobian @ covariances.parameters @ jacobian.T
     return ModalFit(
@@ -47,6 +47,8 @@ def to_physical_units(
         if participation is None
         else _significance(constant, np.sqrt(conditional), frequency, loss_factor * frequency, participation),
         conditional_error=None if participation is None else np.sqrt(conditional) * scale,
+        fixed_eigenvalue=(np.array(lines.fixed_poles) * lines.unit) ** 2 if fixed else None,
+        fixed_constant=np.asarray(np.array(fixed) * scale, complex) if fixed else None,
     )
 
 

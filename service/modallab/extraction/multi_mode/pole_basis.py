@@ -7,6 +7,7 @@ from typing import Protocol, Self
 import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray, IntArray
+from modallab.extraction.multi_mode.settings import MODAL_FIT
 from modallab.extraction.options import Damping
 
 
@@ -38,6 +39,10 @@ class PoleBasis(Protocol):
 
     def loss_factor(self, parameters: FloatArray) -> tuple[FloatArray, FloatArray]:
         """Return the loss factors (n_modes,) and derivatives by the first two parameters (n_modes, 2)."""
+        ...
+
+    def largest_damping(self, parameters: FloatArray) -> FloatArray:
+        """Return the largest damping parameters at which the modes have modal constants, (n_modes,)."""
         ...
 
     def columns(self, omega: FloatArray, parameters: FloatArray) -> ComplexArray:
@@ -97,6 +102,10 @@ class StructuralPoleBasis:
         """Return (n_modes,) and (n_modes, 2)."""
         stiffness, damping = parameters.T
         return damping / stiffness, np.stack([-damping / stiffness**2, 1 / stiffness], axis=1)
+
+    def largest_damping(self, parameters: FloatArray) -> FloatArray:
+        """Return infinity, (n_modes,)."""
+        return np.full(len(parameters), np.inf)
 
     def columns(self, omega: FloatArray, parameters: FloatArray) -> ComplexArray:
         """Return (n_lines, n_modes, 2)."""
@@ -158,6 +167,10 @@ class ViscousPoleBasis:
         stiffness, damping = parameters.T
         omega = np.sqrt(stiffness)
         return damping / omega, np.stack([-damping / (2 * stiffness * omega), 1 / omega], axis=1)
+
+    def largest_damping(self, parameters: FloatArray) -> FloatArray:
+        """Return a value below critical damping, (n_modes,): from there on a pole is real."""
+        return np.asarray(MODAL_FIT.largest_loss_factor * np.sqrt(parameters[:, 0]))
 
     def columns(self, omega: FloatArray, parameters: FloatArray) -> ComplexArray:
         """Return (n_lines, n_modes, 2)."""

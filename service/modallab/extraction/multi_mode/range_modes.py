@@ -4,11 +4,11 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.optimize
+import scipy
 
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from modallab.core.errors import NoModeInBandError
-from modallab.core.modal_model import StabilisationChart
+from modallab.core.modal_model import DoubtfulMode, StabilisationChart
 from modallab.core.numerics import SAFE_DIVISOR
 from modallab.core.progress import Progress, part
 from modallab.extraction.multi_mode.coincident_modes import coincidence_flags
@@ -24,6 +24,8 @@ from modallab.extraction.multi_mode.uniform_grid import poles_of_lines
 from modallab.extraction.multi_mode.variable_projection import stack_references
 from modallab.extraction.options import Damping
 from modallab.extraction.preprocessing.bands import find_bands, mode_indicator
+
+NOT_SHOWN = "residual pole without a column of the chart or a peak"
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,8 +44,10 @@ class RangeModes:
     """(n_modes,) whether a pole is a mode; poles outside the range are residual terms."""
     bends: BoolArray
     """(n_modes,) whether a pole lies inside the range but is a residual term, not a mode."""
-    notes: tuple[str, ...]
-    """Rejected poles with the reason as text."""
+    doubts: tuple[str, ...]
+    """(n_modes,) reason why a pole inside the range is no mode, as text; empty for modes."""
+    left_out: tuple[DoubtfulMode, ...]
+    """Poles that the fit does not contain, with the reason."""
     leakage_bias: FloatArray | None = None
     """(n_modes, 2) approximate remaining bias of frequency, Hz, and loss factor by leakage; None without
     leakage."""
@@ -91,9 +95,11 @@ def modes_of(
         refined = with_leakage_errors(refined, band_data, leaked, damping)
     fit, between = refined.fit, between_ends(refined.fit, band_data.freq)
     match = _match(selection, fit, band_data.freq)
-    modes = between & (fit.loss_factor > 0)
+    doubts = _doubts(fit, band_data.freq)
     if leaked is None:  # with leakage, reference modes need no column
-        modes &= np.isin(np.arange(len(modes)), match) | _with_peaks(fit, clean)
+        shown = np.isin(np.arange(len(between)), match) | _with_peaks(fit, clean)
+        doubts = [doubt or ("" if seen else NOT_SHOWN) for doubt, seen in zip(doubts, shown, strict=True)]
+    modes = between & np.array([not doubt for doubt in doubts], bool)
     return RangeModes(
         fit,
         refined.weight,
@@ -101,9 +107,28 @@ def modes_of(
         tuple(_reason(selection, match, m) for m in range(len(fit.eigenvalue))),
         modes,
         between & ~modes,
+        tuple(doubts),
         (*selection.left_out, *refined.left_out),
         refined.leakage_bias,
     )
+
+
+def _doubts(fit: ModalFit, freq: FloatArray) -> list[str]:
+    """Return why each pole cannot be a mode wherever it lies in the range, as text; empty where it can."""
+    spacing = float(np.median(np.diff(freq)))
+    doubts = []
+    for frequency, loss_factor in zip(fit.frequency, fit.loss_factor, strict=True):
+        if loss_factor <= 0:
+            doubts.append("residual pole with negative damping")
+        elif frequency < RANGES.rigid_body_lines * spacing:
+            doubts.append(
+                "residual pole among the lowest lines above 0 Hz, where rigid bodies and drift prevail"
+            )
+        elif not freq[0] + spacing < frequency < freq[-1] - spacing:
+            doubts.append("residual pole at the edge of the range, where the lines show one flank only")
+        else:
+            doubts.append("")
+    return doubts
 
 
 def _pole_finder_data(band_data: BandData) -> tuple[ComplexArray, FloatArray]:
@@ -150,7 +175,7 @@ def _match(selection: Selection, fit: ModalFit, freq: FloatArray) -> IntArray:
 
 
 def _with_peaks(fit: ModalFit, band_data: BandData) -> BoolArray:
-    """Return which modes are nearest to a peak of the lines, or overlap such a mode."""
+    """Return which modes are nearest to a peak of the lines, or overlap such a mode and are as narrow."""
     mobility = band_data.freq[:, None] * band_data.receptance
     try:
         bands = find_bands(mode_indicator(mobility, np.ones(len(mobility), bool)))
@@ -160,9 +185,9 @@ def _with_peaks(fit: ModalFit, band_data: BandData) -> BoolArray:
     nearest = np.abs(peaks[:, None] - fit.frequency).argmin(axis=1)
     width = fit.loss_factor * fit.frequency
     distance = np.abs(fit.frequency[:, None] - fit.frequency[nearest])
-    return np.asarray(
-        (distance <= SELECTION.pair_distance * np.minimum(width[:, None], width[nearest])).any(axis=1)
-    )
+    near = distance <= SELECTION.pair_distance * np.minimum(width[:, None], width[nearest])
+    narrow = width[:, None] <= RANGES.largest_width_ratio * width[nearest]
+    return np.asarray((near & narrow).any(axis=1))
 
 
 def _chart(poles: Poles, stability: IntArray, selection: Selection, match: IntArray) -> StabilisationChart:

@@ -5,6 +5,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray
+from modallab.core.modal_model import DoubtfulMode
 from modallab.core.numerics import SAFE_DIVISOR
 from modallab.core.progress import Progress, part
 from modallab.extraction.multi_mode.fit_result import ModalFit
@@ -13,6 +14,8 @@ from modallab.extraction.multi_mode.settings import REFINEMENT, SELECTION
 from modallab.extraction.multi_mode.variable_projection import affected_by_outer_modes
 from modallab.extraction.options import Damping
 from modallab.extraction.preprocessing.line_noise import weights_from_residuals
+
+BELOW_NOISE = "not above random error in any FRF"
 
 
 @dataclass(frozen=True, eq=False)
@@ -48,8 +51,8 @@ class RefinedModes:
     fit: ModalFit
     weight: FloatArray
     """(n_lines, n_frf) final weights of the fit."""
-    left_out: tuple[str, ...]
-    """Rejected poles with the reason as text."""
+    left_out: tuple[DoubtfulMode, ...]
+    """Rejected poles, with the reason."""
     leakage_bias: FloatArray | None = None
     """(n_modes, 2) remaining bias of frequency, Hz, and loss factor by leakage; None without leakage."""
 
@@ -67,7 +70,7 @@ def refine(
         Damping model.
     """
     weight = band_data.weight
-    left_out: list[str] = []
+    left_out: list[DoubtfulMode] = []
     start = _with_outer_modes(start, band_data.freq)
     for n in range(REFINEMENT.iterations):
         step = part(progress, 1 - REFINEMENT.later_share**n, 1 - REFINEMENT.later_share ** (n + 1))
@@ -88,7 +91,10 @@ def refine(
         insignificant = insignificant_poles(fit, band_data.freq)
         if not insignificant.any():
             return RefinedModes(fit, weight, tuple(left_out))
-        left_out += [f"{f:.4g} Hz: not above random error in any FRF" for f in fit.frequency[insignificant]]
+        left_out += [
+            DoubtfulMode(float(fit.frequency[row]), float(fit.loss_factor[row]), BELOW_NOISE)
+            for row in np.flatnonzero(insignificant)
+        ]
         if not (between_ends(fit, band_data.freq) & (fit.loss_factor > 0) & ~insignificant).any():
             return None
         reach = fit.participation

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 from modallab.core.settings import Settings, setting
 
-SUITE = "simulated tests of the suite"
+SUITE = "chosen by judgement; not studied"
 MEMORY = "memory: 32 MB an array"
 
 
@@ -171,6 +171,18 @@ class RangeSettings(Settings):
         doc="Largest distance of a mode from the pole that it was started at.",
         tuned=SUITE,
     )
+    rigid_body_lines: float = setting(
+        3.0,
+        unit="lines",
+        doc="Frequency below which a pole is no mode.",
+        derived="a resonance needs a line on either flank and one that is not distorted by 0 Hz",
+    )
+    largest_width_ratio: float = setting(
+        5.0,
+        unit="bandwidths of the other mode",
+        doc="Largest bandwidth of a mode that only overlaps another one's peak.",
+        derived="a broader pole below a resonance is a residual: modes of a pair have similar damping",
+    )
     match_spacing: float = setting(0.25, unit="lines", doc="Least bandwidth in that distance.", tuned=SUITE)
 
 
@@ -217,13 +229,31 @@ class ModalFitSettings(Settings):
         6, doc="Steps after which half of the progress is reported.", tuned="starts from a pole finder"
     )
     convergence: float = setting(
-        0.02, unit="standard errors", doc="Step at which the fit ends.", derived="far below the random error"
+        0.001,
+        unit="standard errors",
+        doc="Largest step of a pole in the range at which the fit ends.",
+        derived="far below the random error",
+    )
+    residual_gain: float = setting(
+        1e-4,
+        unit="misfits",
+        doc="Decrease of the misfit for which modes outside the range are moved further.",
+        derived="a smaller one changes the residuals by less than a ten-thousandth",
+    )
+    last_step: float = setting(
+        0.1,
+        unit="standard errors",
+        doc="Largest step of a pole in the range that may be the last.",
+        derived="the error left by a Gauss-Newton step is quadratic in it",
     )
     smallest_gain: float = setting(
-        0.05,
+        1.0,
         unit="random errors per unknown",
-        doc="Decrease of the misfit below which a step is the last.",
+        doc="Decrease of the misfit below which such a step is the last.",
         derived="a smaller decrease is insignificant",
+    )
+    similar_share: float = setting(
+        0.5, doc="Share of the time for steps with similar weights.", tuned="durations with 222 FRFs"
     )
     insensitivity: float = setting(
         1e-9,
@@ -249,6 +279,11 @@ class ModalFitSettings(Settings):
         doc="Largest frequency of a pole above the range.",
         derived="a pole further above is a constant and would drift",
     )
+    largest_loss_factor: float = setting(
+        1.9,
+        doc="Largest loss factor of a viscous pole.",
+        derived="from 2 on the pole is real and has no modal constant",
+    )
     first_damping: float = setting(
         1e-4,
         unit="diagonal entries",
@@ -265,6 +300,19 @@ class ProjectionSettings(Settings):
 
     products_in_memory: int = setting(
         2**22, unit="numbers", doc="Size of a block of products.", derived=MEMORY
+    )
+    least_group: int = setting(
+        4,
+        unit="lines",
+        doc="Mean size of groups of lines from which sums are taken by groups.",
+        derived="a group takes as long as a few lines",
+    )
+    similar_lines: int = setting(
+        16,
+        unit="lines",
+        doc="Largest group of lines with one weight in the first steps of a fit.",
+        derived="cost of the sums; the last steps have the weights of the lines, so that only their number"
+        " depends on it",
     )
     wide_range: float = setting(
         0.5,

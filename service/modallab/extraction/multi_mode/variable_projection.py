@@ -1,7 +1,7 @@
 """Variable projection: weighted sums over lines and the linear unknowns of a fit of all modes."""
 
 from collections.abc import Iterator
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import TypeVar
 
 import numpy as np
@@ -9,10 +9,11 @@ from numpy.typing import NDArray
 
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.numerics import EIGENVALUE_ROUNDING, SAFE_DIVISOR
+from modallab.extraction.multi_mode.line_groups import LineGroups, proportional_groups, similar_groups
 from modallab.extraction.multi_mode.pole_basis import PoleBasis, all_columns, all_slopes
 from modallab.extraction.multi_mode.reference_mixing import ReferenceMixing, reference_mixing
 from modallab.extraction.multi_mode.settings import PROJECTION
-from modallab.extraction.multi_mode.weighted_products import weighted_products
+from modallab.extraction.multi_mode.weighted_products import grouped_products, weighted_products
 
 Number = TypeVar("Number", bound=np.generic)
 
@@ -37,6 +38,8 @@ class ScaledLines:
     """rad/s, unit of omega."""
     size: FloatArray
     """(n_dof,) m/N, unit of the responses of each DoF."""
+    groups: LineGroups | None = None
+    """Groups of lines with proportional weights; None where they would not save time."""
     fixed_poles: tuple[float, ...] = ()
     """In `unit`, fixed poles above the range."""
 
@@ -83,9 +86,26 @@ def scale_lines(
     unit, of_frf = float(omega.max()), size.repeat(n_references)
     response_scaled = np.asarray(np.where(used, response, 0) / of_frf, complex)
     fixed_poles = PROJECTION.fixed_poles if affected_by_outer_modes(omega) else ()
+    weight_scaled = weight * of_frf**2
+    groups = proportional_groups(weight_scaled)
     return ScaledLines(
-        omega / unit, n_references, response_scaled, weight * of_frf**2, unit, size, fixed_poles
+        omega / unit,
+        n_references,
+        response_scaled,
+        weight_scaled,
+        unit,
+        size,
+        groups if groups.worthwhile else None,
+        fixed_poles,
     )
+
+
+def with_similar_weights(lines: ScaledLines) -> ScaledLines | None:
+    """Return the lines with similar weights that cost less, to start a fit; None where there are none."""
+    if lines.groups is not None:
+        return None
+    groups = similar_groups(lines.weight)
+    return replace(lines, weight=groups.weight, groups=groups) if groups.worthwhile else None
 
 
 def stack_references(values: NDArray[Number], n_references: int) -> NDArray[Number]:
@@ -118,7 +138,7 @@ def solve_linear(lines: ScaledLines, basis: PoleBasis, parameters: FloatArray) -
     products, right_side = mix.products(frf_products), mix.sums(frf_sums)
     length = np.sqrt(np.maximum(np.einsum("jii->ji", products), SAFE_DIVISOR))
     products /= length[:, :, None] * length[:, None, :]
-    normal = products[:, :n_columns, :n_columns]
+    normal = products[:, :n_columns, :n_columns].copy()
     normal[:, np.arange(n_columns), np.arange(n_columns)] += EIGENVALUE_ROUNDING + (
         length[:, :n_columns] <= SAFE_DIVISOR**0.5
     )
@@ -126,14 +146,17 @@ def solve_linear(lines: ScaledLines, basis: PoleBasis, parameters: FloatArray) -
     mixed = inverse @ products[:, :n_columns, n_columns:]
     projected = products[:, n_columns:, n_columns:] - products[:, n_columns:, :n_columns] @ mixed
     scale, slope_scale = length[:, :n_columns], length[:, n_columns:]
-    coefficients = np.einsum("jkl,jl->jk", inverse, right_side / scale) / scale
-    residual_sums, _ = _residual(lines, basis, parameters, mix, coefficients)
-    refined = np.einsum("jkl,jl->jk", inverse, residual_sums[:, :n_columns] / scale)
-    coefficients = coefficients + refined / scale
-    residual_sums, misfit = _residual(lines, basis, parameters, mix, coefficients)
-    gradient = residual_sums[:, n_columns:] - slope_scale * np.einsum(
-        "jks,jk->js", mixed, residual_sums[:, :n_columns] / scale
+    coefficients = (inverse @ (right_side / scale)[:, :, None])[:, :, 0] / scale
+    sums, misfit = _residual(lines, basis, parameters, mix, coefficients)
+    sums /= length
+    refined = (inverse @ sums[:, :n_columns, None])[:, :, 0]
+    change = (products[:, :, :n_columns] @ refined[:, :, None])[:, :, 0]
+    misfit = misfit - ((2 * sums - change)[:, :n_columns] * refined).sum(axis=1)
+    sums -= change
+    gradient = slope_scale * (
+        sums[:, n_columns:] - (mixed.swapaxes(1, 2) @ sums[:, :n_columns, None])[:, :, 0]
     )
+    coefficients = coefficients + refined / scale
     return LinearSolution(
         coefficients,
         inverse / (scale[:, :, None] * scale[:, None, :]),
@@ -159,12 +182,20 @@ def _products(
     products = np.zeros((n_frf, n_every, n_every))
     right_side = np.zeros((n_frf, mix.n_frf_columns))
     for block in line_blocks(len(lines.omega), 4 * (n_every + n_frf)):
-        basis_columns = columns_and_slopes(lines, basis, parameters, block)
-        weight = lines.weight[block]
-        products += weighted_products(basis_columns, weight, paired_columns=basis.paired_columns)
-        weighted, columns = weight * lines.response[block], basis_columns[:, : mix.n_frf_columns]
-        right_side += weighted.real.T @ columns.real + weighted.imag.T @ columns.imag
+        columns, paired = columns_and_slopes(lines, basis, parameters, block), basis.paired_columns
+        products += (
+            weighted_products(columns, lines.weight[block], paired_columns=paired)
+            if lines.groups is None
+            else grouped_products(columns, lines.groups, block.start, paired_columns=paired)
+        )
+        weighted = _parts(lines.weight[block] * lines.response[block])
+        right_side += weighted.T @ _parts(columns[:, : mix.n_frf_columns])
     return products, right_side
+
+
+def _parts(values: ComplexArray) -> FloatArray:
+    """Return the real parts of all lines, then the imaginary parts, (2 n_lines, n)."""
+    return np.concatenate([values.real, values.imag])
 
 
 def columns_and_slopes(
@@ -188,9 +219,9 @@ def _residual(
     of_frf = mix.coefficients(coefficients).T
     sums, square = np.zeros((n_frf, mix.n_frf_all)), np.zeros(n_frf)
     for block in line_blocks(len(lines.omega), mix.n_frf_all + 4 * n_frf):
-        basis_columns = columns_and_slopes(lines, basis, parameters, block)
-        residual = lines.response[block] - basis_columns[:, : mix.n_frf_columns] @ of_frf
-        weighted = lines.weight[block] * residual
-        square += (weighted * residual.conj()).real.sum(axis=0)
-        sums += weighted.real.T @ basis_columns.real + weighted.imag.T @ basis_columns.imag
+        columns = _parts(columns_and_slopes(lines, basis, parameters, block))
+        residual = _parts(lines.response[block]) - columns[:, : mix.n_frf_columns] @ of_frf
+        weighted = np.tile(lines.weight[block], (2, 1)) * residual
+        square += np.einsum("kj,kj->j", weighted, residual)
+        sums += weighted.T @ columns
     return mix.sums(sums), square.reshape(len(coefficients), -1).sum(axis=1)

@@ -4,6 +4,7 @@ import numpy as np
 import scipy.linalg.blas
 
 from modallab.core.arrays import ComplexArray, FloatArray
+from modallab.extraction.multi_mode.line_groups import LineGroups
 from modallab.extraction.multi_mode.settings import PROJECTION
 
 
@@ -23,6 +24,36 @@ def weighted_products(columns: ComplexArray, weight: FloatArray, *, paired_colum
         return _hermitian_products(columns[:, ::2], weight)
     parts = np.concatenate([columns.real, columns.imag])
     return (_products_by_frf if weight.shape[1] < columns.shape[1] else _all_pairs)(parts, weight)
+
+
+def grouped_products(
+    columns: ComplexArray, groups: LineGroups, first_line: int, *, paired_columns: bool
+) -> FloatArray:
+    """Return the same as `weighted_products` for lines in groups, each summed once for all FRFs.
+
+    Parameters
+    ----------
+    columns
+        (n_lines, n), of lines from `first_line` on.
+    groups
+        Of all lines.
+    """
+    block = slice(first_line, first_line + len(columns))
+    group = groups.group[block]
+    first = np.concatenate([[0], np.flatnonzero(np.diff(group)) + 1])
+    number, scaled = group[first], columns * np.sqrt(groups.profile[block])[:, None]
+    n, step = columns.shape[1], max(PROJECTION.products_in_memory // columns.shape[1] ** 2, 1)
+    total = np.zeros((groups.level.shape[1], n * n))
+    lines_of_groups, one = np.split(scaled, first[1:]), np.ones((len(columns), 1))
+    for start in range(0, len(first), step):
+        products = np.concatenate(
+            [
+                weighted_products(lines, one[: len(lines)], paired_columns=paired_columns)
+                for lines in lines_of_groups[start : start + step]
+            ]
+        )
+        total += groups.level[number[start : start + step]].T @ products.reshape(len(products), -1)
+    return total.reshape(-1, n, n)
 
 
 def _hermitian_products(columns: ComplexArray, weight: FloatArray) -> FloatArray:

@@ -4,8 +4,7 @@ from collections.abc import Iterable
 from dataclasses import dataclass
 
 import numpy as np
-import scipy.signal
-import scipy.stats
+import scipy
 
 from modallab.core.arrays import BoolArray, FloatArray, IntArray
 from modallab.core.numerics import SAFE_DIVISOR
@@ -79,7 +78,7 @@ def _common_to_frfs(responses: Responses, peaks: IntArray) -> BoolArray:
         axis=0
     )  # the nearest FRF matches in any case
     return np.asarray(
-        scipy.stats.binom.sf(n_matching - 1, len(distances) - 1, COMMON_PEAKS.match_distance)
+        scipy.special.bdtrc(n_matching - 1, len(distances) - 1, COMMON_PEAKS.match_distance)
         < COMMON_PEAKS.chance_probability
     )
 

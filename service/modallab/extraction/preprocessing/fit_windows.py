@@ -14,7 +14,7 @@ from modallab.extraction.preprocessing.settings import FIT_WINDOWS
 
 @dataclass(frozen=True, eq=False)
 class Windows:
-    """Lines of every fit, (n_modes, n_frf, n_lines)."""
+    """Lines of every fit, (n_modes, n_frf, n_lines): all of a window, or every k-th of a wide one."""
 
     index: IntArray
     """(n_modes, n_frf, n_lines) index on the frequency axis."""
@@ -22,6 +22,8 @@ class Windows:
     """(n_modes, n_frf, n_lines) False where a row is padded or a line is left out."""
     ends: IntArray
     """(n_modes, n_frf, 2) first and last line, including lines left out between them."""
+    stride: IntArray
+    """(n_modes,) distance from one line of a window to the next, in lines."""
 
 
 def place_windows(
@@ -51,13 +53,14 @@ def place_windows(
         Number of lines nearest to the peak that are not used; fewer where less than four would remain.
     """
     magnitude = np.abs(mobility)
-    first, last, count = (np.empty(len(bands), int) for _ in range(3))
+    first, last, count, stride = (np.empty(len(bands), int) for _ in range(4))
     frf_peak = np.empty((len(bands), magnitude.shape[1]), int)
     for m, band in enumerate(bands):
         first[m], last[m] = band.first, band.last
         half_power = _interval_above(indicator, band, 0.5)
-        n_lines = max(base, min(int(widths * (half_power[1] - half_power[0])), FIT_WINDOWS.largest_window))
-        count[m] = min(n_lines, band.last - band.first + 1)
+        wide = min(int(widths * (half_power[1] - half_power[0])), band.last - band.first + 1)
+        stride[m] = window_stride(wide)
+        count[m] = max(min(base, band.last - band.first + 1), -(-wide // stride[m]))
         frf_peak[m] = _frf_peaks(
             magnitude, band, _interval_above(indicator, band, FIT_WINDOWS.peak_search_level)
         )
@@ -65,15 +68,25 @@ def place_windows(
     next_line, previous_line = np.minimum(frf_peak + 1, len(magnitude) - 1), np.maximum(frf_peak - 1, 0)
     # a window with an even number of lines has one more on the side of the resonance
     leans_upwards = magnitude[next_line, columns] > magnitude[previous_line, columns]
-    start = frf_peak - count[:, None] // 2 + (leans_upwards & (count % 2 == 0)[:, None])
-    start = np.clip(start, first[:, None], last[:, None] - count[:, None] + 1)
+    leans_upwards &= (count % 2 == 0)[:, None]
+    start = frf_peak - stride[:, None] * (count[:, None] // 2 - leans_upwards)
+    length = stride * (count - 1)
+    start = np.clip(start, first[:, None], (last - length)[:, None])
     offset = np.arange(count.max())
     used = np.broadcast_to(offset < count[:, None, None], (*frf_peak.shape, len(offset)))
-    index = np.minimum(start[:, :, None] + offset, len(magnitude) - 1)
+    index = np.minimum(start[:, :, None] + stride[:, None, None] * offset, len(magnitude) - 1)
     if leave_out:
         used = without_nearest(magnitude[index, columns[None, :, None]], used, leave_out)
-    ends = np.stack([start, start + count[:, None] - 1], axis=2)
-    return Windows(index, used, ends)
+    return Windows(index, used, np.stack([start, start + length[:, None]], axis=2), stride)
+
+
+def window_stride(n_lines: int) -> int:
+    """Return the distance, in lines, of the lines of a fit whose bandwidth asks for `n_lines`.
+
+    It is a power of two, so that the ends of a window determine it.
+    """
+    excess = max(n_lines - 1, 0) // FIT_WINDOWS.largest_window
+    return 1 << excess.bit_length()
 
 
 def without_nearest(magnitude: FloatArray, used: BoolArray, leave_out: int) -> BoolArray:

@@ -1,6 +1,6 @@
 """Leakage of one mode through a window, and its correction."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import StrEnum
 from typing import Self
 
@@ -195,6 +195,33 @@ class SinglePole:
     """(...) residue of inertance, `-lambda_r A_r`."""
     residual: ComplexArray
     """(..., n_lines) smooth contribution of all else, which leakage does not change."""
+
+    @classmethod
+    def of_mode(
+        cls, eigenvalue: ComplexArray, modal_constant: ComplexArray, x: FloatArray, background: ComplexArray
+    ) -> Self:
+        """Return a mode of receptance as a pole of inertance: there it is a pole and its modal constant.
+
+        Parameters
+        ----------
+        eigenvalue, modal_constant
+            (...) (rad/s)^2 and 1/kg.
+        x
+            (..., n_lines) omega^2, (rad/s)^2.
+        background
+            (..., n_lines) m/N, receptance beside the mode.
+        """
+        residual = modal_constant[..., None] - x * background
+        return cls(eigenvalue, -eigenvalue * modal_constant, residual)
+
+    def subset(self, frfs: slice) -> Self:
+        """Return the pole in some FRFs."""
+        return replace(
+            self,
+            eigenvalue=self.eigenvalue[frfs],
+            constant=self.constant[frfs],
+            residual=self.residual[frfs],
+        )
 
     def in_lines(self, freq: FloatArray, spacing: float) -> tuple[ComplexArray, ComplexArray, ComplexArray]:
         """Return the distance of the pole in lines, its residue and the residual, each (..., n_lines)."""

@@ -1,6 +1,7 @@
 """Covariance of the random errors of lines with leakage."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
+from typing import Self
 
 import numpy as np
 
@@ -21,6 +22,19 @@ class LineErrors:
     """E[e_k conj(e_l)]."""
     relation: ComplexArray
     """E[e_k e_l]."""
+
+    @classmethod
+    def circular(cls, covariance: FloatArray) -> Self:
+        """Return errors of random phase, as those by noise are."""
+        return cls(covariance.astype(complex), np.zeros(covariance.shape, complex))
+
+    def scaled(self, factor: float) -> Self:
+        """Return errors with second moments larger by a factor."""
+        return replace(self, covariance=factor * self.covariance, relation=factor * self.relation)
+
+    def with_noise(self, covariance: FloatArray) -> Self:
+        """Return the sum of these errors and of independent circular ones, (..., n_lines, n_lines)."""
+        return replace(self, covariance=self.covariance + covariance)
 
     def propagate(self, influence: ComplexArray) -> FloatArray:
         """Return the covariance of n sums `Re(sum_k influence_k e_k)`; `influence` (..., n, n_lines)."""

@@ -2,9 +2,7 @@
 
 from dataclasses import dataclass
 
-from modallab.core.settings import Settings, setting
-
-SUITE = "simulated tests of the suite"
+from modallab.core.settings import JUDGEMENT, Settings, setting
 
 
 @dataclass(frozen=True)
@@ -25,7 +23,7 @@ class BandSettings(Settings):
     largest_coherence_threshold: float = setting(
         0.9,
         doc="Upper bound of the coherence that is required, which few averages would raise to 1.",
-        tuned=SUITE,
+        tuned="chosen by judgement; test_bands.py passes with half and with twice the value",
     )
 
 
@@ -48,7 +46,11 @@ class CommonPeakSettings(Settings):
         derived="of three FRFs both others must match: 0.1 squared, and a margin for rounding",
     )
     neighbours: int = setting(
-        8, unit="peaks", doc="Peaks to one side that represent noise there.", tuned=SUITE
+        8,
+        unit="peaks",
+        doc="Peaks to one side that represent noise there.",
+        tuned="test_common_peaks.py: with half as many, peaks of noise are "
+        "taken for modes; with twice as many it passes",
     )
     minimum_uncommon: int = setting(
         6,
@@ -65,13 +67,13 @@ class FitWindowSettings(Settings):
     largest_window: int = setting(
         96,
         unit="lines",
-        doc="Largest window that the bandwidth alone asks for.",
+        doc="Most lines that the bandwidth alone asks for; of a wider window every k-th line is used.",
         derived="cost: beyond, Dobson's pairs of lines take longer than the lines add information",
     )
     peak_search_level: float = setting(
         0.01,
         doc="Part of the indicator's peak down to which the peak of each FRF is searched for.",
-        tuned=SUITE,
+        tuned="chosen by judgement; test_fit_windows.py passes with half and with twice the value",
     )
     tie_offset: float = setting(
         0.25,
@@ -126,10 +128,22 @@ class LineNoiseSettings(Settings):
     """Variance of the random error of lines."""
 
     neighbours: int = setting(
-        33, unit="lines", doc="Lines over which squared residuals are averaged.", tuned=SUITE
+        33, unit="lines", doc="Lines of a group with one factor of weights from residuals.", tuned=JUDGEMENT
     )
     quiet_fraction: float = setting(
-        0.25, doc="Part of the lines at least whose fourth difference is noise alone.", tuned=SUITE
+        0.25, doc="Part of the lines at least whose fourth difference is noise alone.", tuned=JUDGEMENT
+    )
+    parts: int = setting(
+        8,
+        unit="parts of the range",
+        doc="Parts whose noise is compared to find white noise.",
+        tuned=JUDGEMENT,
+    )
+    largest_level_scatter: float = setting(
+        1.0,
+        unit="ln of power",
+        doc="Standard deviation of the level over these parts up to which noise is white.",
+        tuned="simulated tests: white noise scatters by 0.2, curvature of exact FRFs by 3",
     )
     minimum_averages: float = setting(
         3.0,
@@ -155,7 +169,7 @@ class NoiseBiasSettings(Settings):
     """Separation of noise of the force from noise of the responses."""
 
     minimum_coherence: float = setting(
-        0.05, doc="Coherence below which a line does not separate the two kinds of noise.", tuned=SUITE
+        0.05, doc="Coherence below which a line does not separate the two kinds of noise.", tuned=JUDGEMENT
     )
     iterations: int = setting(
         12,
@@ -163,10 +177,12 @@ class NoiseBiasSettings(Settings):
         derived="convergence after a few, with a margin",
     )
     quiet_line_divisor: int = setting(
-        4, doc="One line in so many, those of least leakage, determines the noise of the force.", tuned=SUITE
+        4,
+        doc="One line in so many, those of least leakage, determines the noise of the force.",
+        tuned="chosen by judgement; test_noise_bias.py passes with half and with twice the value",
     )
     relative_uncertainty: float = setting(
-        0.2, doc="Part of the bias correction that may be wrong, at its worst lines.", tuned=SUITE
+        0.2, doc="Part of the bias correction that may be wrong, at its worst lines.", tuned=JUDGEMENT
     )
 
 

@@ -1,122 +1,18 @@
 """Single-mode fits of every mode in every FRF, with the other modes subtracted iteratively."""
 
-from dataclasses import dataclass, replace
+from dataclasses import replace
 
 import numpy as np
 
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray, IntArray
 from modallab.core.progress import Progress, silent
-from modallab.extraction.preprocessing.fit_windows import Windows
-from modallab.extraction.preprocessing.leakage import SinglePole, WindowLeakage
 from modallab.extraction.single_mode.damping_models import DampingModel
+from modallab.extraction.single_mode.fit_data import FitData
+from modallab.extraction.single_mode.fit_table import ConvergedFits, FitIteration, FitTable
+from modallab.extraction.single_mode.leakage_correction import leakage_corrections
 from modallab.extraction.single_mode.method import ExtractionMethod, ModeFits
-from modallab.extraction.single_mode.screening import Screening, screen
+from modallab.extraction.single_mode.screening import screen
 from modallab.extraction.single_mode.settings import SINGLE_MODE_FIT
-
-
-@dataclass(frozen=True, eq=False)
-class FitTable:
-    """Fits of all modes in all FRFs; every array (n_modes, n_frf), standard errors include the misfit."""
-
-    frequency: FloatArray
-    """Hz."""
-    loss_factor: FloatArray
-    """Structural loss factor."""
-    modal_constant: ComplexArray
-    """1/kg, of receptance; at the mean eigenvalue of the other FRFs where the fit is not good."""
-    frequency_error: FloatArray
-    """Hz, standard error."""
-    loss_factor_error: FloatArray
-    """Standard error."""
-    modal_constant_error: FloatArray
-    """1/kg, standard error."""
-    screening: Screening
-    """Acceptance of every fit."""
-    lines: IntArray | None = None
-    """(n_modes, n_frf, 2) first and last line of each fit."""
-    leakage_bias: FloatArray | None = None
-    """(n_modes, n_frf, 2) remaining bias by leakage of frequency, Hz, and loss factor; None without
-    leakage."""
-
-
-@dataclass(frozen=True, eq=False)
-class FitData:
-    """Lines of every fit, (n_modes, n_frf, n_lines)."""
-
-    freq: FloatArray
-    """Hz."""
-    receptance: ComplexArray
-    """m/N."""
-    weight: FloatArray
-    """(N/m)^2, one over E|error|^2; 0 for a line that is not used."""
-    spacing: float
-    """Hz, frequency resolution."""
-    leakage: WindowLeakage | None
-    """Leakage of the window; None without leakage."""
-    drive: int | None
-    """Index of the drive-point FRF; None if there is none."""
-
-    @property
-    def x(self) -> FloatArray:
-        """omega^2, (rad/s)^2."""
-        return (2 * np.pi * self.freq) ** 2
-
-
-def window_data(
-    freq: FloatArray,
-    receptance: ComplexArray,
-    variance: FloatArray,
-    windows: Windows,
-    leakage: WindowLeakage | None,
-    drive: int | None,
-) -> FitData:
-    """Return the lines inside the windows.
-
-    Leaked lines have their largest errors where the response is highest, in proportion to its square: with
-    the setting `leakage_error` at the peak, the fit depends on the flanks, and the correction converges for
-    modes down to 0.1 lines wide.
-
-    Parameters
-    ----------
-    freq
-        (n_freq,) Hz.
-    receptance, variance
-        (n_freq, n_frf) m/N, and E|error|^2.
-    windows
-        From `place_windows`.
-    leakage
-        Of the window; None without leakage.
-    drive
-        Index of the drive-point FRF; None if there is none.
-    """
-    column = np.arange(receptance.shape[1])[None, :, None]
-    values = receptance[windows.index, column]
-    noise = variance[windows.index, column]
-    if leakage is not None:
-        inside = (
-            windows.index <= windows.ends[:, :, 1:]
-        )  # includes lines left out, which give the peak height
-        power = np.where(inside, np.abs(values) ** 2, 0.0)
-        peak = power.max(axis=2, keepdims=True)
-        noise = noise + SINGLE_MODE_FIT.leakage_error**2 * power * (power / np.where(peak > 0, peak, 1.0))
-    usable = windows.used & np.isfinite(noise) & (noise > 0)
-    weight = np.where(usable, 1 / np.where(usable, noise, 1.0), 0.0)
-    spacing = float(np.median(np.diff(freq)))
-    return FitData(freq[windows.index], values, weight, spacing, leakage, drive)
-
-
-@dataclass(frozen=True, eq=False)
-class ConvergedFits:
-    """Converged fits with the lines of the final iteration."""
-
-    table: FitTable
-    """Fits of all modes in all FRFs."""
-    cleaned: ComplexArray
-    """(n_modes, n_frf, n_lines) m/N, lines without leakage and without the other modes."""
-    other_modes: ComplexArray
-    """(n_modes, n_frf, n_lines) m/N, response of the other modes."""
-    inertance: BoolArray
-    """(n_modes,) True where the mode was fitted to inertance."""
 
 
 def fit_all(
@@ -171,22 +67,6 @@ def fit_all(
     cleaned = data.receptance * correction - other_modes
     final = fit_once(method, damping_model, replace(data, leakage=None), cleaned, inertance)
     return ConvergedFits(final.table, cleaned, other_modes, final.inertance)
-
-
-@dataclass(frozen=True, eq=False)
-class FitIteration:
-    """Fits of one iteration."""
-
-    table: FitTable
-    """Fits of all modes in all FRFs."""
-    eigenvalue: ComplexArray
-    """(n_modes, n_frf) (rad/s)^2."""
-    residual: ComplexArray
-    """(n_modes, n_frf, n_lines) m/N, receptance of the constant beside each mode."""
-    inertance: BoolArray
-    """(n_modes,) True where the mode was fitted to inertance."""
-    misfit_factor: FloatArray
-    """(n_modes, n_frf) factor by which the misfit increases the standard errors."""
 
 
 def fit_once(
@@ -276,56 +156,6 @@ def _constant_at_eigenvalue(
     remainder = flat - constant[:, :, None] * shape
     misfit = (weight * np.abs(remainder) ** 2).sum(axis=2) / np.maximum((weight > 0).sum(axis=2) - 2, 1)
     return constant, np.sqrt(np.maximum(misfit, 1) / 2 / safe)
-
-
-def leakage_corrections(
-    damping_model: DampingModel,
-    data: FitData,
-    leakage: WindowLeakage,
-    fits: FitIteration,
-    residual: ComplexArray,
-) -> ComplexArray:
-    """Return the ratio of true to leaked receptance of every line, (n_modes, n_frf, n_lines).
-
-    `residual` is the receptance beside each mode, m/N.
-    """
-    # one mode after another, because each line needs a hundred quadrature nodes
-    corrections = [
-        leakage.correction(data.freq[m], data.spacing, *pole_pair)
-        for m, pole_pair in enumerate(inertance_poles(damping_model, data, fits, residual))
-    ]
-    return np.stack(corrections)
-
-
-def inertance_poles(
-    damping_model: DampingModel, data: FitData, fits: FitIteration, residual: ComplexArray
-) -> list[tuple[SinglePole, SinglePole]]:
-    """Return each mode as a pole in inertance, in all FRFs and at the drive point.
-
-    Parameters as in `leakage_corrections`.
-    """
-    squared, constant = damping_model.pole(fits.eigenvalue, fits.table.modal_constant)
-    mode = damping_model.response(
-        data.freq, fits.eigenvalue[:, :, None], fits.table.modal_constant[:, :, None]
-    )
-    # in inertance a mode is a pole and its modal constant
-    pole = constant[:, :, None] / (squared[:, :, None] - data.x)
-    inertance = constant[:, :, None] - data.x * (residual + mode - pole)
-    drive_row = data.drive
-    if drive_row is None:
-        drive, drive_residual = np.zeros_like(constant), np.zeros_like(residual)
-    else:
-        used = data.weight[:, drive_row] > 0
-        mean = (used * inertance[:, drive_row]).sum(axis=1) / np.maximum(used.sum(axis=1), 1)
-        drive = np.broadcast_to(constant[:, drive_row, None], constant.shape)
-        drive_residual = np.broadcast_to(mean[:, None, None], residual.shape)
-    return [
-        (
-            SinglePole(squared[m], -squared[m] * constant[m], inertance[m]),
-            SinglePole(squared[m], -squared[m] * drive[m], drive_residual[m]),
-        )
-        for m in range(len(squared))
-    ]
 
 
 def _other_modes(

@@ -6,7 +6,9 @@ import numpy as np
 
 from modallab.core.arrays import ComplexArray
 from modallab.extraction.single_mode.damping_models import DampingModel
-from modallab.extraction.single_mode.fitting import FitData, FitIteration, fit_once
+from modallab.extraction.single_mode.fit_data import FitData
+from modallab.extraction.single_mode.fit_table import FitIteration
+from modallab.extraction.single_mode.fitting import fit_once
 from modallab.extraction.single_mode.method import ExtractionMethod
 from modallab.extraction.single_mode.settings import INFLUENCE
 

@@ -1,6 +1,6 @@
 """Covariance of a mode that is fitted to lines with leakage."""
 
-from dataclasses import dataclass
+from dataclasses import replace
 
 import numpy as np
 
@@ -8,22 +8,15 @@ from modallab.core.arrays import ComplexArray, FloatArray, IntArray
 from modallab.extraction.preprocessing.leakage import SinglePole, WindowLeakage
 from modallab.extraction.preprocessing.leaked_lines import LineErrors, leaked_lines, white_error_correlation
 from modallab.extraction.preprocessing.line_noise import coherence_correction
+from modallab.extraction.preprocessing.random_errors import LineAccuracy, random_errors, relative_variance
 from modallab.extraction.preprocessing.responses import Responses
 from modallab.extraction.preprocessing.settings import LEAKED_LINES
 from modallab.extraction.single_mode.damping_models import DampingModel
-from modallab.extraction.single_mode.fitting import FitData, FitIteration, inertance_poles
+from modallab.extraction.single_mode.fit_data import FitData
+from modallab.extraction.single_mode.fit_table import FitIteration
 from modallab.extraction.single_mode.influence import influence
+from modallab.extraction.single_mode.leakage_correction import inertance_poles
 from modallab.extraction.single_mode.method import ExtractionMethod
-
-
-@dataclass(frozen=True, eq=False)
-class LineAccuracy:
-    """Random error of the lines of every fit, from coherence."""
-
-    variance: FloatArray
-    """(n_modes, n_frf, n_lines) E|error|^2 of receptance over its squared modulus."""
-    averages: float
-    """Effective number of averages."""
 
 
 def line_accuracy(responses: Responses, index: IntArray) -> LineAccuracy:
@@ -82,40 +75,30 @@ def leaked_covariance(
         for start in range(0, n_frf, step):
             frfs = slice(start, start + step)
             if accuracy is None:
-                errors = _independent(data.weight[m, frfs], receptance[m, frfs])
+                variance = relative_variance(data.weight[m, frfs], receptance[m, frfs])
+                errors = LineErrors.circular(variance[..., None] * np.eye(n_lines))
             else:
-                errors = _errors(leakage, data, m, frfs, (response, drive), accuracy)
+                errors = _errors(
+                    leakage,
+                    data.freq[m, frfs],
+                    data.spacing,
+                    response.subset(frfs),
+                    drive.subset(frfs),
+                    replace(accuracy, variance=accuracy.variance[m, frfs]),
+                )
             line_influence = influence(method, damping_model, data, fits, m, frfs) * receptance[m, frfs, None]
             out[m, frfs] = errors.propagate(line_influence)
     return out
 
 
-def _independent(weight: FloatArray, receptance: ComplexArray) -> LineErrors:
-    exact = weight * np.abs(receptance) ** 2
-    variance = np.where(exact > 0, 1 / np.where(exact > 0, exact, 1.0), 0.0)
-    covariance = (variance[..., None] * np.eye(variance.shape[-1])).astype(complex)
-    return LineErrors(covariance, np.zeros_like(covariance))
-
-
 def _errors(
     leakage: WindowLeakage,
-    data: FitData,
-    m: int,
-    frfs: slice,
-    poles: tuple[SinglePole, SinglePole],
+    freq: FloatArray,
+    spacing: float,
+    response: SinglePole,
+    drive: SinglePole,
     accuracy: LineAccuracy,
 ) -> LineErrors:
-    freq = data.freq[m, frfs]
-    frf_poles = (
-        SinglePole(pole.eigenvalue[frfs], pole.constant[frfs], pole.residual[frfs]) for pole in poles
-    )
-    leaked = leaked_lines(leakage, freq, data.spacing, *frf_poles).errors
-    covariance, relation = leaked.covariance / accuracy.averages, leaked.relation / accuracy.averages
-    leaked_variance = np.diagonal(covariance, axis1=-2, axis2=-1).real
-    noise_amplitude = np.sqrt(np.maximum(accuracy.variance[m, frfs] - leaked_variance, 0.0))
-    noise = (
-        noise_amplitude[..., :, None]
-        * noise_amplitude[..., None, :]
-        * white_error_correlation(leakage, freq, data.spacing)
-    )
-    return LineErrors(covariance + noise, relation)
+    """Return the errors of the lines of some FRFs, each (n_frf, n_lines)."""
+    leaked = leaked_lines(leakage, freq, spacing, response, drive)
+    return random_errors(leaked, white_error_correlation(leakage, freq, spacing), accuracy).specific

@@ -6,17 +6,15 @@ import numpy as np
 
 from modallab.core.arrays import BoolArray, ComplexArray, FloatArray
 from modallab.extraction.preprocessing.leakage import WindowLeakage
+from modallab.extraction.preprocessing.random_errors import LineAccuracy
 from modallab.extraction.preprocessing.settings import LEAKAGE
 from modallab.extraction.single_mode.damping_models import DampingModel
-from modallab.extraction.single_mode.fitting import (
-    ConvergedFits,
-    FitData,
-    FitTable,
-    fit_once,
-    leakage_corrections,
-)
+from modallab.extraction.single_mode.fit_data import FitData
+from modallab.extraction.single_mode.fit_table import ConvergedFits, FitTable
+from modallab.extraction.single_mode.fitting import fit_once
+from modallab.extraction.single_mode.leakage_correction import leakage_corrections
 from modallab.extraction.single_mode.leakage_feedback import LeakageFeedback, feedback
-from modallab.extraction.single_mode.leaked_covariance import LineAccuracy, leaked_covariance
+from modallab.extraction.single_mode.leaked_covariance import leaked_covariance
 from modallab.extraction.single_mode.method import ExtractionMethod
 from modallab.extraction.single_mode.residual_bias import residual_shift
 from modallab.extraction.single_mode.screening import Screening, screen

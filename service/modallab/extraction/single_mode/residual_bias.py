@@ -4,7 +4,9 @@ import numpy as np
 
 from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.extraction.single_mode.damping_models import DampingModel
-from modallab.extraction.single_mode.fitting import ConvergedFits, FitData, FitIteration, fit_once
+from modallab.extraction.single_mode.fit_data import FitData
+from modallab.extraction.single_mode.fit_table import ConvergedFits, FitIteration
+from modallab.extraction.single_mode.fitting import fit_once
 from modallab.extraction.single_mode.method import ExtractionMethod
 from modallab.extraction.single_mode.settings import RESIDUAL_BIAS, SINGLE_MODE_FIT
 

@@ -7,7 +7,7 @@ from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.core.dof import Dof
 from modallab.core.frequency_inconsistency import InconsistencyCause
 from modallab.extraction.averaging.combine import combine_fits
-from modallab.extraction.single_mode.fitting import FitTable
+from modallab.extraction.single_mode.fit_table import FitTable
 from modallab.extraction.single_mode.screening import Screening
 
 DOFS = tuple(Dof(node, "Y") for node in range(1, 5))

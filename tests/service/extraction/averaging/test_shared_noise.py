@@ -12,7 +12,8 @@ from modallab.extraction.preprocessing.bands import find_bands, mode_indicator
 from modallab.extraction.preprocessing.fit_windows import place_windows
 from modallab.extraction.preprocessing.responses import responses_of
 from modallab.extraction.single_mode.damping_models import DAMPING_MODELS
-from modallab.extraction.single_mode.fitting import fit_all, window_data
+from modallab.extraction.single_mode.fit_data import window_data
+from modallab.extraction.single_mode.fitting import fit_all
 from modallab.extraction.single_mode.method import EXTRACTION_METHODS
 from tests.service.extraction.conftest import Beam
 

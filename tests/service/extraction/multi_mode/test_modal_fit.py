@@ -168,3 +168,41 @@ def test_dead_frfs_have_no_modes_and_disturb_nothing() -> None:
     np.testing.assert_allclose(fit.eigenvalue, alone.eigenvalue, rtol=1e-9)  # rounding
     assert not fit.modal_constant[:, 4].any()
     assert np.isfinite(fit.modal_constant_error).all()
+
+
+@pytest.mark.parametrize("damping", LAWS)
+def test_a_fit_started_with_similar_weights_ends_at_the_least_misfit_of_the_true_weights(
+    damping: Damping,
+) -> None:
+    rng = np.random.default_rng(11)
+    truth = made(damping)
+    level = 0.01 * np.abs(truth.receptance).max(axis=0) * rng.uniform(0.3, 3.0, truth.receptance.shape)
+    noisy = truth.receptance + level * circular(rng, level.shape)
+    fit = fit_modes(FREQ, noisy, level**-2.0, START, damping=damping)
+    for row in range(len(FREQUENCY)):
+        for change in (1e-1, 1e-1j):  # of standard errors
+            error = fit.frequency_error[row] / fit.frequency[row] * 2 * fit.eigenvalue[row].real
+            moved = fit.eigenvalue.copy()
+            moved[row] += change * error
+            both = [
+                modes_at_eigenvalues(
+                    FREQ,
+                    noisy,
+                    level**-2.0,
+                    fit.eigenvalue + sign * (moved - fit.eigenvalue),
+                    damping=damping,
+                ).misfit.mean()
+                for sign in (-1, 0, 1)
+            ]
+            assert both[1] == min(both)
+
+
+def test_a_pole_at_the_end_of_the_range_stays_a_residual_term() -> None:
+    truth = made(Damping.STRUCTURAL)
+    rng = np.random.default_rng(12)
+    level = 0.01 * np.abs(truth.receptance).max(axis=0)
+    noisy = truth.receptance + level * circular(rng, truth.receptance.shape)
+    weight = np.broadcast_to(level**-2.0, noisy.shape)
+    start = np.append(START, (2 * np.pi * FREQ[-1]) ** 2 * (1 + 0.01j))
+    fit = fit_modes(FREQ, noisy, weight, start)
+    assert fit.frequency[-1] > FREQ[-1] * (1 - 1e-9)  # rounding of a change of units

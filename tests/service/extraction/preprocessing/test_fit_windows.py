@@ -2,7 +2,12 @@ import numpy as np
 import pytest
 
 from modallab.extraction.preprocessing.bands import Band
-from modallab.extraction.preprocessing.fit_windows import line_variance, place_windows, without_nearest
+from modallab.extraction.preprocessing.fit_windows import (
+    line_variance,
+    place_windows,
+    window_stride,
+    without_nearest,
+)
 from modallab.extraction.single_mode.method import ModeFit
 
 
@@ -25,6 +30,21 @@ def test_a_wide_mode_has_a_window_of_three_bandwidths() -> None:
     mobility = (freq * ModeFit(200.0, 0.1, 1.0).response(freq))[:, None]
     windows = place_windows(mobility, np.abs(mobility[:, 0]) ** 2, [Band(0, 399, 199)], base=8, widths=3)
     assert windows.index.shape[2] == pytest.approx(60, abs=6)  # 3 x 20 Hz at 1 Hz, a line at each end
+
+
+@pytest.mark.parametrize("spacing", [1 / 8, 1 / 64, 1 / 1000])
+def test_a_window_of_fine_lines_spans_the_resonance_with_few_of_them(spacing: float) -> None:
+    freq = np.arange(1.0, 401.0, spacing)
+    mobility = (freq * ModeFit(200.0, 0.1, 1.0).response(freq))[:, None]
+    band = Band(0, len(freq) - 1, int(np.abs(mobility[:, 0]).argmax()))
+    windows = place_windows(mobility, np.abs(mobility[:, 0]) ** 2, [band], base=8, widths=3)
+    used = freq[windows.index[0, 0]]
+    assert 48 < len(used) <= 96  # half of the largest window at least, as strides are powers of two
+    assert np.ptp(used) == pytest.approx(60, rel=0.05)  # 3 x 20 Hz
+    np.testing.assert_array_equal(np.diff(windows.index[0, 0]), windows.stride[0])
+    first, last = windows.ends[0, 0]
+    assert (first, last) == (windows.index[0, 0, 0], windows.index[0, 0, -1])
+    assert window_stride(int(last - first) + 1) == windows.stride[0]
 
 
 def test_an_frf_without_a_peak_of_its_own_is_read_at_the_common_one() -> None:

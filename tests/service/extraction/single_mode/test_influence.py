@@ -7,7 +7,8 @@ from modallab.core.arrays import ComplexArray, FloatArray
 from modallab.extraction.options import Damping
 from modallab.extraction.preprocessing.leaked_lines import LineErrors
 from modallab.extraction.single_mode.damping_models import DAMPING_MODELS
-from modallab.extraction.single_mode.fitting import FitData, fit_once
+from modallab.extraction.single_mode.fit_data import FitData
+from modallab.extraction.single_mode.fitting import fit_once
 from modallab.extraction.single_mode.influence import influence
 from modallab.extraction.single_mode.method import EXTRACTION_METHODS
 

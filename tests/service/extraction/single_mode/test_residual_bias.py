@@ -5,7 +5,8 @@ import numpy as np
 from modallab.core.arrays import ComplexArray
 from modallab.extraction.options import Damping
 from modallab.extraction.single_mode.damping_models import DAMPING_MODELS
-from modallab.extraction.single_mode.fitting import FitData, fit_all, fit_once
+from modallab.extraction.single_mode.fit_data import FitData
+from modallab.extraction.single_mode.fitting import fit_all, fit_once
 from modallab.extraction.single_mode.method import EXTRACTION_METHODS
 from modallab.extraction.single_mode.residual_bias import residual_shift
 
